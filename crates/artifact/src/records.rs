@@ -1,0 +1,82 @@
+//! The records that stages exchange, as they stand on disk.
+//!
+//! A type here is a contract with other programs: its JSON field names are never changed, only its version is.
+//! What code works with is the domain type it converts to and from. Rules that keep every type readable in both
+//! encodings: no tagged enums, no `flatten`, no skipped fields, no free-form values; unknown is `null` (`Option`);
+//! numbers are finite.
+
+mod candidate;
+mod channel_filter;
+mod diagnosis;
+mod events;
+mod identification;
+mod metrics;
+mod model;
+mod notes;
+mod quality;
+mod simulation;
+mod test;
+mod wave;
+
+pub use candidate::{CandidateV1, FitV1, UncertaintyV1};
+pub use channel_filter::ChannelFilterV1;
+pub use diagnosis::DiagnosisV1;
+pub use events::EventsV1;
+pub use identification::IdentificationV1;
+pub use metrics::{MetricV1, MetricsV1};
+pub use model::{ExponentialSumV1, ExponentialTermV1, ModeV1, ModesV1, StateSpaceV1, TransferFunctionV1};
+pub use notes::NotesV1;
+pub use quality::QualityV1;
+pub use simulation::SimulationV1;
+pub use test::{ChannelV1, SourceV1, TestV1};
+pub use wave::WaveBlockV1;
+
+use schemars::JsonSchema;
+use serde::{Serialize, de::DeserializeOwned};
+
+/// A type that may stand in an artifact.
+pub trait Record: Serialize + DeserializeOwned + JsonSchema {
+    /// Schema name and version, e.g. `crumple.Events.v1`.
+    const SCHEMA: &'static str;
+}
+
+/// Does something with a record type that is known by its schema name only.
+pub(crate) trait TypeVisitor {
+    type Output;
+    fn visit<R: Record>(self) -> Self::Output;
+}
+
+macro_rules! record {
+    ($($type:ty => $schema:literal),* $(,)?) => {
+        $(impl Record for $type { const SCHEMA: &'static str = $schema; })*
+
+        /// Schema names of all record types, sorted by name.
+        pub const SCHEMAS: &[&str] = &[$($schema),*];
+
+        /// Shows a visitor the type behind a schema name; `None` if the name is not in [`SCHEMAS`].
+        pub(crate) fn with_type<V: TypeVisitor>(schema: &str, visitor: V) -> Option<V::Output> {
+            match schema {
+                $($schema => Some(visitor.visit::<$type>()),)*
+                _ => None,
+            }
+        }
+    };
+}
+
+record! {
+    CandidateV1 => "crumple.Candidate.v1",
+    ChannelFilterV1 => "crumple.ChannelFilter.v1",
+    DiagnosisV1 => "crumple.Diagnosis.v1",
+    EventsV1 => "crumple.Events.v1",
+    ExponentialSumV1 => "crumple.ExponentialSum.v1",
+    IdentificationV1 => "crumple.Identification.v1",
+    MetricsV1 => "crumple.Metrics.v1",
+    ModesV1 => "crumple.Modes.v1",
+    NotesV1 => "crumple.Notes.v1",
+    QualityV1 => "crumple.Quality.v1",
+    SimulationV1 => "crumple.Simulation.v1",
+    StateSpaceV1 => "crumple.StateSpace.v1",
+    TestV1 => "crumple.Test.v1",
+    TransferFunctionV1 => "crumple.TransferFunction.v1",
+    WaveBlockV1 => "crumple.WaveBlock.v1",
+}

@@ -1,0 +1,62 @@
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// One set of physical parameters. Topic `/parameters/<model>/<method>/<index>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CandidateV1 {
+    /// Model: `kelvin`, `elastoplastic`, `maxwell`, `double-spring-mass-damper`, ...
+    pub model: String,
+    /// Method that found it, e.g. `closed-form`.
+    pub method: String,
+    /// Parameters by name with unit, e.g. `stiffness_n_per_m`.
+    pub parameters: BTreeMap<String, f64>,
+    /// Whether every parameter is positive and so a passive structure.
+    pub physical: bool,
+    /// Id of a candidate that gives exactly the same record on this sensor.
+    pub equivalent_to: Option<String>,
+    /// How it was fitted; `null` for a closed form.
+    pub fit: Option<FitV1>,
+    /// How well the parameters are determined.
+    pub uncertainty: Option<UncertaintyV1>,
+    /// Reductions and assumptions, in words.
+    #[serde(default)]
+    pub notes: Vec<String>,
+}
+
+/// A fit by iteration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FitV1 {
+    /// Channel fitted.
+    pub channel: String,
+    /// Quantity fitted, e.g. `displacement`.
+    pub quantity: String,
+    /// Window, s from time zero: start.
+    pub from_s: f64,
+    /// Window: end.
+    pub to_s: f64,
+    /// Samples fitted.
+    pub samples: u64,
+    /// Root mean square error over the window, unit of the quantity.
+    pub rmse: f64,
+    /// Iterations of the best start.
+    pub iterations: u32,
+    /// Model evaluations of all starts.
+    pub evaluations: u64,
+    /// Why the best start stopped, e.g. `gradient-converged`.
+    pub stop_reason: String,
+    /// Parameters that stopped on a bound.
+    pub active_bounds: Vec<String>,
+}
+
+/// Uncertainty of parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct UncertaintyV1 {
+    /// How it was found, e.g. `linearised`.
+    pub method: String,
+    /// Standard deviation by parameter.
+    pub standard_deviation: BTreeMap<String, f64>,
+    /// Condition number of the scaled sensitivity matrix.
+    pub condition: Option<f64>,
+}

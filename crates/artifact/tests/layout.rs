@@ -1,0 +1,211 @@
+//! The layout of every record type, frozen: JSON text and bincode bytes of one sample each.
+//!
+//! A change here is a change of the format: it needs a new version of the type, not a new snapshot.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use crumple_artifact::records::*;
+use crumple_artifact::{Codec, Record};
+
+/// Sixteen bytes a line, so that a difference points at a place.
+fn hex(bytes: &[u8]) -> String {
+    let mut text = String::new();
+    for line in bytes.chunks(16) {
+        for byte in line {
+            write!(text, "{byte:02x}").unwrap();
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn freeze<R: Record + PartialEq + std::fmt::Debug>(record: &R) {
+    let json = Codec::Json.encode(record).unwrap();
+    let bincode = Codec::Bincode.encode(record).unwrap();
+    assert_eq!(&Codec::Json.decode::<R>(&json).unwrap(), record, "JSON round trip");
+    assert_eq!(&Codec::Bincode.decode::<R>(&bincode).unwrap(), record, "bincode round trip");
+    let text = format!("{}\n\n{}", String::from_utf8(json).unwrap(), hex(&bincode));
+    insta::with_settings!({ omit_expression => true, prepend_module_to_snapshot => false }, {
+        insta::assert_snapshot!(R::SCHEMA, text);
+    });
+}
+
+fn names(pairs: &[(&str, f64)]) -> BTreeMap<String, f64> {
+    pairs.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect()
+}
+
+fn candidate() -> CandidateV1 {
+    CandidateV1 {
+        model: "kelvin".into(),
+        method: "closed-form".into(),
+        parameters: names(&[("mass_kg", 873.0), ("stiffness_n_per_m", 321_905.25)]),
+        physical: true,
+        equivalent_to: None,
+        fit: Some(FitV1 {
+            channel: "93".into(),
+            quantity: "displacement".into(),
+            from_s: 0.0,
+            to_s: 0.075,
+            samples: 251,
+            rmse: 1e-6,
+            iterations: 12,
+            evaluations: 300,
+            stop_reason: "gradient-converged".into(),
+            active_bounds: vec!["c1_n_s_per_m".into()],
+        }),
+        uncertainty: Some(UncertaintyV1 {
+            method: "linearised".into(),
+            standard_deviation: names(&[("stiffness_n_per_m", 120.5)]),
+            condition: Some(1e4),
+        }),
+        notes: vec!["undamped".into()],
+    }
+}
+
+fn test() -> TestV1 {
+    TestV1 {
+        title: "NCAP <frontal>".into(),
+        vehicle: Some("2018 sedan".into()),
+        mass_kg: Some(1719.0),
+        impact_speed_m_per_s: Some(15.858_333_333_333_333),
+        barrier: None,
+        source: SourceV1 { format: "nhtsa-ev5".into(), name: "v1.EV5".into(), digest: "blake3:00".into() },
+        channels: vec![ChannelV1 {
+            id: "93".into(),
+            location: "left rear seat crossmember".into(),
+            axis: Some("x".into()),
+            quantity: "acceleration".into(),
+            unit: "m/s^2".into(),
+            cfc: Some(60),
+            status: "valid".into(),
+            initial_velocity_m_per_s: Some(-0.0),
+            redundant: false,
+            comment: None,
+        }],
+        pulse: Some("93".into()),
+        notes: vec![],
+    }
+}
+
+#[test]
+fn the_layout_of_every_record_type_is_frozen() {
+    freeze(&test());
+    freeze(&candidate());
+    freeze(&EventsV1 {
+        channel: "93".into(),
+        time_zero_s: 0.0,
+        time_zero_rule: "file".into(),
+        dynamic_crush_m: Some(0.75),
+        time_of_dynamic_crush_s: Some(0.0742),
+        centroid_time_s: Some(0.047),
+        rebound_velocity_m_per_s: None,
+        coefficient_of_restitution: None,
+        delta_v_m_per_s: None,
+        time_of_rebound_s: None,
+        impact_speed_m_per_s: Some(15.86),
+        rule: Some("trapezoid".into()),
+        start: Some("record-start".into()),
+    });
+    freeze(&MetricsV1(vec![MetricV1 {
+        name: "peak_acceleration".into(),
+        value: Some(-445.7),
+        unit: "m/s^2".into(),
+        channel: "93".into(),
+        definition: "largest |a|".into(),
+    }]));
+    freeze(&StateSpaceV1 {
+        a: vec![vec![0.5, 1.0], vec![-1.0, 0.25]],
+        b: vec![vec![1.0], vec![0.0]],
+        c: vec![vec![1.0, 0.0]],
+        d: vec![vec![0.125]],
+        sample_time_s: 1e-4,
+        input: "u".into(),
+        output: "y".into(),
+    });
+    freeze(&TransferFunctionV1 {
+        numerator: vec![-76.5, 449.0],
+        denominator: vec![1.0, 35.7],
+        input: "deceleration".into(),
+        output: "displacement".into(),
+    });
+    freeze(&ExponentialSumV1 {
+        terms: vec![ExponentialTermV1 { re_amplitude: 1.0, im_amplitude: -2.0, re_per_s: -33.4, im_rad_per_s: 39.0 }],
+        output: "displacement".into(),
+    });
+    freeze(&ModesV1(vec![ModeV1 {
+        re_per_s: -18.0,
+        im_rad_per_s: 533.0,
+        natural_frequency_rad_per_s: 533.5,
+        damping_ratio: Some(0.0338),
+        modal_amplitude_coherence: Some(0.999),
+        mode_singular_value: None,
+        discrete_re: Some(0.99),
+        discrete_im: Some(0.05),
+    }]));
+    freeze(&IdentificationV1 {
+        method: "era".into(),
+        order: 4,
+        channel: "93".into(),
+        treated_as: "impulse-response".into(),
+        from_s: 0.0,
+        to_s: 0.25,
+        samples: 2501,
+        hankel_rows: 1250,
+        hankel_columns: 1250,
+        singular_values: vec![3.0, 2.0],
+        fit_percent: Some(99.5),
+        rmse: None,
+        notes: vec![],
+    });
+    freeze(&SimulationV1 {
+        dynamic_crush_m: Some(0.75),
+        time_of_dynamic_crush_s: Some(0.074),
+        rmse_displacement_m: Some(0.002),
+        fit_percent: Some(98.9),
+        iso18571_score: None,
+        dynamic_crush_error_m: Some(-0.001),
+        time_of_dynamic_crush_error_s: Some(1e-4),
+        max_displacement_error_m: Some(0.004),
+        fit_velocity_percent: Some(95.0),
+        fit_acceleration_percent: Some(60.0),
+        from_s: 0.0,
+        to_s: 0.0742,
+        notes: vec![],
+    });
+    freeze(&NotesV1 { stage: "ingest".into(), notes: vec!["warning: clipped".into()] });
+    freeze(&DiagnosisV1 { stage: "identify".into(), reason: "the record is constant".into() });
+    freeze(&QualityV1 {
+        zero_level: Some(0.25),
+        noise_floor: Some(1.5),
+        pre_event_from_s: Some(-0.05),
+        pre_event_to_s: Some(-0.01),
+        sample_rate_hz: 1e4,
+        time_jitter: 0.0,
+        minimum: -500.0,
+        maximum: 30.0,
+        clipped_run: 1,
+    });
+    freeze(&ChannelFilterV1 {
+        cfc: Some(60),
+        mode: "iso6487".into(),
+        frequency_factor: Some(25.0 / 12.0),
+        samples_added: 100,
+        coefficients: vec![0.0015, 0.003, 0.0015, 1.889, -0.895],
+        gain_at_class_db: Some(-0.45),
+        zero_level_removed: 0.25,
+        notes: vec![],
+    });
+    freeze(&WaveBlockV1 { t0_ns: -20_000_000, dt_s: 1e-4, first: 65_536, samples: vec![1.5, -0.0, 1e-300] });
+}
+
+#[test]
+fn no_record_type_is_left_out() {
+    let frozen: Vec<String> = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/snapshots"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    for schema in SCHEMAS {
+        assert!(frozen.contains(&format!("{schema}.snap")), "{schema} has no frozen layout");
+    }
+}

@@ -1,0 +1,181 @@
+//! The report for people: one line a difference.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+use serde_json::Value;
+
+use crate::report::{Difference, FileReport, Report, Side, TopicReport};
+
+/// Differences of a topic that are shown without `--all`.
+const SHOWN: usize = 5;
+/// Longest text value shown; the rest is cut.
+const LONGEST: usize = 80;
+
+/// What is shown.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct TextOptions {
+    /// Every difference of every topic.
+    pub all: bool,
+}
+
+/// Writes the report, its verdict last.
+pub fn write_text(report: &Report, options: TextOptions, out: &mut dyn Write) -> io::Result<()> {
+    for file in &report.files {
+        // Of two single files the name is known.
+        let prefix = if report.files.len() > 1 { format!("{}: ", file.name) } else { String::new() };
+        if let Some(side) = file.only_in {
+            writeln!(out, "{}: only in {}", file.name, path_of(report, side))?;
+        }
+        for topic in file.topics.iter().filter(|topic| !topic.same) {
+            // summary.json is one topic of its own name.
+            let prefix = if topic.topic == file.name { "" } else { prefix.as_str() };
+            write_topic(report, topic, prefix, options, out)?;
+        }
+        for difference in &file.provenance {
+            let counts = if report.provenance_counts { "" } else { "  (for information)" };
+            match only_side(difference).filter(|_| difference.place.is_empty()) {
+                Some(side) => writeln!(out, "{prefix}provenance: only in {}{counts}", path_of(report, side))?,
+                None => writeln!(out, "{prefix}{}{counts}", line("provenance", &difference.place, difference))?,
+            }
+        }
+    }
+    writeln!(out, "{}", verdict(report))
+}
+
+fn path_of(report: &Report, side: Side) -> &str {
+    match side {
+        Side::A => &report.a,
+        Side::B => &report.b,
+    }
+}
+
+fn write_topic(
+    report: &Report,
+    topic: &TopicReport,
+    prefix: &str,
+    options: TextOptions,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let shown = if options.all { usize::MAX } else { SHOWN };
+    // The frame of a waveform (grid, length) may differ beside its samples.
+    let samples = topic.differences.iter().filter(|d| d.sample.is_some()).count();
+    let differing = topic.different - (topic.differences.len() - samples) as u64;
+    let mut first_sample = true;
+    for difference in topic.differences.iter().take(shown) {
+        if let ("", Some(side)) = (difference.place.as_str(), only_side(difference)) {
+            writeln!(out, "{prefix}{}: only in {}", topic.topic, path_of(report, side))?;
+            continue;
+        }
+        let Some(time_s) = difference.time_s else {
+            writeln!(out, "{prefix}{}", line(&topic.topic, &difference.place, difference))?;
+            continue;
+        };
+        let which = match (first_sample, samples, differing) {
+            (true, _, 1) => "the only one",
+            (true, 1, _) => "the first and the largest",
+            (true, ..) => "the first",
+            (false, ..) => "the largest",
+        };
+        let place = format!("{} (t = {time_s:.6} s)", difference.place);
+        let count = if differing == 1 { String::new() } else { format!(" of {differing} that differ") };
+        let text = line(&topic.topic, &place, difference);
+        writeln!(out, "{prefix}{text}, {which}{count} of {} samples", topic.values)?;
+        first_sample = false;
+    }
+    let more = topic.differences.len().saturating_sub(shown);
+    if more > 0 {
+        writeln!(out, "{prefix}{}: {more} more (--all shows them)", topic.topic)?;
+    }
+    Ok(())
+}
+
+fn only_side(difference: &Difference) -> Option<Side> {
+    match (&difference.a, &difference.b) {
+        (Some(_), None) => Some(Side::A),
+        (None, Some(_)) => Some(Side::B),
+        _ => None,
+    }
+}
+
+/// `topic, place: a  b  (abs, rel)`.
+fn line(topic: &str, place: &str, difference: &Difference) -> String {
+    let mut text = topic.to_owned();
+    if !place.is_empty() {
+        let _ = write!(text, ", {place}");
+    }
+    let _ = write!(text, ": {}  {}", value(difference.a.as_ref()), value(difference.b.as_ref()));
+    if let (Some(abs), Some(rel)) = (difference.abs, difference.rel) {
+        let _ = write!(text, "  (abs {}, rel {})", short(abs), short(rel));
+    }
+    text
+}
+
+/// Four significant digits, with an exponent only where it helps.
+fn short(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e6).contains(&x) {
+        let digits = if x == 0.0 { 0 } else { (3 - x.log10().floor() as i64).max(0) as usize };
+        let text = format!("{x:.digits$}");
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    } else {
+        format!("{x:.1e}")
+    }
+}
+
+fn value(value: Option<&Value>) -> String {
+    let Some(value) = value else { return "absent".to_owned() };
+    let text = value.to_string();
+    match text.char_indices().nth(LONGEST) {
+        Some((cut, _)) => format!("{}...", &text[..cut]),
+        None => text,
+    }
+}
+
+fn verdict(report: &Report) -> String {
+    let topics = || report.files.iter().flat_map(|file| &file.topics);
+    let places = if report.files.len() == 1 { String::new() } else { format!(" in {} files", report.files.len()) };
+    if report.same {
+        let equal = report.files.iter().filter(|file| equal_digests(file)).count();
+        if equal == report.files.len() {
+            return format!("same: equal content{places}");
+        }
+        let values: u64 = topics().map(|topic| topic.values).sum();
+        let largest = topics()
+            .filter_map(|topic| Some((topic.max_rel?, &topic.topic)))
+            .filter(|(rel, _)| *rel > 0.0)
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let largest = largest.map_or_else(
+            || ", none differs".to_owned(),
+            |(rel, topic)| format!(", the largest relative difference is {rel:.1e} in {topic}"),
+        );
+        return format!("same within tolerance: {values} values in {} topics{places}{largest}", topics().count());
+    }
+    let different = topics().filter(|topic| !topic.same).count();
+    let missing = report.files.iter().filter(|file| file.only_in.is_some()).count();
+    let mut parts = Vec::new();
+    if different > 0 {
+        parts.push(format!("{different} of {} topics{places}", topics().count()));
+    }
+    if missing > 0 {
+        parts.push(format!("{missing} file{} on one side only", if missing == 1 { "" } else { "s" }));
+    }
+    if report.provenance_counts && report.files.iter().any(|file| !file.provenance.is_empty()) {
+        parts.push("provenance".to_owned());
+    }
+    format!("different: {}", parts.join(", "))
+}
+
+fn equal_digests(file: &FileReport) -> bool {
+    file.digests.as_ref().is_some_and(|[a, b]| a == b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_are_short_numbers() {
+        let shown = [0.0, 0.25, 1.5, 120.0, 5.848e-3, 1.494_381, 2e-15, 3e7].map(short);
+        assert_eq!(shown, ["0", "0.25", "1.5", "120", "0.005848", "1.494", "2.0e-15", "3.0e7"]);
+    }
+}

@@ -1,0 +1,171 @@
+//! How far two numbers may be apart.
+
+use crumple_artifact::topic_matches;
+
+use crate::tolerance_file::Rule;
+use crate::unit::Unit;
+
+/// `a` and `b` are the same if `|a - b| <= abs + rel * scale`.
+///
+/// The scale is `max(|a|, |b|)`; for a sample the largest magnitude of its waveform, for a number in a list or matrix
+/// of numbers the largest in it, for a part of a complex number the larger part: a small value that came out of large
+/// ones carries their rounding error, not its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// Absolute part, in the unit of the number.
+    pub abs: f64,
+    /// Relative part.
+    pub rel: f64,
+}
+
+impl Tolerance {
+    /// Equal numbers only.
+    pub const ZERO: Self = Self { abs: 0.0, rel: 0.0 };
+    /// Not compared at all.
+    pub const ANY: Self = Self { abs: f64::INFINITY, rel: 0.0 };
+
+    /// Whether nothing is compared.
+    pub fn is_any(self) -> bool {
+        self.abs.is_infinite()
+    }
+
+    /// Whether two numbers are the same within it.
+    pub fn allows(self, a: f64, b: f64, scale: f64) -> bool {
+        (a - b).abs() <= self.abs + self.rel * scale
+    }
+}
+
+/// The table to start from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Base {
+    /// The same computation on the same data, on any processor.
+    #[default]
+    Computation,
+    /// What an engineer calls the same result: 0.1 ms, 1 mm, 0.01 m/s, else 0.5 %.
+    Engineering,
+    /// Equal numbers.
+    Exact,
+}
+
+/// The tolerance of every number.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Tolerances {
+    /// The table to start from.
+    pub base: Base,
+    /// Replaces every absolute part of the table.
+    pub abs: Option<f64>,
+    /// Replaces every relative part of the table.
+    pub rel: Option<f64>,
+    /// What the user says of single topics and places; goes before all else. The longest pattern that matches counts.
+    pub rules: Vec<Rule>,
+}
+
+/// Topic pattern, place pattern, tolerance; the first that matches counts.
+type Row = (&'static str, &'static str, Tolerance);
+
+const fn tolerance(abs: f64, rel: f64) -> Tolerance {
+    Tolerance { abs, rel }
+}
+
+/// How a solver got there is not the result: its counters may differ by a step where the last bit does.
+const COUNTERS: [Row; 2] =
+    [("/parameters/*", "fit.iterations", Tolerance::ANY), ("/parameters/*", "fit.evaluations", Tolerance::ANY)];
+
+/// The last bit differs between processors (fused multiply-add, order of sums in matrix kernels). Sums and filters
+/// keep 1e-9 with room to spare; an eigenvalue or a fitted parameter amplifies the bit by its condition number, for
+/// which 1e-6 has room; a standard deviation comes from an inverse and has that number squared.
+/// The absolute floors are for what is zero but for rounding: 1e-12 of an SI unit, 1e-9 for errors of fits.
+const COMPUTATION: [Row; 11] = [
+    // Responses of fitted candidates: /wave/<model>/<method>/<index>/<quantity>.
+    ("/wave/*/*/*/*", "*", tolerance(0.0, 1e-6)),
+    ("/wave/*", "*", tolerance(0.0, 1e-9)),
+    // Jitter and noise of perfect records are rounding errors, in sampling intervals and SI units.
+    ("/quality/*", "*", tolerance(1e-9, 1e-9)),
+    ("/model/*", "*", tolerance(1e-12, 1e-6)),
+    ("/modes/*", "*", tolerance(1e-9, 1e-6)),
+    ("/identification/*", "*", tolerance(1e-9, 1e-6)),
+    ("/parameters/*", "uncertainty.*", tolerance(0.0, 1e-3)),
+    ("/parameters/*", "*", tolerance(1e-9, 1e-6)),
+    ("/simulation/*", "*", tolerance(1e-6, 1e-6)),
+    // The report's summary repeats all of the above; each number is judged where it comes from.
+    ("summary.json", "*", tolerance(1e-6, 1e-6)),
+    ("*", "*", tolerance(1e-12, 1e-9)),
+];
+
+impl Tolerances {
+    /// The tolerance of a number, or of a whole topic where `place` is empty.
+    pub(crate) fn of(&self, topic: &str, place: &str, unit: Option<Unit>) -> Tolerance {
+        let mut found = self.base_of(topic, place, unit);
+        if !found.is_any() {
+            found.abs = self.abs.unwrap_or(found.abs);
+            found.rel = self.rel.unwrap_or(found.rel);
+        }
+        let rule = self
+            .rules
+            .iter()
+            .filter(|rule| topic_matches(&rule.topic, topic) && topic_matches(&rule.place, place))
+            .max_by_key(|rule| (rule.length(), &rule.topic, &rule.place));
+        match rule {
+            None => found,
+            Some(rule) if rule.ignore => Tolerance::ANY,
+            Some(rule) => {
+                let rest = if found.is_any() { Tolerance::ZERO } else { found };
+                Tolerance { abs: rule.abs.unwrap_or(rest.abs), rel: rule.rel.unwrap_or(rest.rel) }
+            }
+        }
+    }
+
+    fn base_of(&self, topic: &str, place: &str, unit: Option<Unit>) -> Tolerance {
+        let row = |rows: &[Row]| {
+            rows.iter().find(|row| topic_matches(row.0, topic) && topic_matches(row.1, place)).map(|row| row.2)
+        };
+        match self.base {
+            Base::Exact => Tolerance::ZERO,
+            Base::Computation => row(&COUNTERS).or_else(|| row(&COMPUTATION)).unwrap_or(Tolerance::ZERO),
+            Base::Engineering => row(&COUNTERS).unwrap_or_else(|| engineering(place, unit)),
+        }
+    }
+}
+
+fn engineering(place: &str, unit: Option<Unit>) -> Tolerance {
+    match unit {
+        // A sampling interval is not a time of an event.
+        Some(Unit::Second) if place.ends_with("sample_time_s") => tolerance(0.0, 1e-9),
+        Some(Unit::Second) => tolerance(1e-4, 0.0),
+        Some(Unit::Metre) => tolerance(1e-3, 0.0),
+        Some(Unit::MetrePerSecond) => tolerance(1e-2, 0.0),
+        None => tolerance(1e-9, 5e-3),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tolerance_file::parse_rules;
+
+    #[test]
+    fn rules_of_the_user_go_before_flags_and_flags_before_the_table() {
+        let mut tolerances = Tolerances::default();
+        assert_eq!(tolerances.of("/wave/93", "", None), tolerance(0.0, 1e-9));
+        assert_eq!(tolerances.of("/wave/kelvin/closed-form/1/velocity", "", None), tolerance(0.0, 1e-6));
+        tolerances.rel = Some(1e-3);
+        assert_eq!(tolerances.of("/wave/93", "", None), tolerance(0.0, 1e-3));
+        assert!(tolerances.of("/parameters/kelvin/fit/1", "fit.iterations", None).is_any());
+        tolerances.rules = parse_rules(
+            "\"/wave/*\" = { abs = 2.0 }\n\"/wave/93\" = { rel = 0.0 }\n\"#*_m\" = { abs = 5.0 }\n\"/notes\" = { ignore = true }",
+        )
+        .unwrap();
+        assert_eq!(tolerances.of("/wave/94", "", None), tolerance(2.0, 1e-3));
+        assert_eq!(tolerances.of("/wave/93", "", None), tolerance(0.0, 0.0), "the longest pattern counts alone");
+        assert_eq!(tolerances.of("/events", "dynamic_crush_m", None).abs, 5.0);
+        assert!(tolerances.of("/notes", "notes[0]", None).is_any());
+    }
+
+    #[test]
+    fn engineers_have_a_tolerance_by_unit() {
+        let tolerances = Tolerances { base: Base::Engineering, ..Tolerances::default() };
+        assert_eq!(tolerances.of("/events", "dynamic_crush_m", Some(Unit::Metre)).abs, 1e-3);
+        assert_eq!(tolerances.of("/events", "coefficient_of_restitution", None).rel, 5e-3);
+        assert_eq!(tolerances.of("/model/era-4/discrete", "sample_time_s", Some(Unit::Second)).abs, 0.0);
+    }
+}

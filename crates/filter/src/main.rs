@@ -1,0 +1,10 @@
+//! `crumple-filter`: brings the acceleration channels of a test to a channel frequency class.
+
+mod options;
+mod stage;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    crumple_stage::main::<stage::Filter>()
+}

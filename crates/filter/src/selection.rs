@@ -1,0 +1,140 @@
+use crumple_signal::{Channel, ChannelStatus, QuantityKind, TestDescription};
+
+/// Words that begin the location of a sensor that is not on the vehicle structure, lower case.
+const ELSEWHERE: [&str; 10] = [
+    "driver",
+    "front passenger",
+    "rear passenger",
+    "passenger",
+    "occupant",
+    "dummy",
+    "child",
+    "pedestrian",
+    "cyclist",
+    "barrier",
+];
+
+/// Why a list of channels cannot be filtered.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SelectionError {
+    /// A named channel is not in the test.
+    #[error("the test has no channel {id:?}, it has {known}")]
+    Unknown {
+        /// What was asked for.
+        id: String,
+        /// What there is.
+        known: String,
+    },
+    /// A named channel has no samples.
+    #[error("channel {id:?} has no data: {status}")]
+    NoData {
+        /// What was asked for.
+        id: String,
+        /// Why there is none.
+        status: ChannelStatus,
+    },
+    /// Nothing to filter.
+    #[error("the test has no acceleration channel on the vehicle structure with data that is not marked failed")]
+    None,
+}
+
+/// The channels to filter, in the order of the test.
+///
+/// With `asked`, exactly those, whatever they measure. Without: every acceleration channel with data that is not marked failed and whose
+/// location does not begin with an occupant or the barrier ("driver, head"; an unknown location counts as structure); and the pulse in any case.
+pub fn select<'a>(test: &'a TestDescription, asked: &[String]) -> Result<Vec<&'a Channel>, SelectionError> {
+    for id in asked {
+        match test.channel(id) {
+            None => return Err(SelectionError::Unknown { id: id.clone(), known: known(test) }),
+            Some(channel) if !channel.status.has_data() => {
+                return Err(SelectionError::NoData { id: id.clone(), status: channel.status });
+            }
+            Some(_) => {}
+        }
+    }
+    let pulse = test.pulse_channel().ok().map(|channel| channel.id.as_str());
+    let taken = |channel: &&Channel| match asked {
+        [] => {
+            let usable = channel.quantity == QuantityKind::Acceleration && channel.status.has_data();
+            usable && (Some(channel.id.as_str()) == pulse || on_structure(channel))
+        }
+        _ => asked.contains(&channel.id),
+    };
+    let channels: Vec<&Channel> = test.channels.iter().filter(taken).collect();
+    if channels.is_empty() { Err(SelectionError::None) } else { Ok(channels) }
+}
+
+fn on_structure(channel: &Channel) -> bool {
+    let location = channel.location.trim().to_lowercase();
+    channel.status != ChannelStatus::Failed && !ELSEWHERE.iter().any(|word| location.starts_with(word))
+}
+
+/// The first channels by name: a list of hundreds helps nobody.
+fn known(test: &TestDescription) -> String {
+    const SHOWN: usize = 12;
+    let names: Vec<&str> = test.channels.iter().take(SHOWN).map(|channel| channel.id.as_str()).collect();
+    match test.channels.len().saturating_sub(SHOWN) {
+        0 => names.join(", "),
+        more => format!("{} and {more} more", names.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn test_with(channels: &[(&str, &str, QuantityKind, ChannelStatus)]) -> TestDescription {
+        let channels = channels
+            .iter()
+            .map(|&(id, location, quantity, status)| Channel {
+                location: location.to_owned(),
+                status,
+                ..Channel::new(id, quantity)
+            })
+            .collect();
+        TestDescription { channels, ..TestDescription::default() }
+    }
+
+    fn camry() -> TestDescription {
+        use ChannelStatus::{Failed, NotInstalled, Questionable, Valid};
+        use QuantityKind::{Acceleration, Force};
+        test_with(&[
+            ("001", "Driver, head", Acceleration, Valid),
+            ("045", "driver, belt", Force, NotInstalled),
+            ("093", "vehicle, rear floor, left", Acceleration, Valid),
+            ("095", "vehicle, top of engine", Acceleration, Questionable),
+            ("096", "vehicle, bottom of engine", Acceleration, Failed),
+            ("347", "barrier, load cell", Force, Valid),
+            ("348", "barrier", Acceleration, Valid),
+            ("349", "front passenger, chest", Acceleration, Valid),
+        ])
+    }
+
+    fn ids<'a>(channels: &[&'a Channel]) -> Vec<&'a str> {
+        channels.iter().map(|channel| channel.id.as_str()).collect()
+    }
+
+    #[test]
+    fn takes_the_structure_and_leaves_occupants_forces_and_failed_channels() {
+        assert_eq!(ids(&select(&camry(), &[]).unwrap()), ["093", "095"]);
+    }
+
+    #[test]
+    fn the_pulse_is_taken_wherever_it_sits() {
+        let test = TestDescription { pulse: Some("096".to_owned()), ..camry() };
+        assert_eq!(ids(&select(&test, &[]).unwrap()), ["093", "095", "096"]);
+    }
+
+    #[test]
+    fn a_list_is_taken_as_it_is() {
+        assert_eq!(ids(&select(&camry(), &["347".to_owned(), "001".to_owned()]).unwrap()), ["001", "347"]);
+    }
+
+    #[test]
+    fn names_what_is_missing() {
+        let error = |id: &str| select(&camry(), &[id.to_owned()]).unwrap_err().to_string();
+        assert_eq!(error("94"), "the test has no channel \"94\", it has 001, 045, 093, 095, 096, 347, 348, 349");
+        assert_eq!(error("045"), "channel \"045\" has no data: not installed");
+        assert_eq!(select(&test_with(&[]), &[]), Err(SelectionError::None));
+    }
+}

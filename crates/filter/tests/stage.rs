@@ -1,0 +1,155 @@
+//! The program on artifacts: what it reads, what it writes, what it refuses.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may panic too")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use crumple_artifact::records::{ChannelFilterV1, NotesV1, TestV1};
+use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
+use crumple_filter::{Settings, filter};
+use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+
+/// A half-sine pulse of 20 g over 100 ms on a zero level of 2 m/s².
+fn pulse(rate_hz: f64) -> Sampled {
+    let dt_s = 1.0 / rate_hz;
+    let samples = (0..(0.3 / dt_s) as usize).map(|k| k as f64 * dt_s - 0.05).map(|t| {
+        let inside = (0.0..=0.1).contains(&t);
+        2.0 - if inside { 196.133 * (std::f64::consts::PI * t / 0.1).sin() } else { 0.0 }
+    });
+    Sampled::new(-0.05, dt_s, samples.collect()).unwrap()
+}
+
+fn channel(id: &str, location: &str, cfc: Option<u16>) -> Channel {
+    Channel { location: location.to_owned(), cfc, ..Channel::new(id, QuantityKind::Acceleration) }
+}
+
+/// Writes what ingest would have written.
+fn ingested(folder: &Path, channels: &[(Channel, Sampled)]) -> PathBuf {
+    let test = TestDescription {
+        title: "a test".to_owned(),
+        pulse: Some(channels[0].0.id.clone()),
+        channels: channels.iter().map(|(channel, _)| channel.clone()).collect(),
+        ..TestDescription::default()
+    };
+    let mut builder = ArtifactBuilder::new();
+    builder.put("/test", &TestV1::from(&test)).unwrap();
+    for (channel, samples) in channels {
+        builder.wave(&channel.id, channel.quantity, samples.clone()).unwrap();
+    }
+    let path = folder.join("1-ingest.mcap");
+    builder.write(&path, &Provenance::new("ingest", "0", "{}".to_owned(), vec![]), Compression::None).unwrap();
+    path
+}
+
+fn run(input: &Path, flags: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_crumple-filter"))
+        .arg(input)
+        .arg("-o")
+        .arg(input.with_file_name("2-filter.mcap"))
+        .args(flags)
+        .output()
+        .unwrap()
+}
+
+fn result(input: &Path, flags: &[&str]) -> Artifact {
+    let output = run(input, flags);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Artifact::open(&input.with_file_name("2-filter.mcap")).unwrap()
+}
+
+#[test]
+fn writes_the_structure_s_channels_with_their_class_and_how_they_got_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let raw = pulse(10_000.0);
+    let input = ingested(
+        folder.path(),
+        &[
+            (channel("093", "vehicle, rear seat crossmember", None), raw.clone()),
+            (channel("097", "vehicle, sill", Some(60)), raw.clone()),
+            (channel("001", "driver, head", None), raw.clone()),
+        ],
+    );
+    let artifact = result(&input, &[]);
+    assert_eq!(artifact.waves().keys().collect::<Vec<_>>(), ["093", "097"]);
+    let expected = filter(&raw, None, &Settings::default()).unwrap();
+    assert_eq!(artifact.waves()["093"].sampled, expected.samples);
+
+    let test: TestV1 = artifact.record("/test").unwrap().unwrap();
+    let classes: Vec<_> = test.channels.iter().map(|channel| channel.cfc).collect();
+    assert_eq!(classes, [Some(60), Some(60), None]);
+    let how: ChannelFilterV1 = artifact.record("/filter/093").unwrap().unwrap();
+    assert_eq!((how.cfc, how.mode.as_str(), how.samples_added), (Some(60), "iso6487", 100));
+    // The mean of 401 equal samples: rounding only.
+    assert!((how.zero_level_removed - 2.0).abs() < 1e-12);
+    // Two passes of the ISO filter at F_H, 10 kHz: 1/(1 + (1/2.08333)^4) but for the warp, which is 1e-3 of it.
+    assert!((how.gain_at_class_db.unwrap() + 0.449).abs() < 2e-3, "{:?}", how.gain_at_class_db);
+    let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
+    assert_eq!(notes.notes, ["channel 097: already cfc 60, passed through unfiltered"]);
+}
+
+#[test]
+fn none_takes_everything_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let raw = pulse(400.0);
+    let input = ingested(folder.path(), &[(channel("a", "", None), raw.clone())]);
+    let artifact = result(&input, &["--cfc", "none", "--zero-level", "none"]);
+    assert_eq!(artifact.waves()["a"].sampled, raw);
+    let how: ChannelFilterV1 = artifact.record("/filter/a").unwrap().unwrap();
+    assert_eq!((how.cfc, how.mode.as_str(), how.zero_level_removed), (None, "none", 0.0));
+    assert_eq!(artifact.record::<TestV1>("/test").unwrap().unwrap().channels[0].cfc, None);
+}
+
+#[test]
+fn a_pipeline_table_names_the_class_as_a_number_and_a_flag_wins() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = ingested(folder.path(), &[(channel("a", "", None), pulse(10_000.0))]);
+    let pipeline = folder.path().join("p.toml");
+    std::fs::write(&pipeline, "[filter]\ncfc = 180\nmode = \"sae_reflect\"\nzero_level_from = \"-40 ms\"\n").unwrap();
+    let class = |flags: &[&str]| {
+        let how: ChannelFilterV1 = result(&input, flags).record("/filter/a").unwrap().unwrap();
+        (how.cfc, how.mode)
+    };
+    let pipeline = pipeline.to_str().unwrap();
+    assert_eq!(class(&["--pipeline", pipeline]), (Some(180), "sae_reflect".to_owned()));
+    assert_eq!(class(&["--pipeline", pipeline, "--cfc", "60"]), (Some(60), "sae_reflect".to_owned()));
+}
+
+#[test]
+fn refuses_400_hz_and_says_what_cfc_60_needs() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = ingested(folder.path(), &[(channel("accel_g", "", None), pulse(400.0))]);
+    let output = run(&input, &[]);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert!(
+        stderr.contains("channel accel_g: sampling rate 400 Hz is too low for cfc 60: at least 600 Hz"),
+        "{stderr}"
+    );
+    assert!(!input.with_file_name("2-filter.mcap").exists());
+}
+
+#[test]
+fn a_channel_nobody_asked_for_is_left_out_and_one_asked_for_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = ingested(
+        folder.path(),
+        &[(channel("fast", "", None), pulse(10_000.0)), (channel("slow", "", None), pulse(400.0))],
+    );
+    let artifact = result(&input, &[]);
+    assert_eq!(artifact.waves().keys().collect::<Vec<_>>(), ["fast"]);
+    let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
+    assert!(notes.notes[0].starts_with("warning: channel slow: left out: sampling rate 400 Hz"), "{notes:?}");
+    assert_eq!(run(&input, &["--channels", "fast,slow"]).status.code(), Some(3));
+    assert_eq!(run(&input, &["--channels", "nope"]).status.code(), Some(3));
+}
+
+#[test]
+fn a_class_that_does_not_exist_is_a_usage_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = ingested(folder.path(), &[(channel("a", "", None), pulse(10_000.0))]);
+    for flags in [["--cfc", "61"], ["--zero-level-from", "-50"]] {
+        assert_eq!(run(&input, &flags).status.code(), Some(2), "{flags:?}");
+    }
+    assert_eq!(run(&input, &["--zero-level", "none", "--zero-level-to", "-5ms"]).status.code(), Some(2));
+}

@@ -1,0 +1,81 @@
+//! What a reader should know before believing an identified mode.
+
+use std::f64::consts::PI;
+
+use crumple_lti::Mode;
+use crumple_signal::Notes;
+
+use crate::{IdentifiedMode, Realization};
+
+/// A mode within this factor of the filter's edge may be the filter's own.
+const EDGE_FACTOR: f64 = 2.0;
+
+/// Fraction of the Nyquist frequency above which an oscillation is an artefact of sampling.
+const NEAR_NYQUIST: f64 = 0.95;
+
+/// A gap between singular values below this ratio does not single out an order.
+const WEAK_GAP: f64 = 3.0;
+
+/// Edge of a channel frequency class, Hz: the corner of SAE J211-1 lies at `CFC/0.6` (CFC 60: 100 Hz).
+pub fn filter_edge_hz(cfc: u16) -> f64 {
+    f64::from(cfc) / 0.6
+}
+
+/// Notes on a realisation, one per mode (conjugates once): growth, artefacts of sampling, and frequencies that may
+/// belong to the filter of class `cfc` rather than to the car; and on a weakly founded order.
+pub fn caveats(model: &Realization, cfc: Option<u16>) -> Notes {
+    let mut notes = Notes::new();
+    let order = model.order();
+    if let Some(gap) = model.chosen {
+        let text =
+            format!("order {order} lies before the largest gap of the singular values, a factor {:.3}", gap.ratio);
+        if gap.ratio < WEAK_GAP {
+            notes.warning(format!("{text}: too small to single out an order"));
+        } else {
+            notes.info(text);
+        }
+    }
+    if let Err(reason) = &model.continuous {
+        notes.warning(format!("order {order} has no continuous model: {reason}"));
+    }
+    for identified in model.modes.iter().filter(|m| m.discrete_pole.im >= 0.0) {
+        mode_caveats(identified, model, cfc, &mut notes);
+    }
+    notes
+}
+
+fn mode_caveats(identified: &IdentifiedMode, model: &Realization, cfc: Option<u16>, notes: &mut Notes) {
+    let order = model.order();
+    let Some(mode) = identified.mode else {
+        notes.warning(format!("order {order}: a pole at z = 0 is a pure delay and has no frequency"));
+        return;
+    };
+    let name = describe(&mode);
+    if mode.pole.re > 0.0 {
+        notes.warning(format!("order {order}: the mode {name} grows; no structure that absorbs a crash does"));
+    }
+    let nyquist_rad_per_s = model.discrete.sample_time_s.map_or(f64::INFINITY, |dt| PI / dt);
+    if mode.pole.im.abs() > NEAR_NYQUIST * nyquist_rad_per_s {
+        notes.warning(format!(
+            "order {order}: the mode {name} alternates from sample to sample: an artefact of sampling or of too high an order"
+        ));
+    }
+    if let Some(cfc) = cfc {
+        let edge = filter_edge_hz(cfc);
+        let ratio = mode.natural_frequency_hz() / edge;
+        if (1.0 / EDGE_FACTOR..=EDGE_FACTOR).contains(&ratio) {
+            notes.warning(format!(
+                "order {order}: the mode {name} lies near the {edge:.0} Hz edge of the CFC {cfc} filter; it may belong to the filter, not to the car"
+            ));
+        }
+    }
+}
+
+/// `at 13.1 Hz (damping ratio 0.48)`, or the rate of a real pole.
+fn describe(mode: &Mode) -> String {
+    match mode.damping_ratio {
+        Some(_) if mode.pole.im == 0.0 => format!("with the real pole {:.4} 1/s", mode.pole.re),
+        Some(damping) => format!("at {:.2} Hz (damping ratio {damping:.4})", mode.natural_frequency_hz()),
+        None => "at 0 Hz".to_owned(),
+    }
+}

@@ -1,0 +1,175 @@
+//! Zip archives: one NHTSA test, or one table, in any folder of the archive.
+
+use std::io::{Cursor, Read};
+
+use zip::ZipArchive;
+
+use crate::bundle::{Bundle, FILE_LIMIT, check_total, stem};
+use crate::{IngestError, Place};
+
+/// Most entries that are looked through.
+const ENTRY_LIMIT: usize = 20_000;
+/// Endings of names that may be tables; the content decides.
+const TABLES: [&str; 6] = ["csv", "tsv", "txt", "dat", "asc", "prn"];
+
+/// Whether these are the first bytes of a zip archive (an empty one included).
+pub fn is_zip(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06")
+}
+
+/// An entry: index in the archive, folder, name.
+struct Entry {
+    index: usize,
+    folder: String,
+    name: String,
+}
+
+impl Entry {
+    fn extension(&self) -> String {
+        self.name.rsplit_once('.').map_or_else(String::new, |(_, e)| e.to_ascii_lowercase())
+    }
+}
+
+/// Reads the one record in an archive. Names are compared only, nothing is unpacked to disk.
+pub fn open(file: &str, bytes: &[u8]) -> Result<Bundle, IngestError> {
+    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(file, &error.to_string()))?;
+    if zip.len() > ENTRY_LIMIT {
+        return Err(IngestError::TooLarge {
+            place: Place::file(file),
+            found: format!("{} entries", zip.len()),
+            limit: format!("archives of one test, at most {ENTRY_LIMIT} files"),
+        });
+    }
+    let entries = list(&zip);
+    refuse_documents(file, &entries)?;
+    let main = choose(file, &entries)?;
+    let mut total = 0;
+    let main_bytes = inflate(file, &mut zip, main, &mut total)?;
+    let mut bundle = Bundle::from_bytes(&main.name, main_bytes)?;
+    file.clone_into(&mut bundle.name);
+    for entry in &entries {
+        if entry.folder == main.folder && bundle.reader.companion(&main.name, &entry.name) {
+            let bytes = inflate(file, &mut zip, entry, &mut total)?;
+            bundle.companions.insert(entry.name.clone(), bytes);
+        }
+    }
+    Ok(bundle)
+}
+
+fn list(zip: &ZipArchive<Cursor<&[u8]>>) -> Vec<Entry> {
+    let mut entries = Vec::new();
+    for index in 0..zip.len() {
+        let Some(Ok(path)) = zip.name_for_index(index) else { continue };
+        let path = path.replace('\\', "/");
+        let (folder, name) = path.rsplit_once('/').unwrap_or(("", &path));
+        let junk = name.is_empty() || name.starts_with('.') || folder.split('/').any(|part| part == "__MACOSX");
+        if !junk {
+            entries.push(Entry { index, folder: folder.to_owned(), name: name.to_owned() });
+        }
+    }
+    entries.sort_by(|a, b| (&a.folder, &a.name).cmp(&(&b.folder, &b.name)));
+    entries
+}
+
+/// Office documents are zip archives, too.
+fn refuse_documents(file: &str, entries: &[Entry]) -> Result<(), IngestError> {
+    let holds = |folder: &str, name: &str| entries.iter().any(|e| e.folder == folder && e.name.starts_with(name));
+    let ends = |extension: &str| entries.iter().any(|e| e.extension() == extension);
+    let csv = "save the sheet with the record as CSV (time and acceleration columns with their units in the header)";
+    let nhtsa = "take the \"EV5 ASCII X-Y\" download of the same NHTSA test, or export the channels as CSV";
+    let (what, instead) = if holds("xl", "workbook") {
+        ("an Excel workbook (xlsx)", csv)
+    } else if holds("word", "document") {
+        ("a Word document", csv)
+    } else if holds("", "content.xml") && holds("", "mimetype") {
+        ("an OpenDocument file", csv)
+    } else if ends("mme") || ends("chn") {
+        ("a zip with an ISO-MME test (ISO/TS 13499)", nhtsa)
+    } else if ends("tdms") {
+        ("a zip with TDMS files", nhtsa)
+    } else {
+        return Ok(());
+    };
+    if ends("ev5") {
+        return Ok(());
+    }
+    Err(IngestError::Foreign { file: file.to_owned(), what: what.to_owned(), instead: instead.to_owned() })
+}
+
+/// The EV5 file, else the only table, else the only file.
+fn choose<'a>(file: &str, entries: &'a [Entry]) -> Result<&'a Entry, IngestError> {
+    let with = |accept: &dyn Fn(&Entry) -> bool| entries.iter().filter(|e| accept(e)).collect::<Vec<&Entry>>();
+    let ev5 = with(&|e| e.extension() == "ev5");
+    let tables = with(&|e| TABLES.contains(&e.extension().as_str()) && !e.name.to_lowercase().contains("readme"));
+    for found in [&ev5, &tables] {
+        match found.as_slice() {
+            [] => {}
+            [one] => return Ok(one),
+            several => {
+                let names: Vec<&str> = several.iter().take(10).map(|e| e.name.as_str()).collect();
+                return Err(IngestError::Path {
+                    path: file.to_owned(),
+                    found: format!("{} records in one archive: {}", several.len(), names.join(", ")),
+                    expected: "an archive with one .EV5 file or one table".to_owned(),
+                    hint: "unpack it and give the one you mean".to_owned(),
+                });
+            }
+        }
+    }
+    match entries {
+        [one] => return Ok(one),
+        [] => return Err(damaged(file, "the archive is empty")),
+        _ => {}
+    }
+    let curves = entries.iter().filter(|e| e.extension().bytes().all(|b| b.is_ascii_digit()) && e.name.contains('.'));
+    let (curves, example) = (curves.clone().count(), curves.map(|e| stem(&e.name)).next());
+    Err(match example {
+        Some(stem) => IngestError::Path {
+            path: file.to_owned(),
+            found: format!("{curves} signal files but no .EV5 file"),
+            expected: format!("{stem}.EV5 in the same folder of the archive"),
+            hint: "take the whole \"EV5 ASCII X-Y\" archive of the test".to_owned(),
+        },
+        None => IngestError::Path {
+            path: file.to_owned(),
+            found: format!("{} files, none of them an .EV5 file or a table", entries.len()),
+            expected: "an archive with one .EV5 file or one table".to_owned(),
+            hint: "unpack it and give the record itself".to_owned(),
+        },
+    })
+}
+
+/// One entry, up to [`FILE_LIMIT`]: a small archive may claim to hold terabytes.
+fn inflate(
+    file: &str,
+    zip: &mut ZipArchive<Cursor<&[u8]>>,
+    entry: &Entry,
+    total: &mut u64,
+) -> Result<Vec<u8>, IngestError> {
+    let reader = zip.by_index(entry.index).map_err(|error| damaged(file, &format!("{}: {error}", entry.name)))?;
+    let mut bytes = Vec::with_capacity(usize::try_from(reader.size().min(1 << 24)).unwrap_or(0));
+    let limit = FILE_LIMIT.min(1 << 28);
+    reader
+        .take(limit + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|error| damaged(file, &format!("{}: {error}", entry.name)))?;
+    if bytes.len() as u64 > limit {
+        return Err(IngestError::TooLarge {
+            place: Place::file(&format!("{file}: {}", entry.name)),
+            found: format!("more than {} MiB when unpacked", limit >> 20),
+            limit: format!("entries up to {} MiB", limit >> 20),
+        });
+    }
+    *total += bytes.len() as u64;
+    check_total(file, *total)?;
+    Ok(bytes)
+}
+
+fn damaged(file: &str, found: &str) -> IngestError {
+    IngestError::content(
+        Place::file(file),
+        format!("the zip archive cannot be read: {found}"),
+        "a complete, unencrypted archive (stored or deflated)",
+        "download it again, or unpack it and give the record itself",
+    )
+}

@@ -1,0 +1,201 @@
+//! The files of one record, read into memory: the main file, the files beside it that belong to it, the sidecar.
+
+use std::collections::BTreeMap;
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::recognise::{Reader, recognise};
+use crate::{IngestError, Place, archive};
+
+/// Largest file that is read, bytes.
+pub const FILE_LIMIT: u64 = 1 << 30;
+/// Most memory the files of one record may take, bytes.
+pub const TOTAL_LIMIT: u64 = 2 << 30;
+
+/// A file's name without folder, and its content.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NamedBytes {
+    /// Name without folder.
+    pub name: String,
+    /// Content.
+    pub bytes: Vec<u8>,
+}
+
+/// Everything that is read of one record. What is made of it depends on these bytes and on nothing else.
+pub struct Bundle {
+    /// Name of the file or folder the user gave, without its parents.
+    pub name: String,
+    /// The file with the record, or its description.
+    pub main: NamedBytes,
+    /// Files beside it that belong to it, by name.
+    pub companions: BTreeMap<String, Vec<u8>>,
+    /// `<input>.toml` beside the input.
+    pub sidecar: Option<NamedBytes>,
+    /// The reader of the main file's format.
+    pub reader: &'static dyn Reader,
+}
+
+impl Bundle {
+    /// Reads a file, a folder with one NHTSA test, or a zip archive of either.
+    pub fn open(path: &Path) -> Result<Self, IngestError> {
+        let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
+        let main_path = if metadata.is_dir() { main_file_of(path)? } else { path.to_owned() };
+        let bytes = read(&main_path)?;
+        let name = file_name(if metadata.is_dir() { path } else { &main_path });
+        let mut bundle = if archive::is_zip(&bytes) {
+            archive::open(&name, &bytes)?
+        } else {
+            let mut bundle = Self::from_bytes(&file_name(&main_path), bytes)?;
+            bundle.name = name;
+            bundle.read_companions(&main_path)?;
+            bundle
+        };
+        bundle.sidecar = sidecar_of(&main_path)?;
+        Ok(bundle)
+    }
+
+    /// A record that is one file, already in memory.
+    pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, IngestError> {
+        let reader = recognise(name, &bytes)?;
+        Ok(Self {
+            name: name.to_owned(),
+            main: NamedBytes { name: name.to_owned(), bytes },
+            companions: BTreeMap::new(),
+            sidecar: None,
+            reader,
+        })
+    }
+
+    fn read_companions(&mut self, main_path: &Path) -> Result<(), IngestError> {
+        if !self.reader.companion(&self.main.name, &format!("{}.001", stem(&self.main.name))) {
+            return Ok(());
+        }
+        let folder = main_path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut total = 0;
+        for path in entries(folder)? {
+            let name = file_name(&path);
+            if self.reader.companion(&self.main.name, &name) && path.is_file() {
+                let bytes = read(&path)?;
+                total += bytes.len() as u64;
+                check_total(&self.name, total)?;
+                self.companions.insert(name, bytes);
+            }
+        }
+        Ok(())
+    }
+
+    /// `blake3:<hex>` of the record. One file: of its bytes. Several: of each file's name, a zero byte, its length (u64,
+    /// little-endian) and its bytes, the main file first, the others by name. The sidecar is not part of it.
+    pub fn digest(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        if self.companions.is_empty() {
+            hasher.update(&self.main.bytes);
+        } else {
+            let main = (self.main.name.as_str(), &self.main.bytes);
+            let others = self.companions.iter().map(|(name, bytes)| (name.as_str(), bytes));
+            for (name, bytes) in std::iter::once(main).chain(others) {
+                hasher.update(name.as_bytes());
+                hasher.update(&[0]);
+                hasher.update(&(bytes.len() as u64).to_le_bytes());
+                hasher.update(bytes);
+            }
+        }
+        format!("blake3:{}", hasher.finalize().to_hex())
+    }
+}
+
+/// Refuses more than [`TOTAL_LIMIT`].
+pub(crate) fn check_total(name: &str, total: u64) -> Result<(), IngestError> {
+    if total <= TOTAL_LIMIT {
+        return Ok(());
+    }
+    Err(IngestError::TooLarge {
+        place: Place::file(name),
+        found: format!("the files of the record take more than {} MiB", TOTAL_LIMIT >> 20),
+        limit: format!("at most {} MiB for one test", TOTAL_LIMIT >> 20),
+    })
+}
+
+/// A file's name without its last extension.
+pub(crate) fn stem(name: &str) -> &str {
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+}
+
+fn file_name(path: &Path) -> String {
+    // `..` and `.` have no name of their own.
+    let name = path
+        .file_name()
+        .map(OsStr::to_os_string)
+        .or_else(|| path.canonicalize().ok().and_then(|full| full.file_name().map(OsStr::to_os_string)));
+    name.map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, IngestError> {
+    let length = fs::metadata(path).map_err(|error| unreadable(path, &error))?.len();
+    if length > FILE_LIMIT {
+        return Err(IngestError::TooLarge {
+            place: Place::file(&path.display().to_string()),
+            found: format!("{} MiB", length >> 20),
+            limit: format!("files up to {} MiB", FILE_LIMIT >> 20),
+        });
+    }
+    fs::read(path).map_err(|error| unreadable(path, &error))
+}
+
+fn entries(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
+    let list = fs::read_dir(folder).map_err(|error| unreadable(folder, &error))?;
+    let mut paths: Vec<PathBuf> = list.filter_map(Result::ok).map(|entry| entry.path()).collect();
+    paths.sort();
+    Ok(paths)
+}
+
+/// The one EV5 file of a folder.
+fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
+    let all = entries(folder)?;
+    let is_ev5 = |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ev5")) && path.is_file();
+    let found: Vec<&PathBuf> = all.iter().filter(is_ev5).collect();
+    match found.as_slice() {
+        [one] => Ok((*one).clone()),
+        [] => Err(IngestError::Path {
+            path: folder.display().to_string(),
+            found: format!("a folder without an .EV5 file ({} other entries)", all.len()),
+            expected: "the folder of one NHTSA test, or a file".to_owned(),
+            hint: "give the file itself, such as crash.csv".to_owned(),
+        }),
+        several => Err(IngestError::Path {
+            path: folder.display().to_string(),
+            found: format!(
+                "a folder with {} .EV5 files: {}",
+                several.len(),
+                several.iter().take(10).map(|p| file_name(p)).collect::<Vec<_>>().join(", ")
+            ),
+            expected: "the folder of one test".to_owned(),
+            hint: "give the .EV5 file of the test".to_owned(),
+        }),
+    }
+}
+
+fn sidecar_of(main_path: &Path) -> Result<Option<NamedBytes>, IngestError> {
+    let mut name = main_path.as_os_str().to_owned();
+    name.push(".toml");
+    let path = PathBuf::from(name);
+    if !path.is_file() {
+        return Ok(None);
+    }
+    Ok(Some(NamedBytes { name: file_name(&path), bytes: read(&path)? }))
+}
+
+fn unreadable(path: &Path, error: &std::io::Error) -> IngestError {
+    let (found, hint) = match error.kind() {
+        std::io::ErrorKind::NotFound => ("no such file or folder".to_owned(), "check the path"),
+        std::io::ErrorKind::PermissionDenied => ("no permission to read it".to_owned(), "check the file's permissions"),
+        _ => (error.to_string(), "check the path and the disk"),
+    };
+    IngestError::Path {
+        path: path.display().to_string(),
+        found,
+        expected: "a table of numbers, an NHTSA EV5 file or its folder, or a zip of either".to_owned(),
+        hint: hint.to_owned(),
+    }
+}

@@ -1,0 +1,196 @@
+//! From the files of a record to a test description, waveforms and their quality.
+
+use crumple_signal::{Notes, QuantityKind, Sampled, Source, TestDescription};
+
+use crate::bundle::{Bundle, stem};
+use crate::quality::{self, Quality};
+use crate::recording::{Recording, Stated};
+use crate::{IngestError, Place, Settings, Sign, details, polarity, pulse, sidecar, time_zero};
+
+/// A channel's samples and what was measured on them.
+#[derive(Debug, Clone)]
+pub struct Wave {
+    /// Id of the channel.
+    pub id: String,
+    /// What is measured.
+    pub quantity: QuantityKind,
+    /// Samples in SI, t = 0 at first contact.
+    pub samples: Sampled,
+    /// State as read.
+    pub quality: Quality,
+}
+
+/// Result of the stage.
+#[derive(Debug, Clone)]
+pub struct Ingested {
+    /// The test, its pulse named.
+    pub test: TestDescription,
+    /// Every channel with data, in the order of the source.
+    pub waves: Vec<Wave>,
+    /// Remarks.
+    pub notes: Notes,
+}
+
+impl Ingested {
+    /// The waveform of the pulse.
+    pub fn pulse(&self) -> Option<&Wave> {
+        let id = self.test.pulse.as_deref()?;
+        self.waves.iter().find(|wave| wave.id == id)
+    }
+}
+
+/// Reads a record and applies what is stated about it: `flags` beat the sidecar, which beats the record.
+///
+/// Samples are as in the file but for the factor of their unit, and the sign if flipping is asked for.
+pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError> {
+    let file = bundle.name.as_str();
+    let beside = match &bundle.sidecar {
+        Some(sidecar) => sidecar::parse(&sidecar.name, &sidecar.bytes)?,
+        None => Settings::default(),
+    };
+    let choices = flags.over(&beside);
+    let mut recording = bundle.reader.read(bundle, &choices)?;
+    let mut notes = std::mem::take(&mut recording.notes);
+    let pulse = pulse::choose(file, &recording, choices.channel.as_deref(), &mut notes)?;
+
+    speed_of_the_pulse(&mut recording, pulse, &mut notes);
+    if let Some(sidecar) = &bundle.sidecar {
+        details::apply(&mut recording.details, &beside, &sidecar.name, &mut notes);
+    }
+    details::apply(&mut recording.details, flags, "flag", &mut notes);
+    details::require(file, &recording.details, choices.allow_missing.unwrap_or(false), &mut notes)?;
+
+    set_time_zero(file, &mut recording, pulse, &mut notes)?;
+    if choices.sign == Some(Sign::Flip) {
+        let flipped = polarity::flip(&mut recording.channels).map_err(|error| overflow(file, &error.to_string()))?;
+        notes.info(format!("sign of acceleration turned, as asked: {flipped} channels"));
+    }
+    let pulse_id = recording.channels[pulse].channel.id.clone();
+    let waves: Vec<Wave> = recording
+        .channels
+        .iter()
+        .filter_map(|found| {
+            let samples = found.wave.clone()?;
+            let quality = quality::measure(&samples, found.jitter);
+            Some(Wave { id: found.channel.id.clone(), quantity: found.channel.quantity, samples, quality })
+        })
+        .collect();
+    let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
+    quality_notes(&waves, &pulse_id, speed, &mut notes);
+
+    let details = recording.details;
+    let words = |stated: Option<Stated<String>>| stated.map(|s| s.value);
+    let test = TestDescription {
+        title: words(details.title).unwrap_or_else(|| stem(file).to_owned()),
+        vehicle: words(details.vehicle),
+        mass_kg: details.mass_kg.map(|s| s.value),
+        impact_speed_m_per_s: speed,
+        barrier: words(details.barrier),
+        source: Source { format: bundle.reader.format().to_owned(), name: file.to_owned(), digest: bundle.digest() },
+        channels: recording.channels.into_iter().map(|found| found.channel).collect(),
+        pulse: Some(pulse_id),
+        notes: details.facts,
+    };
+    Ok(Ingested { test, waves, notes })
+}
+
+/// The pulse's own initial velocity is the better statement of the impact speed than the vehicle's.
+fn speed_of_the_pulse(recording: &mut Recording, pulse: usize, notes: &mut Notes) {
+    let channel = &recording.channels[pulse].channel;
+    let Some(speed) = channel.initial_velocity_m_per_s.map(f64::abs).filter(|v| *v > 0.0) else { return };
+    let stated = &mut recording.details.impact_speed_m_per_s;
+    if let Some(old) = stated.as_ref().filter(|old| (old.value - speed).abs() > 0.01 * speed) {
+        notes.warning(format!(
+            "initial velocity of channel {} is {speed:.4} m/s, {} is {:.4} m/s: the first is used",
+            channel.id, old.from, old.value
+        ));
+    }
+    *stated = Some(Stated { value: speed, from: format!("the initial velocity of channel {}", channel.id) });
+}
+
+fn set_time_zero(file: &str, recording: &mut Recording, pulse: usize, notes: &mut Notes) -> Result<(), IngestError> {
+    match &recording.details.time_zero_s {
+        Some(Stated { value, from }) => {
+            if *value != 0.0 {
+                for found in &mut recording.channels {
+                    if let Some(wave) = &found.wave {
+                        let shifted =
+                            time_zero::shift(wave, *value).map_err(|error| overflow(file, &error.to_string()))?;
+                        found.wave = Some(shifted);
+                    }
+                }
+            }
+            notes.info(format!("time zero is {value} s of the file's axis, stated by {from}"));
+        }
+        None => {
+            if let Some(wave) = &recording.channels[pulse].wave {
+                let before = wave.index_at_or_after(0.0);
+                if before > 0 || recording.contact_at_zero {
+                    notes.info(format!("time zero is the file's t = 0, {before} samples after its start"));
+                } else {
+                    notes.info("the record starts at t = 0, taken as time zero; --time-zero states another");
+                }
+            }
+        }
+    }
+    match &recording.channels[pulse].wave {
+        Some(wave) => time_zero::require(file, wave),
+        None => Ok(()),
+    }
+}
+
+fn quality_notes(waves: &[Wave], pulse_id: &str, speed: Option<f64>, notes: &mut Notes) {
+    let clipped: Vec<&Wave> = waves.iter().filter(|w| w.quality.clipped_run >= 3).collect();
+    for wave in waves.iter().filter(|w| w.id == pulse_id) {
+        let zero_level = wave.quality.pre_event.map(|p| p.zero_level);
+        if zero_level.is_none() {
+            notes.warning(
+                "the pulse has less than 10 ms of data between -50 ms and -10 ms: its zero level and noise floor are not known",
+            );
+        }
+        polarity::check(&wave.samples, zero_level, speed, notes);
+        time_zero::check(&wave.samples, zero_level, notes);
+        if wave.quality.clipped_run >= 3 {
+            notes.warning(format!(
+                "the pulse may be clipped: {} equal samples in a row at an extreme ({:.3} to {:.3} {})",
+                wave.quality.clipped_run,
+                wave.quality.minimum,
+                wave.quality.maximum,
+                wave.quantity.si_unit()
+            ));
+        }
+    }
+    let others: Vec<&str> = clipped.iter().map(|w| w.id.as_str()).filter(|id| *id != pulse_id).collect();
+    if !others.is_empty() {
+        let more = others.len().saturating_sub(12);
+        let tail = if more > 0 { format!(" and {more} more") } else { String::new() };
+        notes.info(format!(
+            "equal samples in a row at an extreme (clipped?) in {}{tail}",
+            others[..others.len() - more].join(", ")
+        ));
+    }
+}
+
+fn overflow(file: &str, found: &str) -> IngestError {
+    IngestError::content(Place::file(file), found, "finite numbers", "correct the record, or --time-zero")
+}
+
+impl Settings {
+    /// These settings where they say something, else those below.
+    pub fn over(&self, below: &Self) -> Self {
+        Self {
+            mass: self.mass.or(below.mass),
+            impact_speed: self.impact_speed.or(below.impact_speed),
+            channel: self.channel.clone().or_else(|| below.channel.clone()),
+            unit: self.unit.clone().or_else(|| below.unit.clone()),
+            time_unit: self.time_unit.clone().or_else(|| below.time_unit.clone()),
+            time_zero: self.time_zero.or(below.time_zero),
+            sign: self.sign.or(below.sign),
+            vehicle_number: self.vehicle_number.or(below.vehicle_number),
+            vehicle: self.vehicle.clone().or_else(|| below.vehicle.clone()),
+            title: self.title.clone().or_else(|| below.title.clone()),
+            barrier: self.barrier.clone().or_else(|| below.barrier.clone()),
+            allow_missing: self.allow_missing.or(below.allow_missing),
+        }
+    }
+}

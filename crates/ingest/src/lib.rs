@@ -1,0 +1,34 @@
+//! Reads a crash record as users have it and writes it in SI units.
+//!
+//! [`Bundle::open`] reads the files of a record into memory; [`ingest`] makes a test description, waveforms and their
+//! quality of them, and is a pure function of bytes and [`Settings`]. Formats are recognised by content:
+//! [`recognise::READERS`]. Nothing is guessed: what a record does not say is asked for by name, and what is chosen
+//! (the pulse, a unit of time) is said in a note. Nothing is corrected either: zero level, time zero and clipping are
+//! reported.
+
+mod archive;
+mod bundle;
+mod details;
+mod error;
+mod ev5;
+mod foreign;
+mod grid;
+mod ingest;
+mod polarity;
+mod pulse;
+mod quality;
+pub mod recognise;
+mod recording;
+mod settings;
+mod sidecar;
+mod stage;
+mod table;
+mod time_zero;
+
+pub use bundle::{Bundle, NamedBytes};
+pub use error::{IngestError, Place};
+pub use ingest::{Ingested, Wave, ingest};
+pub use quality::{PreEvent, Quality};
+pub use recording::{Details, Fitness, Found, PulseRule, Recording, Stated};
+pub use settings::{Settings, Sign};
+pub use stage::Ingest;

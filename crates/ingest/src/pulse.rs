@@ -1,0 +1,168 @@
+//! Which channel is the crash pulse.
+
+use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind};
+
+use crate::IngestError;
+use crate::recording::{Found, PulseRule, Recording};
+use crate::table::MINIMUM_SAMPLES;
+
+/// Index of the pulse among the channels: the one asked for, else the fittest of those that are valid and have data. What
+/// was taken, why, and what else there is goes into a note.
+pub fn choose(
+    file: &str,
+    recording: &Recording,
+    wanted: Option<&str>,
+    notes: &mut Notes,
+) -> Result<usize, IngestError> {
+    let mut candidates: Vec<usize> =
+        (0..recording.channels.len()).filter(|k| candidate(&recording.channels[*k])).collect();
+    // Stable: equally fit channels stay in the order of the file.
+    candidates.sort_by_key(|k| recording.channels[*k].fitness);
+    let index = match wanted {
+        Some(wanted) => asked_for(file, recording, wanted, &candidates)?,
+        None => by_rule(file, recording, &candidates)?,
+    };
+    let found = &recording.channels[index];
+    let samples = found.wave.as_ref().map_or(0, crumple_signal::Sampled::len);
+    if samples < MINIMUM_SAMPLES {
+        return Err(IngestError::channel(
+            file,
+            format!("channel {} has {samples} samples", found.channel.id),
+            format!("at least {MINIMUM_SAMPLES} samples"),
+            "choose another channel by --channel",
+        ));
+    }
+    note(recording, index, &candidates, wanted.is_some(), notes);
+    Ok(index)
+}
+
+fn candidate(found: &Found) -> bool {
+    found.fitness.is_some()
+        && found.wave.is_some()
+        && matches!(found.channel.status, ChannelStatus::Valid | ChannelStatus::Computed)
+}
+
+fn by_rule(file: &str, recording: &Recording, candidates: &[usize]) -> Result<usize, IngestError> {
+    let hint = "name the channel by --channel";
+    match (candidates, recording.pulse_rule) {
+        ([], PulseRule::OnlyOne) => Err(IngestError::channel(file, "no acceleration column with data", "one", hint)),
+        ([], PulseRule::Fittest) => {
+            let others: Vec<&Found> = recording
+                .channels
+                .iter()
+                .filter(|f| f.wave.is_some() && f.channel.quantity == QuantityKind::Acceleration)
+                .collect();
+            Err(IngestError::channel(
+                file,
+                format!(
+                    "no valid accelerometer along x at a usual place of the compartment has its file here; accelerations here: {}",
+                    if others.is_empty() { "none".to_owned() } else { list(others.into_iter()) }
+                ),
+                "rear-seat crossmember, rear floor, sill, B-pillar or centre of gravity",
+                hint,
+            ))
+        }
+        ([first, ..], PulseRule::Fittest) => Ok(*first),
+        ([only], PulseRule::OnlyOne) => Ok(*only),
+        (several, PulseRule::OnlyOne) => Err(IngestError::channel(
+            file,
+            format!(
+                "{} acceleration columns: {}",
+                several.len(),
+                list(several.iter().map(|k| &recording.channels[*k]))
+            ),
+            "to be told which is the crash pulse",
+            format!("add --channel {}, for example", recording.channels[several[0]].channel.id),
+        )),
+    }
+}
+
+fn asked_for(file: &str, recording: &Recording, wanted: &str, candidates: &[usize]) -> Result<usize, IngestError> {
+    let wanted = wanted.trim();
+    let same = |a: &str| a.to_lowercase() == wanted.to_lowercase();
+    let by_id = recording.channels.iter().position(|f| f.channel.id == wanted);
+    let index = by_id
+        .or_else(|| recording.channels.iter().position(|f| same(&f.channel.id)))
+        .or_else(|| recording.channels.iter().position(|f| f.aliases.iter().any(|a| same(a))));
+    let usual = || list(candidates.iter().map(|k| &recording.channels[*k]));
+    let Some(index) = index else {
+        return Err(IngestError::channel(
+            file,
+            format!("channel {wanted} is not listed"),
+            format!("one of its {} channels, such as {}", recording.channels.len(), usual()),
+            "see the list of channels in the file",
+        ));
+    };
+    let Found { channel, wave, .. } = &recording.channels[index];
+    let id = &channel.id;
+    let hint = || match candidates {
+        [] => "choose a channel with data by --channel".to_owned(),
+        _ => format!("candidates here: {}", usual()),
+    };
+    if wave.is_none() {
+        let found = match channel.status {
+            ChannelStatus::NotInstalled => {
+                let comment = channel.comment.as_deref().map_or_else(String::new, |c| format!(" ({c})"));
+                format!("channel {id}: not installed{comment}: it has no data, and no file is missing")
+            }
+            _ => {
+                format!(
+                    "channel {id} ({}): its signal file, with the extension .{:0>3}, is not here",
+                    channel.location, id
+                )
+            }
+        };
+        return Err(IngestError::channel(file, found, "a channel with data", hint()));
+    }
+    if channel.quantity != QuantityKind::Acceleration {
+        let found = format!("channel {} measures {}", describe(channel), channel.quantity);
+        return Err(IngestError::channel(file, found, "an acceleration as the crash pulse", hint()));
+    }
+    Ok(index)
+}
+
+fn describe(channel: &Channel) -> String {
+    let location = channel.location.strip_prefix("vehicle, ").unwrap_or(&channel.location);
+    match (location.is_empty(), channel.redundant) {
+        (true, _) => channel.id.clone(),
+        (false, false) => format!("{} ({location})", channel.id),
+        (false, true) => format!("{} ({location}, redundant)", channel.id),
+    }
+}
+
+fn list<'a>(channels: impl Iterator<Item = &'a Found>) -> String {
+    let names: Vec<String> = channels.map(|f| describe(&f.channel)).collect();
+    if names.len() > 12 {
+        format!("{} and {} more", names[..12].join(", "), names.len() - 12)
+    } else {
+        names.join(", ")
+    }
+}
+
+fn note(recording: &Recording, index: usize, candidates: &[usize], asked: bool, notes: &mut Notes) {
+    let found = &recording.channels[index];
+    let why = match (asked, found.fitness) {
+        (true, _) => "as asked for".to_owned(),
+        (false, Some(fitness)) if recording.pulse_rule == PulseRule::Fittest => {
+            format!("valid accelerometer along x at the best place here: {}", fitness.why)
+        }
+        (false, Some(fitness)) => fitness.why.to_owned(),
+        (false, None) => String::new(),
+    };
+    let others: Vec<&Found> = candidates.iter().filter(|k| **k != index).map(|k| &recording.channels[*k]).collect();
+    let others = match others.as_slice() {
+        [] => String::new(),
+        others => format!("; others by --channel: {}", list(others.iter().copied())),
+    };
+    notes.info(format!("pulse: channel {}, {why}{others}", describe(&found.channel)));
+    if !candidates.contains(&index) && found.channel.status != ChannelStatus::Valid {
+        notes
+            .warning(format!("the pulse, channel {}, is {} by its laboratory", found.channel.id, found.channel.status));
+    }
+    if !asked && found.channel.redundant {
+        notes.warning(format!(
+            "the pulse, channel {}, is a redundant sensor: no primary one is valid here",
+            found.channel.id
+        ));
+    }
+}

@@ -1,0 +1,51 @@
+//! Which reader a file belongs to, by its content alone.
+
+use crate::bundle::Bundle;
+use crate::recording::Recording;
+use crate::{IngestError, Place, Settings, ev5, foreign, table};
+
+/// A format that is read. To add one: a file with a type that implements this, and a line in [`READERS`].
+pub trait Reader: Sync {
+    /// Name in artifacts: `csv`, `nhtsa-ev5`.
+    fn format(&self) -> &'static str;
+
+    /// Whether a file that starts with `head` (up to 8192 bytes) is of this format.
+    fn recognises(&self, head: &[u8]) -> bool;
+
+    /// Whether the file `name` beside the main file `main` belongs to the same record.
+    fn companion(&self, _main: &str, _name: &str) -> bool {
+        false
+    }
+
+    /// Reads the record. Sees bytes only; the same bytes and settings give the same recording.
+    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError>;
+}
+
+/// All readers, the most particular first: the first that recognises a file reads it.
+pub const READERS: &[&dyn Reader] = &[&ev5::Ev5, &table::Table];
+
+/// The reader for a file, or why there is none: empty, known but not read, or not known at all.
+pub fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader, IngestError> {
+    if bytes.trim_ascii().is_empty() {
+        let found = if bytes.is_empty() { "the file is empty" } else { "the file holds nothing but blanks" };
+        return Err(IngestError::content(
+            Place::file(file),
+            found,
+            "a table of numbers, or an NHTSA EV5 file",
+            "check that the export or the download is complete",
+        ));
+    }
+    if let Some((what, instead)) = foreign::recognise(bytes) {
+        return Err(IngestError::Foreign { file: file.to_owned(), what: what.to_owned(), instead: instead.to_owned() });
+    }
+    let head = &bytes[..bytes.len().min(8192)];
+    READERS.iter().copied().find(|reader| reader.recognises(head)).ok_or_else(|| {
+        let start: Vec<String> = bytes.iter().take(8).map(|b| format!("{b:02x}")).collect();
+        IngestError::content(
+            Place::file(file),
+            format!("binary data of an unknown kind, starting with {}", start.join(" ")),
+            "a table of numbers, an NHTSA EV5 file, or a zip with one of them",
+            "export the channels as CSV: time and acceleration columns with their units in the header",
+        )
+    })
+}

@@ -1,0 +1,79 @@
+//! What a person may state about a record: the same names as flags, pipeline keys and sidecar keys.
+
+use crumple_signal::value::{Mass, Speed, Time};
+use serde::{Deserialize, Serialize};
+
+/// What to do with the polarity of acceleration channels.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sign {
+    /// As in the file.
+    #[default]
+    Keep,
+    /// Multiplied by -1.
+    Flip,
+}
+
+/// Facts about the record and choices of its reader. What is given here beats the sidecar file, which beats the
+/// record itself.
+#[derive(Debug, Clone, Default, PartialEq, clap::Args, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// Test mass of the vehicle, with its unit: 873kg, 1.2t, 2000lb.
+    #[arg(long, value_name = "MASS")]
+    pub mass: Option<Mass>,
+    /// Speed just before contact, with its unit: 35km/h, 13.4m/s, 30mph.
+    #[arg(long, value_name = "SPEED")]
+    pub impact_speed: Option<Speed>,
+    /// Channel to take as the crash pulse: a column name or number of a table, a curve number of an NHTSA test.
+    /// Default: the only acceleration column; for an NHTSA test the rear-seat crossmember or the next best place along x.
+    #[arg(long, value_name = "CHANNEL")]
+    pub channel: Option<String>,
+    /// Unit of acceleration columns that state none: g, m/s^2, mg, kilo-g, ft/s^2, mm/s^2.
+    #[arg(long, value_name = "UNIT")]
+    pub unit: Option<String>,
+    /// Unit of the time column: s, ms, us. Default: from the header, else judged from the sampling interval and said so.
+    #[arg(long, value_name = "UNIT")]
+    pub time_unit: Option<String>,
+    /// Time of first contact on the file's own time axis, with its unit: 0s, 12ms. The axis is shifted so that this is
+    /// t = 0. Default: the file's t = 0.
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub time_zero: Option<Time>,
+    /// Polarity of acceleration along x: keep, or flip where the file has deceleration positive. Default: keep.
+    #[arg(long, value_enum, value_name = "SIGN")]
+    pub sign: Option<Sign>,
+    /// Vehicle whose structure carries the pulse in an NHTSA test with two: 1 or 2. Default: 1.
+    #[arg(long, value_name = "NUMBER")]
+    pub vehicle_number: Option<u32>,
+    /// Vehicle, in words.
+    #[arg(long, value_name = "TEXT")]
+    pub vehicle: Option<String>,
+    /// Title of the test. Default: the file's, else the file name.
+    #[arg(long, value_name = "TEXT")]
+    pub title: Option<String>,
+    /// Barrier, in words.
+    #[arg(long, value_name = "TEXT")]
+    pub barrier: Option<String>,
+    /// Go on without test mass or impact speed: enough to filter and to identify a linear model, not for crush, force
+    /// or physical parameters. Default: false.
+    #[arg(long, num_args = 0..=1, default_missing_value = "true", value_name = "BOOL")]
+    pub allow_missing: Option<bool>,
+}
+
+impl Settings {
+    /// The names a sidecar may use.
+    pub const KEYS: [&'static str; 12] = [
+        "mass",
+        "impact_speed",
+        "channel",
+        "unit",
+        "time_unit",
+        "time_zero",
+        "sign",
+        "vehicle_number",
+        "vehicle",
+        "title",
+        "barrier",
+        "allow_missing",
+    ];
+}

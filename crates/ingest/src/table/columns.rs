@@ -1,0 +1,217 @@
+//! Columns of a table as channels: quantity, unit, identity.
+
+use std::collections::BTreeSet;
+
+use crumple_signal::unit::{Dimension, choices, factor};
+use crumple_signal::{Channel, Notes, QuantityKind, Sampled, SignalError};
+
+use super::header::{Column, Header, Unit, axis, cfc, names_acceleration};
+use super::rows::Rows;
+use super::time_axis::TimeAxis;
+use crate::recording::{Fitness, Found, Stated};
+use crate::{IngestError, Place, Settings};
+
+const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
+
+/// Turns every column but the time into a channel in SI.
+pub fn channels(
+    file: &str,
+    header: &Header,
+    rows: Rows,
+    time: &TimeAxis,
+    settings: &Settings,
+    comment: Option<&Stated<String>>,
+    notes: &mut Notes,
+) -> Result<Vec<Found>, IngestError> {
+    let data: Vec<usize> = (0..header.columns.len()).filter(|k| *k != time.column).collect();
+    let ids = ids(header, &data);
+    let selected = settings.channel.as_deref().map(|wanted| select(file, wanted, header, &data, &ids)).transpose()?;
+    let stated = match (&settings.unit, comment) {
+        (Some(symbol), _) => Some((symbol.as_str(), "--unit or the sidecar", true)),
+        (None, Some(stated)) => Some((stated.value.as_str(), stated.from.as_str(), false)),
+        (None, None) => None,
+    };
+    let stated =
+        stated.map(|(symbol, from, forced)| acceleration_unit(file, symbol, from).map(|f| (f, forced))).transpose()?;
+
+    let kinds = kinds(header, &data, selected, stated, notes);
+    check_for_acceleration(file, header, &data, &kinds, selected)?;
+
+    let lines = rows.lines;
+    let mut columns = rows.columns;
+    let mut channels = Vec::with_capacity(data.len());
+    for ((&k, id), &(quantity, factor)) in data.iter().zip(ids).zip(&kinds) {
+        let mut samples = std::mem::take(&mut columns[k]);
+        samples.iter_mut().for_each(|x| *x *= factor);
+        let wave = Sampled::new(time.grid.t0_s, time.grid.dt_s, samples).map_err(|error| {
+            let place = match error {
+                SignalError::NotFinite { index, .. } => Place::line(file, lines[index] as usize),
+                _ => Place::file(file),
+            };
+            let column = format!("{} ({})", k + 1, header.columns[k].title);
+            IngestError::content(place.in_column(column), error.to_string(), "finite numbers", "correct the row")
+        })?;
+        let Column { name, title, .. } = &header.columns[k];
+        let acceleration = quantity == QuantityKind::Acceleration;
+        let mut channel = Channel::new(id, quantity);
+        channel.axis = axis(title);
+        channel.cfc = cfc(title).filter(|_| acceleration);
+        channels.push(Found {
+            channel,
+            wave: Some(wave),
+            jitter: time.grid.jitter,
+            fitness: acceleration.then_some(Fitness {
+                redundant: false,
+                place: 0,
+                why: "the only acceleration column",
+            }),
+            aliases: vec![name.clone(), title.clone(), (k + 1).to_string()],
+        });
+    }
+    Ok(channels)
+}
+
+/// Quantity and factor to SI of every data column; [`QuantityKind::Other`] and 1 where no unit is known.
+fn kinds(
+    header: &Header,
+    data: &[usize],
+    selected: Option<usize>,
+    stated: Option<(f64, bool)>,
+    notes: &mut Notes,
+) -> Vec<(QuantityKind, f64)> {
+    let accelerations =
+        data.iter().filter(|k| matches!(header.columns[**k].unit, Unit::Signal(QuantityKind::Acceleration, _))).count();
+    let mut kinds = Vec::new();
+    let mut unknown = Vec::new();
+    for &k in data {
+        let Column { title, unit, .. } = &header.columns[k];
+        let sole = data.len() == 1 || !header.named || names_acceleration(title);
+        let is_target = selected.map_or(sole, |s| s == k);
+        let kind = match (unit, stated) {
+            (Unit::Signal(QuantityKind::Acceleration, f), Some((over, true)))
+                if *f != over && (selected == Some(k) || accelerations == 1) =>
+            {
+                notes.warning(format!(
+                    "the header of column {title} says its unit is {f} m/s^2, the flag or sidecar says {over} m/s^2: that is used"
+                ));
+                (QuantityKind::Acceleration, over)
+            }
+            (Unit::Signal(kind, f), _) => (*kind, *f),
+            (_, Some((f, _))) if is_target => (QuantityKind::Acceleration, f),
+            _ => {
+                unknown.push(title.as_str());
+                (QuantityKind::Other, 1.0)
+            }
+        };
+        kinds.push(kind);
+    }
+    if !unknown.is_empty() {
+        notes.info(format!("no unit is known for {}: kept as read, quantity other", unknown.join(", ")));
+    }
+    kinds
+}
+
+/// An acceleration there must be, and the column asked for must be one.
+fn check_for_acceleration(
+    file: &str,
+    header: &Header,
+    data: &[usize],
+    kinds: &[(QuantityKind, f64)],
+    selected: Option<usize>,
+) -> Result<(), IngestError> {
+    let no_unit = |k: usize| {
+        let Column { title, unit, .. } = &header.columns[k];
+        let place = Place::file(file).in_column(format!("{} ({title})", k + 1));
+        let found = match unit {
+            Unit::Unknown(symbol) => format!("unit {symbol:?} is not known"),
+            _ => "no unit is stated".to_owned(),
+        };
+        let hint = "add --unit g or --unit m/s^2, whichever it is: a unit is never guessed from the numbers";
+        IngestError::content(place, found, format!("a unit of acceleration: {}", choices(ACCELERATION)), hint)
+    };
+    if let Some(selected) = selected {
+        let kind = data.iter().zip(kinds).find(|(k, _)| **k == selected).map(|(_, kind)| kind.0);
+        return match kind {
+            Some(QuantityKind::Other) => Err(no_unit(selected)),
+            _ => Ok(()),
+        };
+    }
+    if kinds.iter().any(|(kind, _)| *kind == QuantityKind::Acceleration) {
+        return Ok(());
+    }
+    let unknown: Vec<usize> =
+        data.iter().zip(kinds).filter(|(_, kind)| kind.0 == QuantityKind::Other).map(|(k, _)| *k).collect();
+    match unknown.iter().find(|k| names_acceleration(&header.columns[**k].title)).or(unknown.first()) {
+        Some(k) => Err(no_unit(*k)),
+        None => Err(IngestError::channel(
+            file,
+            format!("no column is an acceleration: {}", titles(header, data)),
+            "an acceleration column",
+            "export the acceleration of the vehicle, too",
+        )),
+    }
+}
+
+fn acceleration_unit(file: &str, symbol: &str, from: &str) -> Result<f64, IngestError> {
+    factor(symbol, ACCELERATION).ok_or_else(|| {
+        IngestError::content(
+            Place::file(file),
+            format!("{symbol:?}, stated by {from}, is no unit of acceleration"),
+            format!("one of {}", choices(ACCELERATION)),
+            "use --unit g or --unit m/s^2",
+        )
+    })
+}
+
+/// The column a person means by its id, its name with or without unit, or its number from 1.
+fn select(file: &str, wanted: &str, header: &Header, data: &[usize], ids: &[String]) -> Result<usize, IngestError> {
+    let wanted = wanted.trim();
+    let matches = |k: usize, id: &str, fold: bool| {
+        let same = |name: &str| if fold { name.to_lowercase() == wanted.to_lowercase() } else { name == wanted };
+        same(id) || same(&header.columns[k].name) || same(&header.columns[k].title)
+    };
+    let by_name = |fold| data.iter().zip(ids).find(|(k, id)| matches(**k, id, fold)).map(|(k, _)| *k);
+    let by_number = || wanted.parse::<usize>().ok().and_then(|n| n.checked_sub(1)).filter(|k| data.contains(k));
+    by_name(false).or_else(|| by_name(true)).or_else(by_number).ok_or_else(|| {
+        IngestError::channel(
+            file,
+            format!("no column {wanted:?}"),
+            format!("one of {}", titles(header, data)),
+            "give --channel a name from the header, or the number of the column",
+        )
+    })
+}
+
+fn titles(header: &Header, data: &[usize]) -> String {
+    let titles: Vec<&str> = data.iter().take(20).map(|k| header.columns[*k].title.as_str()).collect();
+    let more = data.len() - titles.len();
+    if more == 0 { titles.join(", ") } else { format!("{} and {more} more", titles.join(", ")) }
+}
+
+/// Names fit for topics and file names, each once: letters, digits, `_`, `-` and `.`; anything else becomes `_`.
+fn ids(header: &Header, data: &[usize]) -> Vec<String> {
+    let mut taken = BTreeSet::new();
+    data.iter()
+        .map(|k| {
+            let mut base = String::new();
+            for c in header.columns[*k].name.chars().take(80) {
+                if c.is_alphanumeric() || matches!(c, '_' | '-' | '.') {
+                    base.push(c);
+                } else if !base.is_empty() && !base.ends_with('_') {
+                    base.push('_');
+                }
+            }
+            let base = match base.trim_end_matches(['_', '.']).trim_start_matches('.') {
+                "" => format!("column_{}", k + 1),
+                base => base.to_owned(),
+            };
+            let mut id = base.clone();
+            let mut copy = 2;
+            while !taken.insert(id.clone()) {
+                id = format!("{base}-{copy}");
+                copy += 1;
+            }
+            id
+        })
+        .collect()
+}

@@ -1,0 +1,127 @@
+//! The time column of a table.
+
+use crumple_signal::Notes;
+use crumple_signal::unit::{Dimension, choices, factor};
+
+use super::header::{Header, Unit, is_time_name};
+use super::rows::Rows;
+use crate::grid::{self, Grid, GridError};
+use crate::recording::Stated;
+use crate::{IngestError, Place, Settings};
+
+/// The time column and its grid.
+#[derive(Debug, Clone)]
+pub struct TimeAxis {
+    /// Index of the column.
+    pub column: usize,
+    /// The grid of its stamps, s.
+    pub grid: Grid,
+}
+
+/// Finds the time column (by name, else by unit, else the first), its unit and its grid. The stamps are taken out of `rows`.
+pub fn find(
+    file: &str,
+    header: &Header,
+    rows: &mut Rows,
+    settings: &Settings,
+    comment: Option<&Stated<String>>,
+    notes: &mut Notes,
+) -> Result<TimeAxis, IngestError> {
+    let named = header.columns.iter().position(|c| header.named && is_time_name(&c.title));
+    let with_unit = header.columns.iter().position(|c| matches!(c.unit, Unit::Time(_)));
+    let column = named.or(with_unit).unwrap_or(0);
+    let title = format!("{} ({})", column + 1, header.columns[column].title);
+    let mut times = std::mem::take(&mut rows.columns[column]);
+    let place = |index: usize| Place::line(file, rows.lines[index] as usize).in_column(title.clone());
+
+    if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
+        return Err(order(place(k + 1), times[k], times[k + 1], rows.lines[k]));
+    }
+    let unit = unit(file, &title, &header.columns[column].unit, &times, settings, comment, notes)?;
+    // The printed resolution: the last digit of the most finely printed stamp, seen from the largest.
+    let largest = times[0].abs().max(times[times.len() - 1].abs());
+    let resolution = 10_f64.powf(largest.log10().floor() - f64::from(rows.digits[column].max(1)) + 1.0) * unit;
+    scale(&mut times, unit);
+    let grid = grid::fit(&times, resolution).map_err(|error| match error {
+        GridError::Repeated { index } | GridError::Backwards { index } => {
+            order(place(index), times[index - 1], times[index], rows.lines[index - 1])
+        }
+        GridError::Uneven { index, step_s, dt_s } => IngestError::content(
+            place(index),
+            format!("a step of {step_s:.9} s, where the others are {dt_s:.9} s"),
+            format!("equal steps within {} of the interval", grid::STEP_TOLERANCE),
+            "the record has a gap or uneven sampling: resample it to a uniform rate first, nothing is resampled here",
+        ),
+    })?;
+    Ok(TimeAxis { column, grid })
+}
+
+/// `x * factor`, by division where that is exact: 20 ms are 0.02 s to the last bit.
+fn scale(times: &mut [f64], factor: f64) {
+    let inverse = (1.0 / factor).round();
+    for time in times {
+        if factor < 1.0 { *time /= inverse } else { *time *= factor }
+    }
+}
+
+fn order(place: Place, before: f64, now: f64, line_before: u32) -> IngestError {
+    let found = if now == before {
+        format!("time {now} again, as in line {line_before}")
+    } else {
+        format!("time {now} after {before} in line {line_before}")
+    };
+    IngestError::content(
+        place,
+        found,
+        "times that increase from row to row",
+        "remove the repeated rows, or export with more decimals in the time column",
+    )
+}
+
+/// The factor of the time unit to s: flag, header, comment, else judged from the interval.
+fn unit(
+    file: &str,
+    title: &str,
+    header: &Unit,
+    times: &[f64],
+    settings: &Settings,
+    comment: Option<&Stated<String>>,
+    notes: &mut Notes,
+) -> Result<f64, IngestError> {
+    let known = |symbol: &str, from: &str| {
+        factor(symbol, Dimension::Time).ok_or_else(|| {
+            IngestError::content(
+                Place::file(file).in_column(title),
+                format!("{symbol:?}, stated by {from}, is no unit of time"),
+                format!("one of {}", choices(Dimension::Time)),
+                "use --time-unit s or --time-unit ms",
+            )
+        })
+    };
+    if let Some(symbol) = &settings.time_unit {
+        return known(symbol, "--time-unit");
+    }
+    if let Unit::Time(factor) = header {
+        return Ok(*factor);
+    }
+    if let Some(stated) = comment {
+        return known(&stated.value, &stated.from);
+    }
+    let step = grid::median_step(times);
+    let (symbol, factor) = match step {
+        1e-7..0.02 => ("s", 1.0),
+        0.02..=20.0 => ("ms", 1e-3),
+        _ => {
+            return Err(IngestError::NotStated {
+                file: file.to_owned(),
+                what: format!("the unit of time: column {title} has steps of {step}"),
+                expected: "a unit in the header, such as time_s".to_owned(),
+                hint: "add --time-unit s, ms or us".to_owned(),
+            });
+        }
+    };
+    notes.info(format!(
+        "no unit of time is stated: taken as {symbol}, since the steps are {step:.6}; --time-unit overrides"
+    ));
+    Ok(factor)
+}

@@ -1,0 +1,108 @@
+use crumple_metrics::{CrashEvents, centroid_time_by_moment, centroid_time_from_crush};
+use crumple_signal::Notes;
+
+use crate::{Motion, UsedStart};
+
+/// Relative gap of the two centroid times above which something does not fit.
+const CENTROID_GAP: f64 = 1e-3;
+
+/// What a reader of the motion should know, in words: what the record does not show, and what does not fit together.
+pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_speed_m_per_s: f64) -> Notes {
+    let mut notes = Notes::new();
+    if motion.start == UsedStart::RecordStart {
+        notes.info(format!(
+            "integrated from the start of the record ({:.1} ms) with the impact speed, because a low-pass filter spreads the contact to both sides of time zero",
+            1e3 * motion.velocity.t0_s()
+        ));
+    }
+    if events.end_velocity_m_per_s > impact_speed_m_per_s {
+        notes.warning(format!(
+            "the record ends at v = {:.3} m/s, faster than the impact at {impact_speed_m_per_s:.3} m/s: a frontal pulse is negative (SAE J211-1), check the polarity of the channel",
+            events.end_velocity_m_per_s
+        ));
+    }
+    let (Some(crush), Some(rebound)) = (events.crush, events.rebound) else {
+        notes.warning(format!(
+            "the velocity never reaches zero, the record ends at v = {:.3} m/s: no dynamic crush, no rebound",
+            events.end_velocity_m_per_s
+        ));
+        return notes;
+    };
+    if rebound.still_separating {
+        notes.warning(
+            "still separating: the lowest velocity is the last sample, so restitution and delta-v are lower bounds",
+        );
+    } else if rebound.velocity_m_per_s == 0.0 {
+        notes.info("the velocity never gets below zero: no rebound, coefficient of restitution 0");
+    }
+    if let Some(first) = events.later_zeros_s.first() {
+        notes.info(format!(
+            "the velocity passes zero {} more times after dynamic crush, first at {:.1} ms; only the first zero counts",
+            events.later_zeros_s.len(),
+            1e3 * first
+        ));
+    }
+    let from_crush = centroid_time_from_crush(crush.displacement_m, impact_speed_m_per_s);
+    if let Some(by_moment) = centroid_time_by_moment(&motion.acceleration, time_zero_s, crush.time_s) {
+        let gap = (by_moment - from_crush) / from_crush;
+        let text = format!(
+            "centroid time {:.3} ms from C/v0 and {:.3} ms from the pulse itself, {:+.3} % apart",
+            1e3 * from_crush,
+            1e3 * by_moment,
+            1e2 * gap
+        );
+        if gap.abs() <= CENTROID_GAP {
+            notes.info(text);
+        } else {
+            notes.warning(text + ": impact speed, time zero or zero level may be wrong");
+        }
+    }
+    notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Rule, Settings, Start, integrate};
+    use crumple_metrics::crash_events;
+    use crumple_signal::Signal;
+
+    fn notes_of(a: Vec<f64>) -> Vec<String> {
+        let settings = Settings {
+            rule: Rule::Trapezoid,
+            start: Start::Auto,
+            time_zero_s: 0.0,
+            impact_speed_m_per_s: 4.0,
+            low_pass_filtered: false,
+        };
+        let motion = integrate(&Signal::new(0.0, 0.5, a).unwrap(), &settings).unwrap();
+        let events = crash_events(&motion.velocity, &motion.displacement, 0.0).unwrap();
+        findings(&motion, &events, 0.0, 4.0).to_texts()
+    }
+
+    #[test]
+    fn a_record_that_ends_too_early_says_at_which_velocity() {
+        assert_eq!(
+            notes_of(vec![-2.0; 3]),
+            [
+                "warning: the velocity never reaches zero, the record ends at v = 2.000 m/s: no dynamic crush, no rebound"
+            ]
+        );
+    }
+
+    #[test]
+    fn a_pulse_of_the_wrong_polarity_is_flagged() {
+        let notes = notes_of(vec![2.0; 3]);
+        assert!(notes[0].starts_with("warning: the record ends at v = 6.000 m/s, faster than the impact"), "{notes:?}");
+    }
+
+    #[test]
+    fn a_record_cut_during_rebound_is_still_separating() {
+        let notes = notes_of(vec![-2.0; 7]);
+        assert!(notes[0].starts_with("warning: still separating"), "{notes:?}");
+        assert_eq!(
+            notes[1],
+            "centroid time 1000.000 ms from C/v0 and 1000.000 ms from the pulse itself, +0.000 % apart"
+        );
+    }
+}

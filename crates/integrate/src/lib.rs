@@ -1,0 +1,44 @@
+//! From acceleration to velocity, displacement and barrier force, and what the motion says about the crash.
+//!
+//! [`integrate`] makes the motion, [`findings`] puts its events into words. The numbers themselves (events, metrics) are in
+//! `crumple-metrics`.
+
+mod findings;
+mod force;
+mod motion;
+mod rule;
+mod start;
+
+pub use findings::findings;
+pub use force::barrier_force;
+pub use motion::{Motion, Settings, integrate};
+pub use rule::{Rule, integrate_twice};
+pub use start::{Start, UsedStart};
+
+use crumple_signal::SignalError;
+
+/// Why an acceleration cannot be integrated.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum IntegrateError {
+    /// The impact speed is no speed.
+    #[error("impact speed {0} m/s is not a positive number")]
+    ImpactSpeed(f64),
+    /// The mass is no mass.
+    #[error("mass {0} kg is not a positive number")]
+    Mass(f64),
+    /// The record does not cover time zero and what follows it.
+    #[error(
+        "time zero {time_zero_s} s needs two samples after it and a record that starts no later, the record runs from {first_s} s to {last_s} s"
+    )]
+    TimeZero {
+        /// Time zero on the record's axis.
+        time_zero_s: f64,
+        /// First sample.
+        first_s: f64,
+        /// Last sample.
+        last_s: f64,
+    },
+    /// The result is not a signal: the samples are so large that the sum overflows.
+    #[error("the integrated channel is not a finite signal")]
+    Result(#[from] SignalError),
+}

@@ -1,0 +1,144 @@
+//! The program on artifacts: what it reads, what it writes, what it refuses.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may panic too")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use crumple_artifact::records::{EventsV1, MetricsV1, NotesV1, TestV1};
+use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
+use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+
+/// A test with one channel of constant deceleration 200 m/s² from time zero, 50 ms at rest before it.
+fn constant(impact_speed_m_per_s: Option<f64>, mass_kg: Option<f64>, cfc: Option<u16>) -> TestDescription {
+    TestDescription {
+        title: "constant".to_owned(),
+        mass_kg,
+        impact_speed_m_per_s,
+        channels: vec![Channel { cfc, ..Channel::new("a", QuantityKind::Acceleration) }],
+        ..TestDescription::default()
+    }
+}
+
+/// Writes what the filter stage would have written.
+fn filtered(folder: &Path, test: &TestDescription) -> PathBuf {
+    let samples = (0..2000).map(|k| if k < 500 { 0.0 } else { -200.0 }).collect();
+    let mut builder = ArtifactBuilder::new();
+    builder.put("/test", &TestV1::from(test)).unwrap();
+    builder.wave("a", test.channels[0].quantity, Sampled::new(-0.05, 1e-4, samples).unwrap()).unwrap();
+    let path = folder.join("2-filter.mcap");
+    builder.write(&path, &Provenance::new("filter", "0", "{}".to_owned(), vec![]), Compression::None).unwrap();
+    path
+}
+
+fn run(input: &Path, flags: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_crumple-integrate"))
+        .arg(input)
+        .arg("-o")
+        .arg(input.with_file_name("3-integrate.mcap"))
+        .args(flags)
+        .output()
+        .unwrap()
+}
+
+fn result(input: &Path, flags: &[&str]) -> Artifact {
+    let output = run(input, flags);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Artifact::open(&input.with_file_name("3-integrate.mcap")).unwrap()
+}
+
+fn events(artifact: &Artifact) -> EventsV1 {
+    artifact.record("/events").unwrap().unwrap()
+}
+
+#[test]
+fn writes_motion_events_and_metrics_of_the_pulse() {
+    let folder = tempfile::tempdir().unwrap();
+    let artifact = result(&filtered(folder.path(), &constant(Some(20.0), Some(900.0), None)), &[]);
+    assert_eq!(artifact.waves().keys().collect::<Vec<_>>(), ["a/displacement", "a/force", "a/velocity"]);
+    let velocity = &artifact.waves()["a/velocity"];
+    assert_eq!(
+        (velocity.quantity, velocity.sampled.t0_s(), velocity.sampled.len()),
+        (QuantityKind::Velocity, 0.0, 1500)
+    );
+
+    let events = events(&artifact);
+    // x = v0²/2a = 1 m at v0/a = 100 ms; the trapezoid is exact for a constant, the rest is rounding.
+    assert!((events.dynamic_crush_m.unwrap() - 1.0).abs() < 1e-12);
+    assert!((events.time_of_dynamic_crush_s.unwrap() - 0.1).abs() < 1e-12);
+    assert!((events.centroid_time_s.unwrap() - 0.05).abs() < 1e-12);
+    assert_eq!((events.rule.as_deref(), events.start.as_deref()), (Some("trapezoid"), Some("time-zero")));
+    assert_eq!((events.time_zero_s, events.time_zero_rule.as_str(), events.channel.as_str()), (0.0, "file", "a"));
+    assert_eq!(artifact.waves()["a/force"].sampled.samples()[7], 180_000.0);
+    let metrics: MetricsV1 = artifact.record("/metrics").unwrap().unwrap();
+    let stiffness = metrics.0.iter().find(|metric| metric.name == "average_stiffness").unwrap();
+    assert!((stiffness.value.unwrap() / 360_000.0 - 1.0).abs() < 1e-12);
+    assert_eq!((stiffness.unit.as_str(), stiffness.channel.as_str()), ("N/m", "a"));
+}
+
+#[test]
+fn a_filtered_channel_is_integrated_from_the_start_of_the_record() {
+    let folder = tempfile::tempdir().unwrap();
+    let artifact = result(&filtered(folder.path(), &constant(Some(20.0), None, Some(60))), &[]);
+    assert_eq!(events(&artifact).start.as_deref(), Some("record-start"));
+    let displacement = &artifact.waves()["a/displacement"].sampled;
+    assert_eq!((displacement.t0_s(), displacement.len()), (-0.05, 2000));
+    assert_eq!(displacement.samples()[500], 0.0);
+    assert!(!artifact.waves().contains_key("a/force"));
+}
+
+#[test]
+fn a_velocity_that_never_reaches_zero_is_a_result_with_a_note() {
+    let folder = tempfile::tempdir().unwrap();
+    let artifact = result(&filtered(folder.path(), &constant(Some(40.0), Some(900.0), None)), &[]);
+    let events = events(&artifact);
+    assert_eq!((events.dynamic_crush_m, events.rebound_velocity_m_per_s, events.delta_v_m_per_s), (None, None, None));
+    let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
+    assert_eq!(
+        notes.notes,
+        ["warning: the velocity never reaches zero, the record ends at v = 10.020 m/s: no dynamic crush, no rebound"]
+    );
+}
+
+#[test]
+fn a_missing_impact_speed_is_asked_for_by_name_and_a_flag_gives_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = filtered(folder.path(), &constant(None, None, None));
+    let output = run(&input, &[]);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert!(stderr.contains("no impact speed") && stderr.contains("--impact-speed 35km/h"), "{stderr}");
+    assert_eq!(run(&input, &["--impact-speed", "20"]).status.code(), Some(2));
+
+    let artifact = result(&input, &["--impact-speed", "72km/h"]);
+    assert_eq!(events(&artifact).impact_speed_m_per_s, Some(20.0));
+    // Later stages work with the same speed.
+    assert_eq!(artifact.record::<TestV1>("/test").unwrap().unwrap().impact_speed_m_per_s, Some(20.0));
+}
+
+#[test]
+fn a_time_zero_from_a_flag_is_an_offset_and_one_outside_the_record_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = filtered(folder.path(), &constant(Some(20.0), None, None));
+    let artifact = result(&input, &["--time-zero=-10ms"]);
+    let events = events(&artifact);
+    assert_eq!((events.time_zero_s, events.time_zero_rule.as_str()), (-0.01, "flag"));
+    // Ten milliseconds at speed before the pulse: 0.2 m more. The step of 200 m/s², counted as a ramp of one sample, takes
+    // T/2 of it, 0.01 m/s, for the 0.1 s of the pulse: 1 mm less.
+    assert!((events.time_of_dynamic_crush_s.unwrap() - 0.11).abs() < 1e-4);
+    assert!((events.dynamic_crush_m.unwrap() - 1.2).abs() < 1.1e-3, "{events:?}");
+    assert_eq!(run(&input, &["--time-zero", "9s"]).status.code(), Some(3));
+}
+
+#[test]
+fn refuses_a_channel_that_is_not_there_or_no_acceleration() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = filtered(folder.path(), &constant(Some(20.0), None, None));
+    assert_eq!(run(&input, &["--channel", "b"]).status.code(), Some(3));
+    let mut force = constant(Some(20.0), None, None);
+    force.channels[0].quantity = QuantityKind::Force;
+    let input = filtered(folder.path(), &force);
+    let output = run(&input, &["--channel", "a"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("channel a is no accelerometer"));
+}

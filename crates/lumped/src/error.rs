@@ -1,0 +1,69 @@
+use crate::ModelKind;
+
+/// Why a model cannot be built or asked for its response.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LumpedError {
+    /// No model has this name.
+    #[error("unknown model {found:?}, expected one of {expected}")]
+    UnknownModel {
+        /// What was given.
+        found: String,
+        /// All names.
+        expected: String,
+    },
+    /// The model is known by name, but has no response here.
+    #[error("model {0} has no response in this version")]
+    NoResponse(ModelKind),
+    /// A parameter of the model is not given.
+    #[error("model {model} needs the parameter {name}")]
+    MissingParameter {
+        /// The model.
+        model: ModelKind,
+        /// The parameter.
+        name: &'static str,
+    },
+    /// A parameter is given that the model does not have.
+    #[error("model {model} has no parameter {name:?}, its parameters are {expected}")]
+    UnknownParameter {
+        /// The model.
+        model: ModelKind,
+        /// What was given.
+        name: String,
+        /// The names it has.
+        expected: String,
+    },
+    /// A parameter is NaN or infinite, or must be positive and is not.
+    #[error("{name} is {value}, expected {expected}")]
+    Value {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What would do.
+        expected: &'static str,
+    },
+    /// The poles could not be computed.
+    #[error("poles of the double-spring-mass-damper model: {0}")]
+    Poles(#[from] crumple_lti::LtiError),
+    /// The response leaves the range of numbers.
+    #[error("the response of the {model} model is not finite from t = {time_s} s on: it diverges or is too stiff")]
+    Diverges {
+        /// The model.
+        model: ModelKind,
+        /// Time of the first such sample.
+        time_s: f64,
+    },
+}
+
+/// Refuses NaN, infinities and, where asked, what is not positive.
+pub(crate) fn finite(name: &'static str, value: f64) -> Result<(), LumpedError> {
+    if value.is_finite() { Ok(()) } else { Err(LumpedError::Value { name, value, expected: "a finite number" }) }
+}
+
+pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), LumpedError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(LumpedError::Value { name, value, expected: "a positive number" })
+    }
+}

@@ -1,0 +1,38 @@
+//! Lumped-parameter crash models and their exact responses.
+//!
+//! A model is one or two masses with springs and dampers that meet a rigid barrier at `t = 0` with `x = 0` and
+//! `v = v0`. Displacement `x` is crush, positive towards the barrier, and `x'' = a` is negative while the vehicle
+//! is stopped (SAE J211). Every response here is exact: a closed form or a matrix exponential, never a step-by-step
+//! integration with a step error. What remains is rounding, about `1e-16` a step relative to the largest motion.
+//!
+//! - [`Kelvin`]: spring and damper in parallel.
+//! - [`Elastoplastic`]: stiff unloading about a permanent set.
+//! - [`Maxwell`]: spring and damper in series.
+//! - [`DoubleSpringMassDamper`]: chassis and passenger compartment, two of each.
+//!
+//! Contact stays closed in all of them (the mass is tied to the barrier) except where `release` is set. So a linear
+//! model describes the loading phase of a crash; what it does after rebound is not a prediction.
+
+mod crossing;
+mod double_spring_mass_damper;
+mod elastoplastic;
+mod error;
+mod exact_step;
+mod kelvin;
+mod kind;
+mod maxwell;
+mod model;
+mod motion;
+mod parameters;
+mod second_order;
+
+pub use crumple_lti::Complex;
+pub use double_spring_mass_damper::DoubleSpringMassDamper;
+pub use elastoplastic::Elastoplastic;
+pub use error::LumpedError;
+pub use exact_step::{ExactStep, exact_step, exact_step_with_derivatives};
+pub use kelvin::Kelvin;
+pub use kind::ModelKind;
+pub use maxwell::Maxwell;
+pub use model::Model;
+pub use motion::{CrushEvents, Motion, Response, State};

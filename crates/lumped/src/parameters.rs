@@ -1,0 +1,121 @@
+//! Parameters by name, as candidates carry them.
+
+use std::collections::BTreeMap;
+
+use crate::{DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, ModelKind};
+
+const PARALLEL: &[&str] = &["mass_kg", "stiffness_n_per_m", "damping_n_s_per_m"];
+const ELASTOPLASTIC: &[&str] = &["mass_kg", "loading_stiffness_n_per_m", "unloading_stiffness_n_per_m"];
+const DOUBLE: &[&str] = &["m1_kg", "m2_kg", "k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m"];
+
+impl ModelKind {
+    /// Names of its parameters, masses first; empty for a kind without a response here.
+    pub const fn parameter_names(self) -> &'static [&'static str] {
+        match self {
+            Self::Kelvin | Self::Maxwell => PARALLEL,
+            Self::Elastoplastic => ELASTOPLASTIC,
+            Self::DoubleSpringMassDamper => DOUBLE,
+            Self::Nonlinear1 | Self::Nonlinear2 | Self::TripleSpringMassDamper => &[],
+        }
+    }
+}
+
+impl Model {
+    /// Builds a model from named parameters: exactly those of [`ModelKind::parameter_names`].
+    ///
+    /// An elastoplastic model gets `release = true`: after rebound a vehicle leaves the barrier.
+    pub fn from_parameters(kind: ModelKind, parameters: &BTreeMap<String, f64>) -> Result<Self, LumpedError> {
+        let names = kind.parameter_names();
+        if names.is_empty() {
+            return Err(LumpedError::NoResponse(kind));
+        }
+        if let Some(name) = parameters.keys().find(|name| !names.contains(&name.as_str())) {
+            return Err(LumpedError::UnknownParameter { model: kind, name: name.clone(), expected: names.join(", ") });
+        }
+        let get = |i: usize| {
+            let name = names[i];
+            parameters.get(name).copied().ok_or(LumpedError::MissingParameter { model: kind, name })
+        };
+        let model = match kind {
+            ModelKind::Kelvin => {
+                Self::Kelvin(Kelvin { mass_kg: get(0)?, stiffness_n_per_m: get(1)?, damping_n_s_per_m: get(2)? })
+            }
+            ModelKind::Maxwell => {
+                Self::Maxwell(Maxwell { mass_kg: get(0)?, stiffness_n_per_m: get(1)?, damping_n_s_per_m: get(2)? })
+            }
+            ModelKind::Elastoplastic => Self::Elastoplastic(Elastoplastic {
+                mass_kg: get(0)?,
+                loading_stiffness_n_per_m: get(1)?,
+                unloading_stiffness_n_per_m: get(2)?,
+                release: true,
+            }),
+            ModelKind::DoubleSpringMassDamper => Self::DoubleSpringMassDamper(DoubleSpringMassDamper {
+                m1_kg: get(0)?,
+                m2_kg: get(1)?,
+                k1_n_per_m: get(2)?,
+                k2_n_per_m: get(3)?,
+                c1_n_s_per_m: get(4)?,
+                c2_n_s_per_m: get(5)?,
+            }),
+            ModelKind::Nonlinear1 | ModelKind::Nonlinear2 | ModelKind::TripleSpringMassDamper => {
+                return Err(LumpedError::NoResponse(kind));
+            }
+        };
+        model.check()?;
+        Ok(model)
+    }
+
+    /// The parameters by name.
+    pub fn parameters(&self) -> BTreeMap<String, f64> {
+        let values: Vec<f64> = match self {
+            Self::Kelvin(m) => vec![m.mass_kg, m.stiffness_n_per_m, m.damping_n_s_per_m],
+            Self::Maxwell(m) => vec![m.mass_kg, m.stiffness_n_per_m, m.damping_n_s_per_m],
+            Self::Elastoplastic(m) => vec![m.mass_kg, m.loading_stiffness_n_per_m, m.unloading_stiffness_n_per_m],
+            Self::DoubleSpringMassDamper(m) => {
+                vec![m.m1_kg, m.m2_kg, m.k1_n_per_m, m.k2_n_per_m, m.c1_n_s_per_m, m.c2_n_s_per_m]
+            }
+        };
+        self.kind().parameter_names().iter().map(|name| (*name).to_owned()).zip(values).collect()
+    }
+
+    /// Whether the parameters describe a passive structure: springs positive, dampers positive or zero.
+    pub fn is_physical(&self) -> bool {
+        self.parameters().iter().all(|(name, &value)| value > 0.0 || (name.contains("n_s_per_m") && value == 0.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_model_reads_its_own_parameters_back() {
+        for kind in ModelKind::ALL {
+            let names = kind.parameter_names();
+            let values: BTreeMap<String, f64> =
+                names.iter().enumerate().map(|(i, name)| ((*name).to_owned(), 1.5 + i as f64)).collect();
+            match Model::from_parameters(kind, &values) {
+                Ok(model) => {
+                    assert_eq!(model.kind(), kind);
+                    assert_eq!(model.parameters(), values);
+                    assert!(model.is_physical());
+                }
+                Err(error) => assert_eq!(error, LumpedError::NoResponse(kind)),
+            }
+        }
+    }
+
+    #[test]
+    fn names_what_is_missing_unknown_or_meaningless() {
+        let mut p = BTreeMap::from([("mass_kg".to_owned(), 900.0), ("stiffness_n_per_m".to_owned(), 3e5)]);
+        let error = |p: &BTreeMap<String, f64>| Model::from_parameters(ModelKind::Kelvin, p).unwrap_err().to_string();
+        assert_eq!(error(&p), "model kelvin needs the parameter damping_n_s_per_m");
+        p.insert("damping_n_s_per_m".to_owned(), f64::NAN);
+        assert_eq!(error(&p), "damping_n_s_per_m is NaN, expected a finite number");
+        p.insert("damping_n_s_per_m".to_owned(), 0.0);
+        p.insert("mass_kg".to_owned(), -1.0);
+        assert_eq!(error(&p), "mass_kg is -1, expected a positive number");
+        p.insert("mass".to_owned(), 1.0);
+        assert!(error(&p).starts_with("model kelvin has no parameter \"mass\""));
+    }
+}

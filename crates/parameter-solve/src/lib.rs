@@ -1,0 +1,31 @@
+//! Solves for the physical parameters of lumped models.
+//!
+//! From the events of a crash (`t_m`, `C`, restitution) by closed forms, and from the compartment's displacement by
+//! a bounded least-squares fit of the double spring-mass-damper. Every candidate says how it was found, what was
+//! assumed, how well its parameters are determined and which other candidate gives the same record. Where a model
+//! has no solution the notes say why: that is an answer, not an error.
+//!
+//! Sources: single-mass paper, sections 3.1 and 3.2; T. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model.
+
+mod candidate;
+mod correlation;
+mod double_fit;
+mod double_residuals;
+mod elastoplastic;
+mod error;
+mod kelvin;
+mod levenberg_marquardt;
+mod method;
+mod search;
+mod solve;
+mod starts;
+mod window;
+
+pub use candidate::{Candidate, Fit, Uncertainty};
+pub use double_fit::{DoubleFit, DoubleFitOptions, fit_double};
+pub use elastoplastic::elastoplastic_from_events;
+pub use error::SolveError;
+pub use kelvin::{KelvinBranch, KelvinSolution, centroid_to_crush_time_ratio, kelvin_from_events};
+pub use levenberg_marquardt::StopReason;
+pub use method::{METHODS, MODELS, Method};
+pub use solve::{Evidence, MassSplit, SolveSettings, solve};

@@ -1,0 +1,10 @@
+//! `crumple-parameter-solve`: finds springs and dampers of lumped models from the events and motion of a test.
+
+mod options;
+mod stage;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    crumple_stage::main::<stage::ParameterSolve>()
+}

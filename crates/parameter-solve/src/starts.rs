@@ -1,0 +1,36 @@
+use nalgebra::Vector4;
+
+/// Start `index` of a multi-start search: a Halton point (bases 2, 3, 5, 7) in the box `lower..upper`.
+///
+/// Deterministic and evenly spread for any number of starts.
+pub(crate) fn start(index: usize, lower: &Vector4<f64>, upper: &Vector4<f64>) -> Vector4<f64> {
+    let point = Vector4::from([2, 3, 5, 7].map(|base| radical_inverse(index + 1, base)));
+    lower + (upper - lower).component_mul(&point)
+}
+
+/// The digits of `index` in `base`, mirrored at the point.
+fn radical_inverse(mut index: usize, base: usize) -> f64 {
+    let (mut value, mut weight) = (0.0, 1.0 / base as f64);
+    while index > 0 {
+        value += (index % base) as f64 * weight;
+        index /= base;
+        weight /= base as f64;
+    }
+    value
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn starts_are_spread_over_the_box() {
+        let (lower, upper) = (Vector4::repeat(-1.0), Vector4::repeat(1.0));
+        let points: Vec<_> = (0..64).map(|k| start(k, &lower, &upper)).collect();
+        for axis in 0..4 {
+            let positive = points.iter().filter(|p| p[axis] > 0.0).count();
+            assert!((28..=36).contains(&positive), "axis {axis}: {positive} of 64");
+        }
+        assert_eq!(points[0][0], 0.0);
+    }
+}

@@ -1,0 +1,44 @@
+//! Text of a test made safe for the places it stands in.
+
+/// Text for an element or a quoted attribute: `& < > " '` become entities.
+///
+/// Also right for text that plotly draws, which reads entities and a few tags.
+pub fn html(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// JSON for a `<script type="application/json">`: no `<` is left, so neither `</script>` nor `<!--` can end it.
+///
+/// In JSON a `<` occurs inside strings only, where its escape means the same.
+pub fn json_in_script(json: &str) -> String {
+    json.replace('<', "\\u003c")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_title_cannot_open_a_tag_or_leave_an_attribute() {
+        assert_eq!(html("<b title=\"x\">R&D's</b>"), "&lt;b title=&quot;x&quot;&gt;R&amp;D&#39;s&lt;/b&gt;");
+    }
+
+    #[test]
+    fn json_cannot_end_its_script_and_means_the_same() {
+        let value = serde_json::json!({"title": "</script><!-- <script>"});
+        let safe = json_in_script(&value.to_string());
+        assert!(!safe.contains('<'), "{safe}");
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&safe).unwrap(), value);
+    }
+}

@@ -1,0 +1,191 @@
+//! The candidates' responses over the test: displacement, what is left of it, velocity and acceleration.
+
+use crumple_signal::Sampled;
+use serde_json::{Value, json};
+
+use super::time_view_ms;
+use crate::escape::html;
+use crate::figure::{
+    COMPUTED_POINTS, Figure, MEASURED_POINTS, axis, base_layout, colour, event_line, over_time, room_above, set, short,
+    with,
+};
+use crate::people::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name, decimals};
+use crate::{Candidate, Ranking, Run, pairs_of_equals};
+
+/// Candidates that are shown at first; the others wait in the legend.
+const SHOWN: usize = 4;
+
+/// Test and candidates; `None` without a simulated displacement.
+pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
+    let stands_for = pairs_of_equals(&run.candidates);
+    let mut drawn: Vec<(usize, &Candidate, &Sampled)> = run
+        .candidates
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| stands_for[*index] == *index)
+        .filter_map(|(index, candidate)| Some((index, candidate, candidate.displacement.as_ref()?)))
+        .collect();
+    if drawn.is_empty() {
+        return None;
+    }
+    drawn.sort_by_key(|(index, candidate, _)| (ranking.place(&candidate.id).unwrap_or(usize::MAX), *index));
+
+    let measured = &run.measured;
+    let mut traces = Vec::new();
+    let test_line = json!({"color": colour::MEASURED, "width": 3});
+    for (signal, factor, axis, unit) in [
+        (&measured.displacement, MILLI, "y", "%{y:.1f} mm"),
+        (&measured.velocity, KM_PER_H_PER_M_PER_S, "y3", "%{y:.2f} km/h"),
+        (&run.acceleration().cloned(), G_PER_M_PER_S2, "y4", "%{y:.2f} g"),
+    ] {
+        if let Some(signal) = signal {
+            traces.push(with(
+                over_time(signal, factor, MEASURED_POINTS),
+                json!({"name": "test", "legendgroup": "test", "showlegend": axis == "y", "yaxis": axis,
+                       "line": test_line, "hovertemplate": unit}),
+            ));
+        }
+    }
+    let mut equals = 0;
+    for (place, (index, candidate, displacement)) in drawn.iter().enumerate() {
+        let others = stands_for.iter().enumerate().filter(|(i, of)| **of == *index && i != index).count();
+        equals += others;
+        let style = json!({
+            "legendgroup": candidate.id, "visible": if place < SHOWN { json!(true) } else { json!("legendonly") },
+            "line": {"color": colour::SERIES[place % colour::SERIES.len()], "width": 1.9,
+                     "dash": colour::DASHES[place % colour::DASHES.len()]},
+        });
+        let mut push = |signal: &Sampled, factor: f64, axis: &str, unit: &str| {
+            let trace = with(over_time(signal, factor, COMPUTED_POINTS), style.clone());
+            traces.push(with(
+                trace,
+                json!({"name": name(candidate, others, ranking), "showlegend": axis == "y", "yaxis": axis,
+                       "hovertemplate": format!("{unit}<extra>{}</extra>", html(&candidate_name(&candidate.id)))}),
+            ));
+        };
+        push(displacement, MILLI, "y", "%{y:.1f} mm");
+        if let Some(residual) = measured.displacement.as_ref().and_then(|test| residual(test, displacement)) {
+            push(&residual, MILLI, "y2", "%{y:.2f} mm");
+        }
+        if let Some(velocity) = &candidate.velocity {
+            push(velocity, KM_PER_H_PER_M_PER_S, "y3", "%{y:.2f} km/h");
+        }
+        if let Some(acceleration) = &candidate.acceleration {
+            push(acceleration, G_PER_M_PER_S2, "y4", "%{y:.2f} g");
+        }
+    }
+
+    let (mut shapes, mut labels) = (Vec::new(), Vec::new());
+    if let Some(t_m) = run.time_of_crush_s() {
+        let name = format!("t<sub>m</sub> = {} ms", decimals(MILLI * t_m, 1));
+        let (line, label) = event_line(MILLI * t_m, &name, colour::EVENT, "dash");
+        shapes.push(line);
+        labels.push(label);
+    }
+    let window = drawn.iter().find_map(|(_, candidate, _)| candidate.simulation.as_ref()).map(|s| (s.from_s, s.to_s));
+    if let Some((from, to)) = window {
+        shapes.push(json!({
+            "type": "rect", "xref": "x", "yref": "paper", "x0": short(MILLI * from), "x1": short(MILLI * to),
+            "y0": 0, "y1": 1, "fillcolor": "#eef3f7", "line": {"width": 0}, "layer": "below",
+        }));
+    }
+
+    // The first view is that of the test up to twice its time of crush: a linear model ends with the loading phase.
+    let view = match (time_view_ms(run), run.time_of_crush_s()) {
+        (Some([_, to]), Some(t_m)) => json!([0, short(to.min(2.0 * MILLI * t_m))]),
+        (Some([_, to]), None) => json!([0, short(to)]),
+        (None, _) => Value::Null,
+    };
+    let limits = |signal: Option<&Sampled>, factor: f64| -> Value { range_of(signal, factor) };
+    let mut layout = base_layout();
+    set(
+        &mut layout,
+        json!({
+            "hovermode": "x unified", "hoversubplots": "axis",
+            "xaxis": axis("time after time zero, ms", json!({"anchor": "y4", "range": view, "hoverformat": ".2f"})),
+            "yaxis": axis("displacement, mm", json!({"domain": [0.65, 1.0], "range": limits(measured.displacement.as_ref(), MILLI)})),
+            "yaxis2": axis("residual, mm", json!({"domain": [0.45, 0.62], "range": residual_range(run)})),
+            "yaxis3": axis("velocity, km/h", json!({"domain": [0.225, 0.42], "range": limits(measured.velocity.as_ref(), KM_PER_H_PER_M_PER_S)})),
+            "yaxis4": axis("acceleration, g", json!({"domain": [0.0, 0.195]})),
+            "shapes": shapes, "annotations": labels,
+        }),
+    );
+    // Two names fit into a row; the test's own stands before them.
+    let legend_rows = (drawn.len() + 1).div_ceil(2) as u32;
+    let height_px = 900 + 21 * legend_rows;
+    room_above(&mut layout, height_px, legend_rows);
+    Some(Figure {
+        id: "models",
+        title: "Models over the test",
+        caption: caption(window, equals, drawn.len()),
+        height_px,
+        half_width: false,
+        traces,
+        layout,
+    })
+}
+
+fn caption(window: Option<(f64, f64)>, equals: usize, drawn: usize) -> String {
+    let mut text = String::new();
+    if let Some((from, to)) = window {
+        text.push_str(&format!(
+            "The shaded window, {} to {} ms, is the one the models are compared over; outside it they are only drawn. ",
+            decimals(MILLI * from, 1),
+            decimals(MILLI * to, 1)
+        ));
+    }
+    text.push_str(
+        "The residual is test minus model. Click a name in the legend to show or hide a model in all panels.",
+    );
+    if drawn > SHOWN {
+        text.push_str(&format!(" The {SHOWN} best are shown at first."));
+    }
+    if equals > 0 {
+        text.push_str(" Parameter sets that give exactly the same record (duals) are drawn once.");
+    }
+    text
+}
+
+fn name(candidate: &Candidate, equals: usize, ranking: &Ranking) -> String {
+    let mut name = html(&candidate_name(&candidate.id));
+    let mut remarks = Vec::new();
+    if let Some(fit) = candidate.simulation.as_ref().and_then(|s| s.fit_percent) {
+        remarks.push(format!("{} %", decimals(fit, 1)));
+    }
+    if equals > 0 {
+        remarks.push("and its dual: same record".to_owned());
+    }
+    if !candidate.record.physical {
+        remarks.push("not physical".to_owned());
+    }
+    if !remarks.is_empty() {
+        name.push_str(&format!(" ({})", remarks.join("; ")));
+    }
+    if ranking.best.as_deref() == Some(&candidate.id) { format!("<b>{name}</b>") } else { name }
+}
+
+/// Test minus model at the model's samples, as far as the test reaches.
+fn residual(test: &Sampled, model: &Sampled) -> Option<Sampled> {
+    let first = (0..model.len()).find(|&k| test.at(model.time_s(k)).is_some())?;
+    let left: Vec<f64> =
+        (first..model.len()).map_while(|k| Some(test.at(model.time_s(k))? - model.samples()[k])).collect();
+    Sampled::new(model.time_s(first), model.dt_s(), left).ok()
+}
+
+/// A first view of an axis that holds the test with a margin, so that a model that runs away does not flatten it.
+fn range_of(signal: Option<&Sampled>, factor: f64) -> Value {
+    let Some(signal) = signal.filter(|signal| !signal.is_empty()) else { return Value::Null };
+    let from = signal.index_at_or_after(0.0).min(signal.len() - 1);
+    let (low, high) =
+        signal.samples()[from..].iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &y| (l.min(y), h.max(y)));
+    let margin = 0.2 * (high - low);
+    json!([short(factor * (low.min(0.0) - margin / 4.0)), short(factor * (high + margin))])
+}
+
+/// A sixth of the crush either way: what is larger is no model of this test, and can be found by zooming out.
+fn residual_range(run: &Run) -> Value {
+    match run.events.as_ref().and_then(|e| e.dynamic_crush_m) {
+        Some(crush) => json!([short(-MILLI * crush / 6.0), short(MILLI * crush / 6.0)]),
+        None => Value::Null,
+    }
+}

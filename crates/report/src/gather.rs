@@ -1,0 +1,211 @@
+//! Gathers a run from artifacts: by topic, not by position.
+
+use std::collections::BTreeMap;
+
+use crumple_artifact::Artifact;
+use crumple_artifact::records::{
+    CandidateV1, ChannelFilterV1, DiagnosisV1, IdentificationV1, MetricsV1, ModesV1, NotesV1, SimulationV1,
+    StateSpaceV1, TestV1, TransferFunctionV1,
+};
+use crumple_signal::{Note, Sampled, Severity, TestDescription};
+use crumple_stage::{Inputs, RefuseExt, Refused};
+
+use crate::ranking::by_id;
+use crate::run::{Candidate, Measured, Model, Run, StageNote, StageRecord};
+
+/// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
+///
+/// Refuses artifacts whose records do not decode, and inputs that hold nothing a report could show.
+pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
+    let mut run = Run::default();
+    match inputs.record_if::<TestV1>("/test")? {
+        Some(test) => run.test = TestDescription::try_from(test).refuse_with_hint("see docs/format.md, type Test")?,
+        None => run.missing.push("the test description (crumple-ingest writes it)".to_owned()),
+    }
+    run.events = inputs.record_if("/events")?;
+    run.metrics = inputs.record_if::<MetricsV1>("/metrics")?.map(|metrics| metrics.0).unwrap_or_default();
+    if let Some(id) = run.channel_id().map(str::to_owned) {
+        run.filter = inputs.record_if::<ChannelFilterV1>(&format!("/filter/{id}"))?;
+        run.measured = measured(inputs, &id);
+    }
+    run.models = models(inputs)?;
+    let simulations: BTreeMap<String, SimulationV1> = inputs.records("/simulation/")?.into_iter().collect();
+    run.simulated =
+        !simulations.is_empty() || inputs.artifacts().iter().any(|artifact| artifact.stage() == Some("simulate"));
+    run.candidates = candidates(inputs, &simulations)?;
+    run.provenance = inputs.artifacts().iter().map(stage_record).collect();
+    collect_notes(inputs, &mut run)?;
+    let without_parameters = simulations.keys().filter(|id| run.candidate(id).is_none()).count();
+    name_what_is_missing(&mut run, without_parameters);
+
+    let nothing = run.measured.raw.is_none()
+        && run.measured.filtered.is_none()
+        && run.measured.displacement.is_none()
+        && run.events.is_none()
+        && run.test.channels.is_empty()
+        && run.models.is_empty()
+        && run.candidates.is_empty();
+    if nothing {
+        return Err(Refused::new("the inputs hold no test, wave, event, model or candidate")
+            .expected("artifacts of the pipeline's stages")
+            .hint("look into them with crumple-artifact show")
+            .into());
+    }
+    Ok(run)
+}
+
+/// The pulse channel's waves. Which acceleration is raw and which filtered follows from the stage that wrote it; where
+/// an artifact does not name a known stage, the later of two is the filtered one, and a lone one with a filter record.
+fn measured(inputs: &Inputs, id: &str) -> Measured {
+    let filter_topic = format!("/filter/{id}");
+    let (mut raw, mut filtered) = (None, None);
+    for artifact in inputs.artifacts() {
+        let Some(wave) = artifact.waves().get(id) else { continue };
+        let known = match artifact.stage() {
+            Some("ingest") => Some(false),
+            Some("filter") => Some(true),
+            _ => None,
+        };
+        let is_filtered = known
+            .unwrap_or_else(|| raw.is_some() || artifact.records().iter().any(|record| record.topic == filter_topic));
+        *(if is_filtered { &mut filtered } else { &mut raw }) = Some(wave.sampled.clone());
+    }
+    let of_motion = |what: &str| inputs.wave_if(&format!("{id}/{what}")).map(|wave| wave.sampled.clone());
+    Measured {
+        raw,
+        filtered,
+        velocity: of_motion("velocity"),
+        displacement: of_motion("displacement"),
+        force: of_motion("force"),
+    }
+}
+
+fn models(inputs: &Inputs) -> anyhow::Result<Vec<Model>> {
+    let mut models: BTreeMap<String, Model> = BTreeMap::new();
+    let mut of = |id: &str, put: &mut dyn FnMut(&mut Model)| {
+        let model = models.entry(id.to_owned()).or_insert_with(|| Model { id: id.to_owned(), ..Model::default() });
+        put(model);
+    };
+    for (id, identification) in inputs.records::<IdentificationV1>("/identification/")? {
+        of(&id, &mut |model| model.identification = Some(identification.clone()));
+    }
+    for (id, modes) in inputs.records::<ModesV1>("/modes/")? {
+        of(&id, &mut |model| model.modes.clone_from(&modes.0));
+    }
+    for (topic, tf) in inputs.records::<TransferFunctionV1>("/model/")? {
+        let id = topic.strip_suffix("/transfer-function").unwrap_or(&topic);
+        of(id, &mut |model| model.transfer_function = Some(tf.clone()));
+    }
+    for (topic, _) in inputs.records::<StateSpaceV1>("/model/")? {
+        let id = topic.strip_suffix("/continuous").or_else(|| topic.strip_suffix("/discrete")).unwrap_or(&topic);
+        of(id, &mut |_| {});
+    }
+    Ok(models.into_values().collect())
+}
+
+fn candidates(inputs: &Inputs, simulations: &BTreeMap<String, SimulationV1>) -> anyhow::Result<Vec<Candidate>> {
+    let wave = |id: &str, what: &str| -> Option<Sampled> {
+        inputs.wave_if(&format!("{id}/{what}")).map(|wave| wave.sampled.clone())
+    };
+    let mut candidates: Vec<Candidate> = inputs
+        .records::<CandidateV1>("/parameters/")?
+        .into_iter()
+        .map(|(id, record)| Candidate {
+            simulation: simulations.get(&id).cloned(),
+            displacement: wave(&id, "displacement"),
+            velocity: wave(&id, "velocity"),
+            acceleration: wave(&id, "acceleration"),
+            id,
+            record,
+        })
+        .collect();
+    candidates.sort_by(|a, b| by_id(&a.id, &b.id));
+    Ok(candidates)
+}
+
+fn stage_record(artifact: &Artifact) -> StageRecord {
+    let provenance = artifact.provenance();
+    StageRecord {
+        stage: artifact.stage().unwrap_or("not stated").to_owned(),
+        version: provenance.map(|p| p.stage_version.clone()).unwrap_or_default(),
+        digest: artifact.digest().to_owned(),
+        settings: provenance.map(|p| p.config_json.clone()).unwrap_or_default(),
+        inputs: provenance
+            .map(|p| p.inputs.iter().map(|input| (input.kind.clone(), input.digest.clone())).collect())
+            .unwrap_or_default(),
+    }
+}
+
+/// Notes in stage order, each text of a stage once. What the reader of the file remarked counts as ingest's.
+fn collect_notes(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
+    let mut notes: Vec<StageNote> = Vec::new();
+    let mut add = |stage: &str, note: Note| {
+        let note = StageNote { stage: stage.to_owned(), note };
+        if !notes.iter().any(|other| other.stage == note.stage && other.note.text == note.note.text) {
+            notes.push(note);
+        }
+    };
+    let file_remarks: Vec<Note> = run.test.notes.iter().map(|text| Note::parse(text)).collect();
+    let mut remarks_are_in = false;
+    for artifact in inputs.artifacts() {
+        if let Some(record) = artifact.record::<NotesV1>("/notes").map_err(Refused::from)? {
+            for text in &record.notes {
+                add(&record.stage, Note::parse(text));
+            }
+        }
+        if artifact.stage() == Some("ingest") {
+            file_remarks.iter().for_each(|note| add("ingest", note.clone()));
+            remarks_are_in = true;
+        }
+        if artifact.stage() == Some("filter")
+            && let Some(filter) = &run.filter
+        {
+            filter.notes.iter().for_each(|text| add("filter", Note::parse(text)));
+        }
+        if let Some(diagnosis) = artifact.record::<DiagnosisV1>("/diagnosis").map_err(Refused::from)? {
+            let text = format!("no acceptable result: {}", diagnosis.reason);
+            add(&diagnosis.stage, Note { severity: Severity::Warning, text });
+        }
+    }
+    if !remarks_are_in {
+        // The test travels along: its remarks are known without ingest's artifact, and come first all the same.
+        let mut first: Vec<StageNote> =
+            file_remarks.into_iter().map(|note| StageNote { stage: "ingest".to_owned(), note }).collect();
+        first.extend(notes);
+        notes = first;
+    }
+    run.notes = notes;
+    Ok(())
+}
+
+fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
+    let mut missing = std::mem::take(&mut run.missing);
+    let mut add = |absent: bool, what: &str| {
+        if absent {
+            missing.push(what.to_owned());
+        }
+    };
+    add(
+        run.channel_id().is_none(),
+        "the crash pulse: the test names none of its channels (crumple-ingest --channel does)",
+    );
+    add(run.measured.raw.is_none(), "acceleration as read (crumple-ingest writes it)");
+    add(run.measured.filtered.is_none(), "filtered acceleration (crumple-filter writes it)");
+    add(run.events.is_none(), "crash events, velocity, displacement and metrics (crumple-integrate writes them)");
+    add(
+        run.events.is_some() && run.measured.displacement.is_none(),
+        "velocity and displacement (crumple-integrate writes them)",
+    );
+    add(run.models.is_empty(), "identified models (crumple-identify writes them)");
+    add(run.candidates.is_empty(), "physical parameters (crumple-parameter-solve writes them)");
+    add(
+        !run.simulated && !run.candidates.is_empty(),
+        "responses of the candidates, so there is no ranking and no best (crumple-simulate writes them)",
+    );
+    if without_parameters > 0 {
+        missing.push(format!(
+            "the parameters of {without_parameters} simulated candidates (crumple-parameter-solve writes them)"
+        ));
+    }
+    run.missing = missing;
+}

@@ -1,0 +1,117 @@
+//! `report.html`: one file that a browser shows without a network.
+
+mod candidates;
+mod channels;
+mod header;
+mod models;
+mod numbers;
+mod remarks;
+
+use std::io::{self, Write};
+
+use crate::escape::{html, json_in_script};
+use crate::figure::Figure;
+use crate::{Ranking, Run, figures};
+
+const STYLE: &str = include_str!("page/style.css");
+const DRAW: &str = include_str!("page/draw.js");
+
+/// A report, ready to be written.
+#[derive(Debug)]
+pub struct Page {
+    /// Everything up to plotly's script.
+    head: String,
+    /// Plotly's script and another that is left out.
+    scripts: String,
+    /// Everything after it.
+    tail: String,
+}
+
+impl Page {
+    /// Lays the report out. The same run gives the same bytes.
+    pub fn new(run: &Run, ranking: &Ranking) -> Self {
+        let figures = figures::all(run, ranking);
+        let mut body = String::with_capacity(1 << 20);
+        body.push_str(&format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta name=\"generator\" content=\"crumple-report {}\">\n<title>{} – Crumple</title>\n\
+             <style>\n{STYLE}</style>\n</head>\n<body>\n",
+            env!("CARGO_PKG_VERSION"),
+            html(&run.test.title)
+        ));
+        header::write(&mut body, run, ranking);
+        body.push_str("<main>\n");
+        remarks::write_missing(&mut body, run);
+        let mut pair_open = false;
+        for (index, figure) in figures.iter().enumerate() {
+            // Two figures of half a width share a row; a lone one has it for itself.
+            let next_is_half = figures.get(index + 1).is_some_and(|next| next.half_width);
+            if figure.half_width && !pair_open && next_is_half {
+                body.push_str("<div class=\"pair\">\n");
+                pair_open = true;
+            }
+            write_figure(&mut body, figure);
+            if pair_open && !(figure.half_width && next_is_half) {
+                body.push_str("</div>\n");
+                pair_open = false;
+            }
+        }
+        candidates::write(&mut body, run, ranking);
+        models::write(&mut body, run);
+        numbers::write(&mut body, run);
+        channels::write(&mut body, run);
+        remarks::write_notes(&mut body, run);
+        remarks::write_limits(&mut body, run);
+        remarks::write_provenance(&mut body, run);
+        body.push_str("</main>\n<script>");
+        Self {
+            head: body,
+            scripts: plotly::Plot::offline_js_sources(),
+            tail: format!("</script>\n<script>\n{DRAW}</script>\n</body>\n</html>\n"),
+        }
+    }
+
+    /// Writes it.
+    pub fn write_to(&self, mut writer: impl Write) -> io::Result<()> {
+        writer.write_all(self.head.as_bytes())?;
+        writer.write_all(plotly_script(&self.scripts).as_bytes())?;
+        writer.write_all(self.tail.as_bytes())
+    }
+}
+
+/// The first script of the crate's embedded ones: plotly.js. The second, MathJax, is of no use here and large.
+fn plotly_script(scripts: &str) -> &str {
+    let start = scripts.find('>').map_or(0, |tag_end| tag_end + 1);
+    let end = scripts.find("</script>").unwrap_or(scripts.len());
+    &scripts[start.min(end)..end]
+}
+
+fn write_figure(out: &mut String, figure: &Figure) {
+    let Figure { id, title, height_px, .. } = figure;
+    out.push_str(&format!(
+        "<section class=\"figure\" aria-labelledby=\"{id}-title\">\n<h2 id=\"{id}-title\">{}</h2>\n\
+         <div class=\"plot\" id=\"{id}\" role=\"img\" aria-describedby=\"{id}-caption\" style=\"height:{height_px}px\"></div>\n\
+         <script type=\"application/json\" id=\"{id}-data\">{}</script>\n\
+         <p class=\"caption\" id=\"{id}-caption\">{}</p>\n</section>\n",
+        html(title),
+        json_in_script(&figure.to_json()),
+        html(&figure.caption)
+    ));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_plotly_is_taken_and_it_cannot_end_its_script() {
+        let scripts = plotly::Plot::offline_js_sources();
+        let script = plotly_script(&scripts);
+        assert!(script.contains("plotly.js v"), "{}", &script[..200]);
+        assert!(script.contains("window.Plotly"));
+        assert!(!script.contains("</script"));
+        // MathJax is another 2 MB: without it the script is well below the two together.
+        assert!(script.len() > 3_000_000 && scripts.len() - script.len() > 2_000_000);
+    }
+}

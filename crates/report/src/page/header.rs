@@ -1,0 +1,113 @@
+//! Title, what was tested, and the key figures.
+
+use crate::escape::html;
+use crate::people::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP, at_most, candidate_name, decimals};
+use crate::{Ranking, Run};
+
+pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
+    let test = &run.test;
+    let title = if test.title.is_empty() { "Untitled record" } else { &test.title };
+    out.push_str(&format!(
+        "<header>\n<p class=\"brand\">Crumple · crash pulse report</p>\n<h1>{}</h1>\n<dl>\n",
+        html(title)
+    ));
+    let mut fact = |name: &str, value: Option<String>| {
+        let value = value.map_or_else(|| "<span class=\"unknown\">not known</span>".to_owned(), |v| html(&v));
+        out.push_str(&format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n"));
+    };
+    fact("Vehicle", test.vehicle.clone());
+    fact("Test mass", test.mass_kg.map(|m| format!("{}{NBSP}kg", at_most(m, 1))));
+    fact(
+        "Impact speed",
+        test.impact_speed_m_per_s
+            .map(|v| format!("{}{NBSP}km/h ({}{NBSP}m/s)", decimals(KM_PER_H_PER_M_PER_S * v, 2), decimals(v, 3))),
+    );
+    fact("Barrier", test.barrier.clone());
+    fact("Channel taken", run.channel_id().map(|id| channel_words(run, id)));
+    fact("Sampling", run.acceleration().map(|a| format!("{}{NBSP}Hz, {} samples", at_most(a.rate_hz(), 2), a.len())));
+    out.push_str("</dl>\n</header>\n");
+    cards(out, run, ranking);
+}
+
+fn channel_words(run: &Run, id: &str) -> String {
+    let mut words = id.to_owned();
+    if let Some(channel) = run.test.channel(id) {
+        if !channel.location.is_empty() {
+            words.push_str(&format!(", {}", channel.location));
+        }
+        if let Some(axis) = channel.axis {
+            words.push_str(&format!(", {axis} axis"));
+        }
+        if let Some(cfc) = channel.cfc {
+            words.push_str(&format!(", CFC{NBSP}{cfc}"));
+        }
+    }
+    words
+}
+
+fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
+    let events = run.events.as_ref();
+    out.push_str("<div class=\"cards\">\n");
+    let mut card = |name: &str, value: Option<f64>, factor: f64, places: usize, unit: &str, remark: Option<String>| {
+        let number = value.map_or_else(|| ABSENT.to_owned(), |v| decimals(factor * v, places));
+        let unit = if value.is_some() && !unit.is_empty() { format!(" <small>{unit}</small>") } else { String::new() };
+        let remark = remark.map_or_else(String::new, |text| format!("<p>{text}</p>"));
+        out.push_str(&format!(
+            "<div class=\"card\"><h3>{name}</h3><p class=\"number\">{number}{unit}</p>{remark}</div>\n"
+        ));
+    };
+    let absent = events.filter(|e| e.dynamic_crush_m.is_none()).map(|_| "velocity does not reach zero".to_owned());
+    card("Dynamic crush C", events.and_then(|e| e.dynamic_crush_m), MILLI, 1, "mm", absent);
+    let t_m = run.time_of_crush_s();
+    let ratio = events
+        .and_then(|e| Some(e.centroid_time_s? / t_m?))
+        .map(|r| format!("t<sub>c</sub>/t<sub>m</sub> = {}", decimals(r, 3)));
+    card("Time of crush t<sub>m</sub>", t_m, MILLI, 1, "ms", ratio);
+    card(
+        "Velocity change Δv",
+        events.and_then(|e| e.delta_v_m_per_s),
+        KM_PER_H_PER_M_PER_S,
+        1,
+        "km/h",
+        events.and_then(|e| e.delta_v_m_per_s).map(|v| format!("{}{NBSP}m/s", decimals(v, 2))),
+    );
+    card(
+        "Restitution e",
+        events.and_then(|e| e.coefficient_of_restitution),
+        1.0,
+        3,
+        "",
+        events
+            .and_then(|e| e.rebound_velocity_m_per_s)
+            .map(|v| format!("rebound {}{NBSP}km/h", decimals(KM_PER_H_PER_M_PER_S * v.abs(), 1))),
+    );
+    let (peak, t_peak) = peak(run);
+    card(
+        "Peak deceleration",
+        peak,
+        G_PER_M_PER_S2,
+        1,
+        "g",
+        t_peak.map(|t| format!("at {}{NBSP}ms", decimals(MILLI * t, 1))),
+    );
+    let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
+    let fit = best.and_then(|b| b.simulation.as_ref()?.fit_percent);
+    let remark = match (best, run.candidates.is_empty()) {
+        (Some(best), _) => Some(html(&candidate_name(&best.id))),
+        (None, false) => Some("no physical candidate was simulated".to_owned()),
+        (None, true) => None,
+    };
+    card("Best model, fit", fit, 1.0, 1, "%", remark);
+    out.push_str("</div>\n");
+}
+
+/// Largest deceleration, m/s², positive, and its time: the metric where there is one, else read off the record after
+/// time zero.
+fn peak(run: &Run) -> (Option<f64>, Option<f64>) {
+    if let Some(value) = run.metric("peak_acceleration").and_then(|m| m.value) {
+        return (Some(value.abs()), run.metric("time_of_peak_acceleration").and_then(|m| m.value));
+    }
+    let Some(a) = run.acceleration() else { return (None, None) };
+    let lowest = (a.index_at_or_after(0.0)..a.len()).min_by(|&i, &k| a.samples()[i].total_cmp(&a.samples()[k]));
+    (lowest.map(|k| -a.samples()[k]), lowest.map(|k| a.time_s(k)))
+}

@@ -1,0 +1,84 @@
+//! Events and metrics with their definitions.
+
+use crumple_artifact::records::EventsV1;
+
+use crate::Run;
+use crate::escape::html;
+use crate::people::{ABSENT, value};
+
+pub(super) fn write(out: &mut String, run: &Run) {
+    if run.events.is_none() && run.metrics.is_empty() {
+        return;
+    }
+    out.push_str("<section>\n<h2>Events and metrics</h2>\n<div class=\"pair\">\n");
+    if let Some(events) = &run.events {
+        out.push_str("<div>\n<h3>Events</h3>\n");
+        table(out, &event_rows(events));
+        out.push_str(&format!(
+            "<p class=\"caption\">Times count from time zero, which was set by: {}.</p>\n</div>\n",
+            html(&events.time_zero_rule.replace('-', " "))
+        ));
+    }
+    if !run.metrics.is_empty() {
+        let channel = run.channel_id();
+        let rows: Vec<Row> = run
+            .metrics
+            .iter()
+            .map(|metric| {
+                let mut name = metric.name.replace('_', " ");
+                if Some(metric.channel.as_str()) != channel {
+                    name.push_str(&format!(" ({})", metric.channel));
+                }
+                Row { name, value: metric.value, unit: &metric.unit, definition: &metric.definition }
+            })
+            .collect();
+        out.push_str("<div>\n<h3>Metrics</h3>\n");
+        table(out, &rows);
+        out.push_str("<p class=\"caption\">Point at a name for its definition, or the reason why a value is absent.</p>\n</div>\n");
+    }
+    out.push_str("</div>\n</section>\n");
+}
+
+struct Row<'a> {
+    name: String,
+    value: Option<f64>,
+    unit: &'a str,
+    definition: &'a str,
+}
+
+fn table(out: &mut String, rows: &[Row]) {
+    out.push_str("<table class=\"numbers\"><tbody>\n");
+    for row in rows {
+        let value = match row.value {
+            Some(x) => html(&value(x, row.unit)),
+            // A value that is not there says why, in print too.
+            None => format!("{ABSENT} <span class=\"why\">{}</span>", html(row.definition)),
+        };
+        out.push_str(&format!(
+            "<tr><th scope=\"row\"><abbr title=\"{}\">{}</abbr></th><td class=\"n\">{value}</td></tr>\n",
+            html(row.definition),
+            html(&row.name).replace("t_m", "t<sub>m</sub>").replace("t_c", "t<sub>c</sub>")
+        ));
+    }
+    out.push_str("</tbody></table>\n");
+}
+
+fn event_rows(e: &EventsV1) -> Vec<Row<'static>> {
+    let row = |name: &str, value, unit, definition| Row { name: name.to_owned(), value, unit, definition };
+    vec![
+        row("dynamic crush C", e.dynamic_crush_m, "m", "Displacement at the first zero of the velocity."),
+        row("time of dynamic crush t_m", e.time_of_dynamic_crush_s, "s", "Time of the first zero of the velocity."),
+        row("centroid time t_c", e.centroid_time_s, "s", "Centroid of the pulse from time zero to t_m; C / v0."),
+        row("rebound velocity", e.rebound_velocity_m_per_s, "m/s", "Lowest velocity after t_m."),
+        row("time of rebound", e.time_of_rebound_s, "s", "Time of the rebound velocity."),
+        row("coefficient of restitution e", e.coefficient_of_restitution, "1", "−rebound velocity / impact speed."),
+        row("change of velocity", e.delta_v_m_per_s, "m/s", "Impact speed minus rebound velocity."),
+        row("impact speed", e.impact_speed_m_per_s, "m/s", "Speed the integration started from."),
+        row(
+            "time zero on the record's axis",
+            Some(e.time_zero_s),
+            "s",
+            "Offset of time zero on the time axis of the file.",
+        ),
+    ]
+}

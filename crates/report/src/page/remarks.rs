@@ -1,0 +1,170 @@
+//! What is missing, what the stages remarked, what the result can and cannot say, where it came from.
+
+use crumple_signal::Severity;
+
+use crate::Run;
+use crate::escape::html;
+use crate::people::decimals;
+
+/// Good-to-know notes of a stage that are open to view; the rest is folded. Warnings never are.
+const OPEN_NOTES: usize = 12;
+/// Characters of a digest that are shown.
+const DIGEST_SHOWN: usize = 12;
+
+pub(super) fn write_missing(out: &mut String, run: &Run) {
+    if run.missing.is_empty() {
+        return;
+    }
+    let items: String = run.missing.iter().map(|text| format!("<li>{}</li>\n", html(text))).collect();
+    out.push_str(&format!(
+        "<section class=\"missing\">\n<h2>Not in this report</h2>\n<ul>\n{items}</ul>\n</section>\n"
+    ));
+}
+
+pub(super) fn write_notes(out: &mut String, run: &Run) {
+    if run.notes.is_empty() {
+        return;
+    }
+    let warnings = run.notes.iter().filter(|n| n.note.severity == Severity::Warning).count();
+    let count = match warnings {
+        0 => String::new(),
+        1 => " <span class=\"badge\">1 warning</span>".to_owned(),
+        n => format!(" <span class=\"badge\">{n} warnings</span>"),
+    };
+    out.push_str(&format!("<section>\n<h2>Notes of the stages{count}</h2>\n"));
+    let mut stages: Vec<&str> = Vec::new();
+    for note in &run.notes {
+        if !stages.contains(&note.stage.as_str()) {
+            stages.push(&note.stage);
+        }
+    }
+    for stage in stages {
+        let of_stage = || run.notes.iter().filter(|n| n.stage == stage);
+        let texts = |severity: Severity, class: &str, mark: &str| -> Vec<String> {
+            of_stage()
+                .filter(|n| n.note.severity == severity)
+                .map(|n| format!("<li{class}>{mark}{}</li>\n", html(&n.note.text)))
+                .collect()
+        };
+        let warnings = texts(Severity::Warning, " class=\"warning\"", "<strong>Warning:</strong> ");
+        let infos = texts(Severity::Info, "", "");
+        out.push_str(&format!("<h3>{}</h3>\n<ul class=\"notes\">\n{}", html(stage), warnings.concat()));
+        if infos.len() > OPEN_NOTES {
+            out.push_str(&format!(
+                "</ul>\n<details><summary>{} more notes</summary>\n<ul class=\"notes\">\n{}</ul>\n</details>\n",
+                infos.len(),
+                infos.concat()
+            ));
+        } else {
+            out.push_str(&format!("{}</ul>\n", infos.concat()));
+        }
+    }
+    out.push_str("</section>\n");
+}
+
+pub(super) fn write_limits(out: &mut String, run: &Run) {
+    let mut limits = Vec::new();
+    if run.candidates.iter().any(|c| c.record.model == "double-spring-mass-damper" || c.record.equivalent_to.is_some())
+    {
+        limits.push(
+            "One compartment accelerometer cannot tell a double-mass parameter set from its dual: both give exactly the same \
+             record, so the fit cannot choose between them. A second sensor on the front, on the engine or the firewall, decides."
+                .to_owned(),
+        );
+    }
+    let window = run.candidates.iter().find_map(|c| c.simulation.as_ref()).map(|s| (s.from_s, s.to_s));
+    if !run.candidates.is_empty() || !run.models.is_empty() {
+        let mut text =
+            "A linear model of a crash is a model of the loading phase: a structure that has been crushed does not \
+                        spring back as it came."
+                .to_owned();
+        if let Some((from, to)) = window {
+            text.push_str(&format!(
+                " Models are compared with the test from {} to {} ms after time zero; what they do later is extrapolation.",
+                decimals(1e3 * from, 1),
+                decimals(1e3 * to, 1)
+            ));
+        }
+        limits.push(text);
+    }
+    limits.push(
+        "Everything here is read from one sensor, with the vehicle taken for a body that moves as one. Crush is the \
+         displacement of that sensor, double-integrated: an error of its zero level grows with the square of time. It is \
+         dynamic crush; the crush that remains after the test cannot be had from an accelerometer."
+            .to_owned(),
+    );
+    if let Some(ratio) = run.events.as_ref().and_then(|e| Some(e.centroid_time_s? / e.time_of_dynamic_crush_s?)) {
+        if ratio > std::f64::consts::FRAC_2_PI {
+            limits.push(format!(
+                "t_c/t_m is {}, above 2/π = 0.637: no Kelvin model with damping has such a pulse, and one labelled as \
+                 undamped is a reduction to the nearest that exists.",
+                decimals(ratio, 3)
+            ));
+        }
+    }
+    if run.events.as_ref().is_some_and(|e| e.time_of_dynamic_crush_s.is_none()) {
+        limits.push(
+            "The velocity does not reach zero within the record. That is a legal answer: the vehicle was still moving \
+             forward when the record ended, so dynamic crush, restitution and all that builds on them are absent."
+                .to_owned(),
+        );
+    }
+    let items: String = limits.iter().map(|text| format!("<li>{}</li>\n", html(text))).collect();
+    out.push_str(&format!(
+        "<section>\n<h2>What this can and cannot say</h2>\n<ul class=\"limits\">\n{items}</ul>\n</section>\n"
+    ));
+}
+
+pub(super) fn write_provenance(out: &mut String, run: &Run) {
+    out.push_str("<section class=\"provenance\">\n<h2>Provenance</h2>\n");
+    let source = &run.test.source;
+    if !source.name.is_empty() {
+        out.push_str(&format!(
+            "<p>Record: {} ({}), <code title=\"{}\">{}</code>. Pipeline: {}.</p>\n",
+            html(&source.name),
+            html(&source.format),
+            html(&source.digest),
+            html(short(&source.digest)),
+            html(run.pipeline.as_deref().unwrap_or("not named"))
+        ));
+    }
+    if !run.provenance.is_empty() {
+        out.push_str(
+            "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">Stage</th><th scope=\"col\">Version</th><th scope=\"col\">Content</th>\
+             <th scope=\"col\">Made from</th><th scope=\"col\">Settings</th></tr></thead>\n<tbody>\n",
+        );
+        for record in &run.provenance {
+            let inputs: Vec<String> = record
+                .inputs
+                .iter()
+                .map(|(kind, digest)| {
+                    format!("{} <code title=\"{}\">{}</code>", html(kind), html(digest), html(short(digest)))
+                })
+                .collect();
+            let settings = if record.settings.is_empty() || record.settings == "{}" {
+                "none".to_owned()
+            } else {
+                format!("<details><summary>show</summary><code>{}</code></details>", html(&record.settings))
+            };
+            out.push_str(&format!(
+                "<tr><td>{}</td><td>{}</td><td><code title=\"{}\">{}</code></td><td>{}</td><td>{settings}</td></tr>\n",
+                html(&record.stage),
+                html(&record.version),
+                html(&record.digest),
+                html(short(&record.digest)),
+                inputs.join("<br>")
+            ));
+        }
+        out.push_str("</tbody>\n</table></div>\n");
+    }
+    out.push_str(&format!(
+        "<p class=\"caption\">Made by crumple-report {}. Full numbers are in summary.json and in the artifacts.</p>\n</section>\n",
+        env!("CARGO_PKG_VERSION")
+    ));
+}
+
+/// The first characters of a digest without its algorithm.
+fn short(digest: &str) -> &str {
+    let hex = digest.split_once(':').map_or(digest, |(_, hex)| hex);
+    hex.get(..DIGEST_SHOWN).unwrap_or(hex)
+}

@@ -1,0 +1,145 @@
+//! What a report is made from, wherever it was read.
+
+use crumple_artifact::records::{
+    CandidateV1, ChannelFilterV1, EventsV1, IdentificationV1, MetricV1, ModeV1, SimulationV1, TransferFunctionV1,
+};
+use crumple_signal::{Channel, Note, Sampled, TestDescription};
+
+/// Everything that is known about a run. Parts whose stage has not run are empty.
+#[derive(Debug, Clone, Default)]
+pub struct Run {
+    /// Name of the pipeline, e.g. `default` or `papers/civic`, if it has one.
+    pub pipeline: Option<String>,
+    /// The test.
+    pub test: TestDescription,
+    /// The waves of the channel the crash was read from.
+    pub measured: Measured,
+    /// How that channel was filtered.
+    pub filter: Option<ChannelFilterV1>,
+    /// The events of the crash.
+    pub events: Option<EventsV1>,
+    /// Crash metrics, in the order of the artifact.
+    pub metrics: Vec<MetricV1>,
+    /// Identified models by id.
+    pub models: Vec<Model>,
+    /// Candidates in id order: by model, method and the number at the end.
+    pub candidates: Vec<Candidate>,
+    /// Whether an artifact of the simulate stage is among the inputs.
+    pub simulated: bool,
+    /// What the stages remarked, in stage order, each text once.
+    pub notes: Vec<StageNote>,
+    /// Where the artifacts came from, in stage order.
+    pub provenance: Vec<StageRecord>,
+    /// What is not in the report, and which stage would supply it.
+    pub missing: Vec<String>,
+}
+
+/// The waves of the pulse channel, SI, on the record's time axis.
+#[derive(Debug, Clone, Default)]
+pub struct Measured {
+    /// Acceleration as read.
+    pub raw: Option<Sampled>,
+    /// Acceleration as filtered.
+    pub filtered: Option<Sampled>,
+    /// Velocity.
+    pub velocity: Option<Sampled>,
+    /// Displacement: the crush.
+    pub displacement: Option<Sampled>,
+    /// Force on the barrier, positive in compression.
+    pub force: Option<Sampled>,
+}
+
+/// One identified model.
+#[derive(Debug, Clone, Default)]
+pub struct Model {
+    /// Id, e.g. `era-4`.
+    pub id: String,
+    /// How it was identified.
+    pub identification: Option<IdentificationV1>,
+    /// Its continuous transfer function.
+    pub transfer_function: Option<TransferFunctionV1>,
+    /// Its modes, one entry a pole.
+    pub modes: Vec<ModeV1>,
+}
+
+/// One set of physical parameters and what it answers with.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// `<model>/<method>/<index>`.
+    pub id: String,
+    /// The parameters.
+    pub record: CandidateV1,
+    /// The comparison with the test; `None`: it was not simulated.
+    pub simulation: Option<SimulationV1>,
+    /// Displacement of the compartment.
+    pub displacement: Option<Sampled>,
+    /// Velocity of the compartment.
+    pub velocity: Option<Sampled>,
+    /// Acceleration of the compartment.
+    pub acceleration: Option<Sampled>,
+}
+
+/// A remark and the stage that made it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StageNote {
+    /// The stage, e.g. `ingest`.
+    pub stage: String,
+    /// The remark.
+    pub note: Note,
+}
+
+/// One artifact's origin.
+#[derive(Debug, Clone, Default)]
+pub struct StageRecord {
+    /// The stage that wrote it.
+    pub stage: String,
+    /// The stage's version.
+    pub version: String,
+    /// Digest of the artifact's content.
+    pub digest: String,
+    /// Its settings as canonical JSON.
+    pub settings: String,
+    /// Kind and digest of each of its inputs.
+    pub inputs: Vec<(String, String)>,
+}
+
+impl Run {
+    /// Id of the channel the crash was read from: what the events name, else the test's pulse.
+    pub fn channel_id(&self) -> Option<&str> {
+        match &self.events {
+            Some(events) => Some(&events.channel),
+            None => self.test.pulse_channel().ok().map(|channel| channel.id.as_str()),
+        }
+    }
+
+    /// That channel's description.
+    pub fn channel(&self) -> Option<&Channel> {
+        self.test.channel(self.channel_id()?)
+    }
+
+    /// The acceleration the analysis worked on: filtered where there is such a wave, else as read.
+    pub fn acceleration(&self) -> Option<&Sampled> {
+        self.measured.filtered.as_ref().or(self.measured.raw.as_ref())
+    }
+
+    /// Time of dynamic crush, s, if the record shows it.
+    pub fn time_of_crush_s(&self) -> Option<f64> {
+        self.events.as_ref()?.time_of_dynamic_crush_s
+    }
+
+    /// The metric of this name; one of the pulse channel goes before one of another channel.
+    pub fn metric(&self, name: &str) -> Option<&MetricV1> {
+        let of_name = || self.metrics.iter().filter(|metric| metric.name == name);
+        of_name().find(|metric| Some(metric.channel.as_str()) == self.channel_id()).or_else(|| of_name().next())
+    }
+
+    /// The candidate of this id.
+    pub fn candidate(&self, id: &str) -> Option<&Candidate> {
+        self.candidates.iter().find(|candidate| candidate.id == id)
+    }
+
+    /// Whether candidates were simulated and not one of them came through.
+    pub fn no_candidate_simulated(&self) -> bool {
+        self.simulated && self.candidates.iter().all(|candidate| candidate.simulation.is_none())
+    }
+}

@@ -1,0 +1,146 @@
+//! The command line of `crumple-report`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use crumple_artifact::write_atomically;
+use crumple_signal::Severity;
+use crumple_stage::{ExitStatus, Usage, load_artifacts};
+
+use crate::people::{KM_PER_H_PER_M_PER_S, MILLI, candidate_name, decimals};
+use crate::{Page, Ranking, Run, gather, summary};
+
+/// Writes report.html, which a person looks at, and summary.json, which a script reads.
+#[derive(Debug, clap::Parser)]
+#[command(
+    name = "crumple-report",
+    version,
+    after_help = "What an input lacks is left out of the report and named in it.\n\
+                  Exit codes: 0 done, 1 unforeseen failure, 2 usage, 3 input refused, \
+                  4 not one candidate could be simulated (both files are written)."
+)]
+pub struct Cli {
+    /// Artifacts of a run, 1-ingest.mcap to 6-simulate.mcap or any of them, in any order.
+    #[arg(required = true, value_name = "INPUT")]
+    pub inputs: Vec<PathBuf>,
+
+    /// Report to write (one HTML file that needs no network).
+    #[arg(short, long, value_name = "REPORT")]
+    pub output: PathBuf,
+
+    /// Summary to write [default: summary.json beside the report].
+    #[arg(long, value_name = "FILE")]
+    pub summary: Option<PathBuf>,
+
+    /// Pipeline file of the run; its name goes into the report and the summary.
+    #[arg(short, long, value_name = "FILE")]
+    pub pipeline: Option<PathBuf>,
+
+    /// Name of the pipeline, instead of the one taken from the pipeline file's path.
+    #[arg(long, value_name = "NAME")]
+    pub pipeline_name: Option<String>,
+
+    /// Print the summary to stdout as well.
+    #[arg(long)]
+    pub json: bool,
+
+    /// No summary on stderr.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// Reads the artifacts and writes both files.
+///
+/// Errors carry their exit status: a pipeline file that is not there is a usage error, a damaged artifact a refusal.
+pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
+    let pipeline = match (&cli.pipeline_name, &cli.pipeline) {
+        (Some(name), _) => Some(name.clone()),
+        (None, Some(path)) => Some(pipeline_name(path)),
+        (None, None) => None,
+    };
+    if let Some(path) = cli.pipeline.as_deref().filter(|path| !path.is_file()) {
+        return Err(Usage::new(format!("{} is no pipeline file", path.display()))
+            .hint("see the folder pipelines")
+            .into());
+    }
+    let summary_path = cli.summary.clone().unwrap_or_else(|| cli.output.with_file_name("summary.json"));
+    if summary_path == cli.output {
+        return Err(Usage::new("report and summary are the same file").hint("give --summary another name").into());
+    }
+    let mut run = gather(&load_artifacts(&cli.inputs)?.input)?;
+    run.pipeline = pipeline;
+    let ranking = Ranking::of(&run.candidates);
+    let json = summary(&run, &ranking).to_json()?;
+    let page = Page::new(&run, &ranking);
+
+    write_atomically(&summary_path, |file| file.write_all(json.as_bytes()))
+        .with_context(|| format!("cannot write {}", summary_path.display()))?;
+    write_atomically(&cli.output, |file| page.write_to(file))
+        .with_context(|| format!("cannot write {}", cli.output.display()))?;
+    if cli.json {
+        // A reader that has seen enough closes the pipe; that is not an error.
+        let _ = std::io::stdout().lock().write_all(json.as_bytes());
+    }
+    if !cli.quiet {
+        for line in lines(&run, &ranking) {
+            eprintln!("{:<16} {line}", "report");
+        }
+        eprintln!("{:<16} {}", "report", cli.output.display());
+    }
+    if run.no_candidate_simulated() {
+        eprintln!("{:<16} no acceptable result: not one candidate could be simulated", "report");
+        return Ok(ExitStatus::NoAcceptableResult);
+    }
+    Ok(ExitStatus::Done)
+}
+
+/// Name of a pipeline: its path below a folder `pipelines` without the ending, else the file's stem.
+fn pipeline_name(path: &Path) -> String {
+    let stem = path.with_extension("");
+    let parts: Vec<String> = stem.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+    let below = parts.iter().rposition(|part| part == "pipelines").map_or(parts.len().saturating_sub(1), |at| at + 1);
+    parts[below.min(parts.len())..].join("/")
+}
+
+/// The result in a few lines for a terminal.
+fn lines(run: &Run, ranking: &Ranking) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(events) = &run.events {
+        match (events.dynamic_crush_m, events.time_of_dynamic_crush_s) {
+            (Some(crush), Some(t_m)) => {
+                let delta_v = events.delta_v_m_per_s.map_or_else(String::new, |v| {
+                    format!(", change of velocity {} km/h", decimals(KM_PER_H_PER_M_PER_S * v, 1))
+                });
+                lines.push(format!(
+                    "dynamic crush {} mm at {} ms{delta_v}",
+                    decimals(MILLI * crush, 1),
+                    decimals(MILLI * t_m, 1)
+                ));
+            }
+            _ => lines.push("the velocity does not reach zero: no dynamic crush".to_owned()),
+        }
+    }
+    if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
+        let fit = best.simulation.as_ref().and_then(|s| s.fit_percent).unwrap_or(f64::NAN);
+        lines.push(format!("best model: {}, displacement fit {} %", candidate_name(&best.id), decimals(fit, 2)));
+    }
+    let warnings = run.notes.iter().filter(|n| n.note.severity == Severity::Warning).count();
+    if warnings > 0 {
+        lines.push(format!("{warnings} warning{} in the report", if warnings == 1 { "" } else { "s" }));
+    }
+    lines.extend(run.missing.iter().map(|what| format!("not in the report: {what}")));
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pipeline_is_named_by_its_path_below_the_folder_of_pipelines() {
+        assert_eq!(pipeline_name(Path::new("pipelines/default.toml")), "default");
+        assert_eq!(pipeline_name(Path::new("/a/pipelines/papers/civic.toml")), "papers/civic");
+        assert_eq!(pipeline_name(Path::new("../mine.toml")), "mine");
+    }
+}

@@ -1,0 +1,23 @@
+//! The vocabulary of crash records: quantities, units, sampled signals, channels, the test
+//! description and notes. No input or output, no filters, no numerics beyond a time grid.
+//!
+//! Inside Crumple every number is SI. A value typed by a person carries its unit
+//! ([`value::Mass`], [`value::Speed`], ...); an array carries its quantity in its type
+//! ([`Signal<Acceleration>`](Signal)).
+
+mod channel;
+mod note;
+mod quantity;
+mod signal;
+mod test_description;
+pub mod unit;
+pub mod value;
+
+pub use channel::{Axis, Channel, ChannelStatus};
+pub use note::{Note, Notes, Severity};
+pub use quantity::{Acceleration, Displacement, Force, Quantity, QuantityKind, Velocity};
+pub use signal::{Sampled, Signal, SignalError};
+pub use test_description::{PulseError, Source, TestDescription};
+
+/// Standard acceleration of gravity, m/s² per g, exact (ISO 80000-3; CGPM 1901).
+pub const STANDARD_GRAVITY_M_PER_S2: f64 = 9.806_65;

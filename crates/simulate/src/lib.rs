@@ -1,0 +1,1 @@
+//! Simulates every candidate model and compares it with the test.

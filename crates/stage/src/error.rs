@@ -1,0 +1,187 @@
+//! Errors that people can act on, and exit codes.
+
+use std::fmt;
+use std::process::ExitCode;
+
+use crumple_artifact::ReadError;
+
+/// What the process tells its caller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ExitStatus {
+    /// 0: done (or up to date; for `crumple-diff`: the same).
+    Done,
+    /// 1: unforeseen failure (for `crumple-diff`: different).
+    Failure,
+    /// 2: the command line or the pipeline file is wrong (for `crumple-diff`: trouble).
+    Usage,
+    /// 3: the input was refused.
+    Refused,
+    /// 4: no acceptable result; the diagnosis is written.
+    NoAcceptableResult,
+}
+
+impl From<ExitStatus> for ExitCode {
+    fn from(status: ExitStatus) -> Self {
+        Self::from(status as u8)
+    }
+}
+
+/// Input that cannot be used: what was found and where, what was expected, one thing to do. Exit code 3.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refused {
+    found: String,
+    expected: Option<String>,
+    hint: Option<String>,
+}
+
+impl Refused {
+    /// Says what was found, and where.
+    pub fn new(found: impl Into<String>) -> Self {
+        Self { found: found.into(), expected: None, hint: None }
+    }
+
+    /// Says what was expected instead.
+    #[must_use]
+    pub fn expected(mut self, expected: impl Into<String>) -> Self {
+        self.expected = Some(expected.into());
+        self
+    }
+
+    /// Says one thing to do.
+    #[must_use]
+    pub fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.found)
+    }
+}
+
+impl std::error::Error for Refused {}
+
+impl From<ReadError> for Refused {
+    fn from(error: ReadError) -> Self {
+        Self::new(error.to_string()).hint(error.hint())
+    }
+}
+
+/// A command line or pipeline file that asks for something that does not exist. Exit code 2.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Usage {
+    problem: String,
+    hint: Option<String>,
+}
+
+impl Usage {
+    /// Says what is wrong with it.
+    pub fn new(problem: impl Into<String>) -> Self {
+        Self { problem: problem.into(), hint: None }
+    }
+
+    /// Says one thing to do.
+    #[must_use]
+    pub fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+}
+
+impl fmt::Display for Usage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.problem)
+    }
+}
+
+impl std::error::Error for Usage {}
+
+/// Turns a library's error into a refusal of the input.
+pub trait RefuseExt<T> {
+    /// The input is to blame.
+    fn refuse(self) -> anyhow::Result<T>;
+    /// The input is to blame, and this is what to do.
+    fn refuse_with_hint(self, hint: impl Into<String>) -> anyhow::Result<T>;
+}
+
+impl<T, E: std::error::Error> RefuseExt<T> for Result<T, E> {
+    fn refuse(self) -> anyhow::Result<T> {
+        self.map_err(|error| Refused::new(full_text(&error)).into())
+    }
+
+    fn refuse_with_hint(self, hint: impl Into<String>) -> anyhow::Result<T> {
+        self.map_err(|error| Refused::new(full_text(&error)).hint(hint).into())
+    }
+}
+
+/// An error with its sources, `outer: inner`, without saying anything twice.
+fn full_text(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut source = error.source();
+    while let Some(inner) = source {
+        let inner_text = inner.to_string();
+        if !text.contains(&inner_text) {
+            text = format!("{text}: {inner_text}");
+        }
+        source = inner.source();
+    }
+    text
+}
+
+/// The exit status an error stands for.
+pub(crate) fn status_of(error: &anyhow::Error) -> ExitStatus {
+    if error.downcast_ref::<Refused>().is_some() || error.chain().any(|e| e.is::<Refused>()) {
+        ExitStatus::Refused
+    } else if error.downcast_ref::<Usage>().is_some() || error.chain().any(|e| e.is::<Usage>()) {
+        ExitStatus::Usage
+    } else {
+        ExitStatus::Failure
+    }
+}
+
+/// The text for stderr: `error:`, the causes, what was expected, one hint.
+pub(crate) fn render(error: &anyhow::Error) -> String {
+    let mut lines = vec![format!("error: {error}")];
+    let (mut expected, mut hint) = (None, None);
+    for (depth, cause) in error.chain().enumerate() {
+        if depth > 0 {
+            lines.push(format!("  caused by: {cause}"));
+        }
+        if let Some(refused) = cause.downcast_ref::<Refused>() {
+            expected = expected.or(refused.expected.clone());
+            hint = hint.or(refused.hint.clone());
+        }
+        if let Some(usage) = cause.downcast_ref::<Usage>() {
+            hint = hint.or(usage.hint.clone());
+        }
+    }
+    lines.extend(expected.map(|text| format!("  expected: {text}")));
+    lines.extend(hint.map(|text| format!("  hint: {text}")));
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use anyhow::Context;
+
+    use super::*;
+
+    #[test]
+    fn a_refusal_reads_from_the_outside_in_and_ends_with_a_hint() {
+        let error =
+            Err::<(), _>(Refused::new("a.csv, line 7: \"x\" is no number").expected("a number").hint("mend it"))
+                .context("cannot read a.csv")
+                .unwrap_err();
+        insta::assert_snapshot!(render(&error), @r#"
+        error: cannot read a.csv
+          caused by: a.csv, line 7: "x" is no number
+          expected: a number
+          hint: mend it
+        "#);
+        assert_eq!(status_of(&error), ExitStatus::Refused);
+        assert_eq!(status_of(&Usage::new("no such key").into()), ExitStatus::Usage);
+        assert_eq!(status_of(&anyhow::anyhow!("disk on fire")), ExitStatus::Failure);
+    }
+}

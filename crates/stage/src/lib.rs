@@ -1,0 +1,28 @@
+//! The shell that every stage binary shares.
+//!
+//! A stage implements [`Stage`]: how its options become settings, how its inputs are loaded, what it computes. The rest
+//! happens here, once: the command line and the pipeline file, freshness, provenance, atomic output, notes, summaries,
+//! progress, errors with cause and hint, exit codes.
+
+mod args;
+mod error;
+mod inputs;
+mod nearest;
+mod output;
+mod pipeline;
+mod progress;
+mod run;
+mod stages;
+mod tool;
+
+pub use args::Common;
+pub use error::{ExitStatus, RefuseExt, Refused, Usage};
+pub use inputs::{Inputs, Loaded, load_artifacts};
+pub use nearest::nearest;
+pub use output::Output;
+pub use progress::Progress;
+pub use run::{Outcome, Stage, main};
+pub use stages::{STAGES, stage_order, writer_of};
+pub use tool::tool_main;
+
+pub use crumple_artifact::{Artifact, InputDigest, Record, Wave, records};

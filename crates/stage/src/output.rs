@@ -1,0 +1,46 @@
+//! What a stage found, on its way into the artifact.
+
+use anyhow::Context;
+use crumple_artifact::{ArtifactBuilder, Record};
+use crumple_signal::{Notes, QuantityKind, Sampled};
+
+use crate::progress::Progress;
+
+/// Collects records, waveforms, notes and the summary of a stage.
+pub struct Output {
+    pub(crate) builder: ArtifactBuilder,
+    pub(crate) notes: Notes,
+    pub(crate) summary: Vec<String>,
+    quiet: bool,
+}
+
+impl Output {
+    pub(crate) fn new(quiet: bool) -> Self {
+        Self { builder: ArtifactBuilder::new(), notes: Notes::new(), summary: Vec::new(), quiet }
+    }
+
+    /// Adds a record under a topic. Error: the topic is taken, or a number in it is not finite.
+    pub fn put<R: Record>(&mut self, topic: &str, record: &R) -> anyhow::Result<()> {
+        self.builder.put(topic, record).context("a result cannot be written")
+    }
+
+    /// Adds a waveform in SI units; its topic is `/wave/<id>`.
+    pub fn wave(&mut self, id: &str, quantity: QuantityKind, samples: Sampled) -> anyhow::Result<()> {
+        self.builder.wave(id, quantity, samples).context("a result cannot be written")
+    }
+
+    /// Remarks for the reader of the result; written under `/notes`, warnings also to stderr.
+    pub fn notes(&mut self) -> &mut Notes {
+        &mut self.notes
+    }
+
+    /// Adds a line to the short summary on stderr.
+    pub fn summary(&mut self, line: impl Into<String>) {
+        self.summary.push(line.into());
+    }
+
+    /// Starts to show the progress of work with `total` parts.
+    pub fn progress(&self, what: impl Into<String>, total: u64) -> Progress {
+        Progress::new(what.into(), total, self.quiet)
+    }
+}

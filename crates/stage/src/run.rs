@@ -1,0 +1,155 @@
+//! The life of a stage process.
+
+use std::fmt::Debug;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::Context;
+use clap::CommandFactory;
+use crumple_artifact::records::{DiagnosisV1, NotesV1};
+use crumple_artifact::{Artifact, Provenance};
+use crumple_signal::Severity;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::args::{Cli, Common};
+use crate::error::ExitStatus;
+use crate::inputs::Loaded;
+use crate::output::Output;
+use crate::pipeline::{canonical_json, merge};
+use crate::tool::{finish, parse};
+
+/// How a computation ended that did not fail.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Outcome {
+    /// There is a result.
+    Done,
+    /// There is none that can be accepted; what was found and the reason are written. Exit code 4.
+    NoAcceptableResult(String),
+}
+
+/// One step of the pipeline.
+pub trait Stage {
+    /// Name of the stage: its pipeline table, its name in provenance; the binary is `crumple-<NAME>`.
+    const NAME: &'static str;
+    /// One line for `--help`.
+    const ABOUT: &'static str;
+    /// Flags and pipeline keys: one struct whose fields are all optional.
+    type Options: clap::Args + Serialize + DeserializeOwned + Default + Debug;
+    /// Options with every default filled in. Goes into the provenance: only what changes the result belongs here.
+    type Settings: Serialize;
+    /// What the stage works on.
+    type Input;
+
+    /// Fills in the defaults and checks what can be checked without data.
+    fn resolve(options: Self::Options) -> anyhow::Result<Self::Settings>;
+    /// Reads the inputs.
+    fn load(paths: &[PathBuf], settings: &Self::Settings) -> anyhow::Result<Loaded<Self::Input>>;
+    /// Computes.
+    fn run(settings: &Self::Settings, input: &Self::Input, out: &mut Output) -> anyhow::Result<Outcome>;
+}
+
+/// The `main` of a stage binary.
+pub fn main<S: Stage>() -> ExitCode {
+    let command = Cli::<S::Options>::command()
+        .bin_name(format!("crumple-{}", S::NAME))
+        .display_name(format!("crumple-{}", S::NAME))
+        .version(env!("CARGO_PKG_VERSION"))
+        .about(S::ABOUT)
+        .after_help(
+            "Values typed by a person carry their unit: 873kg, 35km/h, 0s.\n\
+             Exit codes: 0 done, 1 unforeseen failure, 2 usage, 3 input refused, 4 no acceptable result (its diagnosis is written).",
+        );
+    let parsed = parse::<Cli<S::Options>>(command);
+    finish(parsed.map_err(Ok).and_then(|(cli, matches)| {
+        merge(S::NAME, cli.common.pipeline.as_deref(), &cli.options, &matches)
+            .and_then(|options| execute::<S>(&cli.common, options))
+            .map_err(Err)
+    }))
+}
+
+fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<ExitStatus> {
+    let settings = S::resolve(options)?;
+    let Loaded { input, digests } = S::load(&common.inputs, &settings)?;
+    let provenance = Provenance::new(S::NAME, env!("CARGO_PKG_VERSION"), canonical_json(&settings)?, digests);
+    if !common.force
+        && let Some(existing) = up_to_date(&common.output, &provenance)
+    {
+        if !common.quiet {
+            eprintln!("{:<16} up to date: {}", S::NAME, common.output.display());
+        }
+        if common.json {
+            print_records(
+                existing.records().iter().map(|r| (r.topic.as_str(), r.schema.as_str(), r.payload.as_slice())),
+            );
+        }
+        return Ok(match existing.record::<DiagnosisV1>("/diagnosis").ok().flatten() {
+            Some(diagnosis) => no_acceptable_result(S::NAME, &diagnosis.reason),
+            None => ExitStatus::Done,
+        });
+    }
+
+    let mut out = Output::new(common.quiet);
+    let outcome = S::run(&settings, &input, &mut out)?;
+    if let Outcome::NoAcceptableResult(reason) = &outcome {
+        out.put("/diagnosis", &DiagnosisV1 { stage: S::NAME.to_owned(), reason: reason.clone() })?;
+    }
+    if !out.notes.is_empty() {
+        let notes = out.notes.to_texts();
+        out.put("/notes", &NotesV1 { stage: S::NAME.to_owned(), notes })?;
+    }
+    out.builder
+        .write(&common.output, &provenance, common.compress.into())
+        .with_context(|| format!("the result of {} is lost", S::NAME))?;
+    if !common.quiet {
+        print_summary(S::NAME, &out);
+    }
+    if common.json {
+        print_records(out.builder.records());
+    }
+    Ok(match outcome {
+        Outcome::Done => ExitStatus::Done,
+        Outcome::NoAcceptableResult(reason) => no_acceptable_result(S::NAME, &reason),
+    })
+}
+
+/// The existing output, if it is intact and came from the same stage, settings and inputs.
+fn up_to_date(output: &Path, provenance: &Provenance) -> Option<Artifact> {
+    if !output.exists() {
+        return None;
+    }
+    Artifact::open(output).ok().filter(|artifact| artifact.provenance() == Some(provenance))
+}
+
+fn no_acceptable_result(stage: &str, reason: &str) -> ExitStatus {
+    eprintln!("{stage:<16} no acceptable result: {reason}");
+    ExitStatus::NoAcceptableResult
+}
+
+fn print_summary(stage: &str, out: &Output) {
+    let mut lines = out.summary.clone();
+    lines.extend(out.notes.iter().filter(|n| n.severity == Severity::Warning).map(ToString::to_string));
+    let more = out.notes.iter().filter(|n| n.severity == Severity::Info).count();
+    if more > 0 {
+        lines.push(format!("{more} note{} in the artifact (crumple-artifact show)", if more == 1 { "" } else { "s" }));
+    }
+    for line in lines {
+        eprintln!("{stage:<16} {line}");
+    }
+}
+
+/// One JSON object a line: topic, schema, data.
+fn print_records<'a>(records: impl Iterator<Item = (&'a str, &'a str, &'a [u8])>) {
+    let mut stdout = std::io::stdout().lock();
+    for (topic, schema, payload) in records {
+        // The payload is JSON already; a record that is not (a foreign encoding) is left to crumple-artifact show.
+        let Ok(data) = std::str::from_utf8(payload) else { continue };
+        let topic = serde_json::Value::from(topic);
+        let schema = serde_json::Value::from(schema);
+        // A reader that has seen enough closes the pipe; that is not an error.
+        if writeln!(stdout, "{{\"topic\":{topic},\"schema\":{schema},\"data\":{data}}}").is_err() {
+            return;
+        }
+    }
+}

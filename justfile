@@ -1,0 +1,107 @@
+# Crumple: a crash pulse in, a physical model out. `just` alone lists the recipes.
+
+set positional-arguments
+set shell := ["bash", "-euc"]
+
+# Pipeline: a file below pipelines/ without its ending, e.g. `just pipeline=papers/civic run crash.csv`.
+pipeline := "default"
+# Run folder; empty: runs/<input stem>/<pipeline>.
+out := ""
+# Where the binaries are.
+bin := env("CARGO_TARGET_DIR", justfile_directory() / "target") / "release"
+
+# Any stage can be any program that follows docs/format.md, e.g. `just identify="python3 my_stage.py" run crash.csv`.
+ingest := bin / "crumple-ingest"
+filter := bin / "crumple-filter"
+integrate := bin / "crumple-integrate"
+identify := bin / "crumple-identify"
+parameter_solve := bin / "crumple-parameter-solve"
+simulate := bin / "crumple-simulate"
+report := bin / "crumple-report"
+
+[private]
+default:
+    @just --list --unsorted
+
+# The main job: `just run crash.csv [--mass 873kg --impact-speed 35km/h ...]`; flags go to ingest.
+[group('pipeline')]
+[no-cd]
+run input *args: build
+    #!/usr/bin/env bash
+    set -euo pipefail
+    # Exit code 4 (no acceptable result, diagnosis written) does not stop the run: the report shows the diagnosis.
+    step() { "$@" || { code=$?; [ "$code" -eq 4 ] || exit "$code"; }; }
+    dir={{ quote(if out == "" { justfile_directory() / "runs" / file_stem(trim_end_matches(input, "/")) / pipeline } else { out }) }}
+    options=(--pipeline {{ quote(justfile_directory() / "pipelines" / pipeline + ".toml") }})
+    {{ ingest }} "$@" "${options[@]}" -o "$dir/1-ingest.mcap"
+    step {{ filter }} "$dir/1-ingest.mcap" "${options[@]}" -o "$dir/2-filter.mcap"
+    step {{ integrate }} "$dir/2-filter.mcap" "${options[@]}" -o "$dir/3-integrate.mcap"
+    step {{ identify }} "$dir/2-filter.mcap" "$dir/3-integrate.mcap" "${options[@]}" -o "$dir/4-identify.mcap"
+    step {{ parameter_solve }} "$dir/3-integrate.mcap" "$dir/4-identify.mcap" "${options[@]}" -o "$dir/5-parameter-solve.mcap"
+    step {{ simulate }} "$dir/3-integrate.mcap" "$dir/5-parameter-solve.mcap" "${options[@]}" -o "$dir/6-simulate.mcap"
+    {{ report }} "$dir"/[1-6]-*.mcap "${options[@]}" -o "$dir/report.html"
+
+# Semantic comparison of two run folders or artifacts: exit 0 same, 1 different, 2 trouble.
+[group('pipeline')]
+[no-cd]
+diff a b *args: build
+    @{{ bin }}/crumple-diff "$@"
+
+# Records of an artifact as JSON, waveforms summarised.
+[group('pipeline')]
+[no-cd]
+show artifact *args: build
+    @{{ bin }}/crumple-artifact show "$@"
+
+# Release build of all binaries (a no-op once built).
+[group('development')]
+build:
+    @cargo build --release --quiet --workspace --bins
+
+# All tests.
+[group('development')]
+test *args: build
+    cargo nextest run --workspace "$@"
+    cargo test --workspace --doc --quiet
+
+# Formatting, lints, crate arrows, documentation.
+[group('development')]
+lint:
+    cargo fmt --all --check
+    cargo clippy --workspace --all-targets --quiet -- -D warnings
+    cargo test --package crumple-testkit --test architecture --quiet
+    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --quiet
+
+# Runs the fixtures and compares with the committed results.
+[group('development')]
+golden: build
+    #!/usr/bin/env bash
+    set -euo pipefail
+    rm -rf target/golden
+    for fixture in fixtures/*/; do
+        fresh="target/golden/$(basename "$fixture")"
+        just out="$fresh" run "$fixture/crash.csv" -q
+        for expected in "$fixture"golden/*; do
+            {{ bin }}/crumple-diff "$expected" "$fresh/$(basename "$expected")"
+        done
+    done
+
+# Writes the committed results of the fixtures anew. Say in CHANGELOG.md why the numbers changed.
+[group('development')]
+golden-update: build
+    #!/usr/bin/env bash
+    set -euo pipefail
+    for fixture in fixtures/*/; do
+        just out="$fixture/golden" run "$fixture/crash.csv" -q
+        rm -f "$fixture/golden/report.html"
+    done
+
+# Makes the fixtures anew.
+[group('development')]
+fixtures:
+    cargo run --quiet --release --package crumple-testkit --bin make-fixtures -- fixtures
+
+# Removes run folders and build products.
+[group('development')]
+clean:
+    rm -rf runs target
