@@ -95,7 +95,7 @@ pub(crate) fn decode_wave_block(codec: Codec, bytes: &[u8]) -> Result<WaveBlockV
     };
     let n = u64::from_le_bytes(word(3)?);
     let body = &bytes[WAVE_HEADER..];
-    if (body.len() / 8) as u64 != n || body.len() % 8 != 0 {
+    if (body.len() / 8) as u64 != n || !body.len().is_multiple_of(8) {
         return Err(format!("bincode: the block announces {n} samples, but {} bytes follow", body.len()));
     }
     Ok(WaveBlockV1 {

@@ -244,7 +244,7 @@ impl<'a> Scan<'a> {
             McapRecord::Channel(channel) => self.directory.channel(channel),
             McapRecord::Message { header, data } => self.message(&header, data.into_owned()),
             McapRecord::Metadata(records::Metadata { name, metadata }) if name == CONTENT => {
-                self.content = Some(metadata)
+                self.content = Some(metadata);
             }
             McapRecord::Metadata(records::Metadata { name, metadata }) if name == PROVENANCE => {
                 self.provenance = Some(metadata);

@@ -144,9 +144,7 @@ mod tests {
         let data = serde_json::json!({"reason": "no zero", "stage": "integrate"});
         put_json(&mut builder, "/diagnosis", "crumple.Diagnosis.v1", data).unwrap();
         let mut file = Cursor::new(Vec::new());
-        builder
-            .write_to(&mut file, &Provenance::new("x", "1", "{}".into(), Vec::new()), Compression::None)
-            .unwrap();
+        builder.write_to(&mut file, &Provenance::new("x", "1", "{}".into(), Vec::new()), Compression::None).unwrap();
         let artifact = Artifact::read(Path::new("x.mcap"), file.get_ref().as_slice()).unwrap();
         let text = artifact.json_text(&artifact.records()[0], JsonForm::Line).unwrap().unwrap();
         assert_eq!(text, r#"{"stage":"integrate","reason":"no zero"}"#, "fields in the order of the type");

@@ -2,6 +2,8 @@
 //!
 //! A change here is a change of the format: it needs a new version of the type, not a new snapshot.
 
+#![expect(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
 use std::collections::BTreeMap;
 use std::fmt::Write;
 

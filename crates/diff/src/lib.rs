@@ -15,6 +15,7 @@ mod tolerance_file;
 mod unit;
 mod value;
 mod wave;
+mod words;
 
 pub use artifact::compare_artifacts;
 pub use error::DiffError;

@@ -14,7 +14,7 @@ use crumple_stage::{ExitStatus, Usage, tool_main};
 /// within a tolerance.
 ///
 /// Two folders are compared file by file: every *.mcap and summary.json. The default tolerance takes the same
-/// computation on another processor for the same (1e-9 relative; 1e-6 for what is fitted or identified); --engineering
+/// computation on another processor for the same (1e-9 relative; 1e-6 for what is identified, 1e-5 for what is fitted); --engineering
 /// takes for the same what an engineer would. All of it is in docs/diff.md.
 #[derive(Debug, clap::Parser)]
 #[command(
@@ -53,8 +53,8 @@ struct Args {
     /// Show every difference, not the first five of a topic.
     #[arg(long)]
     all: bool,
-    /// Print the comparison as JSON.
-    #[arg(long, conflicts_with = "all")]
+    /// Print the comparison as JSON, with every difference.
+    #[arg(long)]
     json: bool,
     /// Print nothing; the exit code tells.
     #[arg(short, long)]

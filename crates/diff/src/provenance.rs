@@ -27,7 +27,7 @@ pub(crate) fn compare_provenance(a: Option<&Provenance>, b: Option<&Provenance>)
 }
 
 fn to_json(provenance: &Provenance) -> Value {
-    let options: Value =
+    let config: Value =
         serde_json::from_str(&provenance.config_json).unwrap_or_else(|_| provenance.config_json.clone().into());
     // Several inputs of a kind are numbered, the digests being sorted already.
     let mut inputs: BTreeMap<String, Value> = BTreeMap::new();
@@ -38,7 +38,7 @@ fn to_json(provenance: &Provenance) -> Value {
     json!({
         "stage": provenance.stage,
         "stage_version": provenance.stage_version,
-        "options": options,
+        "config": config,
         "input": inputs,
     })
 }
@@ -61,7 +61,7 @@ mod tests {
         };
         let (a, b) = (make("0.1.0", 60, "blake3:00"), make("0.2.0", 180, "blake3:11"));
         let places = |found: Vec<Difference>| found.into_iter().map(|d| d.place).collect::<Vec<_>>();
-        assert_eq!(places(compare_provenance(Some(&a), Some(&b))), ["input.ingest", "options.cfc", "stage_version"]);
+        assert_eq!(places(compare_provenance(Some(&a), Some(&b))), ["config.cfc", "input.ingest", "stage_version"]);
         assert!(compare_provenance(Some(&a), Some(&a)).is_empty());
         assert_eq!(places(compare_provenance(Some(&a), None)), [""]);
     }

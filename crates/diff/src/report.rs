@@ -52,7 +52,7 @@ pub struct TopicReport {
     /// Largest `|a - b|` of a waveform's samples.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_abs: Option<f64>,
-    /// Largest relative difference of all numbers compared, tolerated ones included.
+    /// Largest relative difference of all numbers, tolerated ones included; zero for those within the absolute part.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_rel: Option<f64>,
     /// Every differing value of a record; of a waveform the first differing sample and the worst.

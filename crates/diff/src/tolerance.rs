@@ -71,9 +71,10 @@ const fn tolerance(abs: f64, rel: f64) -> Tolerance {
 const COUNTERS: [Row; 2] =
     [("/parameters/*", "fit.iterations", Tolerance::ANY), ("/parameters/*", "fit.evaluations", Tolerance::ANY)];
 
-/// The last bit differs between processors (fused multiply-add, order of sums in matrix kernels). Sums and filters
-/// keep 1e-9 with room to spare; an eigenvalue or a fitted parameter amplifies the bit by its condition number, for
-/// which 1e-6 has room; a standard deviation comes from an inverse and has that number squared.
+/// The last bit differs between processors (fused multiply-add, order of sums in matrix kernels). A last bit changed in
+/// every sample moves filtered and integrated waveforms by 1e-15, eigenvalues and models by 3e-13, and fitted
+/// parameters by up to 7e-7, since an iteration stops where its own criterion is met, not at the last bit. The table
+/// leaves room beyond that; a standard deviation comes from an inverse and gets more.
 /// The absolute floors are for what is zero but for rounding: 1e-12 of an SI unit, 1e-9 for errors of fits.
 const COMPUTATION: [Row; 11] = [
     // Responses of fitted candidates: /wave/<model>/<method>/<index>/<quantity>.
@@ -85,10 +86,10 @@ const COMPUTATION: [Row; 11] = [
     ("/modes/*", "*", tolerance(1e-9, 1e-6)),
     ("/identification/*", "*", tolerance(1e-9, 1e-6)),
     ("/parameters/*", "uncertainty.*", tolerance(0.0, 1e-3)),
-    ("/parameters/*", "*", tolerance(1e-9, 1e-6)),
+    ("/parameters/*", "*", tolerance(1e-9, 1e-5)),
     ("/simulation/*", "*", tolerance(1e-6, 1e-6)),
     // The report's summary repeats all of the above; each number is judged where it comes from.
-    ("summary.json", "*", tolerance(1e-6, 1e-6)),
+    ("summary.json", "*", tolerance(1e-6, 1e-5)),
     ("*", "*", tolerance(1e-12, 1e-9)),
 ];
 

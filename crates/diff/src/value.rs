@@ -7,9 +7,10 @@ use serde_json::{Map, Value};
 use crate::polynomial;
 use crate::report::{Difference, TopicReport};
 use crate::unit::Unit;
+use crate::words::same_words;
 use crate::{Settings, Tolerance};
 
-/// Compares two values: numbers by tolerance, texts exactly, maps by key.
+/// Compares two values: numbers by tolerance (also decimal numbers inside texts), texts exactly, maps by key.
 ///
 /// Lists whose elements have a unique `id` or `name` are paired by it, whatever their order; other lists by index.
 pub fn compare_json(topic: &str, a: &Value, b: &Value, settings: &Settings) -> TopicReport {
@@ -126,7 +127,8 @@ impl Walk<'_> {
             let difference = (x - y).abs();
             abs = Some(difference);
             rel = Some(if difference == 0.0 { 0.0 } else { difference / scale });
-            self.report.saw_rel(rel);
+            // Below the absolute part a relative difference says nothing.
+            self.report.saw_rel(if difference > tolerance.abs { rel } else { Some(0.0) });
             let same_zero = !self.settings.bits || x.to_bits() == y.to_bits();
             // Integers beyond 2^53 that differ may be one f64.
             let same_integer = a.is_f64() || b.is_f64() || difference > 0.0 || a == b;
@@ -134,6 +136,10 @@ impl Walk<'_> {
                 return;
             }
         } else if a == b {
+            return;
+        } else if let (Some(x), Some(y)) = (a.as_str(), b.as_str())
+            && same_words(x, y, tolerance)
+        {
             return;
         }
         self.report.differs(Difference {

@@ -1,5 +1,7 @@
 //! The program as people and CI run it, on artifacts made here.
 
+#![expect(clippy::unwrap_used, reason = "a test stops where something unforeseen happens")]
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Cursor;
@@ -232,7 +234,7 @@ fn another_option_is_told_and_counts_only_when_asked() {
     let found = diff(folder.path(), &["a.mcap", "b.mcap"]);
     assert_eq!(found.code, 0);
     insta::assert_snapshot!(found.stdout, @"
-    provenance, options.cfc: 60  180  (for information)
+    provenance, config.cfc: 60  180  (for information)
     same: equal content
     ");
     let found = diff(folder.path(), &["a.mcap", "b.mcap", "--provenance"]);
@@ -351,4 +353,18 @@ fn a_topic_on_one_side_and_an_event_only_one_side_has_are_named() {
     ");
     assert_eq!(diff(folder.path(), &["a.mcap", "c.mcap"]).code, 1);
     assert_eq!(diff(folder.path(), &["a.mcap", "c.mcap", "--engineering"]).code, 0, "0.9 mm of crush");
+}
+
+#[test]
+fn waveforms_of_another_quantity_differ_though_their_messages_are_equal() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, quantity) in [("a.mcap", QuantityKind::Velocity), ("b.mcap", QuantityKind::Displacement)] {
+        let mut builder = ArtifactBuilder::new();
+        builder.wave("93", quantity, Sampled::new(0.0, 1.0, vec![1.0, 2.0]).unwrap()).unwrap();
+        let provenance = Provenance::new("integrate", "0.1.0", "{}".into(), Vec::new());
+        builder.write(&folder.path().join(name), &provenance, Compression::None).unwrap();
+    }
+    let found = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!(found.code, 1);
+    assert!(found.stdout.starts_with("/wave/93, quantity: \"velocity\"  \"displacement\"\n"), "{}", found.stdout);
 }

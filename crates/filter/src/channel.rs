@@ -47,9 +47,10 @@ pub struct Filtered {
 
 /// Removes the zero level of a channel, then filters it to a class.
 ///
-/// `already_cfc` is the class the channel carries. One at or below the class asked for passes through with a note: filtering
-/// again would lower its cut-off, and nothing brings lost frequencies back. Without 10 ms of pre-event data the zero level is left
-/// alone, with a warning. Refuses a sampling rate below ten times the class (SAE J211-1), notes one below twenty times.
+/// `already_cfc` is the class the channel carries. One at or below the class asked for passes through with a note:
+/// filtering again would lower its cut-off, and nothing brings lost frequencies back. Without 10 ms of pre-event data
+/// the zero level is left alone, with a warning. Refuses a sampling rate below ten times the class (SAE J211-1),
+/// notes one below twenty times.
 pub fn filter(samples: &Sampled, already_cfc: Option<u16>, settings: &Settings) -> Result<Filtered, FilterError> {
     let mut notes = Notes::new();
     let zero_level_removed = zero_level(samples, settings.zero_level, &mut notes)?;
@@ -104,7 +105,8 @@ fn note_low_rate(samples: &Sampled, cfc: Cfc, coefficients: &Coefficients, notes
     let ratio = samples.rate_hz() / cfc.frequency_hz();
     if ratio < 20.0 * (1.0 - 1e-9) {
         notes.info(format!(
-            "sampling rate {:.0} Hz is only {ratio:.1} times cfc {cfc}: the -3 dB point lies at {:.1} Hz instead of {:.1} Hz",
+            "sampling rate {:.0} Hz is only {ratio:.1} times cfc {cfc}: \
+             the -3 dB point lies at {:.1} Hz instead of {:.1} Hz",
             samples.rate_hz(),
             coefficients.half_power_frequency_hz(),
             cfc.frequency_hz() / 0.6,

@@ -25,8 +25,8 @@ pub struct Coefficients {
 }
 
 impl Coefficients {
-    /// The filter of a class for one sampling interval, by the bilinear transform:
-    /// `wd = 2π·CFC·κ`, `wa = tan(wd·T/2)`, `D = 1 + √2·wa + wa²`, `a0 = wa²/D`, `b1 = -2(wa² - 1)/D`, `b2 = (-1 + √2·wa - wa²)/D`.
+    /// The filter of a class for one sampling interval, by the bilinear transform: `wd = 2π·CFC·κ`, `wa =
+    /// tan(wd·T/2)`, `D = 1 + √2·wa + wa²`, `a0 = wa²/D`, `b1 = -2(wa² - 1)/D`, `b2 = (-1 + √2·wa - wa²)/D`.
     ///
     /// The warp of the bilinear transform is exact at -6 dB (CFC·κ); at ten samples per CFC period the -3 dB point has
     /// moved from 1.667·CFC to 1.751·CFC. Below a rate of 4.2 CFC there is no such filter; see

@@ -1,6 +1,7 @@
 use serde::{Deserialize, Serialize};
 
-/// Which standard's filter: the frequency factor and what happens at the ends. Part of the result, so it is always printed.
+/// Which standard's filter: the frequency factor and what happens at the ends. Part of the result, so it is always
+/// printed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 #[value(rename_all = "snake_case")]
@@ -10,7 +11,8 @@ pub enum Mode {
     Iso6487,
     /// SAE J211-1 Appendix C: factor 2.0775, the same extension.
     SaeReflect,
-    /// SAE J211-1 without any extension, from rest: for comparison with old results on records that start and end at zero.
+    /// SAE J211-1 without any extension, from rest: for comparison with old results on records that start and end at
+    /// zero.
     SaeZeroState,
 }
 

@@ -40,8 +40,9 @@ pub enum SelectionError {
 
 /// The channels to filter, in the order of the test.
 ///
-/// With `asked`, exactly those, whatever they measure. Without: every acceleration channel with data that is not marked failed and whose
-/// location does not begin with an occupant or the barrier ("driver, head"; an unknown location counts as structure); and the pulse in any case.
+/// With `asked`, exactly those, whatever they measure. Without: every acceleration channel with data that is not
+/// marked failed and whose location does not begin with an occupant or the barrier ("driver, head"; an unknown
+/// location counts as structure); and the pulse in any case.
 pub fn select<'a>(test: &'a TestDescription, asked: &[String]) -> Result<Vec<&'a Channel>, SelectionError> {
     for id in asked {
         match test.channel(id) {

@@ -15,7 +15,8 @@ pub struct Filter;
 
 impl Stage for Filter {
     const NAME: &'static str = "filter";
-    const ABOUT: &'static str = "Removes the zero level of the acceleration channels and filters them to a channel frequency class (ISO 6487, SAE J211-1).";
+    const ABOUT: &'static str = "Removes the zero level of the acceleration channels \
+         and filters them to a channel frequency class (ISO 6487, SAE J211-1).";
     type Options = Options;
     type Settings = StageSettings;
     type Input = Inputs;

@@ -22,8 +22,8 @@ pub fn samples_added(samples: usize, coefficients: &Coefficients) -> usize {
 ///
 /// `iso6487` and `sae_reflect` first extend both ends by point reflection about the end sample, `2·x[0] - x[i]` and
 /// `2·x[N-1] - x[N-1-i]`; each pass starts from the mean of the first ten samples it meets, the recursion from the
-/// third. `sae_zero_state` extends nothing and starts each pass from rest, so a record that is not at rest at its ends is
-/// wrong over some 10 ms there: half the first sample is missing.
+/// third. `sae_zero_state` extends nothing and starts each pass from rest, so a record that is not at rest at its
+/// ends is wrong over some 10 ms there: half the first sample is missing.
 ///
 /// The filter spreads a jump over about ±10 ms at CFC 60, to both sides. Rounding: about 1e-13 of the largest sample.
 /// ISO 6487 Annex A; SAE J211-1 Appendix C leaves the ends to the user.

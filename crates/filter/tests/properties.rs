@@ -46,7 +46,8 @@ proptest! {
         backward.reverse();
         let forward = run(record, class, mode);
         for (y, z) in forward.iter().zip(run(backward, class, mode).iter().rev()) {
-            // The order of the passes changes rounding only: 1e-13 of the largest sample, times the condition of the recursion.
+            // The order of the passes changes rounding only: 1e-13 of the largest sample, times the condition of the
+            // recursion.
             prop_assert!((y - z).abs() < 1e-8, "{y} {z}");
         }
         // Gain 1 at frequency 0: the area of the pulse, hence the change of velocity, is kept.
@@ -58,8 +59,8 @@ proptest! {
     fn a_straight_line_passes_unchanged_where_the_ends_are_mirrored(level in -1000.0..1000.0, slope in -10.0..10.0, n in 250_usize..600) {
         let line: Vec<f64> = (0..n).map(|k| level + slope * k as f64).collect();
         let filtered = run(line.clone(), Cfc::Cfc180, Mode::Iso6487);
-        // Starting from a mean instead of the line leaves a transient of a few slopes, which decays over the 100 mirrored
-        // samples by the pole radius 0.85 of CFC 180 to 1e-7; at CFC 60 (0.946) it would be 4e-3.
+        // Starting from a mean instead of the line leaves a transient of a few slopes, which decays over the 100
+        // mirrored samples by the pole radius 0.85 of CFC 180 to 1e-7; at CFC 60 (0.946) it would be 4e-3.
         for (x, y) in line.iter().zip(filtered) {
             prop_assert!((x - y).abs() < 1e-5, "{x} {y}");
         }

@@ -1,4 +1,5 @@
-//! A real frontal barrier test, NHTSA 10146, channel by channel: bias on the raw record, filter the whole record, then from time zero.
+//! A real frontal barrier test, NHTSA 10146, channel by channel: bias on the raw record, filter the whole record,
+//! then from time zero.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic too")]
 
@@ -70,7 +71,8 @@ fn cfc_60_and_cfc_180_give_the_same_crush_on_all_four_rear_seat_channels() {
             let settings = Settings { class: Class::Cfc(cfc), ..Settings::default() };
             crush(&filter(&record, None, &settings).unwrap().samples, 57.09 / 3.6)
         });
-        // Low-pass filtering keeps the integral up to its ends; 0.2 mm is what these four records show, 1 mm is a finding.
+        // Low-pass filtering keeps the integral up to its ends; 0.2 mm is what these four records show, 1 mm is a
+        // finding.
         assert!((low - high).abs() < 2.5e-4, "{channel}: {low} m, {high} m");
     }
 }

@@ -21,6 +21,9 @@ const EIGEN_STEPS_PER_VALUE: usize = 60;
 /// in near-equal pairs and would take hundreds.
 const EVIDENCE_STEPS: usize = 40;
 
+/// The same where the order is chosen from them.
+const CHOICE_STEPS: usize = 90;
+
 /// Largest matrix, in entries, that is formed when Lanczos does not converge: 32 MB, seconds to a minute.
 const DENSE_FALLBACK: usize = 4_000_000;
 
@@ -31,7 +34,7 @@ const EXACT: f64 = 1e-12;
 const REPORTED: f64 = 1e-9;
 
 /// Relative residual of singular values good enough to see a gap between them.
-const SEEN: f64 = 1e-3;
+const SEEN: f64 = 0.03;
 
 /// Singular values below this fraction of the largest are rounding.
 pub(crate) const RANK_TOLERANCE: f64 = 1e-12;
@@ -70,7 +73,7 @@ impl Factors {
 /// Decomposes `H0`.
 ///
 /// `needed` tells from the leading singular values seen so far how many triplets must be exact; `evidence` is the number of values one
-/// would like to see; with `patient` it is waited for up to the step limit.
+/// would like to see, and waits for longer with `patient`.
 /// Errors: [`EraError::NotConverged`].
 pub(crate) fn factorize(
     h: &mut Hankel<'_>,
@@ -93,7 +96,7 @@ pub(crate) fn factorize(
         let exact = leading(&|_, residual| residual <= EXACT * largest);
         let seen = leading(&|value, residual| residual <= (SEEN * value).max(EXACT * largest));
         let finished = lanczos.exhausted();
-        let patience = if patient { CHECKPOINTS[CHECKPOINTS.len() - 1] } else { EVIDENCE_STEPS };
+        let patience = if patient { CHOICE_STEPS } else { EVIDENCE_STEPS };
         if !finished && seen < evidence.min(size) && lanczos.steps() < patience {
             continue;
         }

@@ -1,5 +1,7 @@
 //! ERA on records whose poles are known.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use std::path::{Path, PathBuf};
 
 use crumple_identify::{EraOptions, Order, era};

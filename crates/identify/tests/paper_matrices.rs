@@ -1,5 +1,7 @@
 //! Modes of the system matrices printed in the ERA crash paper (Munyazikwiye et al.), eq. 63, 65 and 67.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use crumple_lti::{Mode, eigenvalues};
 use nalgebra::{DMatrix, dmatrix};
 

@@ -1,7 +1,10 @@
 //! ERA on systems made here: known poles come back over orders, rates and shapes; what cannot work says so.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use crumple_identify::{Decomposition, Era, EraError, EraOptions, Order, era};
 use crumple_lti::{Complex, impulse_response};
+use proptest::prelude::*;
 
 /// Sum of damped waves `amplitude e^{sigma t} cos(omega t + phase)` at `t = dt, 2 dt, ...`, after a first sample `d`.
 fn record(modes: &[(f64, f64, f64, f64)], d: f64, dt: f64, samples: usize) -> Vec<f64> {
@@ -166,8 +169,8 @@ fn refuses_what_it_cannot_work_on_and_says_what_it_needs() {
     assert_eq!(text(&[1.0], given(2, 1e-3)), "0 Markov parameters, but a 1x1 Hankel pair needs 2");
     assert_eq!(text(&[], given(2, 1e-3)), "0 Markov parameters, but a 1x1 Hankel pair needs 2");
     assert_eq!(
-        text(&[5.0, 0.0, 0.0, 0.0], given(1, 1e-3)),
-        "all 3 samples after the first are zero: there is no motion to identify"
+        text(&[5.0, 0.0, 0.0, 0.0, 0.0], given(1, 1e-3)),
+        "all 4 samples after the first are zero: there is no motion to identify"
     );
     assert_eq!(text(&[1.0, f64::NAN, 2.0], given(1, 1e-3)), "sample 1 is not a finite number");
     assert_eq!(text(&y, given(40, 1e-3)), "order 40 needs at least 40 rows and columns, the Hankel matrix is 15x15");
@@ -198,4 +201,37 @@ fn growing_modes_and_modes_at_the_filter_edge_are_named() {
     assert!(notes(Some(60)).iter().any(|n| n.contains("100 Hz edge of the CFC 60 filter")), "{:?}", notes(Some(60)));
     assert_eq!(notes(Some(60)).iter().filter(|n| n.contains("grows")).count(), 1);
     assert_eq!(notes(Some(1000)).len(), 1, "{:?}", notes(Some(1000)));
+}
+
+proptest! {
+    #[test]
+    fn any_samples_and_sizes_give_a_finite_model_or_an_error(
+        samples in prop::collection::vec(-1.0..1.0_f64, 0..60),
+        exponents in prop::collection::vec(-320..300_i32, 60),
+        wild: bool,
+        order in 0..12_usize,
+        rows in prop::option::of(0..40_usize),
+        columns in prop::option::of(0..40_usize),
+    ) {
+        let y: Vec<f64> = samples
+            .iter()
+            .zip(&exponents)
+            .map(|(x, e)| if wild { x * 10.0_f64.powi(*e) } else { *x })
+            .collect();
+        let order = if order == 0 { Order::Automatic } else { Order::Given(order) };
+        let options = EraOptions { order, rows, columns, ..EraOptions::new(1e-4) };
+        if let Ok(model) = era(&y, options) {
+            let finite = |m: &nalgebra::DMatrix<f64>| m.iter().all(|x| x.is_finite());
+            prop_assert!(finite(&model.discrete.a) && finite(&model.discrete.b) && finite(&model.discrete.c));
+            prop_assert!(model.singular_values.iter().all(|s| s.is_finite()));
+            prop_assert!(model.fit_percent.is_none_or(f64::is_finite) && model.rmse.is_none_or(f64::is_finite));
+            for mode in &model.modes {
+                prop_assert!(mode.modal_amplitude_coherence.is_none_or(|c| (0.0..=1.0).contains(&c)));
+                prop_assert!(mode.mode_singular_value.is_none_or(|s| (0.0..=1.0).contains(&s)));
+                let pole = mode.mode.map(|m| m.pole);
+                prop_assert!(pole.is_none_or(|p| p.re.is_finite() && p.im.is_finite()));
+            }
+            crumple_identify::caveats(&model, Some(60));
+        }
+    }
 }

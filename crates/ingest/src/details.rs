@@ -3,6 +3,7 @@
 use crumple_signal::Notes;
 use crumple_signal::QuantityKind;
 use crumple_signal::unit::{Dimension, parse_value};
+use crumple_signal::value::{Mass, Speed, Time};
 
 use crate::recording::{Details, Stated};
 use crate::{IngestError, Place, Settings};
@@ -92,16 +93,16 @@ pub fn apply(details: &mut Details, settings: &Settings, from: &str, notes: &mut
     over(&mut details.title, settings.title.clone(), from, "title", text, notes);
     over(&mut details.vehicle, settings.vehicle.clone(), from, "vehicle", text, notes);
     over(&mut details.barrier, settings.barrier.clone(), from, "barrier", text, notes);
-    over(&mut details.mass_kg, settings.mass.map(|m| m.si()), from, "mass", |kg| format!("{kg} kg"), notes);
+    over(&mut details.mass_kg, settings.mass.map(Mass::si), from, "mass", |kg| format!("{kg} kg"), notes);
     over(
         &mut details.impact_speed_m_per_s,
-        settings.impact_speed.map(|v| v.si()),
+        settings.impact_speed.map(Speed::si),
         from,
         "impact speed",
         |v| format!("{v} m/s"),
         notes,
     );
-    over(&mut details.time_zero_s, settings.time_zero.map(|t| t.si()), from, "time zero", |t| format!("{t} s"), notes);
+    over(&mut details.time_zero_s, settings.time_zero.map(Time::si), from, "time zero", |t| format!("{t} s"), notes);
 }
 
 /// Checks that mass and impact speed are stated and sensible. `allow_missing` lets them be unknown, not wrong.
@@ -130,7 +131,7 @@ pub fn require(file: &str, details: &Details, allow_missing: bool, notes: &mut N
     };
     if allow_missing {
         notes.warning(format!(
-            "{what} unknown, as allowed: enough to filter and to identify, not for crush, force or physical parameters"
+            "not stated, as allowed: {what}; enough to filter and to identify, not for crush, force or physical parameters"
         ));
         return Ok(());
     }

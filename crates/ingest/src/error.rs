@@ -74,7 +74,7 @@ pub enum IngestError {
     #[error("{place}: {found}")]
     Content {
         /// Where.
-        place: Place,
+        place: Box<Place>,
         /// What was found there.
         found: String,
         /// What was expected.
@@ -151,7 +151,7 @@ impl IngestError {
         expected: impl Into<String>,
         hint: impl Into<String>,
     ) -> Self {
-        Self::Content { place, found: found.into(), expected: expected.into(), hint: hint.into() }
+        Self::Content { place: Box::new(place), found: found.into(), expected: expected.into(), hint: hint.into() }
     }
 
     pub(crate) fn channel(

@@ -2,8 +2,9 @@
 //!
 //! Printed times are rounded, so neither their differences nor `(t_last - t_first)/(n - 1)` is the recorder's interval to
 //! the last bit. The rule here: the interval is the decimal number with the fewest significant digits that agrees with the
-//! first and the last stamp within their printed resolution `q`, i.e. within `q/(n - 1)`. Stamps `-0.0200, -0.0199, ...`
-//! give exactly `1e-4` s; stamps with 18 digits at 20.0027797 us keep what they say. The first stamp is taken as printed.
+//! first and the last stamp within their printed resolution `q`, i.e. within `q/(n - 1)`; for up to six digits, within
+//! 1e-12 of it at least. Stamps `-0.0200, -0.0199, ...` give exactly `1e-4` s; stamps with 18 digits at 20.0027797 us keep
+//! what they say. The first stamp is taken as printed.
 //!
 //! A record is uniform if every step differs from the interval by less than 1e-3 of it (crash-pulse practice for
 //! filtering), or if the stamps are coarsely printed (`q` up to half an interval) and every stamp lies within `q` of the
@@ -91,11 +92,17 @@ pub fn fit(times_s: &[f64], resolution_s: f64) -> Result<Grid, GridError> {
 }
 
 /// The decimal number with the fewest significant digits within `tolerance` of `x` (positive); `x` itself if none is.
+///
+/// A number of up to six digits is also taken within 1e-12 of `x`: stamps made by adding up the interval carry that much
+/// rounding even where they are printed to 18 digits.
 fn shortest(x: f64, tolerance: f64) -> f64 {
     (0..17)
-        .filter_map(|digits| format!("{x:.digits$e}").parse::<f64>().ok())
-        .find(|round| (round - x).abs() <= tolerance && *round > 0.0)
-        .unwrap_or(x)
+        .filter_map(|digits| format!("{x:.digits$e}").parse::<f64>().ok().map(|round| (digits, round)))
+        .find(|(digits, round)| {
+            let slack = if *digits < 6 { tolerance.max(1e-12 * x) } else { tolerance };
+            (round - x).abs() <= slack && *round > 0.0
+        })
+        .map_or(x, |(_, round)| round)
 }
 
 /// Median of the steps, s.
@@ -119,7 +126,7 @@ mod tests {
     #[test]
     fn printed_rates_come_back_exactly() {
         for (dt, decimals) in [(1e-4, 4), (1e-4, 6), (5e-5, 5), (6.25e-5, 6), (1e-3, 3), (1e-6, 6), (1.25e-5, 7)] {
-            let grid = fit(&printed(-0.02, dt, 2701, decimals), 10_f64.powi(-(decimals as i32))).unwrap();
+            let grid = fit(&printed(-0.02, dt, 2701, decimals), 10_f64.powf(-(decimals as f64))).unwrap();
             assert_eq!((grid.t0_s, grid.dt_s), (-0.02, dt), "{decimals} decimals");
         }
     }
@@ -138,7 +145,7 @@ mod tests {
         for decimals in [4, 6] {
             let mut times = printed(0.0, 1e-4, 2000, decimals);
             times.remove(1000);
-            let error = fit(&times, 10_f64.powi(-(decimals as i32))).unwrap_err();
+            let error = fit(&times, 10_f64.powf(-(decimals as f64))).unwrap_err();
             assert!(matches!(error, GridError::Uneven { index: 1000, .. }), "{error:?}");
         }
     }

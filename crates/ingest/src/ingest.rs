@@ -68,9 +68,9 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
     let pulse_id = recording.channels[pulse].channel.id.clone();
     let waves: Vec<Wave> = recording
         .channels
-        .iter()
+        .iter_mut()
         .filter_map(|found| {
-            let samples = found.wave.clone()?;
+            let samples = found.wave.take()?;
             let quality = quality::measure(&samples, found.jitter);
             Some(Wave { id: found.channel.id.clone(), quantity: found.channel.quantity, samples, quality })
         })

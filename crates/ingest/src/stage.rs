@@ -79,8 +79,9 @@ fn quality_record(quality: &Quality) -> QualityV1 {
 
 fn summary(ingested: &Ingested) -> Vec<String> {
     let test = &ingested.test;
-    let known =
-        |value: Option<f64>, unit: &str| value.map_or_else(|| format!("unknown {unit}"), |x| format!("{x:.6} {unit}"));
+    let known = |value: Option<f64>, unit: &str| {
+        value.map_or_else(|| "unknown".to_owned(), |x| format!("{} {unit}", (x * 1e4).round() / 1e4))
+    };
     let mut lines = vec![format!(
         "{} ({}): {}; {} of {} channels with data; mass {}, impact speed {}",
         test.source.name,

@@ -11,13 +11,15 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
     let mut notes = Notes::new();
     if motion.start == UsedStart::RecordStart {
         notes.info(format!(
-            "integrated from the start of the record ({:.1} ms) with the impact speed, because a low-pass filter spreads the contact to both sides of time zero",
+            "integrated from the start of the record ({:.1} ms) with the impact speed, \
+             because a low-pass filter spreads the contact to both sides of time zero",
             1e3 * motion.velocity.t0_s()
         ));
     }
     if events.end_velocity_m_per_s > impact_speed_m_per_s {
         notes.warning(format!(
-            "the record ends at v = {:.3} m/s, faster than the impact at {impact_speed_m_per_s:.3} m/s: a frontal pulse is negative (SAE J211-1), check the polarity of the channel",
+            "the record ends at v = {:.3} m/s, faster than the impact at {impact_speed_m_per_s:.3} m/s: \
+             a frontal pulse is negative (SAE J211-1), check the polarity of the channel",
             events.end_velocity_m_per_s
         ));
     }
@@ -54,7 +56,7 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
         if gap.abs() <= CENTROID_GAP {
             notes.info(text);
         } else {
-            notes.warning(text + ": impact speed, time zero or zero level may be wrong");
+            notes.warning(text + ": the sampling or the integration rule is crude for this pulse");
         }
     }
     notes

@@ -4,8 +4,8 @@ use crate::IntegrateError;
 
 /// Barrier force `F = -m·a`, N, positive in compression.
 ///
-/// The force on the whole mass as if it moved with the sensor. Load cells in the barrier read more or less than this by the inertia of the crushed
-/// front; the two are compared, not merged.
+/// The force on the whole mass as if it moved with the sensor. Load cells in the barrier read more or less than this
+/// by the inertia of the crushed front; the two are compared, not merged.
 pub fn barrier_force(acceleration: &Signal<Acceleration>, mass_kg: f64) -> Result<Signal<Force>, IntegrateError> {
     if !(mass_kg.is_finite() && mass_kg > 0.0) {
         return Err(IntegrateError::Mass(mass_kg));

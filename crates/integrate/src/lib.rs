@@ -1,7 +1,7 @@
 //! From acceleration to velocity, displacement and barrier force, and what the motion says about the crash.
 //!
-//! [`integrate`] makes the motion, [`findings`] puts its events into words. The numbers themselves (events, metrics) are in
-//! `crumple-metrics`.
+//! [`integrate`] makes the motion, [`findings`] puts its events into words. The numbers themselves (events, metrics)
+//! are in `crumple-metrics`.
 
 mod findings;
 mod force;
@@ -28,7 +28,8 @@ pub enum IntegrateError {
     Mass(f64),
     /// The record does not cover time zero and what follows it.
     #[error(
-        "time zero {time_zero_s} s needs two samples after it and a record that starts no later, the record runs from {first_s} s to {last_s} s"
+        "time zero {time_zero_s} s needs two samples after it and a record that starts no later, \
+         the record runs from {first_s} s to {last_s} s"
     )]
     TimeZero {
         /// Time zero on the record's axis.

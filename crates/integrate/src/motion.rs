@@ -35,12 +35,14 @@ pub struct Motion {
 
 /// Integrates an acceleration twice.
 ///
-/// From time zero: `v = v0`, `x = 0` at time zero; between samples the acceleration is taken as linear, so that a time zero off the grid
-/// costs one shorter first step. Where the record starts up to one interval after time zero, the speed is held until then.
+/// From time zero: `v = v0`, `x = 0` at time zero; between samples the acceleration is taken as linear, so that a
+/// time zero off the grid costs one shorter first step. Where the record starts up to one interval after time zero,
+/// the speed is held until then.
 ///
-/// From the start of the record: `v = v0` at the first sample, and the displacement is shifted so that it is zero at time zero. For a low-pass filtered
-/// record, because the filter puts half of a jump at contact before time zero, and starting there would lose that half's change of velocity
-/// (some 0.05 m/s at CFC 60 for a jump of 10 g). The price is that a wrong zero level acts for longer: remove it first.
+/// From the start of the record: `v = v0` at the first sample, and the displacement is shifted so that it is zero at
+/// time zero. For a low-pass filtered record, because the filter puts half of a jump at contact before time zero, and
+/// starting there would lose that half's change of velocity (some 0.05 m/s at CFC 60 for a jump of 10 g). The price
+/// is that a wrong zero level acts for longer: remove it first.
 ///
 /// The samples stay where they are: a time zero other than 0 s is an offset, not a new grid.
 pub fn integrate(acceleration: &Signal<Acceleration>, settings: &Settings) -> Result<Motion, IntegrateError> {

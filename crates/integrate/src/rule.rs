@@ -7,7 +7,8 @@ pub enum Rule {
     /// Exact for an acceleration that is linear between samples; error O(T²).
     #[default]
     Trapezoid,
-    /// As in the single-mass paper: a sample holds until the next; about v0·T/2 too much displacement (0.7 mm at 10 kHz and 14 m/s).
+    /// As in the single-mass paper: a sample holds until the next; about v0·T/2 too much displacement (0.7 mm at 10
+    /// kHz and 14 m/s).
     ForwardEuler,
 }
 
@@ -23,9 +24,10 @@ impl Rule {
 
 /// Integrates an acceleration to velocity and displacement, given both at the first sample.
 ///
-/// Trapezoid: `v[k] = v[k-1] + T·(a[k-1] + a[k])/2`, `x[k] = x[k-1] + T·(v[k-1] + v[k])/2`; v errs by up to `t·T²·max|a''|/12`, and by
-/// T/2 of the height of every jump. Forward Euler: `v[k] = v[k-1] + T·a[k-1]`, `x[k] = x[k-1] + T·v[k-1]`; errs by `T·(a_end - a_0)/2` in v
-/// and about `T·(v0 - v_end)/2` in x. A wrong zero level δ grows to δ·t and δ·t²/2 with either.
+/// Trapezoid: `v[k] = v[k-1] + T·(a[k-1] + a[k])/2`, `x[k] = x[k-1] + T·(v[k-1] + v[k])/2`; v errs by up to
+/// `t·T²·max|a''|/12`, and by T/2 of the height of every jump. Forward Euler: `v[k] = v[k-1] + T·a[k-1]`, `x[k] =
+/// x[k-1] + T·v[k-1]`; errs by `T·(a_end - a_0)/2` in v and about `T·(v0 - v_end)/2` in x. A wrong zero level δ grows
+/// to δ·t and δ·t²/2 with either.
 pub fn integrate_twice(a: &[f64], dt_s: f64, rule: Rule, v_first: f64, x_first: f64) -> (Vec<f64>, Vec<f64>) {
     let (mut velocity, mut displacement) = (vec![v_first; a.len()], vec![x_first; a.len()]);
     let (mut v, mut x) = (v_first, x_first);

@@ -18,7 +18,8 @@ pub struct Integrate;
 
 impl Stage for Integrate {
     const NAME: &'static str = "integrate";
-    const ABOUT: &'static str = "Integrates the crash pulse to velocity and displacement, finds dynamic crush and rebound, and computes crash metrics.";
+    const ABOUT: &'static str = "Integrates the crash pulse to velocity and displacement, finds dynamic crush and rebound, \
+         and computes crash metrics.";
     type Options = Options;
     type Settings = StageSettings;
     type Input = Inputs;
@@ -34,6 +35,11 @@ impl Stage for Integrate {
     fn run(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let mut test = input.test()?;
         if let Some(id) = &settings.channel {
+            if test.channel(id).is_none() {
+                return Err(Refused::new(format!("the test has no channel {id:?}"))
+                    .hint("crumple-artifact show lists the channels of an artifact")
+                    .into());
+            }
             test.pulse = Some(id.clone());
         }
         let channel = test.pulse_channel().refuse_with_hint("name the pulse with --channel")?.clone();

@@ -9,8 +9,8 @@ pub enum Start {
     Auto,
     /// At time zero with the impact speed: right for an unfiltered record, whose jump at contact is at its place.
     TimeZero,
-    /// At the first sample with the impact speed, displacement shifted to zero at time zero: right for a filtered record, whose
-    /// jump at contact is spread to both sides of time zero.
+    /// At the first sample with the impact speed, displacement shifted to zero at time zero: right for a filtered
+    /// record, whose jump at contact is spread to both sides of time zero.
     RecordStart,
 }
 

@@ -79,8 +79,8 @@ fn the_trapezoid_on_an_unfiltered_record_meets_the_true_crush_within_two_microme
 
 /// CFC 60 as the bare equation of SAE J211-1, forward and backward from rest.
 ///
-/// The filter of the pipeline is another stage. The records begin at rest, and what the missing extension spoils at their end is
-/// more than 100 ms after the dynamic crush, ten times what the filter remembers.
+/// The filter of the pipeline is another stage. The records begin at rest, and what the missing extension spoils at
+/// their end is more than 100 ms after the dynamic crush, ten times what the filter remembers.
 fn cfc_60(a: &Signal<Acceleration>) -> Signal<Acceleration> {
     let wa = (std::f64::consts::PI * 60.0 * 2.0775 * a.dt_s()).tan();
     let d = 1.0 + std::f64::consts::SQRT_2 * wa + wa * wa;
@@ -96,7 +96,8 @@ fn cfc_60(a: &Signal<Acceleration>) -> Signal<Acceleration> {
     a.with_samples(pass(&pass(a.samples()))).unwrap()
 }
 
-/// Stiffness and damping of a Kelvin model from time and depth of its crush: the ratio t_c/t_m gives ζ by bisection, t_m gives ω.
+/// Stiffness and damping of a Kelvin model from time and depth of its crush: the ratio t_c/t_m gives ζ by bisection,
+/// t_m gives ω.
 fn kelvin(crush: DynamicCrush, v0: f64, mass_kg: f64) -> (f64, f64) {
     let ratio = crush.displacement_m / v0 / crush.time_s;
     let shape = |zeta: f64| {
@@ -143,8 +144,8 @@ fn through_cfc_60_and_from_the_record_s_start_a_kelvin_model_is_recovered() {
         1e2 * (c_found / c - 1.0)
     );
     // At ζ = 0.22 the ratio t_c/t_m changes by -0.42 per unit of ζ: 3 % of damping is 0.5 % of the ratio, 0.5 % of
-    // stiffness is 0.25 % of t_m and of C. The jump at contact, one sample wide and counted whole, costs c·v0/m·T/2 = 5 mm/s,
-    // that is 0.07 % of C; the filter adds less.
+    // stiffness is 0.25 % of t_m and of C. The jump at contact, one sample wide and counted whole, costs c·v0/m·T/2 =
+    // 5 mm/s, that is 0.07 % of C; the filter adds less.
     assert_near("k", k_found / k, 1.0, 5e-3);
     assert_near("c", c_found / c, 1.0, 3e-2);
 

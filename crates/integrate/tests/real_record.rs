@@ -12,8 +12,8 @@ use reference::two_columns;
 
 const V0_M_PER_S: f64 = 57.09 / 3.6;
 
-/// Channel, lowest velocity km/h and its time ms, crush mm and its time ms: a separate script of whoever published the record,
-/// on unfiltered data from time zero, zero level from before -5 ms.
+/// Channel, lowest velocity km/h and its time ms, crush mm and its time ms: a separate script of whoever published
+/// the record, on unfiltered data from time zero, zero level from before -5 ms.
 const PUBLISHED: [(&str, f64, f64, f64, f64); 4] = [
     ("093", -9.10, 113.1, 750.0, 74.1),
     ("094", -9.88, 113.5, 741.0, 73.6),

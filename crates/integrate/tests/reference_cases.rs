@@ -69,9 +69,10 @@ fn events_and_metrics_are_those_of_an_independent_implementation() {
 
         // No reference values for these; each has a second definition that it must meet within the error of the rule.
         let id = text(&case["id"]);
-        // The moment and the work by trapezoid close to O(T²): 1e-4 relative is twenty times what 10 kHz leaves.
+        // The moment closes to O(T²): 1e-4 relative is twenty times what 10 kHz leaves. The work closes identically, to
+        // 1e3 roundings.
         assert!((metric("centroid_time_by_moment") / metric("centroid_time") - 1.0).abs() < 1e-4, "{id} moment");
-        assert!(metric("energy_closure").abs() < 1e-4, "{id} closure {}", metric("energy_closure"));
+        assert!(metric("energy_closure").abs() < 1e-11, "{id} closure {}", metric("energy_closure"));
         // From time zero to the interpolated zero the x-mean is v0/t_m but for rounding.
         assert!((metric("mean_deceleration") / metric("average_square_wave") - 1.0).abs() < 1e-9, "{id} x-mean");
     }

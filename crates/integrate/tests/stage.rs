@@ -123,8 +123,8 @@ fn a_time_zero_from_a_flag_is_an_offset_and_one_outside_the_record_is_refused() 
     let artifact = result(&input, &["--time-zero=-10ms"]);
     let events = events(&artifact);
     assert_eq!((events.time_zero_s, events.time_zero_rule.as_str()), (-0.01, "flag"));
-    // Ten milliseconds at speed before the pulse: 0.2 m more. The step of 200 m/s², counted as a ramp of one sample, takes
-    // T/2 of it, 0.01 m/s, for the 0.1 s of the pulse: 1 mm less.
+    // Ten milliseconds at speed before the pulse: 0.2 m more. The step of 200 m/s², counted as a ramp of one sample,
+    // takes T/2 of it, 0.01 m/s, for the 0.1 s of the pulse: 1 mm less.
     assert!((events.time_of_dynamic_crush_s.unwrap() - 0.11).abs() < 1e-4);
     assert!((events.dynamic_crush_m.unwrap() - 1.2).abs() < 1.1e-3, "{events:?}");
     assert_eq!(run(&input, &["--time-zero", "9s"]).status.code(), Some(3));
@@ -134,7 +134,9 @@ fn a_time_zero_from_a_flag_is_an_offset_and_one_outside_the_record_is_refused() 
 fn refuses_a_channel_that_is_not_there_or_no_acceleration() {
     let folder = tempfile::tempdir().unwrap();
     let input = filtered(folder.path(), &constant(Some(20.0), None, None));
-    assert_eq!(run(&input, &["--channel", "b"]).status.code(), Some(3));
+    let output = run(&input, &["--channel", "b"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("the test has no channel \"b\""));
     let mut force = constant(Some(20.0), None, None);
     force.channels[0].quantity = QuantityKind::Force;
     let input = filtered(folder.path(), &force);

@@ -7,14 +7,17 @@ use crate::exact_step;
 
 /// Steps after which the search gives up; at 20 ns each this is 40 ms.
 const MAX_STEPS: usize = 2_000_000;
+/// Time constants after which a mode is dead. Much longer, and rounding would be taken for a crossing of what dies out
+/// without one; a slow mode that overtakes the others does so earlier.
+const LIFETIME: f64 = 25.0;
 /// Steps between two looks at which modes are still alive.
 const STAGE: usize = 64;
 
 /// The state at the first sign change of `row·z` after `start`, and the time it takes from there.
 ///
 /// Marches by exact steps that are short against every mode still alive (1/16 of `1/|pole|`; a mode is dead after
-/// 45 time constants, when `e^-45` of it is left), then closes in on the crossing by bracketed Newton steps on the
-/// exact solution. `None` when the horizon passes without a crossing: 45 time constants of the slowest decaying
+/// 25 time constants, when `1e-11` of it is left), then closes in on the crossing by bracketed Newton steps on the
+/// exact solution. `None` when the horizon passes without a crossing: 25 time constants of the slowest decaying
 /// mode, or 20 periods of an undamped one. Two crossings inside one step would be missed; so short a step makes
 /// that a tangency to rounding.
 pub(crate) fn first_crossing(
@@ -24,7 +27,7 @@ pub(crate) fn first_crossing(
     start: &Vector4<f64>,
 ) -> Option<(f64, Vector4<f64>)> {
     let lifetime = |pole: &Complex| {
-        let decay = if pole.re < 0.0 { -45.0 / pole.re } else { f64::INFINITY };
+        let decay = if pole.re < 0.0 { -LIFETIME / pole.re } else { f64::INFINITY };
         let periods = 20.0 * std::f64::consts::TAU / pole.norm();
         // Nearly undamped or growing modes: bounded by periods; decaying ones live at least as long as they last.
         if pole.re < 0.0 && pole.re.abs() > 1e-3 * pole.norm() { decay } else { periods.min(decay) }

@@ -12,11 +12,12 @@ pub fn absorbed_energy(mass_kg: f64, impact_speed_m_per_s: f64, rebound_velocity
     kinetic_energy(mass_kg, impact_speed_m_per_s) - kinetic_energy(mass_kg, rebound_velocity_m_per_s)
 }
 
-/// Work of the barrier force on one kilogram during loading, `-∫ a dx` from the first sample to the dynamic crush, J/kg.
+/// Work of the barrier force on one kilogram during loading, `-∫ a dx` from the first sample to the dynamic crush,
+/// J/kg.
 ///
-/// By the trapezoid in x, which closes to v0²/2 within O(T²) only if displacement and acceleration belong
-/// together: the check for a wrong impact speed, a wrong scale or a displacement from elsewhere. (The trapezoid in
-/// v closes identically and shows nothing.)
+/// By the trapezoid in x. For a motion made by the trapezoid it is v0²/2 to the last digits, since then
+/// `Δx·ā = v̄·Δv`; forward Euler shows its error here, and a displacement from elsewhere (film, a second sensor) shows
+/// whether it belongs to this acceleration. It cannot show a wrong impact speed or zero level: those close as well.
 pub fn loading_work_per_kg(
     acceleration: &Signal<Acceleration>,
     displacement: &Signal<Displacement>,

@@ -41,10 +41,10 @@ pub struct CrashEvents {
 
 /// Finds dynamic crush and rebound in a motion.
 ///
-/// Dynamic crush is at the first sample k ≥ 1 at or after `time_zero_s` with `v[k] ≤ 0`:
-/// `t_m = t[k-1] + T·v[k-1]/(v[k-1] - v[k])`, `C = x[k-1] + (t_m - t[k-1])·v[k-1]/2`, which is the trapezoid up to
-/// the interpolated zero. Interpolating linearly errs by at most `T²·max|a'|/(8·|a|)` in t_m. The rebound velocity is the lowest sample
-/// from k on. A record that ends while the velocity is positive has neither; its last sample is not a crush.
+/// Dynamic crush is at the first sample k ≥ 1 at or after `time_zero_s` with `v[k] ≤ 0`: `t_m = t[k-1] +
+/// T·v[k-1]/(v[k-1] - v[k])`, `C = x[k-1] + (t_m - t[k-1])·v[k-1]/2`, which is the trapezoid up to the interpolated
+/// zero. Interpolating linearly errs by at most `T²·max|a'|/(8·|a|)` in t_m. The rebound velocity is the lowest
+/// sample from k on. A record that ends while the velocity is positive has neither; its last sample is not a crush.
 /// Noise around zero makes many later zeros, which is why only the first counts.
 pub fn crash_events(
     velocity: &Signal<Velocity>,

@@ -97,7 +97,7 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
             "centroid_time_by_moment",
             crush.and_then(|c| centroid_time_by_moment(pulse.acceleration, pulse.time_zero_s, c.time_s)),
             "s",
-            "integral of t*a over integral of a up to t_m, by trapezoid; does not use the impact speed",
+            "integral of t*a over integral of a up to t_m, by trapezoid; equals C/v0 but for the error of sampling and rule",
         ),
         metric(
             "centroid_time_ratio",
@@ -153,7 +153,7 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
             "energy_closure",
             work.map(|w| w / (v0 * v0 / 2.0) - 1.0),
             "1",
-            "work of the barrier force up to C over the impact energy, minus 1; force over displacement by trapezoid",
+            "work of the barrier force up to C over the impact energy, minus 1; 0 but for rounding with the trapezoid",
         ),
     ])
 }

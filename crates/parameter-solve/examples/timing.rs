@@ -35,10 +35,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let found = best(10, || fit_double(&exact, &options))?;
     println!("  {} pairs, {:?}", found.len(), found[0].fit);
     // A crash is not a linear model: 10 mm of something else.
-    let bent = exact.samples().iter().enumerate().map(|(k, x)| x + 0.01 * (k as f64 * 0.02).sin()).collect();
+    let bent = exact
+        .with_samples(exact.samples().iter().enumerate().map(|(k, x)| x + 0.01 * (k as f64 * 0.02).sin()).collect())?;
     println!("fit of a record with 10 mm misfit");
-    let found =
-        best(10, || fit_double(&exact.with_samples(bent)?, &options).map_err(Box::<dyn std::error::Error>::from))?;
+    let found = best(10, || fit_double(&bent, &options))?;
     println!("  {} pairs, {:?}", found.len(), found[0].fit);
     Ok(())
 }

@@ -159,13 +159,14 @@ pub fn with(mut object: Value, entries: Value) -> Value {
     object
 }
 
-/// Room above the panels for the names of events and, over them, `rows` rows of legend.
-pub fn room_above(layout: &mut Value, height_px: u32, rows: u32) {
-    let top = 34 + 21 * rows;
+/// Room above the panels for so many rows of marks' names and, over them, so many rows of legend.
+pub fn room_above(layout: &mut Value, height_px: u32, name_rows: u32, legend_rows: u32) {
+    let to_legend = 4 + 16 * name_rows;
+    let top = to_legend + 14 + 21 * legend_rows;
     set(layout, json!({"margin": {"l": 68, "r": 18, "t": top, "b": 52}}));
     let panels = f64::from(height_px.saturating_sub(top + 52).max(1));
     if let Some(legend) = layout.get_mut("legend") {
-        set(legend, json!({"y": short(1.0 + 20.0 / panels)}));
+        set(legend, json!({"y": short(1.0 + f64::from(to_legend) / panels)}));
     }
 }
 

@@ -30,8 +30,8 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
     }
     run.models = models(inputs)?;
     let simulations: BTreeMap<String, SimulationV1> = inputs.records("/simulation/")?.into_iter().collect();
-    run.simulated =
-        !simulations.is_empty() || inputs.artifacts().iter().any(|artifact| artifact.stage() == Some("simulate"));
+    let stage_ran = inputs.artifacts().iter().any(|artifact| artifact.stage() == Some("simulate"));
+    run.responses = (stage_ran || !simulations.is_empty()).then_some(simulations.len());
     run.candidates = candidates(inputs, &simulations)?;
     run.provenance = inputs.artifacts().iter().map(stage_record).collect();
     collect_notes(inputs, &mut run)?;
@@ -199,7 +199,7 @@ fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
     add(run.models.is_empty(), "identified models (crumple-identify writes them)");
     add(run.candidates.is_empty(), "physical parameters (crumple-parameter-solve writes them)");
     add(
-        !run.simulated && !run.candidates.is_empty(),
+        run.responses.is_none() && !run.candidates.is_empty(),
         "responses of the candidates, so there is no ranking and no best (crumple-simulate writes them)",
     );
     if without_parameters > 0 {

@@ -15,14 +15,19 @@ use crate::{Ranking, Run, figures};
 
 const STYLE: &str = include_str!("page/style.css");
 const DRAW: &str = include_str!("page/draw.js");
+/// plotly.js, taken from the plotly crate by the build script.
+const PLOTLY: &str = include_str!(concat!(env!("OUT_DIR"), "/plotly.min.js"));
+
+/// What the browser may load: what is in the file. It keeps the promise of a report without a network, whatever plotly
+/// or the text of a test may ask for.
+const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; \
+                      font-src data:; base-uri 'none'; form-action 'none'";
 
 /// A report, ready to be written.
 #[derive(Debug)]
 pub struct Page {
     /// Everything up to plotly's script.
     head: String,
-    /// Plotly's script and another that is left out.
-    scripts: String,
     /// Everything after it.
     tail: String,
 }
@@ -34,6 +39,7 @@ impl Page {
         let mut body = String::with_capacity(1 << 20);
         body.push_str(&format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta name=\"generator\" content=\"crumple-report {}\">\n<title>{} – Crumple</title>\n\
              <style>\n{STYLE}</style>\n</head>\n<body>\n",
@@ -62,29 +68,18 @@ impl Page {
         numbers::write(&mut body, run);
         channels::write(&mut body, run);
         remarks::write_notes(&mut body, run);
-        remarks::write_limits(&mut body, run);
+        remarks::write_limits(&mut body, run, ranking);
         remarks::write_provenance(&mut body, run);
         body.push_str("</main>\n<script>");
-        Self {
-            head: body,
-            scripts: plotly::Plot::offline_js_sources(),
-            tail: format!("</script>\n<script>\n{DRAW}</script>\n</body>\n</html>\n"),
-        }
+        Self { head: body, tail: format!("</script>\n<script>\n{DRAW}</script>\n</body>\n</html>\n") }
     }
 
     /// Writes it.
     pub fn write_to(&self, mut writer: impl Write) -> io::Result<()> {
         writer.write_all(self.head.as_bytes())?;
-        writer.write_all(plotly_script(&self.scripts).as_bytes())?;
+        writer.write_all(PLOTLY.as_bytes())?;
         writer.write_all(self.tail.as_bytes())
     }
-}
-
-/// The first script of the crate's embedded ones: plotly.js. The second, MathJax, is of no use here and large.
-fn plotly_script(scripts: &str) -> &str {
-    let start = scripts.find('>').map_or(0, |tag_end| tag_end + 1);
-    let end = scripts.find("</script>").unwrap_or(scripts.len());
-    &scripts[start.min(end)..end]
 }
 
 fn write_figure(out: &mut String, figure: &Figure) {
@@ -105,13 +100,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_plotly_is_taken_and_it_cannot_end_its_script() {
-        let scripts = plotly::Plot::offline_js_sources();
-        let script = plotly_script(&scripts);
-        assert!(script.contains("plotly.js v"), "{}", &script[..200]);
-        assert!(script.contains("window.Plotly"));
-        assert!(!script.contains("</script"));
-        // MathJax is another 2 MB: without it the script is well below the two together.
-        assert!(script.len() > 3_000_000 && scripts.len() - script.len() > 2_000_000);
+    fn the_script_is_plotly_alone_and_cannot_end_its_element() {
+        assert!(PLOTLY.contains("plotly.js v") && PLOTLY.contains("window.Plotly"));
+        assert!(!PLOTLY.contains("</script") && !PLOTLY.contains("<!--"));
+        assert!(!PLOTLY.contains("MathJax.version"));
     }
 }

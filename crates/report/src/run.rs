@@ -24,8 +24,8 @@ pub struct Run {
     pub models: Vec<Model>,
     /// Candidates in id order: by model, method and the number at the end.
     pub candidates: Vec<Candidate>,
-    /// Whether an artifact of the simulate stage is among the inputs.
-    pub simulated: bool,
+    /// Number of responses in the simulate stage's artifact; `None`: there is no such artifact.
+    pub responses: Option<usize>,
     /// What the stages remarked, in stage order, each text once.
     pub notes: Vec<StageNote>,
     /// Where the artifacts came from, in stage order.
@@ -138,8 +138,8 @@ impl Run {
         self.candidates.iter().find(|candidate| candidate.id == id)
     }
 
-    /// Whether candidates were simulated and not one of them came through.
+    /// Whether candidates were to be simulated and not one of them came through.
     pub fn no_candidate_simulated(&self) -> bool {
-        self.simulated && self.candidates.iter().all(|candidate| candidate.simulation.is_none())
+        self.responses == Some(0)
     }
 }

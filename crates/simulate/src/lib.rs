@@ -1,1 +1,10 @@
-//! Simulates every candidate model and compares it with the test.
+//! Simulates candidate models and compares them with the test.
+//!
+//! Every response is exact (see `crumple-lumped`): what differs from the test is the model, not the integration.
+//! Ranking the candidates belongs to the report.
+
+mod measures;
+mod simulate;
+
+pub use measures::{fit_percent, max_abs_error, rmse};
+pub use simulate::{Comparison, Measured, SimulateError, Simulation, Window, simulate};

@@ -113,7 +113,8 @@ pub fn assert_close(case: &Case, what: &str, found: f64, expected: f64) {
     );
 }
 
-/// Reads the samples of a file with time in column 1 and acceleration in g in column 2; `#` and a header line are passed over.
+/// Reads the samples of a file with time in column 1 and acceleration in g in column 2; `#` and a header line are
+/// passed over.
 pub fn two_columns(path: &PathBuf, separator: char) -> Sampled {
     let content = std::fs::read_to_string(path).unwrap();
     let rows: Vec<(f64, f64)> = content

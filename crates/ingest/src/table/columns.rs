@@ -126,7 +126,13 @@ fn check_for_acceleration(
             Unit::Unknown(symbol) => format!("unit {symbol:?} is not known"),
             _ => "no unit is stated".to_owned(),
         };
-        let hint = "add --unit g or --unit m/s^2, whichever it is: a unit is never guessed from the numbers";
+        let is_curve =
+            file.rsplit_once('.').is_some_and(|(_, e)| e.len() == 3 && e.bytes().all(|b| b.is_ascii_digit()));
+        let hint = if is_curve {
+            "a signal file of an NHTSA test is read by giving its .EV5 file; else add --unit g"
+        } else {
+            "add --unit g or --unit m/s^2, whichever it is: a unit is never guessed from the numbers"
+        };
         IngestError::content(place, found, format!("a unit of acceleration: {}", choices(ACCELERATION)), hint)
     };
     if let Some(selected) = selected {

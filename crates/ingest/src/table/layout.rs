@@ -168,7 +168,7 @@ fn refuse_broken_decimal_commas(layout: &Layout, rows: &[Line], file: &str) -> R
     let names = layout.header.last().map(|line| Delimiter::Byte(b',').split(line.bytes).len());
     let broken = match names {
         Some(names) => layout.columns > names,
-        None => layout.columns % 2 == 0,
+        None => layout.columns.is_multiple_of(2),
     };
     if !broken {
         return Ok(());

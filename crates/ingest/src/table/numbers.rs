@@ -46,14 +46,13 @@ pub fn scan(bytes: &[u8], decimal: u8) -> Option<(Number, usize)> {
     let mut exponent = 0_i64;
     if bytes.get(at) == Some(&decimal) {
         at += 1;
-        let start = at;
         while let Some(d) = bytes.get(at).map(|b| b.wrapping_sub(b'0')).filter(|d| *d < 10) {
             mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(d));
             digits += u32::from(mantissa != 0 || digits != 0);
             any = true;
+            exponent -= 1;
             at += 1;
         }
-        exponent -= (at - start) as i64;
     }
     if !any {
         return None;

@@ -29,13 +29,14 @@ pub fn find(
 ) -> Result<TimeAxis, IngestError> {
     let named = header.columns.iter().position(|c| header.named && is_time_name(&c.title));
     let with_unit = header.columns.iter().position(|c| matches!(c.unit, Unit::Time(_)));
+    let is_named = named.or(with_unit).is_some();
     let column = named.or(with_unit).unwrap_or(0);
     let title = format!("{} ({})", column + 1, header.columns[column].title);
     let mut times = std::mem::take(&mut rows.columns[column]);
     let place = |index: usize| Place::line(file, rows.lines[index] as usize).in_column(title.clone());
 
     if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Err(order(place(k + 1), times[k], times[k + 1], rows.lines[k]));
+        return Err(order(place(k + 1), is_named, times[k], times[k + 1], rows.lines[k]));
     }
     let unit = unit(file, &title, &header.columns[column].unit, &times, settings, comment, notes)?;
     // The printed resolution: the last digit of the most finely printed stamp, seen from the largest.
@@ -44,7 +45,7 @@ pub fn find(
     scale(&mut times, unit);
     let grid = grid::fit(&times, resolution).map_err(|error| match error {
         GridError::Repeated { index } | GridError::Backwards { index } => {
-            order(place(index), times[index - 1], times[index], rows.lines[index - 1])
+            order(place(index), is_named, times[index - 1], times[index], rows.lines[index - 1])
         }
         GridError::Uneven { index, step_s, dt_s } => IngestError::content(
             place(index),
@@ -64,18 +65,18 @@ fn scale(times: &mut [f64], factor: f64) {
     }
 }
 
-fn order(place: Place, before: f64, now: f64, line_before: u32) -> IngestError {
+fn order(place: Place, named: bool, before: f64, now: f64, line_before: u32) -> IngestError {
     let found = if now == before {
         format!("time {now} again, as in line {line_before}")
     } else {
         format!("time {now} after {before} in line {line_before}")
     };
-    IngestError::content(
-        place,
-        found,
-        "times that increase from row to row",
-        "remove the repeated rows, or export with more decimals in the time column",
-    )
+    let hint = if named {
+        "remove the repeated rows, or export with more decimals in the time column"
+    } else {
+        "no column is named as time, so the first is taken for it: export a time column, or name it time_s"
+    };
+    IngestError::content(place, found, "times that increase from row to row", hint)
 }
 
 /// The factor of the time unit to s: flag, header, comment, else judged from the interval.

@@ -7,10 +7,13 @@ use serde_json::json;
 
 use crate::Run;
 use crate::escape::html;
-use crate::figure::{Figure, axis, base_layout, colour, compact, set, short};
+use crate::figure::{Figure, axis, base_layout, colour, compact, room_above, set, short};
 use crate::people::significant;
 
 const POINTS: usize = 400;
+const HEIGHT_PX: u32 = 500;
+/// Rows that the names of natural frequencies are spread over.
+const NAME_ROWS: u32 = 3;
 
 /// Magnitude and phase of every model with a transfer function; `None` where there is none.
 pub fn figure(run: &Run) -> Option<Figure> {
@@ -53,13 +56,16 @@ pub fn figure(run: &Run) -> Option<Figure> {
             shapes.push(json!({"type": "line", "x0": short(f), "x1": short(f), "y0": 0, "y1": 1, "yref": "paper",
                                "line": {"color": colour::GUIDE, "width": 1.2, "dash": "dot"}, "layer": "below"}));
             let damping = mode.damping_ratio.map_or_else(String::new, |z| format!(", ζ {}", significant(z, 3)));
-            // A label on a logarithmic axis stands at the logarithm. Neighbours are set off downwards.
-            labels.push(json!({"x": short(f.log10()), "y": 1, "yref": "paper", "xanchor": "left", "yanchor": "top",
-                "xshift": 4, "yshift": -18 * (labels.len() % 4) as i32, "showarrow": false,
-                "text": format!("{} Hz{damping}", significant(f, 3)), "font": {"size": 12, "color": colour::MUTED},
-                "bgcolor": "rgba(255,255,255,0.85)"}));
+            // A label on a logarithmic axis stands at the logarithm. Neighbours take turns in height.
+            let level = labels.len() as u32 % NAME_ROWS;
+            labels.push(
+                json!({"x": short(f.log10()), "y": 1, "yref": "paper", "xanchor": "center", "yanchor": "bottom",
+                "yshift": 1 + 16 * level, "showarrow": false, "text": format!("{} Hz{damping}", significant(f, 3)),
+                "font": {"size": 12, "color": colour::MUTED}}),
+            );
         }
     }
+    let labels_drawn = labels.len();
     let mut layout = base_layout();
     set(
         &mut layout,
@@ -72,6 +78,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
             "shapes": shapes, "annotations": labels,
         }),
     );
+    room_above(&mut layout, HEIGHT_PX, (labels_drawn as u32).clamp(1, NAME_ROWS), 1);
     Some(Figure {
         id: "bode",
         title: "Frequency response",
@@ -80,7 +87,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
             words(&first.input, "the input"),
             words(&first.output, "the output")
         ),
-        height_px: 480,
+        height_px: HEIGHT_PX,
         half_width: false,
         traces,
         layout,

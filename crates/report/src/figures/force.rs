@@ -104,12 +104,15 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     } else {
         "Deceleration takes the place of force, since no force record or mass is at hand."
     });
+    let reach = |of: fn(f64, f64) -> f64| loading.x.iter().chain(&unloading.x).copied().fold(0.0, of);
+    let (low, high) = (reach(f64::min), reach(f64::max));
+    let view = [MILLI * (low - 0.02 * (high - low)), MILLI * (high + 0.05 * (high - low))];
     let mut layout = base_layout();
     set(
         &mut layout,
         json!({
             "hovermode": "closest",
-            "xaxis": axis("displacement, mm", json!({"rangemode": "tozero"})),
+            "xaxis": axis("displacement, mm", json!({"range": [short(view[0]), short(view[1])]})),
             "yaxis": axis(drawn.title, json!({})),
             "annotations": labels,
         }),

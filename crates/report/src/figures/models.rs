@@ -113,7 +113,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     // Two names fit into a row; the test's own stands before them.
     let legend_rows = (drawn.len() + 1).div_ceil(2) as u32;
     let height_px = 900 + 21 * legend_rows;
-    room_above(&mut layout, height_px, legend_rows);
+    room_above(&mut layout, height_px, 1, legend_rows);
     Some(Figure {
         id: "models",
         title: "Models over the test",

@@ -90,7 +90,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
             "shapes": shapes, "annotations": labels,
         }),
     );
-    room_above(&mut layout, HEIGHT_PX, 1);
+    room_above(&mut layout, HEIGHT_PX, 1, 1);
     Some(Figure {
         id: "motion",
         title: "The crash: acceleration, velocity, displacement",

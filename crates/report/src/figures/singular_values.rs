@@ -46,7 +46,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
         shapes.push(json!({"type": "line", "x0": x, "x1": x, "y0": 0, "y1": 1, "yref": "paper",
                            "line": {"color": colour::EVENT, "width": 1.4, "dash": "dash"}}));
         labels.push(json!({"x": x, "y": 1, "yref": "paper", "xanchor": "left", "yanchor": "top", "xshift": 4,
-                           "yshift": -18 * labels.len() as i32, "showarrow": false, "text": format!("order {order}"),
+                           "yshift": -18.0 * labels.len() as f64, "showarrow": false, "text": format!("order {order}"),
                            "font": {"color": colour::EVENT, "size": 12}, "bgcolor": "rgba(255,255,255,0.85)"}));
         if order > 0 && order <= values.len() {
             traces.push(json!({

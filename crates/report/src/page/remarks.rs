@@ -2,14 +2,16 @@
 
 use crumple_signal::Severity;
 
-use crate::Run;
 use crate::escape::html;
-use crate::people::decimals;
+use crate::people::{candidate_name, decimals};
+use crate::{Candidate, Ranking, Run};
 
 /// Good-to-know notes of a stage that are open to view; the rest is folded. Warnings never are.
 const OPEN_NOTES: usize = 12;
 /// Characters of a digest that are shown.
 const DIGEST_SHOWN: usize = 12;
+/// A fit closer than this to the best is as good, percentage points: far below what two tests of one car differ by.
+const AS_GOOD_PERCENT: f64 = 0.1;
 
 pub(super) fn write_missing(out: &mut String, run: &Run) {
     if run.missing.is_empty() {
@@ -62,7 +64,7 @@ pub(super) fn write_notes(out: &mut String, run: &Run) {
     out.push_str("</section>\n");
 }
 
-pub(super) fn write_limits(out: &mut String, run: &Run) {
+pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     let mut limits = Vec::new();
     if run.candidates.iter().any(|c| c.record.model == "double-spring-mass-damper" || c.record.equivalent_to.is_some())
     {
@@ -72,6 +74,7 @@ pub(super) fn write_limits(out: &mut String, run: &Run) {
                 .to_owned(),
         );
     }
+    limits.extend(about_the_best(run, ranking));
     let window = run.candidates.iter().find_map(|c| c.simulation.as_ref()).map(|s| (s.from_s, s.to_s));
     if !run.candidates.is_empty() || !run.models.is_empty() {
         let mut text =
@@ -93,14 +96,14 @@ pub(super) fn write_limits(out: &mut String, run: &Run) {
          dynamic crush; the crush that remains after the test cannot be had from an accelerometer."
             .to_owned(),
     );
-    if let Some(ratio) = run.events.as_ref().and_then(|e| Some(e.centroid_time_s? / e.time_of_dynamic_crush_s?)) {
-        if ratio > std::f64::consts::FRAC_2_PI {
-            limits.push(format!(
-                "t_c/t_m is {}, above 2/π = 0.637: no Kelvin model with damping has such a pulse, and one labelled as \
+    if let Some(ratio) = run.events.as_ref().and_then(|e| Some(e.centroid_time_s? / e.time_of_dynamic_crush_s?))
+        && ratio > std::f64::consts::FRAC_2_PI
+    {
+        limits.push(format!(
+            "t_c/t_m is {}, above 2/π = 0.637: no Kelvin model with damping has such a pulse, and one labelled as \
                  undamped is a reduction to the nearest that exists.",
-                decimals(ratio, 3)
-            ));
-        }
+            decimals(ratio, 3)
+        ));
     }
     if run.events.as_ref().is_some_and(|e| e.time_of_dynamic_crush_s.is_none()) {
         limits.push(
@@ -113,6 +116,35 @@ pub(super) fn write_limits(out: &mut String, run: &Run) {
     out.push_str(&format!(
         "<section>\n<h2>What this can and cannot say</h2>\n<ul class=\"limits\">\n{items}</ul>\n</section>\n"
     ));
+}
+
+/// What stands against taking the best fit for the truth: undetermined parameters, a simpler model as good.
+fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
+    let mut limits = Vec::new();
+    let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) else { return limits };
+    let on_bound = best.record.fit.as_ref().map(|fit| fit.active_bounds.as_slice()).unwrap_or_default();
+    if !on_bound.is_empty() {
+        limits.push(format!(
+            "Of the best candidate, {} stopped on a bound of the search: the record does not determine their values.",
+            on_bound.join(", ")
+        ));
+    }
+    let fit = |candidate: &Candidate| candidate.simulation.as_ref().and_then(|s| s.fit_percent);
+    let simpler = ranking.order.iter().filter_map(|id| run.candidate(id)).find(|other| {
+        other.record.physical
+            && other.record.parameters.len() < best.record.parameters.len()
+            && fit(other).zip(fit(best)).is_some_and(|(other, best)| best - other < AS_GOOD_PERCENT)
+    });
+    if let Some(simpler) = simpler {
+        limits.push(format!(
+            "{} fits within {AS_GOOD_PERCENT} percentage points of the best with {} parameters instead of {}: this record \
+             gives no reason for the larger model.",
+            candidate_name(&simpler.id),
+            simpler.record.parameters.len(),
+            best.record.parameters.len()
+        ));
+    }
+    limits
 }
 
 pub(super) fn write_provenance(out: &mut String, run: &Run) {

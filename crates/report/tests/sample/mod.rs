@@ -1,5 +1,7 @@
 //! A run made from closed forms, as artifacts: what the report's tests and its example look at.
 
+#![allow(clippy::unwrap_used, reason = "test data: a failure here is the test's failure")]
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -14,8 +16,8 @@ use crumple_signal::{Channel, ChannelStatus, QuantityKind, Sampled, Source, Test
 pub const TITLE: &str = "Frontal <b>impact</b> & \"pole\" </script><script>window.broken = true</script>";
 
 const DT_S: f64 = 1e-4;
-const BEFORE: usize = 200;
-const AFTER: usize = 1501;
+const BEFORE: u32 = 200;
+const AFTER: u32 = 1501;
 
 /// `m x'' = -k x - c x'`, `x(0) = 0`, `x'(0) = v0`, underdamped.
 #[derive(Clone, Copy)]
@@ -55,13 +57,13 @@ impl Kelvin {
 const TEST: Kelvin =
     Kelvin { mass_kg: 873.0, stiffness_n_per_m: 330_000.0, damping_n_s_per_m: 2_500.0, v0: 35.0 / 3.6 };
 
-fn wave(t0: i32, samples: usize, f: impl Fn(f64) -> f64) -> Sampled {
-    let t0_s = f64::from(t0) * DT_S;
-    Sampled::new(t0_s, DT_S, (0..samples).map(|k| f(t0_s + k as f64 * DT_S)).collect()).unwrap()
+fn wave(before: u32, samples: u32, f: impl Fn(f64) -> f64) -> Sampled {
+    let t0_s = -f64::from(before) * DT_S;
+    Sampled::new(t0_s, DT_S, (0..samples).map(|k| f(t0_s + f64::from(k) * DT_S)).collect()).unwrap()
 }
 
 fn record_wave(f: impl Fn(f64) -> f64) -> Sampled {
-    wave(-(BEFORE as i32), BEFORE + AFTER, f)
+    wave(BEFORE, BEFORE + AFTER, f)
 }
 
 fn test() -> TestDescription {

@@ -1,0 +1,127 @@
+//! An identified model as the records of the artifact.
+
+use crumple_identify::{Decomposition, Realization};
+use crumple_lti::{LtiError, StateSpace, to_transfer_function};
+use crumple_signal::{Notes, Sampled};
+use crumple_stage::Output;
+use crumple_stage::records::{IdentificationV1, ModeV1, ModesV1, StateSpaceV1, TransferFunctionV1};
+use nalgebra::DMatrix;
+
+/// What a reader of the model must know of its input.
+const INPUT: &str = "unit impulse (the record taken as Markov parameters)";
+
+/// The samples a model was identified from.
+pub struct Window<'a> {
+    /// Id of the channel.
+    pub channel: &'a str,
+    /// The samples and their times.
+    pub sampled: &'a Sampled,
+}
+
+/// Writes the records of one model under its id, `era-<order>`, and a summary line.
+pub fn put_model(model: &Realization, window: &Window<'_>, notes: &Notes, out: &mut Output) -> anyhow::Result<()> {
+    let id = format!("era-{}", model.order());
+    let output = format!("acceleration of channel {}, m/s^2", window.channel);
+    let mut notes = notes.to_texts();
+    out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, &output))?;
+    if let Ok(continuous) = &model.continuous {
+        out.put(&format!("/model/{id}/continuous"), &state_space(continuous, &output))?;
+        match transfer_function(continuous, &output) {
+            Ok(record) => out.put(&format!("/model/{id}/transfer-function"), &record)?,
+            Err(error) => notes.push(format!("no transfer function: {error}")),
+        }
+    }
+    out.put(&format!("/modes/{id}"), &modes(model))?;
+    if let Decomposition::Lanczos { steps } = model.decomposition {
+        notes.push(format!(
+            "only the {} leading singular values are listed: those that converged in {steps} Lanczos steps",
+            model.singular_values.len()
+        ));
+    }
+    out.put(&format!("/identification/{id}"), &identification(model, window, notes))?;
+    out.summary(summary(&id, model, window));
+    Ok(())
+}
+
+fn state_space(model: &StateSpace, output: &str) -> StateSpaceV1 {
+    StateSpaceV1 {
+        a: rows(&model.a),
+        b: rows(&model.b),
+        c: rows(&model.c),
+        d: rows(&model.d),
+        sample_time_s: model.sample_time_s.unwrap_or(0.0),
+        input: INPUT.to_owned(),
+        output: output.to_owned(),
+    }
+}
+
+fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
+}
+
+fn transfer_function(model: &StateSpace, output: &str) -> Result<TransferFunctionV1, LtiError> {
+    let tf = to_transfer_function(model)?;
+    Ok(TransferFunctionV1 {
+        numerator: tf.numerator().to_vec(),
+        denominator: tf.denominator().to_vec(),
+        input: INPUT.to_owned(),
+        output: output.to_owned(),
+    })
+}
+
+/// One entry a pole; a pole at `z = 0` has no continuous counterpart and no entry (a note tells of it).
+fn modes(model: &Realization) -> ModesV1 {
+    let entries = model.modes.iter().filter_map(|identified| {
+        let mode = identified.mode?;
+        Some(ModeV1 {
+            re_per_s: mode.pole.re,
+            im_rad_per_s: mode.pole.im,
+            natural_frequency_rad_per_s: mode.natural_frequency_rad_per_s,
+            damping_ratio: mode.damping_ratio,
+            modal_amplitude_coherence: identified.modal_amplitude_coherence,
+            mode_singular_value: identified.mode_singular_value,
+            discrete_re: Some(identified.discrete_pole.re),
+            discrete_im: Some(identified.discrete_pole.im),
+        })
+    });
+    ModesV1(entries.collect())
+}
+
+fn identification(model: &Realization, window: &Window<'_>, notes: Vec<String>) -> IdentificationV1 {
+    let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    IdentificationV1 {
+        method: "era".to_owned(),
+        order: size(model.order()),
+        channel: window.channel.to_owned(),
+        treated_as: "impulse-response".to_owned(),
+        from_s: window.sampled.t0_s(),
+        to_s: window.sampled.end_s(),
+        samples: window.sampled.len() as u64,
+        hankel_rows: size(model.rows),
+        hankel_columns: size(model.columns),
+        singular_values: model.singular_values.clone(),
+        fit_percent: model.fit_percent,
+        rmse: model.rmse,
+        notes,
+    }
+}
+
+/// `era-4: fit 81.4 % of 2501 samples; 5.31 Hz (damping 0.481), 13.2 Hz (damping 0.112)`.
+fn summary(id: &str, model: &Realization, window: &Window<'_>) -> String {
+    let fit = model.fit_percent.map_or("no defined fit".to_owned(), |fit| format!("fit {fit:.1} %"));
+    let modes: Vec<String> = model
+        .modes
+        .iter()
+        .filter_map(|identified| identified.mode)
+        .filter(|mode| mode.pole.im >= 0.0)
+        .map(|mode| {
+            if mode.pole.im == 0.0 {
+                format!("real pole {:.4} 1/s", mode.pole.re)
+            } else {
+                let damping = mode.damping_ratio.unwrap_or(0.0);
+                format!("{:.3} Hz (damping ratio {damping:.3})", mode.natural_frequency_hz())
+            }
+        })
+        .collect();
+    format!("{id}: {fit} of {} samples; {}", window.sampled.len(), modes.join(", "))
+}

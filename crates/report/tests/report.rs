@@ -1,0 +1,177 @@
+//! The program on the artifacts of a synthetic run.
+
+mod sample;
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn report(folder: &Path, inputs: &[std::path::PathBuf], more: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_crumple-report"))
+        .args(inputs)
+        .arg("-o")
+        .arg(folder.join("report.html"))
+        .args(more)
+        .output()
+        .unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The page without plotly's script: what this crate wrote.
+fn own_part(html: &str) -> String {
+    let start = html.find("/**\n* plotly.js").unwrap();
+    let end = start + html[start..].find("</script>").unwrap();
+    format!("{}{}", &html[..start], &html[end..])
+}
+
+#[test]
+fn the_summary_holds_the_run_in_the_order_of_the_contract() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = sample::write_artifacts(folder.path(), true);
+    let output = report(folder.path(), &inputs, &["--pipeline-name", "papers/synthetic", "-q", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(stderr(&output), "");
+    let summary = std::fs::read_to_string(folder.path().join("summary.json")).unwrap();
+    assert_eq!(String::from_utf8(output.stdout).unwrap(), summary);
+    // Every number of the sample is a literal or a short closed form; the last digits of sin and exp may differ between
+    // mathematics libraries, so the numbers are shown with ten digits.
+    insta::assert_snapshot!(ten_digits(&summary));
+}
+
+/// The text with every long number cut to ten significant digits.
+fn ten_digits(json: &str) -> String {
+    json.lines()
+        .map(|line| {
+            let start = line.rfind(' ').map_or(0, |blank| blank + 1);
+            let number = line[start..].trim_end_matches(',');
+            match number.parse::<f64>() {
+                Ok(x) if number.len() > 11 => {
+                    let cut: f64 = format!("{x:.9e}").parse().unwrap();
+                    format!("{}{cut}{}\n", &line[..start], &line[start + number.len()..])
+                }
+                _ => format!("{line}\n"),
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn the_best_is_physical_and_the_first_of_two_equals() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = sample::write_artifacts(folder.path(), true);
+    report(folder.path(), &inputs, &[]);
+    let text = std::fs::read_to_string(folder.path().join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&text).unwrap();
+    // kelvin/coefficient-matching/1 fits better, but has a negative damping; the double's dual fits as well.
+    assert_eq!(summary["ranking"][0], "kelvin/coefficient-matching/1");
+    assert_eq!(summary["best"], "double-spring-mass-damper/displacement-fit/1");
+    assert_eq!(summary["candidates"][5]["simulation"], serde_json::Value::Null);
+}
+
+#[test]
+fn inputs_in_any_order_give_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut inputs = sample::write_artifacts(folder.path(), true);
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    report(folder.path(), &inputs, &[]);
+    let first = (read("report.html"), read("summary.json"));
+    inputs.reverse();
+    report(folder.path(), &inputs, &[]);
+    assert!(first == (read("report.html"), read("summary.json")));
+}
+
+#[test]
+fn the_page_loads_nothing_and_the_test_cannot_break_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = sample::write_artifacts(folder.path(), true);
+    report(folder.path(), &inputs, &[]);
+    let html = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    let own = own_part(&html);
+    for reference in ["http:", "https:", "//cdn", "<link", " src=", " href=", "@import", "url("] {
+        assert!(!own.contains(reference), "{reference}");
+    }
+    assert!(own.contains("default-src 'none'"));
+    assert!(!own.contains("<script>window.broken"), "the title has opened a script");
+    assert!(own.contains("Frontal &lt;b&gt;impact&lt;/b&gt; &amp; &quot;pole&quot;"));
+    assert!(!own.contains("sled <1>") && own.contains("sled &lt;1&gt;"));
+    // As many scripts are closed as opened: six figures, plotly, the drawing.
+    assert_eq!((html.matches("<script").count(), html.matches("</script>").count()), (8, 8));
+}
+
+#[test]
+fn a_hundred_channels_and_more_are_folded() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = sample::write_artifacts(folder.path(), true);
+    report(folder.path(), &inputs, &[]);
+    let html = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(html.contains("<details><summary>Show all 31 channels</summary>"));
+    assert!(html.contains("The test lists 31 channels in all: 30 valid, 1 not installed."));
+}
+
+#[test]
+fn what_is_missing_is_said_and_the_rest_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = sample::write_artifacts(folder.path(), true);
+    let output = report(folder.path(), &inputs[1..3], &[]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    insta::assert_snapshot!(stderr(&output).replace(&*folder.path().to_string_lossy(), "FOLDER"), @r"
+    report           dynamic crush 447.7 mm at 77.2 ms, change of velocity 63.1 km/h
+    report           not in the report: acceleration as read (crumple-ingest writes it)
+    report           not in the report: identified models (crumple-identify writes them)
+    report           not in the report: physical parameters (crumple-parameter-solve writes them)
+    report           FOLDER/report.html
+    ");
+    let html = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(html.contains("<h2>Not in this report</h2>"));
+    assert!(html.contains("id=\"motion-data\"") && html.contains("id=\"force-data\""));
+    assert!(!html.contains("id=\"poles-data\"") && !html.contains("id=\"models-data\""));
+}
+
+#[test]
+fn each_artifact_alone_makes_a_report() {
+    let folder = tempfile::tempdir().unwrap();
+    for input in sample::write_artifacts(folder.path(), true) {
+        let output = report(folder.path(), std::slice::from_ref(&input), &["-q"]);
+        assert_eq!(output.status.code(), Some(0), "{}: {}", input.display(), stderr(&output));
+    }
+}
+
+#[test]
+fn candidates_of_which_none_could_be_simulated_end_with_4_and_both_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = sample::write_artifacts(folder.path(), false);
+    let output = report(folder.path(), &inputs, &["-q"]);
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    let summary = std::fs::read_to_string(folder.path().join("summary.json")).unwrap();
+    assert!(summary.contains("\"best\": null"));
+    assert!(folder.path().join("report.html").exists());
+}
+
+#[test]
+fn a_damaged_artifact_is_refused_and_an_old_report_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = sample::write_artifacts(folder.path(), true);
+    report(folder.path(), &inputs, &[]);
+    let before = std::fs::read(folder.path().join("report.html")).unwrap();
+    let mut bytes = std::fs::read(&inputs[2]).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&inputs[2], bytes).unwrap();
+    let output = report(folder.path(), &inputs, &[]);
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    assert!(std::fs::read(folder.path().join("report.html")).unwrap() == before);
+}
+
+#[test]
+fn a_pipeline_that_is_not_there_is_a_usage_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = sample::write_artifacts(folder.path(), true);
+    let output = report(folder.path(), &inputs, &["--pipeline", "pipelines/no-such.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    insta::assert_snapshot!(stderr(&output), @r"
+    error: pipelines/no-such.toml is no pipeline file
+      hint: see the folder pipelines
+    ");
+}

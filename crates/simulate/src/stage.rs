@@ -1,0 +1,165 @@
+//! Reads candidates and the motion of the test, simulates, writes responses and comparisons.
+
+use std::path::PathBuf;
+
+use crumple_lumped::{Model, ModelKind};
+use crumple_signal::value::Time;
+use crumple_signal::{Acceleration, Displacement, QuantityKind, Sampled, Velocity};
+use crumple_simulate::{Measured, SimulateError, Simulation, Window, simulate};
+use crumple_stage::records::{CandidateV1, EventsV1, SimulationV1, TestV1};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// The stage.
+pub struct Simulate;
+
+/// Flags and keys; what is not given has the default named in its text.
+#[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Options {
+    /// End of the compared window after time zero [default: dynamic crush of the test, or the end of a record without one]
+    #[arg(long, value_name = "TIME")]
+    pub to: Option<Time>,
+
+    /// Keep the elastoplastic model attached after rebound, so that it oscillates for ever, instead of letting it leave
+    /// the barrier [default: false]
+    #[arg(long, num_args = 0..=1, default_missing_value = "true", value_name = "BOOL")]
+    pub stay_attached: Option<bool>,
+}
+
+/// Options with every default filled in.
+#[derive(Debug, Serialize)]
+pub struct Settings {
+    to_s: Option<f64>,
+    stay_attached: bool,
+}
+
+impl Stage for Simulate {
+    const NAME: &'static str = "simulate";
+    const ABOUT: &'static str = "Simulates every candidate model and compares its motion with the test.";
+    type Options = Options;
+    type Settings = Settings;
+    type Input = Inputs;
+
+    fn resolve(options: Options) -> anyhow::Result<Settings> {
+        Ok(Settings { to_s: options.to.map(Time::si), stay_attached: options.stay_attached.unwrap_or(false) })
+    }
+
+    fn load(paths: &[PathBuf], _: &Settings) -> anyhow::Result<Loaded<Inputs>> {
+        crumple_stage::load_artifacts(paths)
+    }
+
+    fn run(settings: &Settings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
+        let test = input.test()?;
+        let events: EventsV1 = input.record("/events")?;
+        let candidates: Vec<(String, CandidateV1)> = input.records("/parameters/")?;
+        if candidates.is_empty() {
+            return Err(Refused::new("none of the inputs holds a candidate (topic /parameters/...)")
+                .hint("give the artifact of crumple-parameter-solve too")
+                .into());
+        }
+        let impact_speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
+            Refused::new("neither the events nor the test have an impact speed")
+                .hint("--impact-speed 35km/h at crumple-ingest")
+        })?;
+        let channel = &events.channel;
+        let displacement = input.wave(&format!("{channel}/displacement"))?.signal::<Displacement>().refuse()?;
+        let velocity =
+            input.wave_if(&format!("{channel}/velocity")).map(|w| w.signal::<Velocity>()).transpose().refuse()?;
+        let acceleration = input.wave_if(channel).map(|w| w.signal::<Acceleration>()).transpose().refuse()?;
+        let measured = Measured {
+            time_zero_s: events.time_zero_s,
+            impact_speed_m_per_s,
+            displacement: &displacement,
+            velocity: velocity.as_deref(),
+            acceleration: acceleration.as_deref(),
+            dynamic_crush_m: events.dynamic_crush_m,
+            time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
+        };
+
+        let results: Vec<Result<Simulation, SimulateError>> = candidates
+            .par_iter()
+            .map(|(_, candidate)| {
+                let kind: ModelKind = candidate.model.parse()?;
+                let mut model = Model::from_parameters(kind, &candidate.parameters)?;
+                if let Model::Elastoplastic(elastoplastic) = &mut model {
+                    elastoplastic.release = !settings.stay_attached;
+                }
+                simulate(&model, &measured, Window { to_s: settings.to_s })
+            })
+            .collect();
+
+        out.put("/test", &TestV1::from(&test))?;
+        let mut simulated = 0;
+        for ((id, candidate), result) in candidates.iter().zip(results) {
+            match result {
+                Ok(simulation) => {
+                    simulated += 1;
+                    out.summary(line(id, &simulation));
+                    write(id, candidate, simulation, &displacement, events.time_zero_s, out)?;
+                }
+                Err(error) => out.notes().warning(format!("{id}: not simulated, {error}")),
+            }
+        }
+        Ok(if simulated == 0 {
+            Outcome::NoAcceptableResult("no candidate could be simulated; the notes say why".to_owned())
+        } else {
+            Outcome::Done
+        })
+    }
+}
+
+fn write(
+    id: &str,
+    candidate: &CandidateV1,
+    simulation: Simulation,
+    grid: &Sampled,
+    time_zero_s: f64,
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    let Simulation { motion, events, comparison } = simulation;
+    let mut notes = Vec::new();
+    if events.dynamic_crush_m.is_none() {
+        notes.push("the velocity of the model never reaches zero: it has no dynamic crush".to_owned());
+    }
+    if !candidate.physical {
+        notes.push("warning: not a passive structure, a spring or damper is negative".to_owned());
+    }
+    let record = SimulationV1 {
+        dynamic_crush_m: events.dynamic_crush_m,
+        time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
+        rmse_displacement_m: comparison.rmse_displacement_m,
+        fit_percent: comparison.fit_displacement_percent,
+        iso18571_score: None,
+        dynamic_crush_error_m: comparison.dynamic_crush_error_m,
+        time_of_dynamic_crush_error_s: comparison.time_of_dynamic_crush_error_s,
+        max_displacement_error_m: comparison.max_displacement_error_m,
+        fit_velocity_percent: comparison.fit_velocity_percent,
+        fit_acceleration_percent: comparison.fit_acceleration_percent,
+        from_s: comparison.from_s,
+        to_s: comparison.to_s,
+        notes,
+    };
+    out.put(&format!("/simulation/{id}"), &record)?;
+    let waves = [
+        ("displacement", QuantityKind::Displacement, motion.displacement_m),
+        ("velocity", QuantityKind::Velocity, motion.velocity_m_per_s),
+        ("acceleration", QuantityKind::Acceleration, motion.acceleration_m_per_s2),
+    ];
+    for (name, quantity, samples) in waves {
+        out.wave(&format!("{id}/{name}"), quantity, Sampled::new(time_zero_s, grid.dt_s(), samples)?)?;
+    }
+    Ok(())
+}
+
+fn line(id: &str, simulation: &Simulation) -> String {
+    let c = &simulation.comparison;
+    let crush = match (simulation.events.dynamic_crush_m, simulation.events.time_of_dynamic_crush_s) {
+        (Some(crush), Some(t)) => format!("crush {:.1} mm at {:.2} ms", 1e3 * crush, 1e3 * t),
+        _ => "never stops".to_owned(),
+    };
+    let fit = c.fit_displacement_percent.map_or_else(String::new, |fit| format!(", displacement fit {fit:.2} %"));
+    let error = c.rmse_displacement_m.map_or_else(String::new, |rmse| format!(", rms error {:.2} mm", 1e3 * rmse));
+    format!("{id}: {crush}{fit}{error}")
+}
