@@ -1,5 +1,7 @@
 //! What the reader says of files that are not what they should be.
 
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;

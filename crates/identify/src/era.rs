@@ -141,13 +141,15 @@ impl Realization {
 
 /// Realizes a discrete-time model from one channel's Markov parameters.
 ///
-/// `markov[0]` is the direct term `D`, `markov[k]` is `C A^(k-1) B`, k = 1, 2, ... `H0[i,j] = markov[i+j+1]` is
-/// `rows x columns` and `H1` its shift, so `rows + columns` parameters after the first are used. With `H0 ≈ U S V'` cut to the order,
-/// `A = S^-1/2 U' H1 V S^-1/2`, `B = S^1/2 V' e1`, `C = e1' U S^1/2`. (Equation 62 of the crash paper prints `S^-1/2` in
-/// `B` and `C`, which does not reproduce the parameters.) Poles do not depend on the scale of `markov`.
+/// `markov[0]` is the direct term `D`, `markov[k]` is `C A^(k-1) B`, k = 1, 2, ... `H0[i,j] = markov[i+j+1]` is `rows
+/// x columns` and `H1` its shift, so `rows + columns` parameters after the first are used. With `H0 ≈ U S V'` cut to
+/// the order, `A = S^-1/2 U' H1 V S^-1/2`, `B = S^1/2 V' e1`, `C = e1' U S^1/2`. (Equation 62 of the crash paper
+/// prints `S^-1/2` in `B` and `C`, which does not reproduce the parameters.) Poles do not depend on the scale of
+/// `markov`.
 ///
 /// Exact, to rounding, for a record that is the impulse response of a system of that order. In noise poles are biased
-/// towards damping, the less the longer the record. A window much shorter than a period gives meaningless, even unstable poles.
+/// towards damping, the less the longer the record. A window much shorter than a period gives meaningless, even
+/// unstable poles.
 ///
 /// Juang & Pappa, "An eigensystem realization algorithm for modal parameter identification and model reduction", J.
 /// Guidance 8(5), 1985.
@@ -273,7 +275,8 @@ impl<'a> Era<'a> {
     }
 }
 
-/// Rows and columns: as given, else half of the parameters each; an odd one is left out, for a square matrix is symmetric.
+/// Rows and columns: as given, else half of the parameters each; an odd one is left out, for a square matrix is
+/// symmetric.
 fn shape(parameters: usize, rows: Option<usize>, columns: Option<usize>) -> (usize, usize) {
     match (rows, columns) {
         (Some(rows), Some(columns)) => (rows, columns),

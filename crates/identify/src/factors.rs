@@ -8,7 +8,8 @@ use crate::hankel::Hankel;
 use crate::jacobi_svd::jacobi_svd;
 
 /// Up to this many rows (or columns) the matrix is formed and decomposed whole, all singular values, in about 1 ms.
-/// Beyond, the cost grows with the cube (measured for the square case: 5 ms at 200, 0.2 s at 600) while Lanczos stays near 1 ms.
+/// Beyond, the cost grows with the cube (measured for the square case: 5 ms at 200, 0.2 s at 600) while Lanczos stays
+/// near 1 ms.
 const DENSE_UP_TO: usize = 64;
 
 /// Lanczos steps at which convergence is looked at; the last is the limit.
@@ -72,9 +73,8 @@ impl Factors {
 
 /// Decomposes `H0`.
 ///
-/// `needed` tells from the leading singular values seen so far how many triplets must be exact; `evidence` is the number of values one
-/// would like to see, and waits for longer with `patient`.
-/// Errors: [`EraError::NotConverged`].
+/// `needed` tells from the leading singular values seen so far how many triplets must be exact; `evidence` is the
+/// number of values one would like to see, and waits for longer with `patient`. Errors: [`EraError::NotConverged`].
 pub(crate) fn factorize(
     h: &mut Hankel<'_>,
     evidence: usize,

@@ -10,7 +10,8 @@ pub fn fit_percent(measured: &[f64], model: &[f64]) -> Option<f64> {
     (spread > 0.0 && fit.is_finite()).then_some(fit)
 }
 
-/// Root mean square of `y - yh`, in the unit of the record; `None` as for [`fit_percent`], except that a constant record has one.
+/// Root mean square of `y - yh`, in the unit of the record; `None` as for [`fit_percent`], except that a constant
+/// record has one.
 pub fn rmse(measured: &[f64], model: &[f64]) -> Option<f64> {
     Some(distance(measured, model)? / (measured.len() as f64).sqrt())
 }

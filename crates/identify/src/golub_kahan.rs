@@ -19,7 +19,8 @@ const BREAKDOWN: f64 = 1e-14;
 /// The start vector comes from ChaCha8 with a fixed seed: same input, same bits. Every step costs two FFT products and
 /// `O(N j)` for the orthogonality.
 ///
-/// Golub & Kahan, SIAM J. Numer. Anal. 2(2), 1965; reorthogonalisation as in Simon & Zha, SIAM J. Sci. Comput. 21(6), 2000.
+/// Golub & Kahan, SIAM J. Numer. Anal. 2(2), 1965; reorthogonalisation as in Simon & Zha, SIAM J. Sci. Comput. 21(6),
+/// 2000.
 pub(crate) struct GolubKahan {
     rng: ChaCha8Rng,
     /// Left basis, one vector after the other.

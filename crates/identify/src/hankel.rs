@@ -8,9 +8,9 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
 /// The Hankel pair of a sequence: `H0[i,j] = y[i+j]` and its shift `H1[i,j] = y[i+j+1]`, both `rows x columns`.
 ///
-/// A product with a vector is a correlation, done by FFT in `O(N log N)` time and `O(N)` memory:
-/// `(H x)[i] = sum_j y[i+j] x[j]`. Rounding error about the rounding unit times `|y| |x|`, that is relative to the largest
-/// singular value, not to the result.
+/// A product with a vector is a correlation, done by FFT in `O(N log N)` time and `O(N)` memory: `(H x)[i] = sum_j
+/// y[i+j] x[j]`. Rounding error about the rounding unit times `|y| |x|`, that is relative to the largest singular
+/// value, not to the result.
 pub(crate) struct Hankel<'a> {
     y: &'a [f64],
     rows: usize,
@@ -34,7 +34,8 @@ pub(crate) enum Shift {
 }
 
 impl<'a> Hankel<'a> {
-    /// Takes `rows + columns` values: `y[rows + columns - 1]` is the last entry of `H1`. The caller has checked the length.
+    /// Takes `rows + columns` values: `y[rows + columns - 1]` is the last entry of `H1`. The caller has checked the
+    /// length.
     pub(crate) fn new(y: &'a [f64], rows: usize, columns: usize) -> Self {
         let span = rows + columns - 1;
         debug_assert!(rows > 0 && columns > 0 && y.len() > span, "{} values for {rows} x {columns}", y.len());

@@ -10,8 +10,8 @@ pub struct IdentifiedMode {
     pub discrete_pole: Complex,
     /// The same in continuous time, on the principal branch; `None` for `z = 0`.
     pub mode: Option<Mode>,
-    /// Modal amplitude coherence: cosine between the mode's history in the data and the pure one of its pole. 1: the data
-    /// contain this mode; well below 0.9: a product of noise. `None` if the model has multiple poles.
+    /// Modal amplitude coherence: cosine between the mode's history in the data and the pure one of its pole. 1: the
+    /// data contain this mode; well below 0.9: a product of noise. `None` if the model has multiple poles.
     pub modal_amplitude_coherence: Option<f64>,
     /// Mode singular value relative to the largest: the mode's share in the response. `None` as above.
     pub mode_singular_value: Option<f64>,
@@ -22,8 +22,8 @@ pub struct IdentifiedMode {
 /// `controllability` is `S^1/2 V'`: the identified sequence `[B, A B, A² B, ...]` by which the model's own is judged.
 /// `terms` is the number of samples the sum in the mode singular value runs over.
 ///
-/// With `b_i`, `c_i` the modal input and output: coherence `|q* q'| / (|q| |q'|)`, `q = [b_i, z_i b_i, z_i² b_i, ...]`, `q'`
-/// the same row taken from the data; mode singular value `sqrt(|c_i| (1 + |z_i| + |z_i|² + ...) |b_i|)`.
+/// With `b_i`, `c_i` the modal input and output: coherence `|q* q'| / (|q| |q'|)`, `q = [b_i, z_i b_i, z_i² b_i,
+/// ...]`, `q'` the same row taken from the data; mode singular value `sqrt(|c_i| (1 + |z_i| + |z_i|² + ...) |b_i|)`.
 /// Juang & Pappa, J. Guidance 8(5), 1985, and 9(3), 1986.
 pub(crate) fn modes(
     model: &StateSpace,

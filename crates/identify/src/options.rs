@@ -19,8 +19,8 @@ pub struct Options {
     /// Identification methods, separated by commas. There is: era (eigensystem realization). Default: era.
     #[arg(long, value_delimiter = ',')]
     pub methods: Vec<String>,
-    /// Numbers of states to try, separated by commas, and "auto" for the largest gap between singular values. Two states are one
-    /// damped oscillation. Default: 4.
+    /// Numbers of states to try, separated by commas, and "auto" for the largest gap between singular values. Two
+    /// states are one damped oscillation. Default: 4.
     #[arg(long, value_delimiter = ',')]
     pub orders: Vec<OrderOption>,
     /// Highest order that "auto" considers. Default: 20.

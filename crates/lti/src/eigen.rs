@@ -21,8 +21,8 @@ pub fn eigenvalues(a: &DMatrix<f64>) -> Result<Vec<Complex>, LtiError> {
         return Ok(Vec::new());
     }
     // Without its mean the matrix keeps only what tells the eigenvalues apart. A sampled model is the identity plus a
-    // small part: the absolute error then goes with the small part, and nalgebra's QR, whose test for convergence looks at the
-    // diagonal, does not stall on it.
+    // small part: the absolute error then goes with the small part, and nalgebra's QR, whose test for convergence
+    // looks at the diagonal, does not stall on it.
     let mean = a.diagonal().iter().map(|x| x / n as f64).sum::<f64>();
     let mut balanced = a - DMatrix::<f64>::identity(n, n) * mean;
     let largest = balanced.amax();
@@ -33,9 +33,9 @@ pub fn eigenvalues(a: &DMatrix<f64>) -> Result<Vec<Complex>, LtiError> {
     let scale = largest.log2().round().exp2().clamp(f64::MIN_POSITIVE, f64::MAX / 2.0);
     balanced /= scale;
     balance_parlett_reinsch(&mut balanced);
-    // That QR has no exceptional shifts and can cycle on matrices with rotational symmetry (companion matrices
-    // of z^n - 1), and it stalls where a cluster of eigenvalues sits on a diagonal near zero. A shifted matrix has neither; its
-    // eigenvalues differ by the shift, and a looser test costs a few rounding units of the norm.
+    // That QR has no exceptional shifts and can cycle on matrices with rotational symmetry (companion matrices of z^n
+    // - 1), and it stalls where a cluster of eigenvalues sits on a diagonal near zero. A shifted matrix has neither;
+    // its eigenvalues differ by the shift, and a looser test costs a few rounding units of the norm.
     for (shift, looseness) in [(0.0, 1.0), (0.328_125, 4.0), (-0.703_125, 32.0)] {
         let shifted = &balanced + DMatrix::<f64>::identity(n, n) * shift;
         let schur = Schur::try_new(shifted, f64::EPSILON * looseness, STEPS_PER_STATE * n);

@@ -30,9 +30,9 @@ const MAX_RESIDUAL: f64 = 1e-8;
 /// The principal logarithm of a real matrix.
 ///
 /// Square roots until `a` is near the identity, then `ln a = ∫₀¹ (I + tX)⁻¹ X dt`, `X = a - I`, by 8-point
-/// Gauss-Legendre quadrature, which is the [8/8] Padé approximant. No Schur form and no eigenvectors, so a defective matrix
-/// (Jordan block, rigid body) is an ordinary case. Relative error about 1e-15 times the condition of the logarithm;
-/// the result is checked by its exponential.
+/// Gauss-Legendre quadrature, which is the [8/8] Padé approximant. No Schur form and no eigenvectors, so a defective
+/// matrix (Jordan block, rigid body) is an ordinary case. Relative error about 1e-15 times the condition of the
+/// logarithm; the result is checked by its exponential.
 ///
 /// Errors: an eigenvalue on the closed negative real axis has no real logarithm
 /// ([`LtiError::NegativeRealEigenvalue`]); eigenvalues that nearly do may give [`LtiError::NotConverged`] or
@@ -141,7 +141,8 @@ mod tests {
     proptest! {
         #[test]
         fn exponential_undoes_it(entries in prop::collection::vec(-1.0..1.0_f64, 16)) {
-            // Start from a generator whose eigenvalues lie inside the strip |Im| < pi, so its exponential has it as principal logarithm.
+            // Start from a generator whose eigenvalues lie inside the strip |Im| < pi, so its exponential has it as
+            // principal logarithm.
             let a = DMatrix::from_vec(4, 4, entries) * 0.7;
             let e = matrix_exponential(&a).unwrap();
             let log = matrix_logarithm(&e).unwrap();

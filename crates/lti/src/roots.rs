@@ -9,9 +9,10 @@ const POLISH_STEPS: usize = 4;
 
 /// Roots of a real polynomial, coefficients with the highest power first, in the order of [`sort_poles`].
 ///
-/// Variable scaled so that the product of the roots is 1, eigenvalues of the balanced companion matrix, then Newton steps
-/// that are kept only while they lower `|p|`. Simple roots come to a few rounding units of their condition; a root of
-/// multiplicity m is known only to the m-th root of the rounding unit. Leading zeros are dropped, roots at zero are exact.
+/// Variable scaled so that the product of the roots is 1, eigenvalues of the balanced companion matrix, then Newton
+/// steps that are kept only while they lower `|p|`. Simple roots come to a few rounding units of their condition; a
+/// root of multiplicity m is known only to the m-th root of the rounding unit. Leading zeros are dropped, roots at
+/// zero are exact.
 ///
 /// Errors: no non-zero coefficient, not finite, [`LtiError::NotConverged`].
 pub fn polynomial_roots(coefficients: &[f64]) -> Result<Vec<Complex>, LtiError> {

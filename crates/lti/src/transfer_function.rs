@@ -4,8 +4,8 @@ use crate::{Complex, LtiError, polynomial_roots};
 
 /// A continuous transfer function of one input and one output.
 ///
-/// Coefficients with the highest power of s first. Always: the denominator is monic, the numerator is no longer than it (leading zeros dropped),
-/// and every coefficient is finite.
+/// Coefficients with the highest power of s first. Always: the denominator is monic, the numerator is no longer than
+/// it (leading zeros dropped), and every coefficient is finite.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransferFunction {
     numerator: Vec<f64>,

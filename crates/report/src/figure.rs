@@ -141,6 +141,12 @@ pub fn over(x: &[f64], y: &[f64], limit: usize) -> Value {
     }
 }
 
+/// Lowest and highest of the values; `None` without any.
+pub fn span(values: &[f64]) -> Option<(f64, f64)> {
+    let first = *values.first()?;
+    Some(values.iter().fold((first, first), |(low, high), &y| (low.min(y), high.max(y))))
+}
+
 /// Nine significant digits: enough to place a sample, without the tail of a binary fraction.
 pub fn short(x: f64) -> f64 {
     format!("{x:.8e}").parse().unwrap_or(x)

@@ -72,12 +72,17 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     run.pipeline = pipeline;
     let ranking = Ranking::of(&run.candidates);
     let json = summary(&run, &ranking).to_json()?;
-    let page = Page::new(&run, &ranking);
-
-    write_atomically(&summary_path, |file| file.write_all(json.as_bytes()))
-        .with_context(|| format!("cannot write {}", summary_path.display()))?;
-    write_atomically(&cli.output, |file| page.write_to(file))
-        .with_context(|| format!("cannot write {}", cli.output.display()))?;
+    // Half of the time goes into waiting for the disk: the summary gets there while the page is laid out.
+    std::thread::scope(|scope| {
+        let summary = scope.spawn(|| write_atomically(&summary_path, |file| file.write_all(json.as_bytes())));
+        let page = Page::new(&run, &ranking);
+        write_atomically(&cli.output, |file| page.write_to(file))
+            .with_context(|| format!("cannot write {}", cli.output.display()))?;
+        match summary.join() {
+            Ok(written) => written.with_context(|| format!("cannot write {}", summary_path.display())),
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+    })?;
     if cli.json {
         // A reader that has seen enough closes the pipe; that is not an error.
         let _ = std::io::stdout().lock().write_all(json.as_bytes());

@@ -1,5 +1,7 @@
 //! The program on the artifacts of a synthetic run.
 
+#![allow(clippy::unwrap_used, reason = "a failure here is the test's failure")]
+
 mod sample;
 
 use std::path::Path;

@@ -132,13 +132,17 @@ fn full_text(error: &dyn std::error::Error) -> String {
 
 /// The exit status an error stands for.
 pub(crate) fn status_of(error: &anyhow::Error) -> ExitStatus {
-    if error.downcast_ref::<Refused>().is_some() || error.chain().any(|e| e.is::<Refused>()) {
+    if is_in_chain::<Refused>(error) {
         ExitStatus::Refused
-    } else if error.downcast_ref::<Usage>().is_some() || error.chain().any(|e| e.is::<Usage>()) {
+    } else if is_in_chain::<Usage>(error) {
         ExitStatus::Usage
     } else {
         ExitStatus::Failure
     }
+}
+
+fn is_in_chain<E: std::error::Error + Send + Sync + 'static>(error: &anyhow::Error) -> bool {
+    error.downcast_ref::<E>().is_some() || error.chain().any(<dyn std::error::Error>::is::<E>)
 }
 
 /// The text for stderr: `error:`, the causes, what was expected, one hint.

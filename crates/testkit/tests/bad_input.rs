@@ -1,5 +1,7 @@
 //! Every bad input: a clear error, exit code 3, nothing written.
 
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
 use std::path::{Path, PathBuf};
 
 use crumple_testkit::pipeline::run;

@@ -1,5 +1,7 @@
 //! Damaged artifacts are refused by the next stage; killed stages leave the old output or the new one.
 
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
 use std::process::Command;
 use std::time::Duration;
 

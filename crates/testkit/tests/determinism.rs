@@ -1,5 +1,7 @@
 //! Same input and configuration, same bytes, for any number of threads; and what `crumple-diff` says of it.
 
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
 use std::path::Path;
 use std::process::Command;
 

@@ -1,5 +1,7 @@
 //! `just run` on the project's fixtures and on real and reference records.
 
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};

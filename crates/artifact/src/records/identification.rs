@@ -18,10 +18,10 @@ pub struct IdentificationV1 {
     pub to_s: f64,
     /// Number of samples used.
     pub samples: u64,
-    /// Rows of the Hankel matrix.
-    pub hankel_rows: u32,
-    /// Columns of the Hankel matrix.
-    pub hankel_columns: u32,
+    /// Rows of the Hankel matrix, where the method has one.
+    pub hankel_rows: Option<u32>,
+    /// Columns of the Hankel matrix, where the method has one.
+    pub hankel_columns: Option<u32>,
     /// Singular values of the Hankel matrix, largest first, as far as they converged.
     pub singular_values: Vec<f64>,
     /// Fit of the model's response to the window, 100 (1 - |y - yh| / |y - mean y|); `null` for a constant record.

@@ -7,7 +7,7 @@ use super::time_view_ms;
 use crate::escape::html;
 use crate::figure::{
     COMPUTED_POINTS, Figure, MEASURED_POINTS, axis, base_layout, colour, event_line, over_time, room_above, set, short,
-    with,
+    span, with,
 };
 use crate::people::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name, decimals};
 use crate::{Candidate, Ranking, Run, pairs_of_equals};
@@ -96,16 +96,15 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         (Some([_, to]), None) => json!([0, short(to)]),
         (None, _) => Value::Null,
     };
-    let limits = |signal: Option<&Sampled>, factor: f64| -> Value { range_of(signal, factor) };
     let mut layout = base_layout();
     set(
         &mut layout,
         json!({
             "hovermode": "x unified", "hoversubplots": "axis",
             "xaxis": axis("time after time zero, ms", json!({"anchor": "y4", "range": view, "hoverformat": ".2f"})),
-            "yaxis": axis("displacement, mm", json!({"domain": [0.65, 1.0], "range": limits(measured.displacement.as_ref(), MILLI)})),
+            "yaxis": axis("displacement, mm", json!({"domain": [0.65, 1.0], "range": range_of(measured.displacement.as_ref(), MILLI)})),
             "yaxis2": axis("residual, mm", json!({"domain": [0.45, 0.62], "range": residual_range(run)})),
-            "yaxis3": axis("velocity, km/h", json!({"domain": [0.225, 0.42], "range": limits(measured.velocity.as_ref(), KM_PER_H_PER_M_PER_S)})),
+            "yaxis3": axis("velocity, km/h", json!({"domain": [0.225, 0.42], "range": range_of(measured.velocity.as_ref(), KM_PER_H_PER_M_PER_S)})),
             "yaxis4": axis("acceleration, g", json!({"domain": [0.0, 0.195]})),
             "shapes": shapes, "annotations": labels,
         }),
@@ -174,10 +173,8 @@ fn residual(test: &Sampled, model: &Sampled) -> Option<Sampled> {
 
 /// A first view of an axis that holds the test with a margin, so that a model that runs away does not flatten it.
 fn range_of(signal: Option<&Sampled>, factor: f64) -> Value {
-    let Some(signal) = signal.filter(|signal| !signal.is_empty()) else { return Value::Null };
-    let from = signal.index_at_or_after(0.0).min(signal.len() - 1);
-    let (low, high) =
-        signal.samples()[from..].iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &y| (l.min(y), h.max(y)));
+    let from = signal.map_or(0, |signal| signal.index_at_or_after(0.0));
+    let Some((low, high)) = signal.and_then(|signal| span(&signal.samples()[from..])) else { return Value::Null };
     let margin = 0.2 * (high - low);
     json!([short(factor * (low.min(0.0) - margin / 4.0)), short(factor * (high + margin))])
 }

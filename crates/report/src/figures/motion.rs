@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::time_view_ms;
 use crate::Run;
 use crate::figure::{
-    Figure, MEASURED_POINTS, axis, base_layout, colour, event_line, over_time, room_above, set, short, with,
+    Figure, MEASURED_POINTS, axis, base_layout, colour, event_line, over_time, room_above, set, short, span, with,
 };
 use crate::people::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, decimals};
 
@@ -77,6 +77,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
         }));
     }
 
+    let (acceleration_view, cut) = acceleration_view(run);
     let mut layout = base_layout();
     set(
         &mut layout,
@@ -84,9 +85,9 @@ pub fn figure(run: &Run) -> Option<Figure> {
             "hovermode": "x unified", "hoversubplots": "axis",
             "xaxis": axis("time after time zero, ms", json!({"anchor": "y3", "range": time_view_ms(run)
                 .map(|[from, to]| json!([short(from), short(to)])), "hoverformat": ".2f"})),
-            "yaxis": axis("acceleration, g", json!({"domain": [0.69, 1.0]})),
+            "yaxis": axis("acceleration, g", json!({"domain": [0.69, 1.0], "range": acceleration_view})),
             "yaxis2": axis("velocity, km/h", json!({"domain": [0.345, 0.655]})),
-            "yaxis3": axis("displacement, mm", json!({"domain": [0.0, 0.31]})),
+            "yaxis3": axis("displacement, mm", json!({"domain": [0.0, 0.31], "range": displacement_view(run)})),
             "shapes": shapes, "annotations": labels,
         }),
     );
@@ -94,12 +95,39 @@ pub fn figure(run: &Run) -> Option<Figure> {
     Some(Figure {
         id: "motion",
         title: "The crash: acceleration, velocity, displacement",
-        caption: caption(run),
+        caption: caption(run, cut),
         height_px: HEIGHT_PX,
         half_width: false,
         traces,
         layout,
     })
+}
+
+/// First view of the acceleration, g: the filtered curve with room for its ripple, and whether that cuts peaks of the
+/// unfiltered one, which can be five times as high. `null`: all there is.
+fn acceleration_view(run: &Run) -> (Value, bool) {
+    let (Some(raw), Some(filtered)) = (&run.measured.raw, &run.measured.filtered) else { return (Value::Null, false) };
+    let (Some((raw_low, raw_high)), Some((low, high))) = (span(raw.samples()), span(filtered.samples())) else {
+        return (Value::Null, false);
+    };
+    let room = 0.5 * (high - low);
+    let (view_low, view_high) = (low - room, high + room);
+    if view_low <= raw_low && raw_high <= view_high {
+        return (Value::Null, false);
+    }
+    let margin = 0.05 * (high - low);
+    let view = [view_low.max(raw_low - margin), view_high.min(raw_high + margin)];
+    (json!(view.map(|a| short(G_PER_M_PER_S2 * a))), true)
+}
+
+/// First view of the displacement, mm: from contact on. Before it the vehicle just comes nearer.
+fn displacement_view(run: &Run) -> Value {
+    let (Some(x), Some([_, to_ms])) = (&run.measured.displacement, time_view_ms(run)) else { return Value::Null };
+    let from = x.index_at_or_after(0.0);
+    let to = x.index_at_or_after(to_ms / MILLI).saturating_add(1).min(x.len()).max(from);
+    let Some((low, high)) = span(&x.samples()[from..to]) else { return Value::Null };
+    let (low, margin) = (low.min(0.0), 0.12 * (high - low.min(0.0)));
+    if margin > 0.0 { json!([short(MILLI * (low - margin)), short(MILLI * (high + margin))]) } else { Value::Null }
 }
 
 fn marker(t_s: f64, y: f64, axis: &str, name: &str) -> Value {
@@ -119,7 +147,7 @@ fn filter_name(run: &Run) -> String {
     }
 }
 
-fn caption(run: &Run) -> String {
+fn caption(run: &Run, cut: bool) -> String {
     let mut text = format!("Channel {}", run.channel_id().unwrap_or("unknown"));
     if let Some(channel) = run.channel().filter(|channel| !channel.location.is_empty()) {
         text.push_str(&format!(" ({})", channel.location));
@@ -127,6 +155,9 @@ fn caption(run: &Run) -> String {
     text.push_str(", SAE J211 sign: deceleration is negative.");
     if let Some(filter) = run.filter.as_ref().filter(|filter| filter.cfc.is_some()) {
         text.push_str(&format!(" Filtered to {}, mode {}.", filter_name(run), filter.mode));
+    }
+    if cut {
+        text.push_str(" Peaks of the unfiltered record reach beyond the first view: double-click to see them.");
     }
     if let Some(events) = &run.events {
         match (events.rule.as_deref(), events.start.as_deref()) {

@@ -15,6 +15,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let mut traces = Vec::new();
     let mut shapes = Vec::new();
     let mut labels = Vec::new();
+    let mut decades = 0.0_f64;
     let mut caption = String::from("Singular values of the Hankel matrix relative to the largest.");
     // Models of several orders from one record share their singular values: drawn once.
     let mut seen: Vec<(&[f64], usize)> = Vec::new();
@@ -29,6 +30,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
                 let place = seen.len();
                 seen.push((values, place));
                 let shown: Vec<f64> = values.iter().take(DRAWN).map(|s| s / largest).collect();
+                let smallest = shown.iter().copied().filter(|s| *s > 0.0).fold(1.0, f64::min);
+                decades = decades.max(-smallest.log10());
                 traces.push(json!({
                     "type": "scatter", "mode": "lines+markers",
                     "x": (1..=shown.len()).collect::<Vec<_>>(),
@@ -66,6 +69,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
     }
     caption
         .push_str(" A wide gap speaks for the order before it; a gentle slope says that the record does not decide.");
+    // Whole decades where there are several; inside one or two of them also their parts, or there would be no scale.
+    let tick = if decades > 2.5 { json!(1) } else { json!("D1") };
     let mut layout = base_layout();
     set(
         &mut layout,
@@ -73,7 +78,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
             "showlegend": seen.len() > 1,
             "hovermode": "closest",
             "xaxis": axis("index", json!({"rangemode": "tozero", "zeroline": false})),
-            "yaxis": axis("relative singular value", json!({"type": "log", "exponentformat": "power", "dtick": 1})),
+            "yaxis": axis("relative singular value", json!({"type": "log", "exponentformat": "power", "dtick": tick})),
             "shapes": shapes, "annotations": labels,
         }),
     );

@@ -31,8 +31,8 @@ fn write_model(out: &mut String, model: &Model) {
             format!("channel {} taken for {}", i.channel, i.treated_as.replace('-', " ")),
             format!("{} to {} ms, {} samples", decimals(MILLI * i.from_s, 1), decimals(MILLI * i.to_s, 1), i.samples),
         ];
-        if i.hankel_rows > 0 {
-            facts.push(format!("Hankel matrix {} × {}", i.hankel_rows, i.hankel_columns));
+        if let (Some(rows), Some(columns)) = (i.hankel_rows, i.hankel_columns) {
+            facts.push(format!("Hankel matrix {rows} × {columns}"));
         }
         if let Some(fit) = i.fit_percent {
             facts.push(format!("fit {} %", decimals(fit, 2)));

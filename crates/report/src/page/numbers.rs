@@ -1,10 +1,14 @@
 //! Events and metrics with their definitions.
 
-use crumple_artifact::records::EventsV1;
+use crumple_artifact::records::{EventsV1, MetricV1};
 
 use crate::Run;
 use crate::escape::html;
 use crate::people::{ABSENT, value};
+
+/// Metrics that stand in the table of events already.
+const AMONG_EVENTS: [&str; 5] =
+    ["dynamic_crush", "time_of_dynamic_crush", "centroid_time", "delta_v", "coefficient_of_restitution"];
 
 pub(super) fn write(out: &mut String, run: &Run) {
     if run.events.is_none() && run.metrics.is_empty() {
@@ -19,11 +23,17 @@ pub(super) fn write(out: &mut String, run: &Run) {
             html(&events.time_zero_rule.replace('-', " "))
         ));
     }
-    if !run.metrics.is_empty() {
-        let channel = run.channel_id();
-        let rows: Vec<Row> = run
-            .metrics
-            .iter()
+    let channel = run.channel_id();
+    let rest: Vec<&MetricV1> = run
+        .metrics
+        .iter()
+        .filter(|m| {
+            run.events.is_none() || Some(m.channel.as_str()) != channel || !AMONG_EVENTS.contains(&m.name.as_str())
+        })
+        .collect();
+    if !rest.is_empty() {
+        let rows: Vec<Row> = rest
+            .into_iter()
             .map(|metric| {
                 let mut name = metric.name.replace('_', " ");
                 if Some(metric.channel.as_str()) != channel {

@@ -163,8 +163,8 @@ fn identification(order: u32) -> IdentificationV1 {
         from_s: 0.0,
         to_s: 0.08,
         samples: 801,
-        hankel_rows: 400,
-        hankel_columns: 400,
+        hankel_rows: Some(400),
+        hankel_columns: Some(400),
         singular_values: (0..12)
             .map(|k| if k < 2 { 900.0 - 200.0 * f64::from(k) } else { 3.0 * 0.7_f64.powi(k) })
             .collect(),
