@@ -1,11 +1,11 @@
 //! The leading singular triplets of a large Hankel matrix.
 
+use crumple_lti::{dot, jacobi_svd};
 use nalgebra::DMatrix;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::hankel::{Hankel, Shift};
-use crate::jacobi_svd::{dot, jacobi_svd};
 
 /// A norm this small, relative to the largest, is rounding: nothing new was found in that direction.
 const BREAKDOWN: f64 = 1e-14;

@@ -9,7 +9,6 @@ mod factors;
 mod fit;
 mod golub_kahan;
 mod hankel;
-mod jacobi_svd;
 mod modal;
 mod order;
 

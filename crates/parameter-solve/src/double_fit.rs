@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use crumple_lti::jacobi_svd;
 use crumple_lumped::DoubleSpringMassDamper;
 use crumple_signal::{Displacement, Signal};
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{DMatrix, Matrix4, Vector4};
 use rayon::prelude::*;
 
 use crate::correlation::lag_1_autocorrelation;
@@ -60,7 +61,7 @@ const SEARCH_SAMPLES: usize = 64;
 ///
 /// The masses are given, since one accelerometer does not tell them. Parameters are positive by construction (their
 /// logarithms are fitted) and bounded: springs between 1e-4 and 1e4 times `M (π/2T)²`, the spring of an undamped
-/// mass `M` that stops at the window's end `T`, dampers between 1e-5 and 1e3 times `M/T`. A fit that ends on a bound
+/// mass `M` that stops at the window's end `T`, dampers between 1e-5 and 1e3 times `M/T` (those in the rear divided by `M/m2`). A fit that ends on a bound
 /// says so: that damper or spring does not matter (or ties the masses together), and no value is determined. The
 /// search is a deterministic multi-start on a thinned window, see `search`; what it finds is followed to convergence on the
 /// whole window. Starts run in parallel and are collected by index, so the result does not depend on the number of
@@ -74,7 +75,7 @@ const SEARCH_SAMPLES: usize = 64;
 /// finite response from any start.
 ///
 /// **Several minima.** The error has more than one minimum, and with strong damping they lie close: records with
-/// real poles were met where parameter sets that differ by a factor 5 leave 1e-9 to 1e-7 m. So the result is a list, best
+/// real poles were met where parameter sets that differ by a factor 5 leave 4e-9 to 1.4e-7 m. So the result is a list, best
 /// first, of all minima found that the record cannot tell from the best.
 pub fn fit_double(
     displacement: &Signal<Displacement>,
@@ -89,12 +90,14 @@ pub fn fit_double(
     let length_s = window.last_s();
     let spring = (m1_kg + m2_kg) * (std::f64::consts::FRAC_PI_2 / length_s).powi(2);
     let damper = (m1_kg + m2_kg) / length_s;
+    // With the rear scaled by it, the dual model is the exchange of front and rear: the box of the search holds both.
+    let mu = (m1_kg + m2_kg) / m2_kg;
     let problem = |window| DoubleResiduals {
         m1_kg,
         m2_kg,
         impact_speed_m_per_s,
         window,
-        scale: Vector4::new(spring, spring, damper, damper),
+        scale: Vector4::new(spring, spring / mu, damper, damper / mu),
         unit_m: impact_speed_m_per_s * length_s,
     };
     let logarithms = |springs: f64, dampers: f64| Vector4::new(springs, springs, dampers, dampers).map(f64::ln);
@@ -181,29 +184,25 @@ fn relative_deviations(best: &Minimum, residuals: &[f64]) -> Option<([Option<f64
     if free.is_empty() || free.iter().any(|&i| norms[i] == 0.0) || residuals.len() <= free.len() {
         return None;
     }
-    // Columns of unit length; held ones are left out by making them orthogonal to all others.
+    // Columns of unit length; held ones stay zero, and the singular values of zero that they bring come last.
     let mut scaled = Matrix4::zeros();
-    for i in 0..4 {
-        if best.on_bound[i] {
-            continue;
-        }
+    for &i in &free {
         scaled.set_column(i, &(best.r.column(i) / norms[i]));
     }
-    let svd = scaled.svd(false, true);
-    let v_t = svd.v_t?;
-    let mut order: Vec<usize> = (0..4).collect();
-    order.sort_by(|&a, &b| svd.singular_values[b].total_cmp(&svd.singular_values[a]));
-    let used = &order[..free.len()];
-    let (largest, smallest) = (svd.singular_values[used[0]], svd.singular_values[used[free.len() - 1]]);
+    let svd = jacobi_svd(&DMatrix::from_column_slice(4, 4, scaled.as_slice()))?;
+    let (largest, smallest) = (svd.values[0], svd.values[free.len() - 1]);
     if smallest <= 0.0 {
         return None;
     }
     let rho = lag_1_autocorrelation(residuals);
     let variance = best.cost / (residuals.len() - free.len()) as f64 * (1.0 + rho) / (1.0 - rho);
     let deviation = |i: usize| {
-        let inverse: f64 = used.iter().map(|&k| (v_t[(k, i)] / svd.singular_values[k]).powi(2)).sum();
+        let inverse: f64 = (0..free.len()).map(|k| (svd.right[(i, k)] / svd.values[k]).powi(2)).sum();
         (variance * inverse).sqrt() / norms[i]
     };
-    let deviations = std::array::from_fn(|i| (!best.on_bound[i]).then(|| deviation(i)));
+    let deviations: [Option<f64>; 4] = std::array::from_fn(|i| (!best.on_bound[i]).then(|| deviation(i)));
+    if deviations.iter().flatten().any(|d| !d.is_finite()) {
+        return None;
+    }
     Some((deviations, largest / smallest))
 }

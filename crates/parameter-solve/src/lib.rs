@@ -5,7 +5,7 @@
 //! assumed, how well its parameters are determined and which other candidate gives the same record. Where a model
 //! has no solution the notes say why: that is an answer, not an error.
 //!
-//! Sources: single-mass paper, sections 3.1 and 3.2; T. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model.
+//! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model.
 
 mod candidate;
 mod correlation;

@@ -1,6 +1,7 @@
 //! Search for the minima of the double model's error.
 
-use nalgebra::{Matrix4, Vector4};
+use crumple_lti::jacobi_svd;
+use nalgebra::{DMatrix, Matrix4, Vector4};
 use rayon::prelude::*;
 
 use crate::double_residuals::DoubleResiduals;
@@ -96,9 +97,9 @@ fn weakest_direction(r: &Matrix4<f64>, on_bound: [bool; 4]) -> Option<Vector4<f6
         free.column_mut(i).fill(0.0);
         free[(i, i)] = 2.0 * r.norm();
     }
-    let svd = free.svd(false, true);
-    let (weakest, _) = svd.singular_values.argmin();
-    let mut direction: Vector4<f64> = svd.v_t?.row(weakest).transpose();
+    // Singular values come largest first.
+    let svd = jacobi_svd(&DMatrix::from_column_slice(4, 4, free.as_slice()))?;
+    let mut direction = Vector4::from_column_slice(svd.right.column(3).as_slice());
     for i in (0..4).filter(|&i| on_bound[i]) {
         direction[i] = 0.0;
     }

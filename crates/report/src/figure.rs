@@ -8,12 +8,13 @@ pub const MEASURED_POINTS: usize = 5_000;
 /// Points of a computed, smooth curve that are drawn.
 pub const COMPUTED_POINTS: usize = 1_600;
 
-/// The colours: Okabe and Ito's, which stay apart for the colour-blind; each at 3:1 or more on white, yellow left out.
+/// The colours: after Okabe and Ito (2008), which stay apart for the colour-blind, the light ones darkened to 3:1 on white
+/// (WCAG 2.2, 1.4.11) and yellow left out.
 pub mod colour {
     /// The measured record.
     pub const MEASURED: &str = "#1b2733";
     /// The record before filtering.
-    pub const RAW: &str = "#8b97a3";
+    pub const RAW: &str = "#8794a1";
     /// The main curve of a figure.
     pub const MAIN: &str = "#0072b2";
     /// Unloading, and what must be told from the main curve.
@@ -29,7 +30,7 @@ pub mod colour {
     /// Text of second rank.
     pub const MUTED: &str = "#55616d";
     /// Curves of one kind.
-    pub const SERIES: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#c98500", "#3b9bd1"];
+    pub const SERIES: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#b86693", "#b87a00", "#2f8fc4"];
     /// Line styles that tell curves apart once the colours are used up, and in black and white.
     pub const DASHES: [&str; 4] = ["solid", "dash", "dot", "dashdot"];
 }
@@ -218,6 +219,25 @@ pub fn event_line(t_ms: f64, name: &str, colour: &str, dash: &str) -> (Value, Va
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn curves_stand_out_from_the_paper() {
+        // Relative luminance and contrast as WCAG 2.2 defines them; 1.05 is that of white plus 0.05.
+        let contrast = |hex: &str| {
+            let channel = |at: usize| {
+                let c = f64::from(u8::from_str_radix(&hex[at..at + 2], 16).unwrap()) / 255.0;
+                if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+            };
+            1.05 / (0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5) + 0.05)
+        };
+        let lines = [colour::MEASURED, colour::RAW, colour::MAIN, colour::SECOND, colour::EVENT];
+        for colour in lines.iter().chain(&colour::SERIES) {
+            assert!(contrast(colour) >= 3.0, "{colour}: {}", contrast(colour));
+        }
+        for text in [colour::TEXT, colour::MUTED] {
+            assert!(contrast(text) >= 4.5, "{text}: {}", contrast(text));
+        }
+    }
 
     #[test]
     fn thinning_keeps_both_ends_and_the_extremes() {

@@ -7,12 +7,17 @@ use crate::Candidate;
 /// Fits that differ by less are the same: simulations agree to about 1e-10 percent, and no test decides at 1e-6.
 const FIT_STEP_PERCENT: f64 = 1e-6;
 
+/// A model with fewer parameters is preferred unless a larger one fits better by more than this, percentage points of the
+/// displacement fit. At 10 m/s and half a metre of crush 0.1 points are about 0.1 mm: less than any sensor knows.
+pub const AS_GOOD_PERCENT: f64 = 0.1;
+
 /// Candidate ids from the best displacement fit to the worst.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Ranking {
     /// Every candidate with a fit, physical or not, best first.
     pub order: Vec<String>,
-    /// The physical candidate with the best fit.
+    /// Of the physical candidates that fit within [`AS_GOOD_PERCENT`] of the best of them, the one with the fewest
+    /// parameters; among equals the one that fits best.
     pub best: Option<String>,
 }
 
@@ -21,8 +26,8 @@ impl Ranking {
     /// loading phase.
     ///
     /// Fits are compared to a millionth of a percent, and a parameter set shares the fit of the one it is equivalent to:
-    /// rounding does not decide. Equal fits stand in id order. Candidates without a fit are left out; only a physical
-    /// one (every parameter positive) can be the best.
+    /// rounding does not decide. Equal fits stand in id order. Candidates without a fit are left out. A physical candidate
+    /// has every parameter positive.
     pub fn of(candidates: &[Candidate]) -> Self {
         let stands_for = pairs_of_equals(candidates);
         let fit = |index: usize| candidates[index].simulation.as_ref()?.fit_percent.filter(|fit| !fit.is_nan());
@@ -38,7 +43,7 @@ impl Ranking {
         fitted.sort_by(|(fit_a, a), (fit_b, b)| fit_b.total_cmp(fit_a).then_with(|| by_id(&a.id, &b.id)));
         Self {
             order: fitted.iter().map(|(_, candidate)| candidate.id.clone()).collect(),
-            best: fitted.iter().find(|(_, c)| c.record.physical).map(|(_, c)| c.id.clone()),
+            best: simplest_of_the_good(&fitted).map(|candidate| candidate.id.clone()),
         }
     }
 
@@ -46,6 +51,18 @@ impl Ranking {
     pub fn place(&self, id: &str) -> Option<usize> {
         self.order.iter().position(|other| other == id).map(|index| index + 1)
     }
+}
+
+/// `fitted` holds fits in steps of [`FIT_STEP_PERCENT`], best first.
+fn simplest_of_the_good<'a>(fitted: &[(f64, &'a Candidate)]) -> Option<&'a Candidate> {
+    let physical: Vec<_> = fitted.iter().filter(|(_, candidate)| candidate.record.physical).collect();
+    let (top, _) = physical.first()?;
+    // `min_by_key` takes the first of equals, which is the one that fits best.
+    physical
+        .iter()
+        .take_while(|(fit, _)| (top - fit) * FIT_STEP_PERCENT <= AS_GOOD_PERCENT)
+        .min_by_key(|(_, candidate)| candidate.record.parameters.len())
+        .map(|(_, candidate)| *candidate)
 }
 
 /// Sort key of a candidate id: its parts, the last as a number where it is one, so that `.../10` comes after `.../2`.
@@ -132,6 +149,20 @@ mod tests {
         assert_eq!(ranking.best.as_deref(), Some("double/fit/1"));
         assert_eq!(ranking.order, ["kelvin/fit/1", "double/fit/1", "double/fit/2", "maxwell/fit/1"]);
         assert_eq!(pairs_of_equals(&candidates), [0, 0, 2, 3]);
+    }
+
+    #[test]
+    fn the_smaller_of_two_models_that_fit_alike_is_the_best() {
+        let mut candidates =
+            [candidate("double/fit/1", 99.99, true, None), candidate("kelvin/closed-form/1", 99.95, true, None)];
+        let parameters = |n: usize| (0..n).map(|k| (format!("p{k}"), 1.0)).collect();
+        candidates[0].record.parameters = parameters(6);
+        candidates[1].record.parameters = parameters(3);
+        let ranking = Ranking::of(&candidates);
+        assert_eq!(ranking.best.as_deref(), Some("kelvin/closed-form/1"));
+        assert_eq!(ranking.order, ["double/fit/1", "kelvin/closed-form/1"]);
+        candidates[1].simulation.as_mut().unwrap().fit_percent = Some(99.8);
+        assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("double/fit/1"));
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use crumple_artifact::write_atomically;
 use crumple_signal::Severity;
-use crumple_stage::{ExitStatus, Usage, load_artifacts};
+use crumple_stage::{ExitStatus, Usage, check_pipeline, load_artifacts};
 
 use crate::people::{KM_PER_H_PER_M_PER_S, MILLI, candidate_name, decimals};
 use crate::{Page, Ranking, Run, gather, summary};
@@ -45,6 +45,10 @@ pub struct Cli {
     #[arg(long)]
     pub json: bool,
 
+    /// Accepted so that the same flags fit every stage: both files are always written anew.
+    #[arg(long, hide = true)]
+    pub force: bool,
+
     /// No summary on stderr.
     #[arg(short, long)]
     pub quiet: bool,
@@ -59,10 +63,9 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         (None, Some(path)) => Some(pipeline_name(path)),
         (None, None) => None,
     };
-    if let Some(path) = cli.pipeline.as_deref().filter(|path| !path.is_file()) {
-        return Err(Usage::new(format!("{} is no pipeline file", path.display()))
-            .hint("see the folder pipelines")
-            .into());
+    if let Some(path) = &cli.pipeline {
+        // The table has no keys yet: whatever stands in it is a mistake.
+        check_pipeline("report", path, &[])?;
     }
     let summary_path = cli.summary.clone().unwrap_or_else(|| cli.output.with_file_name("summary.json"));
     if summary_path == cli.output {

@@ -173,7 +173,7 @@ fn a_pipeline_that_is_not_there_is_a_usage_error() {
     let output = report(folder.path(), &inputs, &["--pipeline", "pipelines/no-such.toml"]);
     assert_eq!(output.status.code(), Some(2));
     insta::assert_snapshot!(stderr(&output), @r"
-    error: pipelines/no-such.toml is no pipeline file
-      hint: see the folder pipelines
+    error: cannot read the pipeline file pipelines/no-such.toml: No such file or directory (os error 2)
+      hint: pipelines lie in the folder pipelines/, e.g. --pipeline pipelines/default.toml
     ");
 }

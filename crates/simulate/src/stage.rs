@@ -7,7 +7,7 @@ use crumple_signal::value::Time;
 use crumple_signal::{Acceleration, Displacement, QuantityKind, Sampled, Velocity};
 use crumple_simulate::{Measured, SimulateError, Simulation, Window, simulate};
 use crumple_stage::records::{CandidateV1, EventsV1, SimulationV1, TestV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -66,8 +66,8 @@ impl Stage for Simulate {
         let channel = &events.channel;
         let displacement = input.wave(&format!("{channel}/displacement"))?.signal::<Displacement>().refuse()?;
         let velocity =
-            input.wave_if(&format!("{channel}/velocity")).map(|w| w.signal::<Velocity>()).transpose().refuse()?;
-        let acceleration = input.wave_if(channel).map(|w| w.signal::<Acceleration>()).transpose().refuse()?;
+            input.wave_if(&format!("{channel}/velocity")).map(Wave::signal::<Velocity>).transpose().refuse()?;
+        let acceleration = input.wave_if(channel).map(Wave::signal::<Acceleration>).transpose().refuse()?;
         let measured = Measured {
             time_zero_s: events.time_zero_s,
             impact_speed_m_per_s,

@@ -20,6 +20,7 @@ pub use error::{ExitStatus, RefuseExt, Refused, Usage};
 pub use inputs::{Inputs, Loaded, load_artifacts};
 pub use nearest::nearest;
 pub use output::Output;
+pub use pipeline::check_pipeline;
 pub use progress::Progress;
 pub use run::{Outcome, Stage, main};
 pub use stages::{STAGES, stage_order, writer_of};

@@ -8,7 +8,7 @@ use clap::parser::ValueSource;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::error::{Refused, Usage};
+use crate::error::Usage;
 use crate::nearest::nearest;
 use crate::stages::STAGES;
 
@@ -46,9 +46,15 @@ fn option_keys<O: clap::Args>() -> Vec<String> {
     command.get_arguments().map(|argument| argument.get_id().to_string()).collect()
 }
 
+/// Checks a pipeline file for a program that takes no options from it beyond `keys` of its own table.
+pub fn check_pipeline(stage: &str, path: &Path, keys: &[&str]) -> anyhow::Result<()> {
+    let keys: Vec<String> = keys.iter().map(|key| (*key).to_owned()).collect();
+    stage_table(stage, path, &keys).map(|_| ())
+}
+
 fn stage_table(stage: &str, path: &Path, keys: &[String]) -> anyhow::Result<toml::Table> {
     let text = std::fs::read_to_string(path).map_err(|error| {
-        Refused::new(format!("cannot read the pipeline file {}: {error}", path.display()))
+        Usage::new(format!("cannot read the pipeline file {}: {error}", path.display()))
             .hint("pipelines lie in the folder pipelines/, e.g. --pipeline pipelines/default.toml")
     })?;
     let mut file: toml::Table = text.parse().map_err(|error: toml::de::Error| {

@@ -27,7 +27,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
         };
         traces.push(with(
             over_time(raw, G_PER_M_PER_S2, MEASURED_POINTS),
-            json!({"name": "acceleration, as read", "line": line, "hovertemplate": "%{y:.2f} g"}),
+            json!({"name": "acceleration, as read", "line": line, "hovertemplate": "%{y:.2f} g",
+                   "opacity": if measured.filtered.is_some() { 0.75 } else { 1.0 }}),
         ));
     }
     if let Some(filtered) = &measured.filtered {

@@ -97,7 +97,7 @@ fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
         (None, false) => Some("no physical candidate was simulated".to_owned()),
         (None, true) => None,
     };
-    card("Best model, fit", fit, 1.0, 1, "%", remark);
+    card("Best model, fit", fit, 1.0, 2, "%", remark);
     out.push_str("</div>\n");
 }
 

@@ -4,14 +4,13 @@ use crumple_signal::Severity;
 
 use crate::escape::html;
 use crate::people::{candidate_name, decimals};
+use crate::ranking::AS_GOOD_PERCENT;
 use crate::{Candidate, Ranking, Run};
 
 /// Good-to-know notes of a stage that are open to view; the rest is folded. Warnings never are.
 const OPEN_NOTES: usize = 12;
 /// Characters of a digest that are shown.
 const DIGEST_SHOWN: usize = 12;
-/// A fit closer than this to the best is as good, percentage points: far below what two tests of one car differ by.
-const AS_GOOD_PERCENT: f64 = 0.1;
 
 pub(super) fn write_missing(out: &mut String, run: &Run) {
     if run.missing.is_empty() {
@@ -130,17 +129,17 @@ fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
         ));
     }
     let fit = |candidate: &Candidate| candidate.simulation.as_ref().and_then(|s| s.fit_percent);
-    let simpler = ranking.order.iter().filter_map(|id| run.candidate(id)).find(|other| {
+    let larger = ranking.order.iter().filter_map(|id| run.candidate(id)).find(|other| {
         other.record.physical
-            && other.record.parameters.len() < best.record.parameters.len()
-            && fit(other).zip(fit(best)).is_some_and(|(other, best)| best - other < AS_GOOD_PERCENT)
+            && other.record.parameters.len() > best.record.parameters.len()
+            && fit(other).zip(fit(best)).is_some_and(|(other, best)| other > best)
     });
-    if let Some(simpler) = simpler {
+    if let Some(larger) = larger {
         limits.push(format!(
-            "{} fits within {AS_GOOD_PERCENT} percentage points of the best with {} parameters instead of {}: this record \
+            "{} fits no more than {AS_GOOD_PERCENT} percentage points better with {} parameters instead of {}: this record \
              gives no reason for the larger model.",
-            candidate_name(&simpler.id),
-            simpler.record.parameters.len(),
+            candidate_name(&larger.id),
+            larger.record.parameters.len(),
             best.record.parameters.len()
         ));
     }

@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
+use crate::inner_product::dot;
+
 /// Sweeps after which it counts as stuck; two to four are usual.
 const MAX_SWEEPS: usize = 60;
 
@@ -15,13 +17,14 @@ const ORTHOGONAL: f64 = 2e-15;
 const NEGLIGIBLE: f64 = 1e-16;
 
 /// `a = U S V'`, largest value first.
-pub(crate) struct SmallSvd {
+#[derive(Debug, Clone)]
+pub struct SmallSvd {
     /// Singular values.
-    pub(crate) values: Vec<f64>,
+    pub values: Vec<f64>,
     /// Left vectors as columns; a column of zeros where the value is zero.
-    pub(crate) left: DMatrix<f64>,
+    pub left: DMatrix<f64>,
     /// Right vectors as columns.
-    pub(crate) right: DMatrix<f64>,
+    pub right: DMatrix<f64>,
 }
 
 /// Decomposes a matrix with at least as many rows as columns; `None` if the rotations do not settle.
@@ -31,7 +34,7 @@ pub(crate) struct SmallSvd {
 /// few hundred columns.
 ///
 /// Hestenes 1958; Demmel & Veselić, "Jacobi's method is more accurate than QR", SIAM J. Matrix Anal. 13(4), 1992.
-pub(crate) fn jacobi_svd(a: &DMatrix<f64>) -> Option<SmallSvd> {
+pub fn jacobi_svd(a: &DMatrix<f64>) -> Option<SmallSvd> {
     let n = a.ncols();
     // The eigenvectors of a'a are the right vectors, up to the half of the digits that squaring costs; the rotations
     // restore them in a few sweeps instead of ten.
@@ -93,19 +96,6 @@ fn rotate(columns: &mut [Vec<f64>], p: usize, q: usize, tangent: f64) {
     for (x, y) in head[p].iter_mut().zip(&mut tail[0]) {
         (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
     }
-}
-
-/// Inner product in eight interleaved sums, an order the compiler can keep in vector registers.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (a_chunks, b_chunks) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in a_chunks.zip(b_chunks) {
-        for k in 0..8 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]
