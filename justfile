@@ -107,6 +107,18 @@ golden-update: build
         [ "$(basename "$fixture")" = double ] || rm -f "$fixture/golden/6-simulate.mcap"
     done
 
+# Shell completions and man pages of all programs, into target/shell.
+[group('development')]
+shell-files: build
+    #!/usr/bin/env bash
+    set -euo pipefail
+    mkdir -p target/shell
+    for program in ingest filter integrate identify parameter-solve simulate report diff artifact; do
+        for kind in bash zsh fish man; do
+            {{ bin }}/crumple-$program --generate $kind > target/shell/crumple-$program.$kind
+        done
+    done
+
 # Makes the fixtures anew.
 [group('development')]
 fixtures:

@@ -62,6 +62,13 @@ pub struct SolveSettings {
     pub fit_starts: usize,
 }
 
+impl SolveSettings {
+    /// Whether a model asked for is fitted to a signal; closed forms need the events only.
+    pub fn fits_a_signal(&self) -> bool {
+        self.methods.contains(&Method::DirectFit) && self.models.iter().any(|model| Method::DirectFit.solves(*model))
+    }
+}
+
 /// Finds every candidate that the settings ask for and the test allows; the notes say what is missing and why.
 ///
 /// Errors: only what makes every model senseless or an option impossible: a mass, speed, mass split or window without meaning.

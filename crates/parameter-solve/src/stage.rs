@@ -54,9 +54,11 @@ impl Stage for ParameterSolve {
                 .hint("--impact-speed 35km/h at crumple-ingest")
         })?;
         let channel = &events.channel;
-        let displacement = input
-            .wave(&format!("{channel}/displacement"))?
-            .signal::<Displacement>()
+        let id = format!("{channel}/displacement");
+        let wave = if settings.solve.fits_a_signal() { Some(input.wave(&id)?) } else { input.wave_if(&id) };
+        let displacement = wave
+            .map(|wave| wave.signal::<Displacement>())
+            .transpose()
             .refuse_with_hint("crumple-integrate writes the displacement of the pulse")?;
         let evidence = Evidence {
             mass_kg,
@@ -65,7 +67,7 @@ impl Stage for ParameterSolve {
             dynamic_crush_m: events.dynamic_crush_m,
             coefficient_of_restitution: events.coefficient_of_restitution,
             time_zero_s: events.time_zero_s,
-            displacement: Some(&displacement),
+            displacement: displacement.as_ref(),
         };
         let candidates = solve(&evidence, &settings.solve, out.notes())
             .refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")?;

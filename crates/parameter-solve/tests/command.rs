@@ -117,3 +117,30 @@ fn a_window_outside_the_record_is_refused() {
     assert_eq!(output.status.code(), Some(3), "{stderr}");
     assert!(stderr.contains("0.1 s after time zero"), "{stderr}");
 }
+
+#[test]
+fn closed_forms_need_the_events_only_and_are_exact() {
+    let folder = tempfile::tempdir().unwrap();
+    write_integrated(&folder.path().join("with-wave.mcap"), Some(873.0), true);
+    let full = Artifact::open(&folder.path().join("with-wave.mcap")).unwrap();
+    let mut builder = ArtifactBuilder::new();
+    builder.put("/test", &full.record::<TestV1>("/test").unwrap().unwrap()).unwrap();
+    builder.put("/events", &full.record::<EventsV1>("/events").unwrap().unwrap()).unwrap();
+    let provenance = Provenance::new("by hand", "0", "{}".to_owned(), Vec::new());
+    builder.write(&folder.path().join("3.mcap"), &provenance, Compression::None).unwrap();
+
+    assert_eq!(run(folder.path(), &["--models", "kelvin"]).status.code(), Some(0));
+    let solved = Artifact::open(&folder.path().join("5.mcap")).unwrap();
+    let candidate: CandidateV1 = solved.record("/parameters/kelvin/closed-form/1").unwrap().unwrap();
+    // The inversion is a closed form with one bracketed root: rounding only.
+    for (name, expected) in [("stiffness_n_per_m", 330_000.0), ("damping_n_s_per_m", 2_500.0)] {
+        let found = candidate.parameters[name];
+        assert!((found / expected - 1.0).abs() < 1e-9, "{name}: {found}");
+    }
+
+    // A fit needs the displacement, and says who writes it.
+    let output = run(folder.path(), &[]);
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{error}");
+    assert!(error.contains("/wave/a/displacement") && error.contains("crumple-integrate"), "{error}");
+}
