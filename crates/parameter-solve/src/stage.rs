@@ -57,7 +57,7 @@ impl Stage for ParameterSolve {
         let id = format!("{channel}/displacement");
         let wave = if settings.solve.fits_a_signal() { Some(input.wave(&id)?) } else { input.wave_if(&id) };
         let displacement = wave
-            .map(|wave| wave.signal::<Displacement>())
+            .map(crumple_stage::Wave::signal::<Displacement>)
             .transpose()
             .refuse_with_hint("crumple-integrate writes the displacement of the pulse")?;
         let evidence = Evidence {

@@ -16,7 +16,7 @@ pub const AS_GOOD_PERCENT: f64 = 0.1;
 pub struct Ranking {
     /// Every candidate with a fit, physical or not, best first.
     pub order: Vec<String>,
-    /// Of the physical candidates that fit within [`AS_GOOD_PERCENT`] of the best of them, the one with the fewest
+    /// Of the physical candidates that fit within 0.1 percentage points of the best of them, the one with the fewest
     /// parameters; among equals the one that fits best.
     pub best: Option<String>,
 }
