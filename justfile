@@ -5,6 +5,7 @@ set shell := ["bash", "-euc"]
 
 # Pipeline: a file below pipelines/ without its ending, e.g. `just pipeline=papers/civic run crash.csv`.
 pipeline := "default"
+name := trim_end_match(trim_start_match(pipeline, "pipelines/"), ".toml")
 # Run folder; empty: runs/<input stem>/<pipeline>.
 out := ""
 # Flags for every stage, e.g. `just flags="-q --force" run crash.csv`.
@@ -28,30 +29,38 @@ default:
 # The main job: `just run crash.csv [--mass 873kg --impact-speed 35km/h ...]`; flags go to ingest.
 [group('pipeline')]
 [no-cd]
+[no-exit-message]
 run input *args: build
     #!/usr/bin/env bash
     set -euo pipefail
+    case "$1" in -*) echo "error: the record comes first: just run RECORD [flags of crumple-ingest]" >&2; exit 2;; esac
+    dir={{ quote(if out == "" { justfile_directory() / "runs" / file_stem(trim_end_matches(input, "/")) / name } else { out }) }}
+    options=(--pipeline {{ quote(justfile_directory() / "pipelines" / name + ".toml") }} {{ flags }})
+    results=(1-ingest.mcap 2-filter.mcap 3-integrate.mcap 4-identify.mcap 5-parameter-solve.mcap 6-simulate.mcap report.html summary.json)
+    # A refused input: results of an earlier run that this one did not get to would pass for results of this record.
+    give_up() { [ "$1" -eq 2 ] || (cd "$dir" 2>/dev/null && rm -f "${results[@]:$2}"); exit "$1"; }
     # Exit code 4 (no acceptable result, diagnosis written) does not stop the run: the report shows the diagnosis.
-    step() { "$@" || { code=$?; [ "$code" -eq 4 ] || exit "$code"; }; }
-    dir={{ quote(if out == "" { justfile_directory() / "runs" / file_stem(trim_end_matches(input, "/")) / pipeline } else { out }) }}
-    options=(--pipeline {{ quote(justfile_directory() / "pipelines" / pipeline + ".toml") }} {{ flags }})
-    {{ ingest }} "$@" "${options[@]}" -o "$dir/1-ingest.mcap"
+    reached=0
+    step() { "$@" || { code=$?; [ "$code" -eq 4 ] || give_up "$code" "$reached"; }; reached=$((reached + 1)); }
+    step {{ ingest }} "$@" "${options[@]}" -o "$dir/1-ingest.mcap"
     step {{ filter }} "$dir/1-ingest.mcap" "${options[@]}" -o "$dir/2-filter.mcap"
     step {{ integrate }} "$dir/2-filter.mcap" "${options[@]}" -o "$dir/3-integrate.mcap"
     step {{ identify }} "$dir/2-filter.mcap" "$dir/3-integrate.mcap" "${options[@]}" -o "$dir/4-identify.mcap"
     step {{ parameter_solve }} "$dir/3-integrate.mcap" "$dir/4-identify.mcap" "${options[@]}" -o "$dir/5-parameter-solve.mcap"
     step {{ simulate }} "$dir/3-integrate.mcap" "$dir/5-parameter-solve.mcap" "${options[@]}" -o "$dir/6-simulate.mcap"
-    {{ report }} "$dir"/[1-6]-*.mcap "${options[@]}" -o "$dir/report.html"
+    {{ report }} "$dir"/[1-6]-*.mcap "${options[@]}" -o "$dir/report.html" || { code=$?; [ "$code" -ne 4 ] || exit 4; give_up "$code" 6; }
 
 # Semantic comparison of two run folders or artifacts: exit 0 same, 1 different, 2 trouble.
 [group('pipeline')]
 [no-cd]
+[no-exit-message]
 diff a b *args: build
     @{{ bin }}/crumple-diff "$@"
 
 # Records of an artifact as JSON, waveforms summarised.
 [group('pipeline')]
 [no-cd]
+[no-exit-message]
 show artifact *args: build
     @{{ bin }}/crumple-artifact show "$@"
 

@@ -36,7 +36,7 @@ impl Stage for Ingest {
         if let Some(sidecar) = &bundle.sidecar {
             digests.push(digest("sidecar", format!("blake3:{}", blake3::hash(&sidecar.bytes).to_hex())));
         }
-        Ok(Loaded { input: bundle, digests })
+        Ok(Loaded::new(bundle, digests))
     }
 
     fn run(settings: &Settings, bundle: &Bundle, out: &mut Output) -> anyhow::Result<Outcome> {

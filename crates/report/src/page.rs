@@ -49,6 +49,7 @@ impl Page {
         header::write(&mut body, run, ranking);
         body.push_str("<main>\n");
         remarks::write_missing(&mut body, run);
+        remarks::write_warnings(&mut body, run);
         let mut pair_open = false;
         for (index, figure) in figures.iter().enumerate() {
             // Two figures of half a width share a row; a lone one has it for itself.

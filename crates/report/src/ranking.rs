@@ -11,12 +11,15 @@ const FIT_STEP_PERCENT: f64 = 1e-6;
 /// displacement fit. At 10 m/s and half a metre of crush 0.1 points are about 0.1 mm: less than any sensor knows.
 pub const AS_GOOD_PERCENT: f64 = 0.1;
 
+/// A candidate that explains less of the displacement than this, percent, is called best by nobody.
+pub const WORTH_NAMING_PERCENT: f64 = 50.0;
+
 /// Candidate ids from the best displacement fit to the worst.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Ranking {
     /// Every candidate with a fit, physical or not, best first.
     pub order: Vec<String>,
-    /// Of the physical candidates that fit within 0.1 percentage points of the best of them, the one with the fewest
+    /// Of the candidates that qualify ([`qualifies`]) and fit within 0.1 percentage points of the best of them, the one with the fewest
     /// parameters; among equals the one that fits best.
     pub best: Option<String>,
 }
@@ -53,13 +56,20 @@ impl Ranking {
     }
 }
 
+/// Whether a candidate may be called the best: physical, no parameter left on a bound of its search (such a value is the
+/// bound's, not the record's), and a displacement fit of at least [`WORTH_NAMING_PERCENT`].
+pub fn qualifies(candidate: &Candidate) -> bool {
+    candidate.record.physical
+        && candidate.record.fit.as_ref().is_none_or(|fit| fit.active_bounds.is_empty())
+        && candidate.simulation.as_ref().and_then(|s| s.fit_percent).is_some_and(|fit| fit >= WORTH_NAMING_PERCENT)
+}
+
 /// `fitted` holds fits in steps of [`FIT_STEP_PERCENT`], best first.
 fn simplest_of_the_good<'a>(fitted: &[(f64, &'a Candidate)]) -> Option<&'a Candidate> {
-    let physical: Vec<_> = fitted.iter().filter(|(_, candidate)| candidate.record.physical).collect();
-    let (top, _) = physical.first()?;
+    let good: Vec<_> = fitted.iter().filter(|(_, candidate)| qualifies(candidate)).collect();
+    let (top, _) = good.first()?;
     // `min_by_key` takes the first of equals, which is the one that fits best.
-    physical
-        .iter()
+    good.iter()
         .take_while(|(fit, _)| (top - fit) * FIT_STEP_PERCENT <= AS_GOOD_PERCENT)
         .min_by_key(|(_, candidate)| candidate.record.parameters.len())
         .map(|(_, candidate)| *candidate)
@@ -98,7 +108,7 @@ pub fn pairs_of_equals(candidates: &[Candidate]) -> Vec<usize> {
 mod tests {
     use std::collections::BTreeMap;
 
-    use crumple_artifact::records::{CandidateV1, SimulationV1};
+    use crumple_artifact::records::{CandidateV1, FitV1, SimulationV1};
 
     use super::*;
 
@@ -163,6 +173,26 @@ mod tests {
         assert_eq!(ranking.order, ["double/fit/1", "kelvin/closed-form/1"]);
         candidates[1].simulation.as_mut().unwrap().fit_percent = Some(99.8);
         assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("double/fit/1"));
+    }
+
+    #[test]
+    fn a_parameter_on_a_bound_or_a_poor_fit_is_never_the_best() {
+        let mut candidates = [candidate("double/fit/1", 99.9, true, None), candidate("kelvin/fit/1", 97.0, true, None)];
+        candidates[0].record.fit = Some(FitV1 {
+            channel: "a".into(),
+            quantity: "displacement".into(),
+            from_s: 0.0,
+            to_s: 0.07,
+            samples: 100,
+            rmse: 1e-3,
+            iterations: 10,
+            evaluations: 100,
+            stop_reason: "on-bound".into(),
+            active_bounds: vec!["k2_n_per_m".into()],
+        });
+        assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("kelvin/fit/1"));
+        candidates[1].simulation.as_mut().unwrap().fit_percent = Some(28.7);
+        assert_eq!(Ranking::of(&candidates).best, None);
     }
 
     #[test]

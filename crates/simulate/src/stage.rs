@@ -55,9 +55,7 @@ impl Stage for Simulate {
         let events: EventsV1 = input.record("/events")?;
         let candidates: Vec<(String, CandidateV1)> = input.records("/parameters/")?;
         if candidates.is_empty() {
-            return Err(Refused::new("none of the inputs holds a candidate (topic /parameters/...)")
-                .hint("give the artifact of crumple-parameter-solve too")
-                .into());
+            return Err(input.missing("/parameters/"));
         }
         let impact_speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
             Refused::new("neither the events nor the test have an impact speed")

@@ -5,6 +5,8 @@ use std::process::ExitCode;
 
 use crumple_artifact::ReadError;
 
+use crate::inputs::MissingTopic;
+
 /// What the process tells its caller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExitStatus {
@@ -132,7 +134,7 @@ fn full_text(error: &dyn std::error::Error) -> String {
 
 /// The exit status an error stands for.
 pub(crate) fn status_of(error: &anyhow::Error) -> ExitStatus {
-    if is_in_chain::<Refused>(error) {
+    if is_in_chain::<Refused>(error) || is_in_chain::<MissingTopic>(error) {
         ExitStatus::Refused
     } else if is_in_chain::<Usage>(error) {
         ExitStatus::Usage
@@ -141,7 +143,7 @@ pub(crate) fn status_of(error: &anyhow::Error) -> ExitStatus {
     }
 }
 
-fn is_in_chain<E: std::error::Error + Send + Sync + 'static>(error: &anyhow::Error) -> bool {
+pub(crate) fn is_in_chain<E: std::error::Error + Send + Sync + 'static>(error: &anyhow::Error) -> bool {
     error.downcast_ref::<E>().is_some() || error.chain().any(<dyn std::error::Error>::is::<E>)
 }
 
@@ -150,12 +152,17 @@ pub(crate) fn render(error: &anyhow::Error) -> String {
     let mut lines = vec![format!("error: {error}")];
     let (mut expected, mut hint) = (None, None);
     for (depth, cause) in error.chain().enumerate() {
-        if depth > 0 {
-            lines.push(format!("  caused by: {cause}"));
+        let text = cause.to_string();
+        // Some messages quote their cause already.
+        if depth > 0 && !lines.iter().any(|line| line.contains(&text)) {
+            lines.push(format!("  caused by: {text}"));
         }
         if let Some(refused) = cause.downcast_ref::<Refused>() {
             expected = expected.or(refused.expected.clone());
             hint = hint.or(refused.hint.clone());
+        }
+        if let Some(missing) = cause.downcast_ref::<MissingTopic>() {
+            hint = hint.or(Some(missing.hint()));
         }
         if let Some(usage) = cause.downcast_ref::<Usage>() {
             hint = hint.or(usage.hint.clone());

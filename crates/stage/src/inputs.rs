@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crumple_artifact::records::TestV1;
+use crumple_artifact::records::{DiagnosisV1, TestV1};
 use crumple_artifact::{Artifact, InputDigest, Record, Wave};
 use crumple_signal::TestDescription;
 
@@ -16,6 +16,32 @@ pub struct Loaded<I> {
     pub input: I,
     /// Kind and digest of every part of it.
     pub digests: Vec<InputDigest>,
+    /// Why an earlier stage had no acceptable result, if one of the inputs says so.
+    pub diagnosis: Option<String>,
+}
+
+impl<I> Loaded<I> {
+    /// An input that no stage stands behind, such as a file as users have it.
+    pub fn new(input: I, digests: Vec<InputDigest>) -> Self {
+        Self { input, digests, diagnosis: None }
+    }
+}
+
+/// A topic that a stage needs is in none of its inputs.
+///
+/// Where an earlier stage had no acceptable result, this is no fault of the input: the stage has none either.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("topic {topic} is in none of the inputs: {given}")]
+pub struct MissingTopic {
+    topic: String,
+    given: String,
+}
+
+impl MissingTopic {
+    /// The binary that writes the topic.
+    pub(crate) fn hint(&self) -> String {
+        format!("give the artifact of {} too", writer_of(&self.topic))
+    }
 }
 
 /// Artifacts of earlier stages, in the order of the pipeline whatever the order they were given in.
@@ -35,7 +61,10 @@ pub fn load_artifacts(paths: &[PathBuf]) -> anyhow::Result<Loaded<Inputs>> {
         .iter()
         .map(|a| InputDigest { kind: a.stage().unwrap_or("artifact").to_owned(), digest: a.digest().to_owned() })
         .collect();
-    Ok(Loaded { input: Inputs { artifacts }, digests })
+    let diagnoses = artifacts.iter().filter_map(|a| a.record::<DiagnosisV1>("/diagnosis").ok().flatten());
+    let texts: Vec<String> = diagnoses.map(|d| format!("{}: {}", d.stage, d.reason)).collect();
+    let diagnosis = (!texts.is_empty()).then(|| texts.join("; "));
+    Ok(Loaded { input: Inputs { artifacts }, digests, diagnosis })
 }
 
 impl Inputs {
@@ -98,14 +127,13 @@ impl Inputs {
         found.into_iter()
     }
 
-    fn missing(&self, topic: &str) -> anyhow::Error {
+    /// The error for a topic that is needed and not there.
+    pub fn missing(&self, topic: &str) -> anyhow::Error {
         let given: Vec<String> = self
             .artifacts
             .iter()
             .map(|a| format!("{} ({})", a.path().display(), a.stage().unwrap_or("no stage stated")))
             .collect();
-        Refused::new(format!("topic {topic} is in none of the inputs: {}", given.join(", ")))
-            .hint(format!("give the artifact of {} too", writer_of(topic)))
-            .into()
+        MissingTopic { topic: topic.to_owned(), given: given.join(", ") }.into()
     }
 }

@@ -17,7 +17,7 @@ mod tool;
 
 pub use args::Common;
 pub use error::{ExitStatus, RefuseExt, Refused, Usage};
-pub use inputs::{Inputs, Loaded, load_artifacts};
+pub use inputs::{Inputs, Loaded, MissingTopic, load_artifacts};
 pub use nearest::nearest;
 pub use output::Output;
 pub use pipeline::check_pipeline;

@@ -63,7 +63,9 @@ fn stage_table(stage: &str, path: &Path, keys: &[String]) -> anyhow::Result<toml
     })?;
     for key in file.keys() {
         if !STAGES.contains(&key.as_str()) && !HEADER_KEYS.contains(&key.as_str()) {
-            return Err(unknown(&format!("{}: unknown table [{key}]", path.display()), key, &STAGES));
+            let what = if file[key].is_table() { "table" } else { "key" };
+            let choices: Vec<&str> = STAGES.iter().chain(&HEADER_KEYS).copied().collect();
+            return Err(unknown(&format!("{}: unknown {what} {key:?}", path.display()), key, &choices));
         }
     }
     let table = match file.remove(stage) {
@@ -180,8 +182,12 @@ mod tests {
           hint: did you mean "models"?
         "#);
         insta::assert_snapshot!(text("[filtre]\ncfc = 60"), @r#"
-        error: p.toml: unknown table [filtre]
+        error: p.toml: unknown table "filtre"
           hint: did you mean "filter"?
+        "#);
+        insta::assert_snapshot!(text("titel = 'x'"), @r#"
+        error: p.toml: unknown key "titel"
+          hint: did you mean "title"?
         "#);
         insta::assert_snapshot!(text("[filter]\nimpact_speed = 35"), @r#"
         error: p.toml, options of filter: "35" has no unit: write a speed, e.g. 35 m/s (units: m/s, km/h, mph, mm/s, ft/s)

@@ -9,13 +9,13 @@ use anyhow::Context;
 use clap::CommandFactory;
 use crumple_artifact::records::{DiagnosisV1, NotesV1};
 use crumple_artifact::{Artifact, Provenance};
-use crumple_signal::Severity;
+use crumple_signal::{Note, Severity};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::args::{Cli, Common};
-use crate::error::ExitStatus;
-use crate::inputs::Loaded;
+use crate::error::{ExitStatus, is_in_chain};
+use crate::inputs::{Loaded, MissingTopic};
 use crate::output::Output;
 use crate::pipeline::{canonical_json, merge};
 use crate::tool::{finish, parse};
@@ -71,13 +71,15 @@ pub fn main<S: Stage>() -> ExitCode {
 
 fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<ExitStatus> {
     let settings = S::resolve(options)?;
-    let Loaded { input, digests } = S::load(&common.inputs, &settings)?;
+    let Loaded { input, digests, diagnosis } = S::load(&common.inputs, &settings)?;
     let provenance = Provenance::new(S::NAME, env!("CARGO_PKG_VERSION"), canonical_json(&settings)?, digests);
     if !common.force
         && let Some(existing) = up_to_date(&common.output, &provenance)
     {
         if !common.quiet {
             eprintln!("{:<16} up to date: {}", S::NAME, common.output.display());
+            let notes = existing.record::<NotesV1>("/notes").ok().flatten().map_or(Vec::new(), |record| record.notes);
+            print_notes(S::NAME, notes.iter().map(|text| Note::parse(text)), &common.output);
         }
         if common.json {
             print_records(
@@ -91,7 +93,14 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
     }
 
     let mut out = Output::new(common.quiet);
-    let outcome = S::run(&settings, &input, &mut out)?;
+    let outcome = match (S::run(&settings, &input, &mut out), diagnosis) {
+        // Nothing to work on, and an earlier stage has said why: so this one has no acceptable result either.
+        (Err(error), Some(diagnosis)) if is_in_chain::<MissingTopic>(&error) => {
+            out = Output::new(common.quiet);
+            Outcome::NoAcceptableResult(format!("nothing to work on, since {diagnosis}"))
+        }
+        (outcome, _) => outcome?,
+    };
     if let Outcome::NoAcceptableResult(reason) = &outcome {
         out.put("/diagnosis", &DiagnosisV1 { stage: S::NAME.to_owned(), reason: reason.clone() })?;
     }
@@ -103,7 +112,10 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
         .write(&common.output, &provenance, common.compress.into())
         .with_context(|| format!("the result of {} is lost", S::NAME))?;
     if !common.quiet {
-        print_summary(S::NAME, &out);
+        for line in &out.summary {
+            eprintln!("{:<16} {line}", S::NAME);
+        }
+        print_notes(S::NAME, out.notes.iter().cloned(), &common.output);
     }
     if common.json {
         print_records(out.builder.records());
@@ -127,15 +139,16 @@ fn no_acceptable_result(stage: &str, reason: &str) -> ExitStatus {
     ExitStatus::NoAcceptableResult
 }
 
-fn print_summary(stage: &str, out: &Output) {
-    let mut lines = out.summary.clone();
-    lines.extend(out.notes.iter().filter(|n| n.severity == Severity::Warning).map(ToString::to_string));
-    let more = out.notes.iter().filter(|n| n.severity == Severity::Info).count();
-    if more > 0 {
-        lines.push(format!("{more} note{} in the artifact (crumple-artifact show)", if more == 1 { "" } else { "s" }));
+/// Warnings in full, the number of the other notes.
+fn print_notes(stage: &str, notes: impl Iterator<Item = Note>, output: &Path) {
+    let (warnings, others): (Vec<Note>, Vec<Note>) = notes.partition(|note| note.severity == Severity::Warning);
+    for warning in warnings {
+        eprintln!("{stage:<16} {warning}");
     }
-    for line in lines {
-        eprintln!("{stage:<16} {line}");
+    match others.len() {
+        0 => {}
+        1 => eprintln!("{stage:<16} 1 note: just show {}", output.display()),
+        more => eprintln!("{stage:<16} {more} notes: just show {}", output.display()),
     }
 }
 

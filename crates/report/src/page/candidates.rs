@@ -11,7 +11,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     out.push_str(
         "<section>\n<h2>Candidates: physical parameters</h2>\n<div class=\"scroll\"><table class=\"candidates\">\n\
          <thead><tr><th scope=\"col\">Rank</th><th scope=\"col\">Model and method</th><th scope=\"col\">Parameters</th>\
-         <th scope=\"col\"><abbr title=\"Every parameter is positive: a passive structure.\">Physical</abbr></th>\
+         <th scope=\"col\"><abbr title=\"No parameter is negative: a passive structure.\">Physical</abbr></th>\
          <th scope=\"col\" class=\"n\"><abbr title=\"100 (1 − |x − x̂| / |x − mean x|) of the displacement over the compared window.\">Fit, %</abbr></th>\
          <th scope=\"col\" class=\"n\"><abbr title=\"Root mean square displacement error over the compared window.\">RMSE, mm</abbr></th>\
          <th scope=\"col\" class=\"n\"><abbr title=\"Dynamic crush of the model minus that of the test.\">ΔC, mm</abbr></th>\
@@ -26,11 +26,12 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     out.push_str("</tbody>\n</table></div>\n");
     out.push_str(match ranking.best {
         Some(_) => {
-            "<p class=\"caption\">Ranked by the fit of the displacement; the best physical candidate is highlighted. A dual gives \
-             exactly the same record on this sensor and so the same figures.</p>\n</section>\n"
+            "<p class=\"caption\">Ranked by the fit of the displacement; highlighted is the best that is physical, has no parameter on a bound of \
+             its search and no more parameters than it needs. A dual gives exactly the same record on this sensor and so the same figures.</p>\n</section>\n"
         }
         None => {
-            "<p class=\"caption\">No physical candidate has a fit: there is no best one.</p>\n</section>\n"
+            "<p class=\"caption\">None is called the best: that takes a physical candidate without a parameter on a bound that explains at least half of \
+             the displacement.</p>\n</section>\n"
         }
     });
 }
@@ -98,11 +99,16 @@ fn parameters(candidate: &Candidate) -> String {
         .into_iter()
         .map(|(name, &value)| {
             let (symbol, shown, unit) = parameter(name, value);
-            let deviation = deviations
-                .and_then(|d| d.get(name))
-                .map_or_else(String::new, |&d| format!("{NBSP}±{NBSP}{}", significant(parameter(name, d).1, 2)));
+            let on_bound = candidate.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.contains(name));
+            let (deviation, doubt) = match deviations.and_then(|d| d.get(name)) {
+                _ if on_bound => (String::new(), " <span class=\"no\">on a bound</span>"),
+                // A standard deviation as large as the value says that the record does not determine it.
+                Some(&d) if d >= value.abs() => (String::new(), " <span class=\"no\">not determined</span>"),
+                Some(&d) => (format!("{NBSP}±{NBSP}{}", significant(parameter(name, d).1, 2)), ""),
+                None => (String::new(), ""),
+            };
             format!(
-                "<span title=\"{}\">{} = {}{deviation}{NBSP}{unit}</span>",
+                "<span title=\"{}\">{} = {}{deviation}{NBSP}{unit}{doubt}</span>",
                 html(name),
                 html(&symbol),
                 significant(shown, 4)

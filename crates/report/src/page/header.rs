@@ -94,7 +94,7 @@ fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
     let fit = best.and_then(|b| b.simulation.as_ref()?.fit_percent);
     let remark = match (best, run.candidates.is_empty()) {
         (Some(best), _) => Some(html(&candidate_name(&best.id))),
-        (None, false) => Some("no physical candidate was simulated".to_owned()),
+        (None, false) => Some("no candidate qualifies".to_owned()),
         (None, true) => None,
     };
     card("Best model, fit", fit, 1.0, 2, "%", remark);

@@ -3,12 +3,14 @@
 use crumple_signal::Severity;
 
 use crate::escape::html;
-use crate::people::{candidate_name, decimals};
+use crate::people::{candidate_name, decimals, parameter};
 use crate::ranking::AS_GOOD_PERCENT;
 use crate::{Candidate, Ranking, Run};
 
 /// Good-to-know notes of a stage that are open to view; the rest is folded. Warnings never are.
 const OPEN_NOTES: usize = 12;
+/// Warnings at the top of the page that are open to view; more are folded under their number.
+const OPEN_WARNINGS: usize = 6;
 /// Characters of a digest that are shown.
 const DIGEST_SHOWN: usize = 12;
 
@@ -19,6 +21,26 @@ pub(super) fn write_missing(out: &mut String, run: &Run) {
     let items: String = run.missing.iter().map(|text| format!("<li>{}</li>\n", html(text))).collect();
     out.push_str(&format!(
         "<section class=\"missing\">\n<h2>Not in this report</h2>\n<ul>\n{items}</ul>\n</section>\n"
+    ));
+}
+
+/// The warnings, before anything else is read: what may change a conclusion must not wait for the end of the page.
+pub(super) fn write_warnings(out: &mut String, run: &Run) {
+    let warnings: Vec<String> = run
+        .notes
+        .iter()
+        .filter(|n| n.note.severity == Severity::Warning)
+        .map(|n| format!("<li>{}: {}</li>\n", html(&n.stage), html(&n.note.text)))
+        .collect();
+    if warnings.is_empty() {
+        return;
+    }
+    let word = if warnings.len() == 1 { "warning" } else { "warnings" };
+    out.push_str(&format!(
+        "<section class=\"warnings\">\n<details{}><summary>{} {word}</summary>\n<ul class=\"notes\">\n{}</ul>\n</details>\n</section>\n",
+        if warnings.len() <= OPEN_WARNINGS { " open" } else { "" },
+        warnings.len(),
+        warnings.concat()
     ));
 }
 
@@ -117,33 +139,31 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     ));
 }
 
-/// What stands against taking the best fit for the truth: undetermined parameters, a simpler model as good.
+/// Why a closer fit is not called the best: undetermined parameters, or more of them than the record gives reason for.
 fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
-    let mut limits = Vec::new();
-    let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) else { return limits };
-    let on_bound = best.record.fit.as_ref().map(|fit| fit.active_bounds.as_slice()).unwrap_or_default();
-    if !on_bound.is_empty() {
-        limits.push(format!(
-            "Of the best candidate, {} stopped on a bound of the search: the record does not determine their values.",
-            on_bound.join(", ")
-        ));
-    }
     let fit = |candidate: &Candidate| candidate.simulation.as_ref().and_then(|s| s.fit_percent);
-    let larger = ranking.order.iter().filter_map(|id| run.candidate(id)).find(|other| {
-        other.record.physical
-            && other.record.parameters.len() > best.record.parameters.len()
-            && fit(other).zip(fit(best)).is_some_and(|(other, best)| other > best)
-    });
-    if let Some(larger) = larger {
-        limits.push(format!(
-            "{} fits no more than {AS_GOOD_PERCENT} percentage points better with {} parameters instead of {}: this record \
-             gives no reason for the larger model.",
-            candidate_name(&larger.id),
-            larger.record.parameters.len(),
-            best.record.parameters.len()
-        ));
+    let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
+    let closest = ranking.order.iter().filter_map(|id| run.candidate(id)).find(|c| c.record.physical);
+    let Some(closest) = closest.filter(|c| best.is_none_or(|best| fit(c) > fit(best))) else { return Vec::new() };
+    let on_bound = closest.record.fit.as_ref().map(|fit| fit.active_bounds.as_slice()).unwrap_or_default();
+    let name = candidate_name(&closest.id);
+    if !on_bound.is_empty() {
+        let symbols: Vec<String> = on_bound.iter().map(|name| parameter(name, 0.0).0).collect();
+        return vec![format!(
+            "{name} fits closest but is not called the best: {} stopped on a bound of the search, so the record does not \
+             determine these values.",
+            symbols.join(", ")
+        )];
     }
-    limits
+    match best {
+        Some(best) if closest.record.parameters.len() > best.record.parameters.len() => vec![format!(
+            "{name} fits no more than {AS_GOOD_PERCENT} percentage points better with {} parameters instead of {}: this record \
+             gives no reason for the larger model.",
+            closest.record.parameters.len(),
+            best.record.parameters.len()
+        )],
+        _ => Vec::new(),
+    }
 }
 
 pub(super) fn write_provenance(out: &mut String, run: &Run) {
