@@ -12,13 +12,17 @@ pub fn write_atomically<T, E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<T, E>,
 ) -> Result<T, E> {
+    // A link stays a link: what it points at is replaced.
+    let target = fs::canonicalize(path);
+    let path = target.as_deref().unwrap_or(path);
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
     fs::create_dir_all(folder)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let temporary = tempfile::Builder::new().prefix(&format!(".{name}.")).suffix(".tmp").tempfile_in(folder)?;
+    let temporary =
+        readable(tempfile::Builder::new().prefix(&format!(".{name}.")).suffix(".tmp")).tempfile_in(folder)?;
     let (file, temporary_path) = temporary.into_parts();
     let mut writer = BufWriter::with_capacity(1 << 17, file);
     let value = write(&mut writer)?;
@@ -26,21 +30,20 @@ pub fn write_atomically<T, E: From<io::Error>>(
     let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
     // To the disk before the rename: after a power cut the name must not point at an empty file.
     file.sync_data()?;
-    set_permissions(&file)?;
     temporary_path.persist(path).map_err(|error| error.error)?;
     Ok(value)
 }
 
-/// Temporary files are private to the user; a result is readable like any other file.
+/// Temporary files are private to the user; a result is readable like any other file, as far as the umask allows.
 #[cfg(unix)]
-fn set_permissions(file: &File) -> io::Result<()> {
+fn readable<'a, 'b, 'c>(builder: &'c mut tempfile::Builder<'a, 'b>) -> &'c mut tempfile::Builder<'a, 'b> {
     use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(fs::Permissions::from_mode(0o644))
+    builder.permissions(fs::Permissions::from_mode(0o666))
 }
 
 #[cfg(not(unix))]
-fn set_permissions(_: &File) -> io::Result<()> {
-    Ok(())
+fn readable<'a, 'b, 'c>(builder: &'c mut tempfile::Builder<'a, 'b>) -> &'c mut tempfile::Builder<'a, 'b> {
+    builder
 }
 
 #[cfg(test)]

@@ -34,5 +34,10 @@ pub use wave::{BLOCK_SAMPLES, Wave};
 /// Names the container's writer in the MCAP header; fixed, so that it never changes the bytes.
 pub const LIBRARY: &str = "crumple artifact/1";
 
+/// Whether two schema names are of one type, whatever their versions.
+pub fn same_type(a: &str, b: &str) -> bool {
+    reader::split_version(a).0 == reader::split_version(b).0
+}
+
 /// Topic prefix of waveforms.
 pub const WAVE_PREFIX: &str = "/wave/";

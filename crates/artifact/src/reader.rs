@@ -121,9 +121,7 @@ impl Artifact {
     }
 
     fn wrong_schema(&self, raw: &RawRecord, needed: &str) -> ReadError {
-        let (known_name, known_version) = split_version(needed);
-        let (found_name, found_version) = split_version(&raw.schema);
-        if found_name == known_name && found_version > known_version {
+        if is_later_version(&raw.schema, needed) {
             return ReadError::Newer {
                 path: self.path.clone(),
                 what: format!("the record type of topic {}", raw.topic),
@@ -144,8 +142,14 @@ fn unread_encoding(encoding: &str) -> String {
     format!("encoding {encoding:?} is not read, json or bincode is needed")
 }
 
+/// Whether a schema is a later version of a known one.
+fn is_later_version(found: &str, known: &str) -> bool {
+    let ((found_name, found_version), (known_name, known_version)) = (split_version(found), split_version(known));
+    found_name == known_name && found_version > known_version
+}
+
 /// `crumple.Events.v1` -> `("crumple.Events", 1)`.
-fn split_version(schema: &str) -> (&str, u32) {
+pub(crate) fn split_version(schema: &str) -> (&str, u32) {
     match schema.rsplit_once(".v") {
         Some((name, version)) => (name, version.parse().unwrap_or(0)),
         None => (schema, 0),
@@ -280,6 +284,14 @@ impl<'a> Scan<'a> {
             let (assembler, _) =
                 self.waves.entry(id.to_owned()).or_insert_with(|| (WaveAssembler::default(), topic.clone()));
             return assembler.push(block).map_err(fail);
+        }
+        if is_later_version(&topic.schema, WaveBlockV1::SCHEMA) {
+            return Err(ReadError::Newer {
+                path: self.path.to_owned(),
+                what: format!("the record type of topic {}", topic.name),
+                found: topic.schema,
+                known: WaveBlockV1::SCHEMA.to_owned(),
+            });
         }
         if topic.schema.starts_with("crumple.") && self.records.iter().any(|r| r.topic == topic.name) {
             return Err(fail("two messages, a record is one message".into()));

@@ -163,6 +163,12 @@ fn foreign_newer_wrong_and_unreadable_content_is_told_apart() {
     let error = read(&later).unwrap().record::<EventsV1>("/events").unwrap_err();
     insta::assert_snapshot!(error, @"x.mcap: the record type of topic /events is crumple.Events.v2, this version reads up to crumple.Events.v1");
 
+    let later = foreign(
+        &[("/wave/a", "crumple.WaveBlock.v2", "json", b"{}"), ("/wave/a", "crumple.WaveBlock.v2", "json", b"{}")],
+        &[],
+    );
+    insta::assert_snapshot!(read(&later).unwrap_err(), @"x.mcap: the record type of topic /wave/a is crumple.WaveBlock.v2, this version reads up to crumple.WaveBlock.v1");
+
     let format = BTreeMap::from([("format".to_owned(), "2".to_owned())]);
     let future = foreign(&[("/notes", NotesV1::SCHEMA, "json", b"{}")], &[("provenance", format)]);
     insta::assert_snapshot!(read(&future).unwrap_err(), @"x.mcap: the artifact format is 2, this version reads up to 1");

@@ -23,16 +23,18 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
         None => run.missing.push("the test description (crumple-ingest writes it)".to_owned()),
     }
     run.events = inputs.record_if("/events")?;
+    // The page counts every time from time zero; the artifacts keep the record's own axis.
+    let time_zero_s = run.events.as_ref().map_or(0.0, |events| events.time_zero_s);
     run.metrics = inputs.record_if::<MetricsV1>("/metrics")?.map(|metrics| metrics.0).unwrap_or_default();
     if let Some(id) = run.channel_id().map(str::to_owned) {
         run.filter = inputs.record_if::<ChannelFilterV1>(&format!("/filter/{id}"))?;
-        run.measured = measured(inputs, &id);
+        run.measured = measured(inputs, &id, time_zero_s);
     }
     run.models = models(inputs)?;
     let simulations: BTreeMap<String, SimulationV1> = inputs.records("/simulation/")?.into_iter().collect();
     let stage_ran = inputs.artifacts().iter().any(|artifact| artifact.stage() == Some("simulate"));
     run.responses = (stage_ran || !simulations.is_empty()).then_some(simulations.len());
-    run.candidates = candidates(inputs, &simulations)?;
+    run.candidates = candidates(inputs, &simulations, time_zero_s)?;
     run.provenance = inputs.artifacts().iter().map(stage_record).collect();
     collect_notes(inputs, &mut run)?;
     let without_parameters = simulations.keys().filter(|id| run.candidate(id).is_none()).count();
@@ -56,7 +58,7 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
 
 /// The pulse channel's waves. Which acceleration is raw and which filtered follows from the stage that wrote it; where
 /// an artifact does not name a known stage, the later of two is the filtered one, and a lone one with a filter record.
-fn measured(inputs: &Inputs, id: &str) -> Measured {
+fn measured(inputs: &Inputs, id: &str, time_zero_s: f64) -> Measured {
     let filter_topic = format!("/filter/{id}");
     let (mut raw, mut filtered) = (None, None);
     for artifact in inputs.artifacts() {
@@ -68,9 +70,9 @@ fn measured(inputs: &Inputs, id: &str) -> Measured {
         };
         let is_filtered = known
             .unwrap_or_else(|| raw.is_some() || artifact.records().iter().any(|record| record.topic == filter_topic));
-        *(if is_filtered { &mut filtered } else { &mut raw }) = Some(wave.sampled.clone());
+        *(if is_filtered { &mut filtered } else { &mut raw }) = Some(after(&wave.sampled, time_zero_s));
     }
-    let of_motion = |what: &str| inputs.wave_if(&format!("{id}/{what}")).map(|wave| wave.sampled.clone());
+    let of_motion = |what: &str| inputs.wave_if(&format!("{id}/{what}")).map(|wave| after(&wave.sampled, time_zero_s));
     Measured {
         raw,
         filtered,
@@ -103,9 +105,20 @@ fn models(inputs: &Inputs) -> anyhow::Result<Vec<Model>> {
     Ok(models.into_values().collect())
 }
 
-fn candidates(inputs: &Inputs, simulations: &BTreeMap<String, SimulationV1>) -> anyhow::Result<Vec<Candidate>> {
+/// The signal with its times counted from `time_zero_s`.
+fn after(signal: &Sampled, time_zero_s: f64) -> Sampled {
+    let shifted = Sampled::new(signal.t0_s() - time_zero_s, signal.dt_s(), signal.samples().to_vec());
+    // Both times are finite, so their difference is; only an overflow could object.
+    shifted.unwrap_or_else(|_| signal.clone())
+}
+
+fn candidates(
+    inputs: &Inputs,
+    simulations: &BTreeMap<String, SimulationV1>,
+    time_zero_s: f64,
+) -> anyhow::Result<Vec<Candidate>> {
     let wave = |id: &str, what: &str| -> Option<Sampled> {
-        inputs.wave_if(&format!("{id}/{what}")).map(|wave| wave.sampled.clone())
+        inputs.wave_if(&format!("{id}/{what}")).map(|wave| after(&wave.sampled, time_zero_s))
     };
     let mut candidates: Vec<Candidate> = inputs
         .records::<CandidateV1>("/parameters/")?
@@ -156,11 +169,6 @@ fn collect_notes(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
         if artifact.stage() == Some("ingest") {
             file_remarks.iter().for_each(|note| add("ingest", note.clone()));
             remarks_are_in = true;
-        }
-        if artifact.stage() == Some("filter")
-            && let Some(filter) = &run.filter
-        {
-            filter.notes.iter().for_each(|text| add("filter", Note::parse(text)));
         }
         if let Some(diagnosis) = artifact.record::<DiagnosisV1>("/diagnosis").map_err(Refused::from)? {
             let text = format!("no acceptable result: {}", diagnosis.reason);

@@ -71,6 +71,9 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     if summary_path == cli.output {
         return Err(Usage::new("report and summary are the same file").hint("give --summary another name").into());
     }
+    for output in [&cli.output, &summary_path] {
+        refuse_to_overwrite_an_input(output, &cli.inputs)?;
+    }
     let mut run = gather(&load_artifacts(&cli.inputs)?.input)?;
     run.pipeline = pipeline;
     let ranking = Ranking::of(&run.candidates);
@@ -101,6 +104,15 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         return Ok(ExitStatus::NoAcceptableResult);
     }
     Ok(ExitStatus::Done)
+}
+
+fn refuse_to_overwrite_an_input(output: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> {
+    let Ok(existing) = output.canonicalize() else { return Ok(()) };
+    if existing.is_file() && !inputs.iter().any(|input| input.canonicalize().is_ok_and(|path| path == existing)) {
+        return Ok(());
+    }
+    let problem = if existing.is_file() { "is an input too" } else { "exists and is no regular file" };
+    Err(Usage::new(format!("{} {problem}", output.display())).hint("give it another name").into())
 }
 
 /// Name of a pipeline: its path below a folder `pipelines` without the ending, else the file's stem.

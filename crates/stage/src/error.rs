@@ -143,8 +143,13 @@ pub(crate) fn status_of(error: &anyhow::Error) -> ExitStatus {
     }
 }
 
-pub(crate) fn is_in_chain<E: std::error::Error + Send + Sync + 'static>(error: &anyhow::Error) -> bool {
-    error.downcast_ref::<E>().is_some() || error.chain().any(<dyn std::error::Error>::is::<E>)
+/// An error of a type somewhere in the chain of causes.
+pub(crate) fn find_in_chain<E: std::error::Error + Send + Sync + 'static>(error: &anyhow::Error) -> Option<&E> {
+    error.downcast_ref::<E>().or_else(|| error.chain().find_map(<dyn std::error::Error>::downcast_ref::<E>))
+}
+
+fn is_in_chain<E: std::error::Error + Send + Sync + 'static>(error: &anyhow::Error) -> bool {
+    find_in_chain::<E>(error).is_some()
 }
 
 /// The text for stderr: `error:`, the causes, what was expected, one hint.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crumple_artifact::records::{DiagnosisV1, TestV1};
-use crumple_artifact::{Artifact, InputDigest, Record, Wave};
+use crumple_artifact::{Artifact, InputDigest, Record, Wave, same_type};
 use crumple_signal::TestDescription;
 
 use crate::error::{RefuseExt, Refused};
@@ -16,14 +16,34 @@ pub struct Loaded<I> {
     pub input: I,
     /// Kind and digest of every part of it.
     pub digests: Vec<InputDigest>,
-    /// Why an earlier stage had no acceptable result, if one of the inputs says so.
-    pub diagnosis: Option<String>,
+    /// Earlier stages among the inputs that had no acceptable result.
+    pub(crate) diagnosed: Diagnosed,
+}
+
+/// What earlier stages without an acceptable result leave behind.
+#[derive(Debug, Default)]
+pub(crate) struct Diagnosed {
+    /// Who and why.
+    pub(crate) diagnoses: Vec<DiagnosisV1>,
+    /// The test description travels on all the same.
+    pub(crate) test: Option<TestV1>,
+}
+
+impl Diagnosed {
+    /// The reason why a topic is missing, if the stage that writes it has said that it has no acceptable result.
+    pub(crate) fn reason_for(&self, missing: &MissingTopic) -> Option<String> {
+        let writer = writer_of(&missing.topic);
+        self.diagnoses
+            .iter()
+            .find(|diagnosis| writer == format!("crumple-{}", diagnosis.stage))
+            .map(|diagnosis| format!("nothing to work on, since {} says: {}", diagnosis.stage, diagnosis.reason))
+    }
 }
 
 impl<I> Loaded<I> {
     /// An input that no stage stands behind, such as a file as users have it.
     pub fn new(input: I, digests: Vec<InputDigest>) -> Self {
-        Self { input, digests, diagnosis: None }
+        Self { input, digests, diagnosed: Diagnosed::default() }
     }
 }
 
@@ -38,7 +58,7 @@ pub struct MissingTopic {
 }
 
 impl MissingTopic {
-    /// The binary that writes the topic.
+    /// One thing to do: the binary that writes the topic.
     pub(crate) fn hint(&self) -> String {
         format!("give the artifact of {} too", writer_of(&self.topic))
     }
@@ -61,16 +81,47 @@ pub fn load_artifacts(paths: &[PathBuf]) -> anyhow::Result<Loaded<Inputs>> {
         .iter()
         .map(|a| InputDigest { kind: a.stage().unwrap_or("artifact").to_owned(), digest: a.digest().to_owned() })
         .collect();
-    let diagnoses = artifacts.iter().filter_map(|a| a.record::<DiagnosisV1>("/diagnosis").ok().flatten());
-    let texts: Vec<String> = diagnoses.map(|d| format!("{}: {}", d.stage, d.reason)).collect();
-    let diagnosis = (!texts.is_empty()).then(|| texts.join("; "));
-    Ok(Loaded { input: Inputs { artifacts }, digests, diagnosis })
+    let diagnoses = artifacts.iter().filter_map(|a| a.record::<DiagnosisV1>("/diagnosis").ok().flatten()).collect();
+    let inputs = Inputs { artifacts };
+    inputs.refuse_a_mixture()?;
+    let test = inputs.record_if::<TestV1>("/test")?;
+    Ok(Loaded { input: inputs, digests, diagnosed: Diagnosed { diagnoses, test } })
 }
 
 impl Inputs {
     /// The artifacts in the order of the pipeline.
     pub fn artifacts(&self) -> &[Artifact] {
         &self.artifacts
+    }
+
+    /// Two results of one stage, or results of two tests, cannot be meant.
+    fn refuse_a_mixture(&self) -> anyhow::Result<()> {
+        let name = |artifact: &Artifact| artifact.path().display().to_string();
+        for (k, a) in self.artifacts.iter().enumerate() {
+            let source = |artifact: &Artifact| -> anyhow::Result<Option<String>> {
+                let test = artifact.record::<TestV1>("/test").map_err(Refused::from)?;
+                Ok(test.map(|t| t.source.digest).filter(|digest| !digest.is_empty()))
+            };
+            for b in &self.artifacts[k + 1..] {
+                if let (Some(stage), Some(other)) = (a.stage(), b.stage())
+                    && stage == other
+                {
+                    return Err(Refused::new(format!("{} and {} are both of the stage {stage}", name(a), name(b)))
+                        .expected("one artifact of each stage")
+                        .hint("leave one of them out")
+                        .into());
+                }
+                if let (Some(of_a), Some(of_b)) = (source(a)?, source(b)?)
+                    && of_a != of_b
+                {
+                    return Err(Refused::new(format!("{} and {} are of different records", name(a), name(b)))
+                        .expected("artifacts that go back to one record")
+                        .hint("give artifacts of one run folder")
+                        .into());
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The test description, from the latest stage that carries it.
@@ -99,7 +150,7 @@ impl Inputs {
         for artifact in &self.artifacts {
             for raw in artifact.records() {
                 if let Some(rest) = raw.topic.strip_prefix(prefix)
-                    && raw.schema == R::SCHEMA
+                    && same_type(&raw.schema, R::SCHEMA)
                 {
                     found.insert(rest.to_owned(), artifact.decode(raw).map_err(Refused::from)?);
                 }

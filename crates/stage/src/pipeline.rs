@@ -37,7 +37,8 @@ where
     }
     table.try_into().map_err(|error: toml::de::Error| {
         let place = pipeline.map_or_else(String::new, |path| format!("{}, ", path.display()));
-        Usage::new(format!("{place}options of {stage}: {}", error.message())).into()
+        // The text names the key on a line of its own.
+        Usage::new(format!("{place}options of {stage}: {}", error.to_string().trim().replace('\n', " "))).into()
     })
 }
 
@@ -190,7 +191,7 @@ mod tests {
           hint: did you mean "title"?
         "#);
         insta::assert_snapshot!(text("[filter]\nimpact_speed = 35"), @r#"
-        error: p.toml, options of filter: "35" has no unit: write a speed, e.g. 35 m/s (units: m/s, km/h, mph, mm/s, ft/s)
+        error: p.toml, options of filter: "35" has no unit: write a speed, e.g. 35 m/s (units: m/s, km/h, mph, mm/s, ft/s) in `impact_speed`
         "#);
     }
 

@@ -1,7 +1,8 @@
 //! The life of a stage process.
 
 use std::fmt::Debug;
-use std::io::Write;
+use std::fs::File;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -14,7 +15,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::args::{Cli, Common};
-use crate::error::{ExitStatus, is_in_chain};
+use crate::error::{ExitStatus, Usage, find_in_chain};
 use crate::inputs::{Loaded, MissingTopic};
 use crate::output::Output;
 use crate::pipeline::{canonical_json, merge};
@@ -71,7 +72,8 @@ pub fn main<S: Stage>() -> ExitCode {
 
 fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<ExitStatus> {
     let settings = S::resolve(options)?;
-    let Loaded { input, digests, diagnosis } = S::load(&common.inputs, &settings)?;
+    refuse_to_overwrite(&common.output, &common.inputs)?;
+    let Loaded { input, digests, diagnosed } = S::load(&common.inputs, &settings)?;
     let provenance = Provenance::new(S::NAME, env!("CARGO_PKG_VERSION"), canonical_json(&settings)?, digests);
     if !common.force
         && let Some(existing) = up_to_date(&common.output, &provenance)
@@ -93,13 +95,19 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
     }
 
     let mut out = Output::new(common.quiet);
-    let outcome = match (S::run(&settings, &input, &mut out), diagnosis) {
-        // Nothing to work on, and an earlier stage has said why: so this one has no acceptable result either.
-        (Err(error), Some(diagnosis)) if is_in_chain::<MissingTopic>(&error) => {
-            out = Output::new(common.quiet);
-            Outcome::NoAcceptableResult(format!("nothing to work on, since {diagnosis}"))
-        }
-        (outcome, _) => outcome?,
+    let outcome = match S::run(&settings, &input, &mut out) {
+        Ok(outcome) => outcome,
+        Err(error) => match find_in_chain::<MissingTopic>(&error).and_then(|missing| diagnosed.reason_for(missing)) {
+            // An earlier stage has said why there is nothing to work on: so this one has no acceptable result either.
+            Some(reason) => {
+                out = Output::new(common.quiet);
+                if let Some(test) = &diagnosed.test {
+                    out.put("/test", test)?;
+                }
+                Outcome::NoAcceptableResult(reason)
+            }
+            None => return Err(name_the_inputs(error, &common.inputs)),
+        },
     };
     if let Outcome::NoAcceptableResult(reason) = &outcome {
         out.put("/diagnosis", &DiagnosisV1 { stage: S::NAME.to_owned(), reason: reason.clone() })?;
@@ -126,6 +134,39 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
     })
 }
 
+/// An output that is an input, or something else than an artifact, would be lost.
+fn refuse_to_overwrite(output: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> {
+    let Ok(existing) = output.canonicalize() else { return Ok(()) };
+    let problem = if inputs.iter().any(|input| input.canonicalize().is_ok_and(|path| path == existing)) {
+        "is an input too"
+    } else if !existing.is_file() {
+        "exists and is no regular file"
+    } else if !is_artifact_or_empty(&existing)? {
+        "exists and is no artifact"
+    } else {
+        return Ok(());
+    };
+    Err(Usage::new(format!("the output {} {problem}", output.display())).hint("give -o another name").into())
+}
+
+fn is_artifact_or_empty(path: &Path) -> anyhow::Result<bool> {
+    let mut start = Vec::new();
+    let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
+    file.take(5).read_to_end(&mut start).with_context(|| format!("cannot read {}", path.display()))?;
+    Ok(start.is_empty() || start == b"\x89MCAP")
+}
+
+/// Adds the inputs' names to an error that does not name any of them.
+fn name_the_inputs(error: anyhow::Error, inputs: &[PathBuf]) -> anyhow::Error {
+    let text = format!("{error:#}");
+    let named = inputs.iter().filter_map(|path| path.file_name()).any(|name| text.contains(&*name.to_string_lossy()));
+    if named {
+        return error;
+    }
+    let names: Vec<String> = inputs.iter().map(|path| path.display().to_string()).collect();
+    error.context(format!("cannot work on {}", names.join(", ")))
+}
+
 /// The existing output, if it is intact and came from the same stage, settings and inputs.
 fn up_to_date(output: &Path, provenance: &Provenance) -> Option<Artifact> {
     if !output.exists() {
@@ -147,8 +188,8 @@ fn print_notes(stage: &str, notes: impl Iterator<Item = Note>, output: &Path) {
     }
     match others.len() {
         0 => {}
-        1 => eprintln!("{stage:<16} 1 note: just show {}", output.display()),
-        more => eprintln!("{stage:<16} {more} notes: just show {}", output.display()),
+        1 => eprintln!("{stage:<16} 1 note: crumple-artifact show {}", output.display()),
+        more => eprintln!("{stage:<16} {more} notes: crumple-artifact show {}", output.display()),
     }
 }
 

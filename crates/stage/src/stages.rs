@@ -11,7 +11,7 @@ pub fn stage_order(stage: Option<&str>) -> usize {
 
 /// The binary that writes a topic, e.g. `/events` -> `crumple-integrate`.
 pub fn writer_of(topic: &str) -> &'static str {
-    const WRITERS: [(&str, &str); 12] = [
+    const WRITERS: [(&str, &str); 13] = [
         ("/test", "crumple-ingest"),
         ("/quality/", "crumple-ingest"),
         ("/filter/", "crumple-filter"),
@@ -24,6 +24,7 @@ pub fn writer_of(topic: &str) -> &'static str {
         ("/simulation/", "crumple-simulate"),
         ("/wave/", "crumple-filter or crumple-ingest"),
         ("/notes", "any stage"),
+        ("/diagnosis", "any stage"),
     ];
     if topic.starts_with("/wave/") && ["/velocity", "/displacement", "/force"].iter().any(|s| topic.ends_with(s)) {
         return "crumple-integrate";

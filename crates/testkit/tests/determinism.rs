@@ -8,7 +8,6 @@ use std::process::Command;
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression};
 use crumple_signal::Sampled;
 use crumple_testkit::pipeline::{ARTIFACTS, binary, code_and_error, just};
-use crumple_testkit::workspace;
 
 fn run_with_threads(folder: &Path, threads: &str) {
     let status = just()
@@ -114,5 +113,4 @@ fn diff_names_the_first_difference_and_tells_trouble_from_difference() {
     let (code, text) = diff(&good, &cut);
     assert_eq!(code, 2, "{text}");
     assert!(text.contains("truncated"), "{text}");
-    let _ = workspace();
 }
