@@ -13,10 +13,9 @@ const NHTSA: &str = "export the channels as CSV, or take the \"EV5 ASCII X-Y\" d
 /// In the order they are tried.
 const FORMATS: &[Foreign] = &[
     Foreign { what: "a PDF document", instead: TABLE, matches: |b| has_early(b, b"%PDF-") },
-    Foreign { what: "a TDMS file (LabVIEW, DIAdem)", instead: NHTSA, matches: |b| b.starts_with(b"TDSm") },
     Foreign {
         what: "a TDMS index file",
-        instead: "the samples are in the .tdms file beside it; export that as CSV",
+        instead: "the samples are in the .tdms file beside it: give that",
         matches: |b| b.starts_with(b"TDSh"),
     },
     Foreign {
@@ -153,7 +152,7 @@ mod tests {
     fn names_formats_by_their_magic() {
         let cases: [(&[u8], &str); 8] = [
             (b"%PDF-1.7\n", "PDF"),
-            (b"TDSm\x0e\0\0\0", "TDMS"),
+            (b"TDSh\x0e\0\0\0", "TDMS index"),
             (b"#ROSBAG V2.0\n", "ROS 1"),
             (b"\x89MCAP0\r\n", "MCAP"),
             (b"SQLite format 3\0", "SQLite"),

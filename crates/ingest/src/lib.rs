@@ -9,6 +9,7 @@
 mod archive;
 mod bundle;
 mod details;
+mod diadem;
 mod error;
 mod ev5;
 mod foreign;
@@ -23,7 +24,9 @@ mod settings;
 mod sidecar;
 mod stage;
 mod table;
+mod tdms;
 mod time_zero;
+mod waveform;
 
 pub use bundle::{Bundle, NamedBytes};
 pub use error::{IngestError, Place};

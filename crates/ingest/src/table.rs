@@ -1,7 +1,7 @@
 //! Tables of numbers: CSV, TSV, semicolons or blanks, as instruments and spreadsheets write them.
 
 mod columns;
-mod header;
+pub(crate) mod header;
 mod layout;
 pub(crate) mod numbers;
 mod rows;
