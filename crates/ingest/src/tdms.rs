@@ -4,16 +4,15 @@
 //! raw data, linear scaling, aborted recordings.
 
 mod bytes;
-mod metadata;
+pub(crate) mod metadata;
 mod nhtsa;
-mod samples;
+pub(crate) mod samples;
 mod scaling;
 mod segments;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crumple_signal::Notes;
-use crumple_signal::unit::{Dimension, factor, signal_unit};
 
 use crate::bundle::Bundle;
 use crate::recognise::Reader;
@@ -58,22 +57,14 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, 
     let details = details.unwrap_or_else(|| diadem::details(&layers.root_texts()));
     start_times(&layers, &objects, &mut notes);
 
+    let mut objects = objects;
     let mut records = Vec::with_capacity(layers.channels.len());
     let mut waveforms = Vec::with_capacity(layers.channels.len());
-    let chains: Vec<_> = layers
-        .channels
-        .iter()
-        .map(|(k, group, _)| {
-            let object = &objects[*k];
-            scaling::chain(&[&object.properties, layers.group(group), &layers.root], object.is_daqmx)
-        })
-        .collect();
-    let mut names: BTreeMap<usize, (String, String, Result<Vec<scaling::Linear>, String>)> =
-        layers.channels.into_iter().zip(chains).map(|((k, group, name), chain)| (k, (group, name, chain))).collect();
-    for (k, object) in objects.into_iter().enumerate() {
-        let Some((group, name, chain)) = names.remove(&k) else { continue };
+    for (k, group, name) in &layers.channels {
+        let object = std::mem::take(&mut objects[*k]);
+        let scales = scaling::chain(&[&object.properties, layers.group(group), &layers.root], object.is_daqmx);
         records.push(nhtsa::curve(&object.properties).filter(|_| is_nhtsa));
-        waveforms.push(waveform(object, group, name, chain));
+        waveforms.push(waveform(object, group, name, scales));
     }
     let channels = waveform::channels(file, waveforms, settings, &mut notes)?;
     let channels = channels
@@ -145,7 +136,7 @@ fn number(properties: &Properties, name: &str) -> Option<f64> {
 }
 
 /// A channel with its time and its values, scaled.
-fn waveform(object: Object, group: String, name: String, chain: Result<Vec<scaling::Linear>, String>) -> Waveform {
+fn waveform(object: Object, group: &str, name: &str, scales: Result<Vec<scaling::Linear>, String>) -> Waveform {
     let properties = &object.properties;
     let mut waveform = Waveform::new(group, name);
     waveform.unit = [text(properties, "unit_string"), text(properties, "NI_UnitDescription")]
@@ -155,31 +146,17 @@ fn waveform(object: Object, group: String, name: String, chain: Result<Vec<scali
         .or_else(|| nhtsa::unit(properties))
         .unwrap_or_default();
     waveform.comment = Some(text(properties, "description").to_owned()).filter(|text| !text.is_empty());
-    let x_unit = text(properties, "wf_xunit_string");
-    let in_s = if x_unit.is_empty() { Some(1.0) } else { factor(x_unit, Dimension::Time) };
-    if let Some(interval) = number(properties, "wf_increment").filter(|dt| *dt > 0.0) {
-        let x_name = text(properties, "wf_xname");
-        match in_s {
-            Some(_) if x_unit.is_empty() && !waveform::may_be_time(x_name) => {
-                waveform.not_time = Some(format!("its X axis is {x_name:?}, not time"));
-            }
-            None if signal_unit(x_unit).is_some() => {
-                waveform.not_time = Some(format!("its X axis is in {x_unit}, not in time"));
-            }
-            _ => {
-                let in_s = in_s.unwrap_or(1.0);
-                let start = number(properties, "wf_start_offset").unwrap_or(0.0);
-                waveform.steps = Some((start * in_s, interval * in_s));
-            }
-        }
-    }
+    let interval = number(properties, "wf_increment").filter(|dt| *dt > 0.0);
+    let start = number(properties, "wf_start_offset").unwrap_or(0.0);
+    let steps = interval.map(|dt| (start, dt));
+    waveform.set_steps(steps, text(properties, "wf_xname"), text(properties, "wf_xunit_string"));
     let mut values = object.values;
     // Times of the day become times since the first.
     if let (Some(_), Some(first)) = (object.epoch_s, values.first().copied()) {
         values.iter_mut().for_each(|t| *t -= first);
         "s".clone_into(&mut waveform.unit);
     }
-    waveform.values = match (object.unread, chain) {
+    waveform.values = match (object.unread, scales) {
         (Some(what), _) => Err(format!("its samples are not read: {what}")),
         (None, Err(reason)) => Err(reason),
         (None, Ok(scales)) => {

@@ -47,15 +47,24 @@ impl Waveform {
             values: Ok(Vec::new()),
         }
     }
-}
 
-/// Whether the name of an X axis allows it to be time: it says so, or nothing.
-pub fn may_be_time(name: &str) -> bool {
-    let label = units::label(name, "");
-    name.is_empty()
-        || matches!(label.unit, header::Unit::Time(_))
-        || clock::is_named_time(&label.name)
-        || name.to_lowercase().starts_with('x')
+    /// Takes start and interval of the X axis (`wf_start_offset`, `wf_increment`) for time, in s unless another unit of time is
+    /// stated. An axis with the unit or the name of something else is none of time.
+    pub fn set_steps(&mut self, steps: Option<(f64, f64)>, x_name: &str, x_unit: &str) {
+        let Some((start, interval)) = steps else { return };
+        let label = units::label(x_name, x_unit);
+        let says_nothing = x_unit.is_empty() && (x_name.is_empty() || x_name.to_lowercase().starts_with('x'));
+        match label.unit {
+            header::Unit::Time(factor) => self.steps = Some((start * factor, interval * factor)),
+            header::Unit::Unstated if says_nothing || clock::is_named_time(&label.name) => {
+                self.steps = Some((start, interval));
+            }
+            _ => {
+                let unit = if x_unit.is_empty() { String::new() } else { format!(" in {x_unit}") };
+                self.not_time = Some(format!("its X axis is {x_name:?}{unit}, not time"));
+            }
+        }
+    }
 }
 
 /// What is said once for many channels.

@@ -58,7 +58,8 @@ impl Type {
 
     /// Type codes of DAQmx scalers are numbered differently.
     fn of_daqmx(code: u32) -> Option<Self> {
-        (code < 6).then(|| if code % 2 == 0 { Self::Unsigned(1 << (code / 2)) } else { Self::Int(1 << (code / 2)) })
+        (code < 6)
+            .then(|| if code.is_multiple_of(2) { Self::Unsigned(1 << (code / 2)) } else { Self::Int(1 << (code / 2)) })
     }
 
     /// Bytes of one sample; texts have no fixed size.

@@ -94,7 +94,7 @@ impl Clocks {
         let Some(clock) = clock else {
             return Err(IngestError::content(
                 Place::file(file).in_column(id),
-                "no time: neither a sampling interval (wf_increment) nor a channel of times in its group",
+                "no time: neither a sampling interval (wf_increment, Delta_X) nor a channel of times in its group",
                 "one of them",
                 "export the channel with its time",
             ));

@@ -72,7 +72,7 @@ pub fn kinds(
     let accelerations = data.iter().filter(|k| is_acceleration(**k)).count();
     let is_target = |k: usize| match wanted {
         Some(wanted) => wanted == k,
-        None => data.len() == 1 || names_acceleration(&labels[k].title),
+        None => data.len() == 1 || speaks_of_acceleration(&labels[k].title),
     };
     let mut kinds = vec![(QuantityKind::Other, 1.0); waveforms.len()];
     for &k in &data {
@@ -95,7 +95,7 @@ pub fn kinds(
     let ask = match wanted {
         Some(wanted) => Some(wanted).filter(|k| lacks_unit(*k)),
         None if accelerations == 0 => {
-            data.iter().copied().find(|k| lacks_unit(*k) && names_acceleration(&labels[*k].title))
+            data.iter().copied().find(|k| lacks_unit(*k) && speaks_of_acceleration(&labels[*k].title))
         }
         None => None,
     };
@@ -103,6 +103,12 @@ pub fn kinds(
         Some(k) => Err(no_unit(file, &labels[k])),
         None => Ok(kinds),
     }
+}
+
+/// Whether a title names acceleration; `Femur (Acceptable)` does not.
+fn speaks_of_acceleration(title: &str) -> bool {
+    let other_words = ["accept", "accur", "access", "accum", "accord"];
+    names_acceleration(&other_words.iter().fold(title.to_lowercase(), |title, word| title.replace(word, "")))
 }
 
 fn no_unit(file: &str, label: &Label) -> IngestError {
@@ -132,6 +138,12 @@ fn acceleration_unit(file: &str, symbol: &str) -> Result<f64, IngestError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn other_words_that_start_alike_are_no_acceleration() {
+        assert!(speaks_of_acceleration("Head Acc X") && speaks_of_acceleration("IIWPG Acceleration"));
+        assert!(!speaks_of_acceleration("Femur (Acceptable)") && !speaks_of_acceleration("accuracy"));
+    }
 
     #[test]
     fn units_are_stated_or_stand_in_the_name() {
