@@ -218,7 +218,13 @@ fn big_endian_channels_are_as_long_as_their_data() {
     for found in &recording.channels {
         let wave = found.wave.as_ref().unwrap();
         assert_eq!((wave.len(), wave.dt_s()), (3500, 1e-3));
-        assert!(wave.samples().iter().all(|x| x.abs() < 100.0), "the byte order is right");
+    }
+    // By an independent script: samples 0, 1, 500 (the first of the second segment) and 3499.
+    for (found, expected) in recording.channels.iter().zip([
+        [0.0, 0.0, 0.309_016_994_374_943_7, 5.067_986_572_324_634],
+        [0.0, 0.063_417_585_781_325_2, 0.309_016_994_374_943_7, 0.844_664_428_720_772_3],
+    ]) {
+        assert_eq!([0, 1, 500, 3499].map(|k| samples(found)[k]), expected);
     }
     assert_eq!(recording.details.title.unwrap().value, "LabVIEW Example (time domain)");
 }
@@ -232,10 +238,13 @@ fn daqmx_raw_data_are_read_as_volts() {
         let wave = found.wave.as_ref().unwrap();
         assert_eq!((wave.len(), wave.dt_s()), (2000, 1.999_999_999_999_999_8e-5));
         assert_eq!(found.channel.quantity, QuantityKind::Voltage);
-        // A 16-bit card of +-10 V: the slope is 20 V / 65536 and a little.
-        assert!(wave.samples().iter().all(|x| x.abs() < 10.5));
-        let step = wave.samples().windows(2).map(|p| (p[1] - p[0]).abs()).filter(|d| *d > 1e-12).fold(1.0, f64::min);
-        assert!((3.0e-4..3.2e-4).contains(&step), "{step}");
+    }
+    // By an independent script, from the 16-bit values, slope 0.0003051850947599719 and intercept 0: samples 0, 1, 1999.
+    for (k, expected) in [
+        (0, [-0.184_026_612_140_263_06, 0.148_014_770_958_586_4, 0.000_915_555_284_279_915_8]),
+        (6, [5.043_183_690_908_536, 4.558_549_760_429_701, 5.074_922_940_763_573]),
+    ] {
+        assert_eq!([0, 1, 1999].map(|n| samples(&recording.channels[k])[n]), expected);
     }
 }
 
@@ -462,6 +471,30 @@ fn a_sibling_channel_of_times_gives_the_grid() {
     let settings = Settings { time_unit: Some("ms".to_owned()), ..Settings::default() };
     let recording = read_with(with_times(600, 600, 0.1), &settings).unwrap();
     assert_eq!(recording.channels[0].wave.as_ref().unwrap().dt_s(), 1e-4);
+}
+
+#[test]
+fn times_of_the_day_count_from_the_first() {
+    for big in [false, true] {
+        let mut metadata = Writer::new(big);
+        metadata.object("/'g'/'stamp'", Some((0x44, 60)), &[]).object("/'g'/'acc (g)'", Some((10, 60)), &[]);
+        let mut raw = Writer::new(big);
+        for k in 0..60_u64 {
+            // From 3.6e9 s + 0.97 s in steps of 1 ms, across a whole second.
+            let (ms, seconds) = ((970 + k) % 1000, 3_600_000_000 + (970 + k) / 1000);
+            let fraction = (ms as f64 * 1e-3 * 2_f64.powi(64)) as u64;
+            if big {
+                raw.u64(seconds).u64(fraction);
+            } else {
+                raw.u64(fraction).u64(seconds);
+            }
+        }
+        raw.doubles((0..60).map(pulse));
+        let toc = NEW_LIST | RAW | if big { BIG } else { 0 };
+        let recording = read(segment(toc, 2, &metadata, &raw.bytes)).unwrap();
+        let wave = recording.channels[0].wave.as_ref().unwrap();
+        assert_eq!((recording.channels.len(), wave.t0_s(), wave.dt_s()), (1, 0.0, 1e-3));
+    }
 }
 
 #[test]
