@@ -12,6 +12,9 @@ const ENTRY_LIMIT: usize = 20_000;
 /// Endings of names that may be tables; the content decides.
 const TABLES: [&str; 6] = ["csv", "tsv", "txt", "dat", "asc", "prn"];
 
+/// Endings of LabVIEW and DIAdem files.
+const MEASUREMENTS: [&str; 3] = ["tdms", "tdm", "lvm"];
+
 /// Whether these are the first bytes of a zip archive (an empty one included).
 pub fn is_zip(bytes: &[u8]) -> bool {
     bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06")
@@ -85,8 +88,6 @@ fn refuse_documents(file: &str, entries: &[Entry]) -> Result<(), IngestError> {
         ("an OpenDocument file", csv)
     } else if ends("mme") || ends("chn") {
         ("a zip with an ISO-MME test (ISO/TS 13499)", nhtsa)
-    } else if ends("tdms") {
-        ("a zip with TDMS files", nhtsa)
     } else {
         return Ok(());
     };
@@ -101,7 +102,8 @@ fn choose<'a>(file: &str, entries: &'a [Entry]) -> Result<&'a Entry, IngestError
     let with = |accept: &dyn Fn(&Entry) -> bool| entries.iter().filter(|e| accept(e)).collect::<Vec<&Entry>>();
     let ev5 = with(&|e| e.extension() == "ev5");
     let tables = with(&|e| TABLES.contains(&e.extension().as_str()) && !e.name.to_lowercase().contains("readme"));
-    for found in [&ev5, &tables] {
+    let measurements = with(&|e| MEASUREMENTS.contains(&e.extension().as_str()));
+    for found in [&ev5, &measurements, &tables] {
         match found.as_slice() {
             [] => {}
             [one] => return Ok(one),

@@ -68,7 +68,9 @@ impl Bundle {
     }
 
     fn read_companions(&mut self, main_path: &Path) -> Result<(), IngestError> {
-        if !self.reader.companion(&self.main.name, &format!("{}.001", stem(&self.main.name))) {
+        let may_have =
+            |ending: &str| self.reader.companion(&self.main.name, &format!("{}.{ending}", stem(&self.main.name)));
+        if !["001", "tdx"].into_iter().any(may_have) {
             return Ok(());
         }
         let folder = main_path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -1,8 +1,8 @@
 //! NHTSA vehicle tests: an EV5 specification file and ASCII signal files `.001`, `.002`, ... beside it.
 
 mod channels;
-mod records;
-mod sensor;
+pub(crate) mod records;
+pub(crate) mod sensor;
 mod signal_file;
 mod specification;
 
@@ -15,7 +15,7 @@ use crate::bundle::{Bundle, stem};
 use crate::recognise::Reader;
 use crate::recording::{Details, Found, PulseRule, Recording, Stated};
 use crate::{IngestError, Place, Settings};
-use records::{Test, Vehicle};
+use records::{Barrier, Test, Vehicle};
 use specification::Specification;
 
 /// Reader of EV5 sets.
@@ -84,7 +84,7 @@ pub fn read(
     channel_notes(&channels, &mut notes);
     unit_note(&specification, &mut notes);
     Ok(Recording {
-        details: details(&specification, vehicle),
+        details: details(&specification.test, specification.barrier.as_ref(), vehicle),
         channels,
         pulse_rule: PulseRule::Fittest,
         contact_at_zero: true,
@@ -166,8 +166,8 @@ fn ranges(numbers: &[u32]) -> String {
     items.join(", ")
 }
 
-fn details(specification: &Specification, vehicle: &Vehicle) -> Details {
-    let Specification { test, barrier, .. } = specification;
+/// Facts of the test from its records.
+pub(crate) fn details(test: &Test, barrier: Option<&Barrier>, vehicle: &Vehicle) -> Details {
     let stated = |value: String, from: &str| Stated { value, from: from.to_owned() };
     let speed = vehicle.speed_km_per_h.map(|v| (v, "VEHSPD")).or_else(|| {
         // The closing speed is the vehicle's own only if the other object stands still.
@@ -176,7 +176,7 @@ fn details(specification: &Specification, vehicle: &Vehicle) -> Details {
     Details {
         title: test.title.clone().map(|t| stated(t, "TITLE")),
         vehicle: vehicle_words(test, vehicle).map(|v| stated(v, "TITLE")),
-        barrier: barrier.as_ref().and_then(records::Barrier::words).map(|b| stated(b, "BARRIER")),
+        barrier: barrier.and_then(Barrier::words).map(|b| stated(b, "BARRIER")),
         mass_kg: vehicle.test_mass_kg.map(|value| Stated { value, from: "VEHTWT".to_owned() }),
         impact_speed_m_per_s: speed.map(|(v, from)| Stated { value: v / 3.6, from: from.to_owned() }),
         time_zero_s: None,

@@ -13,21 +13,10 @@ const NHTSA: &str = "export the channels as CSV, or take the \"EV5 ASCII X-Y\" d
 /// In the order they are tried.
 const FORMATS: &[Foreign] = &[
     Foreign { what: "a PDF document", instead: TABLE, matches: |b| has_early(b, b"%PDF-") },
-    Foreign { what: "a TDMS file (LabVIEW, DIAdem)", instead: NHTSA, matches: |b| b.starts_with(b"TDSm") },
     Foreign {
         what: "a TDMS index file",
-        instead: "the samples are in the .tdms file beside it; export that as CSV",
+        instead: "the samples are in the .tdms file beside it: give that",
         matches: |b| b.starts_with(b"TDSh"),
-    },
-    Foreign {
-        what: "a DIAdem TDM header (its samples are in the .tdx file beside it)",
-        instead: TABLE,
-        matches: |b| xml(b) && has(b, b"usi:tdm"),
-    },
-    Foreign {
-        what: "a LabVIEW measurement file (LVM)",
-        instead: TABLE,
-        matches: |b| text(b).starts_with(b"LabVIEW Measurement"),
     },
     Foreign {
         what: "an ISO-MME channel or header file (ISO/TS 13499)",
@@ -81,7 +70,7 @@ const FORMATS: &[Foreign] = &[
         matches: |b| b.starts_with(b"\x89PNG") || b.starts_with(b"\xFF\xD8\xFF") || b.starts_with(b"GIF8"),
     },
     Foreign { what: "a web page", instead: "download the data file itself", matches: |b| html(b) },
-    Foreign { what: "an XML document", instead: TABLE, matches: xml },
+    Foreign { what: "an XML document", instead: TABLE, matches: |b| xml(b) && !has(b, b"usi:tdm") },
     Foreign { what: "JSON text", instead: TABLE, matches: |b| json(b) },
     Foreign { what: "a RIFF file (sound or video)", instead: TABLE, matches: |b| b.starts_with(b"RIFF") },
     Foreign {
@@ -151,14 +140,13 @@ mod tests {
 
     #[test]
     fn names_formats_by_their_magic() {
-        let cases: [(&[u8], &str); 8] = [
+        let cases: [(&[u8], &str); 7] = [
             (b"%PDF-1.7\n", "PDF"),
-            (b"TDSm\x0e\0\0\0", "TDMS"),
+            (b"TDSh\x0e\0\0\0", "TDMS index"),
             (b"#ROSBAG V2.0\n", "ROS 1"),
             (b"\x89MCAP0\r\n", "MCAP"),
             (b"SQLite format 3\0", "SQLite"),
-            (b"LabVIEW Measurement\t\r\n", "LVM"),
-            (b"<?xml version=\"1.0\"?>\n<usi:tdm>", "TDM"),
+            (b"<?xml version=\"1.0\"?>\n<test>", "XML"),
             (b"Test object number          :1\r\nChannel code                :11HEAD\r\n", "ISO-MME"),
         ];
         for (bytes, name) in cases {

@@ -9,11 +9,13 @@
 mod archive;
 mod bundle;
 mod details;
+mod diadem;
 mod error;
 mod ev5;
 mod foreign;
 mod grid;
 mod ingest;
+mod lvm;
 mod polarity;
 mod pulse;
 mod quality;
@@ -23,7 +25,10 @@ mod settings;
 mod sidecar;
 mod stage;
 mod table;
+mod tdm;
+mod tdms;
 mod time_zero;
+mod waveform;
 
 pub use bundle::{Bundle, NamedBytes};
 pub use error::{IngestError, Place};

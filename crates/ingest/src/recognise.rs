@@ -2,7 +2,7 @@
 
 use crate::bundle::Bundle;
 use crate::recording::Recording;
-use crate::{IngestError, Place, Settings, ev5, foreign, table};
+use crate::{IngestError, Place, Settings, ev5, foreign, lvm, table, tdm, tdms};
 
 /// A format that is read. To add one: a file with a type that implements this, and a line in [`READERS`].
 pub trait Reader: Sync {
@@ -22,7 +22,7 @@ pub trait Reader: Sync {
 }
 
 /// All readers, the most particular first: the first that recognises a file reads it.
-pub const READERS: &[&dyn Reader] = &[&ev5::Ev5, &table::Table];
+pub const READERS: &[&dyn Reader] = &[&tdms::Tdms, &tdm::Tdm, &lvm::Lvm, &ev5::Ev5, &table::Table];
 
 /// The reader for a file, or why there is none: empty, known but not read, or not known at all.
 pub fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader, IngestError> {

@@ -133,7 +133,7 @@ fn unit_cell(cell: &str, title: &str) -> Unit {
 
 /// `Acceleration [m/s^2]`, `a (g)`, `acceleration(g)`, `time_s`, `accel_m_per_s2`, `Beschleunigung in g`: the name
 /// without the bracket, and the unit.
-fn split_unit(title: &str) -> (String, Unit) {
+pub fn split_unit(title: &str) -> (String, Unit) {
     let title = title.trim();
     for (open, close) in [('[', ']'), ('(', ')'), ('{', '}')] {
         if let Some(body) = title.strip_suffix(close)

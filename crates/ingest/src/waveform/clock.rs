@@ -1,0 +1,209 @@
+//! Time of waveforms: a step at each channel, else the channel of times in the same group.
+
+use std::collections::BTreeMap;
+
+use crumple_signal::Notes;
+use crumple_signal::unit::{Dimension, choices, factor};
+
+use super::units::Label;
+use super::{Waveform, list};
+use crate::grid::{self, Grid, GridError};
+use crate::table::header::{Unit, is_time_name};
+use crate::{IngestError, Place, Settings};
+
+/// The channel of times of a group.
+struct Clock {
+    /// Index of the waveform.
+    index: usize,
+    title: String,
+    samples: usize,
+    grid: Result<Grid, IngestError>,
+    /// Channels with another number of samples, by that number.
+    cut: BTreeMap<usize, Vec<String>>,
+    /// Channels that have steps of their own which differ.
+    differ: Vec<String>,
+}
+
+/// The channels of times of a file, by group.
+pub struct Clocks {
+    by_group: BTreeMap<String, Clock>,
+    /// Which waveforms hold times.
+    are_times: Vec<bool>,
+}
+
+impl Clocks {
+    /// A channel holds times if its unit is one of time, or its name is time and it has none, and its values increase. The first
+    /// of a group is its clock.
+    pub fn find(file: &str, waveforms: &[Waveform], labels: &[Label], settings: &Settings, notes: &mut Notes) -> Self {
+        let mut clocks = Self { by_group: BTreeMap::new(), are_times: vec![false; waveforms.len()] };
+        for (k, (waveform, label)) in waveforms.iter().zip(labels).enumerate() {
+            let Ok(values) = &waveform.values else { continue };
+            let named = match label.unit {
+                Unit::Time(_) => true,
+                Unit::Unstated => is_named_time(&label.name),
+                Unit::Signal(..) | Unit::Unknown(_) => false,
+            };
+            if !named || values.len() < 2 || !values.windows(2).all(|pair| pair[1] > pair[0]) {
+                continue;
+            }
+            clocks.are_times[k] = true;
+            if clocks.by_group.contains_key(&waveform.group) {
+                continue;
+            }
+            let grid = grid_of(file, label, values, settings, notes);
+            let clock = Clock {
+                index: k,
+                title: label.title.clone(),
+                samples: values.len(),
+                grid,
+                cut: BTreeMap::new(),
+                differ: Vec::new(),
+            };
+            clocks.by_group.insert(waveform.group.clone(), clock);
+        }
+        clocks
+    }
+
+    /// Whether waveform `k` holds times.
+    pub fn is_clock(&self, k: usize) -> bool {
+        self.are_times[k]
+    }
+
+    /// The grid of channel `id`: its own steps, else those of the clock of its group; then to the shorter of the two.
+    pub fn grid(
+        &mut self,
+        file: &str,
+        id: &str,
+        group: &str,
+        steps: Option<(f64, f64)>,
+        values: &mut Vec<f64>,
+    ) -> Result<Grid, IngestError> {
+        let clock = self.by_group.get_mut(group);
+        if let Some((t0_s, dt_s)) = steps {
+            if let Some(clock) = clock
+                && let Ok(grid) = &clock.grid
+            {
+                let end = |t0: f64, dt: f64| t0 + (values.len().min(clock.samples) - 1) as f64 * dt;
+                let off = (grid.t0_s - t0_s).abs().max((end(grid.t0_s, grid.dt_s) - end(t0_s, dt_s)).abs());
+                if off > 0.5 * dt_s {
+                    clock.differ.push(id.to_owned());
+                }
+            }
+            return Ok(Grid { t0_s, dt_s, jitter: 0.0 });
+        }
+        let Some(clock) = clock else {
+            return Err(IngestError::content(
+                Place::file(file).in_column(id),
+                "no time: neither a sampling interval (wf_increment, Delta_X) nor a channel of times in its group",
+                "one of them",
+                "export the channel with its time",
+            ));
+        };
+        if clock.samples != values.len() {
+            clock.cut.entry(values.len()).or_default().push(id.to_owned());
+            values.truncate(clock.samples);
+        }
+        clock.grid.clone()
+    }
+
+    /// What became of the channels of times.
+    pub fn notes(&self, notes: &mut Notes) {
+        for clock in self.by_group.values() {
+            for (samples, ids) in &clock.cut {
+                notes.warning(format!(
+                    "the channel of times {} has {} samples, {} {samples}: the shorter counts",
+                    clock.title,
+                    clock.samples,
+                    list(ids)
+                ));
+            }
+            if !clock.differ.is_empty() {
+                notes.warning(format!(
+                    "the channel of times {} differs from the steps that {} have of their own: those are used",
+                    clock.title,
+                    list(&clock.differ)
+                ));
+            }
+        }
+        let mut names: Vec<(usize, &str)> = self.by_group.values().map(|c| (c.index, c.title.as_str())).collect();
+        names.sort_unstable();
+        if !names.is_empty() {
+            let names: Vec<&str> = names.into_iter().map(|(_, name)| name).collect();
+            notes.info(format!("{} holds times and is no channel of its own", list(&names)));
+        }
+    }
+}
+
+/// `Time`, `t`, `IIWPG Time`: time stands first or last.
+pub fn is_named_time(name: &str) -> bool {
+    let last = name.rsplit([' ', '_', '-', '.']).next().unwrap_or(name);
+    is_time_name(name) || (last.len() > 1 && is_time_name(last))
+}
+
+fn grid_of(
+    file: &str,
+    label: &Label,
+    values: &[f64],
+    settings: &Settings,
+    notes: &mut Notes,
+) -> Result<Grid, IngestError> {
+    let place = || Place::file(file).in_column(label.title.clone());
+    let unit = match (&settings.time_unit, &label.unit) {
+        (Some(symbol), _) => factor(symbol, Dimension::Time).ok_or_else(|| {
+            IngestError::content(
+                place(),
+                format!("{symbol:?}, stated by --time-unit or the sidecar, is no unit of time"),
+                format!("one of {}", choices(Dimension::Time)),
+                "use --time-unit s or --time-unit ms",
+            )
+        })?,
+        (None, Unit::Time(factor)) => *factor,
+        (None, _) => {
+            let step = grid::median_step(values);
+            let (symbol, factor) = match step {
+                1e-7..0.02 => ("s", 1.0),
+                0.02..=20.0 => ("ms", 1e-3),
+                _ => {
+                    return Err(IngestError::NotStated {
+                        file: file.to_owned(),
+                        what: format!("the unit of time: {} has steps of {step}", label.title),
+                        expected: "a unit of the channel, such as s".to_owned(),
+                        hint: "add --time-unit s, ms or us".to_owned(),
+                    });
+                }
+            };
+            notes.info(format!(
+                "no unit of time is stated for {}: taken as {symbol}, since the steps are {step:.6}; --time-unit overrides",
+                label.title
+            ));
+            factor
+        }
+    };
+    let inverse = (1.0 / unit).round();
+    let times: Vec<f64> = values.iter().map(|t| if unit < 1.0 { t / inverse } else { t * unit }).collect();
+    if times.iter().any(|t| !t.is_finite()) {
+        return Err(IngestError::content(place(), "a time that is not finite", "finite times", "export it again"));
+    }
+    grid::fit(&times, single_precision(values) * unit).map_err(|error| {
+        let found = match error {
+            GridError::Repeated { index } => format!("sample {index} repeats a time"),
+            GridError::Backwards { index } => format!("time runs backwards at sample {index}"),
+            GridError::Uneven { index, step_s, dt_s } => {
+                format!("a step of {step_s:.9} s before sample {index}, where the others are {dt_s:.9} s")
+            }
+        };
+        IngestError::content(
+            place(),
+            found,
+            format!("equal steps within {} of the interval", grid::STEP_TOLERANCE),
+            "the record has a gap or uneven sampling: resample it to a uniform rate first, nothing is resampled here",
+        )
+    })
+}
+
+/// Resolution of times that were stored in single precision; 0 if they were not.
+fn single_precision(values: &[f64]) -> f64 {
+    let single = values.iter().all(|x| f64::from(*x as f32) == *x);
+    let largest = values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    if single { largest * f64::from(f32::EPSILON) } else { 0.0 }
+}
