@@ -38,7 +38,7 @@ run input *args: build
     options=(--pipeline {{ quote(justfile_directory() / "pipelines" / name + ".toml") }} {{ flags }})
     results=(1-ingest.mcap 2-filter.mcap 3-integrate.mcap 4-identify.mcap 5-parameter-solve.mcap 6-simulate.mcap report.html summary.json)
     # A refused input (3): results of an earlier run that this one did not get to would pass for results of this record.
-    give_up() { [ "$1" -ne 3 ] || (cd "$dir" 2>/dev/null && rm -f "${results[@]:$2}"); exit "$1"; }
+    give_up() { [ "$1" -ne 3 ] || (cd "$dir" 2>/dev/null && rm -f "${results[@]:$2}") || true; exit "$1"; }
     # Exit code 4 (no acceptable result, diagnosis written) does not stop the run: the report shows the diagnosis.
     reached=0
     step() { "$@" || { code=$?; [ "$code" -eq 4 ] || give_up "$code" "$reached"; }; reached=$((reached + 1)); }
