@@ -173,7 +173,7 @@ catalogue! {
     ANOVA_MEAN = "anova-mean" "residual_mean" "1" FromMemory
         "mean of (m - c)/max|m|; 0.05 is accepted for roadside hardware" "NCHRP W179";
     ANOVA_STD = "anova-std" "residual_standard_deviation" "1" FromMemory
-        "standard deviation of (m - c)/max|m|, divisor N; 0.35 is accepted for roadside hardware" "NCHRP W179";
+        "standard deviation of (m - c)/max|m|, divisor N - 1; 0.35 is accepted for roadside hardware" "NCHRP W179";
     RMSE = "rmse" "rmse" "as the signals" Checked
         "root of the mean square of m - c" "definition";
     FIT = "fit-percent" "fit_percent" "%" Checked

@@ -35,7 +35,7 @@ pub struct Residuals {
     pub theil_u2: Option<f64>,
     /// Mean of (m - c)/max|m|; `None` for an m of zeros.
     pub anova_mean: Option<f64>,
-    /// Standard deviation of the same, divisor N.
+    /// Standard deviation of the same, divisor N - 1; `None` for a single sample.
     pub anova_standard_deviation: Option<f64>,
     /// The compared interval, s on the signals' axis.
     pub interval_s: (f64, f64),
@@ -89,7 +89,7 @@ pub fn residuals(measured: &Sampled, computed: &Sampled) -> Result<Residuals, Me
         theil_u1: finite(ee.sqrt() / (mm.sqrt() + cc.sqrt())),
         theil_u2: finite((ee / mm).sqrt()),
         anova_mean: finite(mean_e * scale / largest),
-        anova_standard_deviation: finite((var_e / n).sqrt() * scale / largest),
+        anova_standard_deviation: finite((var_e / (n - 1.0)).sqrt() * scale / largest),
         interval_s: (measured.t0_s(), measured.end_s()),
     })
 }
