@@ -62,9 +62,9 @@ impl<'a> Check<'a> {
         self.si(k).into()
     }
 
-    /// The constant deceleration of a closed form, sampled at 10 kHz for 0.4 s.
+    /// The constant deceleration of a closed form, sampled at 10 kHz for 1 s.
     pub fn constant_deceleration(&self) -> Signal<Acceleration> {
-        Signal::new(0.0, 1e-4, vec![-self.param("constant_decel_ms2"); 4001]).unwrap()
+        Signal::new(0.0, 1e-4, vec![-self.param("constant_decel_ms2"); 10_001]).unwrap()
     }
 
     /// What is not met.

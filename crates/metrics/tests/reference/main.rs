@@ -15,7 +15,7 @@ mod real_records;
 mod roadside;
 
 use std::collections::BTreeMap;
-use std::io::Write;
+use std::process::ExitCode;
 
 use check::Check;
 use crumple_testkit::reference_signals::{Case, Reference, text};
@@ -52,9 +52,12 @@ fn run(reference: &Reference, case: &Case) -> Vec<String> {
     check.finish()
 }
 
-#[test]
-fn every_case_is_met_within_its_tolerance() {
-    let Some(reference) = Reference::open_chosen() else { return };
+/// A program of its own, so that the count is the last line.
+fn main() -> ExitCode {
+    if std::env::args().any(|argument| argument == "--list") {
+        return ExitCode::SUCCESS;
+    }
+    let Some(reference) = Reference::open_chosen() else { return ExitCode::SUCCESS };
     let mut counts: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
     let mut failures = Vec::new();
     for case in reference.all() {
@@ -70,16 +73,13 @@ fn every_case_is_met_within_its_tolerance() {
         }
         failures.extend(found.into_iter().map(|failure| format!("{}: {failure}", case["id"])));
     }
-    // Past the test harness, which keeps back what a passing test prints.
-    let mut out = std::io::stdout().lock();
-    writeln!(out).unwrap();
     for (metric, (passed, all)) in &counts {
-        writeln!(out, "{metric}: {passed} of {all}").unwrap();
+        println!("{metric}: {passed} of {all}");
     }
     for failure in &failures {
-        writeln!(out, "FAILED {failure}").unwrap();
+        println!("FAILED {failure}");
     }
     let (passed, all) = counts.values().fold((0, 0), |(p, a), (passed, all)| (p + passed, a + all));
-    writeln!(out, "{passed} of {all} cases").unwrap();
-    assert!(failures.is_empty(), "{} of {all} cases failed:\n{}", all - passed, failures.join("\n"));
+    println!("{passed} of {all} cases");
+    if passed == all && all > 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -46,7 +46,11 @@ pub fn maxwell(check: &mut Check<'_>) {
     let mass_kg = check.param("mass_kg");
     let found = match text(&check.case["params"]["branch"]) {
         "imaginary" => maxwell_from_complex_roots(mass_kg, check.param("a"), check.param("b")),
-        "real" => maxwell_from_real_roots(mass_kg, check.param("r2"), check.param("r3")),
+        "real" => {
+            let names = if check.has_param("r2") { ["r2", "r3"] } else { ["a", "b"] };
+            let [r2, r3] = names.map(|name| check.param(name));
+            maxwell_from_real_roots(mass_kg, r2, r3)
+        }
         other => panic!("branch {other}"),
     };
     let found = found.unwrap();

@@ -133,7 +133,7 @@ pub fn olc(check: &mut Check<'_>) {
     };
     let motion = if check.has_param("constant_decel_ms2") {
         // Fast enough that the vehicle still moves at t2.
-        let v0 = check.param_or("v0_ms", 0.4 * check.param("constant_decel_ms2"));
+        let v0 = check.param_or("v0_ms", check.param("constant_decel_ms2"));
         Motion::new(check.constant_deceleration(), v0)
     } else {
         Motion::new(check.acceleration(0), check.param("v0_ms"))
