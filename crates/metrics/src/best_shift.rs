@@ -77,7 +77,7 @@ fn mean(x: &[f64]) -> f64 {
 
 /// The shifts other than 0 that may have the largest correlation, in the order of [`best_shift`].
 fn candidates(t: &[f64], c: &[f64], longest: usize, kind: Correlation) -> Vec<isize> {
-    let order = || (1..=longest as isize).flat_map(|m| [m, -m]);
+    let order = || (1..=longest).filter_map(|m| isize::try_from(m).ok()).flat_map(|m| [m, -m]);
     // A common offset does not change a centred correlation, but its square would drown the sums.
     let (offset_t, offset_c) = match kind {
         Correlation::Centred => (mean(t), mean(c)),
@@ -185,7 +185,7 @@ mod tests {
 
     fn by_trying_all(t: &[f64], c: &[f64], longest: usize, kind: Correlation) -> BestShift {
         let mut best = BestShift { late: 0, correlation: correlation(t, c, kind) };
-        for late in (1..=longest as isize).flat_map(|m| [m, -m]) {
+        for late in (1..=isize::try_from(longest).unwrap()).flat_map(|m| [m, -m]) {
             let (t, c) = overlap(t, c, late);
             if let Some(found) = correlation(t, c, kind)
                 && best.correlation.is_none_or(|best| found > best + EQUAL)

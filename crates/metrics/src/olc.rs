@@ -51,8 +51,8 @@ pub fn olc(
 
     let g = |k: usize| s(k) - (v0 - v[k]) * (t(k) - t1) / 2.0 - free_flight_m - restraint_m;
     let mut before = (t1, v1, -restraint_m);
-    for k in k1..v.len() {
-        let here = (t(k), v[k], g(k));
+    for (k, &v_here) in v.iter().enumerate().skip(k1) {
+        let here = (t(k), v_here, g(k));
         if here.2 >= 0.0 && here.0 > before.0 {
             let w = -before.2 / (here.2 - before.2);
             let t2 = before.0 + w * (here.0 - before.0);

@@ -127,7 +127,7 @@ proptest! {
         let t: Vec<f64> = (0..400).map(|k| at(k, 80)).collect();
         let c: Vec<f64> = (0..400).map(|k| height * at(k, 80 + late)).collect();
         let rating = iso18571(&signal(0.0, &t), &signal(0.0, &c), &Iso18571Options::default()).unwrap();
-        prop_assert_eq!(rating.shift_samples, late as isize);
+        prop_assert_eq!(rating.shift_samples, isize::try_from(late).unwrap());
         prop_assert!((rating.phase - (80.0 - late as f64) / 80.0).abs() < 1e-12);
     }
 

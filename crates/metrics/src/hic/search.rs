@@ -62,10 +62,9 @@ fn consider(v: &[f64], i: usize, j: usize, best: &mut Best) {
 ///
 /// Starts and ends are taken in blocks of 4·2^k samples. For a start in block I and an end in block J,
 /// `d <= max V(J) - min V(I)` and `n >= first(J) - last(I)`, and the criterion grows with d and falls with n: their
-/// criterion bounds all pairs of (I, J). For the same or neighbouring blocks the mean is at most the largest a of both
-/// and n at most the span of both, which bounds it by `n·a^2.5`. A pair of blocks whose bound does not exceed the best
-/// value seen is passed over with all its pairs of samples; the others are split in four. Bounds are raised by one part
-/// in 1e13, far above their own rounding, so that nothing better is ever passed over.
+/// criterion bounds all pairs of (I, J). Also, the mean is at most the largest a from I to J and n at most their span
+/// and the longest window, which bounds it by `n·a^2.5`. A pair of blocks whose bound does not exceed the best value
+/// seen by more than rounding is passed over with all its pairs of samples; the others are split in four.
 pub(super) fn pruned(a: &[f64], longest: usize) -> Best {
     let chunk = (8 * longest).max(4096);
     let mut best = NONE;
@@ -75,7 +74,7 @@ pub(super) fn pruned(a: &[f64], longest: usize) -> Best {
         let to = a.len().min(from + chunk + longest);
         let part = &a[from..to];
         let mut found = Best { value: best.value, ..NONE };
-        if bound_of_peak(part, longest) > best.value {
+        if exceeds(bound_of_peak(part, longest), best.value) {
             Search::new(part, longest).run(&mut found);
         }
         if found.value > best.value {
@@ -86,14 +85,19 @@ pub(super) fn pruned(a: &[f64], longest: usize) -> Best {
     best
 }
 
-/// No window has a mean above the largest sample or a length above the longest.
-fn bound_of_peak(a: &[f64], longest: usize) -> f64 {
-    let peak = largest(a);
-    if peak > 0.0 { criterion(peak * longest as f64, longest) * SLACK } else { 0.0 }
+/// Bounds and values have roundings of some 1e-15 of themselves. What is passed over is better by less than this share,
+/// so that equal windows of a plateau are tried once.
+const EQUAL: f64 = 2e-13;
+
+fn exceeds(bound: f64, best: f64) -> bool {
+    bound > best * (1.0 + EQUAL)
 }
 
-/// Bounds are raised by this factor, since they are rounded too: some 1e-15 of themselves.
-const SLACK: f64 = 1.0 + 1e-13;
+/// No window has a mean above the largest sample or a length above the longest.
+fn bound_of_peak(a: &[f64], longest: usize) -> f64 {
+    let peak = largest(a).max(0.0);
+    criterion(peak * longest as f64, longest)
+}
 
 fn largest(a: &[f64]) -> f64 {
     // Four independent maxima: the loop waits for none.
@@ -160,7 +164,10 @@ impl Search {
         let reach = self.longest.div_ceil(size);
         for start in 0..blocks {
             for end in start..blocks.min(start + reach + 1) {
-                self.descend(top, start, end, best);
+                let a_high = self.levels[top][start..=end]
+                    .iter()
+                    .fold(0.0, |m, block| if block.a_high > m { block.a_high } else { m });
+                self.descend(top, start, end, a_high, best);
             }
         }
     }
@@ -176,8 +183,10 @@ impl Search {
         }
     }
 
-    fn descend(&self, level: usize, start: usize, end: usize, best: &mut Best) {
-        if self.bound(level, start, end) <= best.value {
+    /// Tries all pairs of a block of starts and a block of ends that may be better; no sample between is above `a_high`.
+    fn descend(&self, level: usize, start: usize, end: usize, a_high: f64, best: &mut Best) {
+        let (bound, a_high) = self.bound(level, start, end, a_high);
+        if !exceeds(bound, best.value) {
             return;
         }
         if level == 0 {
@@ -193,29 +202,27 @@ impl Search {
         let below = self.levels[level - 1].len();
         for start in 2 * start..(2 * start + 2).min(below) {
             for end in (2 * end).max(start)..(2 * end + 2).min(below) {
-                self.descend(level - 1, start, end, best);
+                self.descend(level - 1, start, end, a_high, best);
             }
         }
     }
 
-    /// No pair with a start in one block and an end in the other exceeds this.
-    fn bound(&self, level: usize, start: usize, end: usize) -> f64 {
+    /// No pair with a start in one block and an end in the other exceeds this; and the largest sample among them, 0 at
+    /// least.
+    fn bound(&self, level: usize, start: usize, end: usize, a_high: f64) -> (f64, f64) {
         let size = LEAF << level;
         let (from, to) = (&self.levels[level][start], &self.levels[level][end]);
+        // Nothing lies between the same or neighbouring blocks.
+        let a_high = if end - start <= 1 { from.a_high.max(to.a_high).max(0.0) } else { a_high };
         // Intervals between the last sample of one and the first of the other.
         let shortest = ((end - start) * size).saturating_sub(size - 1).max(1);
         let d = to.v_high - from.v_low;
         if shortest > self.longest || d <= 0.0 {
-            return 0.0;
+            return (0.0, a_high);
         }
-        let mut bound = criterion(d, shortest);
-        if end - start <= 1 {
-            let a = from.a_high.max(to.a_high).max(0.0);
-            let span = ((end - start + 1) * size - 1).min(self.longest);
-            let by_peak = criterion(a * span as f64, span);
-            bound = if by_peak < bound { by_peak } else { bound };
-        }
-        bound * SLACK
+        let span = ((end - start + 1) * size - 1).min(self.longest);
+        let (by_change, by_peak) = (criterion(d, shortest), criterion(a_high * span as f64, span));
+        (if by_peak < by_change { by_peak } else { by_change }, a_high)
     }
 }
 

@@ -120,8 +120,7 @@ impl<'a> Check<'a> {
             return;
         };
         let (difference, limit) = ((found - expected).abs(), self.limit(path, expected));
-        // Not `>`: a NaN is a failure.
-        if !(difference <= limit) {
+        if difference.is_nan() || difference > limit {
             self.fail(format!("{path}: {found} instead of {expected}, off by {difference:e} > {limit:e}"));
         }
     }
@@ -193,7 +192,8 @@ impl<'a> Check<'a> {
         for (k, (found, expected)) in found.iter().zip(expected).enumerate() {
             let expected = number(expected);
             let limit = self.limit(path, expected);
-            if !((found - expected).abs() <= limit) {
+            let difference = (found - expected).abs();
+            if difference.is_nan() || difference > limit {
                 self.fail(format!("{path}[{k}]: {found} instead of {expected}, limit {limit:e}"));
             }
         }

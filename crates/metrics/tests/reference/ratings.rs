@@ -1,6 +1,6 @@
 //! Two curves.
 
-use crumple_metrics::{CoraOptions, Iso18571Options};
+use crumple_metrics::{CoraOptions, Grade, Iso18571Options};
 use crumple_testkit::reference_signals::{list, number, text};
 use serde_json::json;
 
@@ -32,7 +32,7 @@ pub fn iso18571(check: &mut Check<'_>) {
     check.close_or_null("e_mag", found.magnitude_error);
     check.close_or_null("e_slope", found.slope_error);
     check.equal("shift_samples_comparison_late", json!(found.shift_samples));
-    check.equal("grade", json!(found.grade.map(|grade| grade.name())));
+    check.equal("grade", json!(found.grade.map(Grade::name)));
 }
 
 pub fn cora(check: &mut Check<'_>) {
