@@ -23,8 +23,8 @@ pub struct MatchedDouble {
 /// Every solution of matching a two-mass model with known masses to a polynomial of degree four.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoefficientMatch {
-    /// The real solutions: two or six, four or less where some coincide, mirror pairs side by side; those of the
-    /// smallest root first, in each pair the larger c1 first only for a positive `r1` branch.
+    /// The real solutions: two or six (four where roots of the cubic coincide), mirror pairs side by side, those of the
+    /// smallest `zeta` first and in each pair the one with the larger c1.
     pub real: Vec<DoubleSpringMassDamper>,
     /// The others.
     pub complex: Vec<MatchedDouble>,
@@ -39,6 +39,9 @@ impl CoefficientMatch {
         [model.k1_n_per_m, model.k2_n_per_m, model.c1_n_s_per_m, model.c2_n_s_per_m].iter().all(|x| *x > 0.0)
     }
 }
+
+/// `r1²/t²` below which it is zero: its own rounding, some 1e-15 of each of its terms, and that of the root.
+const SAME_DAMPERS: f64 = 1e-12;
 
 /// Springs and dampers of [`DoubleSpringMassDamper`] from its masses and `s⁴ + t·s³ + u·s² + v·s + w`: all six solutions.
 ///
@@ -70,12 +73,13 @@ pub fn match_double(m1_kg: f64, m2_kg: f64, denominator: &[f64; 5]) -> Result<Co
     for zeta in roots {
         let rest = Complex::new(u, 0.0) - zeta;
         let square = Complex::new(t * t, 0.0) - zeta * (4.0 * kappa);
-        let r1 = square.sqrt();
-        // At r1 = 0 the two dampers are those of the mirror image: r0 from the other square.
-        let r0 = if square.norm() > 1e-14 * t * t {
-            (rest * t - 2.0 * kappa * v) / r1
+        // At r1 = 0 the mirror images share their dampers, and r0 comes from the other square; rounding must not make such
+        // a pair complex.
+        let (r1, r0) = if square.norm() > SAME_DAMPERS * t * t {
+            let r1 = square.sqrt();
+            (r1, (rest * t - 2.0 * kappa * v) / r1)
         } else {
-            (rest * rest - 4.0 * kappa * w).sqrt()
+            (Complex::new(0.0, 0.0), (rest * rest - 4.0 * kappa * w).sqrt())
         };
         for sign in [1.0, -1.0] {
             let c1 = (r1 * sign + t) * (m1_kg / 2.0);
@@ -153,7 +157,23 @@ mod tests {
         assert!((found.largest_mass_ratio.unwrap() - 0.14703).abs() < 5e-6);
         // Known to six decimals.
         let zeta = found.complex[0].zeta_per_s2;
-        assert!((zeta.re - 7057.712_322).abs() < 1e-6 && (zeta.im.abs() - 3737.960_613).abs() < 1e-6);
+        assert!((zeta.re - 7_057.712_322).abs() < 1e-6 && (zeta.im.abs() - 3_737.960_613).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_model_that_is_its_own_dual_keeps_its_real_solutions() {
+        let mu = (500.0 + 1000.0) / 1000.0;
+        let model = DoubleSpringMassDamper {
+            m1_kg: 500.0,
+            m2_kg: 1000.0,
+            k1_n_per_m: mu * 2e5,
+            k2_n_per_m: 2e5,
+            c1_n_s_per_m: mu * 4e3,
+            c2_n_s_per_m: 4e3,
+        };
+        let found = match_double(500.0, 1000.0, &model.characteristic_polynomial()).unwrap();
+        // A double root of the solution set: half the digits.
+        assert!(found.real.iter().any(|s| (s.k1_n_per_m / 3e5 - 1.0).abs() < 1e-5), "{found:?}");
     }
 
     #[test]

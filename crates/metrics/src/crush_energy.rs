@@ -1,5 +1,5 @@
 use crate::Metric;
-use crate::definitions::CRUSH_ENERGY;
+use crate::definitions::{CRASH3_A, CRASH3_B, CRASH3_G, CRUSH_ENERGY};
 
 /// Speed of no damage where it is not known, m/s: 5 mph.
 pub const NO_DAMAGE_SPEED_M_PER_S: f64 = 2.2352;
@@ -40,6 +40,15 @@ impl CrushStiffness {
         b0_m_per_s: f64,
     ) -> Option<Self> {
         Self::from_impact_line(mass_kg, width_m, b0_m_per_s, (impact_speed_m_per_s - b0_m_per_s) / residual_crush_m)
+    }
+
+    /// A, B and G as metrics.
+    pub fn metrics(&self) -> [Metric; 3] {
+        [
+            Metric::found(&CRASH3_A, self.a_n_per_m),
+            Metric::found(&CRASH3_B, self.b_n_per_m2),
+            Metric::found(&CRASH3_G, self.g_n),
+        ]
     }
 
     /// Energy of a damage profile of six stations C1..C6 at equal spacing over the width, J, times `1 + tan²α` for a

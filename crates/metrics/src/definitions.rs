@@ -108,6 +108,12 @@ catalogue! {
         "work of the barrier force up to C over the impact energy, minus 1; 0 but for rounding with the trapezoid" "energy balance";
     EES = "ees" "energy_equivalent_speed" "m/s" Checked
         "sqrt(2*E_abs/m), speed whose kinetic energy is the absorbed energy" "definition";
+    CRASH3_A = "crash3-a" "crush_stiffness_a" "N/m" Checked
+        "A = m*b0*b1/L, force a width at which crush begins, from V = b0 + b1*C_res" "Campbell (1974); CRASH3";
+    CRASH3_B = "crash3-b" "crush_stiffness_b" "N/m^2" Checked
+        "B = m*b1^2/L, stiffness a width" "Campbell (1974); CRASH3";
+    CRASH3_G = "crash3-g" "crush_stiffness_g" "N" Checked
+        "G = A^2/(2B), energy a width absorbed without crush" "Campbell (1974); CRASH3";
     CRUSH_ENERGY = "crash3-energy" "crush_energy" "J" Checked
         "crush energy of a damage profile from six stations of equal spacing, times 1 + tan^2 of the angle of force" "Campbell; CRASH3";
     RIDE_DOWN = "ridedown-efficiency" "ride_down_efficiency" "1" Checked
