@@ -3,11 +3,9 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic too")]
 
-mod reference;
-
 use crumple_filter::{Cfc, Class, Mode, Settings, ZeroLevel, filter};
 use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, Sampled};
-use reference::{Reference, number, text, two_columns};
+use crumple_testkit::reference_signals::{Reference, number, text, two_columns};
 
 /// Time of the first zero of velocity and displacement there, by the trapezoid from time zero.
 fn crush(acceleration: &Sampled, v0_m_per_s: f64) -> (f64, f64) {

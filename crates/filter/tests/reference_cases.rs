@@ -2,12 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic too")]
 
-mod reference;
-
 use crumple_filter::{Cfc, Class, Coefficients, Mode, Settings, Window, ZeroLevel, filter, pre_event};
-use reference::{Reference, assert_close, number, text};
+use crumple_testkit::reference_signals::{Case, Reference, assert_close, number, text};
 
-fn cfc(case: &reference::Case) -> Cfc {
+fn cfc(case: &Case) -> Cfc {
     match serde_json::from_value(case["params"]["cfc"].clone()).unwrap() {
         Class::Cfc(cfc) => cfc,
         Class::None => panic!("a case without a class"),
@@ -15,7 +13,7 @@ fn cfc(case: &reference::Case) -> Cfc {
 }
 
 /// The cases name the standard where the ends do not matter.
-fn standard(case: &reference::Case) -> Mode {
+fn standard(case: &Case) -> Mode {
     match text(&case["params"]["standard"]) {
         "sae" => Mode::SaeReflect,
         "iso" => Mode::Iso6487,
@@ -23,7 +21,7 @@ fn standard(case: &reference::Case) -> Mode {
     }
 }
 
-fn mode(case: &reference::Case) -> Mode {
+fn mode(case: &Case) -> Mode {
     serde_json::from_value(case["params"]["mode"].clone()).unwrap()
 }
 

@@ -2,13 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic too")]
 
-#[path = "../../filter/tests/reference/mod.rs"]
-mod reference;
-
 use crumple_integrate::{Motion, Rule, Settings, Start, UsedStart, integrate};
 use crumple_metrics::{CrashEvents, DynamicCrush, crash_events};
 use crumple_signal::{Acceleration, Signal};
-use reference::{number, two_columns};
+use crumple_testkit::reference_signals::{number, two_columns};
 use serde_json::Value;
 
 const RECORDS: [&str; 10] = [

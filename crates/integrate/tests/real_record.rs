@@ -2,13 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic too")]
 
-#[path = "../../filter/tests/reference/mod.rs"]
-mod reference;
-
 use crumple_integrate::{Rule, Settings, Start, integrate};
 use crumple_metrics::crash_events;
 use crumple_signal::Signal;
-use reference::two_columns;
+use crumple_testkit::reference_signals::two_columns;
 
 const V0_M_PER_S: f64 = 57.09 / 3.6;
 

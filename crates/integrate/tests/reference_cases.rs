@@ -2,13 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic too")]
 
-#[path = "../../filter/tests/reference/mod.rs"]
-mod reference;
-
 use crumple_integrate::{Motion, Rule, Settings, Start, integrate};
 use crumple_metrics::{CrashEvents, Pulse, crash_events, peak, pulse_metrics};
 use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, Signal};
-use reference::{Case, Reference, assert_close, number, text};
+use crumple_testkit::reference_signals::{Case, Reference, assert_close, number, text};
 
 fn motion(case: &Case, a: Vec<f64>, t0_s: f64, dt_s: f64) -> (Motion, CrashEvents) {
     let settings = Settings {

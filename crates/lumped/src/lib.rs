@@ -13,6 +13,7 @@
 //! Contact stays closed in all of them (the mass is tied to the barrier) except where `release` is set. So a linear
 //! model describes the loading phase of a crash; what it does after rebound is not a prediction.
 
+mod coefficient_matching;
 mod crossing;
 mod double_spring_mass_damper;
 mod elastoplastic;
@@ -26,6 +27,9 @@ mod motion;
 mod parameters;
 mod second_order;
 
+pub use coefficient_matching::{
+    CoefficientMatch, MatchedDouble, match_double, maxwell_from_complex_roots, maxwell_from_real_roots,
+};
 pub use crumple_lti::Complex;
 pub use double_spring_mass_damper::DoubleSpringMassDamper;
 pub use elastoplastic::Elastoplastic;

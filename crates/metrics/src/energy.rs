@@ -12,6 +12,11 @@ pub fn absorbed_energy(mass_kg: f64, impact_speed_m_per_s: f64, rebound_velocity
     kinetic_energy(mass_kg, impact_speed_m_per_s) - kinetic_energy(mass_kg, rebound_velocity_m_per_s)
 }
 
+/// Energy-equivalent speed sqrt(2·E/m), m/s: the speed whose kinetic energy is the absorbed (or crush) energy.
+pub fn energy_equivalent_speed(mass_kg: f64, energy_j: f64) -> f64 {
+    (2.0 * energy_j / mass_kg).sqrt()
+}
+
 /// Work of the barrier force on one kilogram during loading, `-∫ a dx` from the first sample to the dynamic crush,
 /// J/kg.
 ///

@@ -1,26 +1,75 @@
 //! Crash metrics: pure functions of sampled motion, one definition or one group of definitions a file.
 //!
-//! Everything is SI, times count from time zero, crush and impact speed are positive towards the barrier and a
-//! frontal pulse is a negative acceleration (SAE J211-1). A metric that a record does not show is a
+//! Everything is SI, crush and impact speed are positive towards the barrier and a frontal pulse is a negative
+//! acceleration (SAE J211-1). A number comes as a [`Metric`]: with its unit, the key of its definition in
+//! [`definitions::CATALOGUE`] and the part of the record it belongs to. A metric that a record does not show is a
 //! [`Metric`] without a value whose definition says why; it is never a number in disguise.
+//!
+//! - the pulse: [`crash_events`], [`pulse_metrics`], [`sliding_mean`], [`olc`], [`vpi`], [`force_deflection`]
+//! - the occupant: [`hic`], [`clip_contiguous`], [`clip_cumulative`], [`gadd_severity_index`], [`ride_down`]
+//! - roadside hardware: [`asi`], [`thiv_phd`], [`oiv_ora`]
+//! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]
+//! - two curves: [`iso18571()`], [`cora()`], [`residuals()`]; several: [`Corridor`], [`agreement`], [`over_channels`]
 
+mod asi;
+mod best_shift;
+mod butterworth;
 mod centroid;
+mod channels;
+mod clip;
+mod cora;
+mod corridor;
+mod corridor_rating;
+mod crush_energy;
+mod cumulative;
+pub mod definitions;
 mod energy;
 mod events;
+mod flail_space;
+mod force_deflection;
+mod hic;
+mod iso18571;
 mod mean;
+mod metric;
+mod olc;
 mod peak;
 mod pulse_metrics;
+mod residuals;
+mod ride_down;
+mod separation;
+mod sliding_mean;
 mod square_wave;
 mod stiffness;
+mod time_zero;
+mod vpi;
 
+pub use asi::{AsiLimits, AsiMethod, asi};
 pub use centroid::{centroid_time_by_moment, centroid_time_from_crush};
-pub use energy::{absorbed_energy, kinetic_energy, loading_work_per_kg};
+pub use channels::{Agreement, ChannelMotion, LARGEST_CRUSH_GAP, agreement};
+pub use clip::{CLIP_3MS_S, clip_contiguous, clip_cumulative};
+pub use cora::{Cora, CoraOptions, cora};
+pub use corridor::{Corridor, CorridorOptions, CorridorResult, Excursion, over_channels};
+pub use crush_energy::{CrushStiffness, NO_DAMAGE_SPEED_M_PER_S};
+pub use definitions::{Definition, Mark};
+pub use energy::{absorbed_energy, energy_equivalent_speed, kinetic_energy, loading_work_per_kg};
 pub use events::{CrashEvents, DynamicCrush, Rebound, crash_events};
+pub use flail_space::{FlailSpace, oiv_ora, thiv_phd};
+pub use force_deflection::{Branch, ForceDeflection, force_deflection, specific_energy};
+pub use hic::{HIC15_WINDOW_S, HIC36_WINDOW_S, gadd_severity_index, hic, hic_all_pairs, hic_d, hic_d_of};
+pub use iso18571::{Grade, Iso18571, Iso18571Options, iso18571};
 pub use mean::mean_deceleration;
+pub use metric::{Interval, Metric, Window};
+pub use olc::{OlcOptions, olc};
 pub use peak::{Peak, peak};
-pub use pulse_metrics::{Metric, Pulse, pulse_metrics};
+pub use pulse_metrics::{Pulse, pulse_metrics};
+pub use residuals::{Residuals, residuals};
+pub use ride_down::{RideDown, ride_down};
+pub use separation::{acceleration_after_separation, restitution_of_two_bodies};
+pub use sliding_mean::{sliding_mean, sliding_mean_of_velocity};
 pub use square_wave::{average_square_wave, equivalent_square_wave};
 pub use stiffness::average_stiffness;
+pub use time_zero::{ThresholdRule, time_zero_by_threshold, time_zero_by_velocity_change};
+pub use vpi::{VpiOptions, vpi};
 
 /// Why a metric cannot be computed from what was given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -47,6 +96,26 @@ pub enum MetricsError {
     /// There are no samples.
     #[error("the motion has no samples")]
     Empty,
+    /// A rating against nothing.
+    #[error("the reference is zero everywhere, a rating needs a reference that is not")]
+    ZeroReference,
+    /// The impact speed is no speed.
+    #[error("impact speed {0} m/s is not a positive number")]
+    ImpactSpeed(f64),
+    /// One test has no spread.
+    #[error("a corridor of {tests} tests, at least 2 are needed")]
+    TooFewTests {
+        /// How many there are.
+        tests: usize,
+    },
+    /// Bounds of a corridor that bound nothing.
+    #[error(
+        "the corridor's bounds need points at increasing finite times, the lower below the upper, over a common time"
+    )]
+    Polyline,
+    /// The result is not a signal: the samples are so large that a sum overflows.
+    #[error("the result is not a finite signal")]
+    Result(#[from] crumple_signal::SignalError),
 }
 
 /// Refuses two signals that are not sampled at the same times.
@@ -66,6 +135,18 @@ pub(crate) fn same_grid(
             second_len: b.len(),
             second_t0_s: b.t0_s(),
         });
+    }
+    Ok(())
+}
+
+/// Refuses what cannot be rated: grids that differ, a reference of zeros.
+pub(crate) fn rated_grid(
+    reference: &crumple_signal::Sampled,
+    comparison: &crumple_signal::Sampled,
+) -> Result<(), MetricsError> {
+    same_grid(("the reference", reference), ("the comparison", comparison))?;
+    if reference.samples().iter().all(|x| *x == 0.0) {
+        return Err(MetricsError::ZeroReference);
     }
     Ok(())
 }

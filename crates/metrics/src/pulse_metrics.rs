@@ -1,23 +1,16 @@
 use crumple_signal::{Acceleration, Displacement, Signal, Velocity};
 
-use crate::{
-    CrashEvents, MetricsError, absorbed_energy, average_square_wave, average_stiffness, centroid_time_by_moment,
-    centroid_time_from_crush, equivalent_square_wave, kinetic_energy, loading_work_per_kg, mean_deceleration, peak,
-    same_grid,
+use crate::definitions::{
+    ABSORBED_ENERGY, ASW, AVERAGE_STIFFNESS, CENTROID, CENTROID_MOMENT, CENTROID_RATIO, CLOSURE, DELTA_V,
+    DYNAMIC_CRUSH, EES, ESW, IMPACT_ENERGY, LOSS_RATIO, PEAK, REBOUND_DISPLACEMENT, RESTITUTION, RETURNED_ENERGY,
+    SEPARATION, TIME_OF_CRUSH, TIME_OF_PEAK, X_MEAN,
 };
-
-/// One number about a pulse, with what is needed to print it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Metric {
-    /// Name, e.g. `peak_acceleration`.
-    pub name: &'static str,
-    /// Value in [`unit`](Self::unit); `None` where the record does not show it.
-    pub value: Option<f64>,
-    /// SI unit, `1` for a ratio.
-    pub unit: &'static str,
-    /// How it is computed and after whom; for a missing value, why it is missing.
-    pub definition: String,
-}
+use crate::{
+    CrashEvents, Definition, Metric, MetricsError, OlcOptions, VpiOptions, absorbed_energy,
+    acceleration_after_separation, average_square_wave, average_stiffness, centroid_time_by_moment,
+    centroid_time_from_crush, energy_equivalent_speed, equivalent_square_wave, kinetic_energy, loading_work_per_kg,
+    mean_deceleration, olc, peak, same_grid, sliding_mean_of_velocity, vpi,
+};
 
 /// A crash as motion: what [`pulse_metrics`] looks at. The three signals share one grid.
 #[derive(Debug, Clone, Copy)]
@@ -38,123 +31,75 @@ pub struct Pulse<'a> {
     pub time_zero_s: f64,
 }
 
-/// The metrics of a pulse, always the same names in the same order.
+/// The metrics of a pulse, always the same names in the same order; windows count from time zero.
+///
+/// What needs the mass or the dynamic crush and has none says so. A lowest velocity at the last sample makes delta-v,
+/// restitution and the energies of the rebound bounds, and they say so.
 pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
     same_grid(("the acceleration", pulse.acceleration), ("the velocity", pulse.velocity))?;
     same_grid(("the velocity", pulse.velocity), ("the displacement", pulse.displacement))?;
-    let (v0, mass, crush, rebound) =
-        (pulse.impact_speed_m_per_s, pulse.mass_kg, pulse.events.crush, pulse.events.rebound);
+    let (v0, mass, crush, rebound, zero_s) =
+        (pulse.impact_speed_m_per_s, pulse.mass_kg, pulse.events.crush, pulse.events.rebound, pulse.time_zero_s);
     let peak = peak(pulse.acceleration);
     let work = crush.map(|c| loading_work_per_kg(pulse.acceleration, pulse.displacement, &c)).transpose()?;
 
     let no_crush = format!("the record ends at v = {:.3} m/s", pulse.events.end_velocity_m_per_s);
-    let because = |needs_mass: bool| match crush {
-        _ if needs_mass && mass.is_none() => "the mass is not known".to_owned(),
-        None => no_crush.clone(),
-        Some(_) => "not computable from this record".to_owned(),
-    };
-    let metric = |name, value: Option<f64>, unit, definition: &str| {
-        let value = value.filter(|x| x.is_finite());
-        let definition = match value {
-            Some(_) => definition.to_owned(),
-            None => format!("absent: {}", because(matches!(unit, "J" | "N/m"))),
+    let metric = |definition: &Definition, value: Option<f64>| {
+        let reason = match crush {
+            _ if matches!(definition.unit, "J" | "N/m") && mass.is_none() => "the mass is not known",
+            None => &no_crush,
+            Some(_) => "not computable from this record",
         };
-        Metric { name, value, unit, definition }
+        Metric::of(definition, value, reason)
+    };
+    // What belongs to the loading phase, to one moment, to the stretch up to separation.
+    let loading = |m: Metric| crush.map_or(m.clone(), |c| m.over(0.0, c.time_s));
+    let bound = |m: Metric, remark: &str| match rebound {
+        Some(r) if r.still_separating => m.over(0.0, r.time_s).remarked(remark),
+        Some(r) => m.over(0.0, r.time_s),
+        None => m,
+    };
+    let (lower, upper) = ("lower bound: still separating at the end", "upper bound: still separating at the end");
+
+    let at_peak = peak.map(|p| p.time_s - zero_s);
+    let peak_metric = metric(&PEAK, peak.map(|p| p.acceleration_m_per_s2.abs()));
+    let returned = rebound.zip(mass).map(|(r, m)| kinetic_energy(m, r.velocity_m_per_s));
+    let absorbed = rebound.zip(mass).map(|(r, m)| absorbed_energy(m, v0, r.velocity_m_per_s));
+    // Equal to sqrt(2·E_abs/m), which needs no mass.
+    let equivalent = rebound.map(|r| energy_equivalent_speed(1.0, absorbed_energy(1.0, v0, r.velocity_m_per_s)));
+    let drift = match rebound {
+        Some(r) => acceleration_after_separation(pulse.velocity, zero_s + r.time_s).counted_from(zero_s),
+        None => Metric::absent(&SEPARATION, &no_crush),
     };
 
     Ok(vec![
-        metric(
-            "peak_acceleration",
-            peak.map(|p| p.acceleration_m_per_s2.abs()),
-            "m/s^2",
-            "largest |a| of a sample from the start of the integration",
-        ),
-        metric(
-            "time_of_peak_acceleration",
-            peak.map(|p| p.time_s - pulse.time_zero_s),
-            "s",
-            "time of the sample with the largest |a|",
-        ),
-        metric(
-            "dynamic_crush",
-            crush.map(|c| c.displacement_m),
-            "m",
-            "C = x(t_m), displacement at the first zero of velocity",
-        ),
-        metric(
-            "time_of_dynamic_crush",
-            crush.map(|c| c.time_s),
-            "s",
-            "t_m, first zero of velocity, linearly interpolated",
-        ),
-        metric(
-            "centroid_time",
-            crush.map(|c| centroid_time_from_crush(c.displacement_m, v0)),
-            "s",
-            "t_c = C/v0, equal to the centroid of the pulse over 0..t_m (Huang, Vehicle Crash Mechanics, 2002)",
-        ),
-        metric(
-            "centroid_time_by_moment",
-            crush.and_then(|c| centroid_time_by_moment(pulse.acceleration, pulse.time_zero_s, c.time_s)),
-            "s",
-            "integral of t*a over integral of a up to t_m, by trapezoid; equals C/v0 but for the error of sampling and rule",
-        ),
-        metric(
-            "centroid_time_ratio",
-            crush.map(|c| centroid_time_from_crush(c.displacement_m, v0) / c.time_s),
-            "1",
-            "t_c/t_m: 0.5 symmetric, 2/pi an undamped spring, lower front-loaded (Huang, 2002)",
-        ),
-        metric(
-            "delta_v",
-            pulse.events.delta_v_m_per_s(v0),
-            "m/s",
-            "v0 - v_s, impact speed minus the lowest velocity after t_m",
-        ),
-        metric("coefficient_of_restitution", pulse.events.restitution(v0), "1", "e = -v_s/v0 against a rigid barrier"),
-        metric(
-            "rebound_displacement",
-            crush.zip(rebound).map(|(c, r)| c.displacement_m - r.displacement_m),
-            "m",
-            "d_e = C - x(t_s), displacement recovered until the lowest velocity",
-        ),
-        metric(
-            "equivalent_square_wave",
-            crush.map(|c| equivalent_square_wave(v0, c.displacement_m)),
-            "m/s^2",
-            "ESW = v0^2/(2C), constant deceleration with the same crush (Huang, 2002)",
-        ),
-        metric(
-            "average_square_wave",
-            crush.map(|c| average_square_wave(v0, c.time_s)),
-            "m/s^2",
-            "ASW = v0/t_m, constant deceleration that stops in the same time (Huang, 2002)",
-        ),
-        metric(
-            "mean_deceleration",
-            crush.and_then(|c| mean_deceleration(pulse.velocity, pulse.time_zero_s, pulse.time_zero_s + c.time_s)),
-            "m/s^2",
-            "x-mean over 0..t_m, (v(0) - v(t_m))/t_m from the integrated velocity",
-        ),
-        metric(
-            "average_stiffness",
-            crush.zip(mass).map(|(c, m)| average_stiffness(m, v0, c.displacement_m)),
-            "N/m",
-            "k = m*v0^2/C^2, linear spring of equal energy",
-        ),
-        metric("impact_energy", mass.map(|m| kinetic_energy(m, v0)), "J", "m*v0^2/2"),
-        metric(
-            "energy_absorbed",
-            rebound.zip(mass).map(|(r, m)| absorbed_energy(m, v0, r.velocity_m_per_s)),
-            "J",
-            "m*(v0^2 - v_s^2)/2, impact energy less the energy of the rebound",
-        ),
-        metric(
-            "energy_closure",
-            work.map(|w| w / (v0 * v0 / 2.0) - 1.0),
-            "1",
-            "work of the barrier force up to C over the impact energy, minus 1; 0 but for rounding with the trapezoid",
-        ),
+        at_peak.map_or(peak_metric.clone(), |t| peak_metric.over(t, t)),
+        metric(&TIME_OF_PEAK, at_peak),
+        metric(&DYNAMIC_CRUSH, crush.map(|c| c.displacement_m)),
+        metric(&TIME_OF_CRUSH, crush.map(|c| c.time_s)),
+        loading(metric(&CENTROID, crush.map(|c| centroid_time_from_crush(c.displacement_m, v0)))),
+        loading(metric(
+            &CENTROID_MOMENT,
+            crush.and_then(|c| centroid_time_by_moment(pulse.acceleration, zero_s, c.time_s)),
+        )),
+        loading(metric(&CENTROID_RATIO, crush.map(|c| centroid_time_from_crush(c.displacement_m, v0) / c.time_s))),
+        bound(metric(&DELTA_V, pulse.events.delta_v_m_per_s(v0)), lower),
+        bound(metric(&RESTITUTION, pulse.events.restitution(v0)), lower),
+        metric(&REBOUND_DISPLACEMENT, crush.zip(rebound).map(|(c, r)| c.displacement_m - r.displacement_m)),
+        loading(metric(&ESW, crush.map(|c| equivalent_square_wave(v0, c.displacement_m)))),
+        loading(metric(&ASW, crush.map(|c| average_square_wave(v0, c.time_s)))),
+        loading(metric(&X_MEAN, crush.and_then(|c| mean_deceleration(pulse.velocity, zero_s, zero_s + c.time_s)))),
+        sliding_mean_of_velocity(pulse.velocity, 0.025, zero_s).counted_from(zero_s),
+        olc(pulse.velocity, pulse.displacement, v0, zero_s, OlcOptions::default())?,
+        vpi(pulse.acceleration, zero_s, VpiOptions::default()),
+        loading(metric(&AVERAGE_STIFFNESS, crush.zip(mass).map(|(c, m)| average_stiffness(m, v0, c.displacement_m)))),
+        metric(&IMPACT_ENERGY, mass.map(|m| kinetic_energy(m, v0))),
+        bound(metric(&ABSORBED_ENERGY, absorbed), upper),
+        bound(metric(&RETURNED_ENERGY, returned), lower),
+        bound(metric(&LOSS_RATIO, pulse.events.restitution(v0).map(|e| 1.0 - e * e)), upper),
+        bound(metric(&EES, equivalent), upper),
+        loading(metric(&CLOSURE, work.map(|w| w / (v0 * v0 / 2.0) - 1.0))),
+        drift,
     ])
 }
 

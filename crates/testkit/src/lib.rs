@@ -2,6 +2,7 @@
 
 pub mod fixture;
 pub mod pipeline;
+pub mod reference_signals;
 
 use std::path::PathBuf;
 
