@@ -47,7 +47,7 @@ run input *args: build
     step {{ integrate }} "$dir/2-filter.mcap" "${options[@]}" -o "$dir/3-integrate.mcap"
     step {{ identify }} "$dir/2-filter.mcap" "$dir/3-integrate.mcap" "${options[@]}" -o "$dir/4-identify.mcap"
     step {{ parameter_solve }} "$dir/3-integrate.mcap" "$dir/4-identify.mcap" "${options[@]}" -o "$dir/5-parameter-solve.mcap"
-    step {{ simulate }} "$dir/3-integrate.mcap" "$dir/5-parameter-solve.mcap" "${options[@]}" -o "$dir/6-simulate.mcap"
+    step {{ simulate }} "$dir/2-filter.mcap" "$dir/3-integrate.mcap" "$dir/5-parameter-solve.mcap" "${options[@]}" -o "$dir/6-simulate.mcap"
     {{ report }} "$dir"/[1-6]-*.mcap "${options[@]}" -o "$dir/report.html" || { code=$?; [ "$code" -ne 4 ] || exit 4; give_up "$code" 6; }
 
 # Semantic comparison of two run folders or artifacts: exit 0 same, 1 different, 2 trouble.

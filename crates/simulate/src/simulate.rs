@@ -1,4 +1,5 @@
 use crumple_lumped::{CrushEvents, LumpedError, Model, Motion};
+use crumple_metrics::{Iso18571Options, iso18571};
 use crumple_signal::Sampled;
 
 use crate::measures::{fit_percent, max_abs_error, rmse};
@@ -65,6 +66,9 @@ pub struct Comparison {
     pub fit_velocity_percent: Option<f64>,
     /// Fit of the acceleration, percent.
     pub fit_acceleration_percent: Option<f64>,
+    /// ISO/TS 18571 rating of the acceleration over the window, 0 to 1; `None` unless sampled at 10 kHz as the standard
+    /// wants it.
+    pub iso18571_score: Option<f64>,
     /// Dynamic crush of the model minus that of the test, m; `None` if either has none.
     pub dynamic_crush_error_m: Option<f64>,
     /// Time of dynamic crush of the model minus that of the test, s.
@@ -97,10 +101,12 @@ pub fn simulate(model: &Model, test: &Measured<'_>, window: Window) -> Result<Si
     let (dt, zero) = (test.displacement.dt_s(), test.time_zero_s);
     let end_s = test.displacement.end_s() - zero;
     let to_s = window.to_s.or(test.time_of_dynamic_crush_s).unwrap_or(end_s).min(end_s);
-    // Samples at 0, dt, ... up to an instant; rounding of decimal time stamps must not lose the last.
-    let up_to = |t: f64| if t >= 0.0 { (t / dt + 1e-6).floor() as usize + 1 } else { 0 };
+    // Samples at 0, dt, ... up to an instant; rounding of decimal time stamps must not lose the last. A time zero long
+    // before the record would ask for samples that no test has.
+    let most = test.displacement.len() + 1;
+    let up_to = |t: f64| if t >= 0.0 { (t / dt + 1e-6).floor().min(most as f64) as usize + 1 } else { 0 };
     let (samples, compared) = (up_to(end_s), up_to(to_s));
-    if compared < 2 {
+    if compared < 2 || samples > most {
         return Err(SimulateError::Empty { end_s, to_s });
     }
     let response = model.respond(v0, dt, samples)?;
@@ -116,7 +122,12 @@ pub fn simulate(model: &Model, test: &Measured<'_>, window: Window) -> Result<Si
         let (y, yh) = pairs(record?, modelled);
         fit_percent(&y, &yh)
     };
+    let iso18571_score = test.acceleration.and_then(|record| {
+        let (a, ah) = pairs(record, &motion.acceleration_m_per_s2);
+        rating(a, ah, dt)
+    });
     let comparison = Comparison {
+        iso18571_score,
         from_s: 0.0,
         to_s: (compared - 1) as f64 * dt,
         rmse_displacement_m: rmse(&x, &xh),
@@ -128,6 +139,19 @@ pub fn simulate(model: &Model, test: &Measured<'_>, window: Window) -> Result<Si
         time_of_dynamic_crush_error_s: difference(events.time_of_dynamic_crush_s, test.time_of_dynamic_crush_s),
     };
     Ok(Simulation { motion, events, comparison })
+}
+
+/// Most samples that are rated: warping costs their square, and no loading phase is longer than 2 s.
+const RATED_SAMPLES: usize = 20_000;
+
+fn rating(measured: Vec<f64>, modelled: Vec<f64>, dt_s: f64) -> Option<f64> {
+    let ten_kilohertz = (dt_s - 1e-4).abs() <= 1e-9;
+    if !ten_kilohertz || measured.len() > RATED_SAMPLES {
+        return None;
+    }
+    let reference = Sampled::new(0.0, dt_s, measured).ok()?;
+    let comparison = Sampled::new(0.0, dt_s, modelled).ok()?;
+    iso18571(&reference, &comparison, &Iso18571Options::default()).ok()?.overall
 }
 
 fn difference(model: Option<f64>, test: Option<f64>) -> Option<f64> {

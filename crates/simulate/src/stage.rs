@@ -116,9 +116,21 @@ fn write(
     time_zero_s: f64,
     out: &mut Output,
 ) -> anyhow::Result<()> {
-    let Simulation { motion, events, comparison } = simulation;
+    let Simulation { motion, mut events, comparison } = simulation;
     let mut notes = Vec::new();
-    if events.dynamic_crush_m.is_none() {
+    let end_s = grid.end_s() - time_zero_s;
+    if let (Some(t), Some(crush)) = (events.time_of_dynamic_crush_s, events.dynamic_crush_m)
+        && t > end_s + grid.dt_s()
+    {
+        notes.push(format!(
+            "warning: the model stops only {:.0} ms after time zero with a crush of {:.0} mm; the record ends at {:.0} ms, so \
+             this is no dynamic crush of the test",
+            1e3 * t,
+            1e3 * crush,
+            1e3 * end_s
+        ));
+        (events.time_of_dynamic_crush_s, events.dynamic_crush_m) = (None, None);
+    } else if events.dynamic_crush_m.is_none() {
         notes.push("the velocity of the model never reaches zero: it has no dynamic crush".to_owned());
     }
     if !candidate.physical {
@@ -129,7 +141,7 @@ fn write(
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
         rmse_displacement_m: comparison.rmse_displacement_m,
         fit_percent: comparison.fit_displacement_percent,
-        iso18571_score: None,
+        iso18571_score: comparison.iso18571_score,
         dynamic_crush_error_m: comparison.dynamic_crush_error_m,
         time_of_dynamic_crush_error_s: comparison.time_of_dynamic_crush_error_s,
         max_displacement_error_m: comparison.max_displacement_error_m,
