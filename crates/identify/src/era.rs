@@ -186,7 +186,8 @@ impl<'a> Era<'a> {
         }
         let used = &markov[1..=rows + columns];
         let largest = used.iter().fold(0.0_f64, |m, y| m.max(y.abs()));
-        if largest == 0.0 {
+        // The last parameter stands in the shifted matrix only: without any other there is nothing to decompose.
+        if used[..used.len() - 1].iter().all(|y| *y == 0.0) {
             return Err(EraError::Silent { samples: used.len() });
         }
         // Scaling by a power of two rounds nothing and keeps squares inside the range of f64.

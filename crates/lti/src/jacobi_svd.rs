@@ -36,6 +36,9 @@ pub struct SmallSvd {
 /// Hestenes 1958; Demmel & Veselić, "Jacobi's method is more accurate than QR", SIAM J. Matrix Anal. 13(4), 1992.
 pub fn jacobi_svd(a: &DMatrix<f64>) -> Option<SmallSvd> {
     let n = a.ncols();
+    if n == 0 {
+        return Some(SmallSvd { values: Vec::new(), left: a.clone(), right: DMatrix::zeros(0, 0) });
+    }
     // The eigenvectors of a'a are the right vectors, up to the half of the digits that squaring costs; the rotations
     // restore them in a few sweeps instead of ten.
     let start = SymmetricEigen::try_new(a.tr_mul(a), f64::EPSILON, EIGEN_STEPS_PER_VALUE * n)
@@ -151,5 +154,6 @@ mod tests {
         let svd = jacobi_svd(&DMatrix::from_diagonal(&nalgebra::dvector![1.0, -3.0, 0.0])).unwrap();
         assert_eq!(svd.values, [3.0, 1.0, 0.0]);
         assert_eq!(jacobi_svd(&DMatrix::zeros(3, 2)).unwrap().values, [0.0, 0.0]);
+        assert!(jacobi_svd(&DMatrix::zeros(0, 0)).unwrap().values.is_empty());
     }
 }
