@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use crate::iso_mme::{self, is_channel_name};
 use crate::recognise::{Reader, recognise};
 use crate::{IngestError, Place, archive};
 
@@ -37,7 +39,7 @@ pub struct Bundle {
 }
 
 impl Bundle {
-    /// Reads a file, a folder with one NHTSA test, or a zip archive of either.
+    /// Reads a file, a folder with one NHTSA or ISO-MME test, or a zip archive of either.
     pub fn open(path: &Path) -> Result<Self, IngestError> {
         let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
         let main_path = if metadata.is_dir() { main_file_of(path)? } else { path.to_owned() };
@@ -72,14 +74,22 @@ impl Bundle {
             return Ok(());
         }
         let folder = main_path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut folders = vec![folder.to_owned()];
+        if self.reader.spans_folders() {
+            folders.extend(channel_folder(folder)?);
+            folders.extend(folder.parent().filter(|_| is_channel_folder(&file_name(folder))).map(Path::to_owned));
+        }
         let mut total = 0;
-        for path in entries(folder)? {
-            let name = file_name(&path);
-            if self.reader.companion(&self.main.name, &name) && path.is_file() {
-                let bytes = read(&path)?;
-                total += bytes.len() as u64;
-                check_total(&self.name, total)?;
-                self.companions.insert(name, bytes);
+        for folder in folders {
+            for path in entries(&folder)? {
+                let name = file_name(&path);
+                let known = self.companions.contains_key(&name);
+                if self.reader.companion(&self.main.name, &name) && !known && path.is_file() {
+                    let bytes = read(&path)?;
+                    total += bytes.len() as u64;
+                    check_total(&self.name, total)?;
+                    self.companions.insert(name, bytes);
+                }
             }
         }
         Ok(())
@@ -150,30 +160,66 @@ fn entries(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
     Ok(paths)
 }
 
-/// The one EV5 file of a folder.
+/// The folder of channel files in an ISO-MME test, in any case.
+pub(crate) fn is_channel_folder(name: &str) -> bool {
+    name.eq_ignore_ascii_case("channel") || name.eq_ignore_ascii_case("channels")
+}
+
+fn channel_folder(folder: &Path) -> Result<Option<PathBuf>, IngestError> {
+    Ok(entries(folder)?.into_iter().find(|path| is_channel_folder(&file_name(path)) && path.is_dir()))
+}
+
+/// The file that stands for a folder: its one EV5 file; else the test file, the channel list or the first channel file of
+/// an ISO-MME test; else what its only subfolder has.
 fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
     let all = entries(folder)?;
-    let is_ev5 = |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ev5")) && path.is_file();
-    let found: Vec<&PathBuf> = all.iter().filter(is_ev5).collect();
-    match found.as_slice() {
-        [one] => Ok((*one).clone()),
-        [] => Err(IngestError::Path {
+    let mut places = all.clone();
+    if let Some(channel) = channel_folder(folder)? {
+        places.extend(entries(&channel)?);
+    }
+    for extension in ["ev5", "mme", "chn"] {
+        let is_it =
+            |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension)) && path.is_file();
+        let found: Vec<&PathBuf> = places.iter().filter(is_it).collect();
+        match found.as_slice() {
+            [one] => return Ok((*one).clone()),
+            [] => {}
+            several => {
+                return Err(IngestError::Path {
+                    path: folder.display().to_string(),
+                    found: format!(
+                        "a folder with {} .{} files: {}",
+                        several.len(),
+                        extension.to_uppercase(),
+                        several.iter().take(10).map(|p| file_name(p)).collect::<Vec<_>>().join(", ")
+                    ),
+                    expected: "the folder of one test".to_owned(),
+                    hint: format!("give the .{} file of the test", extension.to_uppercase()),
+                });
+            }
+        }
+    }
+    for path in places.iter().filter(|path| is_channel_name(&file_name(path)) && path.is_file()) {
+        if iso_mme::IsoMme.recognises(&head(path)?) {
+            return Ok(path.clone());
+        }
+    }
+    match all.as_slice() {
+        [only] if only.is_dir() => main_file_of(only),
+        _ => Err(IngestError::Path {
             path: folder.display().to_string(),
-            found: format!("a folder without an .EV5 file ({} other entries)", all.len()),
-            expected: "the folder of one NHTSA test, or a file".to_owned(),
+            found: format!("a folder without an .EV5 file or an ISO-MME test ({} other entries)", all.len()),
+            expected: "the folder of one test, or a file".to_owned(),
             hint: "give the file itself, such as crash.csv".to_owned(),
         }),
-        several => Err(IngestError::Path {
-            path: folder.display().to_string(),
-            found: format!(
-                "a folder with {} .EV5 files: {}",
-                several.len(),
-                several.iter().take(10).map(|p| file_name(p)).collect::<Vec<_>>().join(", ")
-            ),
-            expected: "the folder of one test".to_owned(),
-            hint: "give the .EV5 file of the test".to_owned(),
-        }),
     }
+}
+
+fn head(path: &Path) -> Result<Vec<u8>, IngestError> {
+    let mut bytes = Vec::new();
+    let file = fs::File::open(path).map_err(|error| unreadable(path, &error))?;
+    file.take(8192).read_to_end(&mut bytes).map_err(|error| unreadable(path, &error))?;
+    Ok(bytes)
 }
 
 fn sidecar_of(main_path: &Path) -> Result<Option<NamedBytes>, IngestError> {
@@ -195,7 +241,7 @@ fn unreadable(path: &Path, error: &std::io::Error) -> IngestError {
     IngestError::Path {
         path: path.display().to_string(),
         found,
-        expected: "a table of numbers, an NHTSA EV5 file or its folder, or a zip of either".to_owned(),
+        expected: "a table of numbers, an NHTSA EV5 file or its folder, an ISO-MME test, or a zip of them".to_owned(),
         hint: hint.to_owned(),
     }
 }

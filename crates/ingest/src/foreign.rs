@@ -30,11 +30,6 @@ const FORMATS: &[Foreign] = &[
         matches: |b| text(b).starts_with(b"LabVIEW Measurement"),
     },
     Foreign {
-        what: "an ISO-MME channel or header file (ISO/TS 13499)",
-        instead: NHTSA,
-        matches: |b| !has(b, b"-----") && iso_mme(b),
-    },
-    Foreign {
         what: "an NHTSA EV6 or other specification file than EV5",
         instead: "take the \"EV5 ASCII X-Y\" download of the test",
         matches: |b| has_early(b, b"----- EV") && !has_early(b, b"----- EV5"),
@@ -127,17 +122,6 @@ fn json(bytes: &[u8]) -> bool {
     start.first() == Some(&b'{') || (start.first() == Some(&b'[') && has(start, b"\""))
 }
 
-/// Keywords of ISO/TS 13499 that stand in front of a colon.
-fn iso_mme(bytes: &[u8]) -> bool {
-    let lower = bytes.to_ascii_lowercase();
-    lower.split(|b| *b == b'\n').any(|line| {
-        let Some(colon) = line.iter().position(|b| *b == b':') else { return false };
-        let keyword = line[..colon].trim_ascii();
-        [&b"channel code"[..], b"data format edition number", b"instrumentation standard", b"name of channel 001"]
-            .contains(&keyword)
-    })
-}
-
 /// Second line of a data set is its number.
 fn universal(bytes: &[u8]) -> bool {
     let mut lines = bytes.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
@@ -151,7 +135,7 @@ mod tests {
 
     #[test]
     fn names_formats_by_their_magic() {
-        let cases: [(&[u8], &str); 8] = [
+        let cases: [(&[u8], &str); 7] = [
             (b"%PDF-1.7\n", "PDF"),
             (b"TDSm\x0e\0\0\0", "TDMS"),
             (b"#ROSBAG V2.0\n", "ROS 1"),
@@ -159,7 +143,6 @@ mod tests {
             (b"SQLite format 3\0", "SQLite"),
             (b"LabVIEW Measurement\t\r\n", "LVM"),
             (b"<?xml version=\"1.0\"?>\n<usi:tdm>", "TDM"),
-            (b"Test object number          :1\r\nChannel code                :11HEAD\r\n", "ISO-MME"),
         ];
         for (bytes, name) in cases {
             let (what, instead) = recognise(bytes).unwrap();

@@ -8,22 +8,26 @@
 
 mod archive;
 mod bundle;
+mod checks;
 mod details;
 mod error;
 mod ev5;
 mod foreign;
 mod grid;
 mod ingest;
+mod iso_mme;
 mod polarity;
 mod pulse;
 mod quality;
 pub mod recognise;
 mod recording;
+mod selection;
 mod settings;
 mod sidecar;
 mod stage;
 mod table;
 mod time_zero;
+mod twins;
 
 pub use bundle::{Bundle, NamedBytes};
 pub use error::{IngestError, Place};

@@ -2,7 +2,7 @@
 
 use crate::bundle::Bundle;
 use crate::recording::Recording;
-use crate::{IngestError, Place, Settings, ev5, foreign, table};
+use crate::{IngestError, Place, Settings, ev5, foreign, iso_mme, table};
 
 /// A format that is read. To add one: a file with a type that implements this, and a line in [`READERS`].
 pub trait Reader: Sync {
@@ -17,12 +17,17 @@ pub trait Reader: Sync {
         false
     }
 
+    /// Whether files of the record may also lie in the folder `Channel` beside the main file, or in its parent.
+    fn spans_folders(&self) -> bool {
+        false
+    }
+
     /// Reads the record. Sees bytes only; the same bytes and settings give the same recording.
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError>;
 }
 
 /// All readers, the most particular first: the first that recognises a file reads it.
-pub const READERS: &[&dyn Reader] = &[&ev5::Ev5, &table::Table];
+pub const READERS: &[&dyn Reader] = &[&ev5::Ev5, &iso_mme::IsoMme, &table::Table];
 
 /// The reader for a file, or why there is none: empty, known but not read, or not known at all.
 pub fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader, IngestError> {

@@ -74,6 +74,9 @@ fn quality_record(quality: &Quality) -> QualityV1 {
         minimum: quality.minimum,
         maximum: quality.maximum,
         clipped_run: quality.clipped_run as u64,
+        constant_run: Some(quality.constant_run as u64),
+        constant_run_from_s: quality.constant_run_from_s,
+        end_level: quality.end_level,
     }
 }
 

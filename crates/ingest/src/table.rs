@@ -16,7 +16,7 @@ use crate::recognise::Reader;
 use crate::recording::{PulseRule, Recording};
 use crate::{IngestError, Place, Settings};
 
-pub(crate) use text::decode;
+pub(crate) use text::{decode, line_at, without_mark};
 
 /// Fewer samples than this are no crash record.
 pub const MINIMUM_SAMPLES: usize = 50;
@@ -40,7 +40,7 @@ impl Reader for Table {
 
 /// Reads a table from its bytes. `file` names it in messages.
 pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, IngestError> {
-    let text = text::without_mark(bytes);
+    let text = without_mark(bytes);
     let layout = layout::sniff(&text, file)?;
     let header = header::read(&layout);
     let comments: Vec<(usize, String)> = layout.comments.iter().map(|line| (line.number, decode(line.bytes))).collect();

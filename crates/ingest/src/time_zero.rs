@@ -11,7 +11,7 @@ pub const HOLD_S: f64 = 0.003;
 /// Difference from the record's time zero that is worth a note, s.
 const WORTH_A_NOTE_S: f64 = 0.005;
 /// Width of the moving mean before the check, s: its -3 dB frequency is about 100 Hz, that of CFC 60.
-const SMOOTHING_S: f64 = 0.0044;
+pub const SMOOTHING_S: f64 = 0.0044;
 
 /// The same samples with the file's time `zero_s` as t = 0.
 pub fn shift(wave: &Sampled, zero_s: f64) -> Result<Sampled, SignalError> {
@@ -72,7 +72,7 @@ pub fn check(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
 }
 
 /// Centred mean over `2 half + 1` samples, fewer at the ends.
-fn moving_mean(samples: &[f64], half: usize) -> Vec<f64> {
+pub fn moving_mean(samples: &[f64], half: usize) -> Vec<f64> {
     let mut sums = Vec::with_capacity(samples.len() + 1);
     let mut sum = 0.0;
     sums.push(sum);

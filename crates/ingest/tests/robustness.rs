@@ -82,7 +82,7 @@ fn mutate(mut bytes: Vec<u8>, changes: &[(u8, prop::sample::Index, usize)]) -> V
 fn check(bundle: Result<Bundle, crumple_ingest::IngestError>, settings: &Settings) {
     match bundle.and_then(|bundle| ingest(&bundle, settings)) {
         Ok(ingested) => {
-            assert!(ingested.pulse().is_some_and(|w| w.samples.len() >= 50));
+            assert!(ingested.pulse().is_none_or(|w| w.samples.len() >= 50));
             assert!(ingested.waves.iter().all(|w| w.samples.samples().iter().all(|x| x.is_finite())));
         }
         Err(error) => assert!(!error.to_string().is_empty() && !error.hint().is_empty()),
