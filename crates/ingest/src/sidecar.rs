@@ -68,6 +68,8 @@ mod tests {
                 "impact_speed" => "\"1 m/s\"",
                 "time_zero" => "\"1 s\"",
                 "sign" => "\"keep\"",
+                "sample_time" => "\"1 s\"",
+                "profile" => "\"edr\"",
                 "vehicle_number" => "1",
                 "allow_missing" => "true",
                 _ => "\"x\"",

@@ -5,21 +5,27 @@ mod header;
 mod layout;
 pub(crate) mod numbers;
 mod rows;
+mod section;
 mod text;
 mod time_axis;
+
+use std::borrow::Cow;
 
 use crumple_signal::Notes;
 
 use crate::bundle::Bundle;
 use crate::details::from_comments;
 use crate::recognise::Reader;
-use crate::recording::{PulseRule, Recording};
-use crate::{IngestError, Place, Settings};
+use crate::recording::{Details, Found, PulseRule, Recording};
+use crate::{IngestError, Place, Profile, Settings};
 
 pub(crate) use text::{decode, line_at, without_mark};
 
 /// Fewer samples than this are no crash record.
 pub const MINIMUM_SAMPLES: usize = 50;
+
+/// Event data recorders keep 25 to 35 samples.
+const MINIMUM_EDR_SAMPLES: usize = 5;
 
 /// Reader of tables: whatever is text and nothing else.
 pub struct Table;
@@ -40,27 +46,52 @@ impl Reader for Table {
 
 /// Reads a table from its bytes. `file` names it in messages.
 pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, IngestError> {
-    let text = without_mark(bytes);
-    let layout = layout::sniff(&text, file)?;
+    let edr = settings.profile == Some(Profile::Edr);
+    let mut text = without_mark(bytes);
+    if let Some(title) = &settings.skip_to {
+        text = Cow::Owned(section::cut(&text, title, file)?);
+    }
+    let least_columns = if settings.sample_time.is_some() { 1 } else { 2 };
+    let layout = layout::sniff(&text, file, least_columns)?;
     let header = header::read(&layout);
     let comments: Vec<(usize, String)> = layout.comments.iter().map(|line| (line.number, decode(line.bytes))).collect();
     let facts = from_comments(file, comments.iter().map(|(line, text)| (*line, text.as_str())))?;
     let mut rows = rows::read(&text, &layout, file, |k| header.columns[k].title.clone())?;
     let samples = rows.lines.len();
-    if samples < MINIMUM_SAMPLES {
+    let least = if edr { MINIMUM_EDR_SAMPLES } else { MINIMUM_SAMPLES };
+    if samples < least {
         return Err(IngestError::content(
             Place::file(file),
             format!("{samples} samples"),
-            format!("at least {MINIMUM_SAMPLES} samples, one in a row"),
+            format!("at least {least} samples, one in a row"),
             "give the whole record: some tens of milliseconds before and after contact, sampled at 1 kHz or more",
         ));
     }
     let mut notes = Notes::new();
     header_notes(file, &header, &mut notes);
     notes.extend(facts.notes);
-    let time = time_axis::find(file, &header, &mut rows, settings, facts.time_unit.as_ref(), &mut notes)?;
+    let time = match settings.sample_time {
+        Some(interval) => time_axis::stated(file, &header, interval.si())?,
+        None => time_axis::find(file, &header, &mut rows, settings, facts.time_unit.as_ref(), &mut notes)?,
+    };
     let channels = columns::channels(file, &header, rows, &time, settings, facts.unit.as_ref(), &mut notes)?;
-    Ok(Recording { details: facts.details, channels, pulse_rule: PulseRule::OnlyOne, contact_at_zero: false, notes })
+    let mut details = facts.details;
+    if edr {
+        edr_notes(&channels, &mut details, &mut notes);
+    }
+    Ok(Recording { details, channels, pulse_rule: PulseRule::OnlyOne, contact_at_zero: false, notes })
+}
+
+/// What an event data recorder's table is good for.
+fn edr_notes(channels: &[Found], details: &mut Details, notes: &mut Notes) {
+    details.no_pulse = !channels.iter().any(|f| f.fitness.is_some());
+    details.facts.push(
+        "event data recorder (49 CFR 563): time zero is the recorder's, some milliseconds after contact".to_owned(),
+    );
+    notes.warning(
+        "event data recorder table: the velocity change is cumulative and coarse (10 ms, whole km/h or mph): peak acceleration, \
+         crush and force cannot be taken from it",
+    );
 }
 
 fn header_notes(file: &str, header: &header::Header, notes: &mut Notes) {

@@ -161,7 +161,7 @@ mod tests {
     use super::*;
 
     fn rows(text: &str) -> Result<Rows, IngestError> {
-        let layout = sniff(text.as_bytes(), "t.csv")?;
+        let layout = sniff(text.as_bytes(), "t.csv", 2)?;
         read(text.as_bytes(), &layout, "t.csv", |k| format!("c{k}"))
     }
 
