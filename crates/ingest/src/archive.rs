@@ -55,7 +55,7 @@ pub fn open(file: &str, bytes: &[u8]) -> Result<Bundle, IngestError> {
     for entry in &entries {
         let beside =
             entry.folder == main.folder || (bundle.reader.spans_folders() && of_one_test(&main.folder, &entry.folder));
-        let known = bundle.companions.contains_key(&entry.name);
+        let known = entry.index == main.index || bundle.companions.contains_key(&entry.name);
         if beside && !known && bundle.reader.companion(&main.name, &entry.name) {
             let bytes = inflate(file, &mut zip, entry, &mut total)?;
             bundle.companions.insert(entry.name.clone(), bytes);

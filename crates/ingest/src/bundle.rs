@@ -83,7 +83,7 @@ impl Bundle {
         for folder in folders {
             for path in entries(&folder)? {
                 let name = file_name(&path);
-                let known = self.companions.contains_key(&name);
+                let known = name == self.main.name || self.companions.contains_key(&name);
                 if self.reader.companion(&self.main.name, &name) && !known && path.is_file() {
                     let bytes = read(&path)?;
                     total += bytes.len() as u64;

@@ -34,12 +34,6 @@ const FORMATS: &[Foreign] = &[
         instead: "take the \"EV5 ASCII X-Y\" download of the test",
         matches: |b| has_early(b, b"----- EV") && !has_early(b, b"----- EV5"),
     },
-    Foreign { what: "a ROS 1 bag", instead: TABLE, matches: |b| b.starts_with(b"#ROSBAG V") },
-    Foreign {
-        what: "an MCAP file",
-        instead: "if a Crumple stage wrote it, give it to the next stage; a recording of sensors: export it as CSV",
-        matches: |b| b.starts_with(b"\x89MCAP"),
-    },
     Foreign {
         what: "an SQLite database (a ROS 2 bag, perhaps)",
         instead: TABLE,
@@ -135,11 +129,9 @@ mod tests {
 
     #[test]
     fn names_formats_by_their_magic() {
-        let cases: [(&[u8], &str); 7] = [
+        let cases: [(&[u8], &str); 5] = [
             (b"%PDF-1.7\n", "PDF"),
             (b"TDSm\x0e\0\0\0", "TDMS"),
-            (b"#ROSBAG V2.0\n", "ROS 1"),
-            (b"\x89MCAP0\r\n", "MCAP"),
             (b"SQLite format 3\0", "SQLite"),
             (b"LabVIEW Measurement\t\r\n", "LVM"),
             (b"<?xml version=\"1.0\"?>\n<usi:tdm>", "TDM"),

@@ -169,12 +169,15 @@ impl Settings {
             sign: self.sign.or(below.sign),
             sample_time: self.sample_time.or(below.sample_time),
             profile: self.profile.or(below.profile),
+            field: self.field.clone().or_else(|| below.field.clone()),
+            resample: self.resample.or(below.resample),
             skip_to: self.skip_to.clone().or_else(|| below.skip_to.clone()),
             vehicle_number: self.vehicle_number.or(below.vehicle_number),
             vehicle: self.vehicle.clone().or_else(|| below.vehicle.clone()),
             title: self.title.clone().or_else(|| below.title.clone()),
             barrier: self.barrier.clone().or_else(|| below.barrier.clone()),
             allow_missing: self.allow_missing.or(below.allow_missing),
+            listing: self.listing,
         }
     }
 }

@@ -32,7 +32,7 @@ impl Reader for IsoMme {
     }
 
     fn companion(&self, main: &str, name: &str) -> bool {
-        stem(name).eq_ignore_ascii_case(stem(main)) && name != main && (is_channel_name(name) || is_text_part(name))
+        stem(name).eq_ignore_ascii_case(stem(main)) && (is_channel_name(name) || is_text_part(name))
     }
 
     fn spans_folders(&self) -> bool {
@@ -88,6 +88,8 @@ fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> 
             Err(error) => unread.push(left_out(name, &error, &mut notes)),
         }
     }
+    // By number: names may differ in case.
+    parsed.sort_by_key(|(name, _)| name.rsplit_once('.').and_then(|(_, e)| e.parse::<u32>().ok()));
     if parsed.is_empty() {
         return Err(no_channels(bundle, &main.name, unread.len()));
     }

@@ -121,6 +121,7 @@ pub fn list(bundle: &Bundle, flags: &Settings) -> Result<Vec<Line>, IngestError>
     let mut choices = flags.over(&beside);
     let wanted = choices.channel.take();
     choices.allow_missing = Some(true);
+    choices.listing = true;
     let recording = bundle.reader.read(bundle, &choices)?;
     let shown = match flags.channel.as_deref().and(wanted) {
         Some(wanted) => {

@@ -2,7 +2,7 @@
 
 use crate::bundle::Bundle;
 use crate::recording::Recording;
-use crate::{IngestError, Place, Settings, ev5, foreign, iso_mme, table};
+use crate::{IngestError, Place, Settings, ev5, foreign, iso_mme, mcap_file, ros_bag, table};
 
 /// A format that is read. To add one: a file with a type that implements this, and a line in [`READERS`].
 pub trait Reader: Sync {
@@ -27,7 +27,7 @@ pub trait Reader: Sync {
 }
 
 /// All readers, the most particular first: the first that recognises a file reads it.
-pub const READERS: &[&dyn Reader] = &[&ev5::Ev5, &iso_mme::IsoMme, &table::Table];
+pub const READERS: &[&dyn Reader] = &[&mcap_file::Mcap, &ros_bag::RosBag, &ev5::Ev5, &iso_mme::IsoMme, &table::Table];
 
 /// The reader for a file, or why there is none: empty, known but not read, or not known at all.
 pub fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader, IngestError> {

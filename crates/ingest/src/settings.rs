@@ -1,6 +1,6 @@
 //! What a person may state about a record: the same names as flags, pipeline keys and sidecar keys.
 
-use crumple_signal::value::{Mass, Speed, Time};
+use crumple_signal::value::{Frequency, Mass, Speed, Time};
 use serde::{Deserialize, Serialize};
 
 /// What to do with the polarity of acceleration channels.
@@ -60,6 +60,14 @@ pub struct Settings {
     /// Words of the line above the table that is meant, in a text with several: "Longitudinal Crash Pulse".
     #[arg(long, value_name = "TEXT")]
     pub skip_to: Option<String>,
+    /// Number to take from JSON messages of an MCAP file, by its path; several by commas; a topic and a colon may stand in front:
+    /// imu.acceleration.x. Its unit is that of --unit.
+    #[arg(long, value_name = "PATH")]
+    pub field: Option<String>,
+    /// Rate to which messages with uneven stamps are resampled by linear interpolation, with its unit: 100Hz. Default: they
+    /// are refused.
+    #[arg(long, value_name = "RATE")]
+    pub resample: Option<Frequency>,
     /// Vehicle whose structure carries the pulse in an NHTSA test with two: 1 or 2. Default: 1.
     #[arg(long, value_name = "NUMBER")]
     pub vehicle_number: Option<u32>,
@@ -76,11 +84,15 @@ pub struct Settings {
     /// or physical parameters. Default: false.
     #[arg(long, num_args = 0..=1, default_missing_value = "true", value_name = "BOOL")]
     pub allow_missing: Option<bool>,
+    /// Only the table of channels is wanted: nothing is asked back. Not an option of its own.
+    #[arg(skip)]
+    #[serde(skip)]
+    pub listing: bool,
 }
 
 impl Settings {
     /// The names a sidecar may use.
-    pub const KEYS: [&'static str; 15] = [
+    pub const KEYS: [&'static str; 17] = [
         "mass",
         "impact_speed",
         "channel",
@@ -91,6 +103,8 @@ impl Settings {
         "sample_time",
         "profile",
         "skip_to",
+        "field",
+        "resample",
         "vehicle_number",
         "vehicle",
         "title",

@@ -69,6 +69,7 @@ mod tests {
                 "time_zero" => "\"1 s\"",
                 "sign" => "\"keep\"",
                 "sample_time" => "\"1 s\"",
+                "resample" => "\"100 Hz\"",
                 "profile" => "\"edr\"",
                 "vehicle_number" => "1",
                 "allow_missing" => "true",

@@ -118,7 +118,10 @@ fn repeated_shock_records_with_odd_headers_are_read() {
 fn kilo_g_and_surplus_names_of_the_drop_tower() {
     let Some(path) = shared("data/drop-tower-csv/accel_1.csv") else { return };
     let bundle = Bundle::open(&path).unwrap();
-    let error = ingest(&bundle, &identification_only()).unwrap_err();
+    let unnamed = ingest(&bundle, &identification_only()).unwrap();
+    assert_eq!((unnamed.test.pulse.as_deref(), unnamed.waves.len()), (None, 5));
+    assert!(notes(&unnamed).contains("no channel is named as the crash pulse"));
+    let error = ingest(&bundle, &stated()).unwrap_err();
     assert_eq!(error.to_string(), "accel_1.csv: 5 acceleration columns: accel_1, accel_2, accel_3, accel_4, accel_top");
     let settings = Settings { channel: Some("accel 3".to_owned()), ..identification_only() };
     let ingested = ingest(&bundle, &settings).unwrap();

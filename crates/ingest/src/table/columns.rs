@@ -38,9 +38,18 @@ pub fn channels(
         stated.map(|(symbol, from, forced)| stated_unit(file, symbol, from, edr).map(|f| (f, forced))).transpose()?;
 
     let kinds = kinds(header, &data, selected, stated, edr, notes);
-    if edr {
+    // A record of other quantities is welcome where mass and speed may be missing; a sole column without a unit, or one named as
+    // acceleration, is asked about all the same.
+    let sole = data.len() == 1 && settings.sample_time.is_none();
+    let others_are_welcome = settings.allow_missing.unwrap_or(false)
+        && selected.is_none()
+        && !sole
+        && !data.iter().any(|k| header.named && names_acceleration(&header.columns[*k].title));
+    if settings.listing {
+        // Nothing is asked back for a list.
+    } else if edr {
         check_for_velocity(file, header, &data, &kinds)?;
-    } else if !settings.allow_missing.unwrap_or(false) || selected.is_some() {
+    } else if !others_are_welcome {
         check_for_acceleration(file, header, &data, &kinds, selected)?;
     }
 
