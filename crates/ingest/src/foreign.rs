@@ -35,14 +35,26 @@ const FORMATS: &[Foreign] = &[
         matches: |b| has_early(b, b"----- EV") && !has_early(b, b"----- EV5"),
     },
     Foreign {
-        what: "an SQLite database (a ROS 2 bag, perhaps)",
-        instead: TABLE,
+        what: "an SQLite database (a ROS 2 bag .db3, perhaps)",
+        instead: "convert a ROS 2 bag to MCAP (ros2 bag convert), anything else: export the channels as CSV",
         matches: |b| b.starts_with(b"SQLite format 3"),
+    },
+    Foreign {
+        what: "an enDAQ recording (IDE)",
+        instead: "export it as CSV with enDAQ Lab or idelib: time and acceleration columns with their units in the header",
+        matches: |b| b.starts_with(b"\x1A\x45\xDF\xA3"),
+    },
+    Foreign { what: "a DTS channel file (SLICE)", instead: DTS, matches: |b| b.starts_with(b"\x1F\x35\x36\x2C") },
+    Foreign { what: "a DTS setup file", instead: DTS, matches: |b| xml(b) && (has(b, b"<DTS") || has(b, b"DTS.")) },
+    Foreign {
+        what: "NHTSA test data as JSON (version 6)",
+        instead: "take the \"EV5 ASCII X-Y\" download of the test",
+        matches: |b| json(b) && (has(b, b"General Test Info") || has(b, b"Instrumentation Info")),
     },
     Foreign { what: "an HDF5 file", instead: TABLE, matches: |b| b.starts_with(b"\x89HDF\r\n") },
     Foreign { what: "a MATLAB file", instead: TABLE, matches: |b| b.starts_with(b"MATLAB ") },
     Foreign {
-        what: "an MDF measurement file",
+        what: "an MDF measurement file (MDF 3 or MDF4)",
         instead: TABLE,
         matches: |b| b.starts_with(b"MDF     ") || b.starts_with(b"UnFinMF "),
     },
@@ -79,6 +91,29 @@ const FORMATS: &[Foreign] = &[
         matches: |b| b.starts_with(b"\x7FELF") || b.starts_with(b"MZ\x90\0"),
     },
 ];
+
+const DTS: &str = "export the test as ISO-MME (ISO 13499) or CSV from the DTS software";
+
+/// Binary formats without a mark of their own, by the ending of the name: only asked where the content is not known.
+const BY_ENDING: &[(&[&str], &str, &str)] = &[
+    (
+        &["uds"],
+        "an NHTSA UDS-1992 file",
+        "take the \"EV5 ASCII X-Y\" download of the same NHTSA test, its ISO-MME or its TDMS files",
+    ),
+    (&["tlf", "bin"], "a DTS TDAS file, perhaps", DTS),
+    (&["dts", "chn"], "a DTS SLICE file, perhaps", DTS),
+    (&["pi", "dsp"], "a DADiSP file, perhaps", "export the channels as CSV from DADiSP"),
+];
+
+/// What a file of unknown content may be by its name, and what to do instead.
+pub fn by_ending(file: &str) -> Option<(&'static str, &'static str)> {
+    let ending = file.rsplit_once('.')?.1.to_ascii_lowercase();
+    BY_ENDING
+        .iter()
+        .find(|(endings, ..)| endings.contains(&ending.as_str()))
+        .map(|(_, what, instead)| (*what, *instead))
+}
 
 const UNPACK: &str = "unpack it and give the record itself (zip archives are read as they are)";
 
@@ -129,11 +164,14 @@ mod tests {
 
     #[test]
     fn names_formats_by_their_magic() {
-        let cases: [(&[u8], &str); 5] = [
+        let cases: [(&[u8], &str); 8] = [
             (b"%PDF-1.7\n", "PDF"),
             (b"TDSm\x0e\0\0\0", "TDMS"),
             (b"SQLite format 3\0", "SQLite"),
             (b"LabVIEW Measurement\t\r\n", "LVM"),
+            (b"\x1A\x45\xDF\xA3\x01", "enDAQ"),
+            (b"MDF     4.10    ", "MDF4"),
+            (b"{\"General Test Info\": {}}", "NHTSA"),
             (b"<?xml version=\"1.0\"?>\n<usi:tdm>", "TDM"),
         ];
         for (bytes, name) in cases {
@@ -141,6 +179,12 @@ mod tests {
             assert!(what.contains(name), "{what}");
             assert!(!instead.is_empty());
         }
+    }
+
+    #[test]
+    fn an_ending_tells_what_the_content_does_not() {
+        assert!(by_ending("v01234.UDS").unwrap().1.contains("EV5 ASCII"));
+        assert_eq!(by_ending("a.xyz"), None);
     }
 
     #[test]

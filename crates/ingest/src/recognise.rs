@@ -45,6 +45,9 @@ pub fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader, Ingest
     }
     let head = &bytes[..bytes.len().min(8192)];
     READERS.iter().copied().find(|reader| reader.recognises(head)).ok_or_else(|| {
+        if let Some((what, instead)) = foreign::by_ending(file) {
+            return IngestError::Foreign { file: file.to_owned(), what: what.to_owned(), instead: instead.to_owned() };
+        }
         let start: Vec<String> = bytes.iter().take(8).map(|b| format!("{b:02x}")).collect();
         IngestError::content(
             Place::file(file),
