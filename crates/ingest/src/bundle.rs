@@ -1,10 +1,13 @@
 //! The files of one record, read into memory: the main file, the files beside it that belong to it, the sidecar.
 
+use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+
+use crumple_stage::Progress;
 
 use crate::iso_mme::{self, is_channel_name};
 use crate::recognise::{Reader, recognise};
@@ -12,6 +15,12 @@ use crate::{IngestError, Place, archive};
 
 /// Largest file that is read, bytes.
 pub const FILE_LIMIT: u64 = 1 << 30;
+/// Tables above this are read piece by piece, bytes.
+const STREAM_ABOVE: u64 = 64 << 20;
+/// Start of such a table that is looked at for its layout, bytes.
+const HEAD_OF_LARGE: u64 = 16 << 20;
+/// Largest table, bytes.
+const LARGE_LIMIT: u64 = 64 << 30;
 /// Most memory the files of one record may take, bytes.
 pub const TOTAL_LIMIT: u64 = 2 << 30;
 
@@ -36,6 +45,20 @@ pub struct Bundle {
     pub sidecar: Option<NamedBytes>,
     /// The reader of the main file's format.
     pub reader: &'static dyn Reader,
+    /// A table too long to be held in memory as text: `main` has its start only.
+    pub large: Option<LargeFile>,
+    /// Told of the bytes read of a large file.
+    pub progress: OnceCell<RefCell<Progress>>,
+}
+
+/// A table that is read piece by piece.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LargeFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// Its length, bytes.
+    pub length: u64,
+    digest: String,
 }
 
 impl Bundle {
@@ -43,6 +66,13 @@ impl Bundle {
     pub fn open(path: &Path) -> Result<Self, IngestError> {
         let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
         let main_path = if metadata.is_dir() { main_file_of(path)? } else { path.to_owned() };
+        let length = fs::metadata(&main_path).map_err(|error| unreadable(&main_path, &error))?.len();
+        if length > STREAM_ABOVE
+            && let Some(mut bundle) = Self::open_large(&main_path, length)?
+        {
+            bundle.sidecar = sidecar_of(&main_path)?;
+            return Ok(bundle);
+        }
         let bytes = read(&main_path)?;
         let name = file_name(if metadata.is_dir() { path } else { &main_path });
         let mut bundle = if archive::is_zip(&bytes) {
@@ -57,6 +87,28 @@ impl Bundle {
         Ok(bundle)
     }
 
+    /// A long table: its start in memory, the rest read when it is parsed. `None` for another format.
+    fn open_large(path: &Path, length: u64) -> Result<Option<Self>, IngestError> {
+        let start = head(path, HEAD_OF_LARGE)?;
+        if archive::is_zip(&start) || !recognise(&file_name(path), &start)?.streams(&start) {
+            return Ok(None);
+        }
+        if length > LARGE_LIMIT {
+            return Err(IngestError::TooLarge {
+                place: Place::file(&path.display().to_string()),
+                found: format!("{} GiB", length >> 30),
+                limit: format!("tables up to {} GiB", LARGE_LIMIT >> 30),
+            });
+        }
+        let mut hasher = blake3::Hasher::new();
+        let file = fs::File::open(path).map_err(|error| unreadable(path, &error))?;
+        hasher.update_reader(file).map_err(|error| unreadable(path, &error))?;
+        let mut bundle = Self::from_bytes(&file_name(path), start)?;
+        let digest = format!("blake3:{}", hasher.finalize().to_hex());
+        bundle.large = Some(LargeFile { path: path.to_owned(), length, digest });
+        Ok(Some(bundle))
+    }
+
     /// A record that is one file, already in memory.
     pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, IngestError> {
         let reader = recognise(name, &bytes)?;
@@ -66,6 +118,8 @@ impl Bundle {
             companions: BTreeMap::new(),
             sidecar: None,
             reader,
+            large: None,
+            progress: OnceCell::new(),
         })
     }
 
@@ -98,6 +152,9 @@ impl Bundle {
     /// `blake3:<hex>` of the record. One file: of its bytes. Several: of each file's name, a zero byte, its length (u64,
     /// little-endian) and its bytes, the main file first, the others by name. The sidecar is not part of it.
     pub fn digest(&self) -> String {
+        if let Some(large) = &self.large {
+            return large.digest.clone();
+        }
         let mut hasher = blake3::Hasher::new();
         if self.companions.is_empty() {
             hasher.update(&self.main.bytes);
@@ -200,7 +257,7 @@ fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
         }
     }
     for path in places.iter().filter(|path| is_channel_name(&file_name(path)) && path.is_file()) {
-        if iso_mme::IsoMme.recognises(&head(path)?) {
+        if iso_mme::IsoMme.recognises(&head(path, 8192)?) {
             return Ok(path.clone());
         }
     }
@@ -215,10 +272,10 @@ fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
     }
 }
 
-fn head(path: &Path) -> Result<Vec<u8>, IngestError> {
+fn head(path: &Path, length: u64) -> Result<Vec<u8>, IngestError> {
     let mut bytes = Vec::new();
     let file = fs::File::open(path).map_err(|error| unreadable(path, &error))?;
-    file.take(8192).read_to_end(&mut bytes).map_err(|error| unreadable(path, &error))?;
+    file.take(length).read_to_end(&mut bytes).map_err(|error| unreadable(path, &error))?;
     Ok(bytes)
 }
 

@@ -33,7 +33,7 @@ mod table;
 mod time_zero;
 mod twins;
 
-pub use bundle::{Bundle, NamedBytes};
+pub use bundle::{Bundle, LargeFile, NamedBytes};
 pub use error::{IngestError, Place};
 pub use ingest::{Ingested, Wave, ingest};
 pub use list::{Cli as ListCli, Line, list, run as list_channels};

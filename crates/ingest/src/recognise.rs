@@ -22,6 +22,11 @@ pub trait Reader: Sync {
         false
     }
 
+    /// Whether a file that starts with `head` can be read piece by piece, when it is too long for memory.
+    fn streams(&self, _head: &[u8]) -> bool {
+        false
+    }
+
     /// Reads the record. Sees bytes only; the same bytes and settings give the same recording.
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError>;
 }

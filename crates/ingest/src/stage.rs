@@ -1,5 +1,6 @@
 //! The stage: files in, `/test`, `/wave/<id>` and `/quality/<id>` out.
 
+use std::cell::RefCell;
 use std::path::PathBuf;
 
 use crumple_artifact::InputDigest;
@@ -41,6 +42,10 @@ impl Stage for Ingest {
     }
 
     fn run(settings: &Settings, bundle: &Bundle, out: &mut Output) -> anyhow::Result<Outcome> {
+        if let Some(large) = &bundle.large {
+            // Set once: a second run of the same bundle would go on with the same bar.
+            let _ = bundle.progress.set(RefCell::new(out.progress(format!("reading {}", bundle.name), large.length)));
+        }
         let ingested = ingest(bundle, settings).map_err(refused)?;
         for line in summary(&ingested) {
             out.summary(line);

@@ -61,7 +61,7 @@ pub fn channels(
         samples.iter_mut().for_each(|x| *x *= factor);
         let wave = Sampled::new(time.grid.t0_s, time.grid.dt_s, samples).map_err(|error| {
             let place = match error {
-                SignalError::NotFinite { index, .. } => Place::line(file, lines[index] as usize),
+                SignalError::NotFinite { index, .. } => Place::line(file, lines.of(index)),
                 _ => Place::file(file),
             };
             let column = format!("{} ({})", k + 1, header.columns[k].title);

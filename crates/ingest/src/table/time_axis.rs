@@ -47,10 +47,10 @@ pub fn find(
     let column = named.or(with_unit).unwrap_or(0);
     let title = format!("{} ({})", column + 1, header.columns[column].title);
     let mut times = std::mem::take(&mut rows.columns[column]);
-    let place = |index: usize| Place::line(file, rows.lines[index] as usize).in_column(title.clone());
+    let place = |index: usize| Place::line(file, rows.lines.of(index)).in_column(title.clone());
 
     if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Err(order(place(k + 1), is_named, times[k], times[k + 1], rows.lines[k]));
+        return Err(order(place(k + 1), is_named, times[k], times[k + 1], rows.lines.of(k)));
     }
     let unit = unit(file, &title, &header.columns[column].unit, &times, settings, comment, notes)?;
     // The printed resolution: the last digit of the most finely printed stamp, seen from the largest.
@@ -59,7 +59,7 @@ pub fn find(
     scale(&mut times, unit);
     let grid = grid::fit(&times, resolution).map_err(|error| match error {
         GridError::Repeated { index } | GridError::Backwards { index } => {
-            order(place(index), is_named, times[index - 1], times[index], rows.lines[index - 1])
+            order(place(index), is_named, times[index - 1], times[index], rows.lines.of(index - 1))
         }
         GridError::Uneven { index, step_s, dt_s } => IngestError::content(
             place(index),
@@ -79,7 +79,7 @@ fn scale(times: &mut [f64], factor: f64) {
     }
 }
 
-fn order(place: Place, named: bool, before: f64, now: f64, line_before: u32) -> IngestError {
+fn order(place: Place, named: bool, before: f64, now: f64, line_before: usize) -> IngestError {
     let found = if now == before {
         format!("time {now} again, as in line {line_before}")
     } else {
