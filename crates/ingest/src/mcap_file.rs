@@ -7,8 +7,8 @@ use crumple_artifact::Artifact;
 use crumple_artifact::records::TestV1;
 use crumple_signal::unit::signal_unit;
 use crumple_signal::{Channel, Notes, QuantityKind, TestDescription};
-use mcap::read::LinearReader;
-use mcap::records::Record as McapRecord;
+use mcap::records::{Channel as McapChannel, Record as McapRecord};
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::bundle::Bundle;
 use crate::messages::{self, Component, Sample, Topic, Track, imu_components, is_imu, json_number, json_stamp_ns};
@@ -50,32 +50,90 @@ fn damaged(file: &str, found: &str) -> IngestError {
     )
 }
 
+/// Tells `each` all records of the file; chunks as they are (`unpack` false), or the records in them. No record may be longer
+/// than [`CHUNK_LIMIT`], whatever it claims.
+fn scan(
+    file: &str,
+    bytes: &[u8],
+    unpack: bool,
+    mut each: impl FnMut(McapRecord) -> Result<(), IngestError>,
+) -> Result<(), IngestError> {
+    let mut reader = LinearReader::new_with_options(
+        LinearReaderOptions::default()
+            .with_emit_chunks(!unpack)
+            .with_validate_chunk_crcs(true)
+            .with_record_length_limit(CHUNK_LIMIT as usize),
+    );
+    let mut rest = bytes;
+    while let Some(event) = reader.next_event() {
+        match event.map_err(|error| damaged(file, &error.to_string()))? {
+            LinearReadEvent::ReadRequest(need) => {
+                // In pieces, so that an absurd announced length reserves nothing.
+                let length = need.min(rest.len()).min(1 << 24);
+                reader.insert(length).copy_from_slice(&rest[..length]);
+                reader.notify_read(length);
+                rest = &rest[length..];
+            }
+            LinearReadEvent::Record { opcode, data } => {
+                each(mcap::parse_record(opcode, data).map_err(|error| damaged(file, &error.to_string()))?)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Tells `each` topic, type, encoding, log time in ns and bytes of every message.
+fn messages_of(
+    file: &str,
+    bytes: &[u8],
+    mut each: impl FnMut(&str, &str, &str, u64, &[u8]),
+) -> Result<(), IngestError> {
+    let mut schemas: BTreeMap<u16, String> = BTreeMap::new();
+    let mut channels: BTreeMap<u16, McapChannel> = BTreeMap::new();
+    scan(file, bytes, true, |record| {
+        match record {
+            McapRecord::Schema { header, .. } => drop(schemas.insert(header.id, header.name)),
+            McapRecord::Channel(channel) => drop(channels.insert(channel.id, channel)),
+            McapRecord::Message { header, data } => {
+                let channel = channels.get(&header.channel_id).ok_or_else(|| {
+                    damaged(
+                        file,
+                        &format!("a message of channel {}, which is not described before it", header.channel_id),
+                    )
+                })?;
+                let kind = schemas.get(&channel.schema_id).map_or("", String::as_str);
+                each(&channel.topic, kind, &channel.message_encoding, header.log_time, &data);
+            }
+            _ => {}
+        }
+        Ok(())
+    })
+}
+
 /// All topics with their counts; chunks that claim to be huge are refused before anything is unpacked.
 fn topics(file: &str, bytes: &[u8]) -> Result<BTreeMap<String, Topic>, IngestError> {
     let mut total = 0_u64;
-    for record in LinearReader::new(bytes).map_err(|error| damaged(file, &error.to_string()))? {
-        if let McapRecord::Chunk { header, .. } = record.map_err(|error| damaged(file, &error.to_string()))? {
-            total = total.saturating_add(header.uncompressed_size);
-            if header.uncompressed_size > CHUNK_LIMIT {
-                return Err(IngestError::TooLarge {
-                    place: Place::file(file),
-                    found: format!("a chunk that claims {} MiB when unpacked", header.uncompressed_size >> 20),
-                    limit: format!("chunks up to {} MiB", CHUNK_LIMIT >> 20),
-                });
-            }
-            crate::bundle::check_total(file, total)?;
+    scan(file, bytes, false, |record| {
+        let McapRecord::Chunk { header, .. } = record else { return Ok(()) };
+        total = total.saturating_add(header.uncompressed_size);
+        if header.uncompressed_size > CHUNK_LIMIT {
+            return Err(IngestError::TooLarge {
+                place: Place::file(file),
+                found: format!("a chunk that claims {} MiB when unpacked", header.uncompressed_size >> 20),
+                limit: format!("chunks up to {} MiB", CHUNK_LIMIT >> 20),
+            });
         }
-    }
+        crate::bundle::check_total(file, total)
+    })?;
     let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
-    for message in mcap::MessageStream::new(bytes).map_err(|error| damaged(file, &error.to_string()))? {
-        let channel = message.map_err(|error| damaged(file, &error.to_string()))?.channel;
-        let topic = topics.entry(channel.topic.clone()).or_insert_with(|| Topic {
-            kind: channel.schema.as_ref().map_or_else(String::new, |s| s.name.clone()),
-            encoding: channel.message_encoding.clone(),
+    messages_of(file, bytes, |topic, kind, encoding, _, _| {
+        let known = topics.entry(topic.to_owned()).or_insert_with(|| Topic {
+            kind: kind.to_owned(),
+            encoding: encoding.to_owned(),
             count: 0,
         });
-        topic.count += 1;
-    }
+        known.count += 1;
+    })?;
     Ok(topics)
 }
 
@@ -122,30 +180,28 @@ fn of_messages(
     };
     let plans: BTreeMap<&str, (Vec<Component>, Vec<String>)> =
         topics.iter().filter_map(|(name, topic)| Some((name.as_str(), wanted(name, topic)?))).collect();
-    for message in mcap::MessageStream::new(bytes).map_err(|error| damaged(file, &error.to_string()))? {
-        let message = message.map_err(|error| damaged(file, &error.to_string()))?;
-        let Some((components, paths)) = plans.get(message.channel.topic.as_str()) else { continue };
-        let sample = match message.channel.message_encoding.as_str() {
-            "json" => serde_json::from_slice(&message.data).ok().and_then(|json: serde_json::Value| {
+    messages_of(file, bytes, |topic, _, encoding, log_time, data| {
+        let Some((components, paths)) = plans.get(topic) else { return };
+        let sample = match encoding {
+            "json" => serde_json::from_slice(data).ok().and_then(|json: serde_json::Value| {
                 let values = paths.iter().map(|path| json_number(&json, path)).collect::<Option<Vec<f64>>>()?;
                 let stamp_ns = json_stamp_ns(&json);
                 by_log_time |= stamp_ns.is_none();
-                let stamp_ns = stamp_ns.or_else(|| i64::try_from(message.log_time).ok())?;
+                let stamp_ns = stamp_ns.or_else(|| i64::try_from(log_time).ok())?;
                 Some(Sample { stamp_ns, values })
             }),
-            encoding => messages::imu(&message.data, encoding == "cdr"),
+            encoding => messages::imu(data, encoding == "cdr"),
         };
-        let topic = message.channel.topic.clone();
         match sample {
             Some(sample) => {
                 let track = tracks
-                    .entry(topic)
+                    .entry(topic.to_owned())
                     .or_insert_with(|| Track { components: components.clone(), samples: Vec::new() });
                 track.samples.push(sample);
             }
-            None => *unread.entry(topic).or_default() += 1,
+            None => *unread.entry(topic.to_owned()).or_default() += 1,
         }
-    }
+    })?;
     if tracks.is_empty() {
         return Err(nothing(file, topics, &named, &unread));
     }
