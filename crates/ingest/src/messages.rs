@@ -17,12 +17,12 @@ const RESAMPLED_LIMIT: f64 = 1e8;
 /// Below this rate CFC 60 cannot be applied, Hz.
 const CFC60_RATE_HZ: f64 = 600.0;
 
-/// What a message of one topic gives: its stamp, and the values of the components (`None`: not measured).
+/// What a message of one topic gives: its stamp, and the values of its components.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
     /// Stamp in ns since the epoch.
     pub stamp_ns: i64,
-    /// One value for each component of the track.
+    /// Values of the first components of the track; the others are not measured.
     pub values: Vec<f64>,
 }
 
@@ -117,7 +117,8 @@ impl Bytes<'_> {
 }
 
 /// Decodes `sensor_msgs/Imu` in CDR (`cdr`) or as ROS 1 writes it. Linear acceleration in m/s^2 with gravity, angular velocity in
-/// rad/s; a field whose first covariance is -1 is absent (`None` for acceleration, zeros for angular velocity).
+/// rad/s; a field whose first covariance is -1 is absent: without acceleration there is no sample, without
+/// angular velocity it has three values.
 pub fn imu(data: &[u8], cdr: bool) -> Option<Sample> {
     let data = if cdr {
         // Encapsulation: 0x0001 is CDR little-endian.
@@ -140,10 +141,10 @@ pub fn imu(data: &[u8], cdr: bool) -> Option<Sample> {
     if linear_covariance[0] == -1.0 {
         return None;
     }
-    let angular = if angular_covariance[0] == -1.0 { [0.0; 3] } else { angular };
+    let angular = if angular_covariance[0] == -1.0 { Vec::new() } else { angular.to_vec() };
     Some(Sample {
         stamp_ns: i64::from(seconds) * 1_000_000_000 + i64::from(nanoseconds),
-        values: [linear, angular].concat(),
+        values: [linear.to_vec(), angular].concat(),
     })
 }
 
@@ -294,9 +295,12 @@ fn of_track(
         ));
     }
     let stem: String = topic.trim_matches('/').chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
+    // What one message lacks is no channel.
+    let measured = track.samples.iter().map(|s| s.values.len()).min().unwrap_or(0);
     track
         .components
         .iter()
+        .take(measured)
         .enumerate()
         .map(|(c, component)| {
             let read = |k: usize| track.samples[k].values[c] * component.factor;
