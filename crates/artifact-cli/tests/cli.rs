@@ -43,6 +43,10 @@ fn channel(id: &str, quantity: QuantityKind) -> ChannelV1 {
         initial_velocity_m_per_s: None,
         redundant: false,
         comment: None,
+        code: None,
+        sensor: None,
+        filter_state: None,
+        polarity: None,
     }
 }
 

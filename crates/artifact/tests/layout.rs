@@ -84,6 +84,10 @@ fn test() -> TestV1 {
             initial_velocity_m_per_s: Some(-0.0),
             redundant: false,
             comment: None,
+            code: Some("10FORALERE00ACXP".into()),
+            sensor: None,
+            filter_state: Some("low-pass 2800 Hz".into()),
+            polarity: None,
         }],
         pulse: Some("93".into()),
         notes: vec![],
@@ -187,6 +191,9 @@ fn the_layout_of_every_record_type_is_frozen() {
         minimum: -500.0,
         maximum: 30.0,
         clipped_run: 1,
+        constant_run: Some(4),
+        constant_run_from_s: Some(0.03),
+        end_level: Some(-1.5),
     });
     freeze(&ChannelFilterV1 {
         cfc: Some(60),

@@ -1,10 +1,12 @@
-//! Zip archives: one NHTSA test, or one table, in any folder of the archive.
+//! Zip archives: one NHTSA or ISO-MME test, or one table, in any folder of the archive.
 
 use std::io::{Cursor, Read};
 
 use zip::ZipArchive;
 
-use crate::bundle::{Bundle, FILE_LIMIT, check_total, stem};
+use crate::bundle::{Bundle, FILE_LIMIT, check_total, is_channel_folder, stem};
+use crate::iso_mme::{self, is_channel_name};
+use crate::recognise::Reader;
 use crate::{IngestError, Place};
 
 /// Most entries that are looked through.
@@ -45,18 +47,48 @@ pub fn open(file: &str, bytes: &[u8]) -> Result<Bundle, IngestError> {
     }
     let entries = list(&zip);
     refuse_documents(file, &entries)?;
-    let main = choose(file, &entries)?;
     let mut total = 0;
+    let main = match channel_file(file, &mut zip, &entries)? {
+        Some(entry) => entry,
+        None => choose(file, &entries)?,
+    };
     let main_bytes = inflate(file, &mut zip, main, &mut total)?;
     let mut bundle = Bundle::from_bytes(&main.name, main_bytes)?;
     file.clone_into(&mut bundle.name);
     for entry in &entries {
-        if entry.folder == main.folder && bundle.reader.companion(&main.name, &entry.name) {
+        let beside =
+            entry.folder == main.folder || (bundle.reader.spans_folders() && of_one_test(&main.folder, &entry.folder));
+        let known = entry.index == main.index || bundle.companions.contains_key(&entry.name);
+        if beside && !known && bundle.reader.companion(&main.name, &entry.name) {
             let bytes = inflate(file, &mut zip, entry, &mut total)?;
             bundle.companions.insert(entry.name.clone(), bytes);
         }
     }
     Ok(bundle)
+}
+
+/// Whether one folder is the folder `Channel` of the other.
+fn of_one_test(a: &str, b: &str) -> bool {
+    let channel_of = |inner: &str, outer: &str| {
+        let (parent, name) = inner.rsplit_once('/').unwrap_or(("", inner));
+        is_channel_folder(name) && parent == outer
+    };
+    channel_of(a, b) || channel_of(b, a)
+}
+
+/// The first channel file, where the archive has neither a description of a test nor tables but ISO-MME channel files.
+fn channel_file<'a>(
+    file: &str,
+    zip: &mut ZipArchive<Cursor<&[u8]>>,
+    entries: &'a [Entry],
+) -> Result<Option<&'a Entry>, IngestError> {
+    let described = |e: &Entry| matches!(e.extension().as_str(), "ev5" | "mme" | "chn");
+    if entries.iter().any(described) {
+        return Ok(None);
+    }
+    let Some(first) = entries.iter().find(|e| is_channel_name(&e.name)) else { return Ok(None) };
+    let bytes = inflate(file, zip, first, &mut 0)?;
+    Ok(iso_mme::IsoMme.recognises(&bytes[..bytes.len().min(8192)]).then_some(first))
 }
 
 fn list(zip: &ZipArchive<Cursor<&[u8]>>) -> Vec<Entry> {
@@ -79,15 +111,12 @@ fn refuse_documents(file: &str, entries: &[Entry]) -> Result<(), IngestError> {
     let holds = |folder: &str, name: &str| entries.iter().any(|e| e.folder == folder && e.name.starts_with(name));
     let ends = |extension: &str| entries.iter().any(|e| e.extension() == extension);
     let csv = "save the sheet with the record as CSV (time and acceleration columns with their units in the header)";
-    let nhtsa = "take the \"EV5 ASCII X-Y\" download of the same NHTSA test, or export the channels as CSV";
     let (what, instead) = if holds("xl", "workbook") {
         ("an Excel workbook (xlsx)", csv)
     } else if holds("word", "document") {
         ("a Word document", csv)
     } else if holds("", "content.xml") && holds("", "mimetype") {
         ("an OpenDocument file", csv)
-    } else if ends("mme") || ends("chn") {
-        ("a zip with an ISO-MME test (ISO/TS 13499)", nhtsa)
     } else {
         return Ok(());
     };
@@ -101,9 +130,11 @@ fn refuse_documents(file: &str, entries: &[Entry]) -> Result<(), IngestError> {
 fn choose<'a>(file: &str, entries: &'a [Entry]) -> Result<&'a Entry, IngestError> {
     let with = |accept: &dyn Fn(&Entry) -> bool| entries.iter().filter(|e| accept(e)).collect::<Vec<&Entry>>();
     let ev5 = with(&|e| e.extension() == "ev5");
+    let mme = with(&|e| e.extension() == "mme");
+    let chn = with(&|e| e.extension() == "chn");
     let tables = with(&|e| TABLES.contains(&e.extension().as_str()) && !e.name.to_lowercase().contains("readme"));
     let measurements = with(&|e| MEASUREMENTS.contains(&e.extension().as_str()));
-    for found in [&ev5, &measurements, &tables] {
+    for found in [&ev5, &mme, &chn, &measurements, &tables] {
         match found.as_slice() {
             [] => {}
             [one] => return Ok(one),
@@ -112,7 +143,7 @@ fn choose<'a>(file: &str, entries: &'a [Entry]) -> Result<&'a Entry, IngestError
                 return Err(IngestError::Path {
                     path: file.to_owned(),
                     found: format!("{} records in one archive: {}", several.len(), names.join(", ")),
-                    expected: "an archive with one .EV5 file or one table".to_owned(),
+                    expected: "an archive with one .EV5 file, one ISO-MME test or one table".to_owned(),
                     hint: "unpack it and give the one you mean".to_owned(),
                 });
             }
@@ -135,7 +166,7 @@ fn choose<'a>(file: &str, entries: &'a [Entry]) -> Result<&'a Entry, IngestError
         None => IngestError::Path {
             path: file.to_owned(),
             found: format!("{} files, none of them an .EV5 file or a table", entries.len()),
-            expected: "an archive with one .EV5 file or one table".to_owned(),
+            expected: "an archive with one .EV5 file, one ISO-MME test or one table".to_owned(),
             hint: "unpack it and give the record itself".to_owned(),
         },
     })

@@ -1,15 +1,26 @@
 //! The files of one record, read into memory: the main file, the files beside it that belong to it, the sidecar.
 
+use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use crumple_stage::Progress;
+
+use crate::iso_mme::{self, is_channel_name};
 use crate::recognise::{Reader, recognise};
 use crate::{IngestError, Place, archive};
 
 /// Largest file that is read, bytes.
 pub const FILE_LIMIT: u64 = 1 << 30;
+/// Tables above this are read piece by piece, bytes.
+const STREAM_ABOVE: u64 = 64 << 20;
+/// Start of such a table that is looked at for its layout, bytes.
+const HEAD_OF_LARGE: u64 = 16 << 20;
+/// Largest table, bytes.
+const LARGE_LIMIT: u64 = 64 << 30;
 /// Most memory the files of one record may take, bytes.
 pub const TOTAL_LIMIT: u64 = 2 << 30;
 
@@ -34,13 +45,34 @@ pub struct Bundle {
     pub sidecar: Option<NamedBytes>,
     /// The reader of the main file's format.
     pub reader: &'static dyn Reader,
+    /// A table too long to be held in memory as text: `main` has its start only.
+    pub large: Option<LargeFile>,
+    /// Told of the bytes read of a large file.
+    pub progress: OnceCell<RefCell<Progress>>,
+}
+
+/// A table that is read piece by piece.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LargeFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// Its length, bytes.
+    pub length: u64,
+    digest: String,
 }
 
 impl Bundle {
-    /// Reads a file, a folder with one NHTSA test, or a zip archive of either.
+    /// Reads a file, a folder with one NHTSA or ISO-MME test, or a zip archive of either.
     pub fn open(path: &Path) -> Result<Self, IngestError> {
         let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
         let main_path = if metadata.is_dir() { main_file_of(path)? } else { path.to_owned() };
+        let length = fs::metadata(&main_path).map_err(|error| unreadable(&main_path, &error))?.len();
+        if length > STREAM_ABOVE
+            && let Some(mut bundle) = Self::open_large(&main_path, length)?
+        {
+            bundle.sidecar = sidecar_of(&main_path)?;
+            return Ok(bundle);
+        }
         let bytes = read(&main_path)?;
         let name = file_name(if metadata.is_dir() { path } else { &main_path });
         let mut bundle = if archive::is_zip(&bytes) {
@@ -55,6 +87,28 @@ impl Bundle {
         Ok(bundle)
     }
 
+    /// A long table: its start in memory, the rest read when it is parsed. `None` for another format.
+    fn open_large(path: &Path, length: u64) -> Result<Option<Self>, IngestError> {
+        let start = head(path, HEAD_OF_LARGE)?;
+        if archive::is_zip(&start) || !recognise(&file_name(path), &start)?.streams(&start) {
+            return Ok(None);
+        }
+        if length > LARGE_LIMIT {
+            return Err(IngestError::TooLarge {
+                place: Place::file(&path.display().to_string()),
+                found: format!("{} GiB", length >> 30),
+                limit: format!("tables up to {} GiB", LARGE_LIMIT >> 30),
+            });
+        }
+        let mut hasher = blake3::Hasher::new();
+        let file = fs::File::open(path).map_err(|error| unreadable(path, &error))?;
+        hasher.update_reader(file).map_err(|error| unreadable(path, &error))?;
+        let mut bundle = Self::from_bytes(&file_name(path), start)?;
+        let digest = format!("blake3:{}", hasher.finalize().to_hex());
+        bundle.large = Some(LargeFile { path: path.to_owned(), length, digest });
+        Ok(Some(bundle))
+    }
+
     /// A record that is one file, already in memory.
     pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, IngestError> {
         let reader = recognise(name, &bytes)?;
@@ -64,6 +118,8 @@ impl Bundle {
             companions: BTreeMap::new(),
             sidecar: None,
             reader,
+            large: None,
+            progress: OnceCell::new(),
         })
     }
 
@@ -74,14 +130,22 @@ impl Bundle {
             return Ok(());
         }
         let folder = main_path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut folders = vec![folder.to_owned()];
+        if self.reader.spans_folders() {
+            folders.extend(channel_folder(folder)?);
+            folders.extend(folder.parent().filter(|_| is_channel_folder(&file_name(folder))).map(Path::to_owned));
+        }
         let mut total = 0;
-        for path in entries(folder)? {
-            let name = file_name(&path);
-            if self.reader.companion(&self.main.name, &name) && path.is_file() {
-                let bytes = read(&path)?;
-                total += bytes.len() as u64;
-                check_total(&self.name, total)?;
-                self.companions.insert(name, bytes);
+        for folder in folders {
+            for path in entries(&folder)? {
+                let name = file_name(&path);
+                let known = name == self.main.name || self.companions.contains_key(&name);
+                if self.reader.companion(&self.main.name, &name) && !known && path.is_file() {
+                    let bytes = read(&path)?;
+                    total += bytes.len() as u64;
+                    check_total(&self.name, total)?;
+                    self.companions.insert(name, bytes);
+                }
             }
         }
         Ok(())
@@ -90,6 +154,9 @@ impl Bundle {
     /// `blake3:<hex>` of the record. One file: of its bytes. Several: of each file's name, a zero byte, its length (u64,
     /// little-endian) and its bytes, the main file first, the others by name. The sidecar is not part of it.
     pub fn digest(&self) -> String {
+        if let Some(large) = &self.large {
+            return large.digest.clone();
+        }
         let mut hasher = blake3::Hasher::new();
         if self.companions.is_empty() {
             hasher.update(&self.main.bytes);
@@ -152,30 +219,66 @@ fn entries(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
     Ok(paths)
 }
 
-/// The one EV5 file of a folder.
+/// The folder of channel files in an ISO-MME test, in any case.
+pub(crate) fn is_channel_folder(name: &str) -> bool {
+    name.eq_ignore_ascii_case("channel") || name.eq_ignore_ascii_case("channels")
+}
+
+fn channel_folder(folder: &Path) -> Result<Option<PathBuf>, IngestError> {
+    Ok(entries(folder)?.into_iter().find(|path| is_channel_folder(&file_name(path)) && path.is_dir()))
+}
+
+/// The file that stands for a folder: its one EV5 file; else the test file, the channel list or the first channel file of
+/// an ISO-MME test; else what its only subfolder has.
 fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
     let all = entries(folder)?;
-    let is_ev5 = |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ev5")) && path.is_file();
-    let found: Vec<&PathBuf> = all.iter().filter(is_ev5).collect();
-    match found.as_slice() {
-        [one] => Ok((*one).clone()),
-        [] => Err(IngestError::Path {
+    let mut places = all.clone();
+    if let Some(channel) = channel_folder(folder)? {
+        places.extend(entries(&channel)?);
+    }
+    for extension in ["ev5", "mme", "chn"] {
+        let is_it =
+            |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension)) && path.is_file();
+        let found: Vec<&PathBuf> = places.iter().filter(is_it).collect();
+        match found.as_slice() {
+            [one] => return Ok((*one).clone()),
+            [] => {}
+            several => {
+                return Err(IngestError::Path {
+                    path: folder.display().to_string(),
+                    found: format!(
+                        "a folder with {} .{} files: {}",
+                        several.len(),
+                        extension.to_uppercase(),
+                        several.iter().take(10).map(|p| file_name(p)).collect::<Vec<_>>().join(", ")
+                    ),
+                    expected: "the folder of one test".to_owned(),
+                    hint: format!("give the .{} file of the test", extension.to_uppercase()),
+                });
+            }
+        }
+    }
+    for path in places.iter().filter(|path| is_channel_name(&file_name(path)) && path.is_file()) {
+        if iso_mme::IsoMme.recognises(&head(path, 8192)?) {
+            return Ok(path.clone());
+        }
+    }
+    match all.as_slice() {
+        [only] if only.is_dir() => main_file_of(only),
+        _ => Err(IngestError::Path {
             path: folder.display().to_string(),
-            found: format!("a folder without an .EV5 file ({} other entries)", all.len()),
-            expected: "the folder of one NHTSA test, or a file".to_owned(),
+            found: format!("a folder without an .EV5 file or an ISO-MME test ({} other entries)", all.len()),
+            expected: "the folder of one test, or a file".to_owned(),
             hint: "give the file itself, such as crash.csv".to_owned(),
         }),
-        several => Err(IngestError::Path {
-            path: folder.display().to_string(),
-            found: format!(
-                "a folder with {} .EV5 files: {}",
-                several.len(),
-                several.iter().take(10).map(|p| file_name(p)).collect::<Vec<_>>().join(", ")
-            ),
-            expected: "the folder of one test".to_owned(),
-            hint: "give the .EV5 file of the test".to_owned(),
-        }),
     }
+}
+
+fn head(path: &Path, length: u64) -> Result<Vec<u8>, IngestError> {
+    let mut bytes = Vec::new();
+    let file = fs::File::open(path).map_err(|error| unreadable(path, &error))?;
+    file.take(length).read_to_end(&mut bytes).map_err(|error| unreadable(path, &error))?;
+    Ok(bytes)
 }
 
 fn sidecar_of(main_path: &Path) -> Result<Option<NamedBytes>, IngestError> {
@@ -197,7 +300,7 @@ fn unreadable(path: &Path, error: &std::io::Error) -> IngestError {
     IngestError::Path {
         path: path.display().to_string(),
         found,
-        expected: "a table of numbers, an NHTSA EV5 file or its folder, or a zip of either".to_owned(),
+        expected: "a table of numbers, an NHTSA EV5 file or its folder, an ISO-MME test, or a zip of them".to_owned(),
         hint: hint.to_owned(),
     }
 }

@@ -1,6 +1,7 @@
 //! NHTSA vehicle tests: an EV5 specification file and ASCII signal files `.001`, `.002`, ... beside it.
 
 mod channels;
+mod code;
 pub(crate) mod records;
 pub(crate) mod sensor;
 mod signal_file;
@@ -180,6 +181,7 @@ pub(crate) fn details(test: &Test, barrier: Option<&Barrier>, vehicle: &Vehicle)
         mass_kg: vehicle.test_mass_kg.map(|value| Stated { value, from: "VEHTWT".to_owned() }),
         impact_speed_m_per_s: speed.map(|(v, from)| Stated { value: v / 3.6, from: from.to_owned() }),
         time_zero_s: None,
+        no_pulse: false,
         facts: facts(test, vehicle),
     }
 }

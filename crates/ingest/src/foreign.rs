@@ -8,7 +8,6 @@ struct Foreign {
 }
 
 const TABLE: &str = "export the channels as CSV: time and acceleration columns with their units in the header";
-const NHTSA: &str = "export the channels as CSV, or take the \"EV5 ASCII X-Y\" download of the same NHTSA test";
 
 /// In the order they are tried.
 const FORMATS: &[Foreign] = &[
@@ -19,30 +18,31 @@ const FORMATS: &[Foreign] = &[
         matches: |b| b.starts_with(b"TDSh"),
     },
     Foreign {
-        what: "an ISO-MME channel or header file (ISO/TS 13499)",
-        instead: NHTSA,
-        matches: |b| !has(b, b"-----") && iso_mme(b),
-    },
-    Foreign {
         what: "an NHTSA EV6 or other specification file than EV5",
         instead: "take the \"EV5 ASCII X-Y\" download of the test",
         matches: |b| has_early(b, b"----- EV") && !has_early(b, b"----- EV5"),
     },
-    Foreign { what: "a ROS 1 bag", instead: TABLE, matches: |b| b.starts_with(b"#ROSBAG V") },
     Foreign {
-        what: "an MCAP file",
-        instead: "if a Crumple stage wrote it, give it to the next stage; a recording of sensors: export it as CSV",
-        matches: |b| b.starts_with(b"\x89MCAP"),
+        what: "an SQLite database (a ROS 2 bag .db3, perhaps)",
+        instead: "convert a ROS 2 bag to MCAP (ros2 bag convert), anything else: export the channels as CSV",
+        matches: |b| b.starts_with(b"SQLite format 3"),
     },
     Foreign {
-        what: "an SQLite database (a ROS 2 bag, perhaps)",
-        instead: TABLE,
-        matches: |b| b.starts_with(b"SQLite format 3"),
+        what: "an enDAQ recording (IDE)",
+        instead: "export it as CSV with enDAQ Lab or idelib: time and acceleration columns with their units in the header",
+        matches: |b| b.starts_with(b"\x1A\x45\xDF\xA3"),
+    },
+    Foreign { what: "a DTS channel file (SLICE)", instead: DTS, matches: |b| b.starts_with(b"\x1F\x35\x36\x2C") },
+    Foreign { what: "a DTS setup file", instead: DTS, matches: |b| xml(b) && (has(b, b"<DTS") || has(b, b"DTS.")) },
+    Foreign {
+        what: "NHTSA test data as JSON (version 6)",
+        instead: "take the \"EV5 ASCII X-Y\" download of the test",
+        matches: |b| json(b) && (has(b, b"General Test Info") || has(b, b"Instrumentation Info")),
     },
     Foreign { what: "an HDF5 file", instead: TABLE, matches: |b| b.starts_with(b"\x89HDF\r\n") },
     Foreign { what: "a MATLAB file", instead: TABLE, matches: |b| b.starts_with(b"MATLAB ") },
     Foreign {
-        what: "an MDF measurement file",
+        what: "an MDF measurement file (MDF 3 or MDF4)",
         instead: TABLE,
         matches: |b| b.starts_with(b"MDF     ") || b.starts_with(b"UnFinMF "),
     },
@@ -80,6 +80,29 @@ const FORMATS: &[Foreign] = &[
     },
 ];
 
+const DTS: &str = "export the test as ISO-MME (ISO 13499) or CSV from the DTS software";
+
+/// Binary formats without a mark of their own, by the ending of the name: only asked where the content is not known.
+const BY_ENDING: &[(&[&str], &str, &str)] = &[
+    (
+        &["uds"],
+        "an NHTSA UDS-1992 file",
+        "take the \"EV5 ASCII X-Y\" download of the same NHTSA test, its ISO-MME or its TDMS files",
+    ),
+    (&["tlf", "bin"], "a DTS TDAS file, perhaps", DTS),
+    (&["dts", "chn"], "a DTS SLICE file, perhaps", DTS),
+    (&["pi", "dsp"], "a DADiSP file, perhaps", "export the channels as CSV from DADiSP"),
+];
+
+/// What a file of unknown content may be by its name, and what to do instead.
+pub fn by_ending(file: &str) -> Option<(&'static str, &'static str)> {
+    let ending = file.rsplit_once('.')?.1.to_ascii_lowercase();
+    BY_ENDING
+        .iter()
+        .find(|(endings, ..)| endings.contains(&ending.as_str()))
+        .map(|(_, what, instead)| (*what, *instead))
+}
+
 const UNPACK: &str = "unpack it and give the record itself (zip archives are read as they are)";
 
 /// What `bytes` are, if they are in a known format that is not read, and what to do instead.
@@ -116,17 +139,6 @@ fn json(bytes: &[u8]) -> bool {
     start.first() == Some(&b'{') || (start.first() == Some(&b'[') && has(start, b"\""))
 }
 
-/// Keywords of ISO/TS 13499 that stand in front of a colon.
-fn iso_mme(bytes: &[u8]) -> bool {
-    let lower = bytes.to_ascii_lowercase();
-    lower.split(|b| *b == b'\n').any(|line| {
-        let Some(colon) = line.iter().position(|b| *b == b':') else { return false };
-        let keyword = line[..colon].trim_ascii();
-        [&b"channel code"[..], b"data format edition number", b"instrumentation standard", b"name of channel 001"]
-            .contains(&keyword)
-    })
-}
-
 /// Second line of a data set is its number.
 fn universal(bytes: &[u8]) -> bool {
     let mut lines = bytes.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
@@ -143,17 +155,23 @@ mod tests {
         let cases: [(&[u8], &str); 7] = [
             (b"%PDF-1.7\n", "PDF"),
             (b"TDSh\x0e\0\0\0", "TDMS index"),
-            (b"#ROSBAG V2.0\n", "ROS 1"),
-            (b"\x89MCAP0\r\n", "MCAP"),
             (b"SQLite format 3\0", "SQLite"),
+            (b"\x1A\x45\xDF\xA3\x01", "enDAQ"),
+            (b"MDF     4.10    ", "MDF4"),
+            (b"{\"General Test Info\": {}}", "NHTSA"),
             (b"<?xml version=\"1.0\"?>\n<test>", "XML"),
-            (b"Test object number          :1\r\nChannel code                :11HEAD\r\n", "ISO-MME"),
         ];
         for (bytes, name) in cases {
             let (what, instead) = recognise(bytes).unwrap();
             assert!(what.contains(name), "{what}");
             assert!(!instead.is_empty());
         }
+    }
+
+    #[test]
+    fn an_ending_tells_what_the_content_does_not() {
+        assert!(by_ending("v01234.UDS").unwrap().1.contains("EV5 ASCII"));
+        assert_eq!(by_ending("a.xyz"), None);
     }
 
     #[test]

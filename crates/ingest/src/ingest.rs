@@ -1,11 +1,11 @@
 //! From the files of a record to a test description, waveforms and their quality.
 
-use crumple_signal::{Notes, QuantityKind, Sampled, Source, TestDescription};
+use crumple_signal::{Channel, Notes, QuantityKind, Sampled, Source, TestDescription};
 
 use crate::bundle::{Bundle, stem};
 use crate::quality::{self, Quality};
 use crate::recording::{Recording, Stated};
-use crate::{IngestError, Place, Settings, Sign, details, polarity, pulse, sidecar, time_zero};
+use crate::{IngestError, Place, Settings, Sign, checks, details, polarity, pulse, sidecar, time_zero, twins};
 
 /// A channel's samples and what was measured on them.
 #[derive(Debug, Clone)]
@@ -51,21 +51,26 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
     let choices = flags.over(&beside);
     let mut recording = bundle.reader.read(bundle, &choices)?;
     let mut notes = std::mem::take(&mut recording.notes);
-    let pulse = pulse::choose(file, &recording, choices.channel.as_deref(), &mut notes)?;
+    let allow_missing = choices.allow_missing.unwrap_or(false) || recording.details.no_pulse;
+    let pulse = pulse::choose(file, &recording, choices.channel.as_deref(), allow_missing, &mut notes)?;
 
-    speed_of_the_pulse(&mut recording, pulse, &mut notes);
+    if let Some(pulse) = pulse {
+        speed_of_the_pulse(&mut recording, pulse, &mut notes);
+    }
     if let Some(sidecar) = &bundle.sidecar {
         details::apply(&mut recording.details, &beside, &sidecar.name, &mut notes);
     }
     details::apply(&mut recording.details, flags, "flag", &mut notes);
-    details::require(file, &recording.details, choices.allow_missing.unwrap_or(false), &mut notes)?;
+    details::require(file, &recording.details, allow_missing, &mut notes)?;
 
     set_time_zero(file, &mut recording, pulse, &mut notes)?;
     if choices.sign == Some(Sign::Flip) {
         let flipped = polarity::flip(&mut recording.channels).map_err(|error| overflow(file, &error.to_string()))?;
         notes.info(format!("sign of acceleration turned, as asked: {flipped} channels"));
     }
-    let pulse_id = recording.channels[pulse].channel.id.clone();
+    let pulse_id = pulse.map(|k| recording.channels[k].channel.id.clone());
+    let same_place: Vec<String> =
+        recording.channels.iter().filter(|f| f.fitness.is_some()).map(|f| f.channel.id.clone()).collect();
     let waves: Vec<Wave> = recording
         .channels
         .iter_mut()
@@ -76,7 +81,10 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
         })
         .collect();
     let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
-    quality_notes(&waves, &pulse_id, speed, &mut notes);
+    checks::notes(&waves, pulse_id.as_deref(), speed, &mut notes);
+
+    let channels: Vec<Channel> = recording.channels.into_iter().map(|found| found.channel).collect();
+    twins::notes(&channels, &waves, &same_place, speed, &mut notes);
 
     let details = recording.details;
     let words = |stated: Option<Stated<String>>| stated.map(|s| s.value);
@@ -87,8 +95,8 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
         impact_speed_m_per_s: speed,
         barrier: words(details.barrier),
         source: Source { format: bundle.reader.format().to_owned(), name: file.to_owned(), digest: bundle.digest() },
-        channels: recording.channels.into_iter().map(|found| found.channel).collect(),
-        pulse: Some(pulse_id),
+        channels,
+        pulse: pulse_id,
         notes: details.facts,
     };
     Ok(Ingested { test, waves, notes })
@@ -108,7 +116,12 @@ fn speed_of_the_pulse(recording: &mut Recording, pulse: usize, notes: &mut Notes
     *stated = Some(Stated { value: speed, from: format!("the initial velocity of channel {}", channel.id) });
 }
 
-fn set_time_zero(file: &str, recording: &mut Recording, pulse: usize, notes: &mut Notes) -> Result<(), IngestError> {
+fn set_time_zero(
+    file: &str,
+    recording: &mut Recording,
+    pulse: Option<usize>,
+    notes: &mut Notes,
+) -> Result<(), IngestError> {
     match &recording.details.time_zero_s {
         Some(Stated { value, from }) => {
             if *value != 0.0 {
@@ -123,7 +136,7 @@ fn set_time_zero(file: &str, recording: &mut Recording, pulse: usize, notes: &mu
             notes.info(format!("time zero is {value} s of the file's axis, stated by {from}"));
         }
         None => {
-            if let Some(wave) = &recording.channels[pulse].wave {
+            if let Some(wave) = pulse.and_then(|k| recording.channels[k].wave.as_ref()) {
                 let before = wave.index_at_or_after(0.0);
                 if before > 0 || recording.contact_at_zero {
                     notes.info(format!("time zero is the file's t = 0, {before} samples after its start"));
@@ -133,41 +146,9 @@ fn set_time_zero(file: &str, recording: &mut Recording, pulse: usize, notes: &mu
             }
         }
     }
-    match &recording.channels[pulse].wave {
+    match pulse.and_then(|k| recording.channels[k].wave.as_ref()) {
         Some(wave) => time_zero::require(file, wave),
         None => Ok(()),
-    }
-}
-
-fn quality_notes(waves: &[Wave], pulse_id: &str, speed: Option<f64>, notes: &mut Notes) {
-    let clipped: Vec<&Wave> = waves.iter().filter(|w| w.quality.clipped_run >= 3).collect();
-    for wave in waves.iter().filter(|w| w.id == pulse_id) {
-        let zero_level = wave.quality.pre_event.map(|p| p.zero_level);
-        if zero_level.is_none() {
-            notes.warning(
-                "the pulse has less than 10 ms of data between -50 ms and -10 ms: its zero level and noise floor are not known",
-            );
-        }
-        polarity::check(&wave.samples, zero_level, speed, notes);
-        time_zero::check(&wave.samples, zero_level, notes);
-        if wave.quality.clipped_run >= 3 {
-            notes.warning(format!(
-                "the pulse may be clipped: {} equal samples in a row at an extreme ({:.3} to {:.3} {})",
-                wave.quality.clipped_run,
-                wave.quality.minimum,
-                wave.quality.maximum,
-                wave.quantity.si_unit()
-            ));
-        }
-    }
-    let others: Vec<&str> = clipped.iter().map(|w| w.id.as_str()).filter(|id| *id != pulse_id).collect();
-    if !others.is_empty() {
-        let more = others.len().saturating_sub(12);
-        let tail = if more > 0 { format!(" and {more} more") } else { String::new() };
-        notes.info(format!(
-            "equal samples in a row at an extreme (clipped?) in {}{tail}",
-            others[..others.len() - more].join(", ")
-        ));
     }
 }
 
@@ -186,11 +167,17 @@ impl Settings {
             time_unit: self.time_unit.clone().or_else(|| below.time_unit.clone()),
             time_zero: self.time_zero.or(below.time_zero),
             sign: self.sign.or(below.sign),
+            sample_time: self.sample_time.or(below.sample_time),
+            profile: self.profile.or(below.profile),
+            field: self.field.clone().or_else(|| below.field.clone()),
+            resample: self.resample.or(below.resample),
+            skip_to: self.skip_to.clone().or_else(|| below.skip_to.clone()),
             vehicle_number: self.vehicle_number.or(below.vehicle_number),
             vehicle: self.vehicle.clone().or_else(|| below.vehicle.clone()),
             title: self.title.clone().or_else(|| below.title.clone()),
             barrier: self.barrier.clone().or_else(|| below.barrier.clone()),
             allow_missing: self.allow_missing.or(below.allow_missing),
+            listing: self.listing,
         }
     }
 }

@@ -4,23 +4,32 @@ use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind};
 
 use crate::IngestError;
 use crate::recording::{Found, PulseRule, Recording};
+use crate::selection::select;
 use crate::table::MINIMUM_SAMPLES;
 
 /// Index of the pulse among the channels: the one asked for, else the fittest of those that are valid and have data. What
-/// was taken, why, and what else there is goes into a note.
+/// was taken, why, and what else there is goes into a note. `None` only where one may be missing.
 pub fn choose(
     file: &str,
     recording: &Recording,
     wanted: Option<&str>,
+    allow_missing: bool,
     notes: &mut Notes,
-) -> Result<usize, IngestError> {
+) -> Result<Option<usize>, IngestError> {
     let mut candidates: Vec<usize> =
         (0..recording.channels.len()).filter(|k| candidate(&recording.channels[*k])).collect();
     // Stable: equally fit channels stay in the order of the file.
     candidates.sort_by_key(|k| recording.channels[*k].fitness);
     let index = match wanted {
         Some(wanted) => asked_for(file, recording, wanted, &candidates)?,
-        None => by_rule(file, recording, &candidates)?,
+        None => match by_rule(file, recording, &candidates) {
+            Ok(index) => index,
+            Err(error) if allow_missing => {
+                notes.warning(format!("no channel is named as the crash pulse: {error}"));
+                return Ok(None);
+            }
+            Err(error) => return Err(error),
+        },
     };
     let found = &recording.channels[index];
     let samples = found.wave.as_ref().map_or(0, crumple_signal::Sampled::len);
@@ -33,7 +42,7 @@ pub fn choose(
         ));
     }
     note(recording, index, &candidates, wanted.is_some(), notes);
-    Ok(index)
+    Ok(Some(index))
 }
 
 fn candidate(found: &Found) -> bool {
@@ -79,18 +88,26 @@ fn by_rule(file: &str, recording: &Recording, candidates: &[usize]) -> Result<us
 
 fn asked_for(file: &str, recording: &Recording, wanted: &str, candidates: &[usize]) -> Result<usize, IngestError> {
     let wanted = wanted.trim();
-    let same = |a: &str| a.to_lowercase() == wanted.to_lowercase();
-    let by_id = recording.channels.iter().position(|f| f.channel.id == wanted);
-    let index = by_id
-        .or_else(|| recording.channels.iter().position(|f| same(&f.channel.id)))
-        .or_else(|| recording.channels.iter().position(|f| f.aliases.iter().any(|a| same(a))));
     let usual = || list(candidates.iter().map(|k| &recording.channels[*k]));
-    let Some(index) = index else {
+    let several = select(&recording.channels, wanted);
+    let &[index] = several.as_slice() else {
+        if !several.is_empty() {
+            return Err(IngestError::channel(
+                file,
+                format!(
+                    "--channel {wanted} means {} channels: {}",
+                    several.len(),
+                    list(several.iter().map(|k| &recording.channels[*k]))
+                ),
+                "one channel as the crash pulse",
+                format!("give an id, such as --channel {}", recording.channels[several[0]].channel.id),
+            ));
+        }
         return Err(IngestError::channel(
             file,
             format!("channel {wanted} is not listed"),
             format!("one of its {} channels, such as {}", recording.channels.len(), usual()),
-            "see the list of channels in the file",
+            "crumple-ingest --list prints the table of channels",
         ));
     };
     let Found { channel, wave, .. } = &recording.channels[index];
@@ -105,12 +122,14 @@ fn asked_for(file: &str, recording: &Recording, wanted: &str, candidates: &[usiz
                 let comment = channel.comment.as_deref().map_or_else(String::new, |c| format!(" ({c})"));
                 format!("channel {id}: not installed{comment}: it has no data, and no file is missing")
             }
-            _ => {
-                format!(
-                    "channel {id} ({}): its signal file, with the extension .{:0>3}, is not here",
-                    channel.location, id
-                )
-            }
+            _ => match &channel.comment {
+                Some(comment) if id.parse::<u32>().is_err() => format!("channel {id} has no data: {comment}"),
+                _ if id.parse::<u32>().is_err() => format!("channel {id} ({}): its file is not here", channel.location),
+                _ => format!(
+                    "channel {id} ({}): its signal file, with the extension .{id:0>3}, is not here",
+                    channel.location
+                ),
+            },
         };
         return Err(IngestError::channel(file, found, "a channel with data", hint()));
     }

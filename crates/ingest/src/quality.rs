@@ -6,6 +6,10 @@ use crumple_signal::Sampled;
 const WINDOW_S: (f64, f64) = (-0.050, -0.010);
 /// Shortest part of it that gives a zero level, s.
 const SHORTEST_S: f64 = 0.010;
+/// Dropouts are looked for up to this time, s.
+const ACTIVE_UNTIL_S: f64 = 0.150;
+/// Length of the end of a record that is looked at for drift, s.
+const END_S: f64 = 0.020;
 /// Slack for rounding of times, s.
 const SLACK_S: f64 = 1e-9;
 
@@ -39,6 +43,12 @@ pub struct Quality {
     pub maximum: f64,
     /// Longest run of equal samples at an extreme away from the zero level; 3 and more: clipped.
     pub clipped_run: usize,
+    /// Longest run of equal samples after time zero while the signal is active, extremes aside.
+    pub constant_run: usize,
+    /// Its first sample, s.
+    pub constant_run_from_s: Option<f64>,
+    /// Mean over the last 20 ms, zero level removed; `None` for a shorter record.
+    pub end_level: Option<f64>,
 }
 
 /// Measures a channel whose t = 0 is the event.
@@ -53,6 +63,7 @@ pub fn measure(wave: &Sampled, time_jitter: f64) -> Quality {
         samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
     let (minimum, maximum) = if samples.is_empty() { (0.0, 0.0) } else { (minimum, maximum) };
     let zero = pre_event.map_or(0.0, |p| p.zero_level);
+    let (constant_run, constant_run_from_s) = constant_run(wave, minimum, maximum, zero);
     Quality {
         pre_event,
         sample_rate_hz: wave.rate_hz(),
@@ -60,7 +71,36 @@ pub fn measure(wave: &Sampled, time_jitter: f64) -> Quality {
         minimum,
         maximum,
         clipped_run: clipped_run(samples, minimum, maximum, zero),
+        constant_run,
+        constant_run_from_s,
+        end_level: end_level(wave, zero),
     }
+}
+
+/// The signal is active from the first to the last sample after time zero, up to 150 ms, that is farther from the zero level
+/// than a tenth of the range. Runs at the extremes are clipping and not counted here.
+fn constant_run(wave: &Sampled, minimum: f64, maximum: f64, zero: f64) -> (usize, Option<f64>) {
+    let from = wave.index_at_or_after(0.0);
+    let window = &wave.samples()[from..wave.index_at_or_after(ACTIVE_UNTIL_S).max(from)];
+    let far = |x: &f64| (x - zero).abs() > 0.1 * (maximum - minimum);
+    let (Some(first), Some(last)) = (window.iter().position(far), window.iter().rposition(far)) else {
+        return (0, None);
+    };
+    let (mut longest, mut at, mut run) = (0, first, 0);
+    for k in first..=last {
+        let x = window[k];
+        run = if k > first && x == window[k - 1] { run + 1 } else { 1 };
+        if run > longest && !(far(&x) && (x == minimum || x == maximum)) {
+            (longest, at) = (run, k + 1 - run);
+        }
+    }
+    (longest, Some(wave.time_s(from + at)))
+}
+
+fn end_level(wave: &Sampled, zero: f64) -> Option<f64> {
+    let from = wave.index_at_or_after(wave.end_s() - END_S);
+    let window = wave.samples().get(from..).filter(|w| w.len() >= 2 && from > 0)?;
+    Some(window.iter().sum::<f64>() / window.len() as f64 - zero)
 }
 
 fn pre_event(wave: &Sampled) -> Option<PreEvent> {

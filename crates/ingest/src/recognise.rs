@@ -2,7 +2,7 @@
 
 use crate::bundle::Bundle;
 use crate::recording::Recording;
-use crate::{IngestError, Place, Settings, ev5, foreign, lvm, table, tdm, tdms};
+use crate::{IngestError, Place, Settings, ev5, foreign, iso_mme, lvm, mcap_file, ros_bag, table, tdm, tdms};
 
 /// A format that is read. To add one: a file with a type that implements this, and a line in [`READERS`].
 pub trait Reader: Sync {
@@ -17,12 +17,31 @@ pub trait Reader: Sync {
         false
     }
 
+    /// Whether files of the record may also lie in the folder `Channel` beside the main file, or in its parent.
+    fn spans_folders(&self) -> bool {
+        false
+    }
+
+    /// Whether a file that starts with `head` can be read piece by piece, when it is too long for memory.
+    fn streams(&self, _head: &[u8]) -> bool {
+        false
+    }
+
     /// Reads the record. Sees bytes only; the same bytes and settings give the same recording.
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError>;
 }
 
 /// All readers, the most particular first: the first that recognises a file reads it.
-pub const READERS: &[&dyn Reader] = &[&tdms::Tdms, &tdm::Tdm, &lvm::Lvm, &ev5::Ev5, &table::Table];
+pub const READERS: &[&dyn Reader] = &[
+    &mcap_file::Mcap,
+    &ros_bag::RosBag,
+    &tdms::Tdms,
+    &tdm::Tdm,
+    &lvm::Lvm,
+    &ev5::Ev5,
+    &iso_mme::IsoMme,
+    &table::Table,
+];
 
 /// The reader for a file, or why there is none: empty, known but not read, or not known at all.
 pub fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader, IngestError> {
@@ -40,6 +59,9 @@ pub fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader, Ingest
     }
     let head = &bytes[..bytes.len().min(8192)];
     READERS.iter().copied().find(|reader| reader.recognises(head)).ok_or_else(|| {
+        if let Some((what, instead)) = foreign::by_ending(file) {
+            return IngestError::Foreign { file: file.to_owned(), what: what.to_owned(), instead: instead.to_owned() };
+        }
         let start: Vec<String> = bytes.iter().take(8).map(|b| format!("{b:02x}")).collect();
         IngestError::content(
             Place::file(file),

@@ -52,6 +52,9 @@ pub struct Details {
     pub impact_speed_m_per_s: Option<Stated<f64>>,
     /// Time of first contact on the file's axis, s.
     pub time_zero_s: Option<Stated<f64>>,
+    /// The record is of a kind that has no crash pulse (an event data recorder's velocity change, say): mass, speed and pulse
+    /// may be missing.
+    pub no_pulse: bool,
     /// Facts that have no field of their own: static crush, laboratory, date.
     pub facts: Vec<String>,
 }

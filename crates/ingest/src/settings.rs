@@ -1,6 +1,6 @@
 //! What a person may state about a record: the same names as flags, pipeline keys and sidecar keys.
 
-use crumple_signal::value::{Mass, Speed, Time};
+use crumple_signal::value::{Frequency, Mass, Speed, Time};
 use serde::{Deserialize, Serialize};
 
 /// What to do with the polarity of acceleration channels.
@@ -14,6 +14,14 @@ pub enum Sign {
     Flip,
 }
 
+/// A kind of table with rules of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Profile {
+    /// Event data recorder: columns of velocity are the change of velocity since the start of the event.
+    Edr,
+}
+
 /// Facts about the record and choices of its reader. What is given here beats the sidecar file, which beats the
 /// record itself.
 #[derive(Debug, Clone, Default, PartialEq, clap::Args, Serialize, Deserialize)]
@@ -25,7 +33,8 @@ pub struct Settings {
     /// Speed just before contact, with its unit: 35km/h, 13.4m/s, 30mph.
     #[arg(long, value_name = "SPEED")]
     pub impact_speed: Option<Speed>,
-    /// Channel to take as the crash pulse: a column name or number of a table, a curve number of an NHTSA test.
+    /// Channel to take as the crash pulse: a column name or number of a table, a curve number of an NHTSA test, a channel
+    /// code, or a pattern that means one channel: '1?VEHC*X?', 'FLLR*'. With --list: the channels to print.
     /// Default: the only acceleration column; for an NHTSA test the rear-seat crossmember or the next best place along x.
     #[arg(long, value_name = "CHANNEL")]
     pub channel: Option<String>,
@@ -42,6 +51,23 @@ pub struct Settings {
     /// Polarity of acceleration along x: keep, or flip where the file has deceleration positive. Default: keep.
     #[arg(long, value_enum, value_name = "SIGN")]
     pub sign: Option<Sign>,
+    /// Sampling interval of a table without a time column, with its unit: 0.08s, 100us. The first row is at 0 s.
+    #[arg(long, value_name = "TIME")]
+    pub sample_time: Option<Time>,
+    /// Kind of table: edr for the tables of event data recorders (CDR reports), whose velocity columns are changes of velocity.
+    #[arg(long, value_enum, value_name = "PROFILE")]
+    pub profile: Option<Profile>,
+    /// Words of the line above the table that is meant, in a text with several: "Longitudinal Crash Pulse".
+    #[arg(long, value_name = "TEXT")]
+    pub skip_to: Option<String>,
+    /// Number to take from JSON messages of an MCAP file, by its path; several by commas; a topic and a colon may stand in front:
+    /// imu.acceleration.x. Its unit is that of --unit.
+    #[arg(long, value_name = "PATH")]
+    pub field: Option<String>,
+    /// Rate to which messages with uneven stamps are resampled by linear interpolation, with its unit: 100Hz. Default: they
+    /// are refused.
+    #[arg(long, value_name = "RATE")]
+    pub resample: Option<Frequency>,
     /// Vehicle whose structure carries the pulse in an NHTSA test with two: 1 or 2. Default: 1.
     #[arg(long, value_name = "NUMBER")]
     pub vehicle_number: Option<u32>,
@@ -58,11 +84,15 @@ pub struct Settings {
     /// or physical parameters. Default: false.
     #[arg(long, num_args = 0..=1, default_missing_value = "true", value_name = "BOOL")]
     pub allow_missing: Option<bool>,
+    /// Only the table of channels is wanted: nothing is asked back. Not an option of its own.
+    #[arg(skip)]
+    #[serde(skip)]
+    pub listing: bool,
 }
 
 impl Settings {
     /// The names a sidecar may use.
-    pub const KEYS: [&'static str; 12] = [
+    pub const KEYS: [&'static str; 17] = [
         "mass",
         "impact_speed",
         "channel",
@@ -70,6 +100,11 @@ impl Settings {
         "time_unit",
         "time_zero",
         "sign",
+        "sample_time",
+        "profile",
+        "skip_to",
+        "field",
+        "resample",
         "vehicle_number",
         "vehicle",
         "title",

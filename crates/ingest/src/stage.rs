@@ -1,5 +1,6 @@
 //! The stage: files in, `/test`, `/wave/<id>` and `/quality/<id>` out.
 
+use std::cell::RefCell;
 use std::path::PathBuf;
 
 use crumple_artifact::InputDigest;
@@ -13,8 +14,9 @@ pub struct Ingest;
 
 impl Stage for Ingest {
     const NAME: &'static str = "ingest";
-    const ABOUT: &'static str = "Reads a crash record as you have it (a table such as CSV, an NHTSA EV5 test, its folder, or a zip of either) and writes it in SI units: \
-        every channel, the test's mass and impact speed, the crash pulse. Asks for what the record does not say; corrects nothing.";
+    const ABOUT: &'static str = "Reads a crash record as you have it (a table such as CSV, an NHTSA EV5 or ISO-MME test, its folder, or a zip of one) and writes it in SI units: \
+        every channel, the test's mass and impact speed, the crash pulse. Asks for what the record does not say; corrects nothing. \
+        crumple-ingest --list INPUT prints the table of channels and writes nothing.";
 
     type Options = Settings;
     type Settings = Settings;
@@ -40,6 +42,10 @@ impl Stage for Ingest {
     }
 
     fn run(settings: &Settings, bundle: &Bundle, out: &mut Output) -> anyhow::Result<Outcome> {
+        if let Some(large) = &bundle.large {
+            // Set once: a second run of the same bundle would go on with the same bar.
+            let _ = bundle.progress.set(RefCell::new(out.progress(format!("reading {}", bundle.name), large.length)));
+        }
         let ingested = ingest(bundle, settings).map_err(refused)?;
         for line in summary(&ingested) {
             out.summary(line);
@@ -54,7 +60,7 @@ impl Stage for Ingest {
     }
 }
 
-fn refused(error: IngestError) -> anyhow::Error {
+pub(crate) fn refused(error: IngestError) -> anyhow::Error {
     let mut refused = Refused::new(error.to_string()).hint(error.hint());
     if let Some(expected) = error.expected() {
         refused = refused.expected(expected);
@@ -74,6 +80,9 @@ fn quality_record(quality: &Quality) -> QualityV1 {
         minimum: quality.minimum,
         maximum: quality.maximum,
         clipped_run: quality.clipped_run as u64,
+        constant_run: Some(quality.constant_run as u64),
+        constant_run_from_s: quality.constant_run_from_s,
+        end_level: quality.end_level,
     }
 }
 

@@ -5,21 +5,32 @@ pub(crate) mod header;
 mod layout;
 pub(crate) mod numbers;
 mod rows;
+mod section;
 mod text;
 mod time_axis;
+
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::{Seek, SeekFrom};
+use std::path::Path;
 
 use crumple_signal::Notes;
 
 use crate::bundle::Bundle;
 use crate::details::from_comments;
 use crate::recognise::Reader;
-use crate::recording::{PulseRule, Recording};
-use crate::{IngestError, Place, Settings};
+use crate::recording::{Details, Found, PulseRule, Recording};
+use crate::{IngestError, Place, Profile, Settings};
 
 pub(crate) use text::{Line, decode, line_at, without_mark};
 
 /// Fewer samples than this are no crash record.
 pub const MINIMUM_SAMPLES: usize = 50;
+
+/// Bytes read at a time of a long table.
+const PIECE: usize = 8 << 20;
+/// Event data recorders keep 25 to 35 samples.
+const MINIMUM_EDR_SAMPLES: usize = 5;
 
 /// Reader of tables: whatever is text and nothing else.
 pub struct Table;
@@ -33,34 +44,98 @@ impl Reader for Table {
         text::is_text(head)
     }
 
+    /// UTF-16 and old Macintosh line ends are converted as a whole, so such files must fit into memory.
+    fn streams(&self, head: &[u8]) -> bool {
+        !matches!(without_mark(head), Cow::Owned(_))
+    }
+
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
-        read(&bundle.main.name, &bundle.main.bytes, settings)
+        read(&bundle.main.name, &bundle.main.bytes, bundle, settings)
     }
 }
 
-/// Reads a table from its bytes. `file` names it in messages.
-pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, IngestError> {
-    let text = without_mark(bytes);
-    let layout = layout::sniff(&text, file)?;
+/// Reads a table from its bytes, or from the file of which these are the start. `file` names it in messages.
+fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    let edr = settings.profile == Some(Profile::Edr);
+    let mut text = without_mark(bytes);
+    if let Some(title) = &settings.skip_to {
+        if bundle.large.is_some() {
+            return Err(IngestError::TooLarge {
+                place: Place::file(file),
+                found: "--skip-to in a table that is read piece by piece".to_owned(),
+                limit: "one table to a file of this length".to_owned(),
+            });
+        }
+        text = Cow::Owned(section::cut(&text, title, file)?);
+    }
+    let least_columns = if settings.sample_time.is_some() { 1 } else { 2 };
+    let layout = layout::sniff(&text, file, least_columns)?;
     let header = header::read(&layout);
     let comments: Vec<(usize, String)> = layout.comments.iter().map(|line| (line.number, decode(line.bytes))).collect();
     let facts = from_comments(file, comments.iter().map(|(line, text)| (*line, text.as_str())))?;
-    let mut rows = rows::read(&text, &layout, file, |k| header.columns[k].title.clone())?;
+    let name = |k: usize| header.columns[k].title.clone();
+    let mut rows = match &bundle.large {
+        None => rows::read(&text, &layout, file, name)?,
+        Some(large) => {
+            let skipped = bytes.len() - text.len() + layout.first_row;
+            let source = start_at(file, &large.path, skipped as u64)?;
+            let length = usize::try_from(large.length).unwrap_or(usize::MAX).saturating_sub(skipped);
+            let head = &text[layout.first_row..];
+            let advance = |bytes| {
+                if let Some(progress) = bundle.progress.get() {
+                    progress.borrow_mut().advance(bytes);
+                }
+            };
+            rows::read_stream(rows::Pieces { source, length, head, piece: PIECE }, &layout, file, name, advance)?
+        }
+    };
     let samples = rows.lines.len();
-    if samples < MINIMUM_SAMPLES {
+    let least = if edr { MINIMUM_EDR_SAMPLES } else { MINIMUM_SAMPLES };
+    if samples < least {
         return Err(IngestError::content(
             Place::file(file),
             format!("{samples} samples"),
-            format!("at least {MINIMUM_SAMPLES} samples, one in a row"),
+            format!("at least {least} samples, one in a row"),
             "give the whole record: some tens of milliseconds before and after contact, sampled at 1 kHz or more",
         ));
     }
     let mut notes = Notes::new();
     header_notes(file, &header, &mut notes);
     notes.extend(facts.notes);
-    let time = time_axis::find(file, &header, &mut rows, settings, facts.time_unit.as_ref(), &mut notes)?;
+    let time = match settings.sample_time {
+        Some(interval) => time_axis::stated(file, &header, interval.si())?,
+        None => time_axis::find(file, &header, &mut rows, settings, facts.time_unit.as_ref(), &mut notes)?,
+    };
     let channels = columns::channels(file, &header, rows, &time, settings, facts.unit.as_ref(), &mut notes)?;
-    Ok(Recording { details: facts.details, channels, pulse_rule: PulseRule::OnlyOne, contact_at_zero: false, notes })
+    let mut details = facts.details;
+    if edr {
+        edr_notes(&channels, &mut details, &mut notes);
+    }
+    Ok(Recording { details, channels, pulse_rule: PulseRule::OnlyOne, contact_at_zero: false, notes })
+}
+
+/// What an event data recorder's table is good for.
+fn edr_notes(channels: &[Found], details: &mut Details, notes: &mut Notes) {
+    details.no_pulse = !channels.iter().any(|f| f.fitness.is_some());
+    details.facts.push(
+        "event data recorder (49 CFR 563): time zero is the recorder's, some milliseconds after contact".to_owned(),
+    );
+    notes.warning(
+        "event data recorder table: the velocity change is cumulative and coarse (10 ms, whole km/h or mph): peak acceleration, \
+         crush and force cannot be taken from it",
+    );
+}
+
+/// The file from `offset` on.
+fn start_at(file: &str, path: &Path, offset: u64) -> Result<File, IngestError> {
+    let open = || -> std::io::Result<File> {
+        let mut source = File::open(path)?;
+        source.seek(SeekFrom::Start(offset))?;
+        Ok(source)
+    };
+    open().map_err(|error| {
+        IngestError::content(Place::file(file), error.to_string(), "a readable file", "check the disk and try again")
+    })
 }
 
 fn header_notes(file: &str, header: &header::Header, notes: &mut Notes) {

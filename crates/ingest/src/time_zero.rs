@@ -10,8 +10,10 @@ pub const THRESHOLD_M_PER_S2: f64 = 0.5 * STANDARD_GRAVITY_M_PER_S2;
 pub const HOLD_S: f64 = 0.003;
 /// Difference from the record's time zero that is worth a note, s.
 const WORTH_A_NOTE_S: f64 = 0.005;
+/// Samples smoothed at a time.
+const BLOCK: usize = 1 << 18;
 /// Width of the moving mean before the check, s: its -3 dB frequency is about 100 Hz, that of CFC 60.
-const SMOOTHING_S: f64 = 0.0044;
+pub const SMOOTHING_S: f64 = 0.0044;
 
 /// The same samples with the file's time `zero_s` as t = 0.
 pub fn shift(wave: &Sampled, zero_s: f64) -> Result<Sampled, SignalError> {
@@ -58,8 +60,7 @@ pub fn threshold_crossing(times: &Sampled, samples: &[f64], zero_level: f64) -> 
 
 /// A note if the smoothed pulse rises clearly before or after t = 0.
 pub fn check(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
-    let smooth = moving_mean(pulse.samples(), (SMOOTHING_S / pulse.dt_s() / 2.0) as usize);
-    let Some(crossing) = threshold_crossing(pulse, &smooth, zero_level.unwrap_or(0.0)) else {
+    let Some(crossing) = smoothed_crossing(pulse, zero_level.unwrap_or(0.0)) else {
         notes.warning("the pulse never exceeds 0.5 g for 3 ms: check its channel and unit");
         return;
     };
@@ -71,8 +72,21 @@ pub fn check(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
     }
 }
 
+/// [`threshold_crossing`] of the moving mean, block by block: a long record is not copied.
+fn smoothed_crossing(pulse: &Sampled, zero_level: f64) -> Option<f64> {
+    let half = (SMOOTHING_S / pulse.dt_s() / 2.0) as usize;
+    // A run that reaches over the start of a block is found again in it.
+    let overlap = (HOLD_S / pulse.dt_s()).round().max(1.0) as usize + 2;
+    (0..pulse.len()).step_by(BLOCK).find_map(|start| {
+        let (from, to) = (start.saturating_sub(overlap), (start + BLOCK).min(pulse.len()));
+        let (low, high) = (from.saturating_sub(half), (to + half).min(pulse.len()));
+        let smooth = moving_mean(&pulse.samples()[low..high], half);
+        threshold_crossing(&pulse.slice(from, to), &smooth[from - low..to - low], zero_level)
+    })
+}
+
 /// Centred mean over `2 half + 1` samples, fewer at the ends.
-fn moving_mean(samples: &[f64], half: usize) -> Vec<f64> {
+pub fn moving_mean(samples: &[f64], half: usize) -> Vec<f64> {
     let mut sums = Vec::with_capacity(samples.len() + 1);
     let mut sum = 0.0;
     sums.push(sum);

@@ -82,7 +82,7 @@ fn mutate(mut bytes: Vec<u8>, changes: &[(u8, prop::sample::Index, usize)]) -> V
 fn check(bundle: Result<Bundle, crumple_ingest::IngestError>, settings: &Settings) {
     match bundle.and_then(|bundle| ingest(&bundle, settings)) {
         Ok(ingested) => {
-            assert!(ingested.pulse().is_some_and(|w| w.samples.len() >= 50));
+            assert!(ingested.pulse().is_none_or(|w| w.samples.len() >= 50));
             assert!(ingested.waves.iter().all(|w| w.samples.samples().iter().all(|x| x.is_finite())));
         }
         Err(error) => assert!(!error.to_string().is_empty() && !error.hint().is_empty()),
@@ -154,5 +154,77 @@ proptest! {
         let path = folder.path().join("v1.zip");
         std::fs::write(&path, mutate(zipped(), &changes)).unwrap();
         check(Bundle::open(&path), &settings);
+    }
+}
+
+/// An ISO-MME channel file.
+fn channel_file() -> Vec<u8> {
+    let samples: String = (0..80).map(|k| format!("{:.4e}\n", -0.1 * f64::from(k))).collect();
+    format!(
+        "Test object number          :1\nChannel code                :10SECMLERE00ACXP\nUnit                        :g\n\
+         Reference channel           :implicit\nSampling interval           :0.0001\n\
+         Time of first sample        :-0.002\nNumber of samples           :80\n{samples}NOVALUE\n"
+    )
+    .into_bytes()
+}
+
+/// An MCAP file of JSON messages.
+fn mcap_file() -> Vec<u8> {
+    let mut writer = mcap::WriteOptions::new().create(Cursor::new(Vec::new())).unwrap();
+    let channel = writer.add_channel(0, "/a", "json", &std::collections::BTreeMap::new()).unwrap();
+    for k in 0..60_u64 {
+        let time = 1_000_000 * k;
+        let header =
+            mcap::records::MessageHeader { channel_id: channel, sequence: 0, log_time: time, publish_time: time };
+        writer.write_to_known_channel(&header, format!("{{\"x\":{k}}}").as_bytes()).unwrap();
+    }
+    writer.finish().unwrap();
+    writer.into_inner().into_inner()
+}
+
+/// A ROS bag with one connection and some messages that are too short for what they claim to be.
+fn bag() -> Vec<u8> {
+    let block = |bytes: &[u8]| [&(bytes.len() as u32).to_le_bytes()[..], bytes].concat();
+    let field = |name: &str, value: &[u8]| block(&[name.as_bytes(), b"=", value].concat());
+    let conn = field("conn", &0_u32.to_le_bytes());
+    let about = [field("topic", b"/imu"), field("type", b"sensor_msgs/Imu")].concat();
+    let mut bag = b"#ROSBAG V2.0\n".to_vec();
+    bag.extend(block(&[field("op", &[7]), conn.clone(), field("topic", b"/imu")].concat()));
+    bag.extend(block(&about));
+    for k in 0..60_u32 {
+        bag.extend(block(&[field("op", &[2]), conn.clone()].concat()));
+        let mut message =
+            [1_u32.to_le_bytes(), 5_u32.to_le_bytes(), (k * 1_000_000).to_le_bytes(), 0_u32.to_le_bytes()].concat();
+        message.resize(16 + 37 * 8, 0);
+        bag.extend(block(&message));
+    }
+    bag
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn mutated_channel_files(changes in changes(), settings in settings()) {
+        check(Bundle::from_bytes("a.001", mutate(channel_file(), &changes)), &settings);
+    }
+
+    #[test]
+    fn mutated_bags(changes in changes(), settings in settings()) {
+        check(Bundle::from_bytes("a.bag", mutate(bag(), &changes)), &settings);
+    }
+
+    #[test]
+    fn mutated_recordings(changes in changes(), settings in settings()) {
+        let settings = Settings { field: Some("x".to_owned()), unit: Some("g".to_owned()), ..settings };
+        check(Bundle::from_bytes("a.mcap", mutate(mcap_file(), &changes)), &settings);
+    }
+}
+
+#[test]
+fn the_unchanged_recordings_are_read() {
+    let settings = Settings { field: Some("x".to_owned()), allow_missing: Some(true), ..Settings::default() };
+    for (name, bytes, waves) in [("a.001", channel_file(), 1), ("a.bag", bag(), 6), ("a.mcap", mcap_file(), 1)] {
+        assert_eq!(ingest(&Bundle::from_bytes(name, bytes).unwrap(), &settings).unwrap().waves.len(), waves, "{name}");
     }
 }

@@ -118,7 +118,10 @@ fn repeated_shock_records_with_odd_headers_are_read() {
 fn kilo_g_and_surplus_names_of_the_drop_tower() {
     let Some(path) = shared("data/drop-tower-csv/accel_1.csv") else { return };
     let bundle = Bundle::open(&path).unwrap();
-    let error = ingest(&bundle, &identification_only()).unwrap_err();
+    let unnamed = ingest(&bundle, &identification_only()).unwrap();
+    assert_eq!((unnamed.test.pulse.as_deref(), unnamed.waves.len()), (None, 5));
+    assert!(notes(&unnamed).contains("no channel is named as the crash pulse"));
+    let error = ingest(&bundle, &stated()).unwrap_err();
     assert_eq!(error.to_string(), "accel_1.csv: 5 acceleration columns: accel_1, accel_2, accel_3, accel_4, accel_top");
     let settings = Settings { channel: Some("accel 3".to_owned()), ..identification_only() };
     let ingested = ingest(&bundle, &settings).unwrap();
@@ -218,4 +221,58 @@ fn the_digest_of_a_table_is_that_of_its_bytes() {
     let text = pulse("time_s,accel_g\n", 300);
     let ingested = from_text(&text, &stated()).unwrap();
     assert_eq!(ingested.test.source.digest, format!("blake3:{}", blake3::hash(text.as_bytes()).to_hex()));
+}
+
+/// A report of an event data recorder: a preamble, a pre-crash table, the crash table, another one.
+fn recorder_report() -> String {
+    let rows: String = (0..26).map(|k| format!("{},-{}\n", 10 * k, (6 * k).min(54))).collect();
+    format!(
+        "CDR Report,v21\nPre-Crash Data\nTime (sec),Speed (km/h)\n-5,60\n-4,61\n\n\
+         Longitudinal Crash Pulse (Event Record 1)\nTime (msec),\"Delta-V, longitudinal (km/h)\"\n{rows}\nLateral\n0,1\n"
+    )
+}
+
+#[test]
+fn a_table_of_an_event_data_recorder_is_a_change_of_velocity() {
+    let settings = Settings {
+        profile: Some(crumple_ingest::Profile::Edr),
+        skip_to: Some("longitudinal crash pulse".to_owned()),
+        ..Settings::default()
+    };
+    let ingested = from_text(&recorder_report(), &settings).unwrap();
+    assert_eq!((ingested.test.pulse.as_deref(), ingested.waves.len()), (None, 1));
+    let wave = &ingested.waves[0];
+    assert_eq!((wave.quantity, wave.samples.len(), wave.samples.dt_s()), (QuantityKind::VelocityChange, 26, 0.01));
+    assert!((wave.quality.minimum + 15.0).abs() < 1e-12, "54 km/h are 15 m/s");
+    assert!(notes(&ingested).contains("event data recorder table"));
+    // Without its title the first table is met, and the text after it is no row.
+    let error = from_text(&recorder_report(), &Settings { skip_to: None, ..settings.clone() }).unwrap_err();
+    assert!(error.to_string().contains("line 7"), "{error}");
+    let error = from_text(&recorder_report().replace("(km/h)", ""), &settings).unwrap_err();
+    assert!(error.hint().contains("--unit km/h"), "{error}: {}", error.hint());
+}
+
+#[test]
+fn a_table_without_a_time_column_needs_its_interval() {
+    let rows: String = (0..100).map(|k| format!("{} {}\n", (k * 37) % 11, (k * 17) % 7)).collect();
+    let error = from_text(&rows, &identification_only()).unwrap_err();
+    assert!(error.hint().contains("--sample-time"), "{}", error.hint());
+    let settings = Settings { sample_time: Some("2ms".parse().unwrap()), ..identification_only() };
+    let ingested = from_text(&rows, &settings).unwrap();
+    assert_eq!((ingested.waves.len(), ingested.waves[1].samples.dt_s()), (2, 2e-3));
+    let one: String = (0..100).map(|k| format!("{}\n", (k * 37) % 11)).collect();
+    assert_eq!(from_text(&one, &settings).unwrap().waves[0].samples.len(), 100);
+    let error = from_text(&format!("time,a\n{rows}"), &settings).unwrap_err();
+    assert!(error.to_string().contains("column time is named as time"), "{error}");
+}
+
+#[test]
+fn a_pattern_means_one_column_or_is_refused() {
+    let rows: String = (0..100).map(|k| format!("{:.4},{k},{k}\n", f64::from(k) * 1e-4)).collect();
+    let text = format!("time_s,left_g,right_g\n{rows}");
+    let named =
+        |channel: &str| from_text(&text, &Settings { channel: Some(channel.to_owned()), ..identification_only() });
+    assert_eq!(named("le*").unwrap().test.pulse.as_deref(), Some("left_g"));
+    let error = named("*_g").unwrap_err();
+    assert!(error.to_string().contains("--channel *_g means 2 columns: left_g, right_g"), "{error}");
 }

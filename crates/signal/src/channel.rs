@@ -120,6 +120,14 @@ pub struct Channel {
     pub initial_velocity_m_per_s: Option<f64>,
     /// The laboratory's remark on this channel.
     pub comment: Option<String>,
+    /// Channel code of ISO/TS 13499, as the source writes it or built from its fields.
+    pub code: Option<String>,
+    /// Transducer: type and serial number as the source gives them.
+    pub sensor: Option<String>,
+    /// Filter state in words: `CFC 60`, `pre-filtered above CFC 1000`, `low-pass 2800 Hz`.
+    pub filter_state: Option<String>,
+    /// What the source says of the sign, where it departs from SAE J211 or leaves it open.
+    pub polarity: Option<String>,
 }
 
 impl Channel {
@@ -135,6 +143,10 @@ impl Channel {
             redundant: false,
             initial_velocity_m_per_s: None,
             comment: None,
+            code: None,
+            sensor: None,
+            filter_state: None,
+            polarity: None,
         }
     }
 }

@@ -6,6 +6,7 @@
 //! ([`Signal<Acceleration>`](Signal)).
 
 mod channel;
+pub mod iso13499;
 mod note;
 mod quantity;
 mod signal;

@@ -71,6 +71,7 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["m", "metre", "meter", "metres", "meters"], Signal(Q::Displacement), 1.0),
     (&["cm"], Signal(Q::Displacement), 1e-2),
     (&["mm", "MM"], Signal(Q::Displacement), 1e-3),
+    (&["um", "µm", "μm"], Signal(Q::Displacement), 1e-6),
     (&["in", "inch", "\""], Signal(Q::Displacement), INCH_M),
     (&["ft"], Signal(Q::Displacement), FOOT_M),
     (&["N", "NWT"], Signal(Q::Force), 1.0),

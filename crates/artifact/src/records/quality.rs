@@ -22,4 +22,13 @@ pub struct QualityV1 {
     pub maximum: f64,
     /// Longest run of equal samples at an extreme (3 or more: clipped).
     pub clipped_run: u64,
+    /// Longest run of equal samples while the signal is active after time zero (5 or more over 0.5 ms: a dropout, perhaps).
+    #[serde(default)]
+    pub constant_run: Option<u64>,
+    /// Start of that run, s.
+    #[serde(default)]
+    pub constant_run_from_s: Option<f64>,
+    /// Mean over the last 20 ms, zero level removed, SI unit of the channel.
+    #[serde(default)]
+    pub end_level: Option<f64>,
 }

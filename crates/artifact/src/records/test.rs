@@ -63,6 +63,18 @@ pub struct ChannelV1 {
     pub redundant: bool,
     /// The laboratory's remark.
     pub comment: Option<String>,
+    /// Channel code of ISO/TS 13499.
+    #[serde(default)]
+    pub code: Option<String>,
+    /// Transducer: type and serial number.
+    #[serde(default)]
+    pub sensor: Option<String>,
+    /// Filter state in words.
+    #[serde(default)]
+    pub filter_state: Option<String>,
+    /// What the source says of the sign, where it departs from SAE J211 or leaves it open.
+    #[serde(default)]
+    pub polarity: Option<String>,
 }
 
 impl From<&TestDescription> for TestV1 {
@@ -98,6 +110,10 @@ impl From<&Channel> for ChannelV1 {
             initial_velocity_m_per_s: channel.initial_velocity_m_per_s,
             redundant: channel.redundant,
             comment: channel.comment.clone(),
+            code: channel.code.clone(),
+            sensor: channel.sensor.clone(),
+            filter_state: channel.filter_state.clone(),
+            polarity: channel.polarity.clone(),
         }
     }
 }
@@ -143,6 +159,10 @@ impl TryFrom<ChannelV1> for Channel {
             redundant: channel.redundant,
             initial_velocity_m_per_s: channel.initial_velocity_m_per_s,
             comment: channel.comment,
+            code: channel.code,
+            sensor: channel.sensor,
+            filter_state: channel.filter_state,
+            polarity: channel.polarity,
         })
     }
 }

@@ -6,7 +6,7 @@ use crumple_signal::unit::signal_unit;
 use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind, Sampled};
 
 use super::records::Curve;
-use super::{sensor, signal_file};
+use super::{code, sensor, signal_file};
 use crate::grid::{self, Grid, GridError};
 use crate::recording::Found;
 use crate::{IngestError, Place};
@@ -31,6 +31,9 @@ pub fn channel(
     // Division, not a product with 1/3.6: 57.09 km/h is then the nearest number to 15.858333... m/s.
     channel.initial_velocity_m_per_s = curve.initial_velocity_km_per_h.map(|v| v / 3.6);
     channel.comment = curve.comment.clone();
+    channel.code = code::code(curve).map(|code| code.to_string());
+    channel.filter_state = curve.prefilter_hz.map(|hz| format!("low-pass {hz} Hz"));
+    channel.sensor = sensor::words(curve);
 
     let mut wave = None;
     let mut jitter = 0.0;
@@ -55,7 +58,9 @@ pub fn channel(
         },
     }
     // Two digits and three name the file; people copy either.
-    let aliases = vec![format!("{:03}", curve.number), format!("{:02}", curve.number)];
+    let mut aliases = vec![format!("{:03}", curve.number), format!("{:02}", curve.number)];
+    aliases.extend(channel.code.clone());
+    aliases.extend([curve.attachment.clone(), format!("{} {}", curve.attachment, curve.axis)]);
     let fitness = sensor::fitness(curve, vehicle).filter(|_| quantity == QuantityKind::Acceleration);
     Ok(Found { channel, wave, jitter, fitness, aliases })
 }

@@ -153,6 +153,12 @@ pub struct Curve {
     pub x_unit: String,
     /// 8 YUNITS.
     pub y_unit: String,
+    /// 9 PREFIL, -3 dB frequency of the recorder's filter, Hz.
+    pub prefilter_hz: Option<f64>,
+    /// 10 INSMAN, manufacturer of the sensor.
+    pub manufacturer: Option<String>,
+    /// 12 INSRAT, range of the sensor in the unit of the curve.
+    pub range: Option<f64>,
     /// 14 INIVEL, km/h along the sensor axis at time zero.
     pub initial_velocity_km_per_h: Option<f64>,
     /// 15 NFP, index of the first sample, 0 being time zero.
@@ -185,6 +191,9 @@ impl Curve {
             axis: text(6),
             x_unit: text(7),
             y_unit: fields.text(8).unwrap_or_default().to_owned(),
+            prefilter_hz: fields.positive(9),
+            manufacturer: fields.words(10),
+            range: fields.positive(12),
             initial_velocity_km_per_h: fields.number(14),
             first: fields.integer(15),
             last: fields.integer(16),

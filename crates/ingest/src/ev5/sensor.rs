@@ -78,6 +78,13 @@ fn attachment(code: &str) -> Option<String> {
     Some(words.to_owned())
 }
 
+/// Manufacturer and range of the transducer.
+pub fn words(curve: &Curve) -> Option<String> {
+    let range = curve.range.map(|range| format!("range {range} {}", curve.y_unit));
+    let parts: Vec<String> = curve.manufacturer.clone().into_iter().chain(range).collect();
+    (!parts.is_empty()).then(|| parts.join(", "))
+}
+
 /// The axis by its letter; global (`XG`) and local (`XL`) alike.
 pub fn axis(curve: &Curve) -> Option<Axis> {
     match curve.axis.as_str() {

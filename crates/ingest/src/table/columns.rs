@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use crumple_signal::iso13499::wildcard;
 use crumple_signal::unit::{Dimension, choices, factor};
 use crumple_signal::{Channel, Notes, QuantityKind, Sampled, SignalError};
 
@@ -9,7 +10,8 @@ use super::header::{Column, Header, Unit, axis, cfc, names_acceleration};
 use super::rows::Rows;
 use super::time_axis::TimeAxis;
 use crate::recording::{Fitness, Found, Stated};
-use crate::{IngestError, Place, Settings};
+use crate::selection::is_pattern;
+use crate::{IngestError, Place, Profile, Settings};
 
 const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
 
@@ -25,6 +27,7 @@ pub fn channels(
 ) -> Result<Vec<Found>, IngestError> {
     let data: Vec<usize> = (0..header.columns.len()).filter(|k| *k != time.column).collect();
     let ids = ids(header, &data);
+    let edr = settings.profile == Some(Profile::Edr);
     let selected = settings.channel.as_deref().map(|wanted| select(file, wanted, header, &data, &ids)).transpose()?;
     let stated = match (&settings.unit, comment) {
         (Some(symbol), _) => Some((symbol.as_str(), "--unit or the sidecar", true)),
@@ -32,10 +35,23 @@ pub fn channels(
         (None, None) => None,
     };
     let stated =
-        stated.map(|(symbol, from, forced)| acceleration_unit(file, symbol, from).map(|f| (f, forced))).transpose()?;
+        stated.map(|(symbol, from, forced)| stated_unit(file, symbol, from, edr).map(|f| (f, forced))).transpose()?;
 
-    let kinds = kinds(header, &data, selected, stated, notes);
-    check_for_acceleration(file, header, &data, &kinds, selected)?;
+    let kinds = kinds(header, &data, selected, stated, edr, notes);
+    // A record of other quantities is welcome where mass and speed may be missing; a sole column without a unit, or one named as
+    // acceleration, is asked about all the same.
+    let sole = data.len() == 1 && settings.sample_time.is_none();
+    let others_are_welcome = settings.allow_missing.unwrap_or(false)
+        && selected.is_none()
+        && !sole
+        && !data.iter().any(|k| header.named && names_acceleration(&header.columns[*k].title));
+    if settings.listing {
+        // Nothing is asked back for a list.
+    } else if edr {
+        check_for_velocity(file, header, &data, &kinds)?;
+    } else if !others_are_welcome {
+        check_for_acceleration(file, header, &data, &kinds, selected)?;
+    }
 
     let lines = rows.lines;
     let mut columns = rows.columns;
@@ -45,7 +61,7 @@ pub fn channels(
         samples.iter_mut().for_each(|x| *x *= factor);
         let wave = Sampled::new(time.grid.t0_s, time.grid.dt_s, samples).map_err(|error| {
             let place = match error {
-                SignalError::NotFinite { index, .. } => Place::line(file, lines[index] as usize),
+                SignalError::NotFinite { index, .. } => Place::line(file, lines.of(index)),
                 _ => Place::file(file),
             };
             let column = format!("{} ({})", k + 1, header.columns[k].title);
@@ -77,6 +93,7 @@ fn kinds(
     data: &[usize],
     selected: Option<usize>,
     stated: Option<(f64, bool)>,
+    edr: bool,
     notes: &mut Notes,
 ) -> Vec<(QuantityKind, f64)> {
     let accelerations =
@@ -96,8 +113,12 @@ fn kinds(
                 ));
                 (QuantityKind::Acceleration, over)
             }
+            (Unit::Signal(QuantityKind::Velocity, f), _) if edr => (QuantityKind::VelocityChange, *f),
             (Unit::Signal(kind, f), _) => (*kind, *f),
-            (_, Some((f, _))) if is_target => (QuantityKind::Acceleration, f),
+            (_, Some((f, _))) if edr && (data.len() == 1 || names_velocity_change(title)) => {
+                (QuantityKind::VelocityChange, f)
+            }
+            (_, Some((f, _))) if !edr && is_target => (QuantityKind::Acceleration, f),
             _ => {
                 unknown.push(title.as_str());
                 (QuantityKind::Other, 1.0)
@@ -158,13 +179,43 @@ fn check_for_acceleration(
     }
 }
 
-fn acceleration_unit(file: &str, symbol: &str, from: &str) -> Result<f64, IngestError> {
-    factor(symbol, ACCELERATION).ok_or_else(|| {
+/// An event data recorder's table has a change of velocity.
+fn check_for_velocity(
+    file: &str,
+    header: &Header,
+    data: &[usize],
+    kinds: &[(QuantityKind, f64)],
+) -> Result<(), IngestError> {
+    if kinds.iter().any(|(kind, _)| matches!(kind, QuantityKind::VelocityChange | QuantityKind::Acceleration)) {
+        return Ok(());
+    }
+    Err(IngestError::channel(
+        file,
+        format!("no column is a change of velocity with its unit: {}", titles(header, data)),
+        "a column such as \"Delta-V (km/h)\"",
+        "add --unit km/h or --unit mph, and --skip-to with the title of the crash table if there are several",
+    ))
+}
+
+/// `Delta-V, longitudinal`, `Longitudinal dv`, `velocity change`.
+fn names_velocity_change(title: &str) -> bool {
+    let letters: String = title.to_lowercase().chars().filter(|c| c.is_alphanumeric() || *c == '\u{394}').collect();
+    ["deltav", "velocitychange", "changeofvelocity", "\u{394}v"].iter().any(|word| letters.contains(word))
+        || letters == "dv"
+}
+
+fn stated_unit(file: &str, symbol: &str, from: &str, edr: bool) -> Result<f64, IngestError> {
+    let (dimension, what, hint) = if edr {
+        (Dimension::Signal(QuantityKind::Velocity), "speed", "use --unit km/h or --unit mph")
+    } else {
+        (ACCELERATION, "acceleration", "use --unit g or --unit m/s^2")
+    };
+    factor(symbol, dimension).ok_or_else(|| {
         IngestError::content(
             Place::file(file),
-            format!("{symbol:?}, stated by {from}, is no unit of acceleration"),
-            format!("one of {}", choices(ACCELERATION)),
-            "use --unit g or --unit m/s^2",
+            format!("{symbol:?}, stated by {from}, is no unit of {what}"),
+            format!("one of {}", choices(dimension)),
+            hint,
         )
     })
 }
@@ -178,6 +229,28 @@ fn select(file: &str, wanted: &str, header: &Header, data: &[usize], ids: &[Stri
     };
     let by_name = |fold| data.iter().zip(ids).find(|(k, id)| matches(**k, id, fold)).map(|(k, _)| *k);
     let by_number = || wanted.parse::<usize>().ok().and_then(|n| n.checked_sub(1)).filter(|k| data.contains(k));
+    if is_pattern(wanted) && by_name(true).is_none() {
+        let fits: Vec<usize> = data
+            .iter()
+            .zip(ids)
+            .filter(|(k, id)| {
+                let Column { name, title, .. } = &header.columns[**k];
+                [id.as_str(), name, title].into_iter().any(|text| wildcard(wanted, text))
+            })
+            .map(|(k, _)| *k)
+            .collect();
+        if let [first, _, ..] = fits.as_slice() {
+            return Err(IngestError::channel(
+                file,
+                format!("--channel {wanted} means {} columns: {}", fits.len(), titles(header, &fits)),
+                "one column as the crash pulse",
+                format!("give the name of one, such as --channel {:?}", header.columns[*first].title),
+            ));
+        }
+        if let [one] = fits.as_slice() {
+            return Ok(*one);
+        }
+    }
     by_name(false).or_else(|| by_name(true)).or_else(by_number).ok_or_else(|| {
         IngestError::channel(
             file,

@@ -257,7 +257,7 @@ mod tests {
     const G: Unit = Unit::Signal(QuantityKind::Acceleration, 9.806_65);
 
     fn header(text: &str) -> Header {
-        read(&sniff(text.as_bytes(), "t.csv").unwrap())
+        read(&sniff(text.as_bytes(), "t.csv", 2).unwrap())
     }
 
     fn units(text: &str) -> Vec<Unit> {
@@ -311,7 +311,7 @@ mod tests {
         assert_eq!(header.columns[1].name, "acceleration");
         assert_eq!((&header.columns[0].unit, &header.columns[1].unit), (&Unit::Time(1.0), &G));
         // A fact is no header.
-        assert!(!read(&sniff(b"# impact speed: 35 km/h\n0.0 1.5\n0.1 2.5\n", "t").unwrap()).named);
+        assert!(!read(&sniff(b"# impact speed: 35 km/h\n0.0 1.5\n0.1 2.5\n", "t", 2).unwrap()).named);
     }
 
     #[test]

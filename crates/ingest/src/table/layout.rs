@@ -91,8 +91,8 @@ fn row_shape(line: &[u8], delimiter: Delimiter, decimal: u8) -> Option<(usize, b
 
 /// The first row under a way of writing: its index, the columns, and whether rows end in an empty field. Lines with one
 /// number before it are text. `agree` asks the next rows to have as many fields.
-fn first_row(shapes: &[Option<(usize, bool)>], agree: bool) -> Option<(usize, usize, bool)> {
-    let first = shapes.iter().position(|shape| shape.is_some_and(|(fields, _)| fields >= 2))?;
+fn first_row(shapes: &[Option<(usize, bool)>], agree: bool, least: usize) -> Option<(usize, usize, bool)> {
+    let first = shapes.iter().position(|shape| shape.is_some_and(|(fields, _)| fields >= least))?;
     let (fields, _) = shapes[first]?;
     let rows = || shapes[first..].iter().take(AGREEING_ROWS);
     if agree && !rows().all(|shape| shape.is_some_and(|(other, _)| other == fields)) {
@@ -102,8 +102,8 @@ fn first_row(shapes: &[Option<(usize, bool)>], agree: bool) -> Option<(usize, us
     Some((first, fields - usize::from(trailing), trailing))
 }
 
-/// Looks at the first lines of a table and says how it is written.
-pub fn sniff<'a>(text: &'a [u8], file: &str) -> Result<Layout<'a>, IngestError> {
+/// Looks at the first lines of a table and says how it is written. Rows have `least` columns and more.
+pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>, IngestError> {
     let mut comments: Vec<(usize, Line<'a>)> = Vec::new();
     let mut lines: Vec<Line<'a>> = Vec::new();
     let (mut offset, mut number) = (0, 1);
@@ -129,8 +129,8 @@ pub fn sniff<'a>(text: &'a [u8], file: &str) -> Result<Layout<'a>, IngestError> 
     let best = WAYS
         .iter()
         .zip(&shapes_by_way)
-        .flat_map(|(way, shapes)| [true, false].map(|agree| (way, agree, first_row(shapes, agree))))
-        .filter_map(|(way, agree, row)| row.filter(|(_, columns, _)| *columns >= 2).map(|row| (way, agree, row)))
+        .flat_map(|(way, shapes)| [true, false].map(|agree| (way, agree, first_row(shapes, agree, least))))
+        .filter_map(|(way, agree, row)| row.filter(|(_, columns, _)| *columns >= least).map(|row| (way, agree, row)))
         .min_by_key(|(_, agree, (first, ..))| (*first, !agree));
     if let Some(((delimiter, decimal), _, (first, columns, trailing))) = best {
         let (delimiter, decimal) = (*delimiter, *decimal);
@@ -197,7 +197,7 @@ fn no_rows(lines: &[Line], single_column: Option<usize>, file: &str) -> IngestEr
             Place::line(file, line),
             "one number in a row",
             EXPECTED,
-            "export the time column too; a signal file of an NHTSA test is read by giving its .EV5 file",
+            "export the time column too, or state --sample-time; a signal file of an NHTSA test is read by giving its .EV5 file",
         );
     }
     let Some(first) = lines.first() else {
@@ -222,7 +222,7 @@ mod tests {
     use super::*;
 
     fn way(text: &str) -> (&'static str, char, usize, usize) {
-        let layout = sniff(text.as_bytes(), "t.csv").unwrap();
+        let layout = sniff(text.as_bytes(), "t.csv", 2).unwrap();
         (layout.delimiter.name(), char::from(layout.decimal), layout.columns, layout.header.len())
     }
 
@@ -244,7 +244,7 @@ mod tests {
         for text in
             ["t,a\n0,0001,-1,23\n0,0002,-1,24\n", "0,0001,-1,23\n0,0002,-1,24\n", "t,a\n-0,02,0\n-0,01,0\n0,01,1,5"]
         {
-            let error = sniff(text.as_bytes(), "t.csv").unwrap_err().to_string();
+            let error = sniff(text.as_bytes(), "t.csv", 2).unwrap_err().to_string();
             assert!(error.contains("decimal comma"), "{error}");
         }
         // Three columns of whole numbers under three names are what they look like.
@@ -253,12 +253,12 @@ mod tests {
 
     #[test]
     fn says_what_it_found_where_there_are_no_rows() {
-        let error = sniff(b"dear sir,\nthe record\n", "a.txt").unwrap_err();
+        let error = sniff(b"dear sir,\nthe record\n", "a.txt", 2).unwrap_err();
         assert_eq!(
             error.to_string(),
             "a.txt, line 1: no rows of numbers in the first 2 lines, which start \"dear sir,\""
         );
-        let error = sniff(b"a\n1\n2\n3\n", "a.txt").unwrap_err();
+        let error = sniff(b"a\n1\n2\n3\n", "a.txt", 2).unwrap_err();
         assert_eq!(error.to_string(), "a.txt, line 2: one number in a row");
     }
 }

@@ -1,8 +1,10 @@
 //! The rows of a table: numbers by columns.
 
+use std::io::Read;
+
 use super::layout::{Delimiter, Layout, decimal_comma};
 use super::numbers::{Number, is_gap, scan, unquoted};
-use super::text::{comment, decode, line_at};
+use super::text::{LINE_LIMIT, comment, decode, line_at};
 use crate::{IngestError, Place};
 
 /// The numbers of a table.
@@ -13,49 +15,156 @@ pub struct Rows {
     /// Most significant digits printed in each column.
     pub digits: Vec<u32>,
     /// Line number of each row.
-    pub lines: Vec<u32>,
+    pub lines: Lines,
 }
 
-/// Reads all rows. `name(k)` names column `k` in messages.
+/// Line numbers of rows, as runs of rows on consecutive lines: a few bytes for a table without comments, however long.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Lines {
+    /// First row of a run, and its line.
+    runs: Vec<(usize, usize)>,
+    rows: usize,
+}
+
+impl Lines {
+    /// Adds a row.
+    #[inline]
+    fn push(&mut self, line: usize) {
+        let follows = self.runs.last().is_some_and(|(row, first)| first + (self.rows - row) == line);
+        if !follows {
+            self.runs.push((self.rows, line));
+        }
+        self.rows += 1;
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.rows
+    }
+
+    /// The line of a row; 0 past the end.
+    pub fn of(&self, row: usize) -> usize {
+        let run = self.runs.partition_point(|(first, _)| *first <= row);
+        self.runs.get(run.wrapping_sub(1)).filter(|_| row < self.rows).map_or(0, |(first, line)| line + (row - first))
+    }
+}
+
+/// Reads all rows of a text in memory. `name(k)` names column `k` in messages.
 ///
 /// A row in the plain form (numbers, single delimiters) is read straight from the bytes; any other line is taken apart
 /// field by field, which also finds the place of what is wrong.
 pub fn read(text: &[u8], layout: &Layout, file: &str, name: impl Fn(usize) -> String) -> Result<Rows, IngestError> {
-    let columns = layout.columns;
-    // The first row tells how many there will be, near enough to spare most of the growth.
-    let first_length = text[layout.first_row..].iter().position(|b| *b == b'\n').unwrap_or(0) + 1;
-    let expected_rows = ((text.len() - layout.first_row) / first_length + 1).min((1 << 24) / columns);
-    let mut rows = Rows {
-        columns: (0..columns).map(|_| Vec::with_capacity(expected_rows)).collect(),
-        digits: vec![0; columns],
-        lines: Vec::with_capacity(expected_rows),
-    };
-    let mut row = vec![Number { value: 0.0, digits: 0 }; columns];
-    let (mut offset, mut number) = (layout.first_row, layout.first_line);
-    while offset < text.len() {
-        if let Some(next) = plain_row(text, offset, layout, &mut row) {
-            rows.push(&row, number);
-            offset = next;
-        } else {
-            let (line, next) = line_at(text, offset, number, file)?;
-            if !line.bytes.trim_ascii().is_empty() && comment(line.bytes).is_none() && line.bytes != [0x1A] {
-                careful_row(line.bytes, layout, &mut row, &Place::line(file, number), &name)?;
-                rows.push(&row, number);
-            }
-            offset = next;
+    let body = &text[layout.first_row..];
+    let mut parser = Parser::new(layout, body.len(), body, (1 << 24) / layout.columns, file, name);
+    parser.feed(body)?;
+    Ok(parser.rows)
+}
+
+/// A text that is read piece by piece.
+pub struct Pieces<'a, R> {
+    /// Stands at the first row.
+    pub source: R,
+    /// Bytes left of it.
+    pub length: usize,
+    /// Its start.
+    pub head: &'a [u8],
+    /// Bytes read at a time.
+    pub piece: usize,
+}
+
+/// Reads all rows piece by piece, so that the text itself is never in memory as a whole. `done` is told of the bytes of each
+/// piece.
+pub fn read_stream(
+    mut from: Pieces<impl Read>,
+    layout: &Layout,
+    file: &str,
+    name: impl Fn(usize) -> String,
+    mut done: impl FnMut(u64),
+) -> Result<Rows, IngestError> {
+    let mut parser = Parser::new(layout, from.length, from.head, usize::MAX, file, name);
+    let mut buffer = Vec::with_capacity(from.piece + LINE_LIMIT);
+    loop {
+        let before = buffer.len();
+        let got = (&mut from.source).take(from.piece as u64).read_to_end(&mut buffer).map_err(|error| {
+            IngestError::content(
+                Place::file(file),
+                error.to_string(),
+                "a readable file",
+                "check the disk and try again",
+            )
+        })?;
+        if got == 0 {
+            parser.feed(&buffer)?;
+            return Ok(parser.rows);
         }
-        number += 1;
+        // Whole lines only; the rest waits for the next piece.
+        if let Some(end) = buffer[before..].iter().rposition(|b| *b == b'\n') {
+            let end = before + end + 1;
+            parser.feed(&buffer[..end])?;
+            buffer.drain(..end);
+        } else if buffer.len() > LINE_LIMIT {
+            parser.feed(&buffer)?;
+        }
+        done(got as u64);
     }
-    Ok(rows)
+}
+
+/// Rows read so far, and the line that comes next.
+struct Parser<'a, F> {
+    layout: &'a Layout<'a>,
+    file: &'a str,
+    name: F,
+    rows: Rows,
+    row: Vec<Number>,
+    line: usize,
+}
+
+impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
+    /// The first rows tell how many there will be, near enough to spare most of the growth.
+    fn new(layout: &'a Layout, length: usize, head: &[u8], most_rows: usize, file: &'a str, name: F) -> Self {
+        let head = &head[..head.len().min(1 << 16)];
+        let lines = head.iter().filter(|b| **b == b'\n').count().max(1);
+        let expected_rows = (length / (head.len() / lines).max(1) + length / 256 + 2).min(most_rows);
+        let columns = layout.columns;
+        let rows = Rows {
+            columns: (0..columns).map(|_| Vec::with_capacity(expected_rows)).collect(),
+            digits: vec![0; columns],
+            lines: Lines::default(),
+        };
+        let row = vec![Number { value: 0.0, digits: 0 }; columns];
+        Self { layout, file, name, rows, row, line: layout.first_line }
+    }
+
+    /// Reads whole lines.
+    fn feed(&mut self, text: &[u8]) -> Result<(), IngestError> {
+        let mut offset = 0;
+        while offset < text.len() {
+            if let Some(next) = plain_row(text, offset, self.layout, &mut self.row) {
+                self.rows.push(&self.row, self.line);
+                offset = next;
+            } else {
+                let (line, next) = line_at(text, offset, self.line, self.file)?;
+                if !line.bytes.trim_ascii().is_empty() && comment(line.bytes).is_none() && line.bytes != [0x1A] {
+                    let place = Place::line(self.file, self.line);
+                    careful_row(line.bytes, self.layout, &mut self.row, &place, &self.name)?;
+                    self.rows.push(&self.row, self.line);
+                }
+                offset = next;
+            }
+            self.line += 1;
+        }
+        Ok(())
+    }
 }
 
 impl Rows {
+    #[inline]
     fn push(&mut self, row: &[Number], line: usize) {
         for ((column, digits), number) in self.columns.iter_mut().zip(&mut self.digits).zip(row) {
             column.push(number.value);
             *digits = (*digits).max(number.digits);
         }
-        self.lines.push(u32::try_from(line).unwrap_or(u32::MAX));
+        self.lines.push(line);
     }
 }
 
@@ -161,7 +270,7 @@ mod tests {
     use super::*;
 
     fn rows(text: &str) -> Result<Rows, IngestError> {
-        let layout = sniff(text.as_bytes(), "t.csv")?;
+        let layout = sniff(text.as_bytes(), "t.csv", 2)?;
         read(text.as_bytes(), &layout, "t.csv", |k| format!("c{k}"))
     }
 
@@ -196,6 +305,32 @@ mod tests {
     #[test]
     fn lines_are_counted_through_comments() {
         let rows = rows("# x\nt,a\n0,1\n\n1,2\n").unwrap();
-        assert_eq!(rows.lines, [3, 5]);
+        assert_eq!((rows.lines.of(0), rows.lines.of(1), rows.lines.of(2), rows.lines.len()), (3, 5, 0, 2));
+    }
+
+    fn pieces(body: &[u8], piece: usize) -> Pieces<'_, &[u8]> {
+        Pieces { source: body, length: body.len(), head: body, piece }
+    }
+
+    #[test]
+    fn pieces_of_any_size_give_the_same_rows() {
+        let mut text = "# c\nt,a\n".to_owned();
+        for k in 0..500 {
+            text.push_str(&format!("{k}.5,{}\n{}", k * k, if k % 90 == 7 { "# half time\n\n" } else { "" }));
+        }
+        text.push_str("500.5,1");
+        let whole = rows(&text).unwrap();
+        let layout = sniff(text.as_bytes(), "t.csv", 2).unwrap();
+        let body = &text.as_bytes()[layout.first_row..];
+        for piece in [1, 7, 64, 1000, 1 << 20] {
+            let mut told = 0;
+            let rows = read_stream(pieces(body, piece), &layout, "t.csv", |k| format!("c{k}"), |n| told += n).unwrap();
+            assert_eq!((&rows.columns, &rows.digits, &rows.lines), (&whole.columns, &whole.digits, &whole.lines));
+            assert_eq!(told, body.len() as u64);
+        }
+        let broken = text.replace("400.5,160000", "400.5,x");
+        let body = &broken.as_bytes()[layout.first_row..];
+        let error = read_stream(pieces(body, 64), &layout, "t.csv", |k| format!("c{k}"), |_| {}).unwrap_err();
+        assert_eq!(error, rows(&broken).unwrap_err());
     }
 }

@@ -12,10 +12,24 @@ use crate::{IngestError, Place, Settings};
 /// The time column and its grid.
 #[derive(Debug, Clone)]
 pub struct TimeAxis {
-    /// Index of the column.
+    /// Index of the column; past all columns where there is none.
     pub column: usize,
     /// The grid of its stamps, s.
     pub grid: Grid,
+}
+
+/// The grid of a table without a time column: the first row at 0 s.
+pub fn stated(file: &str, header: &Header, interval_s: f64) -> Result<TimeAxis, IngestError> {
+    let refuse = |found: String, hint: &str| {
+        Err(IngestError::content(Place::file(file), found, "an interval for a table without time column", hint))
+    };
+    if !(interval_s > 0.0 && interval_s.is_finite()) {
+        return refuse(format!("--sample-time is {interval_s} s"), "give a positive time, such as --sample-time 100us");
+    }
+    if let Some(column) = header.columns.iter().find(|c| header.named && is_time_name(&c.title)) {
+        return refuse(format!("column {} is named as time", column.title), "leave --sample-time away");
+    }
+    Ok(TimeAxis { column: usize::MAX, grid: Grid { t0_s: 0.0, dt_s: interval_s, jitter: 0.0 } })
 }
 
 /// Finds the time column (by name, else by unit, else the first), its unit and its grid. The stamps are taken out of `rows`.
@@ -33,10 +47,10 @@ pub fn find(
     let column = named.or(with_unit).unwrap_or(0);
     let title = format!("{} ({})", column + 1, header.columns[column].title);
     let mut times = std::mem::take(&mut rows.columns[column]);
-    let place = |index: usize| Place::line(file, rows.lines[index] as usize).in_column(title.clone());
+    let place = |index: usize| Place::line(file, rows.lines.of(index)).in_column(title.clone());
 
     if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Err(order(place(k + 1), is_named, times[k], times[k + 1], rows.lines[k]));
+        return Err(order(place(k + 1), is_named, times[k], times[k + 1], rows.lines.of(k)));
     }
     let unit = unit(file, &title, &header.columns[column].unit, &times, settings, comment, notes)?;
     // The printed resolution: the last digit of the most finely printed stamp, seen from the largest.
@@ -45,7 +59,7 @@ pub fn find(
     scale(&mut times, unit);
     let grid = grid::fit(&times, resolution).map_err(|error| match error {
         GridError::Repeated { index } | GridError::Backwards { index } => {
-            order(place(index), is_named, times[index - 1], times[index], rows.lines[index - 1])
+            order(place(index), is_named, times[index - 1], times[index], rows.lines.of(index - 1))
         }
         GridError::Uneven { index, step_s, dt_s } => IngestError::content(
             place(index),
@@ -65,7 +79,7 @@ fn scale(times: &mut [f64], factor: f64) {
     }
 }
 
-fn order(place: Place, named: bool, before: f64, now: f64, line_before: u32) -> IngestError {
+fn order(place: Place, named: bool, before: f64, now: f64, line_before: usize) -> IngestError {
     let found = if now == before {
         format!("time {now} again, as in line {line_before}")
     } else {
@@ -74,7 +88,7 @@ fn order(place: Place, named: bool, before: f64, now: f64, line_before: u32) -> 
     let hint = if named {
         "remove the repeated rows, or export with more decimals in the time column"
     } else {
-        "no column is named as time, so the first is taken for it: export a time column, or name it time_s"
+        "no column is named as time, so the first is taken for it: name it time_s, or state --sample-time if there is none"
     };
     IngestError::content(place, found, "times that increase from row to row", hint)
 }

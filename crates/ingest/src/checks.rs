@@ -1,0 +1,167 @@
+//! What is said of the channels' quality: each check with its figure, none a correction.
+//!
+//! | check | figure | said when |
+//! |---|---|---|
+//! | zero level | mean from -50 to -10 ms | less than 10 ms of it is there |
+//! | noise before the event | standard deviation of the same window | above 1 g |
+//! | polarity | change of velocity in 150 ms | positive and more than 5 % of the impact speed |
+//! | clipping | equal samples in a row at an extreme | 3 and more |
+//! | dropouts | equal samples in a row while the signal is active | 5 and more, over at least 0.5 ms |
+//! | drift | mean over the last 20 ms, zero level removed | above 0.5 g, 100 ms and more after contact |
+//! | time jitter | largest distance of a stamp from the grid | above 1 % of an interval |
+//!
+//! The pulse is warned about, the other accelerations share one note a check.
+
+use crumple_signal::{Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
+
+use crate::ingest::Wave;
+use crate::{polarity, time_zero};
+
+/// Noise before the event that is too much, m/s^2.
+const NOISE_M_PER_S2: f64 = G;
+/// Mean after separation that is too much, m/s^2.
+const DRIFT_M_PER_S2: f64 = 0.5 * G;
+/// From this time on the vehicle has left the barrier, s.
+const SEPARATED_S: f64 = 0.100;
+/// Shortest run of equal samples that counts as a dropout, and its duration, s.
+const DROPOUT: (usize, f64) = (5, 0.000_5);
+/// Distance of a stamp from the grid worth a note, intervals.
+const JITTER: f64 = 0.01;
+/// Channels named in a shared note.
+const NAMED: usize = 12;
+
+/// Notes on all accelerations, the pulse first.
+pub fn notes(waves: &[Wave], pulse_id: Option<&str>, speed_m_per_s: Option<f64>, notes: &mut Notes) {
+    if let Some(pulse) = waves.iter().find(|w| Some(w.id.as_str()) == pulse_id) {
+        of_the_pulse(pulse, speed_m_per_s, notes);
+    }
+    let others = || waves.iter().filter(|w| Some(w.id.as_str()) != pulse_id);
+    let accelerations = || others().filter(|w| w.quantity == QuantityKind::Acceleration);
+    shared(others().filter(|w| clipped(w)), "equal samples in a row at an extreme (clipped?)", notes);
+    shared(accelerations().filter(|w| noise(w).is_some()), "noise before the event above 1 g", notes);
+    shared(
+        accelerations().filter(|w| dropout(w).is_some()),
+        "equal samples in a row inside the pulse (dropout?)",
+        notes,
+    );
+    shared(
+        accelerations().filter(|w| drift(w).is_some()),
+        "mean over the last 20 ms above 0.5 g (drift, or still moving)",
+        notes,
+    );
+}
+
+fn of_the_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, notes: &mut Notes) {
+    let quality = &pulse.quality;
+    let zero_level = quality.pre_event.map(|p| p.zero_level);
+    if zero_level.is_none() {
+        notes.warning(
+            "the pulse has less than 10 ms of data between -50 ms and -10 ms: its zero level and noise floor are not known",
+        );
+    }
+    polarity::check(&pulse.samples, zero_level, speed_m_per_s, notes);
+    time_zero::check(&pulse.samples, zero_level, notes);
+    if clipped(pulse) {
+        notes.warning(format!(
+            "the pulse may be clipped: {} equal samples in a row at an extreme ({:.3} to {:.3} {})",
+            quality.clipped_run,
+            quality.minimum,
+            quality.maximum,
+            pulse.quantity.si_unit()
+        ));
+    }
+    if let Some(noise) = noise(pulse) {
+        notes.warning(format!(
+            "the pulse is noisy before the event: standard deviation {:.2} g, at most 1 g is usual: the sensor may have failed",
+            noise / G
+        ));
+    }
+    if let Some((run, from_s)) = dropout(pulse) {
+        notes.warning(format!(
+            "the pulse may have dropouts: {run} equal samples in a row from {:.2} ms on, while the signal is active",
+            from_s * 1e3
+        ));
+    }
+    if let Some(level) = drift(pulse) {
+        notes.warning(format!(
+            "the mean of the pulse over its last 20 ms is {:.2} g: the sensor drifted, or the vehicle still moves",
+            level / G
+        ));
+    }
+    if quality.time_jitter > JITTER {
+        notes.info(format!(
+            "time stamps of the pulse lie up to {:.3} sampling intervals off the uniform grid",
+            quality.time_jitter
+        ));
+    }
+}
+
+fn clipped(wave: &Wave) -> bool {
+    wave.quality.clipped_run >= 3
+}
+
+fn noise(wave: &Wave) -> Option<f64> {
+    wave.quality.pre_event.map(|p| p.noise_floor).filter(|noise| *noise > NOISE_M_PER_S2)
+}
+
+fn dropout(wave: &Wave) -> Option<(usize, f64)> {
+    let run = wave.quality.constant_run;
+    let long = run >= DROPOUT.0 && (run - 1) as f64 * wave.samples.dt_s() >= DROPOUT.1;
+    wave.quality.constant_run_from_s.filter(|_| long).map(|from_s| (run, from_s))
+}
+
+fn drift(wave: &Wave) -> Option<f64> {
+    let over = wave.samples.end_s() >= SEPARATED_S;
+    wave.quality.end_level.filter(|level| over && level.abs() > DRIFT_M_PER_S2)
+}
+
+fn shared<'a>(waves: impl Iterator<Item = &'a Wave>, what: &str, notes: &mut Notes) {
+    let ids: Vec<&str> = waves.map(|w| w.id.as_str()).collect();
+    if ids.is_empty() {
+        return;
+    }
+    let more = ids.len().saturating_sub(NAMED);
+    let tail = if more > 0 { format!(" and {more} more") } else { String::new() };
+    notes.info(format!("{what} in {}{tail}", ids[..ids.len() - more].join(", ")));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quality::measure;
+    use crumple_signal::Sampled;
+
+    fn said(at: impl Fn(f64) -> f64) -> Vec<String> {
+        let samples = (0..2500).map(|k| G * at(f64::from(k - 500) * 1e-4)).collect();
+        let samples = Sampled::new(-0.05, 1e-4, samples).unwrap();
+        let quality = measure(&samples, 0.0);
+        let wave = Wave { id: "a".to_owned(), quantity: QuantityKind::Acceleration, samples, quality };
+        let mut found = Notes::new();
+        notes(&[wave], Some("a"), Some(15.0), &mut found);
+        found.to_texts()
+    }
+
+    fn pulse(t: f64) -> f64 {
+        if (0.0..0.09).contains(&t) { -20.0 * (std::f64::consts::PI * t / 0.09).sin() } else { 0.0 }
+    }
+
+    #[test]
+    fn a_clean_pulse_has_no_remarks() {
+        assert_eq!(said(pulse), Vec::<String>::new());
+    }
+
+    #[test]
+    fn each_fault_is_named_with_its_figure() {
+        let one = |notes: Vec<String>, words: &str| {
+            assert!(notes.len() == 1 && notes[0].contains(words), "{words}: {notes:?}");
+        };
+        one(
+            said(|t| if (0.03..0.032).contains(&t) { 0.0 } else { pulse(t) }),
+            "20 equal samples in a row from 30.00 ms",
+        );
+        one(said(|t| if t > 0.1 { 0.8 } else { pulse(t) }), "last 20 ms is 0.80 g");
+        one(said(|t| if t < 0.0 { 3.0 * (t * 3e5).sin() } else { pulse(t) }), "noisy before the event");
+        one(said(|t| pulse(t).max(-15.0)), "clipped");
+        one(said(|t| -pulse(t)), "--sign flip");
+    }
+}

@@ -1,0 +1,59 @@
+//! `--list`: the table of channels on stdout, nothing written.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+use std::fs;
+use std::process::Command;
+
+fn list(content: &str, flags: &[&str]) -> (i32, String, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.csv");
+    fs::write(&path, content).unwrap();
+    let done =
+        Command::new(env!("CARGO_BIN_EXE_crumple-ingest")).arg("--list").arg(&path).args(flags).output().unwrap();
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is written");
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (done.status.code().unwrap(), text(done.stdout), text(done.stderr))
+}
+
+fn table() -> String {
+    let rows: String = (0..100).map(|k| format!("{:.4},{k},{k},{k}\n", f64::from(k) * 1e-4)).collect();
+    format!("time_s,accel_x_cfc60_g,force [kN],note\n{rows}")
+}
+
+#[test]
+fn the_table_has_a_line_a_channel() {
+    let (code, text, _) = list(&table(), &[]);
+    assert_eq!(code, 0);
+    let cells: Vec<Vec<&str>> = text.lines().map(|line| line.split_whitespace().collect()).collect();
+    let head = ["id", "code", "location", "axis", "quantity", "unit", "rate_hz", "samples", "cfc", "status", "comment"];
+    assert_eq!(cells[0], head);
+    assert_eq!(
+        cells[1],
+        ["accel_x_cfc60_g", "-", "-", "x", "acceleration", "m/s^2", "10000", "100", "60", "valid", "-"]
+    );
+    assert_eq!(cells[2], ["force", "-", "-", "-", "force", "N", "10000", "100", "-", "valid", "-"]);
+    assert_eq!(cells[3][4], "other");
+    assert_eq!(cells.len(), 4);
+}
+
+#[test]
+fn as_json_each_line_is_an_object() {
+    let (code, text, _) = list(&table(), &["--json", "--channel", "f*"]);
+    assert_eq!((code, text.lines().count()), (0, 1));
+    let line: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(
+        (line["id"].as_str(), line["samples"].as_u64(), line["cfc"].is_null()),
+        (Some("force"), Some(100), true)
+    );
+}
+
+#[test]
+fn refusals_and_slips_have_their_exit_codes() {
+    let (code, _, text) = list(&table(), &["--channel", "zzz*"]);
+    assert!(code == 3 && text.contains("--channel zzz* means none of its 3 channels"), "{text}");
+    let (code, _, text) = list("%PDF-1.7\n", &[]);
+    assert!(code == 3 && text.contains("PDF"), "{text}");
+    let (code, ..) = list(&table(), &["--no-such-flag"]);
+    assert_eq!(code, 2);
+}
