@@ -146,7 +146,7 @@ mod tests {
         // most 0.2 m/s; with 20 m/s² it takes 11.1 ms.
         let step = |level: f64| {
             let at = |k: i32| if (300..800).contains(&k) { level } else { 0.0 };
-            Sampled::new(0.0, 1e-4, (0..1200).map(|k| at(k)).collect()).unwrap()
+            Sampled::new(0.0, 1e-4, (0..1200).map(at).collect()).unwrap()
         };
         assert_eq!(edr_start(&step(-10.0)), None);
         let found = edr_start(&step(-20.0)).unwrap();

@@ -2,6 +2,7 @@
 
 pub mod fixture;
 pub mod pipeline;
+pub mod stopwatch;
 
 use std::path::PathBuf;
 
