@@ -82,6 +82,11 @@ test *args: build
     cargo nextest run --workspace "$@"
     cargo test --workspace --doc --quiet
 
+# Times of the numerical kernels and of reading CSV on one thread, each beside a plain memory pass; docs/performance.md.
+[group('development')]
+bench *args:
+    RAYON_NUM_THREADS=1 cargo bench --quiet --workspace --bench '*' -- "$@"
+
 # Formatting, lints, crate arrows, documentation.
 [group('development')]
 lint:

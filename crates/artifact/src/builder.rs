@@ -86,6 +86,22 @@ impl ArtifactBuilder {
 
     /// Writes the artifact to `path` in one step (see [`write_atomically`]) and returns its content digest.
     pub fn write(&self, path: &Path, provenance: &Provenance, compression: Compression) -> Result<String, WriteError> {
+        self.write_reporting(path, provenance, compression, &mut |_| ())
+    }
+
+    /// Samples of all waveforms together: the work of writing.
+    pub fn samples(&self) -> u64 {
+        self.waves.values().map(|wave| wave.sampled.len() as u64).sum()
+    }
+
+    /// [`write`](Self::write) that tells how many samples have been written since the last call.
+    pub fn write_reporting(
+        &self,
+        path: &Path,
+        provenance: &Provenance,
+        compression: Compression,
+        report: &mut dyn FnMut(u64),
+    ) -> Result<String, WriteError> {
         enum Failure {
             Io(std::io::Error),
             Write(WriteError),
@@ -96,7 +112,7 @@ impl ArtifactBuilder {
             }
         }
         write_atomically(path, |file| {
-            self.write_to(file, provenance, compression)
+            self.write_blocks(file, provenance, compression, report)
                 .map_err(|source| Failure::Write(WriteError::Container { path: path.to_owned(), source }))
         })
         .map_err(|failure| match failure {
@@ -112,6 +128,16 @@ impl ArtifactBuilder {
         sink: W,
         provenance: &Provenance,
         compression: Compression,
+    ) -> Result<String, mcap::McapError> {
+        self.write_blocks(sink, provenance, compression, &mut |_| ())
+    }
+
+    fn write_blocks<W: Write + Seek>(
+        &self,
+        sink: W,
+        provenance: &Provenance,
+        compression: Compression,
+        report: &mut dyn FnMut(u64),
     ) -> Result<String, mcap::McapError> {
         let earliest_ns = self.waves.values().filter(|w| !w.sampled.is_empty()).map(Wave::t0_ns).min().unwrap_or(0);
         let origin = origin_ns(earliest_ns);
@@ -160,6 +186,7 @@ impl ArtifactBuilder {
                 MessageHeader { channel_id: channel, sequence: block as u32, log_time: time, publish_time: time };
             writer.write_to_known_channel(&header, &payload)?;
             digest.update(&topic, WaveBlockV1::SCHEMA, Codec::Bincode.name(), time, &payload);
+            report(samples.len() as u64);
         }
 
         let digest_text = digest.text();

@@ -19,7 +19,7 @@ mod test;
 mod wave;
 
 pub use candidate::{CandidateV1, FitV1, UncertaintyV1};
-pub use channel_filter::ChannelFilterV1;
+pub use channel_filter::{ChannelFilterV1, CorridorPointV1};
 pub use diagnosis::DiagnosisV1;
 pub use events::EventsV1;
 pub use identification::IdentificationV1;

@@ -204,6 +204,13 @@ fn the_layout_of_every_record_type_is_frozen() {
         gain_at_class_db: Some(-0.45),
         zero_level_removed: 0.25,
         notes: vec![],
+        corridor: vec![CorridorPointV1 { frequency_hz: 100.0, gain_db: -3.0, upper_db: 0.5, lower_db: Some(-4.0) }],
+        corridor_ok: Some(true),
+        cutoff_hz: vec![100.0],
+        phase: Some("zero".into()),
+        width_s: Some(0.002),
+        resampled_to_hz: Some(1e4),
+        shift_s: Some(-5e-5),
     });
     freeze(&WaveBlockV1 { t0_ns: -20_000_000, dt_s: 1e-4, first: 65_536, samples: vec![1.5, -0.0, 1e-300] });
 }

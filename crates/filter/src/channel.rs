@@ -1,7 +1,11 @@
 use crumple_signal::{Notes, Sampled};
 use serde::Serialize;
 
-use crate::{Cfc, Class, Coefficients, FilterError, Mode, ZeroLevel, filter_both_ways, pre_event, samples_added};
+use crate::{
+    Butterworth, Cfc, Class, Coefficients, Design, FilterError, Mode, Phase, Report, ZeroLevel, corridor,
+    filter_both_ways_into, moving_average, pre_event, run_sections, samples_added, samples_of_width,
+    sections_extension,
+};
 
 /// How channels are filtered.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -13,23 +17,88 @@ pub struct Settings {
     pub mode: Mode,
     /// Zero level; default: the mean before the event is removed.
     pub zero_level: ZeroLevel,
+    /// A filter in the place of the class; default: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub instead: Option<Instead>,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { class: Class::Cfc(Cfc::Cfc60), mode: Mode::default(), zero_level: ZeroLevel::default() }
+        Self { class: Class::Cfc(Cfc::Cfc60), mode: Mode::default(), zero_level: ZeroLevel::default(), instead: None }
     }
 }
 
+/// A filter that takes the place of a class.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Instead {
+    /// A Butterworth filter.
+    Butterworth(Butterworth),
+    /// A centred moving average of a width, s.
+    MovingAverage(f64),
+}
+
 /// The filter that was run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Applied {
-    /// Its class.
-    pub cfc: Cfc,
-    /// Its difference equation, and the standard it was made after.
-    pub coefficients: Coefficients,
+#[derive(Debug, Clone, PartialEq)]
+pub enum Applied {
+    /// That of a class.
+    Class {
+        /// The class.
+        cfc: Cfc,
+        /// Its difference equation, and the standard it was made after.
+        coefficients: Coefficients,
+        /// Samples mirrored at each end.
+        samples_added: usize,
+    },
+    /// A Butterworth filter.
+    Butterworth {
+        /// Its sections.
+        design: Design,
+        /// Samples mirrored at each end.
+        samples_added: usize,
+    },
+    /// A moving average.
+    MovingAverage {
+        /// Samples it goes over.
+        samples: usize,
+        /// The same, s.
+        width_s: f64,
+    },
+}
+
+impl Applied {
+    /// The class, if it is the filter of one.
+    pub fn cfc(&self) -> Option<Cfc> {
+        match self {
+            Self::Class { cfc, .. } => Some(*cfc),
+            _ => None,
+        }
+    }
+
     /// Samples mirrored at each end.
-    pub samples_added: usize,
+    pub fn samples_added(&self) -> usize {
+        match self {
+            Self::Class { samples_added, .. } | Self::Butterworth { samples_added, .. } => *samples_added,
+            Self::MovingAverage { .. } => 0,
+        }
+    }
+
+    /// The name used in artifacts.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Class { coefficients, .. } => coefficients.mode().name(),
+            Self::Butterworth { design, .. } => design.asked.pass.name(),
+            Self::MovingAverage { .. } => "moving-average",
+        }
+    }
+
+    /// How it was run.
+    pub fn phase(&self) -> Phase {
+        match self {
+            Self::Butterworth { design, .. } => design.asked.phase,
+            Self::Class { .. } | Self::MovingAverage { .. } => Phase::Zero,
+        }
+    }
 }
 
 /// A filtered channel.
@@ -45,15 +114,31 @@ pub struct Filtered {
     pub notes: Notes,
 }
 
-/// Removes the zero level of a channel, then filters it to a class.
+/// Removes the zero level of a channel, then filters it: to a class, or by the filter that takes its place.
 ///
 /// `already_cfc` is the class the channel carries. One at or below the class asked for passes through with a note:
 /// filtering again would lower its cut-off, and nothing brings lost frequencies back. Without 10 ms of pre-event data
 /// the zero level is left alone, with a warning. Refuses a sampling rate below ten times the class (SAE J211-1),
-/// notes one below twenty times.
+/// notes one below twenty times, warns of a response outside the limits of the class.
 pub fn filter(samples: &Sampled, already_cfc: Option<u16>, settings: &Settings) -> Result<Filtered, FilterError> {
+    filter_reporting(samples, already_cfc, settings, &|_| ())
+}
+
+/// [`filter`] with a report of progress: a record of n samples is 2·n of work.
+pub fn filter_reporting(
+    samples: &Sampled,
+    already_cfc: Option<u16>,
+    settings: &Settings,
+    report: Report<'_>,
+) -> Result<Filtered, FilterError> {
     let mut notes = Notes::new();
     let zero_level_removed = zero_level(samples, settings.zero_level, &mut notes)?;
+    if let Some(instead) = settings.instead {
+        let (values, applied) = run_instead(samples, zero_level_removed, instead, &mut notes)?;
+        report(2 * samples.len() as u64);
+        let samples = Sampled::new(samples.t0_s(), samples.dt_s(), values).map_err(FilterError::Result)?;
+        return Ok(Filtered { samples, applied: Some(applied), zero_level_removed, notes });
+    }
 
     let cfc = match (settings.class, already_cfc) {
         (Class::Cfc(cfc), Some(already)) if already <= cfc.number() => {
@@ -63,18 +148,61 @@ pub fn filter(samples: &Sampled, already_cfc: Option<u16>, settings: &Settings) 
         (Class::Cfc(cfc), _) => Some(cfc),
         (Class::None, _) => None,
     };
-    let (values, applied) = match cfc {
-        Some(cfc) => {
-            check_rate(samples, cfc)?;
-            let coefficients = Coefficients::new(cfc, settings.mode, samples.dt_s());
-            note_low_rate(samples, cfc, &coefficients, &mut notes);
-            let output = filter_both_ways(samples.samples(), zero_level_removed, &coefficients)?;
-            (output, Some(Applied { cfc, coefficients, samples_added: samples_added(samples.len(), &coefficients) }))
-        }
-        None => (samples.samples().iter().map(|x| x - zero_level_removed).collect(), None),
+    let Some(cfc) = cfc else {
+        report(2 * samples.len() as u64);
+        let samples = match zero_level_removed {
+            0.0 => samples.clone(),
+            zero => Sampled::new(samples.t0_s(), samples.dt_s(), samples.samples().iter().map(|x| x - zero).collect())
+                .map_err(FilterError::Result)?,
+        };
+        return Ok(Filtered { samples, applied: None, zero_level_removed, notes });
     };
-    let samples = Sampled::new(samples.t0_s(), samples.dt_s(), values).map_err(FilterError::Result)?;
-    Ok(Filtered { samples, applied, zero_level_removed, notes })
+    check_rate(samples, cfc)?;
+    let coefficients = Coefficients::new(cfc, settings.mode, samples.dt_s());
+    note_low_rate(samples, cfc, &coefficients, &mut notes);
+    for point in corridor(cfc, &coefficients).iter().filter(|point| !point.is_inside()) {
+        notes.warning(format!(
+            "response {:.2} dB at {:.1} Hz is outside the limits of cfc {cfc} ({} to {:+.1} dB)",
+            point.gain_db,
+            point.frequency_hz,
+            point.lower_db.map_or_else(|| "none".to_owned(), |lower| format!("{lower:+.1}")),
+            point.upper_db
+        ));
+    }
+    let mut output = Vec::new();
+    filter_both_ways_into(samples.samples(), zero_level_removed, &coefficients, &mut output, report)?;
+    let applied = Applied::Class { cfc, coefficients, samples_added: samples_added(samples.len(), &coefficients) };
+    let samples = Sampled::new(samples.t0_s(), samples.dt_s(), output).map_err(FilterError::Result)?;
+    Ok(Filtered { samples, applied: Some(applied), zero_level_removed, notes })
+}
+
+fn run_instead(
+    samples: &Sampled,
+    level: f64,
+    instead: Instead,
+    notes: &mut Notes,
+) -> Result<(Vec<f64>, Applied), FilterError> {
+    match instead {
+        Instead::Butterworth(asked) => {
+            let design = asked.design(samples.dt_s())?;
+            let values = run_sections(samples.samples(), level, &design);
+            if asked.phase == Phase::Causal {
+                notes.warning("the filter is causal: events come late, times and crush are not those of the vehicle");
+            }
+            let samples_added = sections_extension(samples.len(), &design);
+            Ok((values, Applied::Butterworth { design, samples_added }))
+        }
+        Instead::MovingAverage(width_s) => {
+            let width = samples_of_width(width_s, samples.dt_s());
+            if !(width_s.is_finite() && width_s > 0.0) || width > samples.len() {
+                return Err(FilterError::Width { width_s, record_s: samples.end_s() - samples.t0_s() });
+            }
+            let width_s = width as f64 * samples.dt_s();
+            notes.info(format!("moving average over {width} samples ({:.3} ms)", 1e3 * width_s));
+            let values = moving_average(samples.samples(), level, width);
+            Ok((values, Applied::MovingAverage { samples: width, width_s }))
+        }
+    }
 }
 
 fn zero_level(samples: &Sampled, rule: ZeroLevel, notes: &mut Notes) -> Result<f64, FilterError> {
@@ -117,6 +245,7 @@ fn note_low_rate(samples: &Sampled, cfc: Cfc, coefficients: &Coefficients, notes
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Pass;
 
     fn record(rate_hz: f64, n: usize) -> Sampled {
         let dt_s = 1.0 / rate_hz;
@@ -152,8 +281,24 @@ mod tests {
             assert_eq!(result.notes.to_texts(), [format!("already cfc {already}, passed through unfiltered")]);
         }
         let result = filter(&raw, Some(180), &untouched).unwrap();
-        assert_eq!(result.applied.map(|applied| applied.cfc), Some(Cfc::Cfc60));
+        assert_eq!(result.applied.and_then(|applied| applied.cfc()), Some(Cfc::Cfc60));
         assert_ne!(result.samples, raw);
+    }
+
+    #[test]
+    fn a_butterworth_filter_or_a_moving_average_takes_the_place_of_the_class() {
+        let raw = record(10_000.0, 2000);
+        let asked = Butterworth { pass: Pass::Low(100.0), order: 4, phase: Phase::Causal };
+        let run = |instead| filter(&raw, Some(60), &Settings { instead: Some(instead), ..Settings::default() });
+        let result = run(Instead::Butterworth(asked)).unwrap();
+        let applied = result.applied.unwrap();
+        assert_eq!((applied.name(), applied.phase(), applied.samples_added()), ("butterworth-low", Phase::Causal, 0));
+        assert!(result.notes.to_texts()[0].starts_with("warning: the filter is causal"));
+        let result = run(Instead::MovingAverage(2e-3)).unwrap();
+        assert_eq!(result.notes.to_texts(), ["moving average over 21 samples (2.100 ms)"]);
+        for width_s in [0.0, -1.0, f64::NAN, 1.0] {
+            assert!(matches!(run(Instead::MovingAverage(width_s)), Err(FilterError::Width { .. })));
+        }
     }
 
     #[test]

@@ -1,6 +1,9 @@
 //! `crumple-filter`: brings the acceleration channels of a test to a channel frequency class.
 
+mod align;
 mod options;
+mod record;
+mod remarks;
 mod stage;
 
 use std::process::ExitCode;

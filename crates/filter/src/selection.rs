@@ -1,4 +1,4 @@
-use crumple_signal::{Channel, ChannelStatus, QuantityKind, TestDescription};
+use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, TestDescription};
 
 /// Words that begin the location of a sensor that is not on the vehicle structure, lower case.
 const ELSEWHERE: [&str; 10] = [
@@ -42,7 +42,8 @@ pub enum SelectionError {
 ///
 /// With `asked`, exactly those, whatever they measure. Without: every acceleration channel with data that is not
 /// marked failed and whose location does not begin with an occupant or the barrier ("driver, head"; an unknown
-/// location counts as structure); and the pulse in any case.
+/// location counts as structure); the pulse in any case; and the load cells of the barrier ([`is_barrier_force`]),
+/// failed ones too, because whoever sums them has to name what is left out.
 pub fn select<'a>(test: &'a TestDescription, asked: &[String]) -> Result<Vec<&'a Channel>, SelectionError> {
     for id in asked {
         match test.channel(id) {
@@ -57,12 +58,24 @@ pub fn select<'a>(test: &'a TestDescription, asked: &[String]) -> Result<Vec<&'a
     let taken = |channel: &&Channel| match asked {
         [] => {
             let usable = channel.quantity == QuantityKind::Acceleration && channel.status.has_data();
-            usable && (Some(channel.id.as_str()) == pulse || on_structure(channel))
+            (usable && (Some(channel.id.as_str()) == pulse || on_structure(channel))) || is_barrier_force(channel)
         }
         _ => asked.contains(&channel.id),
     };
     let channels: Vec<&Channel> = test.channels.iter().filter(taken).collect();
-    if channels.is_empty() { Err(SelectionError::None) } else { Ok(channels) }
+    // Load cells alone are no motion.
+    if channels.iter().all(|channel| asked.is_empty() && is_barrier_force(channel)) {
+        return Err(SelectionError::None);
+    }
+    Ok(channels)
+}
+
+/// Whether a channel is the force along x of a load cell in the barrier, with data.
+pub fn is_barrier_force(channel: &Channel) -> bool {
+    channel.quantity == QuantityKind::Force
+        && channel.axis.is_none_or(|axis| axis == Axis::X)
+        && channel.status.has_data()
+        && channel.location.trim().to_lowercase().starts_with("barrier")
 }
 
 fn on_structure(channel: &Channel) -> bool {
@@ -116,14 +129,31 @@ mod tests {
     }
 
     #[test]
-    fn takes_the_structure_and_leaves_occupants_forces_and_failed_channels() {
-        assert_eq!(ids(&select(&camry(), &[]).unwrap()), ["093", "095"]);
+    fn takes_the_structure_and_the_load_cells_and_leaves_occupants_belts_and_failed_channels() {
+        assert_eq!(ids(&select(&camry(), &[]).unwrap()), ["093", "095", "347"]);
     }
 
     #[test]
     fn the_pulse_is_taken_wherever_it_sits() {
         let test = TestDescription { pulse: Some("096".to_owned()), ..camry() };
-        assert_eq!(ids(&select(&test, &[]).unwrap()), ["093", "095", "096"]);
+        assert_eq!(ids(&select(&test, &[]).unwrap()), ["093", "095", "096", "347"]);
+    }
+
+    #[test]
+    fn a_failed_load_cell_is_taken_and_one_across_the_barrier_is_not() {
+        let mut test = camry();
+        test.channels[5].status = ChannelStatus::Failed;
+        assert!(ids(&select(&test, &[]).unwrap()).contains(&"347"));
+        test.channels[5].axis = Some(Axis::Y);
+        assert!(!ids(&select(&test, &[]).unwrap()).contains(&"347"));
+    }
+
+    #[test]
+    fn load_cells_alone_are_no_motion() {
+        let mut test = camry();
+        test.channels.retain(|channel| channel.id == "347");
+        assert_eq!(select(&test, &[]), Err(SelectionError::None));
+        assert_eq!(ids(&select(&test, &["347".to_owned()]).unwrap()), ["347"]);
     }
 
     #[test]

@@ -1,14 +1,20 @@
 //! Reads the raw channels, filters them, writes them with the record of how.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Mutex;
 
-use crumple_filter::{Filtered, filter, select};
-use crumple_signal::{Note, Notes, Severity};
-use crumple_stage::records::{ChannelFilterV1, TestV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
+use crumple_filter::{
+    Applied, Cfc, Class, FilterError, Filtered, Pass, Settings, filter_reporting, is_barrier_force, resample, select,
+};
+use crumple_signal::{Note, QuantityKind, Severity, TestDescription};
+use crumple_stage::records::TestV1;
+use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
+use rayon::prelude::*;
 
+use crate::align::align;
 use crate::options::{Options, StageSettings};
+use crate::record::{Extra, pulse_line, record};
+use crate::remarks::{Remarks, first_of};
 
 /// The stage.
 pub struct Filter;
@@ -32,45 +38,75 @@ impl Stage for Filter {
     fn run(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let mut test = input.test()?;
         let pulse = test.pulse_channel().ok().map(|channel| channel.id.clone());
-        let selected: Vec<String> = select(&test, &settings.channels)
-            .refuse_with_hint("name the channels to filter with --channels")?
-            .into_iter()
-            .map(|channel| channel.id.clone())
-            .collect();
-
+        let jobs = jobs(settings, input, &test)?;
         let mut remarks = Remarks::default();
-        let mut filtered_ids = Vec::new();
-        for channel in test.channels.iter_mut().filter(|channel| selected.contains(&channel.id)) {
-            let id = &channel.id;
-            let wave = input.wave(id)?;
-            let filtered = match filter(&wave.sampled, channel.cfc, &settings.filter) {
-                Ok(filtered) => filtered,
+        let mut done = Vec::new();
+        for (job, result) in jobs.iter().zip(filter_all(&jobs, out)) {
+            match result {
+                Ok(filtered) => {
+                    for note in filtered.notes.iter() {
+                        remarks.add(&job.id, note.clone());
+                    }
+                    done.push(Done {
+                        id: job.id.clone(),
+                        quantity: job.wave.quantity,
+                        filtered,
+                        extra: Extra::default(),
+                    });
+                }
                 // A channel nobody asked for does not stop the others.
-                Err(error) if settings.channels.is_empty() && pulse.as_ref() != Some(id) => {
-                    remarks.add(id, Note { severity: Severity::Warning, text: format!("left out: {error}") });
-                    continue;
+                Err(error) if settings.channels.is_empty() && pulse.as_ref() != Some(&job.id) => {
+                    remarks.add(&job.id, Note { severity: Severity::Warning, text: format!("left out: {error}") });
                 }
                 Err(error) => {
-                    return Err(Refused::new(format!("channel {id}: {error}"))
+                    return Err(Refused::new(format!("channel {}: {error}", job.id))
                         .hint("--cfc none leaves the signal as it is, --channels names the channels to filter")
                         .into());
                 }
-            };
-            for note in filtered.notes.iter() {
-                remarks.add(id, note.clone());
             }
-            out.put(&format!("/filter/{id}"), &record(&filtered))?;
-            if let Some(applied) = filtered.applied {
-                channel.cfc = Some(applied.cfc.number());
-            }
-            if pulse.as_ref() == Some(id) {
-                out.summary(pulse_line(id, channel.cfc, &filtered));
-            }
-            out.wave(id, wave.quantity, filtered.samples)?;
-            filtered_ids.push(channel.id.as_str());
         }
-        if filtered_ids.len() > 1 {
-            out.summary(format!("{} channels: {}", filtered_ids.len(), filtered_ids.join(", ")));
+        drop(jobs);
+        if let Some(asked) = &settings.align {
+            align(&mut done, asked, &mut remarks)?;
+        }
+        if let Some(to) = settings.resample {
+            for done in &mut done {
+                let from_hz = done.filtered.samples.rate_hz();
+                done.filtered.samples = resample(&done.filtered.samples, to)
+                    .refuse_with_hint("--resample takes a rate such as 10kHz; leave it out to keep the record's own")?;
+                done.extra.resampled_to_hz = Some(to.rate_hz);
+                let how = to.interpolation.name();
+                remarks.info(&done.id, format!("resampled from {from_hz:.0} Hz to {:.0} Hz ({how})", to.rate_hz));
+            }
+        }
+
+        let ids: Vec<String> = done.iter().map(|done| done.id.clone()).collect();
+        for Done { id, quantity, filtered, extra } in done {
+            let channel = test.channels.iter_mut().find(|channel| channel.id == id);
+            let cfc = channel.and_then(|channel| {
+                match filtered.applied.as_ref() {
+                    Some(Applied::Class { cfc, .. }) => channel.cfc = Some(cfc.number()),
+                    // A channel without its low frequencies is of no class; one smoothed further keeps its own.
+                    Some(Applied::Butterworth { design, .. }) if !matches!(design.asked.pass, Pass::Low(_)) => {
+                        channel.cfc = None;
+                    }
+                    _ => {}
+                }
+                channel.cfc
+            });
+            if pulse.as_ref() == Some(&id) {
+                out.summary(pulse_line(&id, cfc, &filtered));
+            }
+            out.put(&format!("/filter/{id}"), &record(&filtered, &extra))?;
+            out.wave(&id, quantity, filtered.samples)?;
+        }
+        for id in settings.pass.iter().filter(|id| !ids.contains(id)) {
+            let wave = input.wave(id)?;
+            out.wave(id, wave.quantity, wave.sampled.clone())?;
+            remarks.info(id, "handed on as it is");
+        }
+        if ids.len() > 1 {
+            out.summary(format!("{} channels: {}", ids.len(), first_of(&ids)));
         }
         out.notes().extend(remarks.into_notes());
         out.put("/test", &TestV1::from(&test))?;
@@ -78,46 +114,54 @@ impl Stage for Filter {
     }
 }
 
-fn pulse_line(id: &str, cfc: Option<u16>, filtered: &Filtered) -> String {
-    let class = cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("cfc {cfc}"));
-    let how = filtered
-        .applied
-        .map_or_else(|| "passed through".to_owned(), |applied| applied.coefficients.mode().name().to_owned());
-    format!("pulse {id}: {class} ({how}), zero level {:+.4} m/s^2 removed", filtered.zero_level_removed)
+/// A channel on its way in.
+struct Job<'a> {
+    id: String,
+    wave: &'a Wave,
+    cfc: Option<u16>,
+    settings: Settings,
 }
 
-fn record(filtered: &Filtered) -> ChannelFilterV1 {
-    let applied = filtered.applied;
-    ChannelFilterV1 {
-        cfc: applied.map(|applied| applied.cfc.number()),
-        mode: applied.map_or("none", |applied| applied.coefficients.mode().name()).to_owned(),
-        frequency_factor: applied.map(|applied| applied.coefficients.mode().frequency_factor()),
-        samples_added: applied.map_or(0, |applied| applied.samples_added as u64),
-        coefficients: applied.map_or_else(Vec::new, |applied| applied.coefficients.to_array().to_vec()),
-        gain_at_class_db: applied.map(|applied| applied.coefficients.two_pass_gain_db(applied.cfc.frequency_hz())),
-        zero_level_removed: filtered.zero_level_removed,
-        notes: filtered.notes.to_texts(),
-    }
+/// A channel on its way out.
+pub struct Done {
+    pub id: String,
+    pub quantity: QuantityKind,
+    pub filtered: Filtered,
+    pub extra: Extra,
 }
 
-/// Notes of all channels; what holds for several is said once.
-#[derive(Default)]
-struct Remarks(BTreeMap<(Severity, String), Vec<String>>);
-
-impl Remarks {
-    fn add(&mut self, id: &str, note: Note) {
-        self.0.entry((note.severity, note.text)).or_default().push(id.to_owned());
-    }
-
-    fn into_notes(self) -> Notes {
-        let mut notes = Notes::new();
-        for ((severity, text), ids) in self.0 {
-            let text = format!("channel{} {}: {text}", if ids.len() > 1 { "s" } else { "" }, ids.join(", "));
-            match severity {
-                Severity::Info => notes.info(text),
-                Severity::Warning => notes.warning(text),
-            }
+fn jobs<'a>(settings: &StageSettings, input: &'a Inputs, test: &TestDescription) -> anyhow::Result<Vec<Job<'a>>> {
+    let selected = select(test, &settings.channels).refuse_with_hint("name the channels to filter with --channels")?;
+    let mut jobs = Vec::new();
+    for channel in selected.into_iter().filter(|channel| !settings.pass.contains(&channel.id)) {
+        let mut of_channel = settings.filter;
+        // SAE J211-1 Table 1: barrier force is CFC 60, whatever the structure is filtered to.
+        if is_barrier_force(channel) && settings.channels.is_empty() && of_channel.class != Class::None {
+            of_channel.class = Class::Cfc(Cfc::Cfc60);
         }
-        notes
+        jobs.push(Job {
+            id: channel.id.clone(),
+            wave: input.wave(&channel.id)?,
+            cfc: channel.cfc,
+            settings: of_channel,
+        });
+    }
+    Ok(jobs)
+}
+
+/// All channels at once; the results are in the order of the jobs, whatever the number of threads.
+fn filter_all(jobs: &[Job<'_>], out: &Output) -> Vec<Result<Filtered, FilterError>> {
+    let work = jobs.iter().map(|job| 2 * job.wave.sampled.len() as u64).sum();
+    let progress = Mutex::new(out.progress("filtering", work));
+    let report = |amount| {
+        if let Ok(mut progress) = progress.lock() {
+            progress.advance(amount);
+        }
+    };
+    let run = |job: &Job<'_>| filter_reporting(&job.wave.sampled, job.cfc, &job.settings, &report);
+    match jobs {
+        // Threads cost more than they give for one channel.
+        [one] => vec![run(one)],
+        several => several.par_iter().map(run).collect(),
     }
 }

@@ -1,3 +1,4 @@
+use crate::recursion::Recursion;
 use crate::{Coefficients, FilterError};
 
 /// Samples of which the mean starts a pass.
@@ -8,6 +9,11 @@ const SHORTEST_EXTENSION: usize = 100;
 const EXTENSION_S: f64 = 0.01;
 /// Fewest samples: with 3 mirrored on either side they are the ten that start a pass.
 const FEWEST_SAMPLES: usize = 4;
+/// Samples between two reports of progress.
+const BLOCK: usize = 1 << 16;
+
+/// Told how many samples have gone through a pass since the last call. Work on a record of n samples is 2·n of them.
+pub type Report<'a> = &'a (dyn Fn(u64) + Sync);
 
 /// Samples mirrored at each end: 10 ms, but at least 100, and never more than the record has to mirror.
 pub fn samples_added(samples: usize, coefficients: &Coefficients) -> usize {
@@ -26,12 +32,25 @@ pub fn samples_added(samples: usize, coefficients: &Coefficients) -> usize {
 /// ends is wrong over some 10 ms there: half the first sample is missing.
 ///
 /// The filter spreads a jump over about ±10 ms at CFC 60, to both sides. Rounding: about 1e-13 of the largest sample.
-/// ISO 6487 Annex A; SAE J211-1 Appendix C leaves the ends to the user.
+/// Memory: the result. ISO 6487 Annex A; SAE J211-1 Appendix C leaves the ends to the user.
 pub fn filter_both_ways(
     samples: &[f64],
     zero_level: f64,
     coefficients: &Coefficients,
 ) -> Result<Vec<f64>, FilterError> {
+    let mut output = Vec::new();
+    filter_both_ways_into(samples, zero_level, coefficients, &mut output, &|_| ())?;
+    Ok(output)
+}
+
+/// [`filter_both_ways`] into a buffer whose memory is used again, with a report of progress.
+pub fn filter_both_ways_into(
+    samples: &[f64],
+    zero_level: f64,
+    coefficients: &Coefficients,
+    output: &mut Vec<f64>,
+    report: Report<'_>,
+) -> Result<(), FilterError> {
     let n = samples.len();
     if n < FEWEST_SAMPLES {
         return Err(FilterError::TooShort { samples: n });
@@ -39,39 +58,58 @@ pub fn filter_both_ways(
     let mirrored = coefficients.mode().extends();
     let added = samples_added(n, coefficients);
     let (first, last) = (samples[0] - zero_level, samples[n - 1] - zero_level);
+    // The extensions are short and apart from the record, so that nothing of its length is moved.
+    let mut left: Vec<f64> = samples[1..=added].iter().rev().map(|x| 2.0 * first - (x - zero_level)).collect();
+    let mut right: Vec<f64> =
+        samples[n - 1 - added..n - 1].iter().rev().map(|x| 2.0 * last - (x - zero_level)).collect();
 
-    let mut work = Vec::with_capacity(n + 2 * added);
-    work.extend(samples[1..=added].iter().rev().map(|x| 2.0 * first - (x - zero_level)));
-    work.extend(samples.iter().map(|x| x - zero_level));
-    work.extend(samples[n - 1 - added..n - 1].iter().rev().map(|x| 2.0 * last - (x - zero_level)));
+    output.clear();
+    output.reserve_exact(n);
+    let head = left.iter().copied().chain(samples.iter().map(|x| x - zero_level)).chain(right.iter().copied());
+    let start = if mirrored { mean(&head.take(START_SAMPLES).collect::<Vec<_>>()) } else { 0.0 };
+    let mut rest = samples;
+    let mut pass = if let Some((two, rest_of_left)) = left.split_first_chunk_mut::<2>() {
+        let mut pass = Recursion::new(coefficients.to_array(), *two, start);
+        *two = [start; 2];
+        pass.in_place(rest_of_left.iter_mut());
+        pass
+    } else {
+        rest = &samples[2..];
+        output.extend([start; 2]);
+        Recursion::new(coefficients.to_array(), [samples[0] - zero_level, samples[1] - zero_level], start)
+    };
+    for block in rest.chunks(BLOCK) {
+        pass.append(block, zero_level, output);
+        report(block.len() as u64);
+    }
+    pass.in_place(right.iter_mut());
 
-    let start = if mirrored { mean(&work[..START_SAMPLES]) } else { 0.0 };
-    pass(work.iter_mut(), coefficients, start);
-    let start = if mirrored { mean(&work[work.len() - START_SAMPLES..]) } else { 0.0 };
-    pass(work.iter_mut().rev(), coefficients, start);
-
-    work.copy_within(added..added + n, 0);
-    work.truncate(n);
-    Ok(work)
+    let tail = right.iter().rev().chain(output.iter().rev()).chain(left.iter().rev()).take(START_SAMPLES).copied();
+    let mut tail: Vec<f64> = tail.collect();
+    tail.reverse();
+    let start = if mirrored { mean(&tail) } else { 0.0 };
+    // What the second pass makes of the left extension is never looked at.
+    let mut rest = output.as_mut_slice();
+    let mut pass = if let Some((rest_of_right, two)) = right.split_last_chunk_mut::<2>() {
+        let mut pass = Recursion::new(coefficients.to_array(), [two[1], two[0]], start);
+        pass.in_place(rest_of_right.iter_mut().rev());
+        pass
+    } else {
+        let (rest_of_output, two) = rest.split_at_mut(n - 2);
+        let pass = Recursion::new(coefficients.to_array(), [two[1], two[0]], start);
+        two.fill(start);
+        rest = rest_of_output;
+        pass
+    };
+    for block in rest.rchunks_mut(BLOCK) {
+        pass.in_place(block.iter_mut().rev());
+        report(block.len() as u64);
+    }
+    Ok(())
 }
 
 fn mean(samples: &[f64]) -> f64 {
     samples.iter().sum::<f64>() / samples.len() as f64
-}
-
-/// One pass in place: the first two outputs are `start`, the difference equation from the third on.
-fn pass<'a>(mut samples: impl Iterator<Item = &'a mut f64>, c: &Coefficients, start: f64) {
-    let (Some(first), Some(second)) = (samples.next(), samples.next()) else { return };
-    let (mut x2, mut x1) = (std::mem::replace(first, start), std::mem::replace(second, start));
-    let (mut y2, mut y1) = (start, start);
-    for sample in samples {
-        let x = *sample;
-        // Summed in the order of the standard's equation: another order gives other last digits.
-        let y = c.a0 * x + c.a1 * x1 + c.a2 * x2 + c.b1 * y1 + c.b2 * y2;
-        *sample = y;
-        (x2, x1) = (x1, x);
-        (y2, y1) = (y1, y);
-    }
 }
 
 #[cfg(test)]
@@ -102,5 +140,52 @@ mod tests {
             // DC gain 1, and the start state is the constant itself: rounding only.
             assert!((y - 5.0).abs() < 1e-12, "{y}");
         }
+    }
+
+    /// The definition, word for word: one long extended record, two passes over all of it.
+    fn as_written(samples: &[f64], zero_level: f64, c: &Coefficients) -> Vec<f64> {
+        let (n, added) = (samples.len(), samples_added(samples.len(), c));
+        let x: Vec<f64> = samples.iter().map(|x| x - zero_level).collect();
+        let mut work: Vec<f64> = (1..=added).rev().map(|i| 2.0 * x[0] - x[i]).collect();
+        work.extend(&x);
+        work.extend((1..=added).map(|i| 2.0 * x[n - 1] - x[n - 1 - i]));
+        for _ in 0..2 {
+            let start = if added > 0 { work[..10].iter().sum::<f64>() / 10.0 } else { 0.0 };
+            let x = std::mem::take(&mut work);
+            work.extend([start; 2]);
+            for i in 2..x.len() {
+                let sum = c.a0 * x[i] + c.a1 * x[i - 1] + c.a2 * x[i - 2];
+                work.push(sum + c.b1 * work[i - 1] + c.b2 * work[i - 2]);
+            }
+            work.reverse();
+        }
+        work[added..added + n].to_vec()
+    }
+
+    #[test]
+    fn blocks_and_separate_extensions_change_nothing_but_the_order_of_a_mean() {
+        for mode in [Mode::Iso6487, Mode::SaeReflect, Mode::SaeZeroState] {
+            let c = Coefficients::new(Cfc::Cfc180, mode, 1e-4);
+            for n in [4, 5, 7, 99, 101, 350, BLOCK + 3, 2 * BLOCK + 2] {
+                let samples: Vec<f64> = (0..n).map(|k| 40.0 * (0.05 * k as f64).sin() + (k % 7) as f64).collect();
+                let found = filter_both_ways(&samples, 0.3, &c).unwrap();
+                for (y, z) in found.iter().zip(as_written(&samples, 0.3, &c)) {
+                    // The start of the second pass is a mean of ten numbers up to 50, summed from the other end.
+                    assert!((y - z).abs() < 1e-13, "{n} {mode:?}: {y} {z}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn progress_adds_up_to_two_passes() {
+        let done = std::sync::atomic::AtomicU64::new(0);
+        let samples = vec![1.0; BLOCK + 17];
+        let c = Coefficients::new(Cfc::Cfc60, Mode::Iso6487, 1e-4);
+        let add = |amount| {
+            done.fetch_add(amount, std::sync::atomic::Ordering::Relaxed);
+        };
+        filter_both_ways_into(&samples, 0.0, &c, &mut Vec::new(), &add).unwrap();
+        assert_eq!(done.into_inner(), 2 * samples.len() as u64);
     }
 }

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 const DT_S: f64 = 1e-4;
 
 fn run(samples: Vec<f64>, class: Cfc, mode: Mode) -> Vec<f64> {
-    let settings = Settings { class: Class::Cfc(class), mode, zero_level: ZeroLevel::None };
+    let settings = Settings { class: Class::Cfc(class), mode, zero_level: ZeroLevel::None, instead: None };
     filter(&Sampled::new(0.0, DT_S, samples).unwrap(), None, &settings).unwrap().samples.into_samples()
 }
 

@@ -55,10 +55,11 @@ fn filtered_samples_are_those_of_an_independent_implementation() {
     let Some(reference) = Reference::open() else { return };
     for case in reference.cases("cfc-", "cfc.filter") {
         let signal = reference.signal(text(&case["signals"][0]));
-        let settings = Settings { class: Class::Cfc(cfc(case)), mode: mode(case), zero_level: ZeroLevel::None };
+        let settings =
+            Settings { class: Class::Cfc(cfc(case)), mode: mode(case), zero_level: ZeroLevel::None, instead: None };
         let filtered = filter(&signal, None, &settings).unwrap();
         let (y, expected) = (filtered.samples.samples(), &case["expected"]);
-        let added = filtered.applied.unwrap().samples_added;
+        let added = filtered.applied.unwrap().samples_added();
         assert_eq!(Some(added as u64), case["params"]["n_pad"].as_u64(), "{}", case["id"]);
 
         let indices = expected["indices"].as_array().unwrap();

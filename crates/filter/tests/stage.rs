@@ -89,6 +89,109 @@ fn writes_the_structure_s_channels_with_their_class_and_how_they_got_it() {
 }
 
 #[test]
+fn the_response_stands_beside_the_limits_of_the_class() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = ingested(folder.path(), &[(channel("a", "", None), pulse(10_000.0))]);
+    let how: ChannelFilterV1 = result(&input, &[]).record("/filter/a").unwrap().unwrap();
+    assert_eq!((how.corridor_ok, how.phase.as_deref()), (Some(true), Some("zero")));
+    let corner = how.corridor.iter().find(|point| point.frequency_hz == 100.0).unwrap();
+    assert_eq!((corner.upper_db, corner.lower_db), (0.5, Some(-4.0)));
+    // ISO 6487 has -2.98 dB at CFC/0.6, but for the warp at 10 kHz.
+    assert!((corner.gain_db + 2.98).abs() < 0.01, "{corner:?}");
+}
+
+#[test]
+fn a_butterworth_filter_is_recorded_with_its_sections() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = ingested(folder.path(), &[(channel("a", "", None), pulse(10_000.0))]);
+    let flags = ["--butterworth", "band", "--order", "3", "--cutoff", "20Hz", "--cutoff-high", "200Hz"];
+    let how: ChannelFilterV1 = result(&input, &flags).record("/filter/a").unwrap().unwrap();
+    assert_eq!((how.mode.as_str(), how.cfc, how.corridor_ok), ("butterworth-band", None, None));
+    assert_eq!((how.coefficients.len(), how.cutoff_hz), (15, vec![20.0, 200.0]));
+    for wrong in [
+        &["--butterworth", "low"][..],
+        &["--butterworth", "low", "--order", "2"],
+        &["--butterworth", "low", "--order", "2", "--cutoff", "100"],
+        &["--butterworth", "low", "--order", "2", "--cutoff", "100Hz", "--cutoff-high", "200Hz"],
+        &["--order", "2"],
+        &["--interpolation", "linear"],
+        &["--align-within", "2ms"],
+    ] {
+        assert_eq!(run(&input, wrong).status.code(), Some(2), "{wrong:?}");
+    }
+    for refused in [&["--order", "13", "--cutoff", "100Hz"], &["--order", "2", "--cutoff", "9kHz"]] {
+        let flags = [&["--butterworth", "low"][..], refused].concat();
+        assert_eq!(run(&input, &flags).status.code(), Some(3), "{refused:?}");
+    }
+}
+
+#[test]
+fn resampling_is_said_and_keeps_a_sample_at_time_zero() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = ingested(folder.path(), &[(channel("a", "", None), pulse(20_000.0))]);
+    let artifact = result(&input, &["--resample", "8kHz"]);
+    let wave = &artifact.waves()["a"].sampled;
+    assert_eq!(wave.dt_s(), 1.0 / 8000.0);
+    // Whole nanoseconds of t0 only.
+    assert!(wave.time_s(wave.index_at_or_after(0.0)).abs() < 1e-9);
+    let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
+    assert_eq!(notes.notes, ["channel a: resampled from 20000 Hz to 8000 Hz (windowed sinc)"]);
+    let how: ChannelFilterV1 = artifact.record("/filter/a").unwrap().unwrap();
+    assert_eq!(how.resampled_to_hz, Some(8000.0));
+}
+
+#[test]
+fn a_late_channel_is_shifted_onto_the_one_it_is_aligned_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let raw = pulse(10_000.0);
+    let late = raw.starting_at(raw.t0_s() + 1.25e-3).unwrap();
+    let input = ingested(
+        folder.path(),
+        &[(channel("a", "", None), raw.clone()), (channel("b", "", None), late), (channel("switch", "x", None), raw)],
+    );
+    let artifact = result(&input, &["--align-to", "a", "--pass", "switch"]);
+    let how: ChannelFilterV1 = artifact.record("/filter/b").unwrap().unwrap();
+    // The two are the same samples, but for zero levels from windows 1.25 ms apart.
+    assert!((how.shift_s.unwrap() + 1.25e-3).abs() < 2e-6, "{how:?}");
+    assert!((artifact.waves()["b"].sampled.t0_s() + 0.05).abs() < 2e-6);
+    assert_eq!(artifact.waves()["switch"].sampled, pulse(10_000.0));
+    let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
+    assert!(notes.notes[1].starts_with("channel b: time axis shifted by -1.25"), "{notes:?}");
+    assert_eq!(run(&input, &["--align-to", "nope"]).status.code(), Some(3));
+}
+
+#[test]
+fn the_load_cells_of_the_barrier_come_along_at_cfc_60() {
+    let folder = tempfile::tempdir().unwrap();
+    let force = Channel { quantity: QuantityKind::Force, ..channel("347", "barrier, load cell F-01", None) };
+    let input = ingested(folder.path(), &[(channel("093", "", None), pulse(10_000.0)), (force, pulse(10_000.0))]);
+    let artifact = result(&input, &["--cfc", "180"]);
+    let class = |id: &str| artifact.record::<ChannelFilterV1>(&format!("/filter/{id}")).unwrap().unwrap().cfc;
+    assert_eq!((class("093"), class("347")), (Some(180), Some(60)));
+}
+
+#[test]
+fn the_number_of_threads_changes_no_byte() {
+    let folder = tempfile::tempdir().unwrap();
+    let channels: Vec<_> =
+        (0..9).map(|k| (channel(&format!("c{k}"), "", None), pulse(10_000.0 + 500.0 * f64::from(k)))).collect();
+    let input = ingested(folder.path(), &channels);
+    let bytes = |threads: &str| {
+        let output = Command::new(env!("CARGO_BIN_EXE_crumple-filter"))
+            .env("RAYON_NUM_THREADS", threads)
+            .arg(&input)
+            .arg("-o")
+            .arg(input.with_file_name("2-filter.mcap"))
+            .args(["--force", "-q"])
+            .output()
+            .unwrap();
+        assert!(output.status.success());
+        std::fs::read(input.with_file_name("2-filter.mcap")).unwrap()
+    };
+    assert_eq!(bytes("1"), bytes("4"));
+}
+
+#[test]
 fn none_takes_everything_as_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let raw = pulse(400.0);

@@ -1,19 +1,29 @@
 //! From acceleration to velocity, displacement and barrier force, and what the motion says about the crash.
 //!
-//! [`integrate`] makes the motion, [`findings`] puts its events into words. The numbers themselves (events, metrics)
-//! are in `crumple-metrics`.
+//! [`integrate`] makes the motion, [`integrate_without_drift`] one that meets a known velocity, [`findings`] puts its
+//! events into words. [`threshold_crossing`], [`edr_start`] and [`contact_edge`] find time zero, [`sum_of_cells`] the
+//! force on a barrier. The numbers themselves (events, metrics) are in `crumple-metrics`.
 
+mod barrier;
+mod drift;
 mod findings;
 mod force;
 mod motion;
 mod rule;
 mod start;
+mod time_zero;
 
+pub use barrier::{CellSum, impulse_n_s, sum_of_cells};
+pub use drift::{Drift, DriftShape, EndCondition, integrate_without_drift};
 pub use findings::findings;
 pub use force::barrier_force;
-pub use motion::{Motion, Settings, integrate};
-pub use rule::{Rule, integrate_twice};
+pub use motion::{Motion, Settings, integrate, integrate_reporting};
+pub use rule::{Rule, integrate_twice, integrate_twice_into};
 pub use start::{Start, UsedStart};
+pub use time_zero::{
+    EDR_CHANGE_M_PER_S, EDR_INTERVAL_S, FoundZero, HOLD_S, THRESHOLD_M_PER_S2, contact_edge, edr_end, edr_start,
+    threshold_crossing,
+};
 
 use crumple_signal::SignalError;
 
@@ -37,6 +47,16 @@ pub enum IntegrateError {
         /// First sample.
         first_s: f64,
         /// Last sample.
+        last_s: f64,
+    },
+    /// The time of a known velocity is not in the motion.
+    #[error("the known velocity is stated at {time_s} s, the motion runs from {first_s} s to {last_s} s")]
+    EndCondition {
+        /// When it is stated, on the record's axis.
+        time_s: f64,
+        /// Start of the motion.
+        first_s: f64,
+        /// Its end.
         last_s: f64,
     },
     /// The result is not a signal: the samples are so large that the sum overflows.

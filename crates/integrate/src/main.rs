@@ -1,5 +1,8 @@
 //! `crumple-integrate`: velocity, displacement, crash events and metrics of the pulse.
 
+mod contact;
+mod further;
+mod load_cells;
 mod options;
 mod stage;
 

@@ -1,6 +1,6 @@
 use crumple_signal::{Acceleration, Displacement, Signal, Velocity};
 
-use crate::{IntegrateError, Rule, Start, UsedStart, integrate_twice};
+use crate::{IntegrateError, Rule, Start, UsedStart, integrate_twice_into};
 
 /// A sample this close to time zero is at time zero, in sampling intervals: rounding of decimal time stamps.
 const ON_GRID: f64 = 1e-6;
@@ -46,6 +46,15 @@ pub struct Motion {
 ///
 /// The samples stay where they are: a time zero other than 0 s is an offset, not a new grid.
 pub fn integrate(acceleration: &Signal<Acceleration>, settings: &Settings) -> Result<Motion, IntegrateError> {
+    integrate_reporting(acceleration, settings, |_| ())
+}
+
+/// [`integrate`] with a report of progress, in samples. Memory: velocity and displacement; the acceleration is shared.
+pub fn integrate_reporting(
+    acceleration: &Signal<Acceleration>,
+    settings: &Settings,
+    report: impl FnMut(u64),
+) -> Result<Motion, IntegrateError> {
     let &Settings { rule, time_zero_s, impact_speed_m_per_s: v0, .. } = settings;
     if !(v0.is_finite() && v0 > 0.0) {
         return Err(IntegrateError::ImpactSpeed(v0));
@@ -67,17 +76,18 @@ pub fn integrate(acceleration: &Signal<Acceleration>, settings: &Settings) -> Re
     };
     let part = acceleration.slice(from, acceleration.len());
     let a = part.samples();
-    let (velocity, displacement) = if from == zero {
-        let (v, x) = first_step(acceleration, zero, gap_s, settings);
-        integrate_twice(a, dt_s, rule, v, x)
+    let (mut velocity, mut displacement) = (Vec::new(), Vec::new());
+    let outputs = (&mut velocity, &mut displacement);
+    if from == zero {
+        integrate_twice_into(a, dt_s, rule, first_step(acceleration, zero, gap_s, settings), outputs, report);
     } else {
-        let (v, mut x) = integrate_twice(a, dt_s, rule, v0, 0.0);
+        integrate_twice_into(a, dt_s, rule, [v0, 0.0], outputs, report);
+        let (v, x) = (&velocity, &mut displacement);
         // Displacement at time zero, the velocity taken as linear between the samples around it.
         let v_zero = v[zero] - (v[zero] - v[zero - 1]) * gap_s / dt_s;
         let x_zero = x[zero] - gap_s * (v[zero] + v_zero) / 2.0;
         x.iter_mut().for_each(|x| *x -= x_zero);
-        (v, x)
-    };
+    }
     let (t0_s, dt_s) = (part.t0_s(), part.dt_s());
     Ok(Motion {
         velocity: Signal::new(t0_s, dt_s, velocity)?,
@@ -88,19 +98,20 @@ pub fn integrate(acceleration: &Signal<Acceleration>, settings: &Settings) -> Re
 }
 
 /// Velocity and displacement at the first sample at or after time zero.
-fn first_step(acceleration: &Signal<Acceleration>, zero: usize, gap_s: f64, settings: &Settings) -> (f64, f64) {
+fn first_step(acceleration: &Signal<Acceleration>, zero: usize, gap_s: f64, settings: &Settings) -> [f64; 2] {
     let v0 = settings.impact_speed_m_per_s;
     if gap_s == 0.0 || zero == 0 {
-        return (v0, v0 * gap_s);
+        return [v0, v0 * gap_s];
     }
     let (before, after) = (acceleration.samples()[zero - 1], acceleration.samples()[zero]);
     let at_zero = after - (after - before) * gap_s / acceleration.dt_s();
     match settings.rule {
-        Rule::Trapezoid => {
+        // One interval in part is too little for a parabola.
+        Rule::Trapezoid | Rule::Simpson => {
             let v = v0 + gap_s * (at_zero + after) / 2.0;
-            (v, gap_s * (v0 + v) / 2.0)
+            [v, gap_s * (v0 + v) / 2.0]
         }
-        Rule::ForwardEuler => (v0 + gap_s * at_zero, gap_s * v0),
+        Rule::ForwardEuler => [v0 + gap_s * at_zero, gap_s * v0],
     }
 }
 

@@ -1,8 +1,12 @@
 //! Flags and pipeline keys of the stage, and the settings they come to.
 
-use crumple_integrate::{Rule, Start};
+use std::fmt;
+use std::str::FromStr;
+
+use crumple_integrate::{DriftShape, EndCondition, Rule, Start};
 use crumple_signal::value::{Speed, Time};
-use serde::{Deserialize, Serialize};
+use crumple_stage::Usage;
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 /// Flags and keys; what is not given has the default named in its text.
 #[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
@@ -20,14 +24,131 @@ pub struct Options {
     #[arg(long, value_name = "ID")]
     pub channel: Option<String>,
 
+    /// Further accelerometers to integrate, by id, or all: every x acceleration of the compartment [default: none]
+    #[arg(long, value_name = "ID", value_delimiter = ',')]
+    pub channels: Vec<String>,
+
     /// First contact on the record's time axis, e.g. 1.2ms [default: 0 s, as the file has it]
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub time_zero: Option<Time>,
 
+    /// How first contact is found: file, threshold (0.5 g for 3 ms), edr (49 CFR 563: 0.8 km/h in 20 ms) or
+    /// contact:<channel>, the edge of a contact switch [default: file]
+    #[arg(long, value_name = "RULE")]
+    pub time_zero_rule: Option<ZeroRule>,
+
     /// Speed just before contact, e.g. 57.09km/h, instead of the one in the test description
     #[arg(long, value_name = "SPEED")]
     pub impact_speed: Option<Speed>,
+
+    /// Known velocity after separation, e.g. -2.5m/s, or standstill: the drift that brings the pulse there is taken out
+    #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
+    pub end_velocity: Option<EndVelocity>,
+
+    /// When the known velocity holds, on the record's time axis [default: at the last sample]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub end_time: Option<Time>,
+
+    /// What the drift is taken to be [default: bias]
+    #[arg(long, value_enum)]
+    pub drift: Option<DriftShape>,
+
+    /// Load cells of the barrier in the sum of its force [default: valid]
+    #[arg(long, value_enum)]
+    pub barrier_cells: Option<BarrierCells>,
 }
+
+/// Which load cells are summed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum BarrierCells {
+    /// Those not marked failed; the others are named.
+    #[default]
+    Valid,
+    /// All with data, as read.
+    All,
+    /// None: no barrier force.
+    None,
+}
+
+/// How first contact is found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ZeroRule {
+    /// At 0 s of the record.
+    File,
+    /// By threshold.
+    Threshold,
+    /// By the rule for event data recorders.
+    Edr,
+    /// From a contact switch: id of its channel.
+    Contact(String),
+}
+
+impl FromStr for ZeroRule {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.trim() {
+            "file" => Ok(Self::File),
+            "threshold" => Ok(Self::Threshold),
+            "edr" => Ok(Self::Edr),
+            other => match other.strip_prefix("contact:").map(str::trim) {
+                Some(id) if !id.is_empty() => Ok(Self::Contact(id.to_owned())),
+                _ => Err(format!("unknown rule {text:?}, expected file, threshold, edr or contact:<channel>")),
+            },
+        }
+    }
+}
+
+impl fmt::Display for ZeroRule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File => f.write_str("file"),
+            Self::Threshold => f.write_str("threshold"),
+            Self::Edr => f.write_str("edr"),
+            Self::Contact(id) => write!(f, "contact:{id}"),
+        }
+    }
+}
+
+/// A velocity along x, m/s; `standstill` is 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EndVelocity(Speed);
+
+impl FromStr for EndVelocity {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.trim() {
+            "standstill" => Ok(Self(Speed::from_si(0.0))),
+            speed => speed.parse().map(Self).map_err(|error: crumple_signal::unit::UnitError| error.to_string()),
+        }
+    }
+}
+
+impl fmt::Display for EndVelocity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+macro_rules! as_text {
+    ($($name:ident),*) => {$(
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.collect_str(self)
+            }
+        }
+
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                String::deserialize(deserializer)?.parse().map_err(de::Error::custom)
+            }
+        }
+    )*};
+}
+
+as_text!(ZeroRule, EndVelocity);
 
 /// Options with the defaults filled in that do not depend on the record.
 #[derive(Debug, Serialize)]
@@ -36,20 +157,56 @@ pub struct StageSettings {
     pub start: Start,
     /// `None`: the pulse of the test.
     pub channel: Option<String>,
-    /// `None`: 0 s, where the file has it.
+    /// Further channels.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub channels: Vec<String>,
+    /// `None`: by the rule.
     pub time_zero_s: Option<f64>,
+    /// `None`: 0 s, where the file has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_zero_rule: Option<ZeroRule>,
     /// `None`: that of the test.
     pub impact_speed_m_per_s: Option<f64>,
+    /// `None`: no drift is taken out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub end_condition: Option<EndCondition>,
+    #[serde(skip_serializing_if = "is_default")]
+    pub barrier_cells: BarrierCells,
 }
 
-impl From<Options> for StageSettings {
-    fn from(options: Options) -> Self {
-        Self {
+/// Options that are not used stay out of the provenance, so that results from before they existed stay up to date.
+fn is_default(cells: &BarrierCells) -> bool {
+    *cells == BarrierCells::default()
+}
+
+impl TryFrom<Options> for StageSettings {
+    type Error = Usage;
+
+    fn try_from(options: Options) -> Result<Self, Usage> {
+        if options.time_zero.is_some() && options.time_zero_rule.is_some() {
+            return Err(Usage::new("both time-zero and time-zero-rule are given").hint("leave out either"));
+        }
+        if options.end_velocity.is_none() {
+            let given = [("end-time", options.end_time.is_some()), ("drift", options.drift.is_some())];
+            if let Some((name, _)) = given.into_iter().find(|(_, given)| *given) {
+                return Err(Usage::new(format!("{name} needs end-velocity"))
+                    .hint("give the velocity that is known with --end-velocity"));
+            }
+        }
+        Ok(Self {
             rule: options.rule.unwrap_or_default(),
             start: options.start.unwrap_or_default(),
             channel: options.channel,
+            channels: options.channels,
             time_zero_s: options.time_zero.map(Time::si),
+            time_zero_rule: options.time_zero_rule.filter(|rule| *rule != ZeroRule::File),
             impact_speed_m_per_s: options.impact_speed.map(Speed::si),
-        }
+            end_condition: options.end_velocity.map(|EndVelocity(speed)| EndCondition {
+                velocity_m_per_s: speed.si(),
+                time_s: options.end_time.map(Time::si),
+                shape: options.drift.unwrap_or_default(),
+            }),
+            barrier_cells: options.barrier_cells.unwrap_or_default(),
+        })
     }
 }

@@ -1,17 +1,27 @@
 //! Reads the filtered pulse, integrates it, writes motion, events and metrics.
 
+use std::cell::RefCell;
 use std::path::PathBuf;
 
-use crumple_integrate::{Motion, Settings, barrier_force, findings, integrate};
+use crumple_integrate::{
+    Drift, Motion, Settings, barrier_force, findings, integrate_reporting, integrate_without_drift,
+};
 use crumple_metrics::{CrashEvents, Metric, Pulse, centroid_time_from_crush, crash_events, pulse_metrics};
-use crumple_signal::{Acceleration, Channel, Notes, QuantityKind, TestDescription};
-use crumple_stage::records::{EventsV1, MetricV1, MetricsV1, TestV1};
+use crumple_signal::{
+    Acceleration, Channel, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Severity, Signal, TestDescription,
+};
+use crumple_stage::records::{ChannelFilterV1, EventsV1, MetricV1, MetricsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
+use crate::contact::{TimeZero, time_zero};
+use crate::further::further;
+use crate::load_cells::barrier;
 use crate::options::{Options, StageSettings};
 
 /// Impact speeds of test and channel further apart than this are worth a word, m/s.
 const SPEED_GAP_M_PER_S: f64 = 0.05;
+/// A drift larger than this is no drift, m/s² (0.5 g).
+const LARGE_DRIFT_M_PER_S2: f64 = 0.5 * STANDARD_GRAVITY_M_PER_S2;
 
 /// The stage.
 pub struct Integrate;
@@ -25,7 +35,7 @@ impl Stage for Integrate {
     type Input = Inputs;
 
     fn resolve(options: Options) -> anyhow::Result<StageSettings> {
-        Ok(options.into())
+        Ok(options.try_into()?)
     }
 
     fn load(paths: &[PathBuf], _: &StageSettings) -> anyhow::Result<Loaded<Inputs>> {
@@ -47,55 +57,176 @@ impl Stage for Integrate {
         // What follows works with the speed the motion was made with.
         test.impact_speed_m_per_s = Some(impact_speed_m_per_s);
 
-        let acceleration = input
-            .wave(&channel.id)?
-            .signal::<Acceleration>()
-            .refuse_with_hint(format!("channel {} is no accelerometer: name one with --channel", channel.id))?;
-        let time_zero_s = settings.time_zero_s.unwrap_or(0.0);
-        let motion = integrate(
-            &acceleration,
-            &Settings {
-                rule: settings.rule,
-                start: settings.start,
-                time_zero_s,
-                impact_speed_m_per_s,
-                low_pass_filtered: channel.cfc.is_some(),
-            },
-        )
-        .refuse_with_hint("--time-zero says where on the record's time axis first contact is")?;
-        let events = crash_events(&motion.velocity, &motion.displacement, time_zero_s)?;
-        let metrics = pulse_metrics(&Pulse {
-            acceleration: &motion.acceleration,
-            velocity: &motion.velocity,
-            displacement: &motion.displacement,
-            events: &events,
-            impact_speed_m_per_s,
-            mass_kg: test.mass_kg,
-            time_zero_s,
-        })?;
-        out.notes().extend(findings(&motion, &events, time_zero_s, impact_speed_m_per_s));
+        let acceleration = acceleration(input, &channel)?;
+        let zero = time_zero(settings, input, &channel, &acceleration, impact_speed_m_per_s, out.notes())?;
+        let task = Task { settings, input, test: &test, impact_speed_m_per_s, time_zero_s: zero.time_s };
+        let pulse = task.motion(&channel, &acceleration, out)?;
+        out.notes().extend(findings(&pulse.motion, &pulse.events, zero.time_s, impact_speed_m_per_s));
+        let mut metrics = task.metrics(&channel.id, &pulse)?;
+        let mut crushes: Vec<(String, f64)> = Vec::new();
+        crushes.extend(pulse.events.crush.map(|crush| (channel.id.clone(), crush.displacement_m)));
 
         out.put("/test", &TestV1::from(&test))?;
-        out.put("/events", &events_record(&channel.id, settings, &motion, &events, impact_speed_m_per_s))?;
-        out.put("/metrics", &metrics_record(&channel.id, metrics))?;
-        out.summary(summary(&channel.id, &events));
-        match test.mass_kg {
-            Some(mass_kg) => {
-                let force = barrier_force(&motion.acceleration, mass_kg)
-                    .refuse_with_hint("give the test mass to ingest with --mass")?;
-                out.wave(&format!("{}/force", channel.id), QuantityKind::Force, force.into_sampled())?;
+        out.put("/events", &events_record(&channel.id, settings, &zero, &pulse, impact_speed_m_per_s))?;
+        out.summary(summary(&channel.id, &pulse.events));
+
+        for other in further(&settings.channels, &test, &channel.id, input, out.notes())? {
+            let motion = task.motion(other, &self::acceleration(input, other)?, out)?;
+            for note in findings(&motion.motion, &motion.events, zero.time_s, impact_speed_m_per_s).iter() {
+                if note.severity == Severity::Warning {
+                    out.notes().warning(format!("channel {}: {}", other.id, note.text));
+                }
             }
-            None => out
-                .notes()
-                .info("the mass is not known: no force, stiffness and energy (give it to ingest with --mass)"),
+            metrics.extend(task.metrics(&other.id, &motion)?);
+            crushes.extend(motion.events.crush.map(|crush| (other.id.clone(), crush.displacement_m)));
+            task.write(&other.id, motion, out)?;
         }
-        out.wave(&format!("{}/velocity", channel.id), QuantityKind::Velocity, motion.velocity.into_sampled())?;
-        out.wave(
-            &format!("{}/displacement", channel.id),
-            QuantityKind::Displacement,
-            motion.displacement.into_sampled(),
-        )?;
+        spread(&crushes, out);
+        metrics.extend(barrier(settings.barrier_cells, input, &test, (&channel.id, &pulse.motion), zero.time_s, out)?);
+        out.put("/metrics", &MetricsV1(metrics))?;
+        if test.mass_kg.is_none() {
+            out.notes().info("the mass is not known: no force, stiffness and energy (give it to ingest with --mass)");
+        }
+        task.write(&channel.id, pulse, out)?;
         Ok(Outcome::Done)
+    }
+}
+
+/// What holds for all channels of a test.
+struct Task<'a> {
+    settings: &'a StageSettings,
+    input: &'a Inputs,
+    test: &'a TestDescription,
+    impact_speed_m_per_s: f64,
+    time_zero_s: f64,
+}
+
+/// What came of a channel.
+struct Integrated {
+    motion: Motion,
+    events: CrashEvents,
+    drift: Option<Drift>,
+}
+
+impl Task<'_> {
+    fn motion(
+        &self,
+        channel: &Channel,
+        acceleration: &Signal<Acceleration>,
+        out: &mut Output,
+    ) -> anyhow::Result<Integrated> {
+        let settings = Settings {
+            rule: self.settings.rule,
+            start: self.settings.start,
+            time_zero_s: self.time_zero_s,
+            impact_speed_m_per_s: self.impact_speed_m_per_s,
+            low_pass_filtered: channel.cfc.is_some() || smoothed(self.input, &channel.id)?,
+        };
+        let hint = "--time-zero says where on the record's time axis first contact is";
+        let (motion, drift) = match self.settings.end_condition {
+            None => {
+                let progress = RefCell::new(out.progress("integrating", acceleration.len() as u64));
+                let report = |amount| progress.borrow_mut().advance(amount);
+                (integrate_reporting(acceleration, &settings, report).refuse_with_hint(hint)?, None)
+            }
+            Some(end) => {
+                let (motion, drift) = integrate_without_drift(acceleration, &settings, end)
+                    .refuse_with_hint("--end-time says when the velocity is the one known")?;
+                note_drift(&channel.id, &drift, end.velocity_m_per_s, out.notes());
+                (motion, Some(drift))
+            }
+        };
+        let events = crash_events(&motion.velocity, &motion.displacement, self.time_zero_s)?;
+        Ok(Integrated { motion, events, drift })
+    }
+
+    fn metrics(&self, id: &str, of: &Integrated) -> anyhow::Result<Vec<MetricV1>> {
+        let metrics = pulse_metrics(&Pulse {
+            acceleration: &of.motion.acceleration,
+            velocity: &of.motion.velocity,
+            displacement: &of.motion.displacement,
+            events: &of.events,
+            impact_speed_m_per_s: self.impact_speed_m_per_s,
+            mass_kg: self.test.mass_kg,
+            time_zero_s: self.time_zero_s,
+        })?;
+        let mut records: Vec<MetricV1> = metrics.into_iter().map(|metric| metric_record(id, metric)).collect();
+        if let Some(drift) = of.drift {
+            records.push(MetricV1 {
+                name: "drift_correction".to_owned(),
+                value: Some(drift.acceleration_m_per_s2),
+                unit: "m/s^2".to_owned(),
+                channel: id.to_owned(),
+                definition: format!(
+                    "acceleration subtracted ({}) so that the stated velocity is met at {:.6} s of the record",
+                    drift.shape.name(),
+                    drift.time_s
+                ),
+            });
+        }
+        Ok(records)
+    }
+
+    fn write(&self, id: &str, of: Integrated, out: &mut Output) -> anyhow::Result<()> {
+        if let Some(mass_kg) = self.test.mass_kg {
+            let force = barrier_force(&of.motion.acceleration, mass_kg)
+                .refuse_with_hint("give the test mass to ingest with --mass")?;
+            out.wave(&format!("{id}/force"), QuantityKind::Force, force.into_sampled())?;
+        }
+        out.wave(&format!("{id}/velocity"), QuantityKind::Velocity, of.motion.velocity.into_sampled())?;
+        out.wave(&format!("{id}/displacement"), QuantityKind::Displacement, of.motion.displacement.into_sampled())
+    }
+}
+
+fn acceleration(input: &Inputs, channel: &Channel) -> anyhow::Result<Signal<Acceleration>> {
+    input
+        .wave(&channel.id)?
+        .signal::<Acceleration>()
+        .refuse_with_hint(format!("channel {} is no accelerometer: name one with --channel", channel.id))
+}
+
+/// Whether a channel without a class went through a phaseless low-pass all the same.
+fn smoothed(input: &Inputs, id: &str) -> anyhow::Result<bool> {
+    let filter: Option<ChannelFilterV1> = input.record_if(&format!("/filter/{id}"))?;
+    Ok(filter.is_some_and(|filter| {
+        filter.phase.as_deref() == Some("zero") && matches!(filter.mode.as_str(), "butterworth-low" | "moving-average")
+    }))
+}
+
+fn note_drift(id: &str, drift: &Drift, stated_m_per_s: f64, notes: &mut Notes) {
+    let text = format!(
+        "channel {id}: drift of {:+.4} m/s^2 ({:+.5} g, {}) taken out so that the velocity at {:.1} ms is {:.3} m/s \
+         as stated; without it {:+.3} m/s more",
+        drift.acceleration_m_per_s2,
+        drift.acceleration_m_per_s2 / STANDARD_GRAVITY_M_PER_S2,
+        drift.shape.name(),
+        1e3 * drift.time_s,
+        stated_m_per_s,
+        drift.velocity_gap_m_per_s
+    );
+    if drift.acceleration_m_per_s2.abs() <= LARGE_DRIFT_M_PER_S2 {
+        notes.info(text);
+    } else {
+        notes.warning(format!("{text}: more than a sensor drifts, check impact speed, time zero and gain"));
+    }
+}
+
+/// The spread of dynamic crush among channels is the error bar of each of them.
+fn spread(crushes: &[(String, f64)], out: &mut Output) {
+    let by_crush = |a: &&(String, f64), b: &&(String, f64)| a.1.total_cmp(&b.1);
+    let (Some(low), Some(high)) = (crushes.iter().min_by(by_crush), crushes.iter().max_by(by_crush)) else { return };
+    if crushes.len() > 1 {
+        let text = format!(
+            "dynamic crush of {} channels: {:.4} m (channel {}) to {:.4} m (channel {}), {:.1} % apart",
+            crushes.len(),
+            low.1,
+            low.0,
+            high.1,
+            high.0,
+            1e2 * (high.1 - low.1) / high.1.abs()
+        );
+        out.summary(text.clone());
+        out.notes().info(text);
     }
 }
 
@@ -130,14 +261,15 @@ fn impact_speed(
 fn events_record(
     channel: &str,
     settings: &StageSettings,
-    motion: &Motion,
-    events: &CrashEvents,
+    zero: &TimeZero,
+    pulse: &Integrated,
     impact_speed_m_per_s: f64,
 ) -> EventsV1 {
+    let events = &pulse.events;
     EventsV1 {
         channel: channel.to_owned(),
-        time_zero_s: settings.time_zero_s.unwrap_or(0.0),
-        time_zero_rule: if settings.time_zero_s.is_some() { "flag" } else { "file" }.to_owned(),
+        time_zero_s: zero.time_s,
+        time_zero_rule: zero.rule.clone(),
         dynamic_crush_m: events.crush.map(|crush| crush.displacement_m),
         time_of_dynamic_crush_s: events.crush.map(|crush| crush.time_s),
         centroid_time_s: events.crush.map(|c| centroid_time_from_crush(c.displacement_m, impact_speed_m_per_s)),
@@ -147,19 +279,18 @@ fn events_record(
         time_of_rebound_s: events.rebound.map(|rebound| rebound.time_s),
         impact_speed_m_per_s: Some(impact_speed_m_per_s),
         rule: Some(settings.rule.name().to_owned()),
-        start: Some(motion.start.name().to_owned()),
+        start: Some(pulse.motion.start.name().to_owned()),
     }
 }
 
-fn metrics_record(channel: &str, metrics: Vec<Metric>) -> MetricsV1 {
-    let record = |metric: Metric| MetricV1 {
+fn metric_record(channel: &str, metric: Metric) -> MetricV1 {
+    MetricV1 {
         name: metric.name.to_owned(),
         value: metric.value,
         unit: metric.unit.to_owned(),
         channel: channel.to_owned(),
         definition: metric.definition,
-    };
-    MetricsV1(metrics.into_iter().map(record).collect())
+    }
 }
 
 fn summary(channel: &str, events: &CrashEvents) -> String {

@@ -16,6 +16,7 @@ fn means(values: &[f64], rule: Rule) -> Vec<f64> {
     match rule {
         Rule::Trapezoid => values.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).collect(),
         Rule::ForwardEuler => values[..values.len() - 1].to_vec(),
+        Rule::Simpson => panic!("the mean over an interval comes from three samples"),
     }
 }
 
@@ -50,6 +51,22 @@ proptest! {
         // 500 roundings of numbers up to 80.
         for (found, v) in found.iter().zip(&v) {
             prop_assert!((found - v).abs() < 1e-10, "{found} {v}");
+        }
+    }
+
+    #[test]
+    fn simpson_gives_a_smooth_function_back_from_its_derivative(
+        amplitude in 1.0..10.0_f64, omega in 1.0..60.0_f64, phase in 0.0..6.0_f64, n in 3..3000_i32
+    ) {
+        let at = |k: i32| omega * f64::from(k) * DT_S + phase;
+        let a: Vec<f64> = (0..n).map(|k| amplitude * omega * at(k).cos()).collect();
+        let (v, x) = integrate_twice(&a, DT_S, Rule::Simpson, amplitude * phase.sin(), 0.0);
+        for k in 0..n {
+            let (i, t) = (k as usize, f64::from(k) * DT_S);
+            // T^4 times the third derivative of a over 24, 10*60^4*1e-16/24, and 3000 roundings of numbers up to 10.
+            prop_assert!((v[i] - amplitude * at(k).sin()).abs() < 1e-9, "{k}");
+            let exact = amplitude / omega * (phase.cos() - at(k).cos());
+            prop_assert!((x[i] - exact).abs() < 1e-9 + 1e-9 * t, "{k}: {} {exact}", x[i]);
         }
     }
 

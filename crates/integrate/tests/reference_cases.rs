@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic too")]
 
-use crumple_integrate::{Motion, Rule, Settings, Start, integrate};
+use crumple_integrate::{Motion, Rule, Settings, Start, edr_start, integrate, threshold_crossing};
 use crumple_metrics::{CrashEvents, Pulse, crash_events, peak, pulse_metrics};
 use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, Signal};
 use crumple_testkit::reference_signals::{Case, Reference, assert_close, number, text};
@@ -95,5 +95,23 @@ fn a_half_sine_pulse_meets_the_closed_form() {
         close("delta_v_ms", events.delta_v_m_per_s(v0).unwrap());
         close("restitution", events.restitution(v0).unwrap());
         close("centroid_time_s", crush.displacement_m / v0);
+    }
+}
+
+#[test]
+fn time_zero_by_threshold_and_by_the_recorder_s_rule_are_those_of_an_independent_implementation() {
+    let Some(reference) = Reference::open() else { return };
+    for case in reference.cases("zero-", "ingest.zero_and_time_zero") {
+        let name = text(&case["signals"][0]);
+        let (signal, to_si, bias) =
+            (reference.signal(name), reference.to_si(name), number(&case["expected"]["bias_g"]));
+        let a = signal.samples().iter().map(|a| (a - bias) * to_si).collect();
+        let a = Signal::<crumple_signal::Acceleration>::new(signal.t0_s(), signal.dt_s(), a).unwrap();
+        let (threshold, edr) = (threshold_crossing(&a).unwrap(), edr_start(&a).unwrap());
+        assert_close(case, "threshold", threshold.time_s, number(&case["expected"]["t0_threshold_s"]));
+        assert_close(case, "edr", edr.time_s, number(&case["expected"]["t0_edr_s"]));
+        // The signal is known: contact is at 0.
+        assert!(threshold.time_s - threshold.earlier_by_s <= 1e-9, "{threshold:?}");
+        assert!((edr.time_s..=edr.time_s + edr.later_by_s).contains(&0.0), "{edr:?}");
     }
 }

@@ -1,6 +1,8 @@
 //! Uniformly sampled signals.
 
 use std::marker::PhantomData;
+use std::ops::Range;
+use std::sync::Arc;
 
 use crate::{Quantity, QuantityKind};
 
@@ -35,12 +37,22 @@ pub enum SignalError {
 
 /// Samples on a uniform time grid, whatever they measure: `t(k) = t0_s + k·dt_s`.
 ///
-/// Always: `dt_s` is positive, `t0_s` and every sample are finite.
-#[derive(Debug, Clone, PartialEq)]
+/// Always: `dt_s` is positive, `t0_s` and every sample are finite. The samples are shared: a clone or a
+/// [`slice`](Self::slice) costs nothing, whatever the length of the record.
+#[derive(Debug, Clone)]
 pub struct Sampled {
     t0_s: f64,
     dt_s: f64,
-    samples: Vec<f64>,
+    samples: Arc<Vec<f64>>,
+    /// The part of the shared samples that is meant.
+    part: Range<usize>,
+}
+
+/// Same grid and same samples.
+impl PartialEq for Sampled {
+    fn eq(&self, other: &Self) -> bool {
+        self.t0_s == other.t0_s && self.dt_s == other.dt_s && self.samples() == other.samples()
+    }
 }
 
 impl Sampled {
@@ -52,10 +64,19 @@ impl Sampled {
         if !t0_s.is_finite() {
             return Err(SignalError::Start(t0_s));
         }
-        if let Some(index) = samples.iter().position(|x| !x.is_finite()) {
+        if let Some(index) = first_not_finite(&samples) {
             return Err(SignalError::NotFinite { index, time_s: t0_s + index as f64 * dt_s, value: samples[index] });
         }
-        Ok(Self { t0_s, dt_s, samples })
+        let part = 0..samples.len();
+        Ok(Self { t0_s, dt_s, samples: Arc::new(samples), part })
+    }
+
+    /// The same samples on a time axis whose first sample is at `t0_s`, which must be finite.
+    pub fn starting_at(&self, t0_s: f64) -> Result<Self, SignalError> {
+        if !t0_s.is_finite() {
+            return Err(SignalError::Start(t0_s));
+        }
+        Ok(Self { t0_s, ..self.clone() })
     }
 
     /// Time of sample 0, s.
@@ -75,22 +96,27 @@ impl Sampled {
 
     /// Number of samples.
     pub fn len(&self) -> usize {
-        self.samples.len()
+        self.part.len()
     }
 
     /// Whether there are no samples.
     pub fn is_empty(&self) -> bool {
-        self.samples.is_empty()
+        self.part.is_empty()
     }
 
     /// The samples, SI.
     pub fn samples(&self) -> &[f64] {
-        &self.samples
+        &self.samples[self.part.clone()]
     }
 
-    /// The samples, taken out.
+    /// The samples, taken out; copied if they are shared with another signal or part of a longer one.
     pub fn into_samples(self) -> Vec<f64> {
-        self.samples
+        let Self { samples, part, .. } = self;
+        match Arc::try_unwrap(samples) {
+            Ok(whole) if part.len() == whole.len() => whole,
+            Ok(whole) => whole[part].to_vec(),
+            Err(shared) => shared[part].to_vec(),
+        }
     }
 
     /// Time of sample `index`, s. `index` may lie past the end.
@@ -100,7 +126,7 @@ impl Sampled {
 
     /// Time of the last sample, s; `t0_s` if there is none.
     pub fn end_s(&self) -> f64 {
-        self.time_s(self.samples.len().saturating_sub(1))
+        self.time_s(self.len().saturating_sub(1))
     }
 
     /// All sample times, s.
@@ -114,11 +140,16 @@ impl Sampled {
         if k <= 0.0 { 0 } else { (k as usize).min(self.len()) }
     }
 
-    /// The part with indices `from..to` (clamped to the record), on the same grid.
+    /// The part with indices `from..to` (clamped to the record), on the same grid. Nothing is copied.
     pub fn slice(&self, from: usize, to: usize) -> Self {
         let to = to.min(self.len());
         let from = from.min(to);
-        Self { t0_s: self.time_s(from), dt_s: self.dt_s, samples: self.samples[from..to].to_vec() }
+        Self {
+            t0_s: self.time_s(from),
+            dt_s: self.dt_s,
+            samples: Arc::clone(&self.samples),
+            part: self.part.start + from..self.part.start + to,
+        }
     }
 
     /// Linear interpolation at `t_s`; `None` outside the record.
@@ -130,8 +161,16 @@ impl Sampled {
         let k = (x.max(0.0) as usize).min(self.len() - 1);
         let next = (k + 1).min(self.len() - 1);
         let w = (x - k as f64).clamp(0.0, 1.0);
-        Some(self.samples[k] + w * (self.samples[next] - self.samples[k]))
+        let samples = self.samples();
+        Some(samples[k] + w * (samples[next] - samples[k]))
     }
+}
+
+/// Index of the first NaN or infinity. Whole blocks are judged at once, which the processor does at the speed of memory.
+fn first_not_finite(samples: &[f64]) -> Option<usize> {
+    const BLOCK: usize = 1024;
+    let bad = samples.chunks(BLOCK).position(|block| !block.iter().fold(true, |all, x| all & x.is_finite()))?;
+    samples[bad * BLOCK..].iter().position(|x| !x.is_finite()).map(|k| bad * BLOCK + k)
 }
 
 /// Samples that know what they measure: `Signal<Acceleration>` is in m/s².
@@ -182,6 +221,27 @@ mod tests {
     fn refuses_a_nan_and_names_its_place() {
         let error = Signal::<Acceleration>::new(-0.1, 0.1, vec![0.0, 1.0, f64::NAN]).unwrap_err();
         assert_eq!(error.to_string(), "sample 2 (t = 0.100000 s) is NaN, a finite number is needed");
+    }
+
+    #[test]
+    fn a_nan_late_in_a_long_record_is_found_where_it_is() {
+        for bad in [0, 1023, 1024, 4999] {
+            let mut samples = vec![1.0; 5000];
+            samples[bad] = f64::INFINITY;
+            let error = Sampled::new(0.0, 1.0, samples).unwrap_err();
+            assert!(matches!(error, SignalError::NotFinite { index, .. } if index == bad), "{error:?}");
+        }
+    }
+
+    #[test]
+    fn a_slice_shares_its_samples_and_equals_a_record_of_its_own() {
+        let whole = Sampled::new(0.0, 0.5, (0..8).map(f64::from).collect()).unwrap();
+        let part = whole.slice(2, 6).slice(1, 99);
+        assert_eq!(part, Sampled::new(1.5, 0.5, vec![3.0, 4.0, 5.0]).unwrap());
+        assert!(std::ptr::eq(&raw const whole.samples()[3], &raw const part.samples()[0]));
+        assert_eq!(part.clone().into_samples(), [3.0, 4.0, 5.0]);
+        assert_eq!(part.starting_at(7.0).unwrap().t0_s(), 7.0);
+        assert_eq!((part.at(2.0), part.at(1.0)), (Some(4.0), None));
     }
 
     #[test]

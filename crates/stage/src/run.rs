@@ -116,9 +116,11 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
         let notes = out.notes.to_texts();
         out.put("/notes", &NotesV1 { stage: S::NAME.to_owned(), notes })?;
     }
+    let mut progress = out.progress("writing", out.builder.samples());
     out.builder
-        .write(&common.output, &provenance, common.compress.into())
+        .write_reporting(&common.output, &provenance, common.compress.into(), &mut |samples| progress.advance(samples))
         .with_context(|| format!("the result of {} is lost", S::NAME))?;
+    drop(progress);
     if !common.quiet {
         for line in &out.summary {
             eprintln!("{:<16} {line}", S::NAME);

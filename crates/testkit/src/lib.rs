@@ -3,6 +3,7 @@
 pub mod fixture;
 pub mod pipeline;
 pub mod reference_signals;
+pub mod stopwatch;
 
 use std::path::PathBuf;
 

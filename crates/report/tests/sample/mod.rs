@@ -310,6 +310,13 @@ pub fn write_artifacts(folder: &Path, simulated: bool) -> Vec<PathBuf> {
         gain_at_class_db: Some(-0.45),
         zero_level_removed: 0.0,
         notes: vec!["samples added by point reflection at both ends".to_owned()],
+        corridor: vec![],
+        corridor_ok: None,
+        cutoff_hz: vec![],
+        phase: Some("zero".to_owned()),
+        width_s: None,
+        resampled_to_hz: None,
+        shift_s: None,
     };
     filter.builder.put("/filter/accel", &channel_filter).unwrap();
     paths.push(filter.write(folder));

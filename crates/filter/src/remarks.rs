@@ -1,0 +1,44 @@
+//! Notes of many channels; what holds for several is said once.
+
+use std::collections::BTreeMap;
+
+use crumple_signal::{Note, Notes, Severity};
+
+/// Notes by text, with the channels they hold for.
+#[derive(Default)]
+pub struct Remarks(BTreeMap<(Severity, String), Vec<String>>);
+
+impl Remarks {
+    pub fn add(&mut self, id: &str, note: Note) {
+        self.0.entry((note.severity, note.text)).or_default().push(id.to_owned());
+    }
+
+    pub fn info(&mut self, id: &str, text: impl Into<String>) {
+        self.add(id, Note { severity: Severity::Info, text: text.into() });
+    }
+
+    pub fn warning(&mut self, id: &str, text: impl Into<String>) {
+        self.add(id, Note { severity: Severity::Warning, text: text.into() });
+    }
+
+    pub fn into_notes(self) -> Notes {
+        let mut notes = Notes::new();
+        for ((severity, text), ids) in self.0 {
+            let text = format!("channel{} {}: {text}", if ids.len() > 1 { "s" } else { "" }, first_of(&ids));
+            match severity {
+                Severity::Info => notes.info(text),
+                Severity::Warning => notes.warning(text),
+            }
+        }
+        notes
+    }
+}
+
+/// The first of a list of names: hundreds of load cells help nobody.
+pub fn first_of(ids: &[String]) -> String {
+    const SHOWN: usize = 12;
+    match ids.len().saturating_sub(SHOWN) {
+        0 => ids.join(", "),
+        more => format!("{} and {more} more", ids[..SHOWN].join(", ")),
+    }
+}

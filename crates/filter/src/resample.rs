@@ -1,0 +1,284 @@
+use std::f64::consts::PI;
+
+use crumple_signal::Sampled;
+use serde::{Deserialize, Serialize};
+
+use crate::FilterError;
+
+/// Zeros of the sinc to each side of its middle.
+const ZEROS: f64 = 32.0;
+/// Shape of the Kaiser window: side lobes of -100 dB.
+const KAISER_BETA: f64 = 10.0;
+/// Corner of the low-pass over half the lower rate: the window's transition ends at half the rate.
+const CORNER: f64 = 0.9;
+/// Rates whose ratio is a fraction with a denominator up to this need that many kernels, which are made once.
+const MOST_KERNELS: usize = 4096;
+/// Most samples made of one.
+const MOST_UPSAMPLING: f64 = 1000.0;
+
+/// How values between samples are found.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Interpolation {
+    /// Windowed sinc with a low-pass against aliasing: exact to 1e-4 up to 0.4 of the lower rate.
+    #[default]
+    Sinc,
+    /// Straight lines between samples, no low-pass: what ISO/TS 18571 asks for; aliases what is above half the new rate.
+    Linear,
+}
+
+/// A new sampling rate.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Resampling {
+    /// The rate, Hz.
+    pub rate_hz: f64,
+    /// How values between samples are found.
+    pub interpolation: Interpolation,
+}
+
+impl Interpolation {
+    /// The name used in notes.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sinc => "windowed sinc",
+            Self::Linear => "linear",
+        }
+    }
+}
+
+/// Brings a record to another sampling rate; its grid then contains t = 0, and no sample lies outside the record.
+///
+/// `sinc`: 32 zeros to each side, Kaiser window (β = 10), corner at 0.45 of the lower of both rates, weights that sum to
+/// one. What lies below 0.4 of the lower rate passes to 1e-4, what lies above half of it is down by 80 dB. Near the
+/// ends the record is continued by point reflection, as the class filters do; the first and last 32 intervals are
+/// no better than that. `linear` errs by `T²·max|a''|/8`.
+pub fn resample(record: &Sampled, to: Resampling) -> Result<Sampled, FilterError> {
+    let (from_hz, to_hz) = (record.rate_hz(), to.rate_hz);
+    if !(to_hz.is_finite() && to_hz > 0.0 && to_hz <= MOST_UPSAMPLING * from_hz) {
+        return Err(FilterError::ResampleRate { to_hz, from_hz });
+    }
+    let dt_s = 1.0 / to_hz;
+    let first = (record.t0_s() / dt_s - 1e-6).ceil();
+    let last = (record.end_s() / dt_s + 1e-6).floor();
+    if record.len() < 2 || last < first {
+        return Err(FilterError::TooShortToResample { samples: record.len() });
+    }
+    let t0_s = first * dt_s;
+    // A cast saturates; the rate is bounded by the record's, so the count is by its length.
+    let count = (last - first) as usize + 1;
+    let ratio = dt_s / record.dt_s();
+    let start = (t0_s - record.t0_s()) / record.dt_s();
+    let samples = match to.interpolation {
+        Interpolation::Linear => (0..count).map(|k| linear(record.samples(), start + k as f64 * ratio)).collect(),
+        Interpolation::Sinc => sinc(record.samples(), start, ratio, count),
+    };
+    Sampled::new(t0_s, dt_s, samples).map_err(FilterError::Result)
+}
+
+fn linear(x: &[f64], position: f64) -> f64 {
+    let position = position.clamp(0.0, (x.len() - 1) as f64);
+    let k = (position as usize).min(x.len() - 2);
+    x[k] + (position - k as f64) * (x[k + 1] - x[k])
+}
+
+/// The kernel as a function of the distance from its middle: a sinc under a Kaiser window.
+struct Shape {
+    /// The window at equal steps from its middle to its edge; straight lines between them err by 1e-6.
+    window: Vec<f64>,
+    /// Corner, cycles a sample of the record.
+    corner: f64,
+    /// Samples to each side.
+    reach: usize,
+}
+
+/// Steps of the tabulated window.
+const WINDOW_STEPS: usize = 4096;
+
+impl Shape {
+    fn new(corner: f64) -> Self {
+        let window = (0..=WINDOW_STEPS + 1).map(|i| {
+            let u = i as f64 / WINDOW_STEPS as f64;
+            bessel_i0(KAISER_BETA * (1.0 - u * u).max(0.0).sqrt())
+        });
+        Self { window: window.collect(), corner, reach: (ZEROS / (2.0 * corner)).ceil() as usize }
+    }
+
+    /// The kernel for a place between two samples; `fraction` is its distance from the one before, 0 to 1.
+    fn at(&self, fraction: f64) -> Kernel {
+        let half_width = self.reach as f64;
+        let step = 2.0 * PI * self.corner;
+        let (turn_sin, turn_cos) = step.sin_cos();
+        let first = 1.0 - half_width - fraction;
+        // The sines are of equally spaced angles, so each comes from the one before by a rotation.
+        let (mut sin, mut cos) = (step * first).sin_cos();
+        let mut weights: Vec<f64> = (0..2 * self.reach)
+            .map(|i| {
+                let distance = first + i as f64;
+                let x = step * distance;
+                let sinc = if x.abs() < 1e-9 { 1.0 } else { sin / x };
+                (sin, cos) = (sin * turn_cos + cos * turn_sin, cos * turn_cos - sin * turn_sin);
+                let place = (distance.abs() / half_width).min(1.0) * WINDOW_STEPS as f64;
+                let below = place as usize;
+                let (w0, w1) = (self.window[below], self.window[below + 1]);
+                sinc * (w0 + (place - below as f64) * (w1 - w0))
+            })
+            .collect();
+        let sum: f64 = weights.iter().sum();
+        weights.iter_mut().for_each(|w| *w /= sum);
+        Kernel { weights }
+    }
+}
+
+/// Weights of the samples around a position, for one place of it between two samples.
+struct Kernel {
+    weights: Vec<f64>,
+}
+
+impl Kernel {
+    /// The value after sample `k`.
+    fn at(&self, x: &[f64], k: usize) -> f64 {
+        let reach = self.weights.len() / 2;
+        if k + 1 >= reach && k + reach < x.len() {
+            let window = &x[k + 1 - reach..=k + reach];
+            return self.weights.iter().zip(window).map(|(w, x)| w * x).sum();
+        }
+        let around = (0..self.weights.len()).map(|i| reflected(x, (k + 1 + i).cast_signed() - reach.cast_signed()));
+        self.weights.iter().zip(around).map(|(w, x)| w * x).sum()
+    }
+}
+
+/// A sample of the record continued by point reflection about its ends, and by its far end beyond that.
+fn reflected(x: &[f64], k: isize) -> f64 {
+    let last = x.len().cast_signed() - 1;
+    let inside = |k: isize| x[k.clamp(0, last) as usize];
+    if k < 0 {
+        2.0 * x[0] - inside(-k)
+    } else if k > last {
+        2.0 * inside(last) - inside(2 * last - k)
+    } else {
+        inside(k)
+    }
+}
+
+fn sinc(x: &[f64], start: f64, ratio: f64, count: usize) -> Vec<f64> {
+    // Cycles a sample of the record; half the lower rate is 0.5 or 0.5/ratio.
+    let corner = CORNER * 0.5 / ratio.max(1.0);
+    let shape = Shape::new(corner);
+    let place = |k: usize| {
+        let position = (start + k as f64 * ratio).clamp(0.0, (x.len() - 1) as f64);
+        // A position a rounding below a sample is at that sample.
+        let sample = (position + 1e-9).floor();
+        (sample as usize, (position - sample).max(0.0))
+    };
+    // Whole turns after which the places between samples repeat, to a millionth of a sample over the whole record.
+    let period = (1..=MOST_KERNELS.min(count)).find(|&q| {
+        let turns = q as f64 * ratio;
+        turns >= 0.5 && (turns - turns.round()).abs() * (count as f64) < 1e-6 * q as f64
+    });
+    match period {
+        Some(period) => {
+            let turns = (period as f64 * ratio).round() as usize;
+            let kernels: Vec<(usize, Kernel)> = (0..period)
+                .map(|k| {
+                    let (sample, fraction) = place(k);
+                    (sample, shape.at(fraction))
+                })
+                .collect();
+            (0..count)
+                .map(|k| {
+                    let (sample, kernel) = &kernels[k % period];
+                    kernel.at(x, (sample + k / period * turns).min(x.len() - 1))
+                })
+                .collect()
+        }
+        None => (0..count)
+            .map(|k| {
+                let (sample, fraction) = place(k);
+                shape.at(fraction).at(x, sample)
+            })
+            .collect(),
+    }
+}
+
+/// Modified Bessel function of the first kind, order 0, by its power series; for arguments up to 20.
+fn bessel_i0(x: f64) -> f64 {
+    let quarter = x * x / 4.0;
+    let (mut term, mut sum) = (1.0, 1.0);
+    for k in 1..60 {
+        term *= quarter / f64::from(k * k);
+        sum += term;
+        if term < 1e-17 * sum {
+            break;
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tone(rate_hz: f64, n: usize, f: f64) -> Sampled {
+        let wave = (0..n).map(|k| (2.0 * PI * f * (k as f64 / rate_hz - 0.05)).sin());
+        Sampled::new(-0.05, 1.0 / rate_hz, wave.collect()).unwrap()
+    }
+
+    fn largest_error(found: &Sampled, f: f64, margin: usize) -> f64 {
+        (margin..found.len() - margin)
+            .map(|k| (found.samples()[k] - (2.0 * PI * f * found.time_s(k)).sin()).abs())
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn a_tone_below_0_4_of_the_lower_rate_is_found_again_at_any_rate() {
+        for to_hz in [8000.0, 9600.0, 12_345.678, 20_000.0, 51_200.0] {
+            let found = resample(
+                &tone(20_000.0, 6000, 3000.0),
+                Resampling { rate_hz: to_hz, interpolation: Interpolation::Sinc },
+            )
+            .unwrap();
+            // The promise of the kernel; the margin is its reach.
+            let margin = (40.0 * (to_hz / 20_000.0_f64).max(1.0)).ceil() as usize;
+            assert!(largest_error(&found, 3000.0, margin) < 1e-4, "{to_hz}: {}", largest_error(&found, 3000.0, margin));
+            assert!((found.time_s(found.index_at_or_after(0.0))).abs() < 1e-12, "{to_hz}: the grid contains t = 0");
+        }
+    }
+
+    #[test]
+    fn a_tone_above_half_the_new_rate_is_gone_and_with_straight_lines_it_aliases() {
+        let record = tone(20_000.0, 6000, 6500.0);
+        let at = |interpolation| {
+            let found = resample(&record, Resampling { rate_hz: 10_000.0, interpolation }).unwrap();
+            found.samples()[100..2900].iter().fold(0.0_f64, |largest, x| largest.max(x.abs()))
+        };
+        // -80 dB.
+        assert!(at(Interpolation::Sinc) < 1e-4, "{}", at(Interpolation::Sinc));
+        assert!(at(Interpolation::Linear) > 0.9);
+    }
+
+    #[test]
+    fn a_straight_line_stays_one_to_its_ends() {
+        let line = Sampled::new(-0.01, 1e-4, (0..300).map(|k| 3.0 - 0.5 * f64::from(k)).collect()).unwrap();
+        for interpolation in [Interpolation::Linear, Interpolation::Sinc] {
+            let found = resample(&line, Resampling { rate_hz: 25_000.0, interpolation }).unwrap();
+            for (k, y) in found.samples().iter().enumerate() {
+                let expected = 3.0 - 0.5 * (found.time_s(k) + 0.01) / 1e-4;
+                // Weights that are symmetric to their truncation, 1e-5, times a slope of 0.5 over 32 samples.
+                assert!((y - expected).abs() < 1e-4, "{interpolation:?} {k}: {y} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn refuses_rates_that_are_none() {
+        let record = tone(1000.0, 100, 10.0);
+        for rate_hz in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e7] {
+            let to = Resampling { rate_hz, interpolation: Interpolation::Sinc };
+            assert!(matches!(resample(&record, to), Err(FilterError::ResampleRate { .. })), "{rate_hz}");
+        }
+        let to = Resampling { rate_hz: 1e-3, interpolation: Interpolation::Linear };
+        assert_eq!(resample(&record, to).unwrap().len(), 1);
+        let after_zero = record.starting_at(0.1).unwrap();
+        assert!(matches!(resample(&after_zero, to), Err(FilterError::TooShortToResample { .. })));
+    }
+}

@@ -1,0 +1,77 @@
+use crumple_signal::{Force, Sampled, Signal};
+
+use crate::IntegrateError;
+
+/// Force on a barrier made of load cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CellSum {
+    /// Sum, N, positive in compression.
+    pub force: Signal<Force>,
+    /// Cells in it.
+    pub cells: usize,
+    /// Ids of cells whose grid differs from the first one's; not in the sum.
+    pub off_grid: Vec<String>,
+    /// The cells read compression as negative, and the sum was turned round.
+    pub turned: bool,
+}
+
+/// Sums the forces along x of load cells, given as `(id, force)`; `None` without any.
+///
+/// Cells are summed in the order given. The sign is chosen so that the impulse is positive: laboratories record a
+/// force of compression with either sign. A cell that reads nothing is missed by the sum, and nothing in the sum
+/// shows it: the momentum check does.
+pub fn sum_of_cells(cells: &[(&str, &Sampled)]) -> Result<Option<CellSum>, IntegrateError> {
+    let Some((_, first)) = cells.first() else { return Ok(None) };
+    let mut sum = vec![0.0; first.len()];
+    let mut off_grid = Vec::new();
+    for (id, cell) in cells {
+        if cell.len() != first.len() || cell.t0_s() != first.t0_s() || cell.dt_s() != first.dt_s() {
+            off_grid.push((*id).to_owned());
+            continue;
+        }
+        for (sum, f) in sum.iter_mut().zip(cell.samples()) {
+            *sum += f;
+        }
+    }
+    let turned = sum.iter().sum::<f64>() < 0.0;
+    if turned {
+        // `0.0 -` keeps a zero positive.
+        sum.iter_mut().for_each(|f| *f = 0.0 - *f);
+    }
+    let force = Signal::new(first.t0_s(), first.dt_s(), sum)?;
+    Ok(Some(CellSum { force, cells: cells.len() - off_grid.len(), off_grid, turned }))
+}
+
+/// Impulse of a force from `from_s` to `to_s`, N·s, by the trapezoid over the samples inside; `None` with fewer than two.
+pub fn impulse_n_s(force: &Signal<Force>, from_s: f64, to_s: f64) -> Option<f64> {
+    let inside = force.slice(force.index_at_or_after(from_s), force.index_at_or_after(to_s + 0.5 * force.dt_s()));
+    let f = inside.samples();
+    let (first, last) = (f.first()?, f.last()?);
+    (f.len() > 1).then(|| force.dt_s() * (f.iter().sum::<f64>() - (first + last) / 2.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cell(t0_s: f64, samples: &[f64]) -> Sampled {
+        Sampled::new(t0_s, 0.5, samples.to_vec()).unwrap()
+    }
+
+    #[test]
+    fn cells_are_summed_to_a_positive_impulse_and_one_on_another_grid_is_named() {
+        let (a, b, c) = (cell(0.0, &[0.0, -3.0, -1.0]), cell(0.0, &[0.0, -1.0, 2.0]), cell(0.5, &[0.0, -9.0, 0.0]));
+        let sum = sum_of_cells(&[("a", &a), ("b", &b), ("c", &c)]).unwrap().unwrap();
+        assert_eq!((sum.force.samples(), sum.cells, sum.turned), (&[0.0, 4.0, -1.0][..], 2, true));
+        assert_eq!(sum.off_grid, ["c"]);
+        assert_eq!(sum_of_cells(&[]).unwrap(), None);
+    }
+
+    #[test]
+    fn the_impulse_is_the_area_between_two_times() {
+        let force = Signal::new(-0.5, 0.5, vec![9.0, 0.0, 4.0, 2.0, 9.0]).unwrap();
+        // 0.5·(0/2 + 4 + 2/2), exact in binary.
+        assert_eq!(impulse_n_s(&force, 0.0, 1.0), Some(2.5));
+        assert_eq!(impulse_n_s(&force, 1.5, 9.0), None);
+    }
+}

@@ -1,0 +1,72 @@
+//! Finds first contact by the rule asked for.
+
+use crumple_integrate::{FoundZero, contact_edge, edr_end, edr_start, threshold_crossing};
+use crumple_signal::{Channel, Notes, Sampled};
+use crumple_stage::{Inputs, Refused};
+
+use crate::options::{StageSettings, ZeroRule};
+
+/// First contact on the record's axis, and the rule in the words of the artifact.
+pub struct TimeZero {
+    pub time_s: f64,
+    pub rule: String,
+}
+
+/// Time zero of the pulse. What a rule leaves uncertain is said in a note, in time and in displacement.
+pub fn time_zero(
+    settings: &StageSettings,
+    input: &Inputs,
+    channel: &Channel,
+    pulse: &Sampled,
+    impact_speed_m_per_s: f64,
+    notes: &mut Notes,
+) -> anyhow::Result<TimeZero> {
+    if let Some(time_s) = settings.time_zero_s {
+        return Ok(TimeZero { time_s, rule: "flag".to_owned() });
+    }
+    let Some(rule) = &settings.time_zero_rule else {
+        return Ok(TimeZero { time_s: 0.0, rule: ZeroRule::File.to_string() });
+    };
+    let found = match rule {
+        ZeroRule::File => None,
+        ZeroRule::Threshold => threshold_crossing(pulse),
+        ZeroRule::Edr => edr_start(pulse),
+        ZeroRule::Contact(id) => contact_edge(&input.wave(id)?.sampled),
+    };
+    let Some(found) = found else {
+        return Err(Refused::new(format!("time zero rule {rule}: {}", nothing_found(rule, &channel.id)))
+            .hint("state first contact with --time-zero, e.g. --time-zero 0s")
+            .into());
+    };
+    if *rule == ZeroRule::Threshold && channel.cfc != Some(60) {
+        let class = channel.cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("cfc {cfc}"));
+        notes.warning(format!("the threshold rule is meant for cfc 60, channel {} is of {class}", channel.id));
+    }
+    notes.info(uncertainty(rule, found, impact_speed_m_per_s));
+    if *rule == ZeroRule::Edr
+        && let Some(end_s) = edr_end(pulse, found.time_s)
+    {
+        notes.info(format!("the event ends at {:.2} ms by the same rule", 1e3 * (end_s - found.time_s)));
+    }
+    Ok(TimeZero { time_s: found.time_s, rule: rule.to_string() })
+}
+
+fn nothing_found(rule: &ZeroRule, pulse: &str) -> String {
+    match rule {
+        ZeroRule::Contact(id) => format!("channel {id} never changes"),
+        ZeroRule::Edr => format!("the velocity of channel {pulse} never changes by 0.8 km/h in 20 ms"),
+        ZeroRule::File | ZeroRule::Threshold => format!("channel {pulse} never stays at 0.5 g for 3 ms"),
+    }
+}
+
+fn uncertainty(rule: &ZeroRule, found: FoundZero, impact_speed_m_per_s: f64) -> String {
+    let FoundZero { time_s, earlier_by_s, later_by_s } = found;
+    let side = |by_s: f64, word: &str| {
+        (by_s > 0.0).then(|| {
+            format!("{:.2} ms {word} ({:.1} mm at the impact speed)", 1e3 * by_s, 1e3 * by_s * impact_speed_m_per_s)
+        })
+    };
+    let sides: Vec<String> = [side(earlier_by_s, "earlier"), side(later_by_s, "later")].into_iter().flatten().collect();
+    let tail = if sides.is_empty() { String::new() } else { format!("; contact may be up to {}", sides.join(", or ")) };
+    format!("time zero by rule {rule} at {:.3} ms of the record{tail}", 1e3 * time_s)
+}

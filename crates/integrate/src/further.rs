@@ -1,0 +1,65 @@
+//! Which accelerometers are integrated beside the pulse.
+
+use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, TestDescription};
+use crumple_stage::{Inputs, Refused};
+
+/// What the location of a sensor begins with that is in or on somebody or something else, lower case.
+const ELSEWHERE: [&str; 10] = [
+    "driver",
+    "front passenger",
+    "rear passenger",
+    "passenger",
+    "occupant",
+    "dummy",
+    "child",
+    "pedestrian",
+    "cyclist",
+    "barrier",
+];
+/// Parts of the vehicle that move apart from its compartment, lower case.
+const PARTS: [&str; 6] = ["engine", "caliper", "brake", "wheel", "steering", "dashboard"];
+
+/// The channels of a list, or with `all` every x acceleration with data, not marked failed, whose location names
+/// nothing that moves apart from the compartment.
+pub fn further<'a>(
+    asked: &[String],
+    test: &'a TestDescription,
+    pulse: &str,
+    input: &Inputs,
+    notes: &mut Notes,
+) -> anyhow::Result<Vec<&'a Channel>> {
+    if asked.iter().any(|id| id == "all") {
+        let candidates = test.channels.iter().filter(|channel| {
+            channel.id != pulse
+                && channel.quantity == QuantityKind::Acceleration
+                && channel.axis.is_none_or(|axis| axis == Axis::X)
+                && input.wave_if(&channel.id).is_some()
+        });
+        let (taken, left): (Vec<&Channel>, Vec<&Channel>) = candidates.partition(|channel| of_compartment(channel));
+        if !left.is_empty() {
+            let ids: Vec<&str> = left.iter().map(|channel| channel.id.as_str()).collect();
+            notes.info(format!(
+                "not integrated, because failed or not of the compartment: channels {} (name them with --channels)",
+                ids.join(", ")
+            ));
+        }
+        return Ok(taken);
+    }
+    let mut channels = Vec::new();
+    for id in asked.iter().filter(|id| *id != pulse) {
+        let channel = test.channel(id).ok_or_else(|| {
+            Refused::new(format!("the test has no channel {id:?}"))
+                .hint("crumple-artifact show lists the channels of an artifact")
+        })?;
+        input.wave(id)?;
+        channels.push(channel);
+    }
+    Ok(channels)
+}
+
+fn of_compartment(channel: &Channel) -> bool {
+    let location = channel.location.to_lowercase();
+    channel.status != ChannelStatus::Failed
+        && !ELSEWHERE.iter().any(|word| location.trim().starts_with(word))
+        && !PARTS.iter().any(|word| location.contains(word))
+}
