@@ -13,7 +13,7 @@ use crate::transfer_starts::{Start, StartProblem};
 use crate::{FitMeasures, IdentifyError, InformationCriteria, IoData, fit_measures};
 
 /// Starting points that are refined, of all that were tried.
-const REFINED: usize = 12;
+const REFINED: usize = 14;
 
 /// Of these at most so many of one kind, so that one kind of start cannot crowd out the others.
 const REFINED_OF_A_KIND: usize = 4;
@@ -73,7 +73,15 @@ impl TransferFunctionOptions {
             delay: 0,
             initial: InitialConditions::Estimate,
             stable: false,
-            starts: vec![Start::Svf, Start::Gpmf, Start::Iv, Start::N4sid, Start::Exponentials, Start::Random],
+            starts: vec![
+                Start::Svf,
+                Start::Gpmf,
+                Start::Iv,
+                Start::N4sid,
+                Start::Integrators,
+                Start::Exponentials,
+                Start::Random,
+            ],
             random_starts: 24,
             given: Vec::new(),
             stop: Stop::default(),

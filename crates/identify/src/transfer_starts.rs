@@ -31,6 +31,8 @@ pub enum Start {
     Iv,
     /// Subspace method on a thinned record, then the matrix logarithm.
     N4sid,
+    /// One or two integrators beside damped poles: how acceleration, velocity and displacement of one body hang together.
+    Integrators,
     /// Sums of exponentials: ERA of the output as a free motion.
     Exponentials,
     /// Seeded random poles.
@@ -47,6 +49,7 @@ impl Start {
             Self::Gpmf => "gpmf",
             Self::Iv => "iv",
             Self::N4sid => "n4sid",
+            Self::Integrators => "integrators",
             Self::Exponentials => "exponentials",
             Self::Random => "random",
             Self::Given => "given",
@@ -83,6 +86,7 @@ impl StartProblem<'_> {
                     .collect()
             }
             Start::N4sid => self.subspace(),
+            Start::Integrators => self.integrators(),
             Start::Exponentials => self.exponentials().into_iter().collect(),
             Start::Random => (0..random_starts).map(|k| self.random(k)).collect(),
             Start::Given => Vec::new(),
@@ -243,6 +247,27 @@ impl StartProblem<'_> {
         .into_iter()
         .filter_map(|(weighting, rows)| realized(weighting, rows))
         .collect()
+    }
+
+    /// Poles near zero (a thousandth of one over the record), the others with a damping ratio of 0.7 at several
+    /// frequencies.
+    fn integrators(&self) -> Vec<Vec<Complex>> {
+        let slow = Complex::new(-1e-3, 0.0);
+        let mut result = Vec::new();
+        for count in 1..=self.poles.min(2) {
+            for w in self.filters().into_iter().skip(2) {
+                let mut poles = vec![slow; count];
+                for k in 0..(self.poles - count) / 2 {
+                    let s = Complex::new(-0.7 * w, 0.714 * w) * (1.0 + 0.5 * k as f64);
+                    poles.extend([s, s.conj()]);
+                }
+                if poles.len() < self.poles {
+                    poles.push(Complex::new(-w, 0.0));
+                }
+                result.push(poles);
+            }
+        }
+        result
     }
 
     fn exponentials(&self) -> Option<Vec<Complex>> {
