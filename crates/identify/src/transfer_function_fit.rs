@@ -308,7 +308,7 @@ impl Search {
         };
         let values = describe(&unknowns);
         let effective = effective_samples(&best.residual);
-        let (covariance, condition) = self.covariance(effective);
+        let (covariance, condition) = unknowns_covariance(problem, best, effective);
         let deviations = match &covariance {
             Some(covariance) => propagated(&describe, &unknowns, covariance),
             None => vec![f64::INFINITY; values.len()],
@@ -378,28 +378,32 @@ impl Search {
         }
         unscaled
     }
+}
 
-    /// Covariance of all unknowns, for as many independent samples as there effectively are.
-    fn covariance(&self, effective: f64) -> (Option<DMatrix<f64>>, f64) {
-        let Self { problem, best, .. } = self;
-        let samples = problem.output[0].len();
-        let (Some(basis), Some(sensitivities)) =
-            (problem.basis(&best.theta), problem.sensitivities(&best.theta, &best.coefficients))
-        else {
-            return (None, f64::INFINITY);
-        };
-        let columns: Vec<&Vec<f64>> = sensitivities.iter().chain(&basis.columns).collect();
-        let mut factor = TriangularFactor::new(columns.len() + 1);
-        let mut block: Vec<f64> = columns.into_iter().flatten().copied().collect();
-        block.extend(&best.residual);
-        factor.push(samples, &mut block);
-        let Some(Solution { inverse_square, condition, .. }) = factor.solve(1, 0.0) else {
-            return (None, f64::INFINITY);
-        };
-        let unknowns = inverse_square.nrows() as f64;
-        let variance = dot(&best.residual, &best.residual) / (samples as f64 - unknowns).max(1.0);
-        (Some(inverse_square * (variance * samples as f64 / effective)), condition)
-    }
+/// Covariance of all unknowns of a fit (poles, then linear ones), for as many independent samples as there effectively
+/// are, and the condition number of their column-scaled sensitivities.
+pub(crate) fn unknowns_covariance(
+    problem: &PoleProblem,
+    best: &SeparableFit,
+    effective: f64,
+) -> (Option<DMatrix<f64>>, f64) {
+    let samples = problem.output[0].len();
+    let (Some(basis), Some(sensitivities)) =
+        (problem.basis(&best.theta), problem.sensitivities(&best.theta, &best.coefficients))
+    else {
+        return (None, f64::INFINITY);
+    };
+    let columns: Vec<&Vec<f64>> = sensitivities.iter().chain(&basis.columns).collect();
+    let mut factor = TriangularFactor::new(columns.len() + 1);
+    let mut block: Vec<f64> = columns.into_iter().flatten().copied().collect();
+    block.extend(&best.residual);
+    factor.push(samples, &mut block);
+    let Some(Solution { inverse_square, condition, .. }) = factor.solve(1, 0.0) else {
+        return (None, f64::INFINITY);
+    };
+    let unknowns = inverse_square.nrows() as f64;
+    let variance = dot(&best.residual, &best.residual) / (samples as f64 - unknowns).max(1.0);
+    (Some(inverse_square * (variance * samples as f64 / effective)), condition)
 }
 
 /// Standard deviations of `describe(unknowns)` by central differences.
