@@ -88,7 +88,7 @@ pub(crate) fn grows(a: &DMatrix<f64>, samples: usize) -> bool {
         left_multiply(&v, &columns, &mut next);
         std::mem::swap(&mut v, &mut next);
         let square = dot(&v, &v);
-        if !(square < 1e16) {
+        if square.is_nan() || square >= 1e16 {
             return true;
         }
     }

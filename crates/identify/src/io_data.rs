@@ -83,6 +83,15 @@ impl IoData {
         Self { inputs: centre(&self.inputs), outputs: centre(&self.outputs), sample_time_s: self.sample_time_s }
     }
 
+    /// The same with every input late by `samples`; zeros come before.
+    pub fn delayed(&self, samples: usize) -> Self {
+        let shift = |u: &Vec<f64>| {
+            let kept = u.len().saturating_sub(samples);
+            std::iter::repeat_n(0.0, u.len() - kept).chain(u[..kept].iter().copied()).collect()
+        };
+        Self { inputs: self.inputs.iter().map(shift).collect(), ..self.clone() }
+    }
+
     /// Root mean square of every input; 1 for a silent one.
     pub(crate) fn input_scales(&self) -> Vec<f64> {
         self.inputs.iter().map(|u| scale(u)).collect()

@@ -163,11 +163,11 @@ impl PoleProblem {
         let mut free = vec![0.0; n];
         if self.free {
             let (order, xi, _) = self.fixed(&chain, theta);
-            for s in 0..n {
+            for (s, free) in free.iter_mut().enumerate() {
                 match order.iter().position(|o| *o == s) {
-                    Some(fixed) => free[s] = xi[fixed],
+                    Some(fixed) => *free = xi[fixed],
                     None => {
-                        free[s] = c[at];
+                        *free = c[at];
                         at += 1;
                     }
                 }

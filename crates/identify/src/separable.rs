@@ -98,8 +98,6 @@ pub(crate) struct SeparableFit {
     pub(crate) iterations: usize,
     pub(crate) evaluations: usize,
     pub(crate) termination: Termination,
-    /// Sum of squares before the first and after every iteration.
-    pub(crate) trace: Vec<f64>,
 }
 
 /// Everything known at one point.
@@ -223,7 +221,6 @@ pub(crate) fn minimize(problem: &impl Separable, start: &[f64], stop: Stop) -> O
     let total: f64 = problem.targets().iter().map(|y| dot(y, y)).sum();
     let k = theta.len();
     let mut evaluations = 1;
-    let mut trace = vec![point.cost];
     let mut damping = 1e-3;
     let mut growth = 2.0;
     let mut termination = Termination::IterationLimit;
@@ -308,7 +305,6 @@ pub(crate) fn minimize(problem: &impl Separable, start: &[f64], stop: Stop) -> O
             }
         }
         iterations += 1;
-        trace.push(point.cost);
     }
     Some(SeparableFit {
         theta,
@@ -318,7 +314,6 @@ pub(crate) fn minimize(problem: &impl Separable, start: &[f64], stop: Stop) -> O
         iterations,
         evaluations,
         termination,
-        trace,
     })
 }
 
@@ -394,7 +389,7 @@ mod tests {
         assert_eq!((fit.termination, fit.theta[1]), (Termination::OnBound, 1.5));
         let stop = Stop { max_iterations: 1, ..Stop::default() };
         let fit = minimize(&Decays { y: two_outputs(), high: 9.0 }, &[0.1, 5.0], stop).unwrap();
-        assert_eq!((fit.termination, fit.iterations, fit.trace.len()), (Termination::IterationLimit, 1, 2));
+        assert_eq!((fit.termination, fit.iterations), (Termination::IterationLimit, 1));
     }
 
     #[test]

@@ -23,9 +23,9 @@ pub fn put_model(model: &Realization, window: &Window<'_>, notes: &Notes, out: &
     let id = format!("era-{}", model.order());
     let output = format!("acceleration of channel {}, m/s^2", window.channel);
     let mut notes = notes.to_texts();
-    out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, &output))?;
+    out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output))?;
     if let Ok(continuous) = &model.continuous {
-        out.put(&format!("/model/{id}/continuous"), &state_space(continuous, &output))?;
+        out.put(&format!("/model/{id}/continuous"), &state_space(continuous, INPUT, &output))?;
         match transfer_function(continuous, &output) {
             Ok(record) => out.put(&format!("/model/{id}/transfer-function"), &record)?,
             Err(error) => notes.push(format!("no transfer function: {error}")),
@@ -43,14 +43,14 @@ pub fn put_model(model: &Realization, window: &Window<'_>, notes: &Notes, out: &
     Ok(())
 }
 
-fn state_space(model: &StateSpace, output: &str) -> StateSpaceV1 {
+pub fn state_space(model: &StateSpace, input: &str, output: &str) -> StateSpaceV1 {
     StateSpaceV1 {
         a: rows(&model.a),
         b: rows(&model.b),
         c: rows(&model.c),
         d: rows(&model.d),
         sample_time_s: model.sample_time_s.unwrap_or(0.0),
-        input: INPUT.to_owned(),
+        input: input.to_owned(),
         output: output.to_owned(),
     }
 }
