@@ -188,6 +188,7 @@ fn the_layout_of_every_record_type_is_frozen() {
         damping_deviations: vec![Some(0.01), None],
         zeros_re_per_s: vec![6.125],
         zeros_im_rad_per_s: vec![0.0],
+        singular_value_errors: vec![1e-9],
     });
     freeze(&SimulationV1 {
         dynamic_crush_m: Some(0.75),

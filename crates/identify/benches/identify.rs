@@ -105,11 +105,12 @@ fn transfer_function_times() {
     // Two modes, sampled at 10 kHz, a pulse and a motion at the start.
     let denominator = [1.0, 35.7, 6024.0, 185_000.0, 414_600.0];
     let (unit, dt) = (0.02_f64, 1e-4);
+    let power = |k: usize| (0..k).fold(1.0, |product, _| product * unit);
     let a = DMatrix::from_fn(4, 4, |i, j| {
-        if i < 3 { f64::from(u8::from(j == i + 1)) } else { -denominator[4 - j] * unit.powi(4 - j as i32) }
+        if i < 3 { f64::from(u8::from(j == i + 1)) } else { -denominator[4 - j] * power(4 - j) }
     });
     let b = DMatrix::from_fn(4, 1, |i, _| f64::from(u8::from(i == 3)));
-    let c = DMatrix::from_fn(1, 4, |_, j| [466.2, -76.15, 0.0, 0.0][j] * unit.powi(4 - j as i32));
+    let c = DMatrix::from_fn(1, 4, |_, j| [466.2, -76.15, 0.0, 0.0][j] * power(4 - j));
     let model = StateSpace::new(a, b, c, DMatrix::zeros(1, 1), None).expect("a finite model");
     let discrete = discretize_first_order_hold(&model, dt / unit).expect("a small step");
     let u: Vec<f64> = (0..2001).map(|k| -300.0 * (f64::from(k) * 0.0028).sin().max(0.0)).collect();

@@ -45,6 +45,7 @@ pub fn evidence(input: Option<&Cut>, output: &Cut, simulated: &[f64], parameters
         damping_deviations: Vec::new(),
         zeros_re_per_s: Vec::new(),
         zeros_im_rad_per_s: Vec::new(),
+        singular_value_errors: Vec::new(),
     }
 }
 

@@ -28,7 +28,7 @@ fn cost(unknowns: &[f64; 4], u: &[f64], y: &[f64]) -> (f64, DVector<f64>) {
     let a: [f64; 4] = [q1 * q2, p1 * q2 + p2 * q1, q1 + q2 + p1 * p2, p1 + p2];
     // Unit of time in which the product of the poles is 1.
     let w = a[0].abs().powf(0.25).max(1.0);
-    let scaled: Vec<f64> = a.iter().enumerate().map(|(i, a)| a / w.powi(4 - i as i32)).collect();
+    let scaled: Vec<f64> = a.iter().enumerate().map(|(i, a)| a / (i..4).fold(1.0, |p, _| p * w)).collect();
     let matrix = DMatrix::from_fn(4, 4, |i, j| if i < 3 { f64::from(u8::from(j == i + 1)) } else { -scaled[j] });
     let b = DMatrix::from_fn(4, 1, |i, _| f64::from(u8::from(i == 3)));
     let Ok(model) = StateSpace::new(matrix, b, DMatrix::zeros(1, 4), DMatrix::zeros(1, 1), None) else {

@@ -22,7 +22,7 @@ const UNIT_S: f64 = 0.02;
 /// derivatives per second.
 fn simulated(numerator: &[f64], denominator: &[f64], input: &[f64], initial: &[f64], dt: f64) -> Vec<f64> {
     let n = denominator.len() - 1;
-    let power = |k: usize| UNIT_S.powi(k as i32);
+    let power = |k: usize| (0..k).fold(1.0, |p, _| p * UNIT_S);
     let a = DMatrix::from_fn(n, n, |i, j| {
         if i + 1 < n { f64::from(u8::from(j == i + 1)) } else { -denominator[n - j] * power(n - j) }
     });
@@ -59,7 +59,7 @@ fn crash(noise_m: f64) -> IoData {
 fn free_motion(denominator: &[f64], start: &[f64], samples: usize, dt: f64) -> Vec<f64> {
     let n = denominator.len() - 1;
     // The first state of the controller form is the motion itself, times the unit of time to the n-th.
-    simulated(&[1.0 / UNIT_S.powi(n as i32)], denominator, &vec![0.0; samples], start, dt)
+    simulated(&[1.0 / (0..n).fold(1.0, |p, _| p * UNIT_S)], denominator, &vec![0.0; samples], start, dt)
 }
 
 #[test]

@@ -74,9 +74,9 @@ mod tests {
         let inputs: Vec<Vec<f64>> =
             (0..2).map(|j| (0..50).map(|k| (f64::from(k) * 0.3 + f64::from(j)).sin()).collect()).collect();
         let both = simulate(&model, &inputs, &[0.5, -1.0]).unwrap();
-        for i in 0..2 {
+        for (i, both) in both.iter().enumerate() {
             let mut sum = vec![0.0; 50];
-            for j in 0..2 {
+            for (j, input) in inputs.iter().enumerate() {
                 let single = StateSpace::new(
                     a.clone(),
                     b.columns(j, 1).into_owned(),
@@ -86,12 +86,12 @@ mod tests {
                 )
                 .unwrap();
                 // Half of the initial state each.
-                let part = crate::response(&single, &inputs[j], &DVector::from_vec(vec![0.25, -0.5])).unwrap();
+                let part = crate::response(&single, input, &DVector::from_vec(vec![0.25, -0.5])).unwrap();
                 for (s, p) in sum.iter_mut().zip(part) {
                     *s += p;
                 }
             }
-            for (found, expected) in both[i].iter().zip(&sum) {
+            for (found, expected) in both.iter().zip(&sum) {
                 // Rounding of fifty steps of a stable recursion of size 5.
                 assert!((found - expected).abs() < 1e-13, "{found} {expected}");
             }

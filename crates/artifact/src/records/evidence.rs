@@ -58,4 +58,6 @@ pub struct EvidenceV1 {
     pub zeros_re_per_s: Vec<f64>,
     /// Their imaginary parts, rad/s.
     pub zeros_im_rad_per_s: Vec<f64>,
+    /// Bounds of the errors of the singular values in `/identification/<id>`, one each.
+    pub singular_value_errors: Vec<f64>,
 }
