@@ -20,7 +20,7 @@ const EIGEN_STEPS_PER_VALUE: usize = 60;
 
 /// Steps after which nothing more is done for singular values that are only evidence. Those in a plateau of noise come
 /// in near-equal pairs and would take hundreds.
-const EVIDENCE_STEPS: usize = 40;
+const EVIDENCE_STEPS: usize = 27;
 
 /// The same where the order is chosen from them.
 const CHOICE_STEPS: usize = 90;

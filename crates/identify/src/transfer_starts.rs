@@ -237,16 +237,10 @@ impl StartProblem<'_> {
             let model = subspace.realize(self.poles).ok()?.model;
             undo_zero_order_hold(&model).ok()?.poles().ok()
         };
-        [
-            (Weighting::N4sid, 10),
-            (Weighting::Moesp, 10),
-            (Weighting::Cva, 10),
-            (Weighting::N4sid, 25),
-            (Weighting::Cva, 25),
-        ]
-        .into_iter()
-        .filter_map(|(weighting, rows)| realized(weighting, rows))
-        .collect()
+        [(Weighting::N4sid, 10), (Weighting::Moesp, 10), (Weighting::Cva, 10)]
+            .into_iter()
+            .filter_map(|(weighting, rows)| realized(weighting, rows))
+            .collect()
     }
 
     /// Poles near zero (a thousandth of one over the record), the others with a damping ratio of 0.7 at several
