@@ -9,6 +9,7 @@ mod candidate;
 mod channel_filter;
 mod diagnosis;
 mod events;
+mod evidence;
 mod identification;
 mod metrics;
 mod model;
@@ -22,6 +23,7 @@ pub use candidate::{CandidateV1, FitV1, UncertaintyV1};
 pub use channel_filter::{ChannelFilterV1, CorridorPointV1};
 pub use diagnosis::DiagnosisV1;
 pub use events::EventsV1;
+pub use evidence::EvidenceV1;
 pub use identification::IdentificationV1;
 pub use metrics::{MetricV1, MetricsV1};
 pub use model::{ExponentialSumV1, ExponentialTermV1, ModeV1, ModesV1, StateSpaceV1, TransferFunctionV1};
@@ -68,6 +70,7 @@ record! {
     ChannelFilterV1 => "crumple.ChannelFilter.v1",
     DiagnosisV1 => "crumple.Diagnosis.v1",
     EventsV1 => "crumple.Events.v1",
+    EvidenceV1 => "crumple.Evidence.v1",
     ExponentialSumV1 => "crumple.ExponentialSum.v1",
     IdentificationV1 => "crumple.Identification.v1",
     MetricsV1 => "crumple.Metrics.v1",

@@ -10,7 +10,7 @@ use crate::modal::{IdentifiedMode, modes};
 use crate::order::{GapOrder, order_by_gap};
 
 /// Singular values one likes to see beyond the highest order: the gap after it, and some of what follows.
-const VALUES_BEYOND: usize = 4;
+const VALUES_BEYOND: usize = 8;
 
 /// Number of states of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -116,8 +116,10 @@ pub struct Realization {
     pub continuous: Result<StateSpace, LtiError>,
     /// Poles sorted by `|Im|`, then `Re`, with their evidence.
     pub modes: Vec<IdentifiedMode>,
-    /// Converged singular values of `H0`, largest first. More exist unless the decomposition was dense.
+    /// Leading singular values of `H0`, largest first. More exist unless the decomposition was dense.
     pub singular_values: Vec<f64>,
+    /// Bound of the error of each: rounding for those that converged, up to 3 % of themselves for the last.
+    pub singular_value_errors: Vec<f64>,
     /// How they were computed.
     pub decomposition: Decomposition,
     /// Rows of the Hankel matrix.
@@ -264,7 +266,8 @@ impl<'a> Era<'a> {
         Ok(Realization {
             continuous: undo_zero_order_hold(&discrete),
             modes: modes(&discrete, &poles, dt, &controllability, rows + columns),
-            singular_values: self.factors.values.iter().map(|s| s * self.scale).collect(),
+            singular_values: self.factors.seen.iter().map(|(s, _)| s * self.scale).collect(),
+            singular_value_errors: self.factors.seen.iter().map(|(_, error)| error * self.scale).collect(),
             decomposition: self.factors.decomposition,
             rows,
             columns,

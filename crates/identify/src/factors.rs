@@ -20,7 +20,7 @@ const EIGEN_STEPS_PER_VALUE: usize = 60;
 
 /// Steps after which nothing more is done for singular values that are only evidence. Those in a plateau of noise come
 /// in near-equal pairs and would take hundreds.
-const EVIDENCE_STEPS: usize = 40;
+const EVIDENCE_STEPS: usize = 27;
 
 /// The same where the order is chosen from them.
 const CHOICE_STEPS: usize = 90;
@@ -56,6 +56,9 @@ pub enum Decomposition {
 pub(crate) struct Factors {
     /// Converged singular values.
     pub(crate) values: Vec<f64>,
+    /// Leading singular values good enough to look at, with bounds of their errors: the converged ones and those that
+    /// follow with an error of at most [`SEEN`] of themselves.
+    pub(crate) seen: Vec<(f64, f64)>,
     /// Left vectors as columns, for at least as many values as models need.
     pub(crate) left: DMatrix<f64>,
     /// Right vectors as columns.
@@ -105,8 +108,10 @@ pub(crate) fn factorize(
             let reported = leading(&|_, residual| residual <= REPORTED * largest);
             let (mut left, mut right) = lanczos.vectors(&ritz, exact);
             fix_signs(&mut left, &mut right);
+            let shown = reported.max(seen.min(evidence));
             return Ok(Factors {
                 values: ritz.values[..reported].to_vec(),
+                seen: ritz.values.iter().copied().zip(ritz.residuals.iter().copied()).take(shown).collect(),
                 left,
                 right,
                 decomposition: Decomposition::Lanczos { steps: lanczos.steps() },
@@ -127,7 +132,7 @@ fn dense(h: &Hankel<'_>) -> Result<Factors, EraError> {
     let (rows, columns) = (h.rows(), h.columns());
     let steps = EIGEN_STEPS_PER_VALUE * rows.min(columns);
     let failed = || EraError::NotConverged { rows, columns, steps };
-    let (values, mut left, mut right) = if rows == columns {
+    let (values, mut left, mut right): (Vec<f64>, _, _) = if rows == columns {
         let eigen = SymmetricEigen::try_new(h.dense(), f64::EPSILON, steps).ok_or_else(failed)?;
         let mut order: Vec<usize> = (0..rows).collect();
         order.sort_by(|&i, &j| eigen.eigenvalues[j].abs().total_cmp(&eigen.eigenvalues[i].abs()));
@@ -145,7 +150,9 @@ fn dense(h: &Hankel<'_>) -> Result<Factors, EraError> {
         if wide { (svd.values, svd.right, tall_side) } else { (svd.values, tall_side, svd.right) }
     };
     fix_signs(&mut left, &mut right);
-    Ok(Factors { values, left, right, decomposition: Decomposition::Dense })
+    let rounding = f64::EPSILON * values.first().copied().unwrap_or(0.0);
+    let seen = values.iter().map(|s| (*s, rounding)).collect();
+    Ok(Factors { values, seen, left, right, decomposition: Decomposition::Dense })
 }
 
 /// Number of leading values above [`RANK_TOLERANCE`] times the first.

@@ -3,18 +3,53 @@
 //! One method so far: [`era`], the eigensystem realization algorithm, which takes the record for the impulse response
 //! of a linear system and returns the smallest balanced one that has it, with poles, modes and the evidence for them.
 
+mod arx;
 mod caveats;
+mod compare;
 mod era;
+mod error;
+mod exponential_sum;
 mod factors;
 mod fit;
 mod golub_kahan;
 mod hankel;
+mod information;
+mod initial_state;
+mod input_matrices;
+mod io_data;
+mod least_squares;
 mod modal;
 mod order;
+mod output_error;
+mod pole_problem;
+mod random;
+mod residual;
+mod section_chain;
+mod separable;
+mod subspace;
+mod transfer_function_fit;
+mod transfer_starts;
 
+pub use arx::{Arx, ArxOrder, arx, arx_scan};
 pub use caveats::{caveats, filter_edge_hz};
+pub use compare::{FitMeasures, compare, fit_measures, simulate_fitted};
 pub use era::{Era, EraError, EraOptions, Order, Realization, era};
+pub use error::IdentifyError;
+pub use exponential_sum::{ExponentialOptions, ExponentialSumFit, ExponentialTerm, exponential_sum};
 pub use factors::Decomposition;
 pub use fit::{fit_percent, rmse};
+pub use information::InformationCriteria;
+pub use io_data::IoData;
+pub use least_squares::CONDITION_LIMIT;
 pub use modal::IdentifiedMode;
 pub use order::{GapOrder, order_by_gap};
+pub use output_error::{OutputError, OutputErrorOptions, output_error};
+pub use residual::{ResidualTests, effective_samples, residual_tests};
+pub use separable::{Stop, Termination};
+pub use subspace::{Subspace, SubspaceModel, SubspaceOptions, Weighting};
+pub use transfer_function_fit::{
+    Hold, InitialConditions, TransferFunctionFit, TransferFunctionOptions, transfer_function_fit,
+};
+pub use transfer_starts::Start;
+
+use crumple_lti::Complex;

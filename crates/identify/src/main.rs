@@ -1,18 +1,22 @@
 //! `crumple-identify`: linear models from a crash pulse.
 
+mod by_era;
+mod by_exponentials;
+mod by_state_space;
+mod by_transfer_function;
+mod evidence;
+mod input_output;
 mod options;
 mod to_records;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crumple_identify::{Era, EraError, EraOptions, Order, Realization, caveats};
-use crumple_signal::{Acceleration, Sampled, TestDescription};
+use crumple_signal::{Sampled, TestDescription};
 use crumple_stage::records::TestV1;
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
 use options::{Options, Settings};
-use to_records::{Window, put_model};
 
 struct Identify;
 
@@ -35,50 +39,38 @@ impl Stage for Identify {
     fn run(settings: &Settings, inputs: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let test = inputs.test()?;
         out.put("/test", &TestV1::from(&test))?;
-        let channel = channel(settings, &test)?;
-        let record =
-            inputs.wave(channel)?.signal::<Acceleration>().refuse_with_hint("name an accelerometer with --channel")?;
-        let window = window(&record, settings)?;
-        let cfc = test.channel(channel).and_then(|c| c.cfc);
-
-        let options = EraOptions {
-            max_order: settings.max_order,
-            rows: settings.rows,
-            columns: settings.columns,
-            ..EraOptions::new(window.dt_s())
-        };
-        let orders: Vec<Order> = settings.orders.iter().map(|order| order.0).collect();
-        let era = match Era::new(window.samples(), options, &orders) {
-            Err(error @ EraError::Silent { .. }) => {
-                return Ok(Outcome::NoAcceptableResult(format!("channel {channel}: {error}")));
-            }
-            result => {
-                result.refuse_with_hint("widen the window (--from, --to, --samples), or lower --rows and --columns")?
-            }
-        };
-        let mut written: Vec<usize> = Vec::new();
-        let mut first_failure = None;
-        for order in orders {
-            let model = match realize(&era, order, out) {
-                Ok(model) => model,
-                Err(error) => {
-                    out.notes().warning(error.to_string());
-                    first_failure.get_or_insert(error);
-                    continue;
-                }
+        // A method that fails does not take the others with it.
+        let mut error = None;
+        let mut reason = None;
+        let mut done = false;
+        let alone = settings.methods.len() == 1;
+        for method in &settings.methods {
+            let outcome = match method.as_str() {
+                "era" => by_era::run(settings, &test, inputs, out),
+                "tfest" => by_transfer_function::run(settings, &test, inputs, out),
+                "exponentials" => by_exponentials::run(settings, &test, inputs, out),
+                name => by_state_space::run(name, settings, &test, inputs, out),
             };
-            if written.contains(&model.order()) {
-                continue;
+            match outcome {
+                Ok(Outcome::Done) => done = true,
+                Ok(Outcome::NoAcceptableResult(text)) => {
+                    reason.get_or_insert(if alone { text } else { format!("{method}: {text}") });
+                }
+                Err(failed) => {
+                    error.get_or_insert(if alone { failed } else { failed.context(format!("method {method}")) });
+                }
             }
-            written.push(model.order());
-            let notes = caveats(&model, cfc);
-            put_model(&model, &Window { channel, sampled: &window }, &notes, out)?;
-            out.notes().extend(notes);
         }
-        if let Some(error) = first_failure.filter(|_| written.is_empty()) {
-            return Err(error).refuse_with_hint("lower --orders, or widen the window (--from, --to, --samples)");
+        match (done, error, reason) {
+            (false, Some(error), _) => Err(error),
+            (false, None, Some(reason)) => Ok(Outcome::NoAcceptableResult(reason)),
+            (_, error, reason) => {
+                for text in error.map(|e| format!("{e:#}")).into_iter().chain(reason) {
+                    out.notes().warning(text);
+                }
+                Ok(Outcome::Done)
+            }
         }
-        Ok(Outcome::Done)
     }
 }
 
@@ -108,17 +100,6 @@ fn window(record: &Sampled, settings: &Settings) -> anyhow::Result<Sampled> {
         .into());
     }
     Ok(window)
-}
-
-/// The model of one order. Where the record has less in it, the model of the highest order that it has, with a note.
-fn realize(era: &Era<'_>, order: Order, out: &mut Output) -> Result<Realization, EraError> {
-    match era.realize(order) {
-        Err(error @ EraError::OrderAboveRank { rank, .. }) if rank > 0 => {
-            out.notes().info(format!("{error}: order {rank} is used, which follows the record to rounding"));
-            era.realize(Order::Given(rank))
-        }
-        result => result,
-    }
 }
 
 fn main() -> ExitCode {

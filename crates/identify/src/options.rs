@@ -7,16 +7,25 @@ use crumple_signal::value::Time;
 use crumple_stage::{Usage, nearest};
 use serde::{Deserialize, Serialize};
 
-use crumple_identify::Order;
+use crumple_identify::{Order, Start};
 
 /// Methods by name.
-const METHODS: [&str; 1] = ["era"];
+const METHODS: [&str; 8] = ["era", "tfest", "exponentials", "n4sid", "moesp", "cva", "arx", "output-error"];
+
+/// Ways to starting points by name, default first to last.
+const STARTS: [Start; 7] =
+    [Start::Svf, Start::Gpmf, Start::Iv, Start::N4sid, Start::Integrators, Start::Exponentials, Start::Random];
+
+/// Conditions of a sum of exponentials at the start of the window.
+const CONDITIONS: [&str; 3] = ["position", "velocity", "acceleration"];
 
 /// Flags of `crumple-identify`, keys of `[identify]`.
 #[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Identification methods, separated by commas. There is: era (eigensystem realization). Default: era.
+    /// Identification methods, separated by commas. From one channel: era (eigensystem realization), exponentials.
+    /// From an input and an output: tfest (continuous transfer function), n4sid, moesp, cva, arx, output-error.
+    /// Default: era.
     #[arg(long, value_delimiter = ',')]
     pub methods: Vec<String>,
     /// Numbers of states to try, separated by commas, and "auto" for the largest gap between singular values. Two
@@ -38,6 +47,51 @@ pub struct Options {
     /// Channel to identify from. Default: the crash pulse.
     #[arg(long)]
     pub channel: Option<String>,
+    /// Waveform that drives the system, for methods with an input. Default: the crash pulse (deceleration).
+    #[arg(long)]
+    pub input_channel: Option<String>,
+    /// Waveform it answers with, also that of "exponentials", e.g. 93/velocity. Default: displacement of the crash pulse.
+    #[arg(long)]
+    pub output_channel: Option<String>,
+    /// Number of poles of a transfer function. Default: 4.
+    #[arg(long)]
+    pub poles: Option<u32>,
+    /// Number of its zeros. Default: 1.
+    #[arg(long)]
+    pub zeros: Option<u32>,
+    /// Input between its samples: first-order (straight lines) or zero-order (steps). Default: first-order.
+    #[arg(long)]
+    pub hold: Option<String>,
+    /// Motion at the start of the window: estimate, zero, or auto (estimated if an F-test at 5 % says so). Default:
+    /// estimate.
+    #[arg(long)]
+    pub initial: Option<String>,
+    /// Keep poles of transfer functions from growing; sums of exponentials never grow. Default: false.
+    #[arg(long, num_args = 0..=1, default_missing_value = "true")]
+    pub stable: Option<bool>,
+    /// Ways to starting points of a transfer function: svf, gpmf, iv, n4sid, integrators, exponentials, random. Default:
+    /// all.
+    #[arg(long, value_delimiter = ',')]
+    pub starts: Vec<String>,
+    /// Iterations from each start at most. Default: 200.
+    #[arg(long)]
+    pub max_iterations: Option<u32>,
+    /// Samples by which the input acts late. Default: 0.
+    #[arg(long)]
+    pub delay: Option<u32>,
+    /// Number of exponential terms; a damped wave counts as two. Default: 4.
+    #[arg(long)]
+    pub terms: Option<u32>,
+    /// Real exponents only. Default: false.
+    #[arg(long, num_args = 0..=1, default_missing_value = "true")]
+    pub real: Option<bool>,
+    /// What a sum of exponentials must have at the start of the window: position (that of the record), velocity (that of
+    /// the record), acceleration (zero). Each needs the ones before. Default: none.
+    #[arg(long, value_delimiter = ',')]
+    pub conditions: Vec<String>,
+    /// Block rows of the subspace methods. Default: twice the order, 10 at least.
+    #[arg(long)]
+    pub block_rows: Option<u32>,
     /// Start of the window, e.g. 5ms. Default: time zero, 0 s.
     #[arg(long, allow_hyphen_values = true)]
     pub from: Option<Time>,
@@ -63,10 +117,108 @@ pub struct Settings {
     pub samples: Option<usize>,
     /// Channel, if not the pulse.
     pub channel: Option<String>,
+    /// What the methods other than `era` need; absent where `era` is alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beyond_era: Option<BeyondEra>,
     /// Start of the window, s.
     pub from_s: f64,
     /// End of the window, s, if not the end of the record.
     pub to_s: Option<f64>,
+}
+
+/// Settings of the methods other than `era`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BeyondEra {
+    /// Driving waveform, if not the pulse.
+    pub input_channel: Option<String>,
+    /// Answering waveform, if not the pulse's displacement.
+    pub output_channel: Option<String>,
+    /// Poles of a transfer function.
+    pub poles: usize,
+    /// Zeros.
+    pub zeros: usize,
+    /// Input between samples.
+    pub hold: String,
+    /// Motion at the start.
+    pub initial: String,
+    /// Whether poles are kept from growing.
+    pub stable: bool,
+    /// Ways to starting points.
+    pub starts: Vec<String>,
+    /// Iterations from each start.
+    pub max_iterations: usize,
+    /// Samples by which the input acts late.
+    pub delay: usize,
+    /// Exponential terms.
+    pub terms: usize,
+    /// Real exponents only.
+    pub real: bool,
+    /// Conditions at the start, in the order position, velocity, acceleration.
+    pub conditions: usize,
+    /// Block rows, if given.
+    pub block_rows: Option<usize>,
+}
+
+impl BeyondEra {
+    fn resolve(options: &Options) -> Result<Self, Usage> {
+        let choice = |name: &str, given: &Option<String>, choices: &[&str]| match given {
+            None => Ok(choices[0].to_owned()),
+            Some(text) if choices.contains(&text.as_str()) => Ok(text.clone()),
+            Some(text) => Err(unknown(name, text, choices)),
+        };
+        let names = STARTS.map(Start::name);
+        if let Some(start) = options.starts.iter().find(|start| !names.contains(&start.as_str())) {
+            return Err(unknown("start", start, &names));
+        }
+        for (condition, expected) in options.conditions.iter().zip(CONDITIONS) {
+            if !CONDITIONS.contains(&condition.as_str()) {
+                return Err(unknown("condition", condition, &CONDITIONS));
+            }
+            if condition != expected {
+                return Err(Usage::new(format!("condition {condition:?} stands before {expected:?}"))
+                    .hint("each condition needs the ones before: position, then velocity, then acceleration"));
+            }
+        }
+        if options.conditions.len() > CONDITIONS.len() {
+            return Err(Usage::new(format!("{} conditions, there are three", options.conditions.len())));
+        }
+        let size = |n: Option<u32>, default: usize| n.map_or(default, |n| n as usize);
+        let starts: Vec<String> = if options.starts.is_empty() {
+            names.iter().map(|name| (*name).to_owned()).collect()
+        } else {
+            options.starts.clone()
+        };
+        Ok(Self {
+            input_channel: options.input_channel.clone(),
+            output_channel: options.output_channel.clone(),
+            poles: size(options.poles, 4),
+            zeros: size(options.zeros, 1),
+            hold: choice("hold", &options.hold, &["first-order", "zero-order"])?,
+            initial: choice("initial condition", &options.initial, &["estimate", "zero", "auto"])?,
+            stable: options.stable.unwrap_or(false),
+            starts,
+            max_iterations: size(options.max_iterations, 200),
+            delay: size(options.delay, 0),
+            terms: size(options.terms, 4),
+            real: options.real.unwrap_or(false),
+            conditions: options.conditions.len(),
+            block_rows: options.block_rows.map(|n| n as usize),
+        })
+    }
+
+    /// The starts as the library knows them.
+    pub fn start_kinds(&self) -> Vec<Start> {
+        STARTS.into_iter().filter(|start| self.starts.iter().any(|name| name == start.name())).collect()
+    }
+}
+
+/// An error that suggests the nearest name.
+fn unknown(what: &str, found: &str, choices: &[&str]) -> Usage {
+    let hint = match nearest(found, choices.iter().copied()) {
+        Some(near) => format!("did you mean {near:?}?"),
+        None => format!("there are: {}", choices.join(", ")),
+    };
+    Usage::new(format!("unknown {what} {found:?}")).hint(hint)
 }
 
 impl Settings {
@@ -74,15 +226,11 @@ impl Settings {
     pub fn resolve(options: Options) -> Result<Self, Usage> {
         for method in &options.methods {
             if !METHODS.contains(&method.as_str()) {
-                let hint = match nearest(method, METHODS) {
-                    Some(near) => format!("did you mean {near:?}?"),
-                    None => format!("there are: {}", METHODS.join(", ")),
-                };
-                return Err(Usage::new(format!("unknown identification method {method:?}")).hint(hint));
+                return Err(unknown("identification method", method, &METHODS));
             }
         }
         let mut orders: Vec<OrderOption> = Vec::new();
-        for order in options.orders {
+        for &order in &options.orders {
             if !orders.contains(&order) {
                 orders.push(order);
             }
@@ -103,7 +251,10 @@ impl Settings {
             return Err(Usage::new(format!("{name} is 0, a positive number is needed")));
         }
         let size = |n: Option<u32>| n.map(|n| n as usize);
+        let beyond_era =
+            if options.methods.iter().any(|m| m != "era") { Some(BeyondEra::resolve(&options)?) } else { None };
         Ok(Self {
+            beyond_era,
             methods: if options.methods.is_empty() { vec!["era".to_owned()] } else { options.methods },
             orders: if orders.is_empty() { vec![OrderOption(Order::Given(4))] } else { orders },
             max_order: size(options.max_order).unwrap_or(20),

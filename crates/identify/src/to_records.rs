@@ -1,11 +1,14 @@
 //! An identified model as the records of the artifact.
 
 use crumple_identify::{Decomposition, Realization};
-use crumple_lti::{LtiError, StateSpace, to_transfer_function};
-use crumple_signal::{Notes, Sampled};
+use crumple_lti::{LtiError, StateSpace, impulse_response, to_transfer_function};
+use crumple_signal::{Notes, QuantityKind, Sampled};
 use crumple_stage::Output;
 use crumple_stage::records::{IdentificationV1, ModeV1, ModesV1, StateSpaceV1, TransferFunctionV1};
 use nalgebra::DMatrix;
+
+use crate::evidence::evidence;
+use crate::input_output::Cut;
 
 /// What a reader of the model must know of its input.
 const INPUT: &str = "unit impulse (the record taken as Markov parameters)";
@@ -23,9 +26,9 @@ pub fn put_model(model: &Realization, window: &Window<'_>, notes: &Notes, out: &
     let id = format!("era-{}", model.order());
     let output = format!("acceleration of channel {}, m/s^2", window.channel);
     let mut notes = notes.to_texts();
-    out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, &output))?;
+    out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output))?;
     if let Ok(continuous) = &model.continuous {
-        out.put(&format!("/model/{id}/continuous"), &state_space(continuous, &output))?;
+        out.put(&format!("/model/{id}/continuous"), &state_space(continuous, INPUT, &output))?;
         match transfer_function(continuous, &output) {
             Ok(record) => out.put(&format!("/model/{id}/transfer-function"), &record)?,
             Err(error) => notes.push(format!("no transfer function: {error}")),
@@ -33,24 +36,35 @@ pub fn put_model(model: &Realization, window: &Window<'_>, notes: &Notes, out: &
     }
     out.put(&format!("/modes/{id}"), &modes(model))?;
     if let Decomposition::Lanczos { steps } = model.decomposition {
+        let converged = model
+            .singular_value_errors
+            .iter()
+            .take_while(|error| **error <= 1e-9 * model.singular_values.first().copied().unwrap_or(0.0))
+            .count();
         notes.push(format!(
-            "only the {} leading singular values are listed: those that converged in {steps} Lanczos steps",
+            "the {} leading singular values are listed after {steps} Lanczos steps: {converged} converged, the others within 3 %",
             model.singular_values.len()
         ));
     }
     out.put(&format!("/identification/{id}"), &identification(model, window, notes))?;
+    let cut =
+        Cut { id: window.channel.to_owned(), quantity: QuantityKind::Acceleration, sampled: window.sampled.clone() };
+    let response = impulse_response(&model.discrete, window.sampled.len())?;
+    let mut support = evidence(None, &cut, &response, 2 * model.order() + 1);
+    support.singular_value_errors = model.singular_value_errors.clone();
+    out.put(&format!("/evidence/{id}"), &support)?;
     out.summary(summary(&id, model, window));
     Ok(())
 }
 
-fn state_space(model: &StateSpace, output: &str) -> StateSpaceV1 {
+pub fn state_space(model: &StateSpace, input: &str, output: &str) -> StateSpaceV1 {
     StateSpaceV1 {
         a: rows(&model.a),
         b: rows(&model.b),
         c: rows(&model.c),
         d: rows(&model.d),
         sample_time_s: model.sample_time_s.unwrap_or(0.0),
-        input: INPUT.to_owned(),
+        input: input.to_owned(),
         output: output.to_owned(),
     }
 }

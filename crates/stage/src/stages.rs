@@ -20,6 +20,7 @@ pub fn writer_of(topic: &str) -> &'static str {
         ("/model/", "crumple-identify"),
         ("/modes/", "crumple-identify"),
         ("/identification/", "crumple-identify"),
+        ("/evidence/", "crumple-identify"),
         ("/parameters/", "crumple-parameter-solve"),
         ("/simulation/", "crumple-simulate"),
         ("/wave/", "crumple-filter or crumple-ingest"),

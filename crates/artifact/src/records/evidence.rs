@@ -1,0 +1,63 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What speaks for and against an identified model beyond its fit. Topic `/evidence/<id>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EvidenceV1 {
+    /// Channel that drives the model; `null` for a free motion.
+    pub input: Option<String>,
+    /// Channel it answers with.
+    pub output: String,
+    /// Input between samples: `first-order` or `zero-order` hold; `null` without an input.
+    pub hold: Option<String>,
+    /// Initial conditions: `estimated` or `zero`.
+    pub initial_conditions: String,
+    /// Kind of the start that led to the model.
+    pub start: Option<String>,
+    /// Why the iteration stopped, e.g. `gradient-converged`; `null` for a direct method.
+    pub stop_reason: Option<String>,
+    /// Iterations of the best start.
+    pub iterations: Option<u32>,
+    /// Evaluations of all starts.
+    pub evaluations: Option<u64>,
+    /// Mean square error of every refined start, best first, square of the output's unit.
+    pub losses: Vec<f64>,
+    /// Mean square error of the simulated output, square of its unit.
+    pub loss: Option<f64>,
+    /// Fit of the one-step prediction, where the method has one; it says little about a simulation.
+    pub prediction_fit_percent: Option<f64>,
+    /// Number of estimated parameters.
+    pub parameters: u64,
+    /// Number of independent samples that the correlated residuals are worth.
+    pub effective_samples: Option<f64>,
+    /// Akaike's criterion for short records, with the effective number of samples.
+    pub aicc: Option<f64>,
+    /// Schwarz's criterion, likewise.
+    pub bic: Option<f64>,
+    /// Akaike's final prediction error, likewise, square of the output's unit.
+    pub final_prediction_error: Option<f64>,
+    /// Autocorrelation of the residuals at lag one.
+    pub residual_lag_one: Option<f64>,
+    /// Box-Pierce statistic of the residuals over 20 lags.
+    pub whiteness: Option<f64>,
+    /// Its 95 % point.
+    pub whiteness_limit: Option<f64>,
+    /// Largest correlation of residuals with the input, in units of its 95 % limit.
+    pub input_correlation: Option<f64>,
+    /// Condition number of the column-scaled sensitivities; above 1e8 single parameters mean little.
+    pub condition: Option<f64>,
+    /// Standard deviations of the numerator's coefficients, highest power first.
+    pub numerator_deviations: Vec<f64>,
+    /// Standard deviations of the denominator's coefficients after the leading 1.
+    pub denominator_deviations: Vec<f64>,
+    /// Standard deviations of the natural frequencies of the modes, rad/s, in their order.
+    pub frequency_deviations: Vec<Option<f64>>,
+    /// Standard deviations of the damping ratios of the modes.
+    pub damping_deviations: Vec<Option<f64>>,
+    /// Real parts of the zeros, 1/s.
+    pub zeros_re_per_s: Vec<f64>,
+    /// Their imaginary parts, rad/s.
+    pub zeros_im_rad_per_s: Vec<f64>,
+    /// Bounds of the errors of the singular values in `/identification/<id>`, one each.
+    pub singular_value_errors: Vec<f64>,
+}

@@ -1,0 +1,153 @@
+//! Times the estimators beside a plain pass over the same data and, where there is one, the naive version:
+//! `cargo bench -p crumple-identify`.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use crumple_identify::{
+    ArxOrder, Era, EraOptions, IoData, Order, Start, Subspace, SubspaceOptions, TransferFunctionOptions, Weighting,
+    arx, transfer_function_fit,
+};
+use crumple_lti::{StateSpace, discretize_first_order_hold};
+use nalgebra::{DMatrix, DVector};
+
+/// Median of several runs.
+fn median(runs: usize, mut work: impl FnMut()) -> Duration {
+    let mut times: Vec<Duration> = (0..runs)
+        .map(|_| {
+            let start = Instant::now();
+            work();
+            start.elapsed()
+        })
+        .collect();
+    times.sort();
+    times[runs / 2]
+}
+
+fn line(name: &str, aim: &str, time: Duration, data: &[f64]) {
+    let pass = median(9, || {
+        black_box(black_box(data).iter().sum::<f64>());
+    });
+    let aim = if aim.is_empty() { String::new() } else { format!(", aim {aim}") };
+    println!("{name:<58}{time:>12.3?}{aim} (one pass over the data {pass:.3?})");
+}
+
+fn noise(k: usize) -> f64 {
+    let mut x = (k as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    x ^= x >> 32;
+    x = x.wrapping_mul(0xD6E8_FEB8_6659_FD93);
+    x ^= x >> 32;
+    (x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
+fn era_times() {
+    let wave = |t: f64| (-30.0 * t).exp() * (60.0 * t).sin() + 0.2 * (-12.0 * t).exp() * (400.0 * t).cos();
+    for (samples, aim) in [(2501, "2 ms"), (10_001, "6 ms")] {
+        for (kind, level) in [("clean", 0.0), ("1 % noise", 0.01)] {
+            let record: Vec<f64> = (0..samples).map(|k| wave(k as f64 * 1e-4) + level * noise(k)).collect();
+            let time = median(9, || {
+                let model = Era::new(&record, EraOptions::new(1e-4), &[Order::Given(4)])
+                    .and_then(|era| era.realize(Order::Given(4)));
+                black_box(model).ok();
+            });
+            line(&format!("era order 4, {samples} samples, {kind}"), aim, time, &record);
+        }
+    }
+    let record: Vec<f64> = (0..801).map(|k| wave(k as f64 * 1e-4) + 0.01 * noise(k)).collect();
+    let time = median(3, || {
+        let h = DMatrix::from_fn(400, 400, |i, j| record[1 + i + j]);
+        black_box(h.svd(true, true));
+    });
+    line("    naive: dense SVD of 400 x 400 (801 samples)", "", time, &record);
+}
+
+/// Output of a stable fourth-order ARX model, with noise in the equation.
+fn arx_data(samples: usize) -> IoData {
+    let u: Vec<f64> = (0..samples).map(noise).collect();
+    let mut y = vec![0.0; samples];
+    for k in 4..samples {
+        y[k] = 2.6 * y[k - 1] - 3.0 * y[k - 2] + 1.8 * y[k - 3] - 0.5 * y[k - 4] + 0.5 * u[k - 1] + 0.2 * u[k - 2]
+            - 0.1 * u[k - 3]
+            + 0.05 * u[k - 4]
+            + 0.1 * noise(k + samples);
+    }
+    IoData::single(u, y, 1e-3).expect("a finite record")
+}
+
+fn arx_times() {
+    let data = arx_data(1_000_000);
+    let time = median(5, || {
+        black_box(arx(&data, ArxOrder { na: 4, nb: 4, nk: 1 })).ok();
+    });
+    line("arx (4,4,1), 10^6 samples", "20 ms", time, &data.outputs()[0]);
+    let (y, u) = (&data.outputs()[0][..100_000], &data.inputs()[0][..100_000]);
+    let time = median(3, || {
+        let regressors = DMatrix::from_fn(y.len() - 4, 8, |i, j| if j < 4 { y[i + 3 - j] } else { u[i + 7 - j] });
+        let target = DVector::from_column_slice(&y[4..]);
+        black_box(regressors.svd(true, true).solve(&target, 1e-12)).ok();
+    });
+    line("    naive: whole matrix by SVD, 10^5 samples", "", time, y);
+}
+
+fn subspace_times() {
+    let data = arx_data(10_000);
+    for weighting in Weighting::ALL {
+        let options = SubspaceOptions { weighting, block_rows: 8, direct: true };
+        let time = median(9, || {
+            black_box(Subspace::new(&data, options).and_then(|subspace| subspace.realize(4))).ok();
+        });
+        let name = format!("{} order 4, 8 block rows, 10^4 samples", weighting.name());
+        line(&name, "2 ms", time, &data.outputs()[0]);
+    }
+}
+
+fn transfer_function_times() {
+    // Two modes, sampled at 10 kHz, a pulse and a motion at the start.
+    let denominator = [1.0, 35.7, 6024.0, 185_000.0, 414_600.0];
+    let (unit, dt) = (0.02_f64, 1e-4);
+    let power = |k: usize| (0..k).fold(1.0, |product, _| product * unit);
+    let a = DMatrix::from_fn(4, 4, |i, j| {
+        if i < 3 { f64::from(u8::from(j == i + 1)) } else { -denominator[4 - j] * power(4 - j) }
+    });
+    let b = DMatrix::from_fn(4, 1, |i, _| f64::from(u8::from(i == 3)));
+    let c = DMatrix::from_fn(1, 4, |_, j| [466.2, -76.15, 0.0, 0.0][j] * power(4 - j));
+    let model = StateSpace::new(a, b, c, DMatrix::zeros(1, 1), None).expect("a finite model");
+    let discrete = discretize_first_order_hold(&model, dt / unit).expect("a small step");
+    let u: Vec<f64> = (0..2001).map(|k| -300.0 * (f64::from(k) * 0.0028).sin().max(0.0)).collect();
+    let clean = discrete.response(&u, &DVector::from_vec(vec![0.0, 50.0, 0.0, 0.0])).expect("four states");
+    let size = clean.iter().fold(0.0_f64, |m, y| m.max(y.abs()));
+    let y = clean.iter().enumerate().map(|(k, y)| y + 1e-4 * size * noise(k)).collect();
+    let data = IoData::single(u, y, dt).expect("a finite record");
+    let options = TransferFunctionOptions::new(4, 1);
+    let mut evaluations = 0;
+    let whole = median(5, || {
+        evaluations = transfer_function_fit(&data, &options).map_or(0, |fit| fit.evaluations);
+    });
+    line(&format!("tfest 4/1, 2001 samples, whole fit, {evaluations} evaluations"), "50 ms", whole, &data.outputs()[0]);
+    let fit = transfer_function_fit(&data, &options).expect("the fit timed before");
+    let near: Vec<_> = fit.modes.iter().map(|mode| mode.pole * 1.05).collect();
+    let one = TransferFunctionOptions { starts: Vec::new(), given: vec![near], ..options.clone() };
+    let time = median(9, || {
+        evaluations = transfer_function_fit(&data, &one).map_or(0, |fit| fit.iterations);
+    });
+    line(
+        &format!("tfest 4/1, one refinement, {evaluations} iterations, with covariance"),
+        "1 ms",
+        time,
+        &data.outputs()[0],
+    );
+    for start in [Start::Svf, Start::Iv, Start::N4sid] {
+        let one = TransferFunctionOptions { starts: vec![start], ..options.clone() };
+        let time = median(5, || {
+            black_box(transfer_function_fit(&data, &one)).ok();
+        });
+        line(&format!("tfest 4/1, start {} alone", start.name()), "", time, &data.outputs()[0]);
+    }
+}
+
+fn main() {
+    era_times();
+    arx_times();
+    subspace_times();
+    transfer_function_times();
+}

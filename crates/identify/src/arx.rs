@@ -1,0 +1,269 @@
+//! ARX models: linear regression on past outputs and inputs.
+
+use crumple_lti::StateSpace;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use crate::least_squares::{CONDITION_LIMIT, Solution, TriangularFactor};
+use crate::{IdentifyError, InformationCriteria, IoData};
+
+/// Samples per independent part of a long record. Parts are combined in order, so the result does not depend on the
+/// number of threads.
+const PART: usize = 65_536;
+
+/// Number of parameters and delay of an ARX model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ArxOrder {
+    /// Past outputs.
+    pub na: usize,
+    /// Inputs.
+    pub nb: usize,
+    /// Samples between an input and its first effect; 0: within the same sample.
+    pub nk: usize,
+}
+
+impl ArxOrder {
+    /// States of the model that it is: the longest memory.
+    pub fn states(&self) -> usize {
+        self.na.max((self.nb + self.nk).saturating_sub(1))
+    }
+}
+
+/// `y[k] = -sum a_i y[k-i] + sum_j b_j u[k-nk-j] + e[k]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Arx {
+    /// Orders and delay.
+    pub order: ArxOrder,
+    /// `a_1 ... a_na`; the leading 1 is not part of it.
+    pub a: Vec<f64>,
+    /// `b_0 ... b_(nb-1)` of every input.
+    pub b: Vec<Vec<f64>>,
+    /// Covariance of `a`, then of the `b` of every input, for white `e`.
+    pub covariance: DMatrix<f64>,
+    /// Mean square of the one-step prediction errors.
+    pub loss: f64,
+    /// Rows of the regression.
+    pub rows: usize,
+    /// Condition number of the column-scaled regression.
+    pub condition: f64,
+    /// Sampling interval, s.
+    pub sample_time_s: f64,
+}
+
+/// Fits an ARX model of one output and any number of inputs by least squares (QR, no normal equations).
+///
+/// Exact for data made by such a model without noise. With noise it is unbiased only for noise that is white when
+/// filtered through `1/A`; otherwise it is biased towards too much damping: use it as a starting point, or with an
+/// order of several times the number of states. Errors: several outputs, too few samples, condition above
+/// [`CONDITION_LIMIT`] (noise-free data of lower order).
+pub fn arx(data: &IoData, order: ArxOrder) -> Result<Arx, IdentifyError> {
+    fit(data, order, order.na.max((order.nb + order.nk).saturating_sub(1)))
+}
+
+/// The same on the rows from sample `first` on, so that several orders can be judged on the same equations.
+fn fit(data: &IoData, order: ArxOrder, first: usize) -> Result<Arx, IdentifyError> {
+    let ArxOrder { na, nb, nk } = order;
+    let m = data.inputs().len();
+    if data.outputs().len() != 1 {
+        return Err(IdentifyError::Channels {
+            method: "arx",
+            needed: "one output",
+            inputs: m,
+            outputs: data.outputs().len(),
+        });
+    }
+    let p = na + nb * m;
+    if p == 0 {
+        return Err(IdentifyError::OrderZero);
+    }
+    let samples = data.samples();
+    if samples < first + p + 1 {
+        return Err(IdentifyError::TooShort {
+            method: "arx",
+            samples,
+            needed: first + p + 1,
+            why: format!("{p} parameters after {first} samples of memory"),
+        });
+    }
+    let (y, u) = (&data.outputs()[0], data.inputs());
+    let rows_per_block = TriangularFactor::block_rows(p + 1);
+    let starts: Vec<usize> = (first..samples).step_by(PART).collect();
+    let factors: Vec<TriangularFactor> = starts
+        .into_par_iter()
+        .map(|start| {
+            let end = (start + PART).min(samples);
+            let mut factor = TriangularFactor::new(p + 1);
+            let mut block = vec![0.0; rows_per_block * (p + 1)];
+            for k in (start..end).step_by(rows_per_block) {
+                let count = rows_per_block.min(end - k);
+                let block = &mut block[..count * (p + 1)];
+                // Every column of the block is a stretch of a signal.
+                for (column, target) in block.chunks_exact_mut(count).enumerate() {
+                    let (signal, lag) = if column < na {
+                        (y, column + 1)
+                    } else if column < p {
+                        let (j, tap) = ((column - na) / nb, (column - na) % nb);
+                        (&u[j], nk + tap)
+                    } else {
+                        (y, 0)
+                    };
+                    target.copy_from_slice(&signal[k - lag..k - lag + count]);
+                }
+                factor.push(count, block);
+            }
+            factor
+        })
+        .collect();
+    let mut factor = TriangularFactor::new(p + 1);
+    for part in &factors {
+        factor.merge(part);
+    }
+    let rows = factor.rows();
+    let Solution { coefficients, residual_squares, condition, inverse_square, .. } =
+        factor.solve(1, 0.0).ok_or(IdentifyError::NotConverged("the regression of arx"))?;
+    if condition > CONDITION_LIMIT {
+        return Err(IdentifyError::IllConditioned { method: "arx", condition, limit: CONDITION_LIMIT });
+    }
+    let variance = residual_squares[0] / (rows - p) as f64;
+    Ok(Arx {
+        order,
+        a: (0..na).map(|i| -coefficients[i]).collect(),
+        b: (0..m).map(|j| (0..nb).map(|t| coefficients[na + j * nb + t]).collect()).collect(),
+        covariance: inverse_square * variance,
+        loss: residual_squares[0] / rows as f64,
+        rows,
+        condition,
+        sample_time_s: data.sample_time_s(),
+    })
+}
+
+/// Fits every order of a list on the same rows and returns the models with their information criteria, in the order of
+/// the list. Orders that cannot be fitted are errors in their place.
+///
+/// For a scan over the delay fix `na`, `nb` and list `nk`; the smallest BIC is the usual choice.
+pub fn arx_scan(data: &IoData, orders: &[ArxOrder]) -> Vec<Result<(Arx, InformationCriteria), IdentifyError>> {
+    let memory = orders.iter().map(ArxOrder::states).max().unwrap_or(0);
+    orders
+        .par_iter()
+        .map(|order| {
+            let model = fit(data, *order, memory)?;
+            let parameters = model.a.len() + model.b.iter().map(Vec::len).sum::<usize>();
+            let criteria = InformationCriteria::new(model.loss, model.rows as f64, parameters);
+            Ok((model, criteria))
+        })
+        .collect()
+}
+
+impl Arx {
+    /// The model as a state space in observer form, noise left out. Errors: not finite.
+    pub fn state_space(&self) -> Result<StateSpace, IdentifyError> {
+        let n = self.order.states();
+        let m = self.b.len();
+        let a = |i: usize| self.a.get(i.wrapping_sub(1)).copied().unwrap_or(0.0);
+        let b = |j: usize, lag: usize| {
+            lag.checked_sub(self.order.nk).and_then(|t| self.b[j].get(t)).copied().unwrap_or(0.0)
+        };
+        Ok(StateSpace::new(
+            DMatrix::from_fn(n, n, |i, k| if k == 0 { -a(i + 1) } else { f64::from(u8::from(k == i + 1)) }),
+            DMatrix::from_fn(n, m, |i, j| b(j, i + 1) - a(i + 1) * b(j, 0)),
+            DMatrix::from_fn(1, n, |_, k| f64::from(u8::from(k == 0))),
+            DMatrix::from_fn(1, m, |_, j| b(j, 0)),
+            Some(self.sample_time_s),
+        )?)
+    }
+
+    /// One-step predictions of the output; the first `states` samples, which lack their past, are the measured ones.
+    pub fn predict(&self, data: &IoData) -> Vec<f64> {
+        let y = &data.outputs()[0];
+        let first = self.order.states().min(y.len());
+        let mut predicted = y[..first].to_vec();
+        predicted.extend((first..y.len()).map(|k| {
+            let past: f64 = self.a.iter().enumerate().map(|(i, a)| -a * y[k - 1 - i]).sum();
+            let driven: f64 = self
+                .b
+                .iter()
+                .zip(data.inputs())
+                .map(|(b, u)| b.iter().enumerate().map(|(t, b)| b * u[k - self.order.nk - t]).sum::<f64>())
+                .sum();
+            past + driven
+        }));
+        predicted
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+    use super::*;
+
+    fn noise(k: usize) -> f64 {
+        // A multiplicative hash of the index, uniform on [-1, 1).
+        let mut x = (k as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        x ^= x >> 32;
+        x = x.wrapping_mul(0xD6E8_FEB8_6659_FD93);
+        x ^= x >> 32;
+        (x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    /// Output of the ARX(2,2,nk) model below, driven by noise.
+    fn record(nk: usize, equation_noise: f64, samples: usize) -> IoData {
+        let u: Vec<f64> = (0..samples).map(noise).collect();
+        let mut y = vec![0.0; samples];
+        for k in 0..samples {
+            let at = |s: &[f64], lag: usize| if k >= lag { s[k - lag] } else { 0.0 };
+            y[k] = 1.6 * at(&y, 1) - 0.8 * at(&y, 2)
+                + 0.5 * at(&u, nk)
+                + 0.3 * at(&u, nk + 1)
+                + equation_noise * noise(k + 1_000_000);
+        }
+        IoData::single(u, y, 0.01).unwrap()
+    }
+
+    #[test]
+    fn clean_data_give_the_coefficients_back() {
+        for nk in [0, 1, 3] {
+            let model = arx(&record(nk, 0.0, 400), ArxOrder { na: 2, nb: 2, nk }).unwrap();
+            for (found, exact) in model.a.iter().chain(&model.b[0]).zip([-1.6, 0.8, 0.5, 0.3]) {
+                // Rounding times a condition number below 100.
+                assert!((found - exact).abs() < 1e-13, "{found} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn covariance_covers_the_error_and_the_scan_finds_the_delay() {
+        let data = record(2, 0.1, 3000);
+        let model = arx(&data, ArxOrder { na: 2, nb: 2, nk: 2 }).unwrap();
+        for (i, (found, exact)) in model.a.iter().chain(&model.b[0]).zip([-1.6, 0.8, 0.5, 0.3]).enumerate() {
+            // Four standard deviations: one in 16,000 by chance, and the data are fixed.
+            let deviation = model.covariance[(i, i)].sqrt();
+            assert!((found - exact).abs() < 4.0 * deviation && deviation < 0.01, "{found} {exact} {deviation}");
+        }
+        // Uniform noise of half-width 0.1 has variance 0.01/3; 3000 samples know it to 3 %.
+        assert!((model.loss / (0.01 / 3.0) - 1.0).abs() < 0.1);
+        let orders: Vec<ArxOrder> = (0..6).map(|nk| ArxOrder { na: 2, nb: 2, nk }).collect();
+        let scan = arx_scan(&data, &orders);
+        let best = scan.iter().flatten().min_by(|a, b| a.1.bic.total_cmp(&b.1.bic)).unwrap();
+        assert_eq!(best.0.order.nk, 2);
+    }
+
+    #[test]
+    fn state_space_simulates_and_prediction_follows() {
+        let data = record(0, 0.0, 300);
+        let model = arx(&data, ArxOrder { na: 2, nb: 2, nk: 0 }).unwrap();
+        let fit = crate::compare(&model.state_space().unwrap(), &data).unwrap()[0].unwrap();
+        assert!(fit.fit_percent.unwrap() > 100.0 - 1e-9, "{fit:?}");
+        let predicted = crate::fit_measures(&data.outputs()[0], &model.predict(&data)).unwrap();
+        assert!(predicted.fit_percent.unwrap() > 100.0 - 1e-9);
+    }
+
+    #[test]
+    fn refuses_what_the_data_do_not_determine() {
+        let order = ArxOrder { na: 4, nb: 4, nk: 0 };
+        let error = arx(&record(0, 0.0, 300), order).unwrap_err();
+        assert!(matches!(error, IdentifyError::IllConditioned { .. }), "{error}");
+        let error = arx(&record(0, 0.0, 8), order).unwrap_err();
+        assert_eq!(error.to_string(), "8 samples, arx needs 13 (8 parameters after 4 samples of memory)");
+    }
+}

@@ -1,0 +1,113 @@
+//! Why there is no model.
+
+use crumple_lti::LtiError;
+
+/// Why an estimator gives no model. ([`EraError`](crate::EraError) is that of the Hankel methods.)
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum IdentifyError {
+    /// Nothing to explain.
+    #[error("there is no output, or it has no samples")]
+    NoOutput,
+    /// Signals of different lengths.
+    #[error("{kind} {} has {found} samples, the first output has {expected}", number + 1)]
+    Lengths {
+        /// `input` or `output`.
+        kind: &'static str,
+        /// Which, from 0.
+        number: usize,
+        /// Its length.
+        found: usize,
+        /// Length of the first output.
+        expected: usize,
+    },
+    /// A sample is NaN or infinite.
+    #[error("sample {index} of {kind} {} is not a finite number", number + 1)]
+    NotFinite {
+        /// `input` or `output`.
+        kind: &'static str,
+        /// Which, from 0.
+        number: usize,
+        /// Index of the sample.
+        index: usize,
+    },
+    /// Fewer samples than the method needs.
+    #[error("{samples} samples, {method} needs {needed} ({why})")]
+    TooShort {
+        /// The method.
+        method: &'static str,
+        /// What there is.
+        samples: usize,
+        /// What is needed.
+        needed: usize,
+        /// By which count.
+        why: String,
+    },
+    /// A signal that is zero throughout.
+    #[error("every sample of the {0} is zero: there is nothing to identify")]
+    Silent(&'static str),
+    /// A model without states or parameters.
+    #[error("order 0 is no model")]
+    OrderZero,
+    /// More states than the factorisation supports.
+    #[error("order {order} exceeds what {method} can realise here, {highest} states")]
+    OrderTooHigh {
+        /// The method.
+        method: &'static str,
+        /// The order asked for.
+        order: usize,
+        /// The highest possible.
+        highest: usize,
+    },
+    /// A method for other numbers of inputs and outputs.
+    #[error("{method} works on {needed}, the data have {inputs} inputs and {outputs} outputs")]
+    Channels {
+        /// The method.
+        method: &'static str,
+        /// What it takes.
+        needed: &'static str,
+        /// Number of inputs.
+        inputs: usize,
+        /// Number of outputs.
+        outputs: usize,
+    },
+    /// A least-squares problem without a determined solution.
+    #[error(
+        "the equations of {method} have condition number {condition:.1e}, above {limit:.0e}: the data do not determine the model"
+    )]
+    IllConditioned {
+        /// The method.
+        method: &'static str,
+        /// Condition number of the column-scaled equations.
+        condition: f64,
+        /// The limit.
+        limit: f64,
+    },
+    /// More zeros than poles.
+    #[error("{zeros} zeros and {poles} poles: a transfer function that can be simulated has no more zeros than poles")]
+    NotProper {
+        /// Number of zeros.
+        zeros: usize,
+        /// Number of poles.
+        poles: usize,
+    },
+    /// No starting point gave a finite response.
+    #[error("none of the {starts} starting points of {method} gave a finite response")]
+    NoStart {
+        /// The method.
+        method: &'static str,
+        /// How many were tried.
+        starts: usize,
+    },
+    /// The identified observer is unstable, so its Markov parameters grow.
+    #[error("the Markov parameters of the observer grow by a factor {growth:.1e}: OKID diverged")]
+    Diverged {
+        /// Largest Markov parameter beyond the lags over the largest within.
+        growth: f64,
+    },
+    /// A decomposition did not settle.
+    #[error("{0} did not converge")]
+    NotConverged(&'static str),
+    /// A system that cannot be analysed.
+    #[error(transparent)]
+    System(#[from] LtiError),
+}

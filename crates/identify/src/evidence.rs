@@ -1,0 +1,110 @@
+//! Evidence common to the methods beside `era`, as records.
+
+use crumple_identify::{InformationCriteria, effective_samples, fit_measures, residual_tests};
+use crumple_lti::{Complex, Mode};
+use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeV1, ModesV1};
+
+use crate::input_output::Cut;
+
+/// Lags of the whiteness test.
+const LAGS: usize = 20;
+
+/// Evidence from the simulated output: criteria, residual tests; everything else is still unknown.
+pub fn evidence(input: Option<&Cut>, output: &Cut, simulated: &[f64], parameters: usize) -> EvidenceV1 {
+    let residual: Vec<f64> = output.sampled.samples().iter().zip(simulated).map(|(y, yh)| y - yh).collect();
+    let finite = |x: f64| x.is_finite().then_some(x);
+    let loss = finite(residual.iter().map(|e| e * e).sum::<f64>() / residual.len().max(1) as f64);
+    let effective = effective_samples(&residual);
+    let criteria = loss.map(|loss| InformationCriteria::new(loss, effective, parameters));
+    let tests = residual_tests(&residual, input.map(|cut| cut.sampled.samples()), LAGS);
+    EvidenceV1 {
+        input: input.map(|cut| cut.id.clone()),
+        output: output.id.clone(),
+        hold: None,
+        initial_conditions: "estimated".to_owned(),
+        start: None,
+        stop_reason: None,
+        iterations: None,
+        evaluations: None,
+        losses: Vec::new(),
+        loss,
+        prediction_fit_percent: None,
+        parameters: parameters as u64,
+        effective_samples: finite(effective),
+        aicc: criteria.and_then(|c| finite(c.aicc)),
+        bic: criteria.and_then(|c| finite(c.bic)),
+        final_prediction_error: criteria.and_then(|c| finite(c.fpe)),
+        residual_lag_one: tests.map(|t| t.lag_one),
+        whiteness: tests.map(|t| t.whiteness),
+        whiteness_limit: tests.map(|t| t.whiteness_limit),
+        input_correlation: tests.and_then(|t| t.input_correlation),
+        condition: None,
+        numerator_deviations: Vec::new(),
+        denominator_deviations: Vec::new(),
+        frequency_deviations: Vec::new(),
+        damping_deviations: Vec::new(),
+        zeros_re_per_s: Vec::new(),
+        zeros_im_rad_per_s: Vec::new(),
+        singular_value_errors: Vec::new(),
+    }
+}
+
+/// How a model was identified.
+pub fn identification(
+    method: &str,
+    order: usize,
+    treated_as: &str,
+    output: &Cut,
+    simulated: &[f64],
+    notes: Vec<String>,
+) -> IdentificationV1 {
+    let fit = fit_measures(output.sampled.samples(), simulated);
+    IdentificationV1 {
+        method: method.to_owned(),
+        order: u32::try_from(order).unwrap_or(u32::MAX),
+        channel: output.id.clone(),
+        treated_as: treated_as.to_owned(),
+        from_s: output.sampled.t0_s(),
+        to_s: output.sampled.end_s(),
+        samples: output.sampled.len() as u64,
+        hankel_rows: None,
+        hankel_columns: None,
+        singular_values: Vec::new(),
+        fit_percent: fit.and_then(|fit| fit.fit_percent),
+        rmse: fit.map(|fit| fit.rmse),
+        notes,
+    }
+}
+
+/// Modes of continuous poles, with their discrete counterparts where the model is sampled.
+pub fn modes(modes: impl Iterator<Item = (Mode, Option<Complex>)>) -> ModesV1 {
+    ModesV1(
+        modes
+            .map(|(mode, discrete)| ModeV1 {
+                re_per_s: mode.pole.re,
+                im_rad_per_s: mode.pole.im,
+                natural_frequency_rad_per_s: mode.natural_frequency_rad_per_s,
+                damping_ratio: mode.damping_ratio,
+                modal_amplitude_coherence: None,
+                mode_singular_value: None,
+                discrete_re: discrete.map(|z| z.re),
+                discrete_im: discrete.map(|z| z.im),
+            })
+            .collect(),
+    )
+}
+
+/// Notes every model deserves: poles that grow.
+pub fn growth_notes(id: &str, poles: &[Complex], notes: &mut Vec<String>) {
+    for s in poles.iter().filter(|s| s.re > 0.0 && s.im >= 0.0) {
+        notes.push(format!(
+            "warning: {id}: the pole {:.4} {:+.4}i 1/s grows; no structure that absorbs a crash does",
+            s.re, s.im
+        ));
+    }
+}
+
+/// `99.76 %`, or that there is no such figure.
+pub fn percent(fit: Option<f64>) -> String {
+    fit.map_or("no defined fit".to_owned(), |fit| format!("fit {fit:.2} %"))
+}

@@ -1,0 +1,76 @@
+//! The driving and the answering waveform of a stage run, cut to one window.
+
+use crumple_identify::IoData;
+use crumple_signal::{QuantityKind, Sampled, TestDescription};
+use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
+
+use crate::options::{BeyondEra, Settings};
+use crate::window;
+
+/// One waveform of the window.
+pub struct Cut {
+    /// Id of the waveform.
+    pub id: String,
+    /// What it measures.
+    pub quantity: QuantityKind,
+    /// Its samples in the window.
+    pub sampled: Sampled,
+}
+
+impl Cut {
+    fn new(id: String, wave: &Wave, settings: &Settings) -> anyhow::Result<Self> {
+        Ok(Self { quantity: wave.quantity, sampled: window(&wave.sampled, settings)?, id })
+    }
+
+    /// `displacement of channel 93/displacement, m`.
+    pub fn describe(&self) -> String {
+        format!("{} {}, {}", self.quantity.name(), self.id, self.quantity.si_unit())
+    }
+}
+
+/// The answering waveform: as asked for, else the displacement of the pulse.
+pub fn output(settings: &Settings, beyond: &BeyondEra, test: &TestDescription, inputs: &Inputs) -> anyhow::Result<Cut> {
+    let id = match &beyond.output_channel {
+        Some(id) => id.clone(),
+        None => format!("{}/displacement", crate::channel(settings, test)?),
+    };
+    let wave = inputs.wave(&id)?;
+    Cut::new(id, wave, settings)
+}
+
+/// Input and output, sampled together.
+pub fn pair(
+    settings: &Settings,
+    beyond: &BeyondEra,
+    test: &TestDescription,
+    inputs: &Inputs,
+) -> anyhow::Result<(Cut, Cut, IoData)> {
+    let answer = output(settings, beyond, test, inputs)?;
+    let id = match &beyond.input_channel {
+        Some(id) => id.clone(),
+        None => crate::channel(settings, test)?.to_owned(),
+    };
+    let wave = inputs.wave(&id)?;
+    let drive = Cut::new(id, wave, settings)?;
+    let (u, y) = (&drive.sampled, &answer.sampled);
+    let dt = y.dt_s();
+    let apart = (u.t0_s() - y.t0_s()).abs() > 1e-6 * dt || (u.dt_s() / dt - 1.0).abs() > 1e-9;
+    if apart || u.len() != y.len() {
+        return Err(Refused::new(format!(
+            "waveforms {} and {} are not sampled together: {} samples of {} s from {} s, and {} of {} s from {} s",
+            drive.id,
+            answer.id,
+            u.len(),
+            u.dt_s(),
+            u.t0_s(),
+            y.len(),
+            dt,
+            y.t0_s()
+        ))
+        .hint("name waveforms of one time base with --input-channel and --output-channel, or a window that both have")
+        .into());
+    }
+    let data = IoData::single(u.samples().to_vec(), y.samples().to_vec(), dt)
+        .refuse_with_hint("name other waveforms with --input-channel and --output-channel")?;
+    Ok((drive, answer, data))
+}

@@ -1,0 +1,349 @@
+//! The separable problem of continuous poles: a transfer function's response, or a sum of exponentials.
+
+use nalgebra::DMatrix;
+
+use crate::section_chain::{Drive, Section, SectionChain, States};
+use crate::separable::{Basis, Separable};
+use crate::{Complex, Hold};
+
+/// Growth beyond `exp` of half of this over the record is not tried.
+const GROWTH: f64 = 40.0;
+
+/// Poles of a chain against one measured signal. Time runs from 0 to 1 over the record, signals are scaled.
+///
+/// Unknowns are `asinh` of the coefficients `p`, `q` (or `r`) of every section: logarithmic where they are large,
+/// regular at zero, so that a pair may change between oscillating, creeping and growing on the way.
+pub(crate) struct PoleProblem {
+    /// Driving signal, if any.
+    pub(crate) input: Option<Vec<f64>>,
+    pub(crate) hold: Hold,
+    /// Measured signal, alone in its list.
+    pub(crate) output: Vec<Vec<f64>>,
+    /// Orders of the sections.
+    pub(crate) layout: Vec<usize>,
+    /// Coefficients of the numerator, with an input.
+    pub(crate) numerator: usize,
+    /// Whether the numerator has the degree of the denominator.
+    pub(crate) direct: bool,
+    /// Whether a free motion is part of the model.
+    pub(crate) free: bool,
+    /// Value and derivatives of the free motion at the start that are given, in scaled units.
+    pub(crate) start: Vec<f64>,
+    /// Whether poles must not grow.
+    pub(crate) stable: bool,
+}
+
+impl PoleProblem {
+    /// Sampling interval in scaled time.
+    pub(crate) fn dt(&self) -> f64 {
+        1.0 / self.output[0].len() as f64
+    }
+
+    pub(crate) fn chain(&self, theta: &[f64]) -> SectionChain {
+        let mut at = 0;
+        let sections = self
+            .layout
+            .iter()
+            .map(|order| {
+                let here = at;
+                at += order;
+                if *order == 2 {
+                    Section::Second(theta[here + 1].sinh(), theta[here].sinh())
+                } else {
+                    Section::First(theta[here].sinh())
+                }
+            })
+            .collect();
+        SectionChain::new(sections)
+    }
+
+    /// Unknowns of poles given in scaled time; `None` if they do not fill the layout.
+    pub(crate) fn unknowns(&self, sections: &[Section]) -> Option<Vec<f64>> {
+        let mut seconds: Vec<(f64, f64)> = Vec::new();
+        let mut firsts: Vec<f64> = Vec::new();
+        for section in sections {
+            match *section {
+                Section::First(r) => firsts.push(r),
+                Section::Second(p, q) => seconds.push((p, q)),
+            }
+        }
+        let (mut seconds, mut firsts) = (seconds.into_iter(), firsts.into_iter());
+        let mut theta = Vec::new();
+        for order in &self.layout {
+            if *order == 2 {
+                let (p, q) = seconds.next()?;
+                let p = if self.stable { p.abs() } else { p };
+                theta.extend([q.asinh(), p.asinh()]);
+            } else {
+                let r = firsts.next()?;
+                theta.push(if self.stable { r.abs() } else { r }.asinh());
+            }
+        }
+        Some(theta)
+    }
+
+    /// Coefficients of the free motion that `start` fixes: indices, values, and derivatives by the unknowns.
+    ///
+    /// `y^(d)(0) = xi' A^d e_entry`; seen from the entry on, every derivative brings in one more state, so the given
+    /// ones fix as many leading coefficients by a triangular system.
+    fn fixed(&self, chain: &SectionChain, theta: &[f64]) -> (Vec<usize>, Vec<f64>, Vec<Vec<f64>>) {
+        let count = self.start.len();
+        if count == 0 {
+            return (Vec::new(), Vec::new(), Vec::new());
+        }
+        let a = chain.matrix();
+        let n = a.nrows();
+        // States in the order in which the motion reaches them: velocity, then position, of section after section.
+        let order: Vec<usize> = chain
+            .sections()
+            .iter()
+            .zip(chain.offsets())
+            .flat_map(|(section, at)| match section {
+                Section::First(_) => vec![at],
+                Section::Second(..) => vec![at + 1, at],
+            })
+            .take(count)
+            .collect();
+        let mut powers = vec![vec![0.0; n]];
+        powers[0][chain.entry()] = 1.0;
+        for d in 1..count {
+            powers.push((&a * nalgebra::DVector::from_column_slice(&powers[d - 1])).iter().copied().collect());
+        }
+        // Lower triangular with ones on the diagonal.
+        let solve = |right: &[f64]| {
+            let mut xi = vec![0.0; count];
+            for d in 0..count {
+                let known: f64 = (0..d).map(|s| powers[d][order[s]] * xi[s]).sum();
+                xi[d] = (right[d] - known) / powers[d][order[d]];
+            }
+            xi
+        };
+        let xi = solve(&self.start);
+        let mut derivatives = Vec::with_capacity(n);
+        for (k, (row, column)) in unknown_places(chain).into_iter().enumerate() {
+            // dA = -cosh(theta) e_row e_column'; d(A^d e) = A d(A^(d-1) e) + dA A^(d-1) e.
+            let factor = -theta[k].cosh();
+            let mut change = vec![0.0; n];
+            let mut right = vec![0.0; count];
+            for d in 1..count {
+                let mut next: Vec<f64> = (&a * nalgebra::DVector::from_column_slice(&change)).iter().copied().collect();
+                next[row] += factor * powers[d - 1][column];
+                change = next;
+                right[d] = -(0..count).map(|s| change[order[s]] * xi[s]).sum::<f64>();
+            }
+            derivatives.push(solve(&right));
+        }
+        (order, xi, derivatives)
+    }
+
+    /// Signals of forced and free motion.
+    fn signals(&self, chain: &SectionChain) -> Option<(States, States)> {
+        let samples = self.output[0].len();
+        let forced = match &self.input {
+            Some(u) => chain.states(Drive::Input(u, self.hold), self.dt()).ok()?,
+            None => Vec::new(),
+        };
+        let free = if self.free { chain.states(Drive::Free(samples), self.dt()).ok()? } else { Vec::new() };
+        Some((forced, free))
+    }
+
+    /// Coefficients of all states, forced then free, from those of the basis.
+    pub(crate) fn state_coefficients(&self, theta: &[f64], c: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let chain = self.chain(theta);
+        let n = chain.order();
+        let mut forced = vec![0.0; n];
+        let mut at = 0;
+        if self.input.is_some() {
+            for &s in chain.by_degree().iter().take(self.numerator.min(n)) {
+                forced[s] = c[at];
+                at += 1;
+            }
+            at += usize::from(self.direct);
+        }
+        let mut free = vec![0.0; n];
+        if self.free {
+            let (order, xi, _) = self.fixed(&chain, theta);
+            for (s, free) in free.iter_mut().enumerate() {
+                match order.iter().position(|o| *o == s) {
+                    Some(fixed) => *free = xi[fixed],
+                    None => {
+                        *free = c[at];
+                        at += 1;
+                    }
+                }
+            }
+        }
+        (forced, free)
+    }
+}
+
+/// Row and column of the state matrix where every unknown stands.
+fn unknown_places(chain: &SectionChain) -> Vec<(usize, usize)> {
+    chain
+        .sections()
+        .iter()
+        .zip(chain.offsets())
+        .flat_map(|(section, at)| match section {
+            Section::First(_) => vec![(at, at)],
+            Section::Second(..) => vec![(at + 1, at), (at + 1, at + 1)],
+        })
+        .collect()
+}
+
+impl Separable for PoleProblem {
+    fn targets(&self) -> &[Vec<f64>] {
+        &self.output
+    }
+
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        // Nothing faster than the Nyquist frequency; damping ratios up to 10 there.
+        let fastest = std::f64::consts::PI / self.dt();
+        let low = |limit: f64| if self.stable { 0.0 } else { (-limit).asinh() };
+        let first = (low(GROWTH / 2.0), (10.0 * fastest).asinh());
+        let rate = (low(GROWTH), (20.0 * fastest).asinh());
+        let stiffness = (low((GROWTH / 2.0).powi(2)), (fastest * fastest).asinh());
+        self.layout.iter().flat_map(|order| if *order == 2 { vec![stiffness, rate] } else { vec![first] }).collect()
+    }
+
+    fn basis(&self, theta: &[f64]) -> Option<Basis> {
+        let chain = self.chain(theta);
+        let n = chain.order();
+        let (mut forced, free) = self.signals(&chain)?;
+        let mut columns = Vec::with_capacity(2 * n + 1);
+        if let Some(u) = &self.input {
+            for s in chain.by_degree().into_iter().take(self.numerator.min(n)) {
+                columns.push(std::mem::take(&mut forced[s]));
+            }
+            if self.direct {
+                columns.push(u.clone());
+            }
+        }
+        let (order, xi, _) = self.fixed(&chain, theta);
+        let mut known = Vec::new();
+        if !order.is_empty() {
+            let mut sum = vec![0.0; self.output[0].len()];
+            for (s, xi) in order.iter().zip(&xi) {
+                for (sum, x) in sum.iter_mut().zip(&free[*s]) {
+                    *sum += xi * x;
+                }
+            }
+            known.push(sum);
+        }
+        columns.extend(free.into_iter().enumerate().filter(|(s, _)| !order.contains(s)).map(|(_, x)| x));
+        let finite = |signals: &[Vec<f64>]| signals.iter().all(|x| x.last().is_none_or(|x| x.is_finite()));
+        (finite(&columns) && finite(&known)).then_some(Basis { columns, known })
+    }
+
+    fn sensitivities(&self, theta: &[f64], coefficients: &DMatrix<f64>) -> Option<Vec<Vec<f64>>> {
+        let chain = self.chain(theta);
+        let c: Vec<f64> = coefficients.column(0).iter().copied().collect();
+        let (forced, free) = self.state_coefficients(theta, &c);
+        let samples = self.output[0].len();
+        let mut result = vec![vec![0.0; samples]; theta.len()];
+        let mut add = |signals: States| {
+            for (result, signal) in result.iter_mut().zip(signals) {
+                for (result, x) in result.iter_mut().zip(signal) {
+                    *result += x;
+                }
+            }
+        };
+        if let Some(u) = &self.input {
+            add(chain.sensitivities(&forced, Drive::Input(u, self.hold), self.dt()).ok()?);
+        }
+        if self.free {
+            add(chain.sensitivities(&free, Drive::Free(samples), self.dt()).ok()?);
+        }
+        // By asinh of a coefficient instead of the coefficient.
+        for (result, theta) in result.iter_mut().zip(theta) {
+            let factor = theta.cosh();
+            result.iter_mut().for_each(|x| *x *= factor);
+        }
+        if !self.start.is_empty() {
+            let states = chain.states(Drive::Free(samples), self.dt()).ok()?;
+            let (order, _, derivatives) = self.fixed(&chain, theta);
+            for (result, change) in result.iter_mut().zip(&derivatives) {
+                for (s, change) in order.iter().zip(change) {
+                    for (result, x) in result.iter_mut().zip(&states[*s]) {
+                        *result += change * x;
+                    }
+                }
+            }
+        }
+        Some(result)
+    }
+}
+
+/// Poles in scaled time from those in 1/s.
+pub(crate) fn scaled_poles(poles: &[Complex], duration_s: f64) -> Vec<Complex> {
+    poles.iter().map(|s| s * duration_s).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+    use super::*;
+    use crate::separable::evaluate;
+
+    fn check(problem: &PoleProblem, theta: &[f64]) {
+        let point = evaluate(problem, theta).unwrap();
+        let exact = problem.sensitivities(theta, &point.coefficients).unwrap();
+        let predict = |theta: &[f64]| {
+            let basis = problem.basis(theta).unwrap();
+            (0..problem.output[0].len())
+                .map(|k| {
+                    basis.known.first().map_or(0.0, |known| known[k])
+                        + basis.columns.iter().enumerate().map(|(c, x)| x[k] * point.coefficients[(c, 0)]).sum::<f64>()
+                })
+                .collect::<Vec<f64>>()
+        };
+        let largest = point.coefficients.amax();
+        for i in 0..theta.len() {
+            let moved = |sign: f64| {
+                let mut theta = theta.to_vec();
+                theta[i] += sign * 1e-6;
+                predict(&theta)
+            };
+            let (up, down) = (moved(1.0), moved(-1.0));
+            let size = exact[i].iter().fold(0.0_f64, |m, x| m.max(x.abs())).max(1.0);
+            for k in 0..up.len() {
+                let numeric = (up[k] - down[k]) / 2e-6;
+                // Central differences: the step's square, and rounding of the terms over the step.
+                assert!(
+                    (numeric - exact[i][k]).abs() < 1e-6 * size + 1e-8 * largest,
+                    "{i} {k}: {numeric} {}",
+                    exact[i][k]
+                );
+            }
+        }
+    }
+
+    fn problem() -> PoleProblem {
+        let signal = |f: f64| (0..80).map(|k| (f64::from(k) * f).sin() + 0.3).collect::<Vec<f64>>();
+        PoleProblem {
+            input: Some(signal(0.11)),
+            hold: Hold::First,
+            output: vec![signal(0.23)],
+            layout: vec![2, 2, 1],
+            numerator: 3,
+            direct: false,
+            free: true,
+            start: Vec::new(),
+            stable: false,
+        }
+    }
+
+    #[test]
+    fn sensitivities_are_the_derivatives_for_all_kinds_of_models() {
+        let theta = [3.0, 1.0, 5.0, 2.0, 1.5];
+        check(&problem(), &theta);
+        check(&PoleProblem { hold: Hold::Zero, direct: true, numerator: 5, ..problem() }, &theta);
+        check(&PoleProblem { free: false, ..problem() }, &theta);
+        // Coinciding pairs, and one that grows.
+        check(&problem(), &[3.0, 1.0, 3.0, 1.0, -0.5]);
+        for start in [vec![0.5], vec![0.0, 2.0], vec![0.1, 2.0, -3.0]] {
+            check(&PoleProblem { input: None, start: start.clone(), ..problem() }, &theta);
+            check(&PoleProblem { input: None, start, layout: vec![1; 5], ..problem() }, &theta);
+        }
+    }
+}

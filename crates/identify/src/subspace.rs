@@ -1,0 +1,333 @@
+//! Subspace identification: N4SID, MOESP and CVA.
+
+use crumple_lti::{Complex, StateSpace, eigenvalues, eigenvectors, jacobi_svd};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use crate::input_matrices::{grows, input_matrices};
+use crate::least_squares::TriangularFactor;
+use crate::{IdentifyError, IoData};
+
+/// Singular values below this fraction of the largest are rounding.
+const RANK_TOLERANCE: f64 = 1e-12;
+
+/// Samples per independent part of a long record.
+const PART: usize = 16_384;
+
+/// How the projection of the future on the past is weighted before its singular values are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Weighting {
+    /// The oblique projection as it is (Van Overschee & De Moor 1994).
+    N4sid,
+    /// Without the part that future inputs explain (Verhaegen 1994).
+    Moesp,
+    /// Canonical correlations: in units of what the past leaves unexplained (Larimore 1990).
+    Cva,
+}
+
+impl Weighting {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::N4sid, Self::Moesp, Self::Cva];
+
+    /// Name of the method: `n4sid`, `moesp`, `cva`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::N4sid => "n4sid",
+            Self::Moesp => "moesp",
+            Self::Cva => "cva",
+        }
+    }
+}
+
+/// Settings of [`Subspace::new`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SubspaceOptions {
+    /// Weighting.
+    pub weighting: Weighting,
+    /// Block rows of past and of future; more than the order divided by the number of outputs.
+    pub block_rows: usize,
+    /// Whether outputs may follow an input within the same sample.
+    pub direct: bool,
+}
+
+/// A model from a subspace method.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SubspaceModel {
+    /// Sampled model.
+    pub model: StateSpace,
+    /// State at the first sample of the record.
+    pub initial_state: Vec<f64>,
+    /// Growing poles that were mirrored at the unit circle so that the model can be simulated.
+    pub reflected_poles: usize,
+}
+
+/// A factorised record, from which models of several orders follow at little cost.
+#[derive(Debug, Clone)]
+pub struct Subspace<'a> {
+    data: &'a IoData,
+    options: SubspaceOptions,
+    singular_values: Vec<f64>,
+    /// Extended observability matrix, unweighted, one column per singular value.
+    observability: DMatrix<f64>,
+    output_scales: Vec<f64>,
+}
+
+impl<'a> Subspace<'a> {
+    /// Factorises `[U_f; W_p; Y_f] = L Q'`, past inputs and outputs `W_p`, and takes the singular values of the weighted
+    /// projection of `Y_f` on `W_p` along `U_f`. Signals are divided by their root mean square first.
+    ///
+    /// Van Overschee & De Moor, *Subspace Identification for Linear Systems*, 1996, ch. 4 and 6.
+    pub fn new(data: &'a IoData, options: SubspaceOptions) -> Result<Self, IdentifyError> {
+        let i = options.block_rows;
+        let (m, q) = (data.inputs().len(), data.outputs().len());
+        let width = 2 * i * (m + q);
+        let samples = data.samples();
+        let needed = 2 * i - 1 + width;
+        if i < 2 || samples < needed {
+            return Err(IdentifyError::TooShort {
+                method: options.weighting.name(),
+                samples,
+                needed: needed.max(2 * (m + q) * 2 + 3),
+                why: format!("{i} block rows of {m} inputs and {q} outputs"),
+            });
+        }
+        let output_scales = data.output_scales();
+        let scaled = |signals: &[Vec<f64>], scales: &[f64]| -> Vec<Vec<f64>> {
+            signals.iter().zip(scales).map(|(s, scale)| s.iter().map(|x| x / scale).collect()).collect()
+        };
+        let u = scaled(data.inputs(), &data.input_scales());
+        let y = scaled(data.outputs(), &output_scales);
+        if data.outputs().iter().all(|y| y.iter().all(|x| *x == 0.0)) {
+            return Err(IdentifyError::Silent("outputs"));
+        }
+        // Column order: future inputs, past inputs, past outputs, future outputs.
+        let mut stretches: Vec<(&[f64], usize)> = Vec::with_capacity(width);
+        for (signals, offset) in [(&u, i), (&u, 0), (&y, 0), (&y, i)] {
+            for k in 0..i {
+                stretches.extend(signals.iter().map(|s| (&s[..], offset + k)));
+            }
+        }
+        let r = triangular_factor(&stretches, samples + 1 - 2 * i);
+        let (future, past) = (m * i, (m + q) * i);
+        let outputs = q * i;
+        let part = |row: usize, rows: usize, column: usize, columns: usize| {
+            r.view((row, column), (rows, columns)).into_owned()
+        };
+        // L = R': L32 is R23', and so on.
+        let r22 = part(future, past, future, past);
+        let r23 = part(future, past, future + past, outputs);
+        let r33 = part(future + past, outputs, future + past, outputs);
+        let failed = || IdentifyError::NotConverged("the singular value decomposition of a subspace method");
+        // The transposed weighted projection (tall), and what takes its right vectors back to the observability matrix.
+        let (projection, back) = match options.weighting {
+            Weighting::Moesp => (r23, None),
+            Weighting::N4sid => {
+                // L32 L22^+ [L21 L22], transposed.
+                let r12 = part(0, future, future, past);
+                let coefficients = pseudo_inverse_times(&r22, &r23).ok_or_else(failed)?;
+                let mut projection = DMatrix::zeros(future + past, outputs);
+                projection.rows_mut(0, future).copy_from(&(r12 * &coefficients));
+                projection.rows_mut(future, past).copy_from(&(&r22 * &coefficients));
+                (projection, None)
+            }
+            Weighting::Cva => {
+                let mut both = DMatrix::zeros(past + outputs, outputs);
+                both.rows_mut(0, past).copy_from(&r23);
+                both.rows_mut(past, outputs).copy_from(&r33);
+                let svd = jacobi_svd(&both.qr().r()).ok_or_else(failed)?;
+                let rank = numerical_rank(&svd.values);
+                let basis = svd.right.columns(0, rank).into_owned();
+                let values = &svd.values[..rank];
+                let mut weighted = r23 * &basis;
+                let mut back = basis;
+                for (k, s) in values.iter().enumerate() {
+                    weighted.column_mut(k).unscale_mut(*s);
+                    back.column_mut(k).scale_mut(*s);
+                }
+                (weighted, Some(back))
+            }
+        };
+        let reduced = if projection.nrows() > projection.ncols() { projection.qr().r() } else { projection };
+        let square = if reduced.nrows() < reduced.ncols() {
+            let n = reduced.ncols();
+            reduced.resize_vertically(n, 0.0)
+        } else {
+            reduced
+        };
+        let svd = jacobi_svd(&square).ok_or_else(failed)?;
+        let mut vectors = svd.right;
+        // Signs are free: the largest entry of every vector is made positive.
+        for mut column in vectors.column_iter_mut() {
+            let largest = column.iter().fold(0.0_f64, |best, x| if x.abs() > best.abs() { *x } else { best });
+            if largest < 0.0 {
+                column.neg_mut();
+            }
+        }
+        let observability = match back {
+            Some(back) => back * vectors,
+            None => vectors,
+        };
+        Ok(Self { data, options, singular_values: svd.values, observability, output_scales })
+    }
+
+    /// Singular values of the weighted projection, largest first: evidence for the order. Those of CVA are the canonical
+    /// correlations, 1 at most.
+    pub fn singular_values(&self) -> &[f64] {
+        &self.singular_values
+    }
+
+    /// Highest order that can be realised.
+    pub fn highest_order(&self) -> usize {
+        let rows = self.data.outputs().len() * (self.options.block_rows - 1);
+        rows.min(numerical_rank(&self.singular_values))
+    }
+
+    /// The model of one order: `C` from the first block row, `A` by shift invariance (least squares), then `B`, `D`, `x0`
+    /// by least squares on the simulated output. Growing poles are mirrored at the unit circle first, and counted.
+    pub fn realize(&self, order: usize) -> Result<SubspaceModel, IdentifyError> {
+        if order == 0 {
+            return Err(IdentifyError::OrderZero);
+        }
+        let method = self.options.weighting.name();
+        if order > self.highest_order() {
+            return Err(IdentifyError::OrderTooHigh { method, order, highest: self.highest_order() });
+        }
+        let q = self.output_scales.len();
+        let rows = self.observability.nrows() - q;
+        let upper = self.observability.view((0, 0), (rows, order)).into_owned();
+        let lower = self.observability.view((q, 0), (rows, order)).into_owned();
+        let a = pseudo_inverse_times(&upper, &lower)
+            .ok_or(IdentifyError::NotConverged("the shift of a subspace method"))?;
+        let c = DMatrix::from_fn(q, order, |i, k| self.observability[(i, k)] * self.output_scales[i]);
+        let (a, c, reflected_poles) = stabilized(a, c, self.data.samples())?;
+        let (model, initial_state) = input_matrices(&a, &c, self.data, self.options.direct)?;
+        Ok(SubspaceModel { model, initial_state, reflected_poles })
+    }
+
+    /// Several orders, in parallel, in the order given.
+    pub fn realize_all(&self, orders: &[usize]) -> Vec<Result<SubspaceModel, IdentifyError>> {
+        orders.par_iter().map(|order| self.realize(*order)).collect()
+    }
+}
+
+/// `R` of the matrix whose columns are stretches of signals: `(signal, offset)`, `rows` samples each.
+fn triangular_factor(stretches: &[(&[f64], usize)], rows: usize) -> DMatrix<f64> {
+    let width = stretches.len();
+    let block_rows = TriangularFactor::block_rows(width);
+    let starts: Vec<usize> = (0..rows).step_by(PART.max(4 * width)).collect();
+    let factors: Vec<TriangularFactor> = starts
+        .into_par_iter()
+        .map(|start| {
+            let end = (start + PART.max(4 * width)).min(rows);
+            let mut factor = TriangularFactor::new(width);
+            let mut block = vec![0.0; block_rows * width];
+            for k in (start..end).step_by(block_rows) {
+                let count = block_rows.min(end - k);
+                let block = &mut block[..count * width];
+                for (target, (signal, offset)) in block.chunks_exact_mut(count).zip(stretches) {
+                    target.copy_from_slice(&signal[offset + k..offset + k + count]);
+                }
+                factor.push(count, block);
+            }
+            factor
+        })
+        .collect();
+    let mut factors = factors.into_iter();
+    let mut whole = factors.next().unwrap_or_else(|| TriangularFactor::new(width));
+    for part in factors {
+        whole.merge(&part);
+    }
+    whole.matrix()
+}
+
+fn numerical_rank(values: &[f64]) -> usize {
+    let tolerance = values.first().copied().unwrap_or(0.0) * RANK_TOLERANCE;
+    values.iter().take_while(|s| **s > tolerance).count()
+}
+
+/// `pinv(a) b`, singular values below [`RANK_TOLERANCE`] taken for zero; `a` has at least as many rows as columns.
+fn pseudo_inverse_times(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let svd = jacobi_svd(a)?;
+    let rank = numerical_rank(&svd.values);
+    let mut parts = svd.left.columns(0, rank).tr_mul(b);
+    for (k, s) in svd.values[..rank].iter().enumerate() {
+        parts.row_mut(k).unscale_mut(*s);
+    }
+    Some(svd.right.columns(0, rank) * parts)
+}
+
+/// Mirrors poles outside the unit circle (`z -> 1/conj z`) when the model would grow over `samples`, in modal
+/// coordinates. Errors: an eigenvector basis that does not span the space.
+fn stabilized(
+    a: DMatrix<f64>,
+    c: DMatrix<f64>,
+    samples: usize,
+) -> Result<(DMatrix<f64>, DMatrix<f64>, usize), IdentifyError> {
+    if !grows(&a, samples) {
+        return Ok((a, c, 0));
+    }
+    let poles = eigenvalues(&a)?;
+    let outside = poles.iter().filter(|z| z.norm() > 1.0).count();
+    let failed = || IdentifyError::NotConverged("the modal form of an unstable subspace model");
+    let vectors = eigenvectors(&a, &poles).ok_or_else(failed)?;
+    let c_modal = c.map(|x| Complex::new(x, 0.0)) * &vectors;
+    if c_modal.iter().any(|x| !(x.re.is_finite() && x.im.is_finite())) {
+        return Err(failed());
+    }
+    let n = a.nrows();
+    let (mut a_real, mut c_real) = (DMatrix::zeros(n, n), DMatrix::zeros(c.nrows(), n));
+    let mut k = 0;
+    while k < n {
+        let z = if poles[k].norm() > 1.0 { poles[k] / poles[k].norm_sqr() } else { poles[k] };
+        // Coordinates Re and Im of the modal state: x = 2 (Re v, -Im v).
+        for i in 0..c.nrows() {
+            c_real[(i, k)] = c_modal[(i, k)].re;
+            if z.im != 0.0 && k + 1 < n {
+                c_real[(i, k + 1)] = -c_modal[(i, k)].im;
+            }
+        }
+        a_real[(k, k)] = z.re;
+        if z.im != 0.0 && k + 1 < n {
+            a_real[(k, k + 1)] = -z.im;
+            a_real[(k + 1, k)] = z.im;
+            a_real[(k + 1, k + 1)] = z.re;
+            k += 1;
+        }
+        k += 1;
+    }
+    Ok((a_real, c_real, outside))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+    use super::*;
+    use crate::random::uniform;
+    use crumple_lti::simulate;
+
+    #[test]
+    fn clean_data_of_two_inputs_and_outputs_give_poles_and_response_back() {
+        let a = nalgebra::dmatrix![0.9, 0.3, 0.0; -0.3, 0.9, 0.1; 0.0, 0.0, 0.5];
+        let b = nalgebra::dmatrix![1.0, 0.0; 0.5, -1.0; 0.2, 2.0];
+        let c = nalgebra::dmatrix![1.0, 0.0, 0.3; 0.0, 1.0, -1.0];
+        let truth = StateSpace::new(a, b, c, DMatrix::from_element(2, 2, 0.1), Some(0.01)).unwrap();
+        let u: Vec<Vec<f64>> = (0..2).map(|j| (0..400).map(|k| 1e4 * (uniform(j, k) - 0.5)).collect()).collect();
+        let y = simulate(&truth, &u, &[100.0, 0.0, 0.0]).unwrap();
+        let data = IoData::new(u, y, 0.01).unwrap();
+        for weighting in Weighting::ALL {
+            let subspace = Subspace::new(&data, SubspaceOptions { weighting, block_rows: 6, direct: true }).unwrap();
+            let values = subspace.singular_values();
+            assert!(values.get(3).is_none_or(|fourth| *fourth < 1e-10 * values[2]), "{}: {values:?}", weighting.name());
+            let found = subspace.realize(3).unwrap();
+            for (found, exact) in found.model.poles().unwrap().iter().zip(truth.poles().unwrap()) {
+                // Rounding times the condition of the past, about 1e3.
+                assert!((found - exact).norm() < 1e-10, "{}: {found} {exact}", weighting.name());
+            }
+            for fit in crate::compare(&found.model, &data).unwrap() {
+                assert!(fit.unwrap().fit_percent.unwrap() > 100.0 - 1e-7, "{fit:?}");
+            }
+            assert!(matches!(subspace.realize(4).unwrap_err(), IdentifyError::OrderTooHigh { highest: 3, .. }));
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Measured records of other people: DaISy, the database for the identification of systems (De Moor, ESAT/STADIUS, KU
+//! Leuven). Models from the first part simulate the second; the tables of our methods are printed side by side.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+use crumple_identify::{
+    ArxOrder, IoData, OutputErrorOptions, Subspace, SubspaceOptions, Weighting, arx, compare, fit_measures,
+    output_error,
+};
+use crumple_lti::StateSpace;
+
+/// Columns of a text file: `inputs` first, the rest outputs. Mean of the first part removed.
+fn record(path: &str, inputs: usize, estimation: usize, dt: f64) -> Option<(IoData, IoData)> {
+    let text = std::fs::read_to_string(crumple_testkit::shared(path)?).unwrap();
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .map(|line| line.split([',', ' ', '\t']).filter_map(|field| field.trim().parse().ok()).collect::<Vec<f64>>())
+        .filter(|row| row.len() > inputs)
+        .collect();
+    let column = |j: usize| rows.iter().map(|row| row[j]).collect::<Vec<f64>>();
+    let data =
+        IoData::new((0..inputs).map(column).collect(), (inputs..rows[0].len()).map(column).collect(), dt).unwrap();
+    let data = data.centred_on_first(estimation);
+    Some((data.slice(0, estimation).unwrap(), data.slice(estimation, data.samples()).unwrap()))
+}
+
+/// Simulation fit of every output, initial state estimated.
+fn fits(model: &StateSpace, data: &IoData) -> Vec<f64> {
+    match compare(model, data) {
+        Ok(fits) => fits.iter().map(|fit| fit.and_then(|f| f.fit_percent).unwrap_or(f64::NEG_INFINITY)).collect(),
+        Err(_) => vec![f64::NEG_INFINITY; data.outputs().len()],
+    }
+}
+
+fn line(name: &str, fits: &[f64]) {
+    let fits: Vec<String> = fits.iter().map(|f| format!("{f:8.2}")).collect();
+    println!("{name:<34}{}", fits.join(""));
+}
+
+/// Every subspace method at one order; the best fit of the first output.
+fn subspace_table(estimation: &IoData, validation: &IoData, orders: &[usize], block_rows: usize) -> f64 {
+    let mut best = f64::NEG_INFINITY;
+    for weighting in Weighting::ALL {
+        let options = SubspaceOptions { weighting, block_rows, direct: true };
+        let subspace = Subspace::new(estimation, options).unwrap();
+        for (order, result) in orders.iter().zip(subspace.realize_all(orders)) {
+            let found = fits(&result.unwrap().model, validation);
+            line(&format!("{} order {order}, {block_rows} block rows", weighting.name()), &found);
+            best = best.max(found[0]);
+        }
+    }
+    best
+}
+
+/// ARX: simulated, and predicted one step ahead, which says much less.
+fn arx_line(estimation: &IoData, validation: &IoData, order: ArxOrder) -> f64 {
+    let model = arx(estimation, order).unwrap();
+    let simulated = fits(&model.state_space().unwrap(), validation);
+    let predicted = fit_measures(&validation.outputs()[0], &model.predict(validation)).unwrap();
+    let ArxOrder { na, nb, nk } = order;
+    line(&format!("arx ({na},{nb},{nk}) simulated | 1 step"), &[simulated[0], predicted.fit_percent.unwrap()]);
+    simulated[0]
+}
+
+/// Output error: what the models before are starting points for.
+fn output_error_line(estimation: &IoData, validation: &IoData, options: OutputErrorOptions) -> f64 {
+    let found = output_error(estimation, options).unwrap();
+    // The delay is applied to the inputs; the first samples of the validation part lack their past.
+    let late = |data: &IoData| {
+        let shift = |u: &Vec<f64>| -> Vec<f64> {
+            std::iter::repeat_n(0.0, options.delay).chain(u[..u.len() - options.delay].iter().copied()).collect()
+        };
+        IoData::new(data.inputs().iter().map(shift).collect(), data.outputs().to_vec(), data.sample_time_s()).unwrap()
+    };
+    let (first, second) = (fits(&found.model, &late(estimation)), fits(&found.model, &late(validation)));
+    let name = format!("output error order {}, delay {} | first half", options.order, options.delay);
+    line(&name, &[second[0], first[0]]);
+    println!(
+        "    {} after {} iterations, {} evaluations, losses {:.6?}",
+        found.termination.name(),
+        found.iterations,
+        found.evaluations,
+        found.losses
+    );
+    println!("    poles {:.5?}", found.model.poles().unwrap().iter().map(|z| (z.re, z.im)).collect::<Vec<_>>());
+    second[0]
+}
+
+#[test]
+fn hair_dryer() {
+    let Some((estimation, validation)) = record("data/sysid/hair-dryer/dryer.dat", 1, 500, 0.08) else { return };
+    let fit = arx_line(&estimation, &validation, ArxOrder { na: 2, nb: 2, nk: 3 });
+    // The known figure; ours has two more free initial states, those of the delay, which adds a little.
+    assert!((fit - 85.50).abs() < 0.1, "{fit}");
+    let best = subspace_table(&estimation, &validation, &[2, 3, 4], 10);
+    let mut refined = best;
+    for (order, delay) in [(2, 2), (3, 2), (4, 2), (3, 1), (4, 1)] {
+        let options = OutputErrorOptions { direct: true, delay, ..OutputErrorOptions::new(order) };
+        refined = refined.max(output_error_line(&estimation, &validation, options));
+    }
+    assert!(best.max(refined) >= 85.9, "{best} {refined}");
+}
+
+#[test]
+fn flexible_robot_arm() {
+    let path = "data/sysid/flexible-robot-arm/robot_arm.dat";
+    let Some((estimation, validation)) = record(path, 1, 512, 1.0) else { return };
+    for (na, expected) in [(4, 82.38), (6, 96.60), (8, 97.42)] {
+        let fit = arx_line(&estimation, &validation, ArxOrder { na, nb: na + 1, nk: 0 });
+        assert!((fit - expected).abs() < 0.02, "{fit} against {expected}");
+    }
+    subspace_table(&estimation, &validation, &[4, 6, 8], 12);
+    let refined = output_error_line(&estimation, &validation, OutputErrorOptions::new(4));
+    output_error_line(&estimation, &validation, OutputErrorOptions::new(6));
+    // An independent output-error fit reaches 96.44 from its ARX start.
+    assert!(refined >= 96.4, "{refined}");
+}
+
+#[test]
+fn steel_subframe() {
+    let path = "data/sysid/steel-subframe-a/steel_subframe_u1u2_y01-y06.csv";
+    let Some((estimation, validation)) = record(path, 2, 4096, 1.0 / 1024.0) else { return };
+    let options = SubspaceOptions { weighting: Weighting::N4sid, block_rows: 25, direct: true };
+    let subspace = Subspace::new(&estimation, options).unwrap();
+    let mut at_30 = Vec::new();
+    for (order, result) in [20, 30].iter().zip(subspace.realize_all(&[20, 30])) {
+        at_30 = fits(&result.unwrap().model, &validation);
+        line(&format!("n4sid order {order}"), &at_30);
+    }
+    let mean = at_30.iter().sum::<f64>() / 6.0;
+    println!("mean {mean:.2}");
+    // nfoursid reaches 91.95 in the mean and 84.21 on the worst output with the same horizon and order.
+    assert!(mean >= 92.0 && at_30.iter().all(|fit| *fit >= 84.21), "{at_30:?}");
+}
