@@ -62,7 +62,7 @@ pub struct Options {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum BarrierCells {
-    /// Those not marked failed; the others are named.
+    /// Those that the laboratory marks valid; the others are named.
     #[default]
     Valid,
     /// All with data, as read.

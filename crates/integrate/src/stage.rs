@@ -15,7 +15,7 @@ use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
 use crate::contact::{TimeZero, time_zero};
 use crate::further::further;
-use crate::load_cells::barrier;
+use crate::load_cells;
 use crate::options::{Options, StageSettings};
 
 /// Impact speeds of test and channel further apart than this are worth a word, m/s.
@@ -82,7 +82,13 @@ impl Stage for Integrate {
             task.write(&other.id, motion, out)?;
         }
         spread(&crushes, out);
-        metrics.extend(barrier(settings.barrier_cells, input, &test, (&channel.id, &pulse.motion), zero.time_s, out)?);
+        let against = load_cells::Pulse {
+            id: &channel.id,
+            motion: &pulse.motion,
+            time_zero_s: zero.time_s,
+            separation_s: pulse.events.rebound.map(|rebound| zero.time_s + rebound.time_s),
+        };
+        metrics.extend(load_cells::barrier(settings.barrier_cells, input, &test, &against, out)?);
         out.put("/metrics", &MetricsV1(metrics))?;
         if test.mass_kg.is_none() {
             out.notes().info("the mass is not known: no force, stiffness and energy (give it to ingest with --mass)");
