@@ -13,7 +13,10 @@
 //! Contact stays closed in all of them (the mass is tied to the barrier) except where `release` is set. So a linear
 //! model describes the loading phase of a crash; what it does after rebound is not a prediction.
 
+mod coefficient_matching;
 mod crossing;
+mod cubic;
+mod double_double;
 mod double_spring_mass_damper;
 mod elastoplastic;
 mod error;
@@ -26,6 +29,9 @@ mod motion;
 mod parameters;
 mod second_order;
 
+pub use coefficient_matching::{
+    Certificate, CoefficientMatch, CoefficientMatching, MatchRoot, MatchedSolution, Reading, matching_sensitivity,
+};
 pub use crumple_lti::Complex;
 pub use double_spring_mass_damper::DoubleSpringMassDamper;
 pub use elastoplastic::Elastoplastic;
