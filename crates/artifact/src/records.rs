@@ -10,6 +10,7 @@ mod channel_filter;
 mod diagnosis;
 mod events;
 mod identification;
+mod matching;
 mod metrics;
 mod model;
 mod notes;
@@ -23,6 +24,7 @@ pub use channel_filter::ChannelFilterV1;
 pub use diagnosis::DiagnosisV1;
 pub use events::EventsV1;
 pub use identification::IdentificationV1;
+pub use matching::{MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1};
 pub use metrics::{MetricV1, MetricsV1};
 pub use model::{ExponentialSumV1, ExponentialTermV1, ModeV1, ModesV1, StateSpaceV1, TransferFunctionV1};
 pub use notes::NotesV1;
@@ -70,6 +72,7 @@ record! {
     EventsV1 => "crumple.Events.v1",
     ExponentialSumV1 => "crumple.ExponentialSum.v1",
     IdentificationV1 => "crumple.Identification.v1",
+    MatchingV1 => "crumple.Matching.v1",
     MetricsV1 => "crumple.Metrics.v1",
     ModesV1 => "crumple.Modes.v1",
     NotesV1 => "crumple.Notes.v1",

@@ -7,7 +7,10 @@ use crumple_lumped::ModelKind;
 pub const MODELS: [ModelKind; 3] = [ModelKind::Kelvin, ModelKind::Elastoplastic, ModelKind::DoubleSpringMassDamper];
 
 /// All methods.
-pub const METHODS: [Method; 2] = [Method::ClosedForm, Method::DirectFit];
+pub const METHODS: [Method; 3] = [Method::ClosedForm, Method::DirectFit, Method::CoefficientMatching];
+
+/// Those used where none is asked for: they need the motion of the test only.
+pub const DEFAULT_METHODS: [Method; 2] = [Method::ClosedForm, Method::DirectFit];
 
 /// How parameters are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -16,6 +19,8 @@ pub enum Method {
     ClosedForm,
     /// By fitting the response to the record.
     DirectFit,
+    /// From the characteristic polynomial of an identified model.
+    CoefficientMatching,
 }
 
 impl Method {
@@ -24,6 +29,7 @@ impl Method {
         match self {
             Self::ClosedForm => "closed-form",
             Self::DirectFit => "direct-fit",
+            Self::CoefficientMatching => "coefficient-matching",
         }
     }
 
@@ -31,7 +37,7 @@ impl Method {
     pub const fn solves(self, model: ModelKind) -> bool {
         match self {
             Self::ClosedForm => matches!(model, ModelKind::Kelvin | ModelKind::Elastoplastic),
-            Self::DirectFit => matches!(model, ModelKind::DoubleSpringMassDamper),
+            Self::DirectFit | Self::CoefficientMatching => matches!(model, ModelKind::DoubleSpringMassDamper),
         }
     }
 }

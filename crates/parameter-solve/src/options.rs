@@ -1,7 +1,7 @@
 //! Flags and pipeline keys of the stage, and the settings they come to.
 
 use crumple_lumped::ModelKind;
-use crumple_parameter_solve::{METHODS, MODELS, MassSplit, Method, SolveSettings};
+use crumple_parameter_solve::{DEFAULT_METHODS, METHODS, MODELS, MassSplit, Method, SolveSettings};
 use crumple_signal::value::{Mass, Time};
 use crumple_stage::{Usage, nearest};
 use serde::{Deserialize, Serialize};
@@ -20,7 +20,8 @@ pub struct Options {
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub models: Vec<String>,
 
-    /// Methods allowed: closed-form (from the crash events), direct-fit (to the displacement) [default: both]
+    /// Methods: closed-form (from the crash events), direct-fit (to the displacement), coefficient-matching (from an
+    /// identified model with four poles: every solution) [default: closed-form,direct-fit]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub method: Vec<String>,
 
@@ -79,7 +80,7 @@ impl TryFrom<Options> for StageSettings {
             options.models.iter().map(|name| model(name)).collect::<Result<_, _>>()?
         };
         let methods = if options.method.is_empty() {
-            METHODS.to_vec()
+            DEFAULT_METHODS.to_vec()
         } else {
             options.method.iter().map(|name| method(name)).collect::<Result<_, _>>()?
         };

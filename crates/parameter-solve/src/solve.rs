@@ -65,7 +65,19 @@ pub struct SolveSettings {
 impl SolveSettings {
     /// Whether a model asked for is fitted to a signal; closed forms need the events only.
     pub fn fits_a_signal(&self) -> bool {
-        self.methods.contains(&Method::DirectFit) && self.models.iter().any(|model| Method::DirectFit.solves(*model))
+        self.uses(Method::DirectFit)
+    }
+
+    /// Whether this method is asked for and solves a model asked for.
+    pub fn uses(&self, method: Method) -> bool {
+        self.methods.contains(&method) && self.models.iter().any(|model| method.solves(*model))
+    }
+
+    /// Whether anything asked for needs the crash events; coefficient matching does not.
+    pub fn needs_events(&self) -> bool {
+        let solves = |method: &&Method| self.models.iter().any(|model| method.solves(*model));
+        let mut used = self.methods.iter().filter(solves).peekable();
+        used.peek().is_none() || used.any(|method| *method != Method::CoefficientMatching)
     }
 }
 
@@ -81,15 +93,20 @@ pub fn solve(
     crate::error::positive("impact_speed_m_per_s", evidence.impact_speed_m_per_s)?;
     let mut candidates = Vec::new();
     for &model in &settings.models {
-        let Some(&method) = settings.methods.iter().find(|method| method.solves(model)) else {
+        if !settings.methods.iter().any(|method| method.solves(model)) {
             notes.warning(format!("{model}: none of the methods asked for solves this model"));
-            continue;
-        };
-        match model {
-            ModelKind::Kelvin => candidates.extend(kelvin(evidence, method, notes)),
-            ModelKind::Elastoplastic => candidates.extend(elastoplastic(evidence, method, notes)),
-            ModelKind::DoubleSpringMassDamper => candidates.extend(double(evidence, settings, method, notes)?),
-            other => notes.warning(format!("{other}: no solver for this model")),
+        }
+        for &method in settings.methods.iter().filter(|method| method.solves(model)) {
+            match (model, method) {
+                // From an identified model, see `match_identified`.
+                (_, Method::CoefficientMatching) => {}
+                (ModelKind::Kelvin, _) => candidates.extend(kelvin(evidence, method, notes)),
+                (ModelKind::Elastoplastic, _) => candidates.extend(elastoplastic(evidence, method, notes)),
+                (ModelKind::DoubleSpringMassDamper, _) => {
+                    candidates.extend(double(evidence, settings, method, notes)?);
+                }
+                (other, _) => notes.warning(format!("{other}: no solver for this model")),
+            }
         }
     }
     Ok(candidates)
@@ -174,7 +191,7 @@ fn elastoplastic(evidence: &Evidence<'_>, method: Method, notes: &mut Notes) -> 
 }
 
 /// Chassis and compartment masses, with the sentence that says where they come from.
-fn masses(mass_kg: f64, split: MassSplit) -> Result<(f64, f64, String), SolveError> {
+pub fn masses(mass_kg: f64, split: MassSplit) -> Result<(f64, f64, String), SolveError> {
     let value = |name, value, expected| SolveError::Value { name, value, expected };
     let below = "positive and below the test mass";
     let (m1, m2, source) = match split {
