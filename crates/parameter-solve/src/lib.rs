@@ -7,6 +7,7 @@
 //!
 //! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model.
 
+mod amplitude_ratios;
 mod candidate;
 mod correlation;
 mod double_fit;
@@ -16,12 +17,14 @@ mod error;
 mod kelvin;
 mod levenberg_marquardt;
 mod matching;
+mod maxwell;
 mod method;
 mod search;
 mod solve;
 mod starts;
 mod window;
 
+pub use amplitude_ratios::{front_from_amplitudes, rear_from_amplitudes};
 pub use candidate::{Candidate, Fit, Uncertainty};
 pub use double_fit::{DoubleFit, DoubleFitOptions, fit_double};
 pub use elastoplastic::elastoplastic_from_events;
@@ -29,5 +32,6 @@ pub use error::SolveError;
 pub use kelvin::{KelvinBranch, KelvinSolution, centroid_to_crush_time_ratio, kelvin_from_events};
 pub use levenberg_marquardt::StopReason;
 pub use matching::{Identified, Matched, Quartic, match_identified};
+pub use maxwell::{MaxwellExponents, maxwell_constants, maxwell_from_exponents};
 pub use method::{DEFAULT_METHODS, METHODS, MODELS, Method};
 pub use solve::{Evidence, MassSplit, SolveSettings, masses, solve};

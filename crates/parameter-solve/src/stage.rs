@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use crumple_parameter_solve::{Candidate, Evidence, MassSplit, Method, masses, match_identified, solve};
 use crumple_signal::{Displacement, TestDescription};
 use crumple_stage::records::{CandidateV1, EventsV1, FitV1, TestV1, UncertaintyV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
 
 use crate::models::{identified_models, matching_record};
 use crate::options::{Options, StageSettings};
@@ -94,7 +94,7 @@ fn from_events(
     let id = format!("{}/displacement", events.channel);
     let wave = if settings.solve.fits_a_signal() { Some(input.wave(&id)?) } else { input.wave_if(&id) };
     let displacement = wave
-        .map(|wave| wave.signal::<Displacement>())
+        .map(Wave::signal::<Displacement>)
         .transpose()
         .refuse_with_hint("crumple-integrate writes the displacement of the pulse")?;
     let evidence = Evidence {
