@@ -77,7 +77,7 @@ macro_rules! responses {
     ($model:ty) => {
         impl $model {
             /// The motion at `k dt`, by Taylor series of order 16 from knot to knot: about `1e-15` of the largest
-            /// motion a step. Errors: a motion that leaves the range of numbers or needs more than 200,000 steps.
+            /// motion a step. Errors: a motion that leaves the range of numbers or needs more than 20,000 steps.
             pub fn motion(&self, impact_speed_m_per_s: f64, dt_s: f64, samples: usize) -> Result<Motion, LumpedError> {
                 self.law().motion(impact_speed_m_per_s, dt_s, samples)
             }

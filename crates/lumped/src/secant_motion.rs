@@ -8,7 +8,9 @@ const ORDER: usize = 16;
 /// Rest of the series after a step, relative to the motion.
 const REST: f64 = 1e-17;
 /// Steps after which the search for an event or the motion gives up.
-const MAX_STEPS: usize = 200_000;
+const MAX_STEPS: usize = 20_000;
+/// Share of a step after which a motion that starts on a knot must lie inside its piece.
+const INSIDE: f64 = 1.0 / 16.0;
 
 /// `m x'' = -k(|x|) x - c(|v|) v`.
 #[derive(Debug, Clone, Copy)]
@@ -70,27 +72,18 @@ impl SecantMotion {
     ) -> Result<(), LumpedError> {
         let (mut t, mut x, mut v) = (0.0, 0.0, impact_speed_m_per_s);
         let mut a = self.acceleration(x, v);
-        // Smallest step that is a step: below it the mass rests or the number range ends.
         for _ in 0..MAX_STEPS {
             if t >= end_s {
                 return Ok(());
             }
-            let outwards = if x == 0.0 { true } else { x * v > 0.0 };
-            let faster = if v == 0.0 { true } else { v * a > 0.0 };
-            let spring = self.spring.piece(x.abs(), outwards);
-            let damper = self.damper.piece(v.abs(), faster);
-            let sx = if x == 0.0 { v.signum() } else { x.signum() };
-            let sv = if v == 0.0 { a.signum() } else { v.signum() };
-            let by = 1.0 / self.mass_kg;
-            let law = Law {
-                k0: by * spring.constant,
-                k1: by * spring.slope * sx,
-                c0: by * damper.constant,
-                c1: by * damper.slope * sv,
-            };
-            let series = law.series(x, v);
-            let smooth = longest(&series).min(end_s - t);
-            let mut step = Step { start_s: t, length_s: smooth, x: series, law };
+            if v.abs() <= REST * impact_speed_m_per_s && a.abs() * (end_s - t) <= REST * impact_speed_m_per_s {
+                // At rest for good.
+                let series = std::array::from_fn(|k| if k == 0 { x } else { 0.0 });
+                let law = Law { k0: 0.0, k1: 0.0, c0: 0.0, c1: 0.0 };
+                visit(&Step { start_s: t, length_s: end_s - t, x: series, law });
+                return Ok(());
+            }
+            let (mut step, smooth, spring, damper, sx, sv) = self.piecewise(t, x, v, a, end_s);
             step.length_s = border(&step, smooth, &spring, &damper, sx, sv);
             if !visit(&step) {
                 return Ok(());
@@ -100,7 +93,7 @@ impl SecantMotion {
             let snap = |value: f64, piece: &Piece, sign: f64, size: f64| {
                 // On a knot exactly, so that the next step starts on the right piece.
                 for knot in [piece.from, piece.to] {
-                    if (value * sign - knot).abs() <= 1e-13 * (knot + size) {
+                    if knot.is_finite() && (value * sign - knot).abs() <= 1e-13 * (knot + size) {
                         return sign * knot;
                     }
                 }
@@ -119,6 +112,41 @@ impl SecantMotion {
             }
         }
         Err(LumpedError::Diverges { model: ModelKind::Nonlinear2, time_s: t })
+    }
+
+    /// The step from a state, on the pieces the motion enters. On a knot the rate says which; where it vanishes or
+    /// deceives, the series itself: a sixteenth of the step on, the state must lie inside.
+    fn piecewise(&self, t: f64, x: f64, v: f64, a: f64, end_s: f64) -> (Step, f64, Piece, Piece, f64, f64) {
+        let sx = if x == 0.0 { v.signum() } else { x.signum() };
+        let sv = if v == 0.0 { a.signum() } else { v.signum() };
+        let (outwards, faster) = (x == 0.0 || x * v > 0.0, v == 0.0 || v * a > 0.0);
+        let by = 1.0 / self.mass_kg;
+        let attempt = |outwards: bool, faster: bool| {
+            let spring = self.spring.piece(x.abs(), outwards);
+            let damper = self.damper.piece(v.abs(), faster);
+            let law = Law {
+                k0: by * spring.constant,
+                k1: by * spring.slope * sx,
+                c0: by * damper.constant,
+                c1: by * damper.slope * sv,
+            };
+            let series = law.series(x, v);
+            let smooth = longest(&series).min(end_s - t);
+            (Step { start_s: t, length_s: smooth, x: series, law }, smooth, spring, damper, sx, sv)
+        };
+        let inside = |tried: &(Step, f64, Piece, Piece, f64, f64)| {
+            let soon = tried.0.at(tried.1 * INSIDE);
+            let (x, v) = (soon.displacement_m * sx, soon.velocity_m_per_s * sv);
+            let within = |value: f64, now: f64, piece: &Piece| {
+                (now != piece.from || value >= piece.from) && (now != piece.to || value <= piece.to)
+            };
+            (within(x, tried.4 * tried.0.x[0], &tried.2), within(v, tried.5 * tried.0.x[1], &tried.3))
+        };
+        let first = attempt(outwards, faster);
+        match inside(&first) {
+            (true, true) => first,
+            (spring, damper) => attempt(outwards == spring, faster == damper),
+        }
     }
 
     fn acceleration(&self, x: f64, v: f64) -> f64 {
@@ -235,31 +263,32 @@ fn longest(x: &[f64; ORDER + 1]) -> f64 {
 
 /// Where the step first meets a border of its pieces: a knot of either coefficient, or a change of sign.
 fn border(step: &Step, length: f64, spring: &Piece, damper: &Piece, sx: f64, sv: f64) -> f64 {
-    let start = step.at(0.0);
     let mut first = length;
-    // `(limit, velocity?)`, reached when the distance changes its sign.
-    for (limit, is_velocity) in
-        [(sx * spring.from, false), (sx * spring.to, false), (sv * damper.from, true), (sv * damper.to, true)]
+    // Distance inside the piece from each of its ends, positive inside, and its rate.
+    for (end, side, is_velocity) in
+        [(spring.from, 1.0, false), (spring.to, -1.0, false), (damper.from, 1.0, true), (damper.to, -1.0, true)]
     {
-        if !limit.is_finite() {
+        if !end.is_finite() {
             continue;
         }
-        let distance = |s: &State| {
+        let distance = |tau: f64| {
+            let s = step.at(tau);
             if is_velocity {
-                (s.velocity_m_per_s - limit, s.acceleration_m_per_s2)
+                (side * (sv * s.velocity_m_per_s - end), side * sv * s.acceleration_m_per_s2)
             } else {
-                (s.displacement_m - limit, s.velocity_m_per_s)
+                (side * (sx * s.displacement_m - end), side * sx * s.velocity_m_per_s)
             }
         };
-        let (at_start, rate) = distance(&start);
-        // Starting on the border: the side it leaves to.
-        let side = if at_start == 0.0 { rate.signum() } else { at_start.signum() };
-        // Looked for on eight points, so that one out and back within the step is seen.
-        let (mut low, mut high) = (0.0, None);
+        // Looked for on eight points, so that one out and back within the step is seen. From a border the motion was
+        // found to go inwards.
+        let mut low = if distance(0.0).0 > 0.0 { 0.0 } else { length * INSIDE };
+        let mut high = None;
         for part in 1..=8 {
             let tau = first * f64::from(part) / 8.0;
-            let (d, _) = distance(&step.at(tau));
-            if d * side < 0.0 {
+            if tau <= low {
+                continue;
+            }
+            if distance(tau).0 < 0.0 {
                 high = Some(tau);
                 break;
             }
@@ -268,8 +297,8 @@ fn border(step: &Step, length: f64, spring: &Piece, damper: &Piece, sx: f64, sv:
         let Some(mut high) = high else { continue };
         let mut tau = 0.5 * (low + high);
         for _ in 0..60 {
-            let (d, rate) = distance(&step.at(tau));
-            if d * side > 0.0 {
+            let (d, rate) = distance(tau);
+            if d > 0.0 {
                 low = tau;
             } else {
                 high = tau;

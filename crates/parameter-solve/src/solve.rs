@@ -4,7 +4,8 @@ use crumple_lumped::{Model, ModelKind};
 use crumple_signal::{Displacement, Notes, Signal};
 
 use crate::{
-    Candidate, DoubleFitOptions, KelvinBranch, Method, SolveError, elastoplastic_from_events, fit_double,
+    Candidate, DoubleFitOptions, FireflyOptions, KelvinBranch, Method, NonlinearFitOptions, SolveError,
+    elastoplastic_from_events, firefly_nonlinear2, fit_double, fit_maxwell, fit_nonlinear1, fit_nonlinear2,
     kelvin_from_events,
 };
 
@@ -60,12 +61,14 @@ pub struct SolveSettings {
     pub fit_samples: usize,
     /// Starts of the fit.
     pub fit_starts: usize,
+    /// The firefly search.
+    pub firefly: FireflyOptions,
 }
 
 impl SolveSettings {
     /// Whether a model asked for is fitted to a signal; closed forms need the events only.
     pub fn fits_a_signal(&self) -> bool {
-        self.uses(Method::DirectFit)
+        self.uses(Method::DirectFit) || self.uses(Method::Firefly)
     }
 
     /// Whether this method is asked for and solves a model asked for.
@@ -105,7 +108,7 @@ pub fn solve(
                 (ModelKind::DoubleSpringMassDamper, _) => {
                     candidates.extend(double(evidence, settings, method, notes)?);
                 }
-                (other, _) => notes.warning(format!("{other}: no solver for this model")),
+                (other, _) => candidates.extend(single_fit(other, evidence, settings, method, notes)?),
             }
         }
     }
@@ -114,6 +117,69 @@ pub fn solve(
 
 fn closed_form(model: Model, method: Method, notes: Vec<String>) -> Candidate {
     Candidate { model, method, index: 1, equivalent_to: None, fit: None, uncertainty: None, notes }
+}
+
+/// One mass fitted to the displacement: Maxwell and the nonlinear models.
+fn single_fit(
+    kind: ModelKind,
+    evidence: &Evidence<'_>,
+    settings: &SolveSettings,
+    method: Method,
+    notes: &mut Notes,
+) -> Result<Option<Candidate>, SolveError> {
+    let Some((t_m, crush)) = crush_of(evidence, kind, notes) else { return Ok(None) };
+    let Some(displacement) = evidence.displacement else {
+        notes.warning(format!("{kind}: not fitted, there is no displacement"));
+        return Ok(None);
+    };
+    let options = NonlinearFitOptions {
+        mass_kg: evidence.mass_kg,
+        impact_speed_m_per_s: evidence.impact_speed_m_per_s,
+        crush_m: crush,
+        time_of_dynamic_crush_s: t_m,
+        time_zero_s: evidence.time_zero_s,
+        from_s: settings.fit_from_s,
+        to_s: settings.fit_to_s.or(Some(t_m)),
+        samples: settings.fit_samples,
+    };
+    let mut remarks = Vec::new();
+    let found = match (kind, method) {
+        (ModelKind::Maxwell, _) => fit_maxwell(displacement, &options).map(|(m, fit, u)| (Model::Maxwell(m), fit, u)),
+        (ModelKind::Nonlinear1, _) => {
+            remarks.push("constrained to the dynamic crush and its time; k1 <= k2, c1 >= c2 >= c3".to_owned());
+            fit_nonlinear1(displacement, &options, true).map(|(m, fit)| (Model::Nonlinear1(m), fit, None))
+        }
+        (ModelKind::Nonlinear2, Method::Firefly) => {
+            firefly_nonlinear2(displacement, &options, &settings.firefly).map(|found| {
+                remarks.push(if found.attraction > 0.0 {
+                    format!("mean attraction of two fireflies at the start {:.3}", found.attraction)
+                } else {
+                    "the attraction of two fireflies is zero in these units: a random walk".to_owned()
+                });
+                (Model::Nonlinear2(found.model), found.fit, None)
+            })
+        }
+        (ModelKind::Nonlinear2, _) => {
+            fit_nonlinear2(displacement, &options).map(|(m, fit, u)| (Model::Nonlinear2(m), fit, u))
+        }
+        _ => {
+            notes.warning(format!("{kind}: no solver for this model"));
+            return Ok(None);
+        }
+    };
+    let (model, fit, uncertainty) = match found {
+        Ok(found) => found,
+        Err(error @ SolveError::NoFit { .. }) => {
+            notes.warning(format!("{kind}: {error}"));
+            return Ok(None);
+        }
+        Err(error) => return Err(error),
+    };
+    remarks.insert(0, format!("fitted from {:.2} ms to {:.2} ms after time zero", 1e3 * fit.from_s, 1e3 * fit.to_s));
+    if !fit.active_bounds.is_empty() {
+        remarks.push(format!("on a bound, not determined by the record: {}", fit.active_bounds.join(", ")));
+    }
+    Ok(Some(Candidate { model, method, index: 1, equivalent_to: None, fit: Some(fit), uncertainty, notes: remarks }))
 }
 
 fn crush_of(evidence: &Evidence<'_>, model: ModelKind, notes: &mut Notes) -> Option<(f64, f64)> {

@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
 use crumple_lumped::{Maxwell, Model, Nonlinear1, Nonlinear2};
-use crumple_parameter_solve::{NonlinearFitOptions, fit_maxwell, fit_nonlinear1, fit_nonlinear2};
+use crumple_parameter_solve::{
+    FireflyOptions, FireflyUnits, NonlinearFitOptions, firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2,
+};
 use crumple_signal::{Displacement, Signal};
 
 fn record(model: &Model, v0: f64) -> Signal<Displacement> {
@@ -100,4 +102,25 @@ fn maxwell_comes_back() {
     // Rounding of the record over 250 samples.
     assert!((found.stiffness_n_per_m / truth.stiffness_n_per_m - 1.0).abs() < 1e-9, "{fit:?}");
     assert!((found.damping_n_s_per_m / truth.damping_n_s_per_m - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_printed_firefly_is_a_random_walk_and_the_scaled_one_is_not() {
+    let truth = Model::Nonlinear2(table_5());
+    let x = record(&truth, 9.7222);
+    let wanted = NonlinearFitOptions { samples: 60, ..options(&truth, 9.7222, 0.5063, None) };
+    let run = |units| {
+        let search = FireflyOptions { units, generations: 60, ..FireflyOptions::default() };
+        firefly_nonlinear2(&x, &wanted, &search).unwrap()
+    };
+    let (printed, scaled) = (run(FireflyUnits::Physical), run(FireflyUnits::Unit));
+    // exp(-4e9) is zero in every number format.
+    assert_eq!(printed.attraction, 0.0);
+    assert!(scaled.attraction > 0.1, "{}", scaled.attraction);
+    assert!(scaled.fit.rmse_m < printed.fit.rmse_m, "{} {}", scaled.fit.rmse_m, printed.fit.rmse_m);
+    // 40 at the start and 40 a generation; the same again for the same seed.
+    assert_eq!(printed.fit.evaluations, 40 * 61);
+    assert_eq!(run(FireflyUnits::Unit).model, scaled.model);
+    let (_, fit, _) = fit_nonlinear2(&x, &wanted).unwrap();
+    assert!(fit.rmse_m < 1e-6 * scaled.fit.rmse_m);
 }
