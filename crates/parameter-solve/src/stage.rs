@@ -186,6 +186,10 @@ fn line(candidate: &Candidate) -> String {
                 format!("{name} {:.3} kN s/m", value / 1e3)
             } else if let Some(name) = name.strip_suffix("_n_per_m") {
                 format!("{name} {:.2} kN/m", value / 1e3)
+            } else if let Some(name) = name.strip_suffix("_m_per_s") {
+                format!("{name} {value:.3} m/s")
+            } else if let Some(name) = name.strip_suffix("_m") {
+                format!("{name} {:.1} mm", 1e3 * value)
             } else {
                 format!("{} {value:.1} kg", name.trim_end_matches("_kg"))
             }
