@@ -105,13 +105,24 @@ fn sample(dt_s: f64, samples: usize, state: impl Fn(f64) -> crate::State) -> Mot
 fn march(model: &DoubleSpringMassDamper, v0: f64, dt_s: f64, samples: usize) -> Vec<Motion> {
     let a = model.state_matrix();
     let phi = exact_step(&a, dt_s);
-    let mut z = DoubleSpringMassDamper::start(v0);
-    let mut motions = [Motion::with_capacity(samples), Motion::with_capacity(samples)];
-    for _ in 0..samples {
-        let states = DoubleSpringMassDamper::states(&a, &z);
-        motions[0].push(states[0]);
-        motions[1].push(states[1]);
-        z = phi * z;
+    let mut motions = [Motion::zeros(samples), Motion::zeros(samples)];
+    let [chassis, compartment] = &mut motions;
+    // Rows by rows on plain arrays: the loop is a chain of one product, and everything else fits beside it.
+    let row = |m: &nalgebra::Matrix4<f64>, i: usize, z: &[f64; 4]| {
+        (m[(i, 0)] * z[0] + m[(i, 1)] * z[1]) + (m[(i, 2)] * z[2] + m[(i, 3)] * z[3])
+    };
+    let mut z: [f64; 4] = DoubleSpringMassDamper::start(v0).into();
+    let first =
+        chassis.displacement_m.iter_mut().zip(&mut chassis.velocity_m_per_s).zip(&mut chassis.acceleration_m_per_s2);
+    let second = compartment
+        .displacement_m
+        .iter_mut()
+        .zip(&mut compartment.velocity_m_per_s)
+        .zip(&mut compartment.acceleration_m_per_s2);
+    for (((x1, v1), a1), ((x2, v2), a2)) in first.zip(second) {
+        (*x1, *x2, *v1, *v2) = (z[0], z[1], z[2], z[3]);
+        (*a1, *a2) = (row(&a, 2, &z), row(&a, 3, &z));
+        z = std::array::from_fn(|i| row(&phi, i, &z));
     }
     motions.into()
 }
