@@ -290,6 +290,17 @@ fn longest(x: &[f64; ORDER + 1]) -> f64 {
 /// Where the step first meets a border of its pieces: a knot of either coefficient, or a change of sign.
 fn border(step: &Step, length: f64, spring: &Piece, damper: &Piece, sx: f64, sv: f64) -> f64 {
     let mut first = length;
+    // Farthest that displacement and velocity can go in the step: most steps meet no border, and this tells at once.
+    let mut reach = (0.0, 0.0);
+    let mut power = 1.0;
+    for k in 1..=ORDER {
+        let size = step.x[k].abs();
+        if k > 1 {
+            reach.1 += k as f64 * size * power;
+        }
+        power *= length;
+        reach.0 += size * power;
+    }
     // Distance inside the piece from each of its ends, positive inside, and its rate.
     for (end, side, is_velocity) in
         [(spring.from, 1.0, false), (spring.to, -1.0, false), (damper.from, 1.0, true), (damper.to, -1.0, true)]
@@ -305,6 +316,9 @@ fn border(step: &Step, length: f64, spring: &Piece, damper: &Piece, sx: f64, sv:
                 (side * (sx * s.displacement_m - end), side * sx * s.velocity_m_per_s)
             }
         };
+        if distance(0.0).0 > if is_velocity { reach.1 } else { reach.0 } {
+            continue;
+        }
         // Looked for on eight points, so that one out and back within the step is seen. From a border the motion was
         // found to go inwards.
         let mut low = if distance(0.0).0 > 0.0 { 0.0 } else { length * INSIDE };

@@ -25,6 +25,8 @@ pub(crate) struct Bounds {
     pub lower: Vec<f64>,
     pub upper: Vec<f64>,
     pub max_iterations: u32,
+    /// Smallest relative decrease of the cost worth going on for.
+    pub cost_tolerance: f64,
 }
 
 /// Where a descent ended.
@@ -97,7 +99,7 @@ pub(crate) fn descend(problem: &impl Response, start: &[f64], bounds: &Bounds) -
         evaluations += 1;
         let next_cost = if problem.residuals(&next, &mut there) { cost_of(&there) } else { f64::INFINITY };
         let decrease = cost - next_cost;
-        let small = 1e-12 * cost;
+        let small = bounds.cost_tolerance * cost;
         if decrease > 0.0 && predicted > 0.0 {
             let gain = decrease / predicted;
             let done = decrease <= small && predicted <= small;

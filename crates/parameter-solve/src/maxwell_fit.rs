@@ -58,7 +58,7 @@ pub fn fit_maxwell(
     positive("crush_m", options.crush_m)?;
     let window = Window::pick(displacement, options.time_zero_s, options.from_s, options.to_s, options.samples)?;
     let problem = Displacements { window: &window, options };
-    let bounds = Bounds { lower: vec![-9.0; 2], upper: vec![9.0; 2], max_iterations: 100 };
+    let bounds = Bounds { lower: vec![-9.0; 2], upper: vec![9.0; 2], max_iterations: 100, cost_tolerance: 1e-10 };
     let mut evaluations = 0;
     let mut best: Option<Optimum> = None;
     for start in SPRINGS.iter().flat_map(|k| DAMPERS.map(|c| [f64::ln(*k), f64::ln(c)])) {

@@ -38,7 +38,7 @@ const SPRING_KNOTS: [f64; 9] = [0.1, 0.25, 0.4, 0.55, 0.7, 0.8, 0.87, 0.93, 0.97
 const DAMPER_KNOTS: [f64; 9] = [0.012, 0.05, 0.11, 0.2, 0.31, 0.44, 0.6, 0.75, 0.9];
 /// Starts that are refined, and those followed to the end.
 const REFINED: usize = 8;
-const FOLLOWED: usize = 3;
+const FOLLOWED: usize = 2;
 
 /// A knot vector of both coefficients and the values there.
 #[derive(Debug, Clone)]
@@ -191,7 +191,7 @@ fn check(options: &NonlinearFitOptions) -> Result<(), SolveError> {
 /// For fixed knots the force is linear in the seven coefficients, and the momentum it takes,
 /// `m (v0 - v(t)) = sum of coefficient_j times the integral of hat_j`, needs no acceleration: non-negative least squares
 /// on a grid of 324 knot vectors gives starting values; the best eight go through bounded Levenberg-Marquardt on the
-/// simulated displacement, the best three to the end. Deterministic. From the exact displacement of the paper's own
+/// simulated displacement, the best two to the end. Deterministic. From the exact displacement of the paper's own
 /// parameters all ten come back. A real record determines fewer: see the deviations and the active bounds.
 ///
 /// Errors: masses, speed or crush that are not positive, a window outside the record, no finite response.
@@ -240,14 +240,15 @@ pub fn fit_nonlinear2(
         model: |theta: &[f64]| build(theta).map(Model::Nonlinear2),
         conditions: None,
     };
-    let mut bounds = Bounds { lower: vec![0.0; 10], upper: vec![1e3; 10], max_iterations: 25 };
+    let mut bounds = Bounds { lower: vec![0.0; 10], upper: vec![1e3; 10], max_iterations: 12, cost_tolerance: 1e-4 };
     for knot in [3, 8, 9] {
         bounds.lower[knot] = 0.005;
         bounds.upper[knot] = 0.995;
     }
     let (mut found, mut evaluations) = all(&problem, starts.iter().map(to_theta).collect(), &bounds);
     found.truncate(FOLLOWED);
-    bounds.max_iterations = 300;
+    bounds.max_iterations = 120;
+    bounds.cost_tolerance = 1e-9;
     let (found, more) = all(&problem, found.into_iter().map(|m| m.theta).collect(), &bounds);
     evaluations += more;
     let best = found.first().ok_or(SolveError::NoFit { starts: REFINED })?;
@@ -381,12 +382,13 @@ pub fn fit_nonlinear1(
     };
     let rate = v0 / options.crush_m;
     let points = starts.iter().map(|s| s.values.iter().map(|x| x / rate).chain([s.knots[0]]).collect()).collect();
-    let mut bounds = Bounds { lower: vec![0.0; 6], upper: vec![1e3; 6], max_iterations: 60 };
+    let mut bounds = Bounds { lower: vec![0.0; 6], upper: vec![1e3; 6], max_iterations: 30, cost_tolerance: 1e-4 };
     (bounds.lower[5], bounds.upper[5]) = (0.005, 0.995);
     let model = |theta: &[f64]| build(theta).map(Model::Nonlinear1);
     let mut problem = Displacements { window: &window, options, model, conditions: None };
     let (found, mut evaluations) = all(&problem, points, &bounds);
-    bounds.max_iterations = 200;
+    bounds.max_iterations = 120;
+    bounds.cost_tolerance = 1e-10;
     let (mut found, more) = all(&problem, found.into_iter().take(FOLLOWED).map(|m| m.theta).collect(), &bounds);
     evaluations += more;
     if found.is_empty() {

@@ -109,7 +109,7 @@ fn refuses_what_cannot_be_compared() {
 
 #[test]
 fn every_model_kind_is_simulated_from_its_named_parameters() {
-    let zero = crumple_signal::Sampled::new(0.0, 1e-3, vec![0.0; 101]).unwrap();
+    let zero = Sampled::new(0.0, 1e-3, vec![0.0; 101]).unwrap();
     for kind in crumple_lumped::ModelKind::ALL {
         let value = |name: &str| match name {
             "v1_m_per_s" | "v_thresh_m_per_s" => 2.0,
