@@ -121,6 +121,11 @@ golden-update: build
         [ "$(basename "$fixture")" = double ] || rm -f "$fixture/golden/6-simulate.mcap"
     done
 
+# The three papers' numbers, recomputed and compared: writes docs/papers.md, ends with `N of M items`.
+[group('development')]
+papers:
+    CRUMPLE_WRITE_PAPERS=1 cargo test --quiet --package crumple-parameter-solve --test papers
+
 # Shell completions and man pages of all programs, into target/shell.
 [group('development')]
 shell-files: build

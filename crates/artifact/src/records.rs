@@ -11,6 +11,7 @@ mod diagnosis;
 mod events;
 mod evidence;
 mod identification;
+mod matching;
 mod metrics;
 mod model;
 mod notes;
@@ -25,6 +26,7 @@ pub use diagnosis::DiagnosisV1;
 pub use events::EventsV1;
 pub use evidence::EvidenceV1;
 pub use identification::IdentificationV1;
+pub use matching::{MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1};
 pub use metrics::{MetricV1, MetricsV1};
 pub use model::{ExponentialSumV1, ExponentialTermV1, ModeV1, ModesV1, StateSpaceV1, TransferFunctionV1};
 pub use notes::NotesV1;
@@ -73,6 +75,7 @@ record! {
     EvidenceV1 => "crumple.Evidence.v1",
     ExponentialSumV1 => "crumple.ExponentialSum.v1",
     IdentificationV1 => "crumple.Identification.v1",
+    MatchingV1 => "crumple.Matching.v1",
     MetricsV1 => "crumple.Metrics.v1",
     ModesV1 => "crumple.Modes.v1",
     NotesV1 => "crumple.Notes.v1",

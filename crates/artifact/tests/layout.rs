@@ -209,6 +209,43 @@ fn the_layout_of_every_record_type_is_frozen() {
         to_s: 0.0742,
         notes: vec![],
     });
+    freeze(&MatchingV1 {
+        m1_kg: 284.4,
+        m2_kg: 1137.6,
+        polynomial: vec![1.0, 35.7, 6024.0, 185e3, 414.6e3],
+        largest_mass_ratio: Some(0.147),
+        roots: vec![MatchingRootV1 {
+            re_per_s2: -2067.0,
+            im_per_s2: 0.0,
+            multiplicity: 1,
+            certified_radius_per_s2: Some(1e-25),
+        }],
+        solutions: vec![MatchingSolutionV1 {
+            k1_re_n_per_m: 75e3,
+            k1_im_n_per_m: 0.0,
+            k2_re_n_per_m: 1.78e6,
+            k2_im_n_per_m: 0.0,
+            c1_re_n_s_per_m: 34e3,
+            c1_im_n_s_per_m: 0.0,
+            c2_re_n_s_per_m: -19e3,
+            c2_im_n_s_per_m: 0.0,
+            real: true,
+            physical: false,
+            multiplicity: 1,
+            dual: 1,
+            residual: 1e-17,
+            candidate: Some("double-spring-mass-damper/coefficient-matching/1".into()),
+        }],
+        sweep: vec![MatchingSweepV1 {
+            front_mass_fraction: 0.9,
+            k1_n_per_m: 1e5,
+            k2_n_per_m: 6e5,
+            c1_n_s_per_m: 4e4,
+            c2_n_s_per_m: 160.0,
+            physical: true,
+        }],
+        notes: vec![],
+    });
     freeze(&NotesV1 { stage: "ingest".into(), notes: vec!["warning: clipped".into()] });
     freeze(&DiagnosisV1 { stage: "identify".into(), reason: "the record is constant".into() });
     freeze(&QualityV1 {

@@ -11,9 +11,6 @@ pub enum LumpedError {
         /// All names.
         expected: String,
     },
-    /// The model is known by name, but has no response here.
-    #[error("model {0} has no response in this version")]
-    NoResponse(ModelKind),
     /// A parameter of the model is not given.
     #[error("model {model} needs the parameter {name}")]
     MissingParameter {
@@ -43,7 +40,7 @@ pub enum LumpedError {
         expected: &'static str,
     },
     /// The poles could not be computed.
-    #[error("poles of the double-spring-mass-damper model: {0}")]
+    #[error("poles or motion of a chain of masses: {0}")]
     Poles(#[from] crumple_lti::LtiError),
     /// The response leaves the range of numbers.
     #[error("the response of the {model} model is not finite from t = {time_s} s on: it diverges or is too stiff")]

@@ -1,6 +1,6 @@
 //! Lumped-parameter crash models and their exact responses.
 //!
-//! A model is one or two masses with springs and dampers that meet a rigid barrier at `t = 0` with `x = 0` and
+//! A model is one or more masses with springs and dampers that meet a rigid barrier at `t = 0` with `x = 0` and
 //! `v = v0`. Displacement `x` is crush, positive towards the barrier, and `x'' = a` is negative while the vehicle
 //! is stopped (SAE J211). Every response here is exact: a closed form or a matrix exponential, never a step-by-step
 //! integration with a step error. What remains is rounding, about `1e-16` a step relative to the largest motion.
@@ -8,13 +8,20 @@
 //! - [`Kelvin`]: spring and damper in parallel.
 //! - [`Elastoplastic`]: stiff unloading about a permanent set.
 //! - [`Maxwell`]: spring and damper in series.
+//! - [`Nonlinear1`], [`Nonlinear2`]: secant spring and damper with piecewise-linear coefficients, by Taylor series from
+//!   knot to knot.
 //! - [`DoubleSpringMassDamper`]: chassis and passenger compartment, two of each.
+//! - [`TripleSpringMassDamper`] and [`Chain`]: three and any number of masses; impact, input force or base motion.
 //!
 //! Contact stays closed in all of them (the mass is tied to the barrier) except where `release` is set. So a linear
 //! model describes the loading phase of a crash; what it does after rebound is not a prediction.
 
+mod chain;
 mod coefficient_matching;
 mod crossing;
+mod cubic;
+mod curve;
+mod double_double;
 mod double_spring_mass_damper;
 mod elastoplastic;
 mod error;
@@ -24,11 +31,14 @@ mod kind;
 mod maxwell;
 mod model;
 mod motion;
+mod nonlinear;
 mod parameters;
+mod secant_motion;
 mod second_order;
 
+pub use chain::{Chain, ChainResponse, Drive, Energy, TripleSpringMassDamper};
 pub use coefficient_matching::{
-    CoefficientMatch, MatchedDouble, match_double, maxwell_from_complex_roots, maxwell_from_real_roots,
+    Certificate, CoefficientMatch, CoefficientMatching, MatchRoot, MatchedSolution, Reading, matching_sensitivity,
 };
 pub use crumple_lti::Complex;
 pub use double_spring_mass_damper::DoubleSpringMassDamper;
@@ -40,3 +50,4 @@ pub use kind::ModelKind;
 pub use maxwell::Maxwell;
 pub use model::Model;
 pub use motion::{CrushEvents, Motion, Response, State};
+pub use nonlinear::{Nonlinear1, Nonlinear2};

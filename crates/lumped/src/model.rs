@@ -1,6 +1,8 @@
+use crate::chain::Drive;
 use crate::exact_step::exact_step;
 use crate::{
-    CrushEvents, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, ModelKind, Motion, Response,
+    CrushEvents, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, ModelKind, Motion, Nonlinear1,
+    Nonlinear2, Response, TripleSpringMassDamper,
 };
 
 /// A lumped model with its parameters.
@@ -12,8 +14,14 @@ pub enum Model {
     Elastoplastic(Elastoplastic),
     /// Spring and damper in series.
     Maxwell(Maxwell),
+    /// Stiffening spring, weakening damper.
+    Nonlinear1(Nonlinear1),
+    /// The same with one knot more each.
+    Nonlinear2(Nonlinear2),
     /// Chassis and compartment.
     DoubleSpringMassDamper(DoubleSpringMassDamper),
+    /// Engine, suspension and chassis, compartment.
+    TripleSpringMassDamper(TripleSpringMassDamper),
 }
 
 impl Model {
@@ -23,7 +31,10 @@ impl Model {
             Self::Kelvin(_) => ModelKind::Kelvin,
             Self::Elastoplastic(_) => ModelKind::Elastoplastic,
             Self::Maxwell(_) => ModelKind::Maxwell,
+            Self::Nonlinear1(_) => ModelKind::Nonlinear1,
+            Self::Nonlinear2(_) => ModelKind::Nonlinear2,
             Self::DoubleSpringMassDamper(_) => ModelKind::DoubleSpringMassDamper,
+            Self::TripleSpringMassDamper(_) => ModelKind::TripleSpringMassDamper,
         }
     }
 
@@ -34,7 +45,10 @@ impl Model {
             Self::Kelvin(m) => m.check(),
             Self::Elastoplastic(m) => m.check(),
             Self::Maxwell(m) => m.check(),
+            Self::Nonlinear1(m) => m.check(),
+            Self::Nonlinear2(m) => m.check(),
             Self::DoubleSpringMassDamper(m) => m.check(),
+            Self::TripleSpringMassDamper(m) => m.check(),
         }
     }
 
@@ -45,7 +59,10 @@ impl Model {
             Self::Kelvin(m) => m.events(impact_speed_m_per_s),
             Self::Elastoplastic(m) => m.events(impact_speed_m_per_s),
             Self::Maxwell(m) => m.events(impact_speed_m_per_s),
+            Self::Nonlinear1(m) => m.events(impact_speed_m_per_s)?,
+            Self::Nonlinear2(m) => m.events(impact_speed_m_per_s)?,
             Self::DoubleSpringMassDamper(m) => m.events(impact_speed_m_per_s)?[1],
+            Self::TripleSpringMassDamper(m) => m.events(impact_speed_m_per_s)?[2],
         })
     }
 
@@ -61,6 +78,13 @@ impl Model {
             Self::Kelvin(m) => (vec![m.mass_kg], vec![sample(dt_s, samples, |t| m.state(v0, t))]),
             Self::Elastoplastic(m) => (vec![m.mass_kg], vec![sample(dt_s, samples, |t| m.state(v0, t))]),
             Self::Maxwell(m) => (vec![m.mass_kg], vec![sample(dt_s, samples, |t| m.state(v0, t))]),
+            Self::Nonlinear1(m) => (vec![m.mass_kg], vec![m.motion(v0, dt_s, samples)?]),
+            Self::Nonlinear2(m) => (vec![m.mass_kg], vec![m.motion(v0, dt_s, samples)?]),
+            Self::TripleSpringMassDamper(m) => {
+                let chain = m.chain()?;
+                let response = chain.respond(&Drive::Impact(v0), dt_s, samples)?;
+                (chain.masses_kg().to_vec(), response.motions)
+            }
             Self::DoubleSpringMassDamper(m) => (vec![m.m1_kg, m.m2_kg], march(m, v0, dt_s, samples)),
         };
         if let Some(k) = motions.iter().filter_map(Motion::first_not_finite).min() {
@@ -81,13 +105,24 @@ fn sample(dt_s: f64, samples: usize, state: impl Fn(f64) -> crate::State) -> Mot
 fn march(model: &DoubleSpringMassDamper, v0: f64, dt_s: f64, samples: usize) -> Vec<Motion> {
     let a = model.state_matrix();
     let phi = exact_step(&a, dt_s);
-    let mut z = DoubleSpringMassDamper::start(v0);
-    let mut motions = [Motion::with_capacity(samples), Motion::with_capacity(samples)];
-    for _ in 0..samples {
-        let states = DoubleSpringMassDamper::states(&a, &z);
-        motions[0].push(states[0]);
-        motions[1].push(states[1]);
-        z = phi * z;
+    let mut motions = [Motion::zeros(samples), Motion::zeros(samples)];
+    let [chassis, compartment] = &mut motions;
+    // Rows by rows on plain arrays: the loop is a chain of one product, and everything else fits beside it.
+    let row = |m: &nalgebra::Matrix4<f64>, i: usize, z: &[f64; 4]| {
+        (m[(i, 0)] * z[0] + m[(i, 1)] * z[1]) + (m[(i, 2)] * z[2] + m[(i, 3)] * z[3])
+    };
+    let mut z: [f64; 4] = DoubleSpringMassDamper::start(v0).into();
+    let first =
+        chassis.displacement_m.iter_mut().zip(&mut chassis.velocity_m_per_s).zip(&mut chassis.acceleration_m_per_s2);
+    let second = compartment
+        .displacement_m
+        .iter_mut()
+        .zip(&mut compartment.velocity_m_per_s)
+        .zip(&mut compartment.acceleration_m_per_s2);
+    for (((x1, v1), a1), ((x2, v2), a2)) in first.zip(second) {
+        (*x1, *x2, *v1, *v2) = (z[0], z[1], z[2], z[3]);
+        (*a1, *a2) = (row(&a, 2, &z), row(&a, 3, &z));
+        z = std::array::from_fn(|i| row(&phi, i, &z));
     }
     motions.into()
 }

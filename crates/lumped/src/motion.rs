@@ -29,6 +29,21 @@ impl Motion {
         }
     }
 
+    pub(crate) fn zeros(samples: usize) -> Self {
+        Self {
+            displacement_m: vec![0.0; samples],
+            velocity_m_per_s: vec![0.0; samples],
+            acceleration_m_per_s2: vec![0.0; samples],
+        }
+    }
+
+    #[inline]
+    pub(crate) fn set(&mut self, k: usize, state: State) {
+        self.displacement_m[k] = state.displacement_m;
+        self.velocity_m_per_s[k] = state.velocity_m_per_s;
+        self.acceleration_m_per_s2[k] = state.acceleration_m_per_s2;
+    }
+
     pub(crate) fn push(&mut self, state: State) {
         self.displacement_m.push(state.displacement_m);
         self.velocity_m_per_s.push(state.velocity_m_per_s);

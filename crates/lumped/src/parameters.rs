@@ -2,20 +2,62 @@
 
 use std::collections::BTreeMap;
 
-use crate::{DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, ModelKind};
+use crate::{
+    DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, ModelKind, Nonlinear1, Nonlinear2,
+    TripleSpringMassDamper,
+};
 
 const PARALLEL: &[&str] = &["mass_kg", "stiffness_n_per_m", "damping_n_s_per_m"];
 const ELASTOPLASTIC: &[&str] = &["mass_kg", "loading_stiffness_n_per_m", "unloading_stiffness_n_per_m"];
+const NONLINEAR_1: &[&str] = &[
+    "mass_kg",
+    "k1_n_per_m",
+    "k2_n_per_m",
+    "c1_n_s_per_m",
+    "c2_n_s_per_m",
+    "c3_n_s_per_m",
+    "v_thresh_m_per_s",
+    "crush_m",
+    "v0_m_per_s",
+];
+const NONLINEAR_2: &[&str] = &[
+    "mass_kg",
+    "k1_n_per_m",
+    "k2_n_per_m",
+    "k3_n_per_m",
+    "x1_m",
+    "c1_n_s_per_m",
+    "c2_n_s_per_m",
+    "c3_n_s_per_m",
+    "c4_n_s_per_m",
+    "v1_m_per_s",
+    "v2_m_per_s",
+    "crush_m",
+    "v0_m_per_s",
+];
+const TRIPLE: &[&str] = &[
+    "m1_kg",
+    "m2_kg",
+    "m3_kg",
+    "k1_n_per_m",
+    "k2_n_per_m",
+    "k3_n_per_m",
+    "c1_n_s_per_m",
+    "c2_n_s_per_m",
+    "c3_n_s_per_m",
+];
 const DOUBLE: &[&str] = &["m1_kg", "m2_kg", "k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m"];
 
 impl ModelKind {
-    /// Names of its parameters, masses first; empty for a kind without a response here.
+    /// Names of its parameters, masses first.
     pub const fn parameter_names(self) -> &'static [&'static str] {
         match self {
             Self::Kelvin | Self::Maxwell => PARALLEL,
             Self::Elastoplastic => ELASTOPLASTIC,
             Self::DoubleSpringMassDamper => DOUBLE,
-            Self::Nonlinear1 | Self::Nonlinear2 | Self::TripleSpringMassDamper => &[],
+            Self::Nonlinear1 => NONLINEAR_1,
+            Self::Nonlinear2 => NONLINEAR_2,
+            Self::TripleSpringMassDamper => TRIPLE,
         }
     }
 }
@@ -26,9 +68,6 @@ impl Model {
     /// An elastoplastic model gets `release = true`: after rebound a vehicle leaves the barrier.
     pub fn from_parameters(kind: ModelKind, parameters: &BTreeMap<String, f64>) -> Result<Self, LumpedError> {
         let names = kind.parameter_names();
-        if names.is_empty() {
-            return Err(LumpedError::NoResponse(kind));
-        }
         if let Some(name) = parameters.keys().find(|name| !names.contains(&name.as_str())) {
             return Err(LumpedError::UnknownParameter { model: kind, name: name.clone(), expected: names.join(", ") });
         }
@@ -57,9 +96,37 @@ impl Model {
                 c1_n_s_per_m: get(4)?,
                 c2_n_s_per_m: get(5)?,
             }),
-            ModelKind::Nonlinear1 | ModelKind::Nonlinear2 | ModelKind::TripleSpringMassDamper => {
-                return Err(LumpedError::NoResponse(kind));
-            }
+            ModelKind::Nonlinear1 => Self::Nonlinear1(Nonlinear1 {
+                mass_kg: get(0)?,
+                k1_n_per_m: get(1)?,
+                k2_n_per_m: get(2)?,
+                c1_n_s_per_m: get(3)?,
+                c2_n_s_per_m: get(4)?,
+                c3_n_s_per_m: get(5)?,
+                v_thresh_m_per_s: get(6)?,
+                crush_m: get(7)?,
+                v0_m_per_s: get(8)?,
+            }),
+            ModelKind::Nonlinear2 => Self::Nonlinear2(Nonlinear2 {
+                mass_kg: get(0)?,
+                k1_n_per_m: get(1)?,
+                k2_n_per_m: get(2)?,
+                k3_n_per_m: get(3)?,
+                x1_m: get(4)?,
+                c1_n_s_per_m: get(5)?,
+                c2_n_s_per_m: get(6)?,
+                c3_n_s_per_m: get(7)?,
+                c4_n_s_per_m: get(8)?,
+                v1_m_per_s: get(9)?,
+                v2_m_per_s: get(10)?,
+                crush_m: get(11)?,
+                v0_m_per_s: get(12)?,
+            }),
+            ModelKind::TripleSpringMassDamper => Self::TripleSpringMassDamper(TripleSpringMassDamper {
+                masses_kg: [get(0)?, get(1)?, get(2)?],
+                springs_n_per_m: [get(3)?, get(4)?, get(5)?],
+                dampers_n_s_per_m: [get(6)?, get(7)?, get(8)?],
+            }),
         };
         model.check()?;
         Ok(model)
@@ -71,6 +138,33 @@ impl Model {
             Self::Kelvin(m) => vec![m.mass_kg, m.stiffness_n_per_m, m.damping_n_s_per_m],
             Self::Maxwell(m) => vec![m.mass_kg, m.stiffness_n_per_m, m.damping_n_s_per_m],
             Self::Elastoplastic(m) => vec![m.mass_kg, m.loading_stiffness_n_per_m, m.unloading_stiffness_n_per_m],
+            Self::Nonlinear1(m) => vec![
+                m.mass_kg,
+                m.k1_n_per_m,
+                m.k2_n_per_m,
+                m.c1_n_s_per_m,
+                m.c2_n_s_per_m,
+                m.c3_n_s_per_m,
+                m.v_thresh_m_per_s,
+                m.crush_m,
+                m.v0_m_per_s,
+            ],
+            Self::Nonlinear2(m) => vec![
+                m.mass_kg,
+                m.k1_n_per_m,
+                m.k2_n_per_m,
+                m.k3_n_per_m,
+                m.x1_m,
+                m.c1_n_s_per_m,
+                m.c2_n_s_per_m,
+                m.c3_n_s_per_m,
+                m.c4_n_s_per_m,
+                m.v1_m_per_s,
+                m.v2_m_per_s,
+                m.crush_m,
+                m.v0_m_per_s,
+            ],
+            Self::TripleSpringMassDamper(m) => [m.masses_kg, m.springs_n_per_m, m.dampers_n_s_per_m].concat(),
             Self::DoubleSpringMassDamper(m) => {
                 vec![m.m1_kg, m.m2_kg, m.k1_n_per_m, m.k2_n_per_m, m.c1_n_s_per_m, m.c2_n_s_per_m]
             }
@@ -78,9 +172,12 @@ impl Model {
         self.kind().parameter_names().iter().map(|name| (*name).to_owned()).zip(values).collect()
     }
 
-    /// Whether the parameters describe a passive structure: springs positive, dampers positive or zero.
+    /// Whether the parameters describe a passive structure: springs positive, dampers positive or zero. The
+    /// coefficients of a nonlinear model may be zero at a knot.
     pub fn is_physical(&self) -> bool {
-        self.parameters().iter().all(|(name, &value)| value > 0.0 || (name.contains("n_s_per_m") && value == 0.0))
+        let nonlinear = matches!(self, Self::Nonlinear1(_) | Self::Nonlinear2(_));
+        let may_vanish = |name: &str| name.contains("n_s_per_m") || (nonlinear && name.ends_with("n_per_m"));
+        self.parameters().iter().all(|(name, &value)| value > 0.0 || (value == 0.0 && may_vanish(name)))
     }
 }
 
@@ -94,14 +191,10 @@ mod tests {
             let names = kind.parameter_names();
             let values: BTreeMap<String, f64> =
                 names.iter().enumerate().map(|(i, name)| ((*name).to_owned(), 1.5 + i as f64)).collect();
-            match Model::from_parameters(kind, &values) {
-                Ok(model) => {
-                    assert_eq!(model.kind(), kind);
-                    assert_eq!(model.parameters(), values);
-                    assert!(model.is_physical());
-                }
-                Err(error) => assert_eq!(error, LumpedError::NoResponse(kind)),
-            }
+            let model = Model::from_parameters(kind, &values).unwrap();
+            assert_eq!(model.kind(), kind);
+            assert_eq!(model.parameters(), values);
+            assert!(model.is_physical());
         }
     }
 

@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
-use crumple_lumped::{CrushEvents, DoubleSpringMassDamper, Elastoplastic, Kelvin, Maxwell, Model};
+use crumple_lumped::{
+    CrushEvents, DoubleSpringMassDamper, Elastoplastic, Kelvin, Maxwell, Model, Nonlinear1, Nonlinear2,
+};
 use serde_json::Value;
 
 /// The truth files print f64 values; the responses here lose a few hundred roundings of `1e-16` on top.
@@ -24,6 +26,40 @@ fn model(truth: &Value) -> Model {
             unloading_stiffness_n_per_m: n("k_P"),
             release: p["release"].as_bool().unwrap_or(false),
         }),
+        "nonlinear" => {
+            let list =
+                |key: &str| -> Vec<f64> { p[key].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect() };
+            let (kx, k, cv, c) = (list("k_knots"), list("k_values"), list("c_knots"), list("c_values"));
+            if k.len() == 2 {
+                Model::Nonlinear1(Nonlinear1 {
+                    mass_kg: n("m"),
+                    k1_n_per_m: k[0],
+                    k2_n_per_m: k[1],
+                    c1_n_s_per_m: c[0],
+                    c2_n_s_per_m: c[1],
+                    c3_n_s_per_m: c[2],
+                    v_thresh_m_per_s: cv[1],
+                    crush_m: kx[1],
+                    v0_m_per_s: cv[2],
+                })
+            } else {
+                Model::Nonlinear2(Nonlinear2 {
+                    mass_kg: n("m"),
+                    k1_n_per_m: k[0],
+                    k2_n_per_m: k[1],
+                    k3_n_per_m: k[2],
+                    x1_m: kx[1],
+                    c1_n_s_per_m: c[0],
+                    c2_n_s_per_m: c[1],
+                    c3_n_s_per_m: c[2],
+                    c4_n_s_per_m: c[3],
+                    v1_m_per_s: cv[1],
+                    v2_m_per_s: cv[2],
+                    crush_m: kx[2],
+                    v0_m_per_s: cv[3],
+                })
+            }
+        }
         "double" => Model::DoubleSpringMassDamper(double(truth)),
         other => panic!("{other}"),
     }
@@ -91,6 +127,12 @@ fn elastoplastic_records() {
 #[test]
 fn maxwell_record() {
     check("maxwell");
+}
+
+#[test]
+fn nonlinear_records() {
+    check("nonlinear-1");
+    check("nonlinear-2");
 }
 
 #[test]

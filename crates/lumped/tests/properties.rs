@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
-use crumple_lumped::{DoubleSpringMassDamper, Kelvin, Model};
+use crumple_lumped::{DoubleSpringMassDamper, Kelvin, Model, Nonlinear2};
 use proptest::prelude::*;
 
 fn double() -> impl Strategy<Value = DoubleSpringMassDamper> {
@@ -128,4 +128,47 @@ fn a_diverging_response_is_an_error_with_its_time() {
         error.to_string(),
         "the response of the kelvin model is not finite from t = 0.001 s on: it diverges or is too stiff"
     );
+}
+
+proptest! {
+    #[test]
+    fn a_nonlinear_mass_loses_energy_and_moves_the_same_at_any_rate(
+        k in prop::array::uniform3(0.0..3e5f64), c in prop::array::uniform4(0.0..9e4f64),
+        x1 in 0.05..0.95f64, v1 in 0.05..0.5f64, v2 in 0.5..0.95f64, zero in 0..8usize,
+    ) {
+        let (mut k, mut c) = (k, c);
+        // Coefficients on the border of what a fit may try.
+        if zero < 3 { k[zero] = 0.0 } else if zero < 7 { c[zero - 3] = 0.0 }
+        let model = Nonlinear2 {
+            mass_kg: 873.0,
+            k1_n_per_m: k[0],
+            k2_n_per_m: k[1],
+            k3_n_per_m: k[2],
+            x1_m: 0.5 * x1,
+            c1_n_s_per_m: c[0],
+            c2_n_s_per_m: c[1],
+            c3_n_s_per_m: c[2],
+            c4_n_s_per_m: c[3],
+            v1_m_per_s: 10.0 * v1,
+            v2_m_per_s: 10.0 * v2,
+            crush_m: 0.5,
+            v0_m_per_s: 10.0,
+        };
+        let coarse = model.motion(10.0, 5e-3, 41).unwrap();
+        let fine = model.motion(10.0, 1e-4, 2001).unwrap();
+        for i in 0..41 {
+            // The same series, evaluated at the same instants: rounding of positions near 1 m.
+            prop_assert!((coarse.displacement_m[i] - fine.displacement_m[50 * i]).abs() < 1e-13);
+        }
+        for w in fine.velocity_m_per_s.windows(2) {
+            prop_assert!(w[0].abs() <= 10.0 + 1e-12 && w[1].is_finite());
+        }
+        // Newton's law between the samples: a mean over two intervals lies within the change over them.
+        for i in 1..2000 {
+            let rate = (fine.velocity_m_per_s[i + 1] - fine.velocity_m_per_s[i - 1]) / 2e-4;
+            let a = &fine.acceleration_m_per_s2;
+            let change = (a[i + 1] - a[i]).abs().max((a[i] - a[i - 1]).abs());
+            prop_assert!((rate - a[i]).abs() < 2.0 * change + 1e-2, "{} {}", rate, a[i]);
+        }
+    }
 }

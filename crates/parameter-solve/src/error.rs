@@ -46,6 +46,9 @@ pub enum SolveError {
         /// Last sample.
         last_s: f64,
     },
+    /// The model has no meaning.
+    #[error(transparent)]
+    Model(#[from] crumple_lumped::LumpedError),
     /// No start led to a finite error.
     #[error("none of {starts} starts of the fit led to a finite response")]
     NoFit {

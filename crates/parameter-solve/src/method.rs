@@ -4,10 +4,29 @@ use std::str::FromStr;
 use crumple_lumped::ModelKind;
 
 /// Models this crate can solve for, in the order of the result.
-pub const MODELS: [ModelKind; 3] = [ModelKind::Kelvin, ModelKind::Elastoplastic, ModelKind::DoubleSpringMassDamper];
+pub const MODELS: [ModelKind; 6] = [
+    ModelKind::Kelvin,
+    ModelKind::Elastoplastic,
+    ModelKind::Maxwell,
+    ModelKind::Nonlinear1,
+    ModelKind::Nonlinear2,
+    ModelKind::DoubleSpringMassDamper,
+];
+
+/// Those solved for where none is asked for.
+pub const DEFAULT_MODELS: [ModelKind; 5] = [
+    ModelKind::Kelvin,
+    ModelKind::Elastoplastic,
+    ModelKind::Maxwell,
+    ModelKind::Nonlinear2,
+    ModelKind::DoubleSpringMassDamper,
+];
 
 /// All methods.
-pub const METHODS: [Method; 2] = [Method::ClosedForm, Method::DirectFit];
+pub const METHODS: [Method; 4] = [Method::ClosedForm, Method::DirectFit, Method::CoefficientMatching, Method::Firefly];
+
+/// Those used where none is asked for: they need the motion of the test only.
+pub const DEFAULT_METHODS: [Method; 2] = [Method::ClosedForm, Method::DirectFit];
 
 /// How parameters are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -16,6 +35,10 @@ pub enum Method {
     ClosedForm,
     /// By fitting the response to the record.
     DirectFit,
+    /// From the characteristic polynomial of an identified model.
+    CoefficientMatching,
+    /// By the firefly search of the single-mass paper.
+    Firefly,
 }
 
 impl Method {
@@ -24,6 +47,8 @@ impl Method {
         match self {
             Self::ClosedForm => "closed-form",
             Self::DirectFit => "direct-fit",
+            Self::CoefficientMatching => "coefficient-matching",
+            Self::Firefly => "firefly",
         }
     }
 
@@ -31,7 +56,12 @@ impl Method {
     pub const fn solves(self, model: ModelKind) -> bool {
         match self {
             Self::ClosedForm => matches!(model, ModelKind::Kelvin | ModelKind::Elastoplastic),
-            Self::DirectFit => matches!(model, ModelKind::DoubleSpringMassDamper),
+            Self::DirectFit => matches!(
+                model,
+                ModelKind::Maxwell | ModelKind::Nonlinear1 | ModelKind::Nonlinear2 | ModelKind::DoubleSpringMassDamper
+            ),
+            Self::CoefficientMatching => matches!(model, ModelKind::DoubleSpringMassDamper),
+            Self::Firefly => matches!(model, ModelKind::Nonlinear2),
         }
     }
 }

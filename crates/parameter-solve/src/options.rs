@@ -1,7 +1,9 @@
 //! Flags and pipeline keys of the stage, and the settings they come to.
 
 use crumple_lumped::ModelKind;
-use crumple_parameter_solve::{METHODS, MODELS, MassSplit, Method, SolveSettings};
+use crumple_parameter_solve::{
+    DEFAULT_METHODS, DEFAULT_MODELS, FireflyOptions, FireflyUnits, METHODS, MODELS, MassSplit, Method, SolveSettings,
+};
 use crumple_signal::value::{Mass, Time};
 use crumple_stage::{Usage, nearest};
 use serde::{Deserialize, Serialize};
@@ -16,13 +18,29 @@ const FRONT_MASS_FRACTION: f64 = 0.25;
 #[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Models to solve for: kelvin, elastoplastic, double-spring-mass-damper [default: all three]
+    /// Models to solve for: kelvin, elastoplastic, maxwell, nonlinear-1, nonlinear-2, double-spring-mass-damper
+    /// [default: all but nonlinear-1]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub models: Vec<String>,
 
-    /// Methods allowed: closed-form (from the crash events), direct-fit (to the displacement) [default: both]
+    /// Methods: closed-form (from the crash events), direct-fit (to the displacement), coefficient-matching (from an
+    /// identified model with four poles: every solution), firefly (nonlinear-2) [default: closed-form,direct-fit]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub method: Vec<String>,
+
+    /// Firefly search: units of distance, physical (as printed) or unit (every variable over its range) [default: unit]
+    ///
+    /// In physical units the attraction of two fireflies underflows to zero, and each walks at random.
+    #[arg(long, value_name = "UNITS")]
+    pub firefly_units: Option<String>,
+
+    /// Firefly search: generations of 40 fireflies [default: 500]
+    #[arg(long, value_name = "NUMBER")]
+    pub firefly_generations: Option<usize>,
+
+    /// Firefly search: seed of its random numbers [default: 1]
+    #[arg(long, value_name = "NUMBER")]
+    pub firefly_seed: Option<u64>,
 
     /// Mass of the vehicle, with its unit, instead of the test's
     #[arg(long, value_name = "MASS")]
@@ -65,6 +83,9 @@ pub struct StageSettings {
     fit_to_s: Option<f64>,
     fit_samples: usize,
     fit_starts: usize,
+    firefly_units: &'static str,
+    firefly_generations: usize,
+    firefly_seed: u64,
     #[serde(skip)]
     pub solve: SolveSettings,
 }
@@ -74,12 +95,12 @@ impl TryFrom<Options> for StageSettings {
 
     fn try_from(options: Options) -> Result<Self, Usage> {
         let models = if options.models.is_empty() {
-            MODELS.to_vec()
+            DEFAULT_MODELS.to_vec()
         } else {
             options.models.iter().map(|name| model(name)).collect::<Result<_, _>>()?
         };
         let methods = if options.method.is_empty() {
-            METHODS.to_vec()
+            DEFAULT_METHODS.to_vec()
         } else {
             options.method.iter().map(|name| method(name)).collect::<Result<_, _>>()?
         };
@@ -95,6 +116,18 @@ impl TryFrom<Options> for StageSettings {
             (None, Some(m2)) => MassSplit::Rear(m2),
             (None, None) => MassSplit::FrontFraction(fraction.unwrap_or(FRONT_MASS_FRACTION)),
         };
+        let units = match options.firefly_units.as_deref() {
+            None | Some("unit") => FireflyUnits::Unit,
+            Some("physical") => FireflyUnits::Physical,
+            Some(other) => return Err(unknown("firefly-units", other, &["physical", "unit"])),
+        };
+        let printed = FireflyOptions::default();
+        let firefly = FireflyOptions {
+            units,
+            generations: options.firefly_generations.unwrap_or(printed.generations),
+            seed: options.firefly_seed.unwrap_or(printed.seed),
+            ..printed
+        };
         let solve = SolveSettings {
             models,
             methods,
@@ -103,6 +136,7 @@ impl TryFrom<Options> for StageSettings {
             fit_to_s: options.fit_to.map(Time::si),
             fit_samples: FIT_SAMPLES,
             fit_starts: FIT_STARTS,
+            firefly,
         };
         Ok(Self {
             models: solve.models.iter().map(|m| m.name()).collect(),
@@ -115,6 +149,9 @@ impl TryFrom<Options> for StageSettings {
             fit_to_s: solve.fit_to_s,
             fit_samples: solve.fit_samples,
             fit_starts: solve.fit_starts,
+            firefly_units: if units == FireflyUnits::Unit { "unit" } else { "physical" },
+            firefly_generations: firefly.generations,
+            firefly_seed: firefly.seed,
             solve,
         })
     }
@@ -151,7 +188,7 @@ mod tests {
         let options = Options { method: vec!["closed-from".to_owned()], ..Options::default() };
         let error = StageSettings::try_from(options).unwrap_err();
         assert_eq!(error, Usage::new("unknown method \"closed-from\"").hint("did you mean \"closed-form\"?"));
-        let options = Options { models: vec!["maxwell".to_owned()], ..Options::default() };
+        let options = Options { models: vec!["triple-spring-mass-damper".to_owned()], ..Options::default() };
         assert!(StageSettings::try_from(options).unwrap_err().to_string().contains("no solver"));
     }
 

@@ -4,7 +4,8 @@ use crumple_lumped::{Model, ModelKind};
 use crumple_signal::{Displacement, Notes, Signal};
 
 use crate::{
-    Candidate, DoubleFitOptions, KelvinBranch, Method, SolveError, elastoplastic_from_events, fit_double,
+    Candidate, DoubleFitOptions, FireflyOptions, KelvinBranch, Method, NonlinearFitOptions, SolveError,
+    elastoplastic_from_events, firefly_nonlinear2, fit_double, fit_maxwell, fit_nonlinear1, fit_nonlinear2,
     kelvin_from_events,
 };
 
@@ -60,12 +61,26 @@ pub struct SolveSettings {
     pub fit_samples: usize,
     /// Starts of the fit.
     pub fit_starts: usize,
+    /// The firefly search.
+    pub firefly: FireflyOptions,
 }
 
 impl SolveSettings {
     /// Whether a model asked for is fitted to a signal; closed forms need the events only.
     pub fn fits_a_signal(&self) -> bool {
-        self.methods.contains(&Method::DirectFit) && self.models.iter().any(|model| Method::DirectFit.solves(*model))
+        self.uses(Method::DirectFit) || self.uses(Method::Firefly)
+    }
+
+    /// Whether this method is asked for and solves a model asked for.
+    pub fn uses(&self, method: Method) -> bool {
+        self.methods.contains(&method) && self.models.iter().any(|model| method.solves(*model))
+    }
+
+    /// Whether anything asked for needs the crash events; coefficient matching does not.
+    pub fn needs_events(&self) -> bool {
+        let solves = |method: &&Method| self.models.iter().any(|model| method.solves(*model));
+        let mut used = self.methods.iter().filter(solves).peekable();
+        used.peek().is_none() || used.any(|method| *method != Method::CoefficientMatching)
     }
 }
 
@@ -81,15 +96,20 @@ pub fn solve(
     crate::error::positive("impact_speed_m_per_s", evidence.impact_speed_m_per_s)?;
     let mut candidates = Vec::new();
     for &model in &settings.models {
-        let Some(&method) = settings.methods.iter().find(|method| method.solves(model)) else {
+        if !settings.methods.iter().any(|method| method.solves(model)) {
             notes.warning(format!("{model}: none of the methods asked for solves this model"));
-            continue;
-        };
-        match model {
-            ModelKind::Kelvin => candidates.extend(kelvin(evidence, method, notes)),
-            ModelKind::Elastoplastic => candidates.extend(elastoplastic(evidence, method, notes)),
-            ModelKind::DoubleSpringMassDamper => candidates.extend(double(evidence, settings, method, notes)?),
-            other => notes.warning(format!("{other}: no solver for this model")),
+        }
+        for &method in settings.methods.iter().filter(|method| method.solves(model)) {
+            match (model, method) {
+                // From an identified model, see `match_identified`.
+                (_, Method::CoefficientMatching) => {}
+                (ModelKind::Kelvin, _) => candidates.extend(kelvin(evidence, method, notes)),
+                (ModelKind::Elastoplastic, _) => candidates.extend(elastoplastic(evidence, method, notes)),
+                (ModelKind::DoubleSpringMassDamper, _) => {
+                    candidates.extend(double(evidence, settings, method, notes)?);
+                }
+                (other, _) => candidates.extend(single_fit(other, evidence, settings, method, notes)?),
+            }
         }
     }
     Ok(candidates)
@@ -97,6 +117,69 @@ pub fn solve(
 
 fn closed_form(model: Model, method: Method, notes: Vec<String>) -> Candidate {
     Candidate { model, method, index: 1, equivalent_to: None, fit: None, uncertainty: None, notes }
+}
+
+/// One mass fitted to the displacement: Maxwell and the nonlinear models.
+fn single_fit(
+    kind: ModelKind,
+    evidence: &Evidence<'_>,
+    settings: &SolveSettings,
+    method: Method,
+    notes: &mut Notes,
+) -> Result<Option<Candidate>, SolveError> {
+    let Some((t_m, crush)) = crush_of(evidence, kind, notes) else { return Ok(None) };
+    let Some(displacement) = evidence.displacement else {
+        notes.warning(format!("{kind}: not fitted, there is no displacement"));
+        return Ok(None);
+    };
+    let options = NonlinearFitOptions {
+        mass_kg: evidence.mass_kg,
+        impact_speed_m_per_s: evidence.impact_speed_m_per_s,
+        crush_m: crush,
+        time_of_dynamic_crush_s: t_m,
+        time_zero_s: evidence.time_zero_s,
+        from_s: settings.fit_from_s,
+        to_s: settings.fit_to_s.or(Some(t_m)),
+        samples: settings.fit_samples,
+    };
+    let mut remarks = Vec::new();
+    let found = match (kind, method) {
+        (ModelKind::Maxwell, _) => fit_maxwell(displacement, &options).map(|(m, fit, u)| (Model::Maxwell(m), fit, u)),
+        (ModelKind::Nonlinear1, _) => {
+            remarks.push("constrained to the dynamic crush and its time; k1 <= k2, c1 >= c2 >= c3".to_owned());
+            fit_nonlinear1(displacement, &options, true).map(|(m, fit)| (Model::Nonlinear1(m), fit, None))
+        }
+        (ModelKind::Nonlinear2, Method::Firefly) => {
+            firefly_nonlinear2(displacement, &options, &settings.firefly).map(|found| {
+                remarks.push(if found.attraction > 0.0 {
+                    format!("mean attraction of two fireflies at the start {:.3}", found.attraction)
+                } else {
+                    "the attraction of two fireflies is zero in these units: a random walk".to_owned()
+                });
+                (Model::Nonlinear2(found.model), found.fit, None)
+            })
+        }
+        (ModelKind::Nonlinear2, _) => {
+            fit_nonlinear2(displacement, &options).map(|(m, fit, u)| (Model::Nonlinear2(m), fit, u))
+        }
+        _ => {
+            notes.warning(format!("{kind}: no solver for this model"));
+            return Ok(None);
+        }
+    };
+    let (model, fit, uncertainty) = match found {
+        Ok(found) => found,
+        Err(error @ SolveError::NoFit { .. }) => {
+            notes.warning(format!("{kind}: {error}"));
+            return Ok(None);
+        }
+        Err(error) => return Err(error),
+    };
+    remarks.insert(0, format!("fitted from {:.2} ms to {:.2} ms after time zero", 1e3 * fit.from_s, 1e3 * fit.to_s));
+    if !fit.active_bounds.is_empty() {
+        remarks.push(format!("on a bound, not determined by the record: {}", fit.active_bounds.join(", ")));
+    }
+    Ok(Some(Candidate { model, method, index: 1, equivalent_to: None, fit: Some(fit), uncertainty, notes: remarks }))
 }
 
 fn crush_of(evidence: &Evidence<'_>, model: ModelKind, notes: &mut Notes) -> Option<(f64, f64)> {
@@ -174,7 +257,7 @@ fn elastoplastic(evidence: &Evidence<'_>, method: Method, notes: &mut Notes) -> 
 }
 
 /// Chassis and compartment masses, with the sentence that says where they come from.
-fn masses(mass_kg: f64, split: MassSplit) -> Result<(f64, f64, String), SolveError> {
+pub fn masses(mass_kg: f64, split: MassSplit) -> Result<(f64, f64, String), SolveError> {
     let value = |name, value, expected| SolveError::Value { name, value, expected };
     let below = "positive and below the test mass";
     let (m1, m2, source) = match split {

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use crumple_parameter_solve::{Candidate, Evidence, MassSplit, solve};
-use crumple_signal::Displacement;
+use crumple_parameter_solve::{Candidate, Evidence, MassSplit, Method, masses, match_identified, solve};
+use crumple_signal::{Displacement, TestDescription};
 use crumple_stage::records::{CandidateV1, EventsV1, FitV1, TestV1, UncertaintyV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
 
+use crate::models::{identified_models, matching_record};
 use crate::options::{Options, StageSettings};
 
 /// The stage.
@@ -30,51 +31,36 @@ impl Stage for ParameterSolve {
     }
 
     fn run(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
-        let test = input.test()?;
-        let events: EventsV1 = input.record("/events")?;
-        let mass_kg = match (settings.mass_kg, test.mass_kg, settings.solve.split) {
-            (Some(given), Some(tested), _) => {
-                out.notes().info(format!("mass {given} kg given by flag instead of the test's {tested} kg"));
-                given
+        let mut candidates = Vec::new();
+        let mut channel = String::new();
+        let mut test = None;
+        if settings.solve.needs_events() {
+            let events: EventsV1 = input.record("/events")?;
+            let described = input.test()?;
+            if settings.mass_kg.or(described.mass_kg).is_none() && !matches!(settings.solve.split, MassSplit::Both(..)) {
+                // No fault of the artifact: ingest was told to go on without a mass, and the report shall still be made.
+                out.put("/test", &TestV1::from(&described))?;
+                return Ok(Outcome::NoAcceptableResult(
+                    "the test has no mass, which turns frequencies into N/m: --mass 873kg here or at crumple-ingest, or \
+                     '# mass: 873 kg' in the header of the record"
+                        .to_owned(),
+                ));
             }
-            (Some(mass), ..) | (None, Some(mass), _) => mass,
-            (None, None, MassSplit::Both(m1, m2)) => {
-                out.notes().info(format!("the test has no mass; taken as m1 + m2 = {} kg", m1 + m2));
-                m1 + m2
-            }
-            (None, None, _) => {
-                return Err(Refused::new("the test has no mass")
-                    .expected("the test mass, which turns frequencies into N/m")
-                    .hint("--mass 873kg here or at crumple-ingest, or '# mass: 873 kg' in the header of the record")
-                    .into());
-            }
-        };
-        let impact_speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
-            Refused::new("neither the events nor the test have an impact speed")
-                .hint("--impact-speed 35km/h at crumple-ingest")
-        })?;
-        let channel = &events.channel;
-        let id = format!("{channel}/displacement");
-        let wave = if settings.solve.fits_a_signal() { Some(input.wave(&id)?) } else { input.wave_if(&id) };
-        let displacement = wave
-            .map(crumple_stage::Wave::signal::<Displacement>)
-            .transpose()
-            .refuse_with_hint("crumple-integrate writes the displacement of the pulse")?;
-        let evidence = Evidence {
-            mass_kg,
-            impact_speed_m_per_s,
-            time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
-            dynamic_crush_m: events.dynamic_crush_m,
-            coefficient_of_restitution: events.coefficient_of_restitution,
-            time_zero_s: events.time_zero_s,
-            displacement: displacement.as_ref(),
-        };
-        let candidates = solve(&evidence, &settings.solve, out.notes())
-            .refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")?;
-
-        out.put("/test", &TestV1::from(&test))?;
+            candidates = from_events(settings, input, &described, &events, out)?;
+            channel = events.channel;
+            test = Some(described);
+        } else if input.record_if::<TestV1>("/test")?.is_some() {
+            test = Some(input.test()?);
+        }
+        if let Some(test) = &test {
+            out.put("/test", &TestV1::from(test))?;
+        }
+        if settings.solve.uses(Method::CoefficientMatching) {
+            let given = settings.mass_kg.or(test.as_ref().and_then(|test| test.mass_kg));
+            candidates.extend(from_models(settings, input, given, out)?);
+        }
         for candidate in &candidates {
-            out.put(&format!("/parameters/{}", candidate.id()), &record(candidate, channel))?;
+            out.put(&format!("/parameters/{}", candidate.id()), &record(candidate, &channel))?;
             out.summary(line(candidate));
         }
         Ok(if candidates.is_empty() {
@@ -83,6 +69,85 @@ impl Stage for ParameterSolve {
             Outcome::Done
         })
     }
+}
+
+/// Candidates from the events and the displacement.
+fn from_events(
+    settings: &StageSettings,
+    input: &Inputs,
+    test: &TestDescription,
+    events: &EventsV1,
+    out: &mut Output,
+) -> anyhow::Result<Vec<Candidate>> {
+    let mass_kg = match (settings.mass_kg, test.mass_kg, settings.solve.split) {
+        (Some(given), Some(tested), _) => {
+            out.notes().info(format!("mass {given} kg given by flag instead of the test's {tested} kg"));
+            given
+        }
+        (Some(mass), ..) | (None, Some(mass), _) => mass,
+        (None, None, MassSplit::Both(m1, m2)) => {
+            out.notes().info(format!("the test has no mass; taken as m1 + m2 = {} kg", m1 + m2));
+            m1 + m2
+        }
+        (None, None, _) => return Err(Refused::new("the test has no mass").hint("--mass 873kg").into()),
+    };
+    let impact_speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
+        Refused::new("neither the events nor the test have an impact speed")
+            .hint("--impact-speed 35km/h at crumple-ingest")
+    })?;
+    let id = format!("{}/displacement", events.channel);
+    let wave = if settings.solve.fits_a_signal() { Some(input.wave(&id)?) } else { input.wave_if(&id) };
+    let displacement = wave
+        .map(Wave::signal::<Displacement>)
+        .transpose()
+        .refuse_with_hint("crumple-integrate writes the displacement of the pulse")?;
+    let evidence = Evidence {
+        mass_kg,
+        impact_speed_m_per_s,
+        time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
+        dynamic_crush_m: events.dynamic_crush_m,
+        coefficient_of_restitution: events.coefficient_of_restitution,
+        time_zero_s: events.time_zero_s,
+        displacement: displacement.as_ref(),
+    };
+    solve(&evidence, &settings.solve, out.notes()).refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")
+}
+
+/// Candidates from every identified model with four poles, and the record of each matching.
+fn from_models(
+    settings: &StageSettings,
+    input: &Inputs,
+    mass_kg: Option<f64>,
+    out: &mut Output,
+) -> anyhow::Result<Vec<Candidate>> {
+    let mass_kg = match (mass_kg, settings.solve.split) {
+        (Some(mass), _) => mass,
+        (None, MassSplit::Both(m1, m2)) => m1 + m2,
+        (None, _) => {
+            return Err(Refused::new("the test has no mass")
+                .expected("the masses of chassis and compartment")
+                .hint("--m1 284.4kg --m2 1137.6kg")
+                .into());
+        }
+    };
+    let (m1_kg, m2_kg, split) = masses(mass_kg, settings.solve.split).refuse_with_hint("see --m1 and --m2")?;
+    out.notes().info(split);
+    let identified = identified_models(input)?;
+    if identified.is_empty() {
+        return Err(Refused::new("none of the inputs holds a model with four poles")
+            .expected("a transfer function with a denominator of degree 4 below /model/, or four poles below /modes/")
+            .hint("give the artifact of crumple-identify with order 4 too")
+            .into());
+    }
+    let mut candidates: Vec<Candidate> = Vec::new();
+    for model in &identified {
+        let first = candidates.len() + 1;
+        let matched =
+            match_identified(model, m1_kg, m2_kg, first, out.notes()).refuse_with_hint("see --m1 and --m2")?;
+        out.put(&format!("/matching/{}", model.id), &matching_record(&matched))?;
+        candidates.extend(matched.candidates);
+    }
+    Ok(candidates)
 }
 
 fn record(candidate: &Candidate, channel: &str) -> CandidateV1 {
@@ -125,6 +190,10 @@ fn line(candidate: &Candidate) -> String {
                 format!("{name} {:.3} kN s/m", value / 1e3)
             } else if let Some(name) = name.strip_suffix("_n_per_m") {
                 format!("{name} {:.2} kN/m", value / 1e3)
+            } else if let Some(name) = name.strip_suffix("_m_per_s") {
+                format!("{name} {value:.3} m/s")
+            } else if let Some(name) = name.strip_suffix("_m") {
+                format!("{name} {:.1} mm", 1e3 * value)
             } else {
                 format!("{} {value:.1} kg", name.trim_end_matches("_kg"))
             }

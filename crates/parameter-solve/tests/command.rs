@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{CandidateV1, EventsV1, TestV1};
+use crumple_artifact::records::{CandidateV1, EventsV1, MatchingV1, TestV1, TransferFunctionV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_lumped::{Kelvin, Model};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
@@ -80,7 +80,7 @@ fn a_missing_mass_is_refused_by_name_and_a_flag_supplies_it() {
     write_integrated(&folder.path().join("3.mcap"), None, true);
     let output = run(folder.path(), &[]);
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert_eq!(output.status.code(), Some(4), "{stderr}");
     assert!(stderr.contains("the test has no mass") && stderr.contains("--mass 873kg"), "{stderr}");
     assert!(!folder.path().join("5.mcap").exists());
     assert_eq!(run(folder.path(), &["--mass", "873kg", "--models", "kelvin"]).status.code(), Some(0));
@@ -143,4 +143,39 @@ fn closed_forms_need_the_events_only_and_are_exact() {
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(3), "{error}");
     assert!(error.contains("/wave/a/displacement") && error.contains("crumple-integrate"), "{error}");
+}
+
+#[test]
+fn a_typed_transfer_function_is_matched_with_every_solution_and_no_test_is_needed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut builder = ArtifactBuilder::new();
+    let model = TransferFunctionV1 {
+        numerator: vec![-76.15, 466.2],
+        denominator: vec![1.0, 35.7, 6024.0, 185_000.0, 414_600.0],
+        input: "force".to_owned(),
+        output: "displacement".to_owned(),
+    };
+    builder.put("/model/civic", &model).unwrap();
+    let provenance = Provenance::new("by hand", "0", "{}".to_owned(), Vec::new());
+    builder.write(&folder.path().join("3.mcap"), &provenance, Compression::None).unwrap();
+    let flags = ["--models", "double-spring-mass-damper", "--method", "coefficient-matching"];
+    let output = run(folder.path(), &[&flags[..], &["--m1", "284.4kg", "--m2", "1137.6kg"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let solved = Artifact::open(&folder.path().join("5.mcap")).unwrap();
+    let matching: MatchingV1 = solved.record("/matching/civic").unwrap().unwrap();
+    assert_eq!((matching.solutions.len(), matching.roots.len()), (6, 3));
+    assert!((matching.largest_mass_ratio.unwrap() - 0.14703).abs() < 5e-6);
+    let id = "double-spring-mass-damper/coefficient-matching";
+    let first: CandidateV1 = solved.record(&format!("/parameters/{id}/1")).unwrap().unwrap();
+    // The value of the identification reference, six decimals.
+    assert!((first.parameters["c1_n_s_per_m"] - 34434.205385).abs() < 1e-6);
+    assert!(!first.physical && first.equivalent_to == Some(format!("{id}/2")));
+    assert_eq!(matching.solutions[1].candidate, Some(format!("{id}/2")));
+    assert!(first.notes.iter().any(|note| note.contains("0.14703")), "{:?}", first.notes);
+    assert!(first.notes.iter().any(|note| note.contains("6.1221") && note.contains("not consistent")));
+    assert!(solved.record::<CandidateV1>(&format!("/parameters/{id}/3")).unwrap().is_none());
+    // Masses have to be said.
+    let output = run(folder.path(), &flags);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--m1 284.4kg"));
 }

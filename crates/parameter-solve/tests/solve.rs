@@ -4,7 +4,7 @@
 
 use crumple_lumped::{DoubleSpringMassDamper, Model, ModelKind};
 use crumple_parameter_solve::{
-    Candidate, Evidence, METHODS, MODELS, MassSplit, Method, SolveError, SolveSettings, solve,
+    Candidate, DEFAULT_METHODS, Evidence, MODELS, MassSplit, Method, SolveError, SolveSettings, solve,
 };
 use crumple_signal::{Displacement, Notes, Signal};
 
@@ -42,12 +42,13 @@ fn evidence(displacement: &Signal<Displacement>) -> Evidence<'_> {
 fn settings() -> SolveSettings {
     SolveSettings {
         models: MODELS.to_vec(),
-        methods: METHODS.to_vec(),
+        methods: DEFAULT_METHODS.to_vec(),
         split: MassSplit::FrontFraction(0.25),
         fit_from_s: 0.0,
         fit_to_s: None,
         fit_samples: 250,
         fit_starts: 24,
+        firefly: crumple_parameter_solve::FireflyOptions::default(),
     }
 }
 
@@ -61,13 +62,16 @@ fn every_model_gives_its_candidates_and_duals_point_at_each_other() {
         [
             "kelvin/closed-form/1",
             "elastoplastic/closed-form/1",
+            "maxwell/direct-fit/1",
+            "nonlinear-1/direct-fit/1",
+            "nonlinear-2/direct-fit/1",
             "double-spring-mass-damper/direct-fit/1",
             "double-spring-mass-damper/direct-fit/2"
         ]
     );
-    assert_eq!(found[2].equivalent_id().as_ref(), Some(&ids[3]));
-    assert_eq!(found[3].equivalent_id().as_ref(), Some(&ids[2]));
-    let Model::DoubleSpringMassDamper(double) = found[2].model else { panic!("{found:?}") };
+    assert_eq!(found[5].equivalent_id().as_ref(), Some(&ids[6]));
+    assert_eq!(found[6].equivalent_id().as_ref(), Some(&ids[5]));
+    let Model::DoubleSpringMassDamper(double) = found[5].model else { panic!("{found:?}") };
     // The record is exact and the assumed mass split is that of the car.
     assert!((double.k1_n_per_m / 9e5 - 1.0).abs() < 1e-6 && (double.c2_n_s_per_m / 9e3 - 1.0).abs() < 1e-6);
     assert!(found.iter().all(|c| c.model.is_physical()));

@@ -106,3 +106,34 @@ fn refuses_what_cannot_be_compared() {
     let error = simulate(&broken, &measured(&x, None), Window::default()).unwrap_err();
     assert_eq!(error.to_string(), "mass_kg is 0, expected a positive number");
 }
+
+#[test]
+fn every_model_kind_is_simulated_from_its_named_parameters() {
+    let zero = Sampled::new(0.0, 1e-3, vec![0.0; 101]).unwrap();
+    for kind in crumple_lumped::ModelKind::ALL {
+        let value = |name: &str| match name {
+            "v1_m_per_s" | "v_thresh_m_per_s" => 2.0,
+            "v2_m_per_s" => 5.0,
+            "v0_m_per_s" => 10.0,
+            "x1_m" => 0.3,
+            "crush_m" => 0.5,
+            name if name.ends_with("_kg") => 500.0,
+            name if name.contains("n_s_per_m") => 2e4,
+            _ => 4e5,
+        };
+        let parameters = kind.parameter_names().iter().map(|name| ((*name).to_owned(), value(name))).collect();
+        let model = Model::from_parameters(kind, &parameters).unwrap();
+        let measured = Measured {
+            time_zero_s: 0.0,
+            impact_speed_m_per_s: 10.0,
+            displacement: &zero,
+            velocity: None,
+            acceleration: None,
+            dynamic_crush_m: None,
+            time_of_dynamic_crush_s: None,
+        };
+        let simulation = simulate(&model, &measured, Window::default()).unwrap();
+        assert_eq!(simulation.motion.displacement_m.len(), 101, "{kind}");
+        assert!(simulation.events.dynamic_crush_m.unwrap() > 0.01, "{kind}");
+    }
+}

@@ -1,10 +1,10 @@
 //! Closed forms of the lumped models.
 
 use crumple_lti::{Complex, Mode};
-use crumple_lumped::{
-    CoefficientMatch, DoubleSpringMassDamper, Kelvin, match_double, maxwell_from_complex_roots, maxwell_from_real_roots,
+use crumple_lumped::{CoefficientMatching, Kelvin, MatchedSolution, Reading};
+use crumple_parameter_solve::{
+    KelvinBranch, MaxwellExponents, elastoplastic_from_events, kelvin_from_events, maxwell_from_exponents,
 };
-use crumple_parameter_solve::{KelvinBranch, elastoplastic_from_events, kelvin_from_events};
 use crumple_testkit::reference_signals::{list, number, text};
 use serde_json::{Value, json};
 
@@ -44,16 +44,16 @@ pub fn kelvin(check: &mut Check<'_>) {
 
 pub fn maxwell(check: &mut Check<'_>) {
     let mass_kg = check.param("mass_kg");
-    let found = match text(&check.case["params"]["branch"]) {
-        "imaginary" => maxwell_from_complex_roots(mass_kg, check.param("a"), check.param("b")),
+    let exponents = match text(&check.case["params"]["branch"]) {
+        "imaginary" => MaxwellExponents::Complex { a_per_s: check.param("a"), b_rad_per_s: check.param("b") },
         "real" => {
             let names = if check.has_param("r2") { ["r2", "r3"] } else { ["a", "b"] };
             let [r2, r3] = names.map(|name| check.param(name));
-            maxwell_from_real_roots(mass_kg, r2, r3)
+            MaxwellExponents::Real { a_per_s: (r2 + r3) / 2.0, b_per_s: (r2 - r3).abs() / 2.0 }
         }
         other => panic!("branch {other}"),
     };
-    let found = found.unwrap();
+    let found = maxwell_from_exponents(mass_kg, exponents).unwrap();
     check.close("k_N_per_m", found.stiffness_n_per_m);
     check.close("c_Ns_per_m", found.damping_n_s_per_m);
 }
@@ -71,19 +71,21 @@ pub fn elastoplastic(check: &mut Check<'_>) {
 
 pub fn double(check: &mut Check<'_>) {
     let denominator: Vec<f64> = list(&check.case["params"]["den"]).iter().map(number).collect();
-    let found =
-        match_double(check.param("m1_kg"), check.param("m2_kg"), denominator.as_slice().try_into().unwrap()).unwrap();
+    let [leading, t, u, v, w] = denominator.as_slice().try_into().unwrap();
+    let polynomial = [t, u, v, w].map(|coefficient: f64| coefficient / leading);
+    let (m1, m2) = (check.param("m1_kg"), check.param("m2_kg"));
+    let found = CoefficientMatching::new(polynomial, m1, m2, Reading::Binary).unwrap().solve();
+    let real: Vec<&MatchedSolution> = found.solutions.iter().filter(|solution| solution.real).collect();
     let expected = list(&check.case["expected"]["real_solutions"]);
     let physical = list(&check.case["expected"]["physical"]);
     check.looked_at("real_solutions");
     check.looked_at("physical");
-    if found.real.len() != expected.len() {
-        check.fail(format!("{} real solutions instead of {}", found.real.len(), expected.len()));
+    if real.len() != expected.len() {
+        check.fail(format!("{} real solutions instead of {}", real.len(), expected.len()));
     }
     // In any order.
     for (solution, physical) in expected.iter().zip(physical) {
-        let near = |model: &&DoubleSpringMassDamper| same(check, model, solution);
-        match found.real.iter().find(near).map(CoefficientMatch::is_physical) {
+        match real.iter().find(|found| same(check, found, solution)).map(|found| found.physical) {
             Some(is) if json!(is) == *physical => {}
             Some(_) => check.fail(format!("{solution} is physical where it is not, or the reverse")),
             None => check.fail(format!("{solution} is not among the solutions")),
@@ -91,12 +93,12 @@ pub fn double(check: &mut Check<'_>) {
     }
 }
 
-fn same(check: &Check<'_>, model: &DoubleSpringMassDamper, solution: &Value) -> bool {
-    [("c1", model.c1_n_s_per_m), ("c2", model.c2_n_s_per_m), ("k1", model.k1_n_per_m), ("k2", model.k2_n_per_m)]
+fn same(check: &Check<'_>, found: &MatchedSolution, solution: &Value) -> bool {
+    [("c1", found.c1_n_s_per_m), ("c2", found.c2_n_s_per_m), ("k1", found.k1_n_per_m), ("k2", found.k2_n_per_m)]
         .iter()
         .all(|(key, found)| {
             let expected = number(&solution[key]);
-            (found - expected).abs() <= check.general_limit(expected)
+            (found.re - expected).abs() <= check.general_limit(expected)
         })
 }
 

@@ -1,0 +1,365 @@
+use crumple_lti::{Complex, matrix_exponential, polynomial_roots};
+use nalgebra::{DMatrix, DVector};
+
+use crate::error::{finite, positive};
+use crate::{CrushEvents, LumpedError, ModelKind, Motion, State};
+
+/// Any number of masses in a row: barrier - (k1, c1) - m1 - (k2, c2) - m2 - ... - mN, the compartment last.
+///
+/// Element `i` is a spring and a damper in parallel in front of mass `i`; its force is
+/// `k_i (x_i - x_(i-1)) + c_i (v_i - v_(i-1))`, positive in compression, where index 0 is the barrier.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chain {
+    masses_kg: Vec<f64>,
+    springs_n_per_m: Vec<f64>,
+    dampers_n_s_per_m: Vec<f64>,
+}
+
+/// What moves a chain.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Drive {
+    /// All masses meet the barrier at this speed, m/s.
+    Impact(f64),
+    /// A force on one mass (index from 0) that starts from rest, N, samples at the response's interval, linear between
+    /// them and zero after the last.
+    Force {
+        /// Mass the force acts on.
+        mass: usize,
+        /// Samples, N, positive towards the barrier.
+        samples: Vec<f64>,
+    },
+    /// The acceleration of the barrier (a sled, a shaker), m/s², in the direction of crush; everything starts from rest.
+    BaseAcceleration(Vec<f64>),
+}
+
+/// Motion, element forces and energies of a chain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChainResponse {
+    /// Sampling interval, s.
+    pub dt_s: f64,
+    /// Motion of every mass, from the barrier on; displacement is absolute.
+    pub motions: Vec<Motion>,
+    /// Force in every spring, N, positive in compression.
+    pub spring_force_n: Vec<Vec<f64>>,
+    /// Force in every damper, N.
+    pub damper_force_n: Vec<Vec<f64>>,
+    /// Energy at every sample.
+    pub energy: Vec<Energy>,
+}
+
+/// Where the energy is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Energy {
+    /// In the masses, J.
+    pub kinetic_j: f64,
+    /// In the springs, J.
+    pub stored_j: f64,
+    /// Turned into heat by the dampers so far, J.
+    pub dissipated_j: f64,
+    /// Brought in by force or base so far, and by the impact speed, J.
+    pub input_j: f64,
+}
+
+impl Chain {
+    /// A chain. Errors: lists of unequal length or none, masses that are not positive, values that are not finite.
+    pub fn new(masses_kg: &[f64], springs_n_per_m: &[f64], dampers_n_s_per_m: &[f64]) -> Result<Self, LumpedError> {
+        let n = masses_kg.len();
+        if n == 0 || springs_n_per_m.len() != n || dampers_n_s_per_m.len() != n {
+            return Err(LumpedError::Value {
+                name: "number of springs and dampers",
+                value: springs_n_per_m.len().min(dampers_n_s_per_m.len()) as f64,
+                expected: "one spring and one damper for each mass, and at least one mass",
+            });
+        }
+        for m in masses_kg {
+            positive("mass_kg", *m)?;
+        }
+        for (k, c) in springs_n_per_m.iter().zip(dampers_n_s_per_m) {
+            finite("stiffness_n_per_m", *k)?;
+            finite("damping_n_s_per_m", *c)?;
+        }
+        Ok(Self {
+            masses_kg: masses_kg.to_vec(),
+            springs_n_per_m: springs_n_per_m.to_vec(),
+            dampers_n_s_per_m: dampers_n_s_per_m.to_vec(),
+        })
+    }
+
+    /// Masses, kg, from the barrier on.
+    pub fn masses_kg(&self) -> &[f64] {
+        &self.masses_kg
+    }
+
+    /// Characteristic polynomial, monic, highest power first.
+    ///
+    /// Built from the compartment forwards as a dynamic stiffness `N/D`: an element in series makes `q N/(N + q D)` of it,
+    /// a mass adds `m s²`. Sums of positive terms only, so every coefficient is right to a few roundings.
+    pub fn characteristic_polynomial(&self) -> Vec<f64> {
+        // Lowest power first.
+        let times = |p: &[f64], q: &[f64]| {
+            let mut product = vec![0.0; p.len() + q.len() - 1];
+            for (i, a) in p.iter().enumerate() {
+                for (j, b) in q.iter().enumerate() {
+                    product[i + j] += a * b;
+                }
+            }
+            product
+        };
+        let plus = |p: &[f64], q: &[f64]| -> Vec<f64> {
+            let at = |v: &[f64], i: usize| v.get(i).copied().unwrap_or(0.0);
+            (0..p.len().max(q.len())).map(|i| at(p, i) + at(q, i)).collect()
+        };
+        let (mut top, mut bottom) = (vec![0.0], vec![1.0]);
+        for i in (0..self.masses_kg.len()).rev() {
+            top = plus(&top, &times(&[0.0, 0.0, self.masses_kg[i]], &bottom));
+            let q = [self.springs_n_per_m[i], self.dampers_n_s_per_m[i]];
+            let closed = plus(&top, &times(&q, &bottom));
+            top = times(&q, &top);
+            bottom = closed;
+        }
+        let order = 2 * self.masses_kg.len();
+        let leading = bottom[order];
+        (0..=order).rev().map(|k| bottom[k] / leading).collect()
+    }
+
+    /// Poles, 1/s, as `polynomial_roots` sorts them.
+    pub fn poles(&self) -> Result<Vec<Complex>, LumpedError> {
+        Ok(polynomial_roots(&self.characteristic_polynomial())?)
+    }
+
+    /// `A` over `(x, v, y, y', u, u')`: masses, base and the drive, which is linear within a step.
+    fn matrix(&self, drive: &Drive) -> DMatrix<f64> {
+        let n = self.masses_kg.len();
+        let (base, input) = (2 * n, 2 * n + 2);
+        let mut a = DMatrix::zeros(2 * n + 4, 2 * n + 4);
+        for i in 0..n {
+            a[(i, n + i)] = 1.0;
+            let (k, c) = (self.springs_n_per_m[i], self.dampers_n_s_per_m[i]);
+            let front = if i == 0 { (base, base + 1) } else { (i - 1, n + i - 1) };
+            for (row, sign) in [(Some(i), -1.0), (i.checked_sub(1), 1.0)] {
+                let Some(row) = row else { continue };
+                let by = sign / self.masses_kg[row];
+                a[(n + row, i)] += by * k;
+                a[(n + row, front.0)] -= by * k;
+                a[(n + row, n + i)] += by * c;
+                a[(n + row, front.1)] -= by * c;
+            }
+        }
+        a[(base, base + 1)] = 1.0;
+        a[(input, input + 1)] = 1.0;
+        match drive {
+            Drive::Force { mass, .. } if *mass < n => a[(n + mass, input)] = 1.0 / self.masses_kg[*mass],
+            Drive::BaseAcceleration(_) => a[(base + 1, input)] = 1.0,
+            Drive::Force { .. } | Drive::Impact(_) => {}
+        }
+        a
+    }
+
+    /// Motion, forces and energies at `k dt`, k = 0 .. `samples`.
+    ///
+    /// One matrix exponential for the step, exact for drives linear between samples; heat and work by the exact integral
+    /// of the quadratic form over the step (Van Loan 1978), so the balance closes to rounding. Errors: a force on a mass
+    /// that is not there, a step or drive that is not finite, a response that leaves the range of numbers.
+    pub fn respond(&self, drive: &Drive, dt_s: f64, samples: usize) -> Result<ChainResponse, LumpedError> {
+        positive("dt_s", dt_s)?;
+        let n = self.masses_kg.len();
+        let size = 2 * n + 4;
+        let input = 2 * n + 2;
+        if let Drive::Force { mass, .. } = drive
+            && *mass >= n
+        {
+            return Err(LumpedError::Value {
+                name: "mass",
+                value: *mass as f64,
+                expected: "the index of a mass of the chain",
+            });
+        }
+        let a = self.matrix(drive);
+        let phi = matrix_exponential(&(&a * dt_s))?;
+        let heat = integrated(&a, &self.heat_form(), dt_s)?;
+        let work = integrated(&a, &self.work_form(drive, &a), dt_s)?;
+        let source: &[f64] = match drive {
+            Drive::Impact(_) => &[],
+            Drive::Force { samples, .. } | Drive::BaseAcceleration(samples) => samples,
+        };
+        let at = |k: usize| source.get(k).copied().unwrap_or(0.0);
+
+        let mut z = DVector::zeros(size);
+        if let Drive::Impact(speed) = drive {
+            finite("impact_speed_m_per_s", *speed)?;
+            z.rows_mut(n, n).fill(*speed);
+        }
+        let mut response = ChainResponse {
+            dt_s,
+            motions: vec![Motion::with_capacity(samples); n],
+            spring_force_n: vec![Vec::with_capacity(samples); n],
+            damper_force_n: vec![Vec::with_capacity(samples); n],
+            energy: Vec::with_capacity(samples),
+        };
+        let mut energy = self.energy(&z);
+        energy.input_j = energy.kinetic_j;
+        for k in 0..samples {
+            z[input] = at(k);
+            z[input + 1] = (at(k + 1) - at(k)) / dt_s;
+            let rate = &a * &z;
+            if !rate.iter().all(|x| x.is_finite()) {
+                return Err(LumpedError::Diverges {
+                    model: ModelKind::TripleSpringMassDamper,
+                    time_s: k as f64 * dt_s,
+                });
+            }
+            for i in 0..n {
+                let (front_x, front_v) = if i == 0 { (z[2 * n], z[2 * n + 1]) } else { (z[i - 1], z[n + i - 1]) };
+                response.spring_force_n[i].push(self.springs_n_per_m[i] * (z[i] - front_x));
+                response.damper_force_n[i].push(self.dampers_n_s_per_m[i] * (z[n + i] - front_v));
+                response.motions[i].push(State {
+                    displacement_m: z[i],
+                    velocity_m_per_s: z[n + i],
+                    acceleration_m_per_s2: rate[n + i],
+                });
+            }
+            response.energy.push(Energy {
+                dissipated_j: energy.dissipated_j,
+                input_j: energy.input_j,
+                ..self.energy(&z)
+            });
+            energy.dissipated_j += z.dot(&(&heat * &z));
+            energy.input_j += z.dot(&(&work * &z));
+            z = &phi * z;
+        }
+        Ok(response)
+    }
+
+    fn energy(&self, z: &DVector<f64>) -> Energy {
+        let n = self.masses_kg.len();
+        let front = |i: usize| if i == 0 { z[2 * n] } else { z[i - 1] };
+        Energy {
+            kinetic_j: (0..n).map(|i| 0.5 * self.masses_kg[i] * z[n + i].powi(2)).sum(),
+            stored_j: (0..n).map(|i| 0.5 * self.springs_n_per_m[i] * (z[i] - front(i)).powi(2)).sum(),
+            ..Energy::default()
+        }
+    }
+
+    /// `z' Q z` is the power of the dampers.
+    fn heat_form(&self) -> DMatrix<f64> {
+        let n = self.masses_kg.len();
+        let mut q = DMatrix::zeros(2 * n + 4, 2 * n + 4);
+        for i in 0..n {
+            let front = if i == 0 { 2 * n + 1 } else { n + i - 1 };
+            let c = self.dampers_n_s_per_m[i];
+            q[(n + i, n + i)] += c;
+            q[(front, front)] += c;
+            q[(n + i, front)] -= c;
+            q[(front, n + i)] -= c;
+        }
+        q
+    }
+
+    /// `z' Q z` is the power that comes in.
+    fn work_form(&self, drive: &Drive, a: &DMatrix<f64>) -> DMatrix<f64> {
+        let n = self.masses_kg.len();
+        let mut q = DMatrix::zeros(2 * n + 4, 2 * n + 4);
+        match drive {
+            Drive::Impact(_) => {}
+            Drive::Force { mass, .. } => q[(n + mass, 2 * n + 2)] = 1.0,
+            // The barrier pushes with the force of the first element: minus the sum of m a.
+            Drive::BaseAcceleration(_) => {
+                for i in 0..n {
+                    for j in 0..2 * n + 4 {
+                        q[(2 * n + 1, j)] += self.masses_kg[i] * a[(n + i, j)];
+                    }
+                }
+            }
+        }
+        (&q + q.transpose()) * 0.5
+    }
+
+    /// First zero of the velocity of every mass after an impact, within `horizon_s`, and of its acceleration after it.
+    ///
+    /// Steps of 1/16 of the fastest time constant (at least 1/4000 of the horizon short), then bisection on the exact
+    /// solution. What does not happen until the horizon is none.
+    pub fn events(&self, impact_speed_m_per_s: f64, horizon_s: f64) -> Result<Vec<CrushEvents>, LumpedError> {
+        let n = self.masses_kg.len();
+        let a = self.matrix(&Drive::Impact(impact_speed_m_per_s)).view((0, 0), (2 * n, 2 * n)).into_owned();
+        let fastest = self.poles()?.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        let h = (horizon_s / 4000.0).min(1.0 / (16.0 * fastest)).max(horizon_s / 400_000.0);
+        let phi = matrix_exponential(&(&a * h))?;
+        let mut events = vec![CrushEvents::default(); n];
+        let mut z = DVector::zeros(2 * n);
+        z.rows_mut(n, n).fill(impact_speed_m_per_s);
+        let mut rate = &a * &z;
+        let mut k = 0;
+        while (k as f64) * h < horizon_s && events.iter().any(|e| e.time_of_rebound_s.is_none()) {
+            let next = &phi * &z;
+            let next_rate = &a * &next;
+            if !next.iter().all(|x| x.is_finite()) {
+                break;
+            }
+            for (i, event) in events.iter_mut().enumerate() {
+                let (row, stopped) = (n + i, event.time_of_dynamic_crush_s.is_some());
+                let (before, after) = if stopped { (rate[row], next_rate[row]) } else { (z[row], next[row]) };
+                if event.time_of_rebound_s.is_some() || before == 0.0 || before * after > 0.0 {
+                    continue;
+                }
+                let (mut low, mut high) = (0.0, h);
+                let mut at = z.clone();
+                for _ in 0..52 {
+                    let middle = 0.5 * (low + high);
+                    at = matrix_exponential(&(&a * middle))? * &z;
+                    let value = if stopped { (&a * &at)[row] } else { at[row] };
+                    if value * before > 0.0 { low = middle } else { high = middle }
+                }
+                let t = k as f64 * h + high;
+                if stopped {
+                    event.time_of_rebound_s = Some(t);
+                    event.rebound_velocity_m_per_s = Some(at[row]);
+                } else {
+                    event.time_of_dynamic_crush_s = Some(t);
+                    event.dynamic_crush_m = Some(at[i]);
+                }
+            }
+            (z, rate) = (next, next_rate);
+            k += 1;
+        }
+        Ok(events)
+    }
+}
+
+/// `W` with `integral over a step of z' Q z = z0' W z0`.
+fn integrated(a: &DMatrix<f64>, q: &DMatrix<f64>, dt_s: f64) -> Result<DMatrix<f64>, LumpedError> {
+    let n = a.nrows();
+    let mut block = DMatrix::zeros(2 * n, 2 * n);
+    block.view_mut((0, 0), (n, n)).copy_from(&(-a.transpose() * dt_s));
+    block.view_mut((0, n), (n, n)).copy_from(&(q * dt_s));
+    block.view_mut((n, n), (n, n)).copy_from(&(a * dt_s));
+    let e = matrix_exponential(&block)?;
+    Ok(e.view((n, n), (n, n)).transpose() * e.view((0, n), (n, n)))
+}
+
+/// Three masses in a row: engine, suspension and chassis, compartment. See [`Chain`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TripleSpringMassDamper {
+    /// Masses from the barrier on, kg.
+    pub masses_kg: [f64; 3],
+    /// Springs in front of them, N/m.
+    pub springs_n_per_m: [f64; 3],
+    /// Dampers in front of them, N·s/m.
+    pub dampers_n_s_per_m: [f64; 3],
+}
+
+impl TripleSpringMassDamper {
+    /// The chain it is.
+    pub fn chain(&self) -> Result<Chain, LumpedError> {
+        Chain::new(&self.masses_kg, &self.springs_n_per_m, &self.dampers_n_s_per_m)
+    }
+
+    /// Refuses masses that are not positive and values that are not finite.
+    pub fn check(&self) -> Result<(), LumpedError> {
+        self.chain().map(|_| ())
+    }
+
+    /// Dynamic crush and rebound of the three masses, within two seconds.
+    pub fn events(&self, impact_speed_m_per_s: f64) -> Result<Vec<CrushEvents>, LumpedError> {
+        self.chain()?.events(impact_speed_m_per_s, 2.0)
+    }
+}

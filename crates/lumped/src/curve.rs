@@ -1,0 +1,45 @@
+/// A coefficient that is linear between knots and constant outside: up to four knots, the first at zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Curve {
+    knots: [f64; 4],
+    values: [f64; 4],
+    len: usize,
+}
+
+impl Curve {
+    /// Knots that rise; `N` is 2 to 4.
+    pub fn new<const N: usize>(knots: [f64; N], values: [f64; N]) -> Self {
+        let mut curve = Self { knots: [0.0; 4], values: [0.0; 4], len: N };
+        curve.knots[..N].copy_from_slice(&knots);
+        curve.values[..N].copy_from_slice(&values);
+        curve
+    }
+
+    /// The piece that holds at `x >= 0`, where moving outwards counts the piece beyond a knot: `(start, slope, end)`
+    /// of `value = start + slope x`, valid up to `end` (and from `begin`).
+    pub fn piece(&self, x: f64, outwards: bool) -> Piece {
+        let knots = &self.knots[..self.len];
+        let above = if outwards { knots.partition_point(|k| *k <= x) } else { knots.partition_point(|k| *k < x) };
+        if above == self.len {
+            return Piece {
+                constant: self.values[self.len - 1],
+                slope: 0.0,
+                from: knots[self.len - 1],
+                to: f64::INFINITY,
+            };
+        }
+        // The first knot is zero: below it there is nothing.
+        let i = above.max(1);
+        let slope = (self.values[i] - self.values[i - 1]) / (knots[i] - knots[i - 1]);
+        Piece { constant: self.values[i - 1] - slope * knots[i - 1], slope, from: knots[i - 1], to: knots[i] }
+    }
+}
+
+/// `constant + slope x` for `from <= x <= to`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Piece {
+    pub constant: f64,
+    pub slope: f64,
+    pub from: f64,
+    pub to: f64,
+}

@@ -1,0 +1,356 @@
+//! Exact-to-rounding motion of one mass on a secant spring and a damper with piecewise-linear coefficients.
+
+use crate::curve::{Curve, Piece};
+use crate::{CrushEvents, LumpedError, ModelKind, Motion, State};
+
+/// Terms of the Taylor series.
+const ORDER: usize = 16;
+/// Rest of the series after a step, relative to the motion.
+const REST: f64 = 1e-17;
+/// Steps after which the search for an event or the motion gives up.
+const MAX_STEPS: usize = 20_000;
+/// Instants evaluated side by side.
+const LANES: usize = 8;
+/// Share of a step after which a motion that starts on a knot must lie inside its piece.
+const INSIDE: f64 = 1.0 / 16.0;
+
+/// `m x'' = -k(|x|) x - c(|v|) v`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SecantMotion {
+    pub mass_kg: f64,
+    pub spring: Curve,
+    pub damper: Curve,
+}
+
+/// One step: the Taylor coefficients of `x` about its start, valid for `length`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Step {
+    pub start_s: f64,
+    pub length_s: f64,
+    x: [f64; ORDER + 1],
+    law: Law,
+}
+
+/// The force on the pieces a step lies in: `a = -((k0 + k1 sx x) x + (c0 + c1 sv v) v)`, per unit of mass.
+#[derive(Debug, Clone, Copy)]
+struct Law {
+    k0: f64,
+    k1: f64,
+    c0: f64,
+    c1: f64,
+}
+
+impl Step {
+    /// The state at `tau` after the step's start.
+    #[inline]
+    pub fn at(&self, tau: f64) -> State {
+        let (mut x, mut v) = (0.0, 0.0);
+        for k in (0..=ORDER).rev() {
+            v = v * tau + x;
+            x = x * tau + self.x[k];
+        }
+        State { displacement_m: x, velocity_m_per_s: v, acceleration_m_per_s2: self.law.acceleration(x, v) }
+    }
+}
+
+impl Step {
+    /// The states at several instants.
+    #[inline]
+    fn at_each<const N: usize>(&self, tau: [f64; N]) -> [State; N] {
+        let (mut x, mut v) = ([0.0; N], [0.0; N]);
+        for k in (0..=ORDER).rev() {
+            for lane in 0..N {
+                v[lane] = v[lane] * tau[lane] + x[lane];
+                x[lane] = x[lane] * tau[lane] + self.x[k];
+            }
+        }
+        std::array::from_fn(|i| State {
+            displacement_m: x[i],
+            velocity_m_per_s: v[i],
+            acceleration_m_per_s2: self.law.acceleration(x[i], v[i]),
+        })
+    }
+}
+
+impl Law {
+    #[inline]
+    fn acceleration(&self, x: f64, v: f64) -> f64 {
+        -((self.k0 + self.k1 * x) * x + (self.c0 + self.c1 * v) * v)
+    }
+}
+
+impl SecantMotion {
+    /// Walks from contact to `end_s`, step by step; `visit` returns whether to go on.
+    ///
+    /// Inside one piece of both coefficients the equation is a polynomial of degree two, so its Taylor coefficients
+    /// follow by recurrence and a step of order 16 is as long as its rest allows. A step ends where `|x|` or `|v|` meets
+    /// a knot or `v` or `x` changes sign, found by Newton's method on the series; so no step contains a kink.
+    pub fn walk(
+        &self,
+        impact_speed_m_per_s: f64,
+        end_s: f64,
+        mut visit: impl FnMut(&Step) -> bool,
+    ) -> Result<(), LumpedError> {
+        let (mut t, mut x, mut v) = (0.0, 0.0, impact_speed_m_per_s);
+        let mut a = self.acceleration(x, v);
+        for _ in 0..MAX_STEPS {
+            if t >= end_s {
+                return Ok(());
+            }
+            if v.abs() <= REST * impact_speed_m_per_s && a.abs() * (end_s - t) <= REST * impact_speed_m_per_s {
+                // At rest for good.
+                let series = std::array::from_fn(|k| if k == 0 { x } else { 0.0 });
+                let law = Law { k0: 0.0, k1: 0.0, c0: 0.0, c1: 0.0 };
+                visit(&Step { start_s: t, length_s: end_s - t, x: series, law });
+                return Ok(());
+            }
+            let (mut step, smooth, spring, damper, sx, sv) = self.piecewise(t, x, v, a, end_s);
+            step.length_s = border(&step, smooth, &spring, &damper, sx, sv);
+            if !visit(&step) {
+                return Ok(());
+            }
+            let next = step.at(step.length_s);
+            t += step.length_s;
+            let snap = |value: f64, piece: &Piece, sign: f64, size: f64| {
+                // On a knot exactly, so that the next step starts on the right piece.
+                for knot in [piece.from, piece.to] {
+                    if knot.is_finite() && (value * sign - knot).abs() <= 1e-13 * (knot + size) {
+                        return sign * knot;
+                    }
+                }
+                value
+            };
+            let crossed = step.length_s < smooth;
+            (x, v) = (next.displacement_m, next.velocity_m_per_s);
+            if crossed {
+                let reach = impact_speed_m_per_s * step.length_s;
+                x = snap(x, &spring, sx, 1e-3 * reach);
+                v = snap(v, &damper, sv, 1e-3 * impact_speed_m_per_s);
+            }
+            a = self.acceleration(x, v);
+            if !(x.is_finite() && v.is_finite() && a.is_finite()) {
+                return Err(LumpedError::Diverges { model: ModelKind::Nonlinear2, time_s: t });
+            }
+        }
+        Err(LumpedError::Diverges { model: ModelKind::Nonlinear2, time_s: t })
+    }
+
+    /// The step from a state, on the pieces the motion enters. On a knot the rate says which; where it vanishes or
+    /// deceives, the series itself: a sixteenth of the step on, the state must lie inside.
+    fn piecewise(&self, t: f64, x: f64, v: f64, a: f64, end_s: f64) -> (Step, f64, Piece, Piece, f64, f64) {
+        let sx = if x == 0.0 { v.signum() } else { x.signum() };
+        let sv = if v == 0.0 { a.signum() } else { v.signum() };
+        let (outwards, faster) = (x == 0.0 || x * v > 0.0, v == 0.0 || v * a > 0.0);
+        let by = 1.0 / self.mass_kg;
+        let attempt = |outwards: bool, faster: bool| {
+            let spring = self.spring.piece(x.abs(), outwards);
+            let damper = self.damper.piece(v.abs(), faster);
+            let law = Law {
+                k0: by * spring.constant,
+                k1: by * spring.slope * sx,
+                c0: by * damper.constant,
+                c1: by * damper.slope * sv,
+            };
+            let series = law.series(x, v);
+            let smooth = longest(&series).min(end_s - t);
+            (Step { start_s: t, length_s: smooth, x: series, law }, smooth, spring, damper, sx, sv)
+        };
+        let inside = |tried: &(Step, f64, Piece, Piece, f64, f64)| {
+            let soon = tried.0.at(tried.1 * INSIDE);
+            let (x, v) = (soon.displacement_m * sx, soon.velocity_m_per_s * sv);
+            let within = |value: f64, now: f64, piece: &Piece| {
+                (now != piece.from || value >= piece.from) && (now != piece.to || value <= piece.to)
+            };
+            (within(x, tried.4 * tried.0.x[0], &tried.2), within(v, tried.5 * tried.0.x[1], &tried.3))
+        };
+        let first = attempt(outwards, faster);
+        match inside(&first) {
+            (true, true) => first,
+            (spring, damper) => attempt(outwards == spring, faster == damper),
+        }
+    }
+
+    fn acceleration(&self, x: f64, v: f64) -> f64 {
+        let value = |curve: &Curve, at: f64| {
+            let piece = curve.piece(at, true);
+            piece.constant + piece.slope * at
+        };
+        -(value(&self.spring, x.abs()) * x + value(&self.damper, v.abs()) * v) / self.mass_kg
+    }
+
+    /// The motion at `k dt`, k = 0 .. `samples`.
+    pub fn motion(&self, impact_speed_m_per_s: f64, dt_s: f64, samples: usize) -> Result<Motion, LumpedError> {
+        let mut motion = Motion::zeros(samples);
+        let mut next = 0;
+        let end_s = dt_s * samples as f64;
+        self.walk(impact_speed_m_per_s, end_s, |step| {
+            let stop = step.start_s + step.length_s;
+            while next < samples && next as f64 * dt_s <= stop {
+                // Several instants at a time, which the processor works on side by side.
+                let tau = std::array::from_fn(|lane| (next + lane) as f64 * dt_s - step.start_s);
+                let states = step.at_each::<LANES>(tau);
+                for (lane, state) in states.into_iter().enumerate().take(samples - next) {
+                    if (next + lane) as f64 * dt_s > stop {
+                        next += lane;
+                        return true;
+                    }
+                    motion.set(next + lane, state);
+                }
+                next += LANES;
+            }
+            next < samples
+        })?;
+        Ok(motion)
+    }
+
+    /// The displacement at `first_s + k dt_s`, for a fit.
+    pub fn displacement(
+        &self,
+        impact_speed_m_per_s: f64,
+        first_s: f64,
+        dt_s: f64,
+        out: &mut [f64],
+    ) -> Result<(), LumpedError> {
+        let mut next = 0;
+        let end_s = first_s + dt_s * out.len() as f64;
+        self.walk(impact_speed_m_per_s, end_s, |step| {
+            let stop = step.start_s + step.length_s;
+            while next < out.len() {
+                let t = first_s + next as f64 * dt_s;
+                if t > stop {
+                    break;
+                }
+                out[next] = step.at(t - step.start_s).displacement_m;
+                next += 1;
+            }
+            next < out.len()
+        })
+    }
+
+    /// First zero of velocity, and of acceleration after it.
+    pub fn events(&self, impact_speed_m_per_s: f64) -> Result<CrushEvents, LumpedError> {
+        let mut events = CrushEvents::default();
+        let mut rate = 1.0;
+        // A crash is over in a second or never.
+        self.walk(impact_speed_m_per_s, 2.0, |step| {
+            let end = step.at(step.length_s);
+            if events.time_of_dynamic_crush_s.is_none() {
+                // Steps end where the velocity changes its sign.
+                if end.velocity_m_per_s.abs() <= 1e-12 * impact_speed_m_per_s {
+                    events.time_of_dynamic_crush_s = Some(step.start_s + step.length_s);
+                    events.dynamic_crush_m = Some(end.displacement_m);
+                    rate = end.acceleration_m_per_s2;
+                }
+                return true;
+            }
+            if end.acceleration_m_per_s2 * rate > 0.0 && rate != 0.0 {
+                return true;
+            }
+            let (mut low, mut high) = (0.0, step.length_s);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if step.at(middle).acceleration_m_per_s2 * rate > 0.0 { low = middle } else { high = middle }
+            }
+            events.time_of_rebound_s = Some(step.start_s + high);
+            events.rebound_velocity_m_per_s = Some(step.at(high).velocity_m_per_s);
+            false
+        })?;
+        Ok(events)
+    }
+}
+
+impl Law {
+    /// `x[k+1] = v[k]/(k+1)`, `v[k+1] = a[k]/(k+1)`, products by convolution.
+    fn series(&self, x0: f64, v0: f64) -> [f64; ORDER + 1] {
+        let mut x = [0.0; ORDER + 1];
+        let mut v = [0.0; ORDER + 1];
+        (x[0], v[0]) = (x0, v0);
+        for k in 0..ORDER {
+            let (mut xx, mut vv) = (0.0, 0.0);
+            for i in 0..=k {
+                xx += x[i] * x[k - i];
+                vv += v[i] * v[k - i];
+            }
+            let a = -(self.k0 * x[k] + self.k1 * xx + self.c0 * v[k] + self.c1 * vv);
+            let by = 1.0 / (k + 1) as f64;
+            x[k + 1] = v[k] * by;
+            v[k + 1] = a * by;
+        }
+        x
+    }
+}
+
+/// The step after which the last terms of the velocity's series are `REST` of the motion.
+fn longest(x: &[f64; ORDER + 1]) -> f64 {
+    let size = x[0].abs().max(x[1].abs() * 1e-3).max(1e-12);
+    let bound = |k: usize| (size * REST / x[k].abs().max(f64::MIN_POSITIVE)).powf(1.0 / k as f64);
+    bound(ORDER).min(bound(ORDER - 1)).max(1e-9)
+}
+
+/// Where the step first meets a border of its pieces: a knot of either coefficient, or a change of sign.
+fn border(step: &Step, length: f64, spring: &Piece, damper: &Piece, sx: f64, sv: f64) -> f64 {
+    let mut first = length;
+    // Farthest that displacement and velocity can go in the step: most steps meet no border, and this tells at once.
+    let mut reach = (0.0, 0.0);
+    let mut power = 1.0;
+    for k in 1..=ORDER {
+        let size = step.x[k].abs();
+        if k > 1 {
+            reach.1 += k as f64 * size * power;
+        }
+        power *= length;
+        reach.0 += size * power;
+    }
+    // Distance inside the piece from each of its ends, positive inside, and its rate.
+    for (end, side, is_velocity) in
+        [(spring.from, 1.0, false), (spring.to, -1.0, false), (damper.from, 1.0, true), (damper.to, -1.0, true)]
+    {
+        if !end.is_finite() {
+            continue;
+        }
+        let distance = |tau: f64| {
+            let s = step.at(tau);
+            if is_velocity {
+                (side * (sv * s.velocity_m_per_s - end), side * sv * s.acceleration_m_per_s2)
+            } else {
+                (side * (sx * s.displacement_m - end), side * sx * s.velocity_m_per_s)
+            }
+        };
+        if distance(0.0).0 > if is_velocity { reach.1 } else { reach.0 } {
+            continue;
+        }
+        // Looked for on eight points, so that one out and back within the step is seen. From a border the motion was
+        // found to go inwards.
+        let mut low = if distance(0.0).0 > 0.0 { 0.0 } else { length * INSIDE };
+        let mut high = None;
+        for part in 1..=8 {
+            let tau = first * f64::from(part) / 8.0;
+            if tau <= low {
+                continue;
+            }
+            if distance(tau).0 < 0.0 {
+                high = Some(tau);
+                break;
+            }
+            low = tau;
+        }
+        let Some(mut high) = high else { continue };
+        let mut tau = 0.5 * (low + high);
+        for _ in 0..60 {
+            let (d, rate) = distance(tau);
+            if d > 0.0 {
+                low = tau;
+            } else {
+                high = tau;
+            }
+            let newton = tau - d / rate;
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            if (next - tau).abs() <= 2.0 * f64::EPSILON * tau {
+                break;
+            }
+            tau = next;
+        }
+        first = tau.min(first);
+    }
+    first.max(1e-15)
+}

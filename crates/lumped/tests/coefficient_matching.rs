@@ -1,0 +1,188 @@
+//! Every parameter set with a given characteristic polynomial.
+
+#![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
+
+use crumple_lumped::{CoefficientMatching, Complex, DoubleSpringMassDamper, Reading, matching_sensitivity};
+use proptest::prelude::*;
+
+/// The Honda Civic polynomial of the transfer-function paper, with the 35.7 of its equation 5.
+const CIVIC: [f64; 4] = [35.7, 6024.0, 185_000.0, 414_600.0];
+
+fn solve(polynomial: [f64; 4], m1: f64, m2: f64) -> crumple_lumped::CoefficientMatch {
+    CoefficientMatching::new(polynomial, m1, m2, Reading::Decimal).unwrap().solve()
+}
+
+fn close(found: f64, wanted: f64) {
+    // The wanted values are given with six decimals.
+    assert!((found - wanted).abs() <= 5.1e-7 * (1.0 + wanted.abs() * 1e-8), "{found} {wanted}");
+}
+
+#[test]
+fn both_mass_splits_of_the_civic_have_two_real_solutions_and_no_positive_one() {
+    let chassis_fifth = solve(CIVIC, 284.4, 1137.6);
+    let real: Vec<_> = chassis_fifth.solutions.iter().filter(|s| s.real).collect();
+    assert_eq!((real.len(), chassis_fifth.solutions.len()), (2, 6));
+    assert!(chassis_fifth.solutions.iter().all(|s| !s.physical));
+    close(chassis_fifth.roots[0].zeta.re, -2067.424643);
+    close(chassis_fifth.roots[1].zeta.re, 7057.712322);
+    close(chassis_fifth.roots[1].zeta.im.abs(), 3737.960613);
+    let stiff_rear = real[0];
+    for (found, wanted) in [
+        (stiff_rear.c1_n_s_per_m, 34434.205385),
+        (stiff_rear.k1_n_per_m, 75328.293525),
+        (stiff_rear.c2_n_s_per_m, -19424.900308),
+        (stiff_rear.k2_n_per_m, 1780698.300028),
+    ] {
+        close(found.re, wanted);
+    }
+    let swapped = solve(CIVIC, 1137.6, 284.4);
+    let real: Vec<_> = swapped.solutions.iter().filter(|s| s.real).collect();
+    assert_eq!(real.len(), 2);
+    close(real[0].k2_n_per_m.re, 1370163.708628);
+    close(real[1].c1_n_s_per_m.re, -3115.807223);
+    // The bound that makes any search for a positive set with these masses vain.
+    let bound = swapped.largest_mass_ratio.unwrap();
+    assert!((bound - 0.14703).abs() < 5e-6, "{bound}");
+    assert!(284.4 / 1137.6 > bound);
+    // Below the bound both real solutions are positive.
+    let feasible = solve(CIVIC, 1300.0, 122.0);
+    assert_eq!(feasible.solutions.iter().filter(|s| s.physical).count(), 2);
+    close(feasible.solutions[0].c1_n_s_per_m.re, 44546.773747);
+    close(feasible.solutions[1].k1_n_per_m.re, 7672943.708918);
+}
+
+#[test]
+fn roots_are_certified() {
+    let found = solve(CIVIC, 284.4, 1137.6);
+    for root in &found.roots {
+        let certificate = root.certificate.unwrap();
+        // Double-double arithmetic: far below a rounding of the root itself.
+        assert!(certificate.radius < 1e-20 * root.zeta.norm() && certificate.alpha < 0.1577, "{certificate:?}");
+    }
+}
+
+#[test]
+fn six_real_solutions_are_all_found() {
+    let found = solve([132.0, 1660.0, 2184.0, 432.0], 500.0, 500.0);
+    assert_eq!(found.solutions.iter().filter(|s| s.physical).count(), 6);
+    let known = |s: &&crumple_lumped::MatchedSolution| (s.k1_n_per_m.re - 12000.0).abs() < 1e-9;
+    let set = found.solutions.iter().find(known).unwrap();
+    assert!((set.c2_n_s_per_m.re - 8000.0).abs() < 1e-11);
+    assert!((found.solutions[set.dual].k1_n_per_m.re - 18000.0).abs() < 1e-11);
+}
+
+#[test]
+fn a_double_root_loses_no_solution_and_no_digit() {
+    // Four equal poles: p = (s + 2)^4, any mass.
+    let found = solve([8.0, 24.0, 32.0, 16.0], 3.0, 1.0);
+    assert_eq!(found.solutions.iter().map(|s| s.multiplicity).sum::<usize>(), 6);
+    for s in &found.solutions {
+        assert!(s.residual < 1e-14, "{s:?}");
+    }
+    // Masses on the bound: zeta = 0 is a root, one damper vanishes.
+    let polynomial = [3.0, 4.0, 3.0, 1.0];
+    let bound = CoefficientMatching::new(polynomial, 1.0, 1.0, Reading::Binary).unwrap().largest_mass_ratio().unwrap();
+    let found = solve(polynomial, 3.0, 3.0 * bound);
+    assert!(found.solutions.iter().all(|s| !s.physical), "{found:?}");
+    assert_eq!(found.solutions.iter().map(|s| s.multiplicity).sum::<usize>(), 6);
+    // A self-dual model: its two mirror images coincide, and its zeta is a double root.
+    let (m1, m2) = (2.0, 2.0);
+    let one = DoubleSpringMassDamper {
+        m1_kg: m1,
+        m2_kg: m2,
+        k1_n_per_m: 8.0,
+        k2_n_per_m: 4.0,
+        c1_n_s_per_m: 2.0,
+        c2_n_s_per_m: 1.0,
+    };
+    assert_eq!(one.dual(), one);
+    let [_, t, u, v, w] = one.characteristic_polynomial();
+    let found = solve([t, u, v, w], m1, m2);
+    let itself = found.solutions.iter().find(|s| s.multiplicity == 4).unwrap();
+    assert_eq!((itself.k1_n_per_m.re, itself.c2_n_s_per_m.re, itself.real), (8.0, 1.0, true));
+    assert_eq!(found.solutions.iter().map(|s| s.multiplicity).sum::<usize>(), 6);
+}
+
+#[test]
+fn poles_and_polynomial_give_the_same() {
+    let poles =
+        [Complex::new(-2.0, 76.0), Complex::new(-2.0, -76.0), Complex::new(-2.5, 0.0), Complex::new(-29.0, 0.0)];
+    let by_poles = CoefficientMatching::from_poles(&poles, 1300.0, 122.0, Reading::Binary).unwrap();
+    let by_coefficients = CoefficientMatching::new(by_poles.polynomial(), 1300.0, 122.0, Reading::Binary).unwrap();
+    assert_eq!(by_poles.solve().solutions[0].k1_n_per_m, by_coefficients.solve().solutions[0].k1_n_per_m);
+    let mut odd = poles;
+    odd[0].im = 75.0;
+    assert!(CoefficientMatching::from_poles(&odd, 1.0, 1.0, Reading::Binary).is_err());
+    assert!(CoefficientMatching::new(CIVIC, -1.0, 1.0, Reading::Binary).is_err());
+}
+
+#[test]
+fn the_sweep_moves_without_jumps() {
+    let matching = CoefficientMatching::new(CIVIC, 284.4, 1137.6, Reading::Binary).unwrap();
+    let fractions: Vec<f64> = (1..=99).map(|k| f64::from(k) / 100.0).collect();
+    let sweep = matching.mass_split_sweep(&fractions).unwrap();
+    let bound = matching.largest_mass_ratio().unwrap();
+    for pair in sweep.windows(2) {
+        let [a, b] = pair else { unreachable!() };
+        let (x, y) = (a.solutions[0].c1_n_s_per_m.re, b.solutions[0].c1_n_s_per_m.re);
+        // c1 goes with m1, hence with the fraction; no jump beyond a fifth of its range.
+        assert!((x - y).abs() < 1e4, "{x} {y} at {}", a.m1_kg);
+    }
+    for at in &sweep {
+        let physical = at.solutions.iter().any(|s| s.physical);
+        assert_eq!(physical, at.m2_kg / at.m1_kg < bound, "{} {}", at.m1_kg, at.m2_kg);
+    }
+}
+
+proptest! {
+    #[test]
+    fn a_model_is_among_the_solutions_of_its_polynomial(
+        logs in prop::array::uniform6(0.0..1.0f64),
+    ) {
+        let log = |x: f64, low: f64, high: f64| low * (high / low).powf(x);
+        let [m1, m2, k1, k2, c1, c2] = logs;
+        let model = DoubleSpringMassDamper {
+            m1_kg: log(m1, 100.0, 1e3),
+            m2_kg: log(m2, 100.0, 1e3),
+            k1_n_per_m: log(k1, 1e4, 1e7),
+            k2_n_per_m: log(k2, 1e4, 1e7),
+            c1_n_s_per_m: log(c1, 1e2, 1e5),
+            c2_n_s_per_m: log(c2, 1e2, 1e5),
+        };
+        let [_, t, u, v, w] = model.characteristic_polynomial();
+        let found = CoefficientMatching::new([t, u, v, w], model.m1_kg, model.m2_kg, Reading::Binary).unwrap().solve();
+        prop_assert_eq!(found.solutions.iter().map(|s| s.multiplicity).sum::<usize>(), 6);
+        let real: usize = found.solutions.iter().filter(|s| s.real).map(|s| s.multiplicity).sum();
+        prop_assert!(real == 2 || real == 4 || real == 6, "{}", real);
+        let p = [model.k1_n_per_m, model.k2_n_per_m, model.c1_n_s_per_m, model.c2_n_s_per_m];
+        let distance = |s: &crumple_lumped::MatchedSolution| {
+            let q = [s.k1_n_per_m, s.k2_n_per_m, s.c1_n_s_per_m, s.c2_n_s_per_m];
+            p.iter().zip(q).map(|(p, q)| (q - p).norm() / p).fold(0.0, f64::max)
+        };
+        let nearest = found.solutions.iter().map(distance).fold(f64::MAX, f64::min);
+        // A few roundings of the coefficients, amplified as the implicit derivatives say; at a double root, by the
+        // square root of a rounding.
+        let gain = matching_sensitivity(&model).map_or(f64::MAX, |j| j.amax());
+        prop_assert!(nearest < (4e-15 * gain).min(1e-6) + 1e-14, "{:e}, gain {:e}", nearest, gain);
+        for s in &found.solutions {
+            // Rounded parameters reproduce the coefficients: the acceptance limit is 1e-12.
+            prop_assert!(s.residual < 1e-14, "{:e}", s.residual);
+            let dual = found.solutions[s.dual];
+            let mu = (model.m1_kg + model.m2_kg) / model.m2_kg;
+            prop_assert!((dual.k1_n_per_m - s.k2_n_per_m * mu).norm() <= 1e-12 * dual.k1_n_per_m.norm());
+            prop_assert!((dual.c2_n_s_per_m * mu - s.c1_n_s_per_m).norm() <= 1e-12 * s.c1_n_s_per_m.norm());
+        }
+        // A stable chain lies below its own bound, and then every real solution is positive.
+        prop_assert!(model.m2_kg / model.m1_kg < found.largest_mass_ratio.unwrap());
+        prop_assert!(found.solutions.iter().all(|s| s.physical == s.real));
+    }
+
+    #[test]
+    fn no_polynomial_panics(
+        t in -1e6..1e6f64, u in -1e12..1e12f64, v in -1e18..1e18f64, w in -1e24..1e24f64, ratio in 1e-3..1e3f64,
+    ) {
+        let found = CoefficientMatching::new([t, u, v, w], 1.0, ratio, Reading::Binary).unwrap().solve();
+        prop_assert_eq!(found.solutions.iter().map(|s| s.multiplicity).sum::<usize>(), 6);
+        prop_assert!(found.solutions.iter().all(|s| s.residual < 1e-12));
+    }
+}

@@ -1,0 +1,94 @@
+//! Time of one coefficient match and of the default fits.
+//!
+//! `cargo bench -p crumple-parameter-solve --bench solve`
+
+#![allow(clippy::unwrap_used, reason = "a benchmark that cannot run has no figure")]
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use crumple_lumped::{CoefficientMatching, Model, Nonlinear2, Reading};
+use crumple_parameter_solve::{
+    FireflyOptions, FireflyUnits, NonlinearFitOptions, firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2,
+};
+use crumple_signal::Signal;
+
+/// Median of repeated runs, µs.
+fn time(name: &str, aim: &str, mut run: impl FnMut()) {
+    let mut found: Vec<f64> = (0..9)
+        .map(|_| {
+            let (start, mut runs) = (Instant::now(), 0_u32);
+            while start.elapsed().as_secs_f64() < 0.02 {
+                run();
+                runs += 1;
+            }
+            1e6 * start.elapsed().as_secs_f64() / f64::from(runs)
+        })
+        .collect();
+    found.sort_by(f64::total_cmp);
+    println!("{name:62} {:12.2} µs   aim {aim}", found[4]);
+}
+
+fn main() {
+    let record = vec![1.0_f64; 1501];
+    time("memory pass: 1,501 samples copied", "-", || {
+        black_box(record.clone());
+    });
+    let civic = [35.7, 6024.0, 185_000.0, 414_600.0];
+    time("coefficient matching, all six solutions, certified", "10", || {
+        black_box(CoefficientMatching::new(black_box(civic), 284.4, 1137.6, Reading::Binary).unwrap().solve());
+    });
+    time("  the same, numbers read as decimals", "10", || {
+        black_box(CoefficientMatching::new(black_box(civic), 284.4, 1137.6, Reading::Decimal).unwrap().solve());
+    });
+    let truth = Model::Nonlinear2(Nonlinear2 {
+        mass_kg: 873.0,
+        k1_n_per_m: 82357.0,
+        k2_n_per_m: 4.0,
+        k3_n_per_m: 197_519.0,
+        x1_m: 0.472,
+        c1_n_s_per_m: 86585.0,
+        c2_n_s_per_m: 80056.0,
+        c3_n_s_per_m: 18721.0,
+        c4_n_s_per_m: 81.0,
+        v1_m_per_s: 2.55,
+        v2_m_per_s: 7.23,
+        crush_m: 0.5063,
+        v0_m_per_s: 9.7222,
+    });
+    let response = truth.respond(9.7222, 1e-4, 1501).unwrap();
+    let x = Signal::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap();
+    let options = NonlinearFitOptions {
+        mass_kg: 873.0,
+        impact_speed_m_per_s: 9.7222,
+        crush_m: 0.5063,
+        time_of_dynamic_crush_s: 0.07516,
+        time_zero_s: 0.0,
+        from_s: 0.0,
+        to_s: None,
+        samples: 250,
+    };
+    time("nonlinear II, all ten parameters to 1e-6, default method", "200000", || {
+        black_box(fit_nonlinear2(&x, &options).unwrap());
+    });
+    time("nonlinear I with side constraints, a record it does not meet", "-", || {
+        black_box(fit_nonlinear1(&x, &options, true).unwrap());
+    });
+    time("maxwell", "-", || {
+        black_box(fit_maxwell(&x, &options).unwrap());
+    });
+    // Errors over 20 seeds, 20,000 evaluations each.
+    for (name, units) in [("as printed", FireflyUnits::Physical), ("in the unit box", FireflyUnits::Unit)] {
+        let mut errors: Vec<f64> = (1..=20)
+            .map(|seed| {
+                let search = FireflyOptions { units, seed, ..FireflyOptions::default() };
+                let options = NonlinearFitOptions { samples: 60, ..options };
+                1e3 * firefly_nonlinear2(&x, &options, &search).unwrap().fit.rmse_m
+            })
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        println!("firefly {name}: median {:.2} mm, {:.2} to {:.2} mm over 20 seeds", errors[10], errors[0], errors[19]);
+    }
+    let (_, fit, _) = fit_nonlinear2(&x, &options).unwrap();
+    println!("default method: {:.1e} mm, {} evaluations", 1e3 * fit.rmse_m, fit.evaluations);
+}

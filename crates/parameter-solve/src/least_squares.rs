@@ -1,0 +1,260 @@
+//! Bounded Levenberg-Marquardt for any number of parameters, sensitivities by differences.
+//!
+//! The fit of the double model has its own, of fixed size and with exact sensitivities; this one serves models whose
+//! response is the only thing known.
+
+use std::collections::BTreeMap;
+
+use crumple_lti::jacobi_svd;
+use nalgebra::{DMatrix, DVector};
+
+use crate::correlation::lag_1_autocorrelation;
+use crate::{StopReason, Uncertainty};
+
+/// Residuals at a point; `false` if the model has no finite response there.
+pub(crate) trait Response: Sync {
+    /// Number of residuals.
+    fn rows(&self) -> usize;
+    /// Fills `out`.
+    fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool;
+}
+
+/// Where to stay and when to stop.
+#[derive(Debug, Clone)]
+pub(crate) struct Bounds {
+    pub lower: Vec<f64>,
+    pub upper: Vec<f64>,
+    pub max_iterations: u32,
+    /// Smallest relative decrease of the cost worth going on for.
+    pub cost_tolerance: f64,
+}
+
+/// Where a descent ended.
+#[derive(Debug, Clone)]
+pub(crate) struct Optimum {
+    pub theta: Vec<f64>,
+    /// Sum of squares.
+    pub cost: f64,
+    /// Triangle of the sensitivities.
+    pub r: DMatrix<f64>,
+    pub on_bound: Vec<bool>,
+    pub iterations: u32,
+    pub evaluations: u64,
+    pub stop: StopReason,
+}
+
+/// Difference step in units of the parameters, which are of size one: rounding of the response (1e-15) over it and its
+/// square meet near 1e-8 of the sensitivities.
+const DIFFERENCE: f64 = 1e-7;
+
+struct Linear {
+    r: DMatrix<f64>,
+    q: DVector<f64>,
+}
+
+/// Descends from `start`, which is moved into the bounds; `None` if it has no finite response. Parameters should be of
+/// size one. Method and steps as in `levenberg_marquardt`.
+pub(crate) fn descend(problem: &impl Response, start: &[f64], bounds: &Bounds) -> Option<Optimum> {
+    let n = start.len();
+    let clamp =
+        |theta: &[f64]| -> Vec<f64> { (0..n).map(|i| theta[i].clamp(bounds.lower[i], bounds.upper[i])).collect() };
+    let mut theta = clamp(start);
+    let mut here = vec![0.0; problem.rows()];
+    let mut there = here.clone();
+    let cost_of = |r: &[f64]| r.iter().map(|x| x * x).sum::<f64>();
+    if !problem.residuals(&theta, &mut here) {
+        return None;
+    }
+    let mut cost = cost_of(&here);
+    let mut evaluations = 1;
+    let mut linear = linearise(problem, &theta, &here, bounds, &mut evaluations)?;
+    let mut scale = DVector::zeros(n);
+    let (mut lambda, mut growth) = (1e-3, 2.0);
+    let mut iterations = 0;
+    let stop = loop {
+        for i in 0..n {
+            scale[i] = linear.r.column(i).norm().max(scale[i]);
+        }
+        let on_bound = held(&theta, &linear, bounds);
+        let gradient = linear.r.tr_mul(&linear.q);
+        let size = cost.sqrt();
+        if (0..n).filter(|&i| !on_bound[i]).all(|i| gradient[i].abs() <= 1e-14 * linear.r.column(i).norm() * size) {
+            break StopReason::GradientConverged;
+        }
+        if iterations >= bounds.max_iterations {
+            break StopReason::IterationLimit;
+        }
+        iterations += 1;
+        let Some(step) = damped_step(&linear, &scale, lambda, &on_bound, &theta, bounds) else {
+            lambda *= growth;
+            growth *= 2.0;
+            continue;
+        };
+        let next = clamp(&(0..n).map(|i| theta[i] + step[i]).collect::<Vec<_>>());
+        let step = DVector::from_fn(n, |i, _| next[i] - theta[i]);
+        if step.amax() <= 1e-14 {
+            break StopReason::StepConverged;
+        }
+        let predicted = linear.q.norm_squared() - (&linear.r * &step + &linear.q).norm_squared();
+        evaluations += 1;
+        let next_cost = if problem.residuals(&next, &mut there) { cost_of(&there) } else { f64::INFINITY };
+        let decrease = cost - next_cost;
+        let small = bounds.cost_tolerance * cost;
+        if decrease > 0.0 && predicted > 0.0 {
+            let gain = decrease / predicted;
+            let done = decrease <= small && predicted <= small;
+            std::mem::swap(&mut here, &mut there);
+            theta = next;
+            cost = next_cost;
+            let Some(new) = linearise(problem, &theta, &here, bounds, &mut evaluations) else {
+                break StopReason::StepConverged;
+            };
+            linear = new;
+            lambda *= (1.0_f64 / 3.0).max(1.0 - (2.0 * gain - 1.0).powi(3));
+            growth = 2.0;
+            if done {
+                break StopReason::CostConverged;
+            }
+        } else {
+            if predicted <= small || lambda > 1e12 {
+                break StopReason::CostConverged;
+            }
+            lambda *= growth;
+            growth *= 2.0;
+        }
+    };
+    let on_bound = held(&theta, &linear, bounds);
+    Some(Optimum { theta, cost, r: linear.r, on_bound, iterations, evaluations, stop })
+}
+
+fn linearise(
+    problem: &impl Response,
+    theta: &[f64],
+    here: &[f64],
+    bounds: &Bounds,
+    evaluations: &mut u64,
+) -> Option<Linear> {
+    let (n, rows) = (theta.len(), here.len());
+    let mut matrix = DMatrix::zeros(rows, n + 1);
+    let mut moved = theta.to_vec();
+    let mut there = vec![0.0; rows];
+    for i in 0..n {
+        let mut found = false;
+        // Inwards from a bound, else forwards.
+        let forwards = theta[i] + DIFFERENCE <= bounds.upper[i];
+        for step in if forwards { [DIFFERENCE, -DIFFERENCE] } else { [-DIFFERENCE, DIFFERENCE] } {
+            moved[i] = theta[i] + step;
+            let by = moved[i] - theta[i];
+            *evaluations += 1;
+            if problem.residuals(&moved, &mut there) {
+                for (k, (a, b)) in there.iter().zip(here).enumerate() {
+                    matrix[(k, i)] = (a - b) / by;
+                }
+                found = true;
+                break;
+            }
+        }
+        if !found {
+            return None;
+        }
+        moved[i] = theta[i];
+    }
+    matrix.column_mut(n).copy_from_slice(here);
+    let triangle = matrix.qr().r();
+    let kept = n.min(triangle.nrows());
+    let mut r = DMatrix::zeros(n, n);
+    let mut q = DVector::zeros(n);
+    r.view_mut((0, 0), (kept, n)).copy_from(&triangle.view((0, 0), (kept, n)));
+    q.rows_mut(0, kept).copy_from(&triangle.view((0, n), (kept, 1)));
+    (r.iter().chain(q.iter()).all(|x| x.is_finite())).then_some(Linear { r, q })
+}
+
+fn held(theta: &[f64], linear: &Linear, bounds: &Bounds) -> Vec<bool> {
+    let gradient = linear.r.tr_mul(&linear.q);
+    (0..theta.len())
+        .map(|i| {
+            (theta[i] <= bounds.lower[i] && gradient[i] >= 0.0) || (theta[i] >= bounds.upper[i] && gradient[i] <= 0.0)
+        })
+        .collect()
+}
+
+fn damped_step(
+    linear: &Linear,
+    scale: &DVector<f64>,
+    lambda: f64,
+    on_bound: &[bool],
+    theta: &[f64],
+    bounds: &Bounds,
+) -> Option<DVector<f64>> {
+    let n = theta.len();
+    let mut fixed: Vec<Option<f64>> = on_bound.iter().map(|held| held.then_some(0.0)).collect();
+    loop {
+        let mut stacked = DMatrix::zeros(2 * n, n);
+        let mut right = DVector::zeros(2 * n);
+        stacked.view_mut((0, 0), (n, n)).copy_from(&linear.r);
+        let mut target = -&linear.q;
+        for i in 0..n {
+            if let Some(distance) = fixed[i] {
+                target -= linear.r.column(i) * distance;
+                stacked.column_mut(i).fill(0.0);
+            }
+            let weight = if fixed[i].is_none() && scale[i] > 0.0 { scale[i] } else { 1.0 };
+            stacked[(n + i, i)] = lambda.sqrt() * weight;
+        }
+        right.rows_mut(0, n).copy_from(&target);
+        let qr = stacked.qr();
+        let mut step = qr.r().solve_upper_triangular(&qr.q().tr_mul(&right))?;
+        let mut leaves = false;
+        for i in 0..n {
+            let (down, up) = (bounds.lower[i] - theta[i], bounds.upper[i] - theta[i]);
+            match fixed[i] {
+                Some(distance) => step[i] = distance,
+                None if step[i] < down || step[i] > up => {
+                    fixed[i] = Some(step[i].clamp(down, up));
+                    leaves = true;
+                }
+                None => {}
+            }
+        }
+        if !leaves {
+            return step.iter().all(|x| x.is_finite()).then_some(step);
+        }
+    }
+}
+
+/// Linearised deviations of the parameters `factor_i theta_i`, as the fit of the double model has them: `sigma² (J'J)^-1`,
+/// widened for the lag-1 autocorrelation of the residuals. Those on a bound have none; `None` where nothing is left.
+pub(crate) fn uncertainty(
+    best: &Optimum,
+    residuals: &[f64],
+    names: &[&'static str],
+    factors: &[f64],
+) -> Option<Uncertainty> {
+    let free: Vec<usize> = (0..names.len()).filter(|&i| !best.on_bound[i]).collect();
+    let norms: Vec<f64> = best.r.column_iter().map(|c| c.norm()).collect();
+    if free.is_empty() || free.iter().any(|&i| norms[i] == 0.0) || residuals.len() <= free.len() {
+        return None;
+    }
+    let n = names.len();
+    let scaled = DMatrix::from_fn(n, free.len(), |i, j| best.r[(i, free[j])] / norms[free[j]]);
+    let svd = jacobi_svd(&scaled)?;
+    let (largest, smallest) = (svd.values[0], svd.values[free.len() - 1]);
+    if smallest <= 0.0 {
+        return None;
+    }
+    let rho = lag_1_autocorrelation(residuals);
+    let variance = best.cost / (residuals.len() - free.len()) as f64 * (1.0 + rho) / (1.0 - rho);
+    let standard_deviation: BTreeMap<_, _> = free
+        .iter()
+        .enumerate()
+        .map(|(j, &i)| {
+            let inverse: f64 = (0..free.len()).map(|k| (svd.right[(j, k)] / svd.values[k]).powi(2)).sum();
+            (names[i], (variance * inverse).sqrt() / norms[i] * factors[i].abs())
+        })
+        .collect();
+    standard_deviation.values().all(|d| d.is_finite()).then_some(Uncertainty {
+        standard_deviation,
+        condition: largest / smallest,
+        residual_autocorrelation: rho,
+    })
+}

@@ -1,0 +1,140 @@
+//! The double model from an identified one: coefficient matching with every solution.
+
+use crumple_lumped::{
+    CoefficientMatch, CoefficientMatching, Complex, MatchedSolution, Model, Reading, matching_sensitivity,
+};
+use crumple_signal::Notes;
+
+use crate::{Candidate, Method, SolveError};
+
+/// Divisions of the mass in a sweep.
+const SWEEP: usize = 49;
+
+/// What an identified model says of its poles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Quartic {
+    /// `t, u, v, w` of its monic denominator.
+    Coefficients([f64; 4]),
+    /// Its four poles, 1/s.
+    Poles([Complex; 4]),
+}
+
+/// An identified model of fourth order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Identified {
+    /// Its id.
+    pub id: String,
+    /// Its poles.
+    pub quartic: Quartic,
+    /// Its numerator, highest power first, where it is a transfer function.
+    pub numerator: Option<Vec<f64>>,
+}
+
+/// What matching found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Matched {
+    /// All solutions at the given masses.
+    pub found: CoefficientMatch,
+    /// All solutions at other divisions of the same total mass, with the front share.
+    pub sweep: Vec<(f64, CoefficientMatch)>,
+    /// The real ones as candidates, in the order of the solutions.
+    pub candidates: Vec<Candidate>,
+    /// What was found, in words.
+    pub remarks: Vec<String>,
+}
+
+/// Matches the characteristic polynomial of the double model with the identified one.
+///
+/// Candidates are the real solutions, numbered from `first_index`; complex ones and multiplicities are in `found`. No
+/// real solution is left out, physical or not: a verdict needs to be seen. Errors: masses that are not positive, poles
+/// that are not real or in pairs.
+pub fn match_identified(
+    identified: &Identified,
+    m1_kg: f64,
+    m2_kg: f64,
+    first_index: usize,
+    notes: &mut Notes,
+) -> Result<Matched, SolveError> {
+    let matching = match identified.quartic {
+        Quartic::Coefficients(polynomial) => CoefficientMatching::new(polynomial, m1_kg, m2_kg, Reading::Binary)?,
+        Quartic::Poles(poles) => CoefficientMatching::from_poles(&poles, m1_kg, m2_kg, Reading::Binary)?,
+    };
+    let found = matching.solve();
+    let fractions: Vec<f64> = (1..=SWEEP).map(|k| k as f64 / (SWEEP + 1) as f64).collect();
+    let sweep = fractions.iter().copied().zip(matching.mass_split_sweep(&fractions)?).collect();
+    let verdict = verdict(&found);
+    let physical = found.solutions.iter().any(|s| s.physical);
+    let text = format!("{}: {verdict}", identified.id);
+    if physical {
+        notes.info(text);
+    } else {
+        notes.warning(text);
+    }
+
+    // Places of the real solutions among the candidates.
+    let index = |solution: usize| first_index + solution;
+    let mut candidates = Vec::new();
+    for (place, solution) in found.solutions.iter().enumerate().filter(|(_, s)| s.real) {
+        let Some(model) = solution.model(m1_kg, m2_kg) else { continue };
+        let mut remarks = vec![format!("from the poles of {}: {verdict}", identified.id)];
+        remarks.push(numerator_remark(identified.numerator.as_deref(), solution));
+        remarks.push(match matching_sensitivity(&model) {
+            Some(gain) => format!("1 % in one coefficient moves a parameter by up to {:.3} %", gain.amax()),
+            None => "a multiple solution: a change of the coefficients moves it by its square root".to_owned(),
+        });
+        candidates.push(Candidate {
+            model: Model::DoubleSpringMassDamper(model),
+            method: Method::CoefficientMatching,
+            index: index(place),
+            equivalent_to: (solution.dual != place).then(|| index(solution.dual)),
+            fit: None,
+            uncertainty: None,
+            notes: remarks,
+        });
+    }
+    Ok(Matched { found, sweep, candidates, remarks: vec![verdict] })
+}
+
+/// How many solutions of which kind, and whether the masses can be right at all.
+fn verdict(found: &CoefficientMatch) -> String {
+    let count = |which: &dyn Fn(&MatchedSolution) -> bool| -> usize {
+        found.solutions.iter().filter(|s| which(s)).map(|s| s.multiplicity).sum()
+    };
+    let (real, physical) = (count(&|s| s.real), count(&|s| s.physical));
+    let ratio = found.m2_kg / found.m1_kg;
+    let bound = match found.largest_mass_ratio {
+        Some(bound) if ratio < bound => format!("m2/m1 = {ratio:.4} is below its bound {bound:.5}"),
+        Some(bound) => format!(
+            "m2/m1 = {ratio:.4} is not below its bound {bound:.5}, so no parameter set with these masses is positive: the \
+             {} of the cubic has c1 c2 <= 0",
+            if real > 2 { "real roots" } else { "only real root" }
+        ),
+        None => "the polynomial is not that of a passive chain of two masses, whatever the masses".to_owned(),
+    };
+    format!("6 solutions, {real} real, {physical} with all parameters positive; {bound}")
+}
+
+/// Whether the zero of the identified numerator is that of `c2 s + k2`.
+fn numerator_remark(numerator: Option<&[f64]>, solution: &MatchedSolution) -> String {
+    let leading = numerator.map(|n| n.iter().skip_while(|x| **x == 0.0).copied().collect::<Vec<_>>());
+    match (leading.as_deref(), solution.zero()) {
+        (Some(&[slope, constant]), Some(zero)) => {
+            let identified = -constant / slope;
+            let agrees = (identified - zero.re).abs() <= 0.05 * zero.re.abs();
+            format!(
+                "zero of the identified numerator {identified:.4} 1/s, of c2 s + k2 {:.4} 1/s: {}",
+                zero.re,
+                if agrees {
+                    "consistent"
+                } else {
+                    "not consistent, the force on the chassis is not the input it was made for"
+                }
+            )
+        }
+        (Some(other), _) => format!(
+            "the identified numerator has degree {}, that of a force on the chassis 1: not comparable",
+            other.len().saturating_sub(1)
+        ),
+        (None, _) => "no numerator to compare with: the poles alone do not tell the solutions apart".to_owned(),
+    }
+}

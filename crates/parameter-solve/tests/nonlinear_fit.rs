@@ -1,0 +1,126 @@
+//! Nonlinear and Maxwell models from their own displacement.
+
+#![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
+
+use crumple_lumped::{Maxwell, Model, Nonlinear1, Nonlinear2};
+use crumple_parameter_solve::{
+    FireflyOptions, FireflyUnits, NonlinearFitOptions, firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2,
+};
+use crumple_signal::{Displacement, Signal};
+
+fn record(model: &Model, v0: f64) -> Signal<Displacement> {
+    let response = model.respond(v0, 1e-4, 1501).unwrap();
+    Signal::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap()
+}
+
+fn options(model: &Model, v0: f64, crush_m: f64, to_s: Option<f64>) -> NonlinearFitOptions {
+    let events = model.events(v0).unwrap();
+    NonlinearFitOptions {
+        mass_kg: 873.0,
+        impact_speed_m_per_s: v0,
+        crush_m,
+        time_of_dynamic_crush_s: events.time_of_dynamic_crush_s.unwrap(),
+        time_zero_s: 0.0,
+        from_s: 0.0,
+        to_s,
+        samples: 250,
+    }
+}
+
+/// Table 5 of the single-mass paper.
+fn table_5() -> Nonlinear2 {
+    Nonlinear2 {
+        mass_kg: 873.0,
+        k1_n_per_m: 82357.0,
+        k2_n_per_m: 4.0,
+        k3_n_per_m: 197_519.0,
+        x1_m: 0.472,
+        c1_n_s_per_m: 86585.0,
+        c2_n_s_per_m: 80056.0,
+        c3_n_s_per_m: 18721.0,
+        c4_n_s_per_m: 81.0,
+        v1_m_per_s: 2.55,
+        v2_m_per_s: 7.23,
+        crush_m: 0.5063,
+        v0_m_per_s: 9.7222,
+    }
+}
+
+#[test]
+fn all_ten_parameters_of_the_papers_table_come_back() {
+    let truth = Model::Nonlinear2(table_5());
+    let x = record(&truth, 9.7222);
+    let (model, fit, _) = fit_nonlinear2(&x, &options(&truth, 9.7222, 0.5063, None)).unwrap();
+    for (name, wanted) in truth.parameters() {
+        let found = Model::Nonlinear2(model).parameters()[&name];
+        // The acceptance limit; rounding of the record times its sensitivity to the weakest one, k2, is below it.
+        assert!((found - wanted).abs() <= 1e-6 * wanted, "{name}: {found} {wanted}, {fit:?}");
+    }
+}
+
+#[test]
+fn the_first_nonlinear_model_comes_back_and_keeps_its_side_constraints() {
+    let truth = Nonlinear1 {
+        mass_kg: 873.0,
+        k1_n_per_m: 23_700.0,
+        k2_n_per_m: 253_440.0,
+        c1_n_s_per_m: 56_816.0,
+        c2_n_s_per_m: 19_956.0,
+        c3_n_s_per_m: 1_795.0,
+        v_thresh_m_per_s: 2.7948,
+        crush_m: 0.5063,
+        v0_m_per_s: 9.7222,
+    };
+    let model = Model::Nonlinear1(truth);
+    let x = record(&model, 9.7222);
+    let free = options(&model, 9.7222, 0.5063, None);
+    let (found, fit) = fit_nonlinear1(&x, &free, false).unwrap();
+    for (name, wanted) in model.parameters() {
+        let value = Model::Nonlinear1(found).parameters()[&name];
+        assert!((value - wanted).abs() <= 1e-6 * wanted, "{name}: {value} {wanted}, {fit:?}");
+    }
+    // A record it cannot meet: the crush of a Kelvin model. The equations hold all the same.
+    let kelvin =
+        Model::Kelvin(crumple_lumped::Kelvin { mass_kg: 873.0, stiffness_n_per_m: 3e5, damping_n_s_per_m: 6e3 });
+    let events = kelvin.events(9.7222).unwrap();
+    let (crush, t_m) = (events.dynamic_crush_m.unwrap(), events.time_of_dynamic_crush_s.unwrap());
+    let (found, _) =
+        fit_nonlinear1(&record(&kelvin, 9.7222), &options(&kelvin, 9.7222, crush, Some(t_m)), true).unwrap();
+    let at = Model::Nonlinear1(found).events(9.7222).unwrap();
+    // Feasibility tolerance of the fit, 1e-8 of crush and speed.
+    assert!((at.dynamic_crush_m.unwrap() / crush - 1.0).abs() < 1e-8);
+    assert!((at.time_of_dynamic_crush_s.unwrap() - t_m).abs() < 1e-8);
+    assert!(found.k1_n_per_m <= found.k2_n_per_m);
+    assert!(found.c1_n_s_per_m >= found.c2_n_s_per_m && found.c2_n_s_per_m >= found.c3_n_s_per_m);
+}
+
+#[test]
+fn maxwell_comes_back() {
+    let truth = Maxwell { mass_kg: 873.0, stiffness_n_per_m: 2_304_245.0, damping_n_s_per_m: 34_474.0 };
+    let model = Model::Maxwell(truth);
+    let (found, fit, _) = fit_maxwell(&record(&model, 9.7222), &options(&model, 9.7222, 0.273, None)).unwrap();
+    // Rounding of the record over 250 samples.
+    assert!((found.stiffness_n_per_m / truth.stiffness_n_per_m - 1.0).abs() < 1e-9, "{fit:?}");
+    assert!((found.damping_n_s_per_m / truth.damping_n_s_per_m - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_printed_firefly_is_a_random_walk_and_the_scaled_one_is_not() {
+    let truth = Model::Nonlinear2(table_5());
+    let x = record(&truth, 9.7222);
+    let wanted = NonlinearFitOptions { samples: 60, ..options(&truth, 9.7222, 0.5063, None) };
+    let run = |units| {
+        let search = FireflyOptions { units, generations: 60, ..FireflyOptions::default() };
+        firefly_nonlinear2(&x, &wanted, &search).unwrap()
+    };
+    let (printed, scaled) = (run(FireflyUnits::Physical), run(FireflyUnits::Unit));
+    // exp(-4e9) is zero in every number format.
+    assert_eq!(printed.attraction, 0.0);
+    assert!(scaled.attraction > 0.1, "{}", scaled.attraction);
+    assert!(scaled.fit.rmse_m < printed.fit.rmse_m, "{} {}", scaled.fit.rmse_m, printed.fit.rmse_m);
+    // 40 at the start and 40 a generation; the same again for the same seed.
+    assert_eq!(printed.fit.evaluations, 40 * 61);
+    assert_eq!(run(FireflyUnits::Unit).model, scaled.model);
+    let (_, fit, _) = fit_nonlinear2(&x, &wanted).unwrap();
+    assert!(fit.rmse_m < 1e-6 * scaled.fit.rmse_m);
+}

@@ -1,0 +1,79 @@
+//! Every number of the three papers: recomputed here, compared with reference values of fifty digits, and shown on
+//! `docs/papers.md`.
+//!
+//! `CRUMPLE_PAPER_CASES` names another case file of the same form. `CRUMPLE_WRITE_PAPERS=1` writes the page anew.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod compare;
+mod evaluate;
+mod page;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use serde_json::Value;
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().collect();
+    if args.iter().any(|a| a == "--list") {
+        // What test runners ask first.
+        if !args.iter().any(|a| a == "--ignored") {
+            println!("papers: test");
+        }
+        return ExitCode::SUCCESS;
+    }
+    let page_agrees = check_page();
+    let (right, all) = check_cases();
+    println!("{right} of {all} items");
+    if page_agrees && right == all { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Whether the committed page is what the table and the libraries give.
+fn check_page() -> bool {
+    let path = crumple_testkit::workspace().join("docs/papers.md");
+    let made = page::page().unwrap_or_else(|error| panic!("the table of printed values: {error}"));
+    if std::env::var_os("CRUMPLE_WRITE_PAPERS").is_some() {
+        std::fs::write(&path, &made).unwrap();
+    }
+    let committed = std::fs::read_to_string(&path).unwrap_or_default();
+    if committed == made {
+        println!("docs/papers.md is up to date");
+        return true;
+    }
+    let differs = committed.lines().zip(made.lines()).position(|(a, b)| a != b).unwrap_or(0);
+    println!("docs/papers.md differs from what `just papers` writes, first in line {}:", differs + 1);
+    println!("  committed: {}", committed.lines().nth(differs).unwrap_or(""));
+    println!("  made:      {}", made.lines().nth(differs).unwrap_or(""));
+    false
+}
+
+/// Cases met and cases there are.
+fn check_cases() -> (usize, usize) {
+    let given = std::env::var_os("CRUMPLE_PAPER_CASES").map(PathBuf::from);
+    let Some(path) = given.or_else(|| crumple_testkit::shared("reference/papers.json")) else { return (0, 0) };
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let file: Value = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let items = file["items"].as_array().or_else(|| file.as_array()).cloned().unwrap_or_default();
+    let mut kinds: BTreeMap<String, (usize, usize)> = BTreeMap::new();
+    for item in &items {
+        let name = |key: &str| item[key].as_str().unwrap_or("?").to_owned();
+        let kind = name("kind");
+        let tolerance = item["tolerance_to_recomputed_relative"].as_f64().unwrap_or(1e-9);
+        let fault = match evaluate::evaluate(&kind, &compare::plain(&item["inputs"])) {
+            Ok(found) => compare::difference(&compare::plain(&item["expected"]), &found, tolerance),
+            Err(error) => Some(error),
+        };
+        let count = kinds.entry(kind.clone()).or_default();
+        count.1 += 1;
+        match fault {
+            None => count.0 += 1,
+            Some(fault) => println!("FAILED {} ({kind}) {fault}", name("id")),
+        }
+    }
+    for (kind, (right, all)) in &kinds {
+        println!("{kind}: {right} of {all}");
+    }
+    kinds.values().fold((0, 0), |(a, b), (right, all)| (a + right, b + all))
+}
