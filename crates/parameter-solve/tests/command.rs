@@ -75,14 +75,15 @@ fn exact_events_become_exact_parameters_in_the_artifact() {
 }
 
 #[test]
-fn a_missing_mass_is_refused_by_name_and_a_flag_supplies_it() {
+fn a_missing_mass_is_named_in_the_diagnosis_and_a_flag_supplies_it() {
     let folder = tempfile::tempdir().unwrap();
     write_integrated(&folder.path().join("3.mcap"), None, true);
     let output = run(folder.path(), &[]);
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(4), "{stderr}");
     assert!(stderr.contains("the test has no mass") && stderr.contains("--mass 873kg"), "{stderr}");
-    assert!(!folder.path().join("5.mcap").exists());
+    let written = Artifact::open(&folder.path().join("5.mcap")).unwrap();
+    assert!(written.record::<DiagnosisV1>("/diagnosis").unwrap().is_some());
     assert_eq!(run(folder.path(), &["--mass", "873kg", "--models", "kelvin"]).status.code(), Some(0));
 }
 
