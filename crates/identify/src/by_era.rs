@@ -13,7 +13,7 @@ pub fn run(settings: &Settings, test: &TestDescription, inputs: &Inputs, out: &m
     let channel = channel(settings, test)?;
     let record =
         inputs.wave(channel)?.signal::<Acceleration>().refuse_with_hint("name an accelerometer with --channel")?;
-    let window = window(&record, settings)?;
+    let window = window(&record, settings, inputs)?;
     let cfc = test.channel(channel).and_then(|c| c.cfc);
 
     let options = EraOptions {

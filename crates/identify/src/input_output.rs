@@ -18,8 +18,8 @@ pub struct Cut {
 }
 
 impl Cut {
-    fn new(id: String, wave: &Wave, settings: &Settings) -> anyhow::Result<Self> {
-        Ok(Self { quantity: wave.quantity, sampled: window(&wave.sampled, settings)?, id })
+    fn new(id: String, wave: &Wave, settings: &Settings, inputs: &Inputs) -> anyhow::Result<Self> {
+        Ok(Self { quantity: wave.quantity, sampled: window(&wave.sampled, settings, inputs)?, id })
     }
 
     /// `displacement of channel 93/displacement, m`.
@@ -35,7 +35,7 @@ pub fn output(settings: &Settings, beyond: &BeyondEra, test: &TestDescription, i
         None => format!("{}/displacement", crate::channel(settings, test)?),
     };
     let wave = inputs.wave(&id)?;
-    Cut::new(id, wave, settings)
+    Cut::new(id, wave, settings, inputs)
 }
 
 /// Input and output, sampled together.
@@ -51,7 +51,7 @@ pub fn pair(
         None => crate::channel(settings, test)?.to_owned(),
     };
     let wave = inputs.wave(&id)?;
-    let drive = Cut::new(id, wave, settings)?;
+    let drive = Cut::new(id, wave, settings, inputs)?;
     let (u, y) = (&drive.sampled, &answer.sampled);
     let dt = y.dt_s();
     let apart = (u.t0_s() - y.t0_s()).abs() > 1e-6 * dt || (u.dt_s() / dt - 1.0).abs() > 1e-9;

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use crumple_signal::{Sampled, TestDescription};
-use crumple_stage::records::TestV1;
+use crumple_stage::records::{EventsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
 use options::{Options, Settings};
@@ -82,11 +82,13 @@ fn channel<'a>(settings: &'a Settings, test: &'a TestDescription) -> anyhow::Res
     }
 }
 
-/// The part of the record that is taken for an impulse response.
-fn window(record: &Sampled, settings: &Settings) -> anyhow::Result<Sampled> {
-    let first = record.index_at_or_after(settings.from_s);
+/// The part of the record that is used. The window counts from time zero, which the crash events state where they are
+/// among the inputs; without them it is the record's own zero.
+fn window(record: &Sampled, settings: &Settings, inputs: &Inputs) -> anyhow::Result<Sampled> {
+    let zero_s = inputs.record_if::<EventsV1>("/events")?.map_or(0.0, |events| events.time_zero_s);
+    let first = record.index_at_or_after(zero_s + settings.from_s);
     // The sample at `to` itself belongs to the window.
-    let end = settings.to_s.map_or(record.len(), |to| record.index_at_or_after(to + record.dt_s() / 2.0));
+    let end = settings.to_s.map_or(record.len(), |to| record.index_at_or_after(zero_s + to + record.dt_s() / 2.0));
     let end = settings.samples.map_or(end, |count| end.min(first.saturating_add(count)));
     let window = record.slice(first, end);
     if window.is_empty() {

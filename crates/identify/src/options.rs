@@ -67,7 +67,7 @@ pub struct Options {
     #[arg(long)]
     pub initial: Option<String>,
     /// Keep poles of transfer functions from growing; sums of exponentials never grow. Default: false.
-    #[arg(long, num_args = 0..=1, default_missing_value = "true")]
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     pub stable: Option<bool>,
     /// Ways to starting points of a transfer function: svf, gpmf, iv, n4sid, integrators, exponentials, random. Default:
     /// all.
@@ -83,7 +83,7 @@ pub struct Options {
     #[arg(long)]
     pub terms: Option<u32>,
     /// Real exponents only. Default: false.
-    #[arg(long, num_args = 0..=1, default_missing_value = "true")]
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     pub real: Option<bool>,
     /// What a sum of exponentials must have at the start of the window: position (that of the record), velocity (that of
     /// the record), acceleration (zero). Each needs the ones before. Default: none.

@@ -100,7 +100,7 @@ fn constant_run(wave: &Sampled, minimum: f64, maximum: f64, zero: f64) -> (usize
 fn end_level(wave: &Sampled, zero: f64) -> Option<f64> {
     let from = wave.index_at_or_after(wave.end_s() - END_S);
     let window = wave.samples().get(from..).filter(|w| w.len() >= 2 && from > 0)?;
-    Some(window.iter().sum::<f64>() / window.len() as f64 - zero)
+    Some(window.iter().sum::<f64>() / window.len() as f64 - zero).filter(|level| level.is_finite())
 }
 
 fn pre_event(wave: &Sampled) -> Option<PreEvent> {
@@ -116,7 +116,14 @@ fn pre_event(wave: &Sampled) -> Option<PreEvent> {
     let n = window.len() as f64;
     let zero_level = window.iter().sum::<f64>() / n;
     let noise_floor = (window.iter().map(|x| (x - zero_level).powi(2)).sum::<f64>() / n).sqrt();
-    Some(PreEvent { zero_level, noise_floor, from_s, to_s, samples: window.len() })
+    // Samples near the end of the range of numbers have squares beyond it.
+    (zero_level.is_finite() && noise_floor.is_finite()).then_some(PreEvent {
+        zero_level,
+        noise_floor,
+        from_s,
+        to_s,
+        samples: window.len(),
+    })
 }
 
 /// A recorder that runs into its range repeats the extreme value. An extreme near the zero level is the quiet part of a

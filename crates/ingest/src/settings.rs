@@ -82,7 +82,7 @@ pub struct Settings {
     pub barrier: Option<String>,
     /// Go on without test mass or impact speed: enough to filter and to identify a linear model, not for crush, force
     /// or physical parameters. Default: false.
-    #[arg(long, num_args = 0..=1, default_missing_value = "true", value_name = "BOOL")]
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL")]
     pub allow_missing: Option<bool>,
     /// Only the table of channels is wanted: nothing is asked back. Not an option of its own.
     #[arg(skip)]

@@ -34,7 +34,9 @@ impl Stage for Ingest {
         };
         let bundle = Bundle::open(path).map_err(refused)?;
         let digest = |kind: &str, digest: String| InputDigest { kind: kind.to_owned(), digest };
-        let mut digests = vec![digest(bundle.reader.format(), bundle.digest())];
+        // The name goes into the test description, so a renamed copy is another input.
+        let kind = format!("{} {}", bundle.reader.format(), bundle.name);
+        let mut digests = vec![digest(&kind, bundle.digest())];
         if let Some(sidecar) = &bundle.sidecar {
             digests.push(digest("sidecar", format!("blake3:{}", blake3::hash(&sidecar.bytes).to_hex())));
         }

@@ -53,6 +53,15 @@ impl Stage for Integrate {
             test.pulse = Some(id.clone());
         }
         let channel = test.pulse_channel().refuse_with_hint("name the pulse with --channel")?.clone();
+        if settings.impact_speed_m_per_s.or(test.impact_speed_m_per_s).is_none() {
+            // No fault of the artifact: ingest was told to go on without a speed, and models can still be identified.
+            out.put("/test", &TestV1::from(&test))?;
+            return Ok(Outcome::NoAcceptableResult(
+                "the test has no impact speed, which no accelerometer can tell: --impact-speed 35km/h here or at \
+                 crumple-ingest"
+                    .to_owned(),
+            ));
+        }
         let impact_speed_m_per_s = impact_speed(settings, &test, &channel, out.notes())?;
         // What follows works with the speed the motion was made with.
         test.impact_speed_m_per_s = Some(impact_speed_m_per_s);

@@ -106,7 +106,7 @@ fn a_missing_impact_speed_is_asked_for_by_name_and_a_flag_gives_it() {
     let input = filtered(folder.path(), &constant(None, None, None));
     let output = run(&input, &[]);
     let stderr = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert_eq!(output.status.code(), Some(4), "{stderr}");
     assert!(stderr.contains("no impact speed") && stderr.contains("--impact-speed 35km/h"), "{stderr}");
     assert_eq!(run(&input, &["--impact-speed", "20"]).status.code(), Some(2));
 

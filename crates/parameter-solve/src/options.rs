@@ -97,7 +97,9 @@ impl TryFrom<Options> for StageSettings {
         let models = if options.models.is_empty() {
             DEFAULT_MODELS.to_vec()
         } else {
-            options.models.iter().map(|name| model(name)).collect::<Result<_, _>>()?
+            let named = options.models.iter().map(|name| model(name)).collect::<Result<Vec<_>, _>>()?;
+            // Named twice is meant once.
+            named.iter().enumerate().filter(|(k, kind)| !named[..*k].contains(kind)).map(|(_, kind)| *kind).collect()
         };
         let methods = if options.method.is_empty() {
             DEFAULT_METHODS.to_vec()

@@ -112,6 +112,14 @@ pub fn solve(
             }
         }
     }
+    // Extreme events lead beyond the range of numbers; such a set is no result.
+    candidates.retain(|candidate| {
+        let finite = candidate.model.parameters().values().all(|value| value.is_finite());
+        if !finite {
+            notes.warning(format!("{}: left out, a parameter is beyond the range of numbers", candidate.id()));
+        }
+        finite
+    });
     Ok(candidates)
 }
 

@@ -37,7 +37,8 @@ impl Stage for ParameterSolve {
         if settings.solve.needs_events() {
             let events: EventsV1 = input.record("/events")?;
             let described = input.test()?;
-            if settings.mass_kg.or(described.mass_kg).is_none() && !matches!(settings.solve.split, MassSplit::Both(..)) {
+            if settings.mass_kg.or(described.mass_kg).is_none() && !matches!(settings.solve.split, MassSplit::Both(..))
+            {
                 // No fault of the artifact: ingest was told to go on without a mass, and the report shall still be made.
                 out.put("/test", &TestV1::from(&described))?;
                 return Ok(Outcome::NoAcceptableResult(

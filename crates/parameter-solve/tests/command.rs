@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{CandidateV1, EventsV1, MatchingV1, TestV1, TransferFunctionV1};
+use crumple_artifact::records::{CandidateV1, DiagnosisV1, EventsV1, MatchingV1, TestV1, TransferFunctionV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_lumped::{Kelvin, Model};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};

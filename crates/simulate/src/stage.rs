@@ -24,7 +24,7 @@ pub struct Options {
 
     /// Keep the elastoplastic model attached after rebound, so that it oscillates for ever, instead of letting it leave
     /// the barrier [default: false]
-    #[arg(long, num_args = 0..=1, default_missing_value = "true", value_name = "BOOL")]
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL")]
     pub stay_attached: Option<bool>,
 }
 

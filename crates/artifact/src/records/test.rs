@@ -122,6 +122,10 @@ impl TryFrom<TestV1> for TestDescription {
     type Error = ConversionError;
 
     fn try_from(test: TestV1) -> Result<Self, ConversionError> {
+        let mut ids = std::collections::BTreeSet::new();
+        if let Some(twice) = test.channels.iter().find(|channel| !ids.insert(channel.id.as_str())) {
+            return Err(ConversionError(format!("channel {:?} is listed twice", twice.id)));
+        }
         Ok(Self {
             title: test.title,
             vehicle: test.vehicle,

@@ -114,10 +114,23 @@ fn unit(
         })
     };
     if let Some(symbol) = &settings.time_unit {
-        return known(symbol, "--time-unit");
+        let flag = known(symbol, "--time-unit")?;
+        if matches!(header, Unit::Time(of_header) if *of_header != flag) {
+            notes.warning(format!("--time-unit {symbol} is not the unit that the header of column {title} states"));
+        }
+        return Ok(flag);
     }
-    if let Unit::Time(factor) = header {
-        return Ok(*factor);
+    match header {
+        Unit::Time(factor) => return Ok(*factor),
+        Unit::Unstated => {}
+        Unit::Unknown(_) | Unit::Signal(..) => {
+            return Err(IngestError::content(
+                Place::file(file).in_column(title),
+                "the unit in the header of the time column is no unit of time",
+                format!("one of {}", choices(Dimension::Time)),
+                "use --time-unit s or --time-unit ms",
+            ));
+        }
     }
     if let Some(stated) = comment {
         return known(&stated.value, &stated.from);
