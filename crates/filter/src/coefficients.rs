@@ -8,15 +8,15 @@ use crate::{Cfc, Mode};
 /// SAE J211-1 Appendix C, ISO 6487 Annex A. Run forward and backward it has four poles and no phase.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coefficients {
-    /// Factor of x[i].
+    /// Factor of `x[i]`.
     pub a0: f64,
-    /// Factor of x[i-1].
+    /// Factor of `x[i-1]`.
     pub a1: f64,
-    /// Factor of x[i-2].
+    /// Factor of `x[i-2]`.
     pub a2: f64,
-    /// Factor of y[i-1].
+    /// Factor of `y[i-1]`.
     pub b1: f64,
-    /// Factor of y[i-2].
+    /// Factor of `y[i-2]`.
     pub b2: f64,
     /// Prewarped design frequency wa = tan(π·CFC·κ·T).
     warped: f64,
