@@ -17,8 +17,9 @@ fn main() -> Result<(), FilterError> {
         let mut output = Vec::new();
         let ms = best_ms(|| filter_both_ways_into(&samples, 0.1, &coefficients, &mut output, &|_| ()));
         print_line(&format!("cfc 60, both passes, {n} samples, buffer used again"), ms, pass_ms);
-        let ms = best_ms(|| filter_both_ways(&samples, 0.1, &coefficients));
-        print_line(&format!("cfc 60, both passes, {n} samples, fresh memory"), ms, pass_ms);
+        // Two results at once, so that the allocator cannot give the memory of the run before.
+        let ms = best_ms(|| [0.1, 0.2].map(|zero| filter_both_ways(&samples, zero, &coefficients)));
+        print_line(&format!("cfc 60, both passes, {n} samples, fresh memory"), ms / 2.0, pass_ms);
         let record = Sampled::new(-0.05, DT_S, samples).map_err(FilterError::Result)?;
         let ms = best_ms(|| filter(&record, None, &Settings::default()));
         print_line(&format!("zero level, cfc 60, checks, {n} samples"), ms, pass_ms);
