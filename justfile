@@ -71,9 +71,9 @@ build:
     set -euo pipefail
     stamp={{ quote(bin / ".crumple-built") }}
     if [ ! -e "$stamp" ] || [ -n "$(find Cargo.toml Cargo.lock rust-toolchain.toml crates -newer "$stamp" -print -quit)" ]; then
-        mkdir -p {{ quote(bin) }} && touch "$stamp.new"
+        mkdir -p {{ quote(bin) }} && touch "$stamp.$$"
         cargo build --release --workspace --bins
-        mv "$stamp.new" "$stamp"
+        mv "$stamp.$$" "$stamp"
     fi
 
 # All tests.

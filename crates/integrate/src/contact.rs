@@ -67,10 +67,6 @@ fn uncertainty(rule: &ZeroRule, found: FoundZero, impact_speed_m_per_s: f64) -> 
         })
     };
     let sides: Vec<String> = [side(earlier_by_s, "earlier"), side(later_by_s, "later")].into_iter().flatten().collect();
-    let tail = if sides.is_empty() {
-        String::new()
-    } else {
-        format!("; contact may be {} and, behind a soft front, more", sides.join(", or "))
-    };
+    let tail = if sides.is_empty() { String::new() } else { format!("; contact may be {}", sides.join(", or ")) };
     format!("time zero by rule {rule} at {:.3} ms of the record{tail}", 1e3 * time_s)
 }

@@ -150,13 +150,10 @@ fn time_zero_is_found_by_the_rule_asked_for_and_its_uncertainty_is_said() {
     let (time_s, rule, said) = found("threshold");
     assert!((time_s - 4.903_325 / 120e3).abs() < 1e-12, "{time_s}");
     assert_eq!(rule, "threshold");
-    assert!(said.iter().any(|note| note.contains("contact may be up to 0.04 ms earlier (0.6 mm")), "{said:?}");
+    assert!(said.iter().any(|note| note.contains("contact may be 0.04 ms earlier (0.6 mm")), "{said:?}");
     let (time_s, _, said) = found("edr");
     assert!((-0.02..0.0).contains(&time_s), "{time_s}");
-    assert!(
-        said.iter().any(|note| note.contains("or 20.00 ms later") || note.contains("up to 20.00 ms later")),
-        "{said:?}"
-    );
+    assert!(said.iter().any(|note| note.contains("contact may be 20.00 ms later")), "{said:?}");
     // The switch opens between samples 519 and 520, 1.9 and 2.0 ms.
     let (time_s, rule, _) = found("contact:5");
     assert!((time_s - 1.95e-3).abs() < 1e-9, "{time_s}");

@@ -19,7 +19,7 @@ pub const WORTH_NAMING_PERCENT: f64 = 50.0;
 pub struct Ranking {
     /// Every candidate with a fit, physical or not, best first.
     pub order: Vec<String>,
-    /// Of the candidates that qualify ([`qualifies`]) and fit within 0.1 percentage points of the best of them, the one with the fewest
+    /// Of the candidates that qualify and fit within 0.1 percentage points of the best of them, the one with the fewest
     /// parameters; among equals the one that fits best.
     pub best: Option<String>,
 }
