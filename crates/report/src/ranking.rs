@@ -57,10 +57,13 @@ impl Ranking {
 }
 
 /// Whether a candidate may be called the best: physical, no parameter left on a bound of its search (such a value is the
-/// bound's, not the record's), and a displacement fit of at least [`WORTH_NAMING_PERCENT`].
+/// bound's, not the record's; zero, the limit of what is physical, is an answer), and a displacement fit of at least
+/// [`WORTH_NAMING_PERCENT`].
 pub fn qualifies(candidate: &Candidate) -> bool {
     candidate.record.physical
-        && candidate.record.fit.as_ref().is_none_or(|fit| fit.active_bounds.is_empty())
+        && candidate.record.fit.as_ref().is_none_or(|fit| {
+            fit.active_bounds.iter().all(|name| candidate.record.parameters.get(name).is_some_and(|value| *value == 0.0))
+        })
         && candidate.simulation.as_ref().and_then(|s| s.fit_percent).is_some_and(|fit| fit >= WORTH_NAMING_PERCENT)
 }
 
