@@ -62,7 +62,9 @@ impl Ranking {
 pub fn qualifies(candidate: &Candidate) -> bool {
     candidate.record.physical
         && candidate.record.fit.as_ref().is_none_or(|fit| {
-            fit.active_bounds.iter().all(|name| candidate.record.parameters.get(name).is_some_and(|value| *value == 0.0))
+            fit.active_bounds
+                .iter()
+                .all(|name| candidate.record.parameters.get(name).is_some_and(|value| *value == 0.0))
         })
         && candidate.simulation.as_ref().and_then(|s| s.fit_percent).is_some_and(|fit| fit >= WORTH_NAMING_PERCENT)
 }
