@@ -79,8 +79,8 @@ build:
 # All tests.
 [group('development')]
 test *args: build
-    cargo nextest run --workspace "$@"
     cargo test --workspace --doc --quiet
+    cargo nextest run --workspace "$@"
 
 # Times of the numerical kernels and of reading CSV on one thread, each beside a plain memory pass; docs/performance.md.
 [group('development')]
