@@ -1,19 +1,5 @@
 use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, TestDescription};
 
-/// Words that begin the location of a sensor that is not on the vehicle structure, lower case.
-const ELSEWHERE: [&str; 10] = [
-    "driver",
-    "front passenger",
-    "rear passenger",
-    "passenger",
-    "occupant",
-    "dummy",
-    "child",
-    "pedestrian",
-    "cyclist",
-    "barrier",
-];
-
 /// Why a list of channels cannot be filtered.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SelectionError {
@@ -79,8 +65,7 @@ pub fn is_barrier_force(channel: &Channel) -> bool {
 }
 
 fn on_structure(channel: &Channel) -> bool {
-    let location = channel.location.trim().to_lowercase();
-    channel.status != ChannelStatus::Failed && !ELSEWHERE.iter().any(|word| location.starts_with(word))
+    channel.status != ChannelStatus::Failed && channel.may_be_on_vehicle()
 }
 
 /// The first channels by name: a list of hundreds helps nobody.

@@ -3,19 +3,6 @@
 use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, TestDescription};
 use crumple_stage::{Inputs, Refused};
 
-/// What the location of a sensor begins with that is in or on somebody or something else, lower case.
-const ELSEWHERE: [&str; 10] = [
-    "driver",
-    "front passenger",
-    "rear passenger",
-    "passenger",
-    "occupant",
-    "dummy",
-    "child",
-    "pedestrian",
-    "cyclist",
-    "barrier",
-];
 /// Parts of the vehicle that move apart from its compartment, lower case.
 const PARTS: [&str; 6] = ["engine", "caliper", "brake", "wheel", "steering", "dashboard"];
 
@@ -60,6 +47,6 @@ pub fn further<'a>(
 fn of_compartment(channel: &Channel) -> bool {
     let location = channel.location.to_lowercase();
     channel.status != ChannelStatus::Failed
-        && !ELSEWHERE.iter().any(|word| location.trim().starts_with(word))
+        && channel.may_be_on_vehicle()
         && !PARTS.iter().any(|word| location.contains(word))
 }

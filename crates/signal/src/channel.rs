@@ -99,6 +99,20 @@ impl FromStr for ChannelStatus {
     }
 }
 
+/// What the location of a sensor begins with that is in or on somebody or something else than the vehicle, lower case.
+const ELSEWHERE: [&str; 10] = [
+    "driver",
+    "front passenger",
+    "rear passenger",
+    "passenger",
+    "occupant",
+    "dummy",
+    "child",
+    "pedestrian",
+    "cyclist",
+    "barrier",
+];
+
 /// Identity and state of one channel. The samples are elsewhere, in SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
@@ -148,5 +162,12 @@ impl Channel {
             filter_state: None,
             polarity: None,
         }
+    }
+
+    /// Whether the sensor may sit on the structure of the vehicle: its location does not begin with an occupant, another
+    /// road user or the barrier. An unknown location may.
+    pub fn may_be_on_vehicle(&self) -> bool {
+        let location = self.location.trim().to_lowercase();
+        !ELSEWHERE.iter().any(|word| location.starts_with(word))
     }
 }
