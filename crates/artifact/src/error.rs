@@ -25,7 +25,7 @@ pub enum ReadError {
         path: PathBuf,
     },
     /// The file ends inside a record.
-    #[error("{}: truncated: the file ends at byte {at}, inside or after {record}", path.display())]
+    #[error("{}: truncated: the file ends at byte {at}, before the end of {record}", path.display())]
     Truncated {
         /// The file.
         path: PathBuf,
