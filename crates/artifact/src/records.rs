@@ -23,7 +23,7 @@ mod wave;
 pub use candidate::{CandidateV1, FitV1, UncertaintyV1};
 pub use channel_filter::{ChannelFilterV1, CorridorPointV1};
 pub use diagnosis::DiagnosisV1;
-pub use events::EventsV1;
+pub use events::{EventIntervalV1, EventsV1};
 pub use evidence::EvidenceV1;
 pub use identification::IdentificationV1;
 pub use matching::{MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1};

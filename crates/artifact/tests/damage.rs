@@ -23,6 +23,7 @@ fn builder() -> ArtifactBuilder {
         unit: "m/s^2".into(),
         channel: "93".into(),
         definition: "max |a|".into(),
+        ..MetricV1::default()
     };
     builder.put("/metrics", &MetricsV1(vec![metric])).unwrap();
     builder.put("/notes", &NotesV1 { stage: "filter".into(), notes: vec!["zero level 0.01".into()] }).unwrap();
@@ -197,7 +198,7 @@ fn a_nan_is_neither_written_nor_read() {
         value: Some(f64::NAN),
         unit: "1".into(),
         channel: "93".into(),
-        definition: String::new(),
+        ..MetricV1::default()
     };
     let error = builder.put("/metrics", &MetricsV1(vec![metric.clone()])).unwrap_err();
     insta::assert_snapshot!(error, @"record /metrics: [0].value is NaN, only finite numbers may be written");

@@ -112,6 +112,12 @@ fn the_layout_of_every_record_type_is_frozen() {
         impact_speed_m_per_s: Some(15.86),
         rule: Some("trapezoid".into()),
         start: Some("record-start".into()),
+        intervals: vec![EventIntervalV1 {
+            name: "dynamic_crush_m".into(),
+            low: 0.74,
+            high: 0.76,
+            interval_by: "5-95 % of 400 replicates".into(),
+        }],
     });
     freeze(&MetricsV1(vec![MetricV1 {
         name: "peak_acceleration".into(),
@@ -119,6 +125,12 @@ fn the_layout_of_every_record_type_is_frozen() {
         unit: "m/s^2".into(),
         channel: "93".into(),
         definition: "largest |a|".into(),
+        definition_id: Some("peak-sample".into()),
+        from_s: Some(0.063),
+        to_s: Some(0.063),
+        low: Some(440.0),
+        high: Some(450.0),
+        interval_by: Some("range over 4 channels".into()),
     }]));
     freeze(&StateSpaceV1 {
         a: vec![vec![0.5, 1.0], vec![-1.0, 0.25]],

@@ -11,9 +11,9 @@ pub(crate) enum Unit {
 }
 
 impl Unit {
-    /// From a field name such as `dynamic_crush_m`; the field `value` of `{"value", "unit"}` takes the unit beside it.
+    /// From a field name such as `dynamic_crush_m`; the fields `value`, `low` and `high` take the unit beside them.
     pub(crate) fn of_field(key: &str, beside: Option<&Value>) -> Option<Self> {
-        if key == "value" {
+        if matches!(key, "value" | "low" | "high") {
             return Self::from_symbol(beside?.as_str()?);
         }
         if key.ends_with("_m_per_s") {

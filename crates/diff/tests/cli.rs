@@ -53,7 +53,14 @@ impl Default for Made {
 
 fn metric(name: &str, value: f64) -> MetricV1 {
     let text = String::new;
-    MetricV1 { name: name.into(), value: Some(value), unit: "m/s^2".into(), channel: "93".into(), definition: text() }
+    MetricV1 {
+        name: name.into(),
+        value: Some(value),
+        unit: "m/s^2".into(),
+        channel: "93".into(),
+        definition: text(),
+        ..MetricV1::default()
+    }
 }
 
 impl Made {
@@ -322,15 +329,7 @@ fn a_topic_on_one_side_and_an_event_only_one_side_has_are_named() {
         time_zero_s: 0.0,
         time_zero_rule: "file".into(),
         dynamic_crush_m: Some(0.75),
-        time_of_dynamic_crush_s: None,
-        centroid_time_s: None,
-        rebound_velocity_m_per_s: None,
-        coefficient_of_restitution: None,
-        delta_v_m_per_s: None,
-        time_of_rebound_s: None,
-        impact_speed_m_per_s: None,
-        rule: None,
-        start: None,
+        ..EventsV1::default()
     };
     let write = |name: &str, events: &EventsV1, extra: bool| {
         let mut builder = ArtifactBuilder::new();

@@ -208,7 +208,7 @@ fn run_instead(
 fn zero_level(samples: &Sampled, rule: ZeroLevel, notes: &mut Notes) -> Result<f64, FilterError> {
     let ZeroLevel::PreEvent(window) = rule else { return Ok(0.0) };
     match pre_event(samples, window)? {
-        Some(found) => Ok(found.mean),
+        Some(found) => Ok(found.zero_level),
         None => {
             notes.warning(format!(
                 "zero level not removed: less than 10 ms of data between {:.1} ms and {:.1} ms",

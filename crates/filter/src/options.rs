@@ -1,8 +1,7 @@
 //! Flags and pipeline keys of the stage, and the settings they come to.
 
-use crumple_filter::{
-    Butterworth, Class, Instead, Interpolation, Mode, Pass, Phase, Resampling, Settings, Window, ZeroLevel,
-};
+use crumple_filter::{Butterworth, Class, Instead, Interpolation, Mode, Pass, Phase, Resampling, Settings, ZeroLevel};
+use crumple_signal::PreEventWindow;
 use crumple_signal::value::{Frequency, Time};
 use crumple_stage::Usage;
 use serde::{Deserialize, Serialize};
@@ -172,9 +171,9 @@ fn zero_level(options: &Options) -> Result<ZeroLevel, Usage> {
             Err(Usage::new("a window for the zero level is given, but zero-level is none").hint("leave out either"))
         }
         ZeroLevelRule::None => Ok(ZeroLevel::None),
-        ZeroLevelRule::PreEvent => Ok(ZeroLevel::PreEvent(Window {
-            from_s: options.zero_level_from.map_or(Window::default().from_s, Time::si),
-            to_s: options.zero_level_to.map_or(Window::default().to_s, Time::si),
+        ZeroLevelRule::PreEvent => Ok(ZeroLevel::PreEvent(PreEventWindow {
+            from_s: options.zero_level_from.map_or(PreEventWindow::default().from_s, Time::si),
+            to_s: options.zero_level_to.map_or(PreEventWindow::default().to_s, Time::si),
         })),
     }
 }

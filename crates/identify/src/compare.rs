@@ -1,6 +1,7 @@
 //! How well a model simulates a record it may not have been identified from.
 
 use crumple_lti::{StateSpace, simulate};
+use crumple_metrics::{fit_percent, rmse};
 
 use crate::initial_state::initial_state;
 use crate::{IdentifyError, IoData};
@@ -35,9 +36,9 @@ pub fn fit_measures(measured: &[f64], model: &[f64]) -> Option<FitMeasures> {
     }
     let moving = variance > 0.0;
     Some(FitMeasures {
-        fit_percent: moving.then(|| 100.0 * (1.0 - (error_square / variance).sqrt())),
+        fit_percent: fit_percent(measured, model),
         vaf_percent: moving.then(|| 100.0 * (1.0 - mean(&mut error().map(|e| (e - error_mean).powi(2))) / variance)),
-        rmse: error_square.sqrt(),
+        rmse: rmse(measured, model)?,
         max_abs: error().fold(0.0, |m, e| m.max(e.abs())),
     })
 }

@@ -1,10 +1,10 @@
 //! The eigensystem realization algorithm for one channel.
 
 use crumple_lti::{LtiError, StateSpace, impulse_response, undo_zero_order_hold};
+use crumple_metrics::{fit_percent, rmse};
 use nalgebra::{DMatrix, DVector};
 
 use crate::factors::{Decomposition, Factors, RANK_TOLERANCE, factorize};
-use crate::fit::{fit_percent, rmse};
 use crate::hankel::{Hankel, Shift};
 use crate::modal::{IdentifiedMode, modes};
 use crate::order::{GapOrder, order_by_gap};

@@ -42,7 +42,7 @@ pub use bundle::{Bundle, LargeFile, NamedBytes};
 pub use error::{IngestError, Place};
 pub use ingest::{Ingested, Wave, ingest};
 pub use list::{Cli as ListCli, Line, list, run as list_channels};
-pub use quality::{PreEvent, Quality};
+pub use quality::Quality;
 pub use recording::{Details, Fitness, Found, PulseRule, Recording, Stated};
 pub use settings::{Profile, Settings, Sign};
 pub use stage::Ingest;

@@ -1,32 +1,11 @@
 //! What can be measured on a channel before anything touches it. Reported, never applied.
 
-use crumple_signal::Sampled;
+use crumple_signal::{PreEvent, PreEventWindow, Sampled, pre_event};
 
-/// Pre-event window relative to time zero, s.
-const WINDOW_S: (f64, f64) = (-0.050, -0.010);
-/// Shortest part of it that gives a zero level, s.
-const SHORTEST_S: f64 = 0.010;
 /// Dropouts are looked for up to this time, s.
 const ACTIVE_UNTIL_S: f64 = 0.150;
 /// Length of the end of a record that is looked at for drift, s.
 const END_S: f64 = 0.020;
-/// Slack for rounding of times, s.
-const SLACK_S: f64 = 1e-9;
-
-/// Zero level and noise before the event.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PreEvent {
-    /// Mean of the window, SI.
-    pub zero_level: f64,
-    /// Standard deviation of the window about its mean, SI.
-    pub noise_floor: f64,
-    /// Time of the first sample of the window, s.
-    pub from_s: f64,
-    /// Time of the last, s.
-    pub to_s: f64,
-    /// Number of samples.
-    pub samples: usize,
-}
 
 /// State of a channel as read.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,11 +32,9 @@ pub struct Quality {
 
 /// Measures a channel whose t = 0 is the event.
 ///
-/// Zero level and noise floor: mean and standard deviation of the raw samples from -50 ms to -10 ms, ends included; a
-/// shorter record will do if 10 ms of the window are in it. The mean is wrong by about the noise floor over the square root of
-/// the number of samples; an error of 0.1 g is 4.9 mm of displacement after 0.1 s.
+/// Zero level and noise floor: mean and standard deviation of the raw samples from -50 ms to -10 ms ([`pre_event`]).
 pub fn measure(wave: &Sampled, time_jitter: f64) -> Quality {
-    let pre_event = pre_event(wave);
+    let pre_event = pre_event(wave, PreEventWindow::default());
     let samples = wave.samples();
     let (minimum, maximum) =
         samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
@@ -103,29 +80,6 @@ fn end_level(wave: &Sampled, zero: f64) -> Option<f64> {
     Some(window.iter().sum::<f64>() / window.len() as f64 - zero).filter(|level| level.is_finite())
 }
 
-fn pre_event(wave: &Sampled) -> Option<PreEvent> {
-    let from = wave.index_at_or_after(WINDOW_S.0 - SLACK_S);
-    let to = wave.index_at_or_after(WINDOW_S.1 + SLACK_S);
-    // A sample inside the slack belongs to the window; `index_at_or_after` has a slack of its own, in intervals.
-    let to = if to < wave.len() && wave.time_s(to) <= WINDOW_S.1 + SLACK_S { to + 1 } else { to };
-    let window = wave.samples().get(from..to).filter(|w| !w.is_empty())?;
-    let (from_s, to_s) = (wave.time_s(from), wave.time_s(to - 1));
-    if to_s - from_s < SHORTEST_S - SLACK_S {
-        return None;
-    }
-    let n = window.len() as f64;
-    let zero_level = window.iter().sum::<f64>() / n;
-    let noise_floor = (window.iter().map(|x| (x - zero_level).powi(2)).sum::<f64>() / n).sqrt();
-    // Samples near the end of the range of numbers have squares beyond it.
-    (zero_level.is_finite() && noise_floor.is_finite()).then_some(PreEvent {
-        zero_level,
-        noise_floor,
-        from_s,
-        to_s,
-        samples: window.len(),
-    })
-}
-
 /// A recorder that runs into its range repeats the extreme value. An extreme near the zero level is the quiet part of a
 /// one-sided pulse and not counted: it must lie at least a tenth of the range away.
 fn clipped_run(samples: &[f64], minimum: f64, maximum: f64, zero: f64) -> usize {
@@ -144,18 +98,6 @@ fn clipped_run(samples: &[f64], minimum: f64, maximum: f64, zero: f64) -> usize 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_window_is_closed_and_long_enough() {
-        let ramp = |t0: f64, n: usize| Sampled::new(t0, 1e-4, (0..n).map(|k| k as f64).collect()).unwrap();
-        let pre = measure(&ramp(-0.05, 3500), 0.0).pre_event.unwrap();
-        // -50.0 ... -10.0 ms at 10 kHz: samples 0 to 400.
-        assert_eq!((pre.samples, pre.zero_level), (401, 200.0));
-        let pre = measure(&ramp(-0.02, 2701), 0.0).pre_event.unwrap();
-        assert_eq!((pre.samples, pre.zero_level), (101, 50.0));
-        assert_eq!(measure(&ramp(-0.0199, 2701), 0.0).pre_event, None);
-        assert_eq!(measure(&ramp(0.0, 2701), 0.0).pre_event, None);
-    }
 
     #[test]
     fn flat_tops_are_clipping_and_quiet_starts_are_not() {

@@ -59,7 +59,17 @@ pub fn integrate_without_drift(
     settings: &Settings,
     end: EndCondition,
 ) -> Result<(Motion, Drift), IntegrateError> {
-    let first = integrate(acceleration, settings)?;
+    without_drift(acceleration, settings, end, |acceleration| integrate(acceleration, settings))
+}
+
+/// [`integrate_without_drift`] with the integration given, which is that of `settings`.
+pub(crate) fn without_drift(
+    acceleration: &Signal<Acceleration>,
+    settings: &Settings,
+    end: EndCondition,
+    integrate: impl Fn(&Signal<Acceleration>) -> Result<Motion, IntegrateError>,
+) -> Result<(Motion, Drift), IntegrateError> {
+    let first = integrate(acceleration)?;
     let start_s = first.velocity.t0_s();
     let last = first.velocity.len() - 1;
     let asked_s = end.time_s.unwrap_or_else(|| first.velocity.end_s());
@@ -77,10 +87,10 @@ pub fn integrate_without_drift(
     };
     let shape = acceleration.with_samples(acceleration.times_s().map(unit).collect())?;
     // What a drift of one m/s² does to the velocity there, by the same rule from the same start.
-    let effect_s = integrate(&shape, settings)?.velocity.samples()[index] - settings.impact_speed_m_per_s;
+    let effect_s = integrate(&shape)?.velocity.samples()[index] - settings.impact_speed_m_per_s;
     let c = velocity_gap_m_per_s / effect_s;
     let corrected = acceleration.samples().iter().zip(shape.samples()).map(|(a, s)| a - c * s).collect();
-    let motion = integrate(&acceleration.with_samples(corrected)?, settings)?;
+    let motion = integrate(&acceleration.with_samples(corrected)?)?;
     Ok((motion, Drift { acceleration_m_per_s2: c, velocity_gap_m_per_s, time_s, shape: end.shape }))
 }
 

@@ -44,7 +44,8 @@ pub fn further<'a>(
     Ok(channels)
 }
 
-fn of_compartment(channel: &Channel) -> bool {
+/// Whether a channel moves with the compartment, as far as status and location say.
+pub fn of_compartment(channel: &Channel) -> bool {
     let location = channel.location.to_lowercase();
     channel.status != ChannelStatus::Failed
         && channel.may_be_on_vehicle()

@@ -2,7 +2,7 @@
 //!
 //! [`integrate`] makes the motion, [`integrate_without_drift`] one that meets a known velocity, [`findings`] puts its
 //! events into words. [`threshold_crossing`], [`edr_start`] and [`contact_edge`] find time zero, [`sum_of_cells`] the
-//! force on a barrier. The numbers themselves (events, metrics) are in `crumple-metrics`.
+//! force on a barrier; [`propagate`] says how far the uncertainty of the inputs moves everything. The numbers themselves (events, metrics) are in `crumple-metrics`.
 
 mod barrier;
 mod drift;
@@ -12,6 +12,7 @@ mod motion;
 mod rule;
 mod start;
 mod time_zero;
+mod uncertainty;
 
 pub use barrier::{CellSum, impulse_n_s, sum_of_cells};
 pub use drift::{Drift, DriftShape, EndCondition, integrate_without_drift};
@@ -23,6 +24,10 @@ pub use start::{Start, UsedStart};
 pub use time_zero::{
     EDR_CHANGE_M_PER_S, EDR_INTERVAL_S, FoundZero, HOLD_S, THRESHOLD_M_PER_S2, contact_edge, edr_end, edr_start,
     threshold_crossing,
+};
+
+pub use uncertainty::{
+    Distribution, EVENT_NAMES, Intervals, MOST_SAMPLES, Perturbation, Spread, Uncertainty, perturbed, propagate,
 };
 
 use crumple_signal::SignalError;

@@ -86,6 +86,7 @@ fn momentum(sum: &CellSum, mass_kg: Option<f64>, pulse: &Pulse<'_>, out: &mut Ou
         unit: unit.to_owned(),
         channel: BARRIER.to_owned(),
         definition: definition.to_owned(),
+        ..MetricV1::default()
     };
     let &Pulse { id, motion, time_zero_s, separation_s } = pulse;
     let over_mass = |impulse: Option<f64>| impulse.zip(mass_kg).map(|(impulse, mass)| impulse / mass);

@@ -4,7 +4,10 @@ mod contact;
 mod further;
 mod load_cells;
 mod options;
+mod redundant;
 mod stage;
+mod to_records;
+mod uncertain;
 
 use std::process::ExitCode;
 

@@ -55,6 +55,25 @@ pub fn integrate_reporting(
     settings: &Settings,
     report: impl FnMut(u64),
 ) -> Result<Motion, IntegrateError> {
+    integrate_from(acceleration, settings, Late::Refused, report)
+}
+
+/// What happens to a record that starts more than one interval after time zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Late {
+    /// It is refused: its velocity at the first sample is not known.
+    Refused,
+    /// The impact speed is held until the first sample.
+    Held,
+}
+
+/// [`integrate_reporting`] with a choice of what happens to a late record.
+pub(crate) fn integrate_from(
+    acceleration: &Signal<Acceleration>,
+    settings: &Settings,
+    late: Late,
+    report: impl FnMut(u64),
+) -> Result<Motion, IntegrateError> {
     let &Settings { rule, time_zero_s, impact_speed_m_per_s: v0, .. } = settings;
     if !(v0.is_finite() && v0 > 0.0) {
         return Err(IntegrateError::ImpactSpeed(v0));
@@ -64,7 +83,8 @@ pub fn integrate_reporting(
     // Time from time zero to the sample at or after it.
     let gap_s = acceleration.time_s(zero) - time_zero_s;
     let gap_s = if gap_s < ON_GRID * dt_s { 0.0 } else { gap_s };
-    if zero + 2 > acceleration.len() || gap_s.is_nan() || gap_s > dt_s * (1.0 + ON_GRID) {
+    let too_late = gap_s > dt_s * (1.0 + ON_GRID) && (late == Late::Refused || gap_s.is_infinite());
+    if zero + 2 > acceleration.len() || gap_s.is_nan() || too_late {
         let (first_s, last_s) = (acceleration.t0_s(), acceleration.end_s());
         return Err(IntegrateError::TimeZero { time_zero_s, first_s, last_s });
     }

@@ -3,10 +3,12 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crumple_integrate::{DriftShape, EndCondition, Rule, Start};
-use crumple_signal::value::{Speed, Time};
+use crumple_integrate::{DriftShape, EndCondition, Rule, Start, Uncertainty};
+use crumple_signal::value::{Level, Share, Speed, Time};
 use crumple_stage::Usage;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+use crate::uncertain::{Uncertain, uncertainty};
 
 /// Flags and keys; what is not given has the default named in its text.
 #[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
@@ -52,6 +54,31 @@ pub struct Options {
     /// What the drift is taken to be [default: bias]
     #[arg(long, value_enum)]
     pub drift: Option<DriftShape>,
+
+    /// Uncertainty of the impact speed, e.g. "0.1 km/h" (standard deviation) or "0.1 km/h uniform" (half width): events and
+    /// metrics get 5-95 % intervals [default: none stated]
+    #[arg(long, value_name = "SPEED [normal|uniform]")]
+    pub speed_uncertainty: Option<Uncertain<Speed>>,
+
+    /// Uncertainty of the zero level that is left, e.g. "0.05 g uniform" [default: none stated]
+    #[arg(long, value_name = "ACCELERATION [normal|uniform]")]
+    pub zero_level_uncertainty: Option<Uncertain<Level>>,
+
+    /// Uncertainty of the gain of the channel, e.g. "1 % uniform" [default: none stated]
+    #[arg(long, value_name = "PERCENT [normal|uniform]")]
+    pub gain_uncertainty: Option<Uncertain<Share>>,
+
+    /// Uncertainty of first contact, e.g. "0.5 ms uniform" [default: none stated]
+    #[arg(long, value_name = "TIME [normal|uniform]")]
+    pub time_zero_uncertainty: Option<Uncertain<Time>>,
+
+    /// How often the integration is repeated with perturbed inputs, 0 for no intervals [default: 400]
+    #[arg(long, value_name = "N")]
+    pub uncertainty_replicates: Option<u32>,
+
+    /// Seed of the random numbers of the repetitions [default: 1]
+    #[arg(long, value_name = "N")]
+    pub uncertainty_seed: Option<u64>,
 
     /// Load cells of the barrier in the sum of its force [default: valid]
     #[arg(long, value_enum)]
@@ -172,6 +199,9 @@ pub struct StageSettings {
     pub end_condition: Option<EndCondition>,
     #[serde(skip_serializing_if = "is_default")]
     pub barrier_cells: BarrierCells,
+    /// `None`: no intervals.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<Uncertainty>,
 }
 
 /// Options that are not used stay out of the provenance, so that results from before they existed stay up to date.
@@ -193,7 +223,9 @@ impl TryFrom<Options> for StageSettings {
                     .hint("give the velocity that is known with --end-velocity"));
             }
         }
+        let uncertainty = uncertainty(&options)?;
         Ok(Self {
+            uncertainty,
             rule: options.rule.unwrap_or_default(),
             start: options.start.unwrap_or_default(),
             channel: options.channel,

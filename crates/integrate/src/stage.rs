@@ -4,19 +4,23 @@ use std::cell::RefCell;
 use std::path::PathBuf;
 
 use crumple_integrate::{
-    Drift, Motion, Settings, barrier_force, findings, integrate_reporting, integrate_without_drift,
+    Drift, Intervals, MOST_SAMPLES, Motion, Settings, barrier_force, findings, integrate_reporting,
+    integrate_without_drift, propagate,
 };
-use crumple_metrics::{CrashEvents, Metric, Pulse, centroid_time_from_crush, crash_events, pulse_metrics};
+use crumple_metrics::{CrashEvents, Interval, Metric, Pulse, crash_events, pulse_metrics};
 use crumple_signal::{
     Acceleration, Channel, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Severity, Signal, TestDescription,
 };
-use crumple_stage::records::{ChannelFilterV1, EventsV1, MetricV1, MetricsV1, TestV1};
+use crumple_stage::records::{ChannelFilterV1, MetricsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
-use crate::contact::{TimeZero, time_zero};
+use crate::contact::time_zero;
 use crate::further::further;
 use crate::load_cells;
 use crate::options::{Options, StageSettings};
+use crate::redundant::Redundant;
+use crate::to_records::{events_record, metric_records};
+use crate::uncertain::uncertainty_note;
 
 /// Impact speeds of test and channel further apart than this are worth a word, m/s.
 const SPEED_GAP_M_PER_S: f64 = 0.05;
@@ -71,13 +75,15 @@ impl Stage for Integrate {
         let task = Task { settings, input, test: &test, impact_speed_m_per_s, time_zero_s: zero.time_s };
         let pulse = task.motion(&channel, &acceleration, out)?;
         out.notes().extend(findings(&pulse.motion, &pulse.events, zero.time_s, impact_speed_m_per_s));
-        let mut metrics = task.metrics(&channel.id, &pulse)?;
-        let mut crushes: Vec<(String, f64)> = Vec::new();
-        crushes.extend(pulse.events.crush.map(|crush| (channel.id.clone(), crush.displacement_m)));
+        if let Some(uncertainty) = &settings.uncertainty {
+            out.notes().info(uncertainty_note(uncertainty, pulse.motion.start));
+        }
+        let mut metrics = metric_records(&channel.id, &pulse);
+        let mut redundant = Redundant::new(&channel, &pulse, zero.time_s);
 
         out.put("/test", &TestV1::from(&test))?;
         out.put("/events", &events_record(&channel.id, settings, &zero, &pulse, impact_speed_m_per_s))?;
-        out.summary(summary(&channel.id, &pulse.events));
+        out.summary(summary(&channel.id, &pulse));
 
         for other in further(&settings.channels, &test, &channel.id, input, out.notes())? {
             let motion = task.motion(other, &self::acceleration(input, other)?, out)?;
@@ -86,11 +92,11 @@ impl Stage for Integrate {
                     out.notes().warning(format!("channel {}: {}", other.id, note.text));
                 }
             }
-            metrics.extend(task.metrics(&other.id, &motion)?);
-            crushes.extend(motion.events.crush.map(|crush| (other.id.clone(), crush.displacement_m)));
+            metrics.extend(metric_records(&other.id, &motion));
+            redundant.compare(other, &motion, out.notes());
             task.write(&other.id, motion, out)?;
         }
-        spread(&crushes, out);
+        metrics.extend(redundant.spread(out));
         let against = load_cells::Pulse {
             id: &channel.id,
             motion: &pulse.motion,
@@ -117,10 +123,13 @@ struct Task<'a> {
 }
 
 /// What came of a channel.
-struct Integrated {
-    motion: Motion,
-    events: CrashEvents,
-    drift: Option<Drift>,
+pub struct Integrated {
+    pub motion: Motion,
+    pub events: CrashEvents,
+    pub metrics: Vec<Metric>,
+    pub drift: Option<Drift>,
+    /// Of the events, in the order of [`EVENT_NAMES`](crumple_integrate::EVENT_NAMES); empty if nothing is uncertain.
+    pub event_intervals: Vec<Option<Interval>>,
 }
 
 impl Task<'_> {
@@ -152,34 +161,44 @@ impl Task<'_> {
             }
         };
         let events = crash_events(&motion.velocity, &motion.displacement, self.time_zero_s)?;
-        Ok(Integrated { motion, events, drift })
-    }
-
-    fn metrics(&self, id: &str, of: &Integrated) -> anyhow::Result<Vec<MetricV1>> {
-        let metrics = pulse_metrics(&Pulse {
-            acceleration: &of.motion.acceleration,
-            velocity: &of.motion.velocity,
-            displacement: &of.motion.displacement,
-            events: &of.events,
+        let mut metrics = pulse_metrics(&Pulse {
+            acceleration: &motion.acceleration,
+            velocity: &motion.velocity,
+            displacement: &motion.displacement,
+            events: &events,
             impact_speed_m_per_s: self.impact_speed_m_per_s,
             mass_kg: self.test.mass_kg,
             time_zero_s: self.time_zero_s,
         })?;
-        let mut records: Vec<MetricV1> = metrics.into_iter().map(|metric| metric_record(id, metric)).collect();
-        if let Some(drift) = of.drift {
-            records.push(MetricV1 {
-                name: "drift_correction".to_owned(),
-                value: Some(drift.acceleration_m_per_s2),
-                unit: "m/s^2".to_owned(),
-                channel: id.to_owned(),
-                definition: format!(
-                    "acceleration subtracted ({}) so that the stated velocity is met at {:.6} s of the record",
-                    drift.shape.name(),
-                    drift.time_s
-                ),
-            });
+        let mut event_intervals = Vec::new();
+        if let Some(intervals) = self.intervals(acceleration, &motion, &settings, out) {
+            for (metric, interval) in metrics.iter_mut().zip(intervals.metrics) {
+                metric.interval = interval.filter(|_| metric.value.is_some());
+            }
+            event_intervals = intervals.events;
         }
-        Ok(records)
+        Ok(Integrated { motion, events, metrics, drift, event_intervals })
+    }
+
+    /// Intervals from repetitions with perturbed inputs, where inputs are uncertain.
+    fn intervals(
+        &self,
+        acceleration: &Signal<Acceleration>,
+        motion: &Motion,
+        settings: &Settings,
+        out: &mut Output,
+    ) -> Option<Intervals> {
+        let uncertainty = self.settings.uncertainty.as_ref()?;
+        if acceleration.len() > MOST_SAMPLES {
+            out.notes().warning(format!(
+                "no intervals: {} samples, the integration is repeated for records of up to {MOST_SAMPLES}",
+                acceleration.len()
+            ));
+            return None;
+        }
+        let mut progress = out.progress("repeating with perturbed inputs", uncertainty.replicates as u64);
+        let (end, mass_kg) = (self.settings.end_condition, self.test.mass_kg);
+        Some(propagate(acceleration, motion, settings, end, mass_kg, uncertainty, |done| progress.advance(done)))
     }
 
     fn write(&self, id: &str, of: Integrated, out: &mut Output) -> anyhow::Result<()> {
@@ -226,25 +245,6 @@ fn note_drift(id: &str, drift: &Drift, stated_m_per_s: f64, notes: &mut Notes) {
     }
 }
 
-/// The spread of dynamic crush among channels is the error bar of each of them.
-fn spread(crushes: &[(String, f64)], out: &mut Output) {
-    let by_crush = |a: &&(String, f64), b: &&(String, f64)| a.1.total_cmp(&b.1);
-    let (Some(low), Some(high)) = (crushes.iter().min_by(by_crush), crushes.iter().max_by(by_crush)) else { return };
-    if crushes.len() > 1 {
-        let text = format!(
-            "dynamic crush of {} channels: {:.4} m (channel {}) to {:.4} m (channel {}), {:.1} % apart",
-            crushes.len(),
-            low.1,
-            low.0,
-            high.1,
-            high.0,
-            1e2 * (high.1 - low.1) / high.1.abs()
-        );
-        out.summary(text.clone());
-        out.notes().info(text);
-    }
-}
-
 /// The speed of the flag, else of the test; never the channel's own, which is only held against it.
 fn impact_speed(
     settings: &StageSettings,
@@ -273,52 +273,21 @@ fn impact_speed(
     Ok(speed)
 }
 
-fn events_record(
-    channel: &str,
-    settings: &StageSettings,
-    zero: &TimeZero,
-    pulse: &Integrated,
-    impact_speed_m_per_s: f64,
-) -> EventsV1 {
-    let events = &pulse.events;
-    EventsV1 {
-        channel: channel.to_owned(),
-        time_zero_s: zero.time_s,
-        time_zero_rule: zero.rule.clone(),
-        dynamic_crush_m: events.crush.map(|crush| crush.displacement_m),
-        time_of_dynamic_crush_s: events.crush.map(|crush| crush.time_s),
-        centroid_time_s: events.crush.map(|c| centroid_time_from_crush(c.displacement_m, impact_speed_m_per_s)),
-        rebound_velocity_m_per_s: events.rebound.map(|rebound| rebound.velocity_m_per_s),
-        coefficient_of_restitution: events.restitution(impact_speed_m_per_s),
-        delta_v_m_per_s: events.delta_v_m_per_s(impact_speed_m_per_s),
-        time_of_rebound_s: events.rebound.map(|rebound| rebound.time_s),
-        impact_speed_m_per_s: Some(impact_speed_m_per_s),
-        rule: Some(settings.rule.name().to_owned()),
-        start: Some(pulse.motion.start.name().to_owned()),
-    }
-}
-
-fn metric_record(channel: &str, metric: Metric) -> MetricV1 {
-    MetricV1 {
-        name: metric.name.to_owned(),
-        value: metric.value,
-        unit: metric.unit.to_owned(),
-        channel: channel.to_owned(),
-        definition: metric.definition,
-    }
-}
-
-fn summary(channel: &str, events: &CrashEvents) -> String {
-    match (events.crush, events.rebound) {
-        (Some(crush), Some(rebound)) => format!(
-            "pulse {channel}: dynamic crush {:.4} m at {:.2} ms, rebound {:.3} m/s",
-            crush.displacement_m,
-            1e3 * crush.time_s,
-            rebound.velocity_m_per_s
-        ),
+fn summary(channel: &str, pulse: &Integrated) -> String {
+    match (pulse.events.crush, pulse.events.rebound) {
+        (Some(crush), Some(rebound)) => {
+            let interval = pulse.event_intervals.first().copied().flatten();
+            let interval = interval.map_or_else(String::new, |i| format!(" ({:.3} to {:.3} m)", i.low, i.high));
+            format!(
+                "pulse {channel}: dynamic crush {:.4} m{interval} at {:.2} ms, rebound {:.3} m/s",
+                crush.displacement_m,
+                1e3 * crush.time_s,
+                rebound.velocity_m_per_s
+            )
+        }
         _ => format!(
             "pulse {channel}: the velocity never reaches zero, {:.3} m/s at the end",
-            events.end_velocity_m_per_s
+            pulse.events.end_velocity_m_per_s
         ),
     }
 }

@@ -1,6 +1,6 @@
 use crumple_signal::{Acceleration, Signal, Velocity};
 
-use crate::{MetricsError, residuals, same_grid};
+use crate::{Interval, IntervalBy, Metric, MetricsError, residuals, same_grid};
 
 /// Dynamic crushes further apart than this share are not averaged.
 pub const LARGEST_CRUSH_GAP: f64 = 0.05;
@@ -53,9 +53,38 @@ pub fn agreement(first: ChannelMotion<'_>, second: ChannelMotion<'_>, at_s: f64)
     })
 }
 
+/// A metric of one channel with the lowest and the highest of all channels as its interval.
+///
+/// The spread of redundant channels is the honest error bar of one of them; the value stays that of `of`, because
+/// channels are averaged on request only. `None` without other channels, with different definitions, or where one has
+/// no value.
+pub fn over_channels(of: &Metric, others: &[&Metric]) -> Option<Metric> {
+    let value = of.value.filter(|_| !others.is_empty())?;
+    let (mut low, mut high) = (value, value);
+    for other in others {
+        let value = other.value.filter(|_| other.id == of.id && other.unit == of.unit)?;
+        (low, high) = (low.min(value), high.max(value));
+    }
+    let by = IntervalBy::Channels(others.len() + 1);
+    Some(Metric { interval: Some(Interval { low, high, by }), ..of.clone() })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::definitions::{OLC, VPI};
+
+    #[test]
+    fn the_spread_of_channels_is_the_interval_of_the_first() {
+        let of = |value| Metric::found(&OLC, value);
+        let spread = over_channels(&of(295.0), &[&of(300.0), &of(290.0)]).unwrap();
+        let by = IntervalBy::Channels(3);
+        assert_eq!((spread.value, spread.interval), (Some(295.0), Some(Interval { low: 290.0, high: 300.0, by })));
+        assert_eq!(by.to_string(), "range over 3 channels");
+        assert_eq!(over_channels(&of(1.0), &[&Metric::absent(&OLC, "why")]), None);
+        assert_eq!(over_channels(&of(1.0), &[&Metric::found(&VPI, 1.0)]), None);
+        assert_eq!(over_channels(&of(1.0), &[]), None);
+    }
 
     #[test]
     fn tells_how_far_two_channels_are_apart() {

@@ -2,8 +2,45 @@ use crumple_signal::Sampled;
 
 use crate::best_shift::{Correlation, best_shift, overlap};
 use crate::corridor_rating::corridor_score;
-use crate::definitions::{CORA, CORA_CORRIDOR, CORA_CROSS};
+use crate::definitions::{
+    CORA, CORA_AUTOMATIC, CORA_CORRIDOR, CORA_CORRIDOR_AUTOMATIC, CORA_CROSS, CORA_CROSS_AUTOMATIC,
+};
 use crate::{Metric, MetricsError, rated_grid};
+
+/// Which part of the signals is rated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CoraInterval {
+    /// The whole of both signals: the caller has cut them to the interval meant.
+    Stated,
+    /// From the first sample of the reference at or above `start` of max|T| to the last at or above `end` of it, longer
+    /// by `extension` of its length on either side, inside the record.
+    ///
+    /// The thresholds are those of the manual; how its program applies them, and a further shortening at the end (0.2 of
+    /// the peak), is not known and not done: mark U, under definition ids of its own.
+    Automatic {
+        /// Threshold at the start over max|T|: 0.03.
+        start: f64,
+        /// Threshold at the end: 0.075.
+        end: f64,
+        /// Extension over the length: 0.01.
+        extension: f64,
+    },
+}
+
+impl CoraInterval {
+    /// The automatic interval with the constants of the manual.
+    pub const AUTOMATIC: Self = Self::Automatic { start: 0.03, end: 0.075, extension: 0.01 };
+
+    /// First sample and one past the last.
+    fn of(self, reference: &[f64]) -> (usize, usize) {
+        let Self::Automatic { start, end, extension } = self else { return (0, reference.len()) };
+        let peak = reference.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
+        let first = reference.iter().position(|t| t.abs() >= start * peak).unwrap_or(0);
+        let last = reference.iter().rposition(|t| t.abs() >= end * peak).unwrap_or(reference.len() - 1).max(first);
+        let more = (extension.max(0.0) * (last - first) as f64).min(reference.len() as f64) as usize;
+        (first.saturating_sub(more), (last + more + 1).min(reference.len()))
+    }
+}
 
 /// The constants of the rating, in the words of its manual.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +73,8 @@ pub struct CoraOptions {
     pub g_1: f64,
     /// Weight of the cross-correlation method.
     pub g_2: f64,
+    /// The rated interval.
+    pub interval: CoraInterval,
 }
 
 impl Default for CoraOptions {
@@ -55,6 +94,7 @@ impl Default for CoraOptions {
             g_p: 0.25,
             g_1: 0.5,
             g_2: 0.5,
+            interval: CoraInterval::Stated,
         }
     }
 }
@@ -80,16 +120,18 @@ pub struct Cora {
     pub correlation: f64,
     /// The rated interval, s on the signals' axis.
     pub interval_s: (f64, f64),
+    /// How the interval was chosen.
+    pub interval: CoraInterval,
 }
 
 /// Rates how well a comparison follows a reference after CORA's published formulas.
 ///
-/// Over the stated interval: the whole of both signals, on one grid (CORA's automatic interval is not certain enough to
-/// be copied). Cross-correlation `K(m) = ΣXY/sqrt(ΣX²·ΣY²)` without removing means, over shifts that keep 80 % of the
+/// Over the whole of both signals, on one grid, or over the automatic interval ([`CoraInterval`]). Cross-correlation `K(m) = ΣXY/sqrt(ΣX²·ΣY²)` without removing means, over shifts that keep 80 % of the
 /// overlap. Not checked against the reference program. Errors: grids that differ, no samples, a reference of zeros.
 pub fn cora(reference: &Sampled, comparison: &Sampled, options: &CoraOptions) -> Result<Cora, MetricsError> {
     rated_grid(reference, comparison)?;
-    let (t, c) = (reference.samples(), comparison.samples());
+    let (from, to) = options.interval.of(reference.samples());
+    let (t, c) = (&reference.samples()[from..to], &comparison.samples()[from..to]);
     let n = t.len();
     let corridor = corridor_score(t, c, options.a_0, options.b_0, options.k);
 
@@ -115,17 +157,22 @@ pub fn cora(reference: &Sampled, comparison: &Sampled, options: &CoraOptions) ->
         total: options.g_1 * corridor + options.g_2 * cross_correlation,
         shift_samples: shift.late,
         correlation,
-        interval_s: (reference.t0_s(), reference.end_s()),
+        interval_s: (reference.time_s(from), reference.time_s(to - 1)),
+        interval: options.interval,
     })
 }
 
 impl Cora {
     /// Corridor, cross-correlation and total.
     pub fn metrics(&self) -> [Metric; 3] {
+        let [corridor, cross, total] = match self.interval {
+            CoraInterval::Stated => [&CORA_CORRIDOR, &CORA_CROSS, &CORA],
+            CoraInterval::Automatic { .. } => [&CORA_CORRIDOR_AUTOMATIC, &CORA_CROSS_AUTOMATIC, &CORA_AUTOMATIC],
+        };
         [
-            Metric::found(&CORA_CORRIDOR, self.corridor),
-            Metric::found(&CORA_CROSS, self.cross_correlation),
-            Metric::found(&CORA, self.total),
+            Metric::found(corridor, self.corridor),
+            Metric::found(cross, self.cross_correlation),
+            Metric::found(total, self.total),
         ]
         .map(|metric| metric.over(self.interval_s.0, self.interval_s.1))
     }
@@ -141,5 +188,23 @@ mod tests {
         let rating = cora(&signal(vec![1.0; 9]), &signal(vec![0.0; 9]), &CoraOptions::default()).unwrap();
         assert_eq!((rating.corridor, rating.size, rating.correlation), (0.0, 0.0, 0.0));
         assert!(rating.total.is_finite());
+    }
+
+    #[test]
+    fn the_automatic_interval_leaves_out_the_quiet_ends_and_says_so() {
+        // Half a sine of 100 samples between 50 and 50 quiet ones: 0.03 of the peak is passed at sample 51, 0.075 last at
+        // sample 147; 96 intervals, longer by 0.01 of them, which is no whole sample.
+        let at = |k: i32| {
+            if (50..150).contains(&k) { (f64::from(k - 50) * std::f64::consts::PI / 100.0).sin() } else { 0.0 }
+        };
+        let t = Sampled::new(0.0, 1e-3, (0..200).map(at).collect()).unwrap();
+        let c = Sampled::new(0.0, 1e-3, (0..200).map(|k| 0.9 * at(k)).collect()).unwrap();
+        let rated = |interval| cora(&t, &c, &CoraOptions { interval, ..CoraOptions::default() }).unwrap();
+        let (whole, automatic) = (rated(CoraInterval::Stated), rated(CoraInterval::AUTOMATIC));
+        assert!((automatic.interval_s.0 - 0.051).abs() < 1e-12 && (automatic.interval_s.1 - 0.147).abs() < 1e-12);
+        assert_eq!(whole.interval_s.0, 0.0);
+        // Quiet ends agree perfectly and flatter the corridor of the whole.
+        assert!(automatic.corridor < whole.corridor);
+        assert_eq!(automatic.metrics().map(|m| m.id)[2], "cora-automatic");
     }
 }

@@ -3,7 +3,7 @@
 use crumple_signal::Sampled;
 
 use crate::definitions::{CORRIDOR_EXCURSION, CORRIDOR_EXIT, CORRIDOR_INSIDE};
-use crate::{Interval, Metric, MetricsError, same_grid};
+use crate::{Metric, MetricsError, same_grid};
 
 /// How wide a corridor of several tests is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -182,24 +182,9 @@ impl CorridorResult {
     }
 }
 
-/// The same metric of several channels or tests as one: their mean, with the lowest and the highest as interval.
-///
-/// The spread of redundant channels is the honest error bar of one of them. `None` without metrics, with different
-/// definitions, or where one has no value.
-pub fn over_channels(metrics: &[Metric]) -> Option<Metric> {
-    let first = metrics.first()?;
-    let values: Vec<f64> =
-        metrics.iter().map(|m| m.value.filter(|_| m.id == first.id && m.unit == first.unit)).collect::<Option<_>>()?;
-    let (low, high) = values.iter().fold((values[0], values[0]), |(low, high), x| (low.min(*x), high.max(*x)));
-    let mean = values.iter().map(|x| x / values.len() as f64).sum::<f64>();
-    let merged = Metric { value: Some(mean), window: None, interval: Some(Interval { low, high }), ..first.clone() };
-    Some(merged.remarked(&format!("mean of {} channels, interval their range", values.len())))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::definitions::OLC;
 
     fn signal(samples: &[f64]) -> Sampled {
         Sampled::new(0.0, 0.5, samples.to_vec()).unwrap()
@@ -237,15 +222,5 @@ mod tests {
         let [share, excursion, exit] = result.metrics();
         assert_eq!((share.value, excursion.value, exit.value), (Some(0.5), Some(1.0), Some(1.0)));
         assert!(corridor.hold(&Sampled::new(0.1, 0.5, vec![0.0]).unwrap()).is_err());
-    }
-
-    #[test]
-    fn the_spread_of_channels_is_the_interval() {
-        let of = |value| Metric::found(&OLC, value);
-        let merged = over_channels(&[of(290.0), of(300.0), of(295.0)]).unwrap();
-        assert_eq!(merged.interval, Some(Interval { low: 290.0, high: 300.0 }));
-        assert!((merged.value.unwrap() - 295.0).abs() < 1e-12);
-        assert_eq!(over_channels(&[of(1.0), Metric::absent(&OLC, "why")]), None);
-        assert_eq!(over_channels(&[]), None);
     }
 }

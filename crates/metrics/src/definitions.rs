@@ -63,7 +63,7 @@ catalogue! {
     DYNAMIC_CRUSH = "dynamic-crush" "dynamic_crush" "m" Checked
         "C = x(t_m), displacement at the first zero of velocity" "definition";
     TIME_OF_CRUSH = "dynamic-crush-time" "time_of_dynamic_crush" "s" Checked
-        "t_m, first zero of velocity, linearly interpolated" "definition";
+        "t_m, first zero of velocity, linearly interpolated; a part of OLC++, see olc" "definition";
     CENTROID = "centroid-crush" "centroid_time" "s" Checked
         "t_c = C/v0, equal to the centroid of the pulse over 0..t_m (Huang, Vehicle Crash Mechanics, 2002)" "Huang, Vehicle Crash Mechanics (2002)";
     CENTROID_MOMENT = "centroid-moment" "centroid_time_by_moment" "s" Checked
@@ -85,11 +85,11 @@ catalogue! {
     X_MEAN = "x-mean" "mean_deceleration" "m/s^2" Checked
         "x-mean over 0..t_m, (v(0) - v(t_m))/t_m from the integrated velocity" "definition";
     SM25 = "sliding-mean-25ms" "sm25" "m/s^2" Checked
-        "largest |V(t + 25 ms) - V(t)|/25 ms from time zero on, V = integral of a, t on the grid" "Euro NCAP pulse assessment";
+        "largest |V(t + 25 ms) - V(t)|/25 ms from time zero on, V = integral of a, t on the grid; a part of OLC++, see olc" "Euro NCAP pulse assessment";
     SLIDING_MEAN = "sliding-mean" "sliding_mean" "m/s^2" Checked
         "largest |V(t + w) - V(t)|/w over the stated window length w, V = integral of a, t on the grid" "definition";
     OLC = "olc-tb027" "olc" "m/s^2" Checked
-        "occupant load criterion: constant deceleration over 235 mm of restraint after 65 mm of free flight, ending at the vehicle's speed" "Euro NCAP TB 027";
+        "occupant load criterion: constant deceleration over 235 mm of restraint after 65 mm of free flight, ending at the vehicle's speed; OLC++ combines olc, sm25 and time_of_dynamic_crush by weights that are not known: the three are given, no composite" "Euro NCAP TB 027";
     VPI = "vpi-iso12353-3" "vpi" "m/s^2" Checked
         "vehicle pulse index: largest belt force of 1 kg on 2500 N/m after 30 mm of slack" "ISO/TR 12353-3";
     SEPARATION = "separation-drift" "acceleration_after_separation" "m/s^2" Checked
@@ -170,6 +170,12 @@ catalogue! {
         "0.5 progression + 0.25 size + 0.25 phase at the shift of largest cross-correlation" "CORA";
     CORA = "cora" "cora" "1" FromMemory
         "0.5 corridor + 0.5 cross-correlation over the stated interval" "CORA";
+    CORA_CORRIDOR_AUTOMATIC = "cora-corridor-automatic" "cora_corridor" "1" Uncertain
+        "corridor score over the automatic interval: from 3 % of the largest |T| to the last 7.5 %, 1 % longer on either side" "CORA";
+    CORA_CROSS_AUTOMATIC = "cora-cross-automatic" "cora_cross_correlation" "1" Uncertain
+        "cross-correlation score over the automatic interval" "CORA";
+    CORA_AUTOMATIC = "cora-automatic" "cora" "1" Uncertain
+        "0.5 corridor + 0.5 cross-correlation over the automatic interval" "CORA";
     SPRAGUE_GEERS_M = "sprague-geers-m" "sprague_geers_magnitude" "1" Checked
         "M = sqrt(I_cc/I_mm) - 1" "Sprague & Geers (2003)";
     SPRAGUE_GEERS_P = "sprague-geers-p" "sprague_geers_phase" "1" Checked

@@ -45,10 +45,10 @@ mod vpi;
 
 pub use asi::{AsiLimits, AsiMethod, asi};
 pub use centroid::{centroid_time_by_moment, centroid_time_from_crush};
-pub use channels::{Agreement, ChannelMotion, LARGEST_CRUSH_GAP, agreement};
+pub use channels::{Agreement, ChannelMotion, LARGEST_CRUSH_GAP, agreement, over_channels};
 pub use clip::{CLIP_3MS_S, clip_contiguous, clip_cumulative};
-pub use cora::{Cora, CoraOptions, cora};
-pub use corridor::{Corridor, CorridorOptions, CorridorResult, Excursion, over_channels};
+pub use cora::{Cora, CoraInterval, CoraOptions, cora};
+pub use corridor::{Corridor, CorridorOptions, CorridorResult, Excursion};
 pub use crush_energy::{CrushStiffness, NO_DAMAGE_SPEED_M_PER_S};
 pub use definitions::{Definition, Mark};
 pub use energy::{absorbed_energy, energy_equivalent_speed, kinetic_energy, loading_work_per_kg};
@@ -58,11 +58,11 @@ pub use force_deflection::{Branch, ForceDeflection, force_deflection, specific_e
 pub use hic::{HIC15_WINDOW_S, HIC36_WINDOW_S, gadd_severity_index, hic, hic_all_pairs, hic_d, hic_d_of};
 pub use iso18571::{Grade, Iso18571, Iso18571Options, iso18571};
 pub use mean::mean_deceleration;
-pub use metric::{Interval, Metric, Window};
+pub use metric::{Interval, IntervalBy, Metric, Window};
 pub use olc::{OlcOptions, olc};
 pub use peak::{Peak, peak};
 pub use pulse_metrics::{Pulse, pulse_metrics};
-pub use residuals::{Residuals, residuals};
+pub use residuals::{Residuals, fit_percent, residuals, rmse};
 pub use ride_down::{RideDown, ride_down};
 pub use separation::{acceleration_after_separation, restitution_of_two_bodies};
 pub use sliding_mean::{sliding_mean, sliding_mean_of_velocity};

@@ -1,3 +1,5 @@
+use std::fmt;
+
 use crate::Definition;
 
 /// Part of a record, s.
@@ -16,6 +18,27 @@ pub struct Interval {
     pub low: f64,
     /// Highest value.
     pub high: f64,
+    /// How it was found.
+    pub by: IntervalBy,
+}
+
+/// How an interval was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IntervalBy {
+    /// Lowest and highest of so many channels that measured the same.
+    Channels(usize),
+    /// 5 % and 95 % quantile of so many repetitions with perturbed inputs.
+    Replicates(usize),
+}
+
+/// The words used in artifacts.
+impl fmt::Display for IntervalBy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Channels(n) => write!(f, "range over {n} channels"),
+            Self::Replicates(n) => write!(f, "5-95 % of {n} replicates"),
+        }
+    }
 }
 
 /// One number, with what is needed to print it and to compute it again; or the reason why it is missing.
@@ -33,8 +56,26 @@ pub struct Metric {
     pub id: &'static str,
     /// The part of the record the value belongs to, where it belongs to one.
     pub window: Option<Window>,
-    /// Spread of the value, where several channels or tests say how large it is.
+    /// Where the value lies, where several channels or the stated uncertainty of the inputs say it.
     pub interval: Option<Interval>,
+}
+
+impl Interval {
+    /// 5 % and 95 % quantile of the values of repetitions, linear between order statistics (type 7 of Hyndman & Fan,
+    /// 1996); `None` without values.
+    pub fn of_replicates(mut values: Vec<f64>) -> Option<Self> {
+        let last = values.len().checked_sub(1)?;
+        values.sort_unstable_by(f64::total_cmp);
+        let quantile = |share: f64| {
+            let place = share * last as f64;
+            let below = place as usize;
+            let above = (below + 1).min(last);
+            values[below] + (place - below as f64) * (values[above] - values[below])
+        };
+        let (low, high) = (quantile(0.05), quantile(0.95));
+        let by = IntervalBy::Replicates(values.len());
+        (low.is_finite() && high.is_finite()).then_some(Self { low, high, by })
+    }
 }
 
 impl Metric {
@@ -90,5 +131,20 @@ impl Metric {
             self.definition = format!("{}; {remark}", self.definition);
         }
         self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_interval_of_replicates_leaves_a_twentieth_out_on_either_side() {
+        let interval = Interval::of_replicates((0..=100).rev().map(f64::from).collect()).unwrap();
+        // Places 5 and 95 of 0..=100; 0.05·100 is 5 but for rounding.
+        assert!((interval.low - 5.0).abs() < 1e-12 && (interval.high - 95.0).abs() < 1e-12);
+        assert_eq!(interval.by.to_string(), "5-95 % of 101 replicates");
+        assert_eq!(Interval::of_replicates(vec![2.0]).map(|i| (i.low, i.high)), Some((2.0, 2.0)));
+        assert_eq!(Interval::of_replicates(vec![]), None);
     }
 }

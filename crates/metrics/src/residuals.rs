@@ -49,11 +49,8 @@ pub fn residuals(measured: &Sampled, computed: &Sampled) -> Result<Residuals, Me
     same_grid(("the measured curve", measured), ("the computed curve", computed))?;
     let (m, c) = (measured.samples(), computed.samples());
     let n = m.len() as f64;
-    // Scaled, so that squares of large samples do not overflow; every measure but rmse is free of scale.
-    let peak = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let largest = peak(m);
-    let scale = largest.max(peak(c));
-    let scale = if scale > 0.0 { scale } else { 1.0 };
+    let scale = scale(m, c);
     let pairs = || m.iter().zip(c).map(|(m, c)| (m / scale, c / scale));
 
     let mean_m = pairs().map(|(m, _)| m).sum::<f64>() / n;
@@ -67,7 +64,7 @@ pub fn residuals(measured: &Sampled, computed: &Sampled) -> Result<Residuals, Me
         mm += m * m;
         cc += c * c;
     }
-    let constant = m.iter().all(|x| *x == m[0]);
+    let constant = is_constant(m);
     let nrmse = finite((ee / var_m).sqrt()).filter(|_| !constant);
 
     let integral = |f: &dyn Fn(f64, f64) -> f64| {
@@ -92,6 +89,50 @@ pub fn residuals(measured: &Sampled, computed: &Sampled) -> Result<Residuals, Me
         anova_standard_deviation: finite((var_e / (n - 1.0)).sqrt() * scale / largest),
         interval_s: (measured.t0_s(), measured.end_s()),
     })
+}
+
+/// Fit of a computed to a measured curve, `100·(1 - ‖m - c‖/‖m - mean m‖)`, %, as in [`residuals`]: 100 for equal curves, 0
+/// for one no better than the mean, negative for worse.
+///
+/// The simulation figure of MATLAB's `compare`. `None` for a constant m, for which it is undefined and not 100; without
+/// samples, for unequal numbers of them, and where one is not finite.
+pub fn fit_percent(measured: &[f64], computed: &[f64]) -> Option<f64> {
+    let square_error = square_error(measured, computed)?;
+    let scale = scale(measured, computed);
+    let mean = measured.iter().map(|m| m / scale).sum::<f64>() / measured.len() as f64;
+    let spread: f64 = measured.iter().map(|m| (m / scale - mean).powi(2)).sum();
+    finite(100.0 * (1.0 - (square_error / spread).sqrt())).filter(|_| !is_constant(measured))
+}
+
+/// Root mean square of m - c, as in [`residuals`]; `None` as for [`fit_percent`], except that a constant m has one.
+pub fn rmse(measured: &[f64], computed: &[f64]) -> Option<f64> {
+    let square_error = square_error(measured, computed)?;
+    finite(scale(measured, computed) * (square_error / measured.len() as f64).sqrt())
+}
+
+/// Sum of squares of m - c, both over their common scale.
+fn square_error(m: &[f64], c: &[f64]) -> Option<f64> {
+    if m.is_empty() || m.len() != c.len() {
+        return None;
+    }
+    let scale = scale(m, c);
+    finite(m.iter().zip(c).map(|(m, c)| (m / scale - c / scale).powi(2)).sum())
+}
+
+fn peak(x: &[f64]) -> f64 {
+    x.iter().fold(0.0_f64, |m, x| m.max(x.abs()))
+}
+
+/// What both curves are divided by, so that squares of large samples do not overflow: every measure but rmse is free of
+/// scale. A power of two, so that no digit of a sample changes; 1 for curves of zeros.
+fn scale(m: &[f64], c: &[f64]) -> f64 {
+    let largest = peak(m).max(peak(c));
+    let exponent = largest.log2().floor().clamp(-1000.0, 1000.0);
+    if largest > 0.0 && exponent.is_finite() { exponent.exp2() } else { 1.0 }
+}
+
+fn is_constant(m: &[f64]) -> bool {
+    m.iter().all(|x| *x == m[0])
 }
 
 fn finite(value: f64) -> Option<f64> {
@@ -155,5 +196,28 @@ mod tests {
         assert!(metrics.iter().all(|metric| metric.value.is_none_or(f64::is_finite)));
         // Squares of these overflow.
         assert_eq!(of(&[1e200, -1e200], &[1e200, -1e200]).fit_percent, Some(100.0));
+    }
+
+    #[test]
+    fn fit_and_error_of_slices_are_those_of_the_residuals() {
+        let (m, c) = ([0.25, 3.1, -3.3, 0.7], [0.2, 2.9, -3.0, 0.9]);
+        let all = of(&m, &c);
+        assert_eq!((fit_percent(&m, &c), rmse(&m, &c)), (all.fit_percent, Some(all.rmse)));
+        let y = [1.0, 2.0, 6.0];
+        assert_eq!((fit_percent(&y, &y), fit_percent(&y, &[3.0; 3])), (Some(100.0), Some(0.0)));
+        assert!(fit_percent(&y, &[-9.0; 3]).unwrap() < 0.0);
+        assert_eq!(rmse(&[0.0, 0.0], &[3.0, 4.0]), Some(12.5_f64.sqrt()));
+    }
+
+    #[test]
+    fn fit_and_error_are_absent_where_they_are_not_defined() {
+        assert_eq!((fit_percent(&[2.0; 3], &[2.0; 3]), rmse(&[2.0; 3], &[2.0; 3])), (None, Some(0.0)));
+        assert_eq!((fit_percent(&[1.0, 2.0], &[1.0]), rmse(&[1.0], &[1.0, 2.0])), (None, None));
+        assert_eq!((fit_percent(&[], &[]), rmse(&[], &[])), (None, None));
+        let overflown = [1.0, f64::INFINITY];
+        assert_eq!((fit_percent(&[1.0, 2.0], &overflown), rmse(&[1.0, 2.0], &overflown)), (None, None));
+        assert_eq!((fit_percent(&overflown, &[1.0, 2.0]), rmse(&[1.0, f64::NAN], &[1.0, 2.0])), (None, None));
+        // Squares of these leave the range of numbers, their ratio does not.
+        assert_eq!(rmse(&[1e200, 0.0], &[1e200, 0.0]), Some(0.0));
     }
 }

@@ -45,8 +45,10 @@ pub fn vpi(acceleration: &Signal<Acceleration>, time_zero_s: f64, options: VpiOp
     // u = d - s: belt elongation when positive.
     let (mut u, mut rate) = (-options.slack_m, 0.0);
     let (mut largest, mut at_s) = (0.0, None);
+    // Nearly every step is a whole interval: its sine and cosine are computed once.
+    let whole = (dt, (omega * dt).sin_cos());
     for (k, pair) in a.windows(2).enumerate() {
-        let mut start = Segment { u, rate, a: pair[0], slope: (pair[1] - pair[0]) / dt, omega };
+        let mut start = Segment { u, rate, a: pair[0], slope: (pair[1] - pair[0]) / dt, omega, whole };
         let (mut done, mut left) = (0.0, dt);
         // Free flight and belt alternate at most a few times in one interval; each part is exact.
         for _ in 0..8 {
@@ -92,6 +94,8 @@ struct Segment {
     a: f64,
     slope: f64,
     omega: f64,
+    /// A sampling interval, with sine and cosine of the belt's oscillation over it.
+    whole: (f64, (f64, f64)),
 }
 
 impl Segment {
@@ -101,13 +105,13 @@ impl Segment {
 
     /// Elongation and its rate after τ, as long as the contact does not change.
     fn at(&self, tau: f64) -> (f64, f64) {
-        let Self { u, rate, a, slope, omega } = *self;
+        let Self { u, rate, a, slope, omega, whole } = *self;
         if !self.on_belt() {
             return (u + tau * (rate - tau * (a / 2.0 + tau * slope / 6.0)), rate - tau * (a + tau * slope / 2.0));
         }
         // Particular solution p + q·τ with ω²(p + qτ) = -(a + slope·τ).
         let (p, q) = (-a / (omega * omega), -slope / (omega * omega));
-        let (sine, cosine) = (omega * tau).sin_cos();
+        let (sine, cosine) = if tau == whole.0 { whole.1 } else { (omega * tau).sin_cos() };
         let (c, s) = (u - p, (rate - q) / omega);
         (p + q * tau + c * cosine + s * sine, q + omega * (s * cosine - c * sine))
     }

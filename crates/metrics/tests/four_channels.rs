@@ -2,14 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-use crumple_filter::{Cfc, Coefficients, Mode, Window, filter_both_ways, pre_event};
+use crumple_filter::{Cfc, Coefficients, Mode, filter_both_ways, pre_event};
 use crumple_integrate::{Rule, integrate_twice};
 use crumple_metrics::{Metric, Pulse, crash_events, over_channels, pulse_metrics};
-use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, Sampled, Signal};
+use crumple_signal::{PreEventWindow, STANDARD_GRAVITY_M_PER_S2, Sampled, Signal};
 use crumple_testkit::reference_signals::two_columns;
 
 fn metrics(record: &Sampled) -> Vec<Metric> {
-    let bias = pre_event(record, Window::default()).unwrap().unwrap().mean;
+    let bias = pre_event(record, PreEventWindow::default()).unwrap().unwrap().zero_level;
     let coefficients = Coefficients::new(Cfc::Cfc60, Mode::Iso6487, record.dt_s());
     let filtered = filter_both_ways(record.samples(), bias, &coefficients).unwrap();
     let zero = record.index_at_or_after(0.0);
@@ -40,9 +40,9 @@ fn crush_olc_and_vpi_spread_as_published() {
         channels.push(metrics(&two_columns(&path, '\t')));
     }
     let spread = |name: &str, unit: f64| {
-        let of_name: Vec<Metric> =
-            channels.iter().map(|metrics| metrics.iter().find(|m| m.name == name).unwrap().clone()).collect();
-        let interval = over_channels(&of_name).unwrap().interval.unwrap();
+        let of_name: Vec<&Metric> =
+            channels.iter().map(|metrics| metrics.iter().find(|m| m.name == name).unwrap()).collect();
+        let interval = over_channels(of_name[0], &of_name[1..]).unwrap().interval.unwrap();
         println!("{name}: {} to {}", interval.low / unit, interval.high / unit);
         (interval.low / unit, interval.high / unit)
     };

@@ -99,6 +99,13 @@ pub fn value(value: f64, si: &str) -> String {
     if unit.is_empty() { number } else { format!("{number}{NBSP}{unit}") }
 }
 
+/// Two values in SI in the unit people use: `741.2 to 759.3 mm`.
+pub fn range(low: f64, high: f64, si: &str) -> String {
+    let (factor, unit) = unit(si);
+    let (low, high) = (significant(low * factor, 4), significant(high * factor, 4));
+    if unit.is_empty() { format!("{low} to {high}") } else { format!("{low} to {high}{NBSP}{unit}") }
+}
+
 /// Masses, then stiffnesses, then dampings, then the rest, each by name: the order people write them in.
 pub fn parameter_order(name: &str) -> (usize, &str) {
     const KINDS: [&str; 3] = ["_kg", "_n_per_m", "_n_s_per_m"];
@@ -197,6 +204,8 @@ mod tests {
     fn a_velocity_is_in_km_per_h_and_an_unknown_unit_stays() {
         assert_eq!(value(10.0, "m/s"), "36.00\u{a0}km/h");
         assert_eq!(value(0.5, "1"), "0.5000");
+        assert_eq!(range(0.7412, 0.7593, "m"), "741.2 to 759.3\u{a0}mm");
+        assert_eq!(range(0.5, 0.75, "1"), "0.5000 to 0.7500");
         assert_eq!(value(2.0, "furlong"), "2.000\u{a0}furlong");
     }
 }

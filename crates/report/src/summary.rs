@@ -39,6 +39,12 @@ struct TestSummary<'a> {
 struct MetricSummary<'a> {
     value: Option<f64>,
     unit: &'a str,
+    definition_id: Option<&'a str>,
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+    low: Option<f64>,
+    high: Option<f64>,
+    interval_by: Option<&'a str>,
 }
 
 #[derive(Debug, Serialize)]
@@ -102,7 +108,19 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
             .metrics
             .iter()
             .filter_map(|metric| run.metric(&metric.name))
-            .map(|metric| (metric.name.as_str(), MetricSummary { value: metric.value, unit: &metric.unit }))
+            .map(|metric| {
+                let summary = MetricSummary {
+                    value: metric.value,
+                    unit: &metric.unit,
+                    definition_id: metric.definition_id.as_deref(),
+                    from_s: metric.from_s,
+                    to_s: metric.to_s,
+                    low: metric.low,
+                    high: metric.high,
+                    interval_by: metric.interval_by.as_deref(),
+                };
+                (metric.name.as_str(), summary)
+            })
             .collect(),
         models: run.models.iter().map(model).collect(),
         candidates: run

@@ -1,5 +1,6 @@
 //! The vocabulary of crash records: quantities, units, sampled signals, channels, the test
-//! description and notes. No input or output, no filters, no numerics beyond a time grid.
+//! description and notes. No input or output, no filters, no numerics beyond a time grid
+//! and the zero level before the event.
 //!
 //! Inside Crumple every number is SI. A value typed by a person carries its unit
 //! ([`value::Mass`], [`value::Speed`], ...); an array carries its quantity in its type
@@ -8,6 +9,7 @@
 mod channel;
 pub mod iso13499;
 mod note;
+mod pre_event;
 mod quantity;
 mod signal;
 mod test_description;
@@ -16,6 +18,7 @@ pub mod value;
 
 pub use channel::{Axis, Channel, ChannelStatus};
 pub use note::{Note, Notes, Severity};
+pub use pre_event::{PreEvent, PreEventWindow, pre_event};
 pub use quantity::{Acceleration, Displacement, Force, Quantity, QuantityKind, Velocity};
 pub use signal::{Sampled, Signal, SignalError};
 pub use test_description::{PulseError, Source, TestDescription};

@@ -15,16 +15,19 @@ pub enum Dimension {
     Time,
     /// Frequency; unit Hz.
     Frequency,
+    /// Share of a whole; unit 1.
+    Share,
 }
 
 impl Dimension {
-    /// Symbol of the SI unit, for messages.
+    /// Symbol of the SI unit, for messages; a share is asked for in percent.
     pub fn si_unit(self) -> &'static str {
         match self {
             Self::Signal(kind) => kind.si_unit(),
             Self::Mass => "kg",
             Self::Time => "s",
             Self::Frequency => "Hz",
+            Self::Share => "%",
         }
     }
 
@@ -37,6 +40,7 @@ impl Dimension {
             Self::Mass => "mass",
             Self::Time => "time",
             Self::Frequency => "frequency",
+            Self::Share => "share",
         }
     }
 }
@@ -47,7 +51,7 @@ const FOOT_M: f64 = 0.3048;
 const POUND_KG: f64 = 0.453_592_37;
 const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
 
-use Dimension::{Frequency, Mass, Signal, Time};
+use Dimension::{Frequency, Mass, Share, Signal, Time};
 use QuantityKind as Q;
 
 /// `(spellings, dimension, factor to SI)`. The first spelling is the usual one.
@@ -98,6 +102,8 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["us", "µs", "μs", "usec"], Time, 1e-6),
     (&["Hz", "hz", "1/s"], Frequency, 1.0),
     (&["kHz"], Frequency, 1e3),
+    (&["%", "percent"], Share, 1e-2),
+    (&["share"], Share, 1.0),
 ];
 
 fn squeeze(text: &str) -> String {

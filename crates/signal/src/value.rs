@@ -65,6 +65,10 @@ value! {
     Length(Dimension::Signal(QuantityKind::Displacement), "m"),
     /// A frequency, Hz.
     Frequency(Dimension::Frequency, "Hz"),
+    /// A level of acceleration, m/s².
+    Level(Dimension::Signal(QuantityKind::Acceleration), "m/s^2"),
+    /// A share of something, typed in percent.
+    Share(Dimension::Share, "share"),
 }
 
 /// Takes text, and bare numbers as text so that the answer to them is about the unit.

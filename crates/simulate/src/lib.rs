@@ -6,5 +6,5 @@
 mod measures;
 mod simulate;
 
-pub use measures::{fit_percent, max_abs_error, rmse};
+pub use measures::max_abs_error;
 pub use simulate::{Comparison, Measured, SimulateError, Simulation, Window, simulate};

@@ -1,8 +1,8 @@
 use crumple_lumped::{CrushEvents, LumpedError, Model, Motion};
-use crumple_metrics::{Iso18571Options, iso18571};
+use crumple_metrics::{Iso18571Options, fit_percent, iso18571, rmse};
 use crumple_signal::Sampled;
 
-use crate::measures::{fit_percent, max_abs_error, rmse};
+use crate::measures::max_abs_error;
 
 /// Why a candidate cannot be compared.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -44,14 +44,8 @@ fn write(path: &Path, candidates: &[(&str, CandidateV1)]) {
         time_zero_rule: "file".to_owned(),
         dynamic_crush_m: events.dynamic_crush_m,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
-        centroid_time_s: None,
-        rebound_velocity_m_per_s: None,
-        coefficient_of_restitution: None,
-        delta_v_m_per_s: None,
-        time_of_rebound_s: None,
         impact_speed_m_per_s: Some(9.7),
-        rule: None,
-        start: None,
+        ..EventsV1::default()
     };
     builder.put("/events", &crash).unwrap();
     let response = Model::Kelvin(MODEL).respond(9.7, 1e-4, 1001).unwrap();

@@ -1,10 +1,23 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// Where an event lies, as far as what was stated of the measurement says.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EventIntervalV1 {
+    /// Field of [`EventsV1`] it belongs to, e.g. `dynamic_crush_m`.
+    pub name: String,
+    /// Lower end, unit of the field.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// How it was found, e.g. `5-95 % of 400 replicates`.
+    pub interval_by: String,
+}
+
 /// The events of a crash on one channel; times count from time zero. Topic `/events`.
 ///
 /// `null` means that the record does not show the event; a note says why.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EventsV1 {
     /// Channel the events were read from.
     pub channel: String,
@@ -32,4 +45,7 @@ pub struct EventsV1 {
     pub rule: Option<String>,
     /// Where the integration started: `time-zero` or `record-start`.
     pub start: Option<String>,
+    /// Intervals of the events, where the uncertainty of the measurement was stated.
+    #[serde(default)]
+    pub intervals: Vec<EventIntervalV1>,
 }

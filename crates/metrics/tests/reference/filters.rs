@@ -1,8 +1,8 @@
 //! Channel frequency classes, zero level and time zero: the filter's library.
 
-use crumple_filter::{Cfc, Coefficients, Mode, Window, filter_both_ways, pre_event, samples_added};
+use crumple_filter::{Cfc, Coefficients, Mode, filter_both_ways, pre_event, samples_added};
 use crumple_metrics::{ThresholdRule, time_zero_by_threshold, time_zero_by_velocity_change};
-use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, Sampled, Signal};
+use crumple_signal::{PreEventWindow, STANDARD_GRAVITY_M_PER_S2, Sampled, Signal};
 use crumple_testkit::reference_signals::{list, number, text};
 use serde_json::json;
 
@@ -68,15 +68,18 @@ pub fn filter(check: &mut Check<'_>) {
 pub fn zero_and_time_zero(check: &mut Check<'_>) {
     let signal = check.signal(0);
     let window = &check.case["params"]["bias_window_s"];
-    let window = Window { from_s: number(&window[0]), to_s: number(&window[1]) };
+    let window = PreEventWindow { from_s: number(&window[0]), to_s: number(&window[1]) };
     let bias = pre_event(&signal, window).unwrap().unwrap();
-    check.close("bias_g", bias.mean);
+    check.close("bias_g", bias.zero_level);
     check.equal("bias_samples", json!(bias.samples));
 
     let g = STANDARD_GRAVITY_M_PER_S2;
-    let level: Sampled =
-        Sampled::new(signal.t0_s(), signal.dt_s(), signal.samples().iter().map(|a| (a - bias.mean) * g).collect())
-            .unwrap();
+    let level: Sampled = Sampled::new(
+        signal.t0_s(),
+        signal.dt_s(),
+        signal.samples().iter().map(|a| (a - bias.zero_level) * g).collect(),
+    )
+    .unwrap();
     let acceleration = Signal::from(level);
     let rule = ThresholdRule { threshold_m_per_s2: check.param("threshold_g") * g, hold_s: check.param("hold_s") };
     check.metric("t0_threshold_s", &time_zero_by_threshold(&acceleration, rule), 1.0);

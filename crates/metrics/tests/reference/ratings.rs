@@ -52,6 +52,7 @@ pub fn cora(check: &mut Check<'_>) {
         g_p: check.param_or("g_p", d.g_p),
         g_1: check.param_or("g_1", d.g_1),
         g_2: check.param_or("g_2", d.g_2),
+        interval: d.interval,
     };
     let found = crumple_metrics::cora(&check.signal(0), &check.signal(1), &options).unwrap();
     check.close("corridor", found.corridor);

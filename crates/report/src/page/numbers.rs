@@ -4,7 +4,7 @@ use crumple_artifact::records::{EventsV1, MetricV1};
 
 use crate::Run;
 use crate::escape::html;
-use crate::people::{ABSENT, value};
+use crate::people::{ABSENT, range, value};
 
 /// Metrics that stand in the table of events already.
 const AMONG_EVENTS: [&str; 5] =
@@ -39,12 +39,19 @@ pub(super) fn write(out: &mut String, run: &Run) {
                 if Some(metric.channel.as_str()) != channel {
                     name.push_str(&format!(" ({})", metric.channel));
                 }
-                Row { name, value: metric.value, unit: &metric.unit, definition: &metric.definition }
+                Row {
+                    name,
+                    value: metric.value,
+                    unit: &metric.unit,
+                    definition: definition(metric),
+                    interval: metric.low.zip(metric.high),
+                    interval_by: metric.interval_by.as_deref(),
+                }
             })
             .collect();
         out.push_str("<div>\n<h3>Metrics</h3>\n");
         table(out, &rows);
-        out.push_str("<p class=\"caption\">Point at a name for its definition, or the reason why a value is absent.</p>\n</div>\n");
+        out.push_str("<p class=\"caption\">Point at a name for its definition, or the reason why a value is absent; point at an interval for how it was found.</p>\n</div>\n");
     }
     out.push_str("</div>\n</section>\n");
 }
@@ -53,38 +60,108 @@ struct Row<'a> {
     name: String,
     value: Option<f64>,
     unit: &'a str,
-    definition: &'a str,
+    definition: String,
+    interval: Option<(f64, f64)>,
+    interval_by: Option<&'a str>,
+}
+
+/// The definition, its key and the part of the record.
+fn definition(metric: &MetricV1) -> String {
+    let mut text = metric.definition.clone();
+    if let Some(id) = metric.definition_id.as_ref().filter(|_| metric.value.is_some()) {
+        text.push_str(&format!(" [{id}]"));
+    }
+    match metric.from_s.zip(metric.to_s) {
+        Some((from_s, to_s)) if from_s < to_s => text.push_str(&format!(", from {}", range(from_s, to_s, "s"))),
+        Some((from_s, _)) => text.push_str(&format!(", at {}", value(from_s, "s"))),
+        None => {}
+    }
+    text
 }
 
 fn table(out: &mut String, rows: &[Row]) {
     out.push_str("<table class=\"numbers\"><tbody>\n");
     for row in rows {
-        let value = match row.value {
+        let mut value = match row.value {
             Some(x) => html(&value(x, row.unit)),
             // A value that is not there says why, in print too.
-            None => format!("{ABSENT} <span class=\"why\">{}</span>", html(row.definition)),
+            None => format!("{ABSENT} <span class=\"why\">{}</span>", html(&row.definition)),
         };
+        if let Some((low, high)) = row.interval.filter(|_| row.value.is_some()) {
+            value.push_str(&format!(
+                "<br><span class=\"interval\" title=\"{}\">{}</span>",
+                html(row.interval_by.unwrap_or_default()),
+                html(&range(low, high, row.unit))
+            ));
+        }
         out.push_str(&format!(
             "<tr><th scope=\"row\"><abbr title=\"{}\">{}</abbr></th><td class=\"n\">{value}</td></tr>\n",
-            html(row.definition),
+            html(&row.definition),
             html(&row.name).replace("t_m", "t<sub>m</sub>").replace("t_c", "t<sub>c</sub>")
         ));
     }
     out.push_str("</tbody></table>\n");
 }
 
-fn event_rows(e: &EventsV1) -> Vec<Row<'static>> {
-    let row = |name: &str, value, unit, definition| Row { name: name.to_owned(), value, unit, definition };
+fn event_rows(e: &EventsV1) -> Vec<Row<'_>> {
+    let row = |field: &str, name: &str, value, unit, definition: &str| {
+        let found = e.intervals.iter().find(|interval| interval.name == field);
+        Row {
+            name: name.to_owned(),
+            value,
+            unit,
+            definition: definition.to_owned(),
+            interval: found.map(|interval| (interval.low, interval.high)),
+            interval_by: found.map(|interval| interval.interval_by.as_str()),
+        }
+    };
     vec![
-        row("dynamic crush C", e.dynamic_crush_m, "m", "Displacement at the first zero of the velocity."),
-        row("time of dynamic crush t_m", e.time_of_dynamic_crush_s, "s", "Time of the first zero of the velocity."),
-        row("centroid time t_c", e.centroid_time_s, "s", "Centroid of the pulse from time zero to t_m; C / v0."),
-        row("rebound velocity", e.rebound_velocity_m_per_s, "m/s", "Lowest velocity after t_m."),
-        row("time of rebound", e.time_of_rebound_s, "s", "Time of the rebound velocity."),
-        row("coefficient of restitution e", e.coefficient_of_restitution, "1", "−rebound velocity / impact speed."),
-        row("change of velocity", e.delta_v_m_per_s, "m/s", "Impact speed minus rebound velocity."),
-        row("impact speed", e.impact_speed_m_per_s, "m/s", "Speed the integration started from."),
         row(
+            "dynamic_crush_m",
+            "dynamic crush C",
+            e.dynamic_crush_m,
+            "m",
+            "Displacement at the first zero of the velocity.",
+        ),
+        row(
+            "time_of_dynamic_crush_s",
+            "time of dynamic crush t_m",
+            e.time_of_dynamic_crush_s,
+            "s",
+            "Time of the first zero of the velocity.",
+        ),
+        row(
+            "centroid_time_s",
+            "centroid time t_c",
+            e.centroid_time_s,
+            "s",
+            "Centroid of the pulse from time zero to t_m; C / v0.",
+        ),
+        row(
+            "rebound_velocity_m_per_s",
+            "rebound velocity",
+            e.rebound_velocity_m_per_s,
+            "m/s",
+            "Lowest velocity after t_m.",
+        ),
+        row("time_of_rebound_s", "time of rebound", e.time_of_rebound_s, "s", "Time of the rebound velocity."),
+        row(
+            "coefficient_of_restitution",
+            "coefficient of restitution e",
+            e.coefficient_of_restitution,
+            "1",
+            "−rebound velocity / impact speed.",
+        ),
+        row("delta_v_m_per_s", "change of velocity", e.delta_v_m_per_s, "m/s", "Impact speed minus rebound velocity."),
+        row(
+            "impact_speed_m_per_s",
+            "impact speed",
+            e.impact_speed_m_per_s,
+            "m/s",
+            "Speed the integration started from.",
+        ),
+        row(
+            "time_zero_s",
             "time zero on the record's axis",
             Some(e.time_zero_s),
             "s",

@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::records::{
-    CandidateV1, ChannelFilterV1, EventsV1, FitV1, IdentificationV1, MetricV1, MetricsV1, ModeV1, ModesV1, NotesV1,
-    SimulationV1, TestV1, TransferFunctionV1, UncertaintyV1,
+    CandidateV1, ChannelFilterV1, EventIntervalV1, EventsV1, FitV1, IdentificationV1, MetricV1, MetricsV1, ModeV1,
+    ModesV1, NotesV1, SimulationV1, TestV1, TransferFunctionV1, UncertaintyV1,
 };
 use crumple_artifact::{ArtifactBuilder, Compression, InputDigest, Provenance};
 use crumple_signal::{Channel, ChannelStatus, QuantityKind, Sampled, Source, TestDescription};
@@ -116,6 +116,12 @@ fn events() -> EventsV1 {
         impact_speed_m_per_s: Some(TEST.v0),
         rule: Some("trapezoid".to_owned()),
         start: Some("record-start".to_owned()),
+        intervals: vec![EventIntervalV1 {
+            name: "dynamic_crush_m".to_owned(),
+            low: crush - 0.008,
+            high: crush + 0.008,
+            interval_by: "5-95 % of 400 replicates".to_owned(),
+        }],
     }
 }
 
@@ -126,6 +132,8 @@ fn metrics() -> MetricsV1 {
         unit: unit.to_owned(),
         channel: "accel".to_owned(),
         definition: definition.to_owned(),
+        definition_id: Some(name.replace('_', "-")),
+        ..MetricV1::default()
     };
     MetricsV1(vec![
         metric("peak_acceleration", Some(-191.5), "m/s^2", "largest |a|"),
