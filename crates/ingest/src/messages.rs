@@ -14,8 +14,6 @@ use crate::{IngestError, Place, Settings};
 
 /// Most samples that resampling may make.
 const RESAMPLED_LIMIT: f64 = 1e8;
-/// Below this rate CFC 60 cannot be applied, Hz.
-const CFC60_RATE_HZ: f64 = 600.0;
 
 /// What a message of one topic gives: its stamp, and the values of its components.
 #[derive(Debug, Clone, PartialEq)]
@@ -290,12 +288,6 @@ fn of_track(
             (grid::Grid { t0_s: times[0], dt_s, jitter: jitter(&times) }, Some((positions, parts)))
         }
     };
-    if 1.0 / grid.dt_s < CFC60_RATE_HZ {
-        notes.warning(format!(
-            "topic {topic} has {:.1} samples a second: CFC 60 needs {CFC60_RATE_HZ} at least, a crash pulse is not resolved",
-            1.0 / grid.dt_s
-        ));
-    }
     let stem: String = topic.trim_matches('/').chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
     // What one message lacks is no channel.
     let measured = track.samples.iter().map(|s| s.values.len()).min().unwrap_or(0);

@@ -69,7 +69,7 @@ pub struct Layout<'a> {
 }
 
 /// The ways a table is written, most particular first.
-const WAYS: [(Delimiter, u8); 7] = [
+const WAYS: [(Delimiter, u8); 8] = [
     (Delimiter::Byte(b'\t'), b'.'),
     (Delimiter::Byte(b'\t'), b','),
     (Delimiter::Byte(b';'), b'.'),
@@ -77,6 +77,8 @@ const WAYS: [(Delimiter, u8); 7] = [
     (Delimiter::Byte(b','), b'.'),
     (Delimiter::Blanks, b'.'),
     (Delimiter::Blanks, b','),
+    // Every number in quotes: "0,0001","-1,5".
+    (Delimiter::Byte(b','), b','),
 ];
 
 /// Fields of a row, and whether the last is empty; `None` where something else than numbers stands. `NaN` and gaps count
@@ -162,7 +164,7 @@ fn refuse_broken_decimal_commas(layout: &Layout, rows: &[Line], file: &str) -> R
     let whole_numbers = || {
         rows.iter().all(|row| !row.bytes.contains(&b'.') && !row.bytes.contains(&b'e') && !row.bytes.contains(&b'E'))
     };
-    if layout.delimiter != Delimiter::Byte(b',') || layout.columns < 3 || !whole_numbers() {
+    if (layout.delimiter, layout.decimal) != (Delimiter::Byte(b','), b'.') || layout.columns < 3 || !whole_numbers() {
         return Ok(());
     }
     let names = layout.header.last().map(|line| Delimiter::Byte(b',').split(line.bytes).len());
