@@ -216,14 +216,17 @@ fn unit_of_fields(file: &str, settings: &Settings) -> Result<Option<(QuantityKin
     })
 }
 
+/// A protobuf type and the ways to the fields in it; `None` if one leads nowhere.
+type Protobuf = (Decoder, Option<Vec<protobuf::Path>>);
+
 /// Messages read, and what stood in the way of others.
 #[derive(Default)]
 struct Collected {
     tracks: BTreeMap<String, Track>,
     unread: BTreeMap<String, u64>,
     by_log_time: bool,
-    /// Decoders of protobuf types with the ways to the fields, or what is wrong with their schema.
-    decoders: BTreeMap<u16, Result<(Decoder, Option<Vec<protobuf::Path>>), String>>,
+    /// By the number of the type; or what is wrong with its schema.
+    decoders: BTreeMap<u16, Result<Protobuf, String>>,
 }
 
 impl Collected {

@@ -66,11 +66,11 @@ fn thousands_and_quotes_of_every_country() {
     let latin: Vec<u8> = format!("temps [ms];a [g]\n{french}").chars().map(|c| c as u8).collect();
     check(&read(latin).unwrap());
     // Decimal commas in quotes between commas can be read; without quotes they cannot.
-    let quoted = |q: &str| rows(|t, a| format!("{q}{t:.1}{q},{q}{a:.2}{q}").replace('.', "\u{1}")).replace(',', ";");
-    let text = quoted("\"").replace(';', ",").replace('\u{1}', ",");
-    check(&read(format!("\"t [ms]\",\"a [g]\"\n{text}")).unwrap());
-    let text = quoted("").replace(';', ",").replace('\u{1}', ",");
-    let error = read(format!("t [ms],a [g]\n{text}")).unwrap_err();
+    let comma = |text: String| text.replace('.', ",");
+    let quoted =
+        |q: &str| rows(|t, a| format!("{q}{}{q},{q}{}{q}", comma(format!("{t:.1}")), comma(format!("{a:.2}"))));
+    check(&read(format!("\"t [ms]\",\"a [g]\"\n{}", quoted("\""))).unwrap());
+    let error = read(format!("t [ms],a [g]\n{}", quoted(""))).unwrap_err();
     assert!(error.to_string().contains("decimal commas between comma-separated fields"), "{error}");
 }
 
