@@ -54,12 +54,17 @@ impl Artifact {
     ///
     /// Errors: [`ReadError`], which names the file, the damaged record and one thing to do.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
+        Self::open_reporting(path, &mut |_| {})
+    }
+
+    /// The same, and tells `done` of the bytes of each piece that is read.
+    pub fn open_reporting(path: &Path, done: &mut dyn FnMut(u64)) -> Result<Self, ReadError> {
         let io = |source| ReadError::Io { path: path.to_owned(), source };
         let file = File::open(path).map_err(io)?;
         if file.metadata().map_err(io)?.is_dir() {
             return Err(io(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder")));
         }
-        Self::read(path, file)
+        Self::read(path, Reporting { file, done })
     }
 
     /// Reads from any source; `path` is what messages call it.
@@ -175,6 +180,20 @@ struct Scan<'a> {
     footer: bool,
     /// The first message that makes no sense; told only once every CRC is known to be right.
     nonsense: Option<ReadError>,
+}
+
+/// A file that says how much of it was read.
+struct Reporting<'a> {
+    file: File,
+    done: &'a mut dyn FnMut(u64),
+}
+
+impl Read for Reporting<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let read = self.file.read(buffer)?;
+        (self.done)(read as u64);
+        Ok(read)
+    }
 }
 
 impl<'a> Scan<'a> {

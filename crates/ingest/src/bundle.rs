@@ -102,7 +102,8 @@ impl Bundle {
         }
         let mut hasher = blake3::Hasher::new();
         let file = fs::File::open(path).map_err(|error| unreadable(path, &error))?;
-        hasher.update_reader(file).map_err(|error| unreadable(path, &error))?;
+        let progress = Progress::new(format!("digest of {}", file_name(path)), length);
+        hasher.update_reader(progress.watch(file)).map_err(|error| unreadable(path, &error))?;
         let mut bundle = Self::from_bytes(&file_name(path), start)?;
         let digest = format!("blake3:{}", hasher.finalize().to_hex());
         bundle.large = Some(LargeFile { path: path.to_owned(), length, digest });
@@ -209,7 +210,12 @@ fn read(path: &Path) -> Result<Vec<u8>, IngestError> {
             limit: format!("files up to {} MiB", FILE_LIMIT >> 20),
         });
     }
-    fs::read(path).map_err(|error| unreadable(path, &error))
+    let read = || -> std::io::Result<Vec<u8>> {
+        let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
+        Progress::of_reading(path).watch(fs::File::open(path)?).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    };
+    read().map_err(|error| unreadable(path, &error))
 }
 
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {

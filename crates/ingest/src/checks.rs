@@ -8,9 +8,13 @@
 //! | clipping | equal samples in a row at an extreme | 3 and more |
 //! | dropouts | equal samples in a row while the signal is active | 5 and more, over at least 0.5 ms |
 //! | drift | mean over the last 20 ms, zero level removed | above 0.5 g, 100 ms and more after contact |
+//! | sampling rate | samples a second | below 600 Hz, ten times CFC 60 |
+//! | resampling need | channels on another grid than the pulse | any |
 //! | time jitter | largest distance of a stamp from the grid | above 1 % of an interval |
 //!
 //! The pulse is warned about, the other accelerations share one note a check.
+
+use std::collections::BTreeMap;
 
 use crumple_signal::{Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
@@ -25,6 +29,8 @@ const DRIFT_M_PER_S2: f64 = 0.5 * G;
 const SEPARATED_S: f64 = 0.100;
 /// Shortest run of equal samples that counts as a dropout, and its duration, s.
 const DROPOUT: (usize, f64) = (5, 0.000_5);
+/// Below this rate CFC 60 cannot be applied: ten times the class (SAE J211-1), Hz.
+const CFC60_RATE_HZ: f64 = 600.0;
 /// Distance of a stamp from the grid worth a note, intervals.
 const JITTER: f64 = 0.01;
 /// Channels named in a shared note.
@@ -34,10 +40,12 @@ const NAMED: usize = 12;
 pub fn notes(waves: &[Wave], pulse_id: Option<&str>, speed_m_per_s: Option<f64>, notes: &mut Notes) {
     if let Some(pulse) = waves.iter().find(|w| Some(w.id.as_str()) == pulse_id) {
         of_the_pulse(pulse, speed_m_per_s, notes);
+        other_grids(waves, pulse, notes);
     }
     let others = || waves.iter().filter(|w| Some(w.id.as_str()) != pulse_id);
     let accelerations = || others().filter(|w| w.quantity == QuantityKind::Acceleration);
     shared(others().filter(|w| clipped(w)), "equal samples in a row at an extreme (clipped?)", notes);
+    shared(accelerations().filter(|w| slow(w)), "less than 600 samples a second, too few for CFC 60,", notes);
     shared(accelerations().filter(|w| noise(w).is_some()), "noise before the event above 1 g", notes);
     shared(
         accelerations().filter(|w| dropout(w).is_some()),
@@ -61,6 +69,12 @@ fn of_the_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, notes: &mut Notes) {
     }
     polarity::check(&pulse.samples, zero_level, speed_m_per_s, notes);
     time_zero::check(&pulse.samples, zero_level, notes);
+    if slow(pulse) {
+        notes.warning(format!(
+            "the pulse has {:.1} samples a second: CFC 60 needs {CFC60_RATE_HZ} at least, a crash pulse is not resolved",
+            quality.sample_rate_hz
+        ));
+    }
     if clipped(pulse) {
         notes.warning(format!(
             "the pulse may be clipped: {} equal samples in a row at an extreme ({:.3} to {:.3} {})",
@@ -94,6 +108,26 @@ fn of_the_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, notes: &mut Notes) {
             quality.time_jitter
         ));
     }
+}
+
+/// Channels that must be resampled before they can be compared with the pulse sample by sample, or drive one model with it.
+fn other_grids(waves: &[Wave], pulse: &Wave, notes: &mut Notes) {
+    let rate = |w: &Wave| format!("{} Hz", (w.quality.sample_rate_hz * 1e3).round() / 1e3);
+    let mut others: BTreeMap<String, Vec<&Wave>> = BTreeMap::new();
+    for wave in waves.iter().filter(|w| (w.samples.dt_s() / pulse.samples.dt_s() - 1.0).abs() > 1e-9) {
+        others.entry(rate(wave)).or_default().push(wave);
+    }
+    for (other, waves) in others {
+        let what = format!(
+            "another sampling rate than the pulse ({other} against {}; crumple-filter --resample brings them together)",
+            rate(pulse)
+        );
+        shared(waves.into_iter(), &what, notes);
+    }
+}
+
+fn slow(wave: &Wave) -> bool {
+    wave.quality.sample_rate_hz < CFC60_RATE_HZ * (1.0 - 1e-9)
 }
 
 fn clipped(wave: &Wave) -> bool {

@@ -35,6 +35,10 @@ impl Reader for Ev5 {
         stem(name).eq_ignore_ascii_case(stem(main)) && curve_number(name).is_some()
     }
 
+    fn heeds(&self) -> &'static [&'static str] {
+        &["--vehicle-number"]
+    }
+
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
         read(&bundle.main.name, &bundle.main.bytes, &bundle.companions, settings)
     }

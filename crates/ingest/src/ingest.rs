@@ -5,7 +5,7 @@ use crumple_signal::{Channel, Notes, QuantityKind, Sampled, Source, TestDescript
 use crate::bundle::{Bundle, stem};
 use crate::quality::{self, Quality};
 use crate::recording::{Recording, Stated};
-use crate::{IngestError, Place, Settings, Sign, checks, details, polarity, pulse, sidecar, time_zero, twins};
+use crate::{IngestError, Place, Settings, Sign, checks, details, polarity, pulse, sidecar, time_zero, twins, unused};
 
 /// A channel's samples and what was measured on them.
 #[derive(Debug, Clone)]
@@ -51,6 +51,9 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
     let choices = flags.over(&beside);
     let mut recording = bundle.reader.read(bundle, &choices)?;
     let mut notes = std::mem::take(&mut recording.notes);
+    let format = bundle.reader.format();
+    let why = format!("a record of the format {format} states this itself, or has no such thing");
+    unused::notes(&choices, |flag| !bundle.reader.heeds().contains(&flag), &why, &mut notes);
     let allow_missing = choices.allow_missing.unwrap_or(false) || recording.details.no_pulse;
     let pulse = pulse::choose(file, &recording, choices.channel.as_deref(), allow_missing, &mut notes)?;
 

@@ -7,6 +7,8 @@ mod header;
 mod place;
 mod test_file;
 
+pub(crate) use place::fitness as fitness_of_code;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use crumple_signal::iso13499::IsoCode;
@@ -15,7 +17,7 @@ use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind};
 use crate::bundle::{Bundle, stem};
 use crate::recognise::Reader;
 use crate::recording::{Details, Fitness, Found, PulseRule, Recording};
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, Place, Settings, unused};
 use channel_file::ChannelFile;
 use header::Header;
 
@@ -37,6 +39,10 @@ impl Reader for IsoMme {
 
     fn spans_folders(&self) -> bool {
         true
+    }
+
+    fn heeds(&self) -> &'static [&'static str] {
+        &["--unit", "--vehicle-number"]
     }
 
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
@@ -92,6 +98,9 @@ fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> 
     parsed.sort_by_key(|(name, _)| name.rsplit_once('.').and_then(|(_, e)| e.parse::<u32>().ok()));
     if parsed.is_empty() {
         return Err(no_channels(bundle, &main.name, unread.len()));
+    }
+    if settings.unit.is_some() && parsed.iter().all(|(_, file)| channel::states_a_known_unit(&file.header)) {
+        unused::note("--unit", "every channel file states a unit that is known", &mut notes);
     }
     let mut taken = BTreeSet::new();
     for (name, file) in &parsed {

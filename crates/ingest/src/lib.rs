@@ -9,6 +9,7 @@
 mod archive;
 mod bundle;
 mod checks;
+mod compartment;
 mod details;
 mod diadem;
 mod error;
@@ -22,6 +23,7 @@ mod lvm;
 mod mcap_file;
 mod messages;
 mod polarity;
+mod protobuf;
 mod pulse;
 mod quality;
 pub mod recognise;
@@ -36,6 +38,7 @@ mod tdm;
 mod tdms;
 mod time_zero;
 mod twins;
+mod unused;
 mod waveform;
 
 pub use bundle::{Bundle, LargeFile, NamedBytes};

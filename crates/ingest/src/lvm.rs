@@ -32,6 +32,10 @@ impl Reader for Lvm {
         without_mark(head).trim_ascii_start().starts_with(b"LabVIEW Measurement")
     }
 
+    fn heeds(&self) -> &'static [&'static str] {
+        &["--unit", "--time-unit"]
+    }
+
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
         read(&bundle.main.name, &bundle.main.bytes, settings)
     }

@@ -12,9 +12,10 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 
 use crate::bundle::Bundle;
 use crate::messages::{self, Component, Sample, Topic, Track, imu_components, is_imu, json_number, json_stamp_ns};
+use crate::protobuf::{self, Decoder};
 use crate::recognise::Reader;
 use crate::recording::{Details, Fitness, Found, PulseRule, Recording, Stated};
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, Place, Settings, unused};
 
 /// Largest chunk that is unpacked, bytes.
 const CHUNK_LIMIT: u64 = 1 << 28;
@@ -31,11 +32,18 @@ impl Reader for Mcap {
         head.starts_with(b"\x89MCAP0\r\n")
     }
 
+    fn heeds(&self) -> &'static [&'static str] {
+        &["--unit", "--field", "--resample"]
+    }
+
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
         let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
         let topics = topics(file, bytes)?;
         if topics.get("/test").is_some_and(|t| t.kind.starts_with("crumple.Test.v")) {
-            return of_artifact(file, bytes);
+            let mut recording = of_artifact(file, bytes)?;
+            let why = "channels and samples of an artifact are as its stage left them";
+            unused::notes(settings, |flag| self.heeds().contains(&flag), why, &mut recording.notes);
+            return Ok(recording);
         }
         of_messages(file, bytes, &topics, settings)
     }
@@ -82,17 +90,34 @@ fn scan(
     Ok(())
 }
 
-/// Tells `each` topic, type, encoding, log time in ns and bytes of every message.
-fn messages_of(
-    file: &str,
-    bytes: &[u8],
-    mut each: impl FnMut(&str, &str, &str, u64, &[u8]),
-) -> Result<(), IngestError> {
-    let mut schemas: BTreeMap<u16, String> = BTreeMap::new();
+/// The type of a topic's messages, and the description of it that the file carries.
+#[derive(Default)]
+struct Kind {
+    name: String,
+    description: Vec<u8>,
+}
+
+/// A message and what the file says of it.
+struct Message<'a> {
+    topic: &'a str,
+    /// Number of the type in the file.
+    schema: u16,
+    kind: &'a Kind,
+    encoding: &'a str,
+    log_time_ns: u64,
+    data: &'a [u8],
+}
+
+/// Tells `each` every message.
+fn messages_of(file: &str, bytes: &[u8], mut each: impl FnMut(Message)) -> Result<(), IngestError> {
+    let unknown = Kind::default();
+    let mut schemas: BTreeMap<u16, Kind> = BTreeMap::new();
     let mut channels: BTreeMap<u16, McapChannel> = BTreeMap::new();
     scan(file, bytes, true, |record| {
         match record {
-            McapRecord::Schema { header, .. } => drop(schemas.insert(header.id, header.name)),
+            McapRecord::Schema { header, data } => {
+                schemas.insert(header.id, Kind { name: header.name, description: data.into_owned() });
+            }
             McapRecord::Channel(channel) => drop(channels.insert(channel.id, channel)),
             McapRecord::Message { header, data } => {
                 let channel = channels.get(&header.channel_id).ok_or_else(|| {
@@ -101,8 +126,14 @@ fn messages_of(
                         &format!("a message of channel {}, which is not described before it", header.channel_id),
                     )
                 })?;
-                let kind = schemas.get(&channel.schema_id).map_or("", String::as_str);
-                each(&channel.topic, kind, &channel.message_encoding, header.log_time, &data);
+                each(Message {
+                    topic: &channel.topic,
+                    schema: channel.schema_id,
+                    kind: schemas.get(&channel.schema_id).unwrap_or(&unknown),
+                    encoding: &channel.message_encoding,
+                    log_time_ns: header.log_time,
+                    data: &data,
+                });
             }
             _ => {}
         }
@@ -126,10 +157,10 @@ fn topics(file: &str, bytes: &[u8]) -> Result<BTreeMap<String, Topic>, IngestErr
         crate::bundle::check_total(file, total)
     })?;
     let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
-    messages_of(file, bytes, |topic, kind, encoding, _, _| {
-        let known = topics.entry(topic.to_owned()).or_insert_with(|| Topic {
-            kind: kind.to_owned(),
-            encoding: encoding.to_owned(),
+    messages_of(file, bytes, |message| {
+        let known = topics.entry(message.topic.to_owned()).or_insert_with(|| Topic {
+            kind: message.kind.name.clone(),
+            encoding: message.encoding.to_owned(),
             count: 0,
         });
         known.count += 1;
@@ -152,6 +183,93 @@ fn fields(text: &str) -> Vec<Field<'_>> {
         .collect()
 }
 
+/// What is taken from the messages of a topic: its components, and where they stand.
+type Plan = (Vec<Component>, Vec<String>);
+
+/// What to take from a topic: the fields named, else what an IMU measures. `None`: nothing.
+fn plan(name: &str, topic: &Topic, named: &[Field], unit: Option<(QuantityKind, f64)>) -> Option<Plan> {
+    if named.is_empty() {
+        let readable = matches!(topic.encoding.as_str(), "cdr" | "ros1" | "json");
+        let paths = ["linear_acceleration", "angular_velocity"]
+            .iter()
+            .flat_map(|field| ["x", "y", "z"].map(|axis| format!("{field}.{axis}")))
+            .collect();
+        return (is_imu(&topic.kind) && readable).then(|| (imu_components(), paths));
+    }
+    let mine: Vec<&Field> = named.iter().filter(|f| f.topic.is_none_or(|t| t == name)).collect();
+    let (quantity, factor) = unit.unwrap_or((QuantityKind::Other, 1.0));
+    let component = |f: &&Field| Component { name: f.path.to_owned(), quantity, axis: None, factor };
+    (matches!(topic.encoding.as_str(), "json" | "protobuf") && !mine.is_empty())
+        .then(|| (mine.iter().map(component).collect(), mine.iter().map(|f| f.path.to_owned()).collect()))
+}
+
+/// The unit of the fields named.
+fn unit_of_fields(file: &str, settings: &Settings) -> Result<Option<(QuantityKind, f64)>, IngestError> {
+    let Some(symbol) = settings.unit.as_deref().filter(|_| settings.field.is_some()) else { return Ok(None) };
+    signal_unit(symbol).map(Some).ok_or_else(|| {
+        IngestError::content(
+            Place::file(file),
+            format!("{symbol:?}, stated by --unit, is no unit known here"),
+            "a unit such as m/s^2, g, rad/s or N",
+            "correct --unit, or leave it away: the fields are then kept as read",
+        )
+    })
+}
+
+/// A protobuf type and the ways to the fields in it; `None` if one leads nowhere.
+type Protobuf = (Decoder, Option<Vec<protobuf::Path>>);
+
+/// Messages read, and what stood in the way of others.
+#[derive(Default)]
+struct Collected {
+    tracks: BTreeMap<String, Track>,
+    unread: BTreeMap<String, u64>,
+    by_log_time: bool,
+    /// By the number of the type; or what is wrong with its schema.
+    decoders: BTreeMap<u16, Result<Protobuf, String>>,
+}
+
+impl Collected {
+    fn take(&mut self, message: &Message, (components, paths): &Plan) {
+        let sample = match message.encoding {
+            "json" => serde_json::from_slice(message.data).ok().and_then(|json: serde_json::Value| {
+                let values = paths.iter().map(|path| json_number(&json, path)).collect::<Option<Vec<f64>>>()?;
+                self.stamped(json_stamp_ns(&json), message.log_time_ns, values)
+            }),
+            "protobuf" => self.decoded(message, paths),
+            encoding => messages::imu(message.data, encoding == "cdr"),
+        };
+        match sample {
+            Some(sample) => {
+                let track = self
+                    .tracks
+                    .entry(message.topic.to_owned())
+                    .or_insert_with(|| Track { components: components.clone(), samples: Vec::new() });
+                track.samples.push(sample);
+            }
+            None => *self.unread.entry(message.topic.to_owned()).or_default() += 1,
+        }
+    }
+
+    fn decoded(&mut self, message: &Message, paths: &[String]) -> Option<Sample> {
+        let decoder = self.decoders.entry(message.schema).or_insert_with(|| {
+            let decoder = Decoder::new(&message.kind.name, &message.kind.description)?;
+            let ways = paths.iter().map(|path| decoder.path(path)).collect();
+            Ok((decoder, ways))
+        });
+        let (decoder, ways) = decoder.as_ref().ok()?;
+        let values = ways.as_ref()?.iter().map(|way| protobuf::number(message.data, way)).collect::<Option<_>>()?;
+        let stamp = decoder.stamp_ns(message.data);
+        self.stamped(stamp, message.log_time_ns, values)
+    }
+
+    fn stamped(&mut self, own: Option<i64>, log_time_ns: u64, values: Vec<f64>) -> Option<Sample> {
+        self.by_log_time |= own.is_none();
+        let stamp_ns = own.or_else(|| i64::try_from(log_time_ns).ok())?;
+        Some(Sample { stamp_ns, values })
+    }
+}
+
 fn of_messages(
     file: &str,
     bytes: &[u8],
@@ -160,83 +278,60 @@ fn of_messages(
 ) -> Result<Recording, IngestError> {
     let mut notes = Notes::new();
     let named = settings.field.as_deref().map(fields).unwrap_or_default();
-    let mut tracks: BTreeMap<String, Track> = BTreeMap::new();
-    let mut unread: BTreeMap<String, u64> = BTreeMap::new();
-    let mut by_log_time = false;
-    let wanted = |name: &str, topic: &Topic| -> Option<(Vec<Component>, Vec<String>)> {
-        if named.is_empty() {
-            let readable = matches!(topic.encoding.as_str(), "cdr" | "ros1" | "json");
-            let paths = ["linear_acceleration", "angular_velocity"]
-                .iter()
-                .flat_map(|field| ["x", "y", "z"].map(|axis| format!("{field}.{axis}")))
-                .collect();
-            return (is_imu(&topic.kind) && readable).then(|| (imu_components(), paths));
-        }
-        let mine: Vec<&Field> = named.iter().filter(|f| f.topic.is_none_or(|t| t == name)).collect();
-        let (quantity, factor) = settings.unit.as_deref().and_then(signal_unit).unwrap_or((QuantityKind::Other, 1.0));
-        let component = |f: &&Field| Component { name: f.path.to_owned(), quantity, axis: None, factor };
-        (topic.encoding == "json" && !mine.is_empty())
-            .then(|| (mine.iter().map(component).collect(), mine.iter().map(|f| f.path.to_owned()).collect()))
-    };
-    let plans: BTreeMap<&str, (Vec<Component>, Vec<String>)> =
-        topics.iter().filter_map(|(name, topic)| Some((name.as_str(), wanted(name, topic)?))).collect();
-    messages_of(file, bytes, |topic, _, encoding, log_time, data| {
-        let Some((components, paths)) = plans.get(topic) else { return };
-        let sample = match encoding {
-            "json" => serde_json::from_slice(data).ok().and_then(|json: serde_json::Value| {
-                let values = paths.iter().map(|path| json_number(&json, path)).collect::<Option<Vec<f64>>>()?;
-                let stamp_ns = json_stamp_ns(&json);
-                by_log_time |= stamp_ns.is_none();
-                let stamp_ns = stamp_ns.or_else(|| i64::try_from(log_time).ok())?;
-                Some(Sample { stamp_ns, values })
-            }),
-            encoding => messages::imu(data, encoding == "cdr"),
-        };
-        match sample {
-            Some(sample) => {
-                let track = tracks
-                    .entry(topic.to_owned())
-                    .or_insert_with(|| Track { components: components.clone(), samples: Vec::new() });
-                track.samples.push(sample);
-            }
-            None => *unread.entry(topic.to_owned()).or_default() += 1,
+    let unit = unit_of_fields(file, settings)?;
+    if named.is_empty() && settings.unit.is_some() {
+        unused::note("--unit", "it is the unit of --field, which is not given", &mut notes);
+    }
+    let plans: BTreeMap<&str, Plan> =
+        topics.iter().filter_map(|(name, topic)| Some((name.as_str(), plan(name, topic, &named, unit)?))).collect();
+    let mut found = Collected::default();
+    messages_of(file, bytes, |message| {
+        if let Some(plan) = plans.get(message.topic) {
+            found.take(&message, plan);
         }
     })?;
-    if tracks.is_empty() {
-        return Err(nothing(file, topics, &named, &unread));
+    if found.tracks.is_empty() {
+        return Err(nothing(file, topics, &named, &found));
     }
-    for (topic, count) in unread.iter().filter(|(topic, _)| tracks.contains_key(*topic)) {
+    for (topic, count) in found.unread.iter().filter(|(topic, _)| found.tracks.contains_key(*topic)) {
         notes.warning(format!("topic {topic}: {count} messages do not hold the fields and are left out"));
     }
-    if by_log_time {
-        notes.warning("messages without header.stamp: the time of recording is taken for the time of measurement");
+    if found.by_log_time {
+        notes.warning(
+            "messages without a stamp of their own: the time of recording is taken for the time of measurement",
+        );
     }
-    if !named.is_empty() && settings.unit.as_deref().and_then(signal_unit).is_none() {
+    if !named.is_empty() && unit.is_none() {
         notes.warning(
             "no unit is known for the fields: kept as read, quantity other; --unit m/s^2 or --unit g states it",
         );
     }
-    messages::recording(file, &tracks, settings, notes)
+    messages::recording(file, &found.tracks, settings, notes)
 }
 
-fn nothing(
-    file: &str,
-    topics: &BTreeMap<String, Topic>,
-    named: &[Field],
-    unread: &BTreeMap<String, u64>,
-) -> IngestError {
+fn nothing(file: &str, topics: &BTreeMap<String, Topic>, named: &[Field], collected: &Collected) -> IngestError {
     if let Some(field) = named.first() {
-        let found = format!("no JSON message has a number at {}", field.path);
-        return messages::refuse(file, topics, &found, "correct --field, such as --field imu.acceleration.x");
+        if let Some(problem) = collected.decoders.values().find_map(|d| d.as_ref().err()) {
+            let hint = "record it with its schema (a FileDescriptorSet), or export the acceleration as CSV";
+            return messages::refuse(file, topics, &format!("protobuf messages cannot be decoded: {problem}"), hint);
+        }
+        let found = format!("no JSON or protobuf message has a number at {}", field.path);
+        let numbers: Vec<String> =
+            collected.decoders.values().flatten().flat_map(|(decoder, _)| decoder.paths()).collect();
+        let hint = match numbers.as_slice() {
+            [] => "correct --field, such as --field imu.acceleration.x".to_owned(),
+            numbers => format!("correct --field; numbers there: {}", numbers.join(", ")),
+        };
+        return messages::refuse(file, topics, &found, &hint);
     }
-    if let Some((topic, count)) = unread.iter().next() {
+    if let Some((topic, count)) = collected.unread.iter().next() {
         let found = format!("none of the {count} messages of {topic} holds linear acceleration");
         return messages::refuse(file, topics, &found, "export the channels as CSV");
     }
-    let hint = if topics.values().any(|t| is_imu(&t.kind) || t.encoding == "protobuf") {
-        "its encoding is not read (cdr, ros1 and json are): export the acceleration as CSV, or record it in one of them"
-    } else if topics.values().any(|t| t.encoding == "json") {
+    let hint = if topics.values().any(|t| matches!(t.encoding.as_str(), "json" | "protobuf")) {
         "name the acceleration by --field, such as --field imu.acceleration.x, and its unit by --unit"
+    } else if topics.values().any(|t| is_imu(&t.kind)) {
+        "its encoding is not read (cdr, ros1, json and protobuf are): export the acceleration as CSV, or record it in one of them"
     } else {
         "export the acceleration as CSV: time and acceleration columns with their units in the header"
     };

@@ -1,4 +1,4 @@
-//! Channels from stamped messages: `sensor_msgs/Imu` of ROS 1 and ROS 2, and numbers named in JSON messages.
+//! Channels from stamped messages: `sensor_msgs/Imu` of ROS 1 and ROS 2, and numbers named in JSON and protobuf messages.
 //!
 //! A logger's messages come at uneven times. The stamp in the message is taken, not the time of recording; stamps that do
 //! not form a uniform grid are refused, unless resampling is asked for (`--resample`, linear interpolation).
@@ -14,8 +14,6 @@ use crate::{IngestError, Place, Settings};
 
 /// Most samples that resampling may make.
 const RESAMPLED_LIMIT: f64 = 1e8;
-/// Below this rate CFC 60 cannot be applied, Hz.
-const CFC60_RATE_HZ: f64 = 600.0;
 
 /// What a message of one topic gives: its stamp, and the values of its components.
 #[derive(Debug, Clone, PartialEq)]
@@ -160,9 +158,11 @@ pub fn json_number(message: &serde_json::Value, path: &str) -> Option<f64> {
     at.as_f64()
 }
 
-/// `header.stamp` or `stamp` with `sec` and `nsec` or `nanosec`, in ns.
+/// `timestamp` (Foxglove's types), `header.stamp` or `stamp` with `sec` and `nsec` or `nanosec`, in ns.
 pub fn json_stamp_ns(message: &serde_json::Value) -> Option<i64> {
-    let stamp = message.get("header").and_then(|h| h.get("stamp")).or_else(|| message.get("stamp"))?;
+    let of_header = || message.get("header").and_then(|h| h.get("stamp"));
+    let stamp =
+        message.get("timestamp").filter(|s| s.is_object()).or_else(of_header).or_else(|| message.get("stamp"))?;
     let part = |names: &[&str]| names.iter().find_map(|name| stamp.get(name)?.as_i64());
     part(&["sec", "secs"])?.checked_mul(1_000_000_000)?.checked_add(part(&["nsec", "nanosec", "nsecs"])?)
 }
@@ -183,7 +183,7 @@ pub fn refuse(file: &str, topics: &BTreeMap<String, Topic>, found: &str, hint: &
     IngestError::content(
         Place::file(file),
         format!("{found}; its topics: {list}{tail}"),
-        "a topic of sensor_msgs/Imu, or a JSON field named by --field",
+        "a topic of sensor_msgs/Imu, or a field of JSON or protobuf messages named by --field",
         hint,
     )
 }
@@ -288,12 +288,6 @@ fn of_track(
             (grid::Grid { t0_s: times[0], dt_s, jitter: jitter(&times) }, Some((positions, parts)))
         }
     };
-    if 1.0 / grid.dt_s < CFC60_RATE_HZ {
-        notes.warning(format!(
-            "topic {topic} has {:.1} samples a second: CFC 60 needs {CFC60_RATE_HZ} at least, a crash pulse is not resolved",
-            1.0 / grid.dt_s
-        ));
-    }
     let stem: String = topic.trim_matches('/').chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
     // What one message lacks is no channel.
     let measured = track.samples.iter().map(|s| s.values.len()).min().unwrap_or(0);

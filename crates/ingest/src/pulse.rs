@@ -2,10 +2,10 @@
 
 use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind};
 
-use crate::IngestError;
 use crate::recording::{Found, PulseRule, Recording};
 use crate::selection::select;
 use crate::table::MINIMUM_SAMPLES;
+use crate::{IngestError, compartment};
 
 /// Index of the pulse among the channels: the one asked for, else the fittest of those that are valid and have data. What
 /// was taken, why, and what else there is goes into a note. `None` only where one may be missing.
@@ -177,6 +177,13 @@ fn note(recording: &Recording, index: usize, candidates: &[usize], asked: bool, 
     if !candidates.contains(&index) && found.channel.status != ChannelStatus::Valid {
         notes
             .warning(format!("the pulse, channel {}, is {} by its laboratory", found.channel.id, found.channel.status));
+    }
+    if let Some(doubt) = compartment::doubt(found, recording.pulse_rule) {
+        let taken = if asked { "taken as asked for" } else { "nothing else is here" };
+        notes.warning(format!(
+            "the pulse, channel {}, does not stand for the passenger compartment: {doubt}; {taken}, but crush, force and models are then not those of the vehicle",
+            describe(&found.channel)
+        ));
     }
     if !asked && found.channel.redundant {
         notes.warning(format!(

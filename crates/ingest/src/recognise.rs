@@ -27,6 +27,11 @@ pub trait Reader: Sync {
         false
     }
 
+    /// Flags about the form of a file that the reader heeds, of those in [`crate::unused`].
+    fn heeds(&self) -> &'static [&'static str] {
+        &[]
+    }
+
     /// Reads the record. Sees bytes only; the same bytes and settings give the same recording.
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError>;
 }

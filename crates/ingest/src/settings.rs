@@ -60,7 +60,7 @@ pub struct Settings {
     /// Words of the line above the table that is meant, in a text with several: "Longitudinal Crash Pulse".
     #[arg(long, value_name = "TEXT")]
     pub skip_to: Option<String>,
-    /// Number to take from JSON messages of an MCAP file, by its path; several by commas; a topic and a colon may stand in front:
+    /// Number to take from the JSON or protobuf messages of an MCAP file, by its path; several by commas; a topic and a colon may stand in front:
     /// imu.acceleration.x. Its unit is that of --unit.
     #[arg(long, value_name = "PATH")]
     pub field: Option<String>,

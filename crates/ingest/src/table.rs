@@ -20,7 +20,7 @@ use crate::bundle::Bundle;
 use crate::details::from_comments;
 use crate::recognise::Reader;
 use crate::recording::{Details, Found, PulseRule, Recording};
-use crate::{IngestError, Place, Profile, Settings};
+use crate::{IngestError, Place, Profile, Settings, unused};
 
 pub(crate) use text::{Line, decode, line_at, without_mark};
 
@@ -47,6 +47,10 @@ impl Reader for Table {
     /// UTF-16 and old Macintosh line ends are converted as a whole, so such files must fit into memory.
     fn streams(&self, head: &[u8]) -> bool {
         !matches!(without_mark(head), Cow::Owned(_))
+    }
+
+    fn heeds(&self) -> &'static [&'static str] {
+        &["--unit", "--time-unit", "--sample-time", "--profile", "--skip-to"]
     }
 
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
@@ -103,7 +107,12 @@ fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &Settings) -> Resul
     header_notes(file, &header, &mut notes);
     notes.extend(facts.notes);
     let time = match settings.sample_time {
-        Some(interval) => time_axis::stated(file, &header, interval.si())?,
+        Some(interval) => {
+            if settings.time_unit.is_some() {
+                unused::note("--time-unit", "--sample-time states the interval with its unit", &mut notes);
+            }
+            time_axis::stated(file, &header, interval.si())?
+        }
         None => time_axis::find(file, &header, &mut rows, settings, facts.time_unit.as_ref(), &mut notes)?,
     };
     let channels = columns::channels(file, &header, rows, &time, settings, facts.unit.as_ref(), &mut notes)?;

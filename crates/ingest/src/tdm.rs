@@ -37,6 +37,10 @@ impl Reader for Tdm {
         is_tdx && stem(name).to_lowercase() == stem(main).to_lowercase()
     }
 
+    fn heeds(&self) -> &'static [&'static str] {
+        &["--unit", "--time-unit"]
+    }
+
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
         read(bundle, settings)
     }

@@ -34,6 +34,10 @@ impl Reader for Tdms {
         head.starts_with(b"TDSm")
     }
 
+    fn heeds(&self) -> &'static [&'static str] {
+        &["--unit", "--time-unit", "--vehicle-number"]
+    }
+
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
         read(&bundle.main.name, &bundle.main.bytes, settings)
     }

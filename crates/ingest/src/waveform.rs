@@ -11,7 +11,7 @@ use crumple_signal::{Channel, Notes, QuantityKind, Sampled};
 
 use crate::recording::{Fitness, Found};
 use crate::table::header;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, Place, Settings, unused};
 use clock::Clocks;
 use units::Label;
 
@@ -105,6 +105,10 @@ pub fn channels(
         }
     }
     let mut clocks = Clocks::find(file, &waveforms, &labels, settings, notes);
+    let own_steps = |(k, w): (usize, &Waveform)| clocks.is_clock(k) || w.steps.is_some();
+    if settings.time_unit.is_some() && waveforms.iter().enumerate().all(own_steps) {
+        unused::note("--time-unit", "every channel states its step in seconds", notes);
+    }
     let kinds = units::kinds(file, &waveforms, &labels, &clocks, wanted, settings, notes)?;
 
     let mut channels = Vec::new();

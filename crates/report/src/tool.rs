@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use crumple_artifact::write_atomically;
 use crumple_signal::Severity;
-use crumple_stage::{ExitStatus, Usage, check_pipeline, load_artifacts};
+use crumple_stage::{ExitStatus, Usage, be_quiet, check_pipeline, load_artifacts};
 
 use crate::people::{KM_PER_H_PER_M_PER_S, MILLI, candidate_name, decimals};
 use crate::{Page, Ranking, Run, gather, summary};
@@ -73,6 +73,9 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     }
     for output in [&cli.output, &summary_path] {
         refuse_to_overwrite_an_input(output, &cli.inputs)?;
+    }
+    if cli.quiet {
+        be_quiet();
     }
     let mut run = gather(&load_artifacts(&cli.inputs)?.input)?;
     run.pipeline = pipeline;

@@ -1,12 +1,13 @@
 //! The artifacts a stage was given. It looks for topics, not for positions.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crumple_artifact::records::{DiagnosisV1, TestV1};
-use crumple_artifact::{Artifact, InputDigest, Record, Wave, same_type};
+use crumple_artifact::{Artifact, InputDigest, ReadError, Record, Wave, same_type};
 use crumple_signal::TestDescription;
 
 use crate::error::{RefuseExt, Refused};
+use crate::progress::Progress;
 use crate::stages::{stage_order, writer_of};
 
 /// What a stage works on, and the digests that go into its provenance.
@@ -72,10 +73,15 @@ pub struct Inputs {
     artifacts: Vec<Artifact>,
 }
 
+/// Reads an artifact, its progress shown.
+pub(crate) fn open(path: &Path) -> Result<Artifact, ReadError> {
+    let mut progress = Progress::of_reading(path);
+    Artifact::open_reporting(path, &mut |bytes| progress.advance(bytes))
+}
+
 /// Reads and checks artifacts. Refuses any that is damaged, foreign or from a later version.
 pub fn load_artifacts(paths: &[PathBuf]) -> anyhow::Result<Loaded<Inputs>> {
-    let mut artifacts =
-        paths.iter().map(|path| Artifact::open(path)).collect::<Result<Vec<_>, _>>().map_err(Refused::from)?;
+    let mut artifacts = paths.iter().map(|path| open(path)).collect::<Result<Vec<_>, _>>().map_err(Refused::from)?;
     artifacts.sort_by(|a, b| (stage_order(a.stage()), a.digest()).cmp(&(stage_order(b.stage()), b.digest())));
     let digests = artifacts
         .iter()

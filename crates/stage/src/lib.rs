@@ -21,7 +21,7 @@ pub use inputs::{Inputs, Loaded, MissingTopic, load_artifacts};
 pub use nearest::nearest;
 pub use output::Output;
 pub use pipeline::check_pipeline;
-pub use progress::Progress;
+pub use progress::{Progress, Watched, be_quiet};
 pub use run::{Outcome, Stage, main};
 pub use stages::{STAGES, stage_order, writer_of};
 pub use tool::tool_main;

@@ -11,12 +11,11 @@ pub struct Output {
     pub(crate) builder: ArtifactBuilder,
     pub(crate) notes: Notes,
     pub(crate) summary: Vec<String>,
-    quiet: bool,
 }
 
 impl Output {
-    pub(crate) fn new(quiet: bool) -> Self {
-        Self { builder: ArtifactBuilder::new(), notes: Notes::new(), summary: Vec::new(), quiet }
+    pub(crate) fn new() -> Self {
+        Self { builder: ArtifactBuilder::new(), notes: Notes::new(), summary: Vec::new() }
     }
 
     /// Adds a record under a topic. Error: the topic is taken, or a number in it is not finite.
@@ -41,6 +40,6 @@ impl Output {
 
     /// Starts to show the progress of work with `total` parts.
     pub fn progress(&self, what: impl Into<String>, total: u64) -> Progress {
-        Progress::new(what.into(), total, self.quiet)
+        Progress::new(what, total)
     }
 }

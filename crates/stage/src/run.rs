@@ -16,9 +16,10 @@ use serde::de::DeserializeOwned;
 
 use crate::args::{Cli, Common};
 use crate::error::{ExitStatus, Usage, find_in_chain};
-use crate::inputs::{Loaded, MissingTopic};
+use crate::inputs::{Loaded, MissingTopic, open};
 use crate::output::Output;
 use crate::pipeline::{canonical_json, merge};
+use crate::progress::be_quiet;
 use crate::tool::{finish, parse};
 
 /// How a computation ended that did not fail.
@@ -71,6 +72,9 @@ pub fn main<S: Stage>() -> ExitCode {
 }
 
 fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<ExitStatus> {
+    if common.quiet {
+        be_quiet();
+    }
     let settings = S::resolve(options)?;
     refuse_to_overwrite(&common.output, &common.inputs)?;
     let Loaded { input, digests, diagnosed } = S::load(&common.inputs, &settings)?;
@@ -94,13 +98,13 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
         });
     }
 
-    let mut out = Output::new(common.quiet);
+    let mut out = Output::new();
     let outcome = match S::run(&settings, &input, &mut out) {
         Ok(outcome) => outcome,
         Err(error) => match find_in_chain::<MissingTopic>(&error).and_then(|missing| diagnosed.reason_for(missing)) {
             // An earlier stage has said why there is nothing to work on: so this one has no acceptable result either.
             Some(reason) => {
-                out = Output::new(common.quiet);
+                out = Output::new();
                 if let Some(test) = &diagnosed.test {
                     out.put("/test", test)?;
                 }
@@ -174,7 +178,7 @@ fn up_to_date(output: &Path, provenance: &Provenance) -> Option<Artifact> {
     if !output.exists() {
         return None;
     }
-    Artifact::open(output).ok().filter(|artifact| artifact.provenance() == Some(provenance))
+    open(output).ok().filter(|artifact| artifact.provenance() == Some(provenance))
 }
 
 fn no_acceptable_result(stage: &str, reason: &str) -> ExitStatus {

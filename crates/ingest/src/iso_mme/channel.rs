@@ -186,7 +186,7 @@ fn unit(
     notes: &mut Notes,
 ) -> f64 {
     let of_code = code.and_then(|c| c.quantity().0);
-    let stated = header.text("unit").map(|u| u.trim_matches(['[', ']', '(', ')', ' ']).to_owned());
+    let stated = stated_unit(header);
     let acceleration = |symbol: &str| signal_unit(symbol).filter(|(kind, _)| *kind == QuantityKind::Acceleration);
     let may_be_acceleration = of_code.is_none_or(|q| q == QuantityKind::Acceleration);
     let known = stated.as_deref().and_then(signal_unit).map(|(kind, factor)| match (kind, of_code) {
@@ -208,6 +208,16 @@ fn unit(
     }
     channel.quantity = quantity;
     factor
+}
+
+/// The symbol in the line `Unit`.
+fn stated_unit(header: &Header) -> Option<String> {
+    header.text("unit").map(|u| u.trim_matches(['[', ']', '(', ')', ' ']).to_owned())
+}
+
+/// Whether the header states a unit, and it is one known here.
+pub fn states_a_known_unit(header: &Header) -> bool {
+    stated_unit(header).as_deref().and_then(signal_unit).is_some()
 }
 
 fn grid(name: &str, file: &ChannelFile, all: &[(&str, ChannelFile)], notes: &mut Notes) -> Result<Grid, IngestError> {

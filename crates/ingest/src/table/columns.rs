@@ -1,6 +1,6 @@
 //! Columns of a table as channels: quantity, unit, identity.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crumple_signal::iso13499::wildcard;
 use crumple_signal::unit::{Dimension, choices, factor};
@@ -11,7 +11,7 @@ use super::rows::Rows;
 use super::time_axis::TimeAxis;
 use crate::recording::{Fitness, Found, Stated};
 use crate::selection::is_pattern;
-use crate::{IngestError, Place, Profile, Settings};
+use crate::{IngestError, Place, Profile, Settings, unused};
 
 const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
 
@@ -27,6 +27,7 @@ pub fn channels(
 ) -> Result<Vec<Found>, IngestError> {
     let data: Vec<usize> = (0..header.columns.len()).filter(|k| *k != time.column).collect();
     let ids = ids(header, &data);
+    same_titles(header, &data, &ids, notes);
     let edr = settings.profile == Some(Profile::Edr);
     let selected = settings.channel.as_deref().map(|wanted| select(file, wanted, header, &data, &ids)).transpose()?;
     let stated = match (&settings.unit, comment) {
@@ -38,6 +39,11 @@ pub fn channels(
         stated.map(|(symbol, from, forced)| stated_unit(file, symbol, from, edr).map(|f| (f, forced))).transpose()?;
 
     let kinds = kinds(header, &data, selected, stated, edr, notes);
+    if let Some((factor, true)) = stated
+        && !kinds.iter().any(|(kind, f)| *kind != QuantityKind::Other && *f == factor)
+    {
+        unused::note("--unit", "the columns state units of their own; --channel names the one that is meant", notes);
+    }
     // A record of other quantities is welcome where mass and speed may be missing; a sole column without a unit, or one named as
     // acceleration, is asked about all the same.
     let sole = data.len() == 1 && settings.sample_time.is_none();
@@ -227,9 +233,21 @@ fn select(file: &str, wanted: &str, header: &Header, data: &[usize], ids: &[Stri
         let same = |name: &str| if fold { name.to_lowercase() == wanted.to_lowercase() } else { name == wanted };
         same(id) || same(&header.columns[k].name) || same(&header.columns[k].title)
     };
-    let by_name = |fold| data.iter().zip(ids).find(|(k, id)| matches(**k, id, fold)).map(|(k, _)| *k);
+    let all = |fold: bool| -> Vec<usize> {
+        data.iter().zip(ids).filter(|(k, id)| matches(**k, id, fold)).map(|(k, _)| *k).collect()
+    };
+    let named = Some(all(false)).filter(|exact| !exact.is_empty()).unwrap_or_else(|| all(true));
+    if let [first, _, ..] = named.as_slice() {
+        let numbers: Vec<String> = named.iter().map(|k| (k + 1).to_string()).collect();
+        return Err(IngestError::channel(
+            file,
+            format!("columns {} are all named {wanted:?}", numbers.join(", ")),
+            "one column as the crash pulse",
+            format!("give its number, such as --channel {}", first + 1),
+        ));
+    }
     let by_number = || wanted.parse::<usize>().ok().and_then(|n| n.checked_sub(1)).filter(|k| data.contains(k));
-    if is_pattern(wanted) && by_name(true).is_none() {
+    if is_pattern(wanted) && named.is_empty() {
         let fits: Vec<usize> = data
             .iter()
             .zip(ids)
@@ -251,7 +269,7 @@ fn select(file: &str, wanted: &str, header: &Header, data: &[usize], ids: &[Stri
             return Ok(*one);
         }
     }
-    by_name(false).or_else(|| by_name(true)).or_else(by_number).ok_or_else(|| {
+    named.first().copied().or_else(by_number).ok_or_else(|| {
         IngestError::channel(
             file,
             format!("no column {wanted:?}"),
@@ -265,6 +283,18 @@ fn titles(header: &Header, data: &[usize]) -> String {
     let titles: Vec<&str> = data.iter().take(20).map(|k| header.columns[*k].title.as_str()).collect();
     let more = data.len() - titles.len();
     if more == 0 { titles.join(", ") } else { format!("{} and {more} more", titles.join(", ")) }
+}
+
+/// Columns with one title get ids of their own, and that is said.
+fn same_titles(header: &Header, data: &[usize], ids: &[String], notes: &mut Notes) {
+    let mut by_title: BTreeMap<&str, Vec<(usize, &str)>> = BTreeMap::new();
+    for (k, id) in data.iter().zip(ids) {
+        by_title.entry(header.columns[*k].title.as_str()).or_default().push((k + 1, id));
+    }
+    for (title, columns) in by_title.into_iter().filter(|(_, columns)| columns.len() > 1) {
+        let list: Vec<String> = columns.iter().map(|(number, id)| format!("column {number} is {id}")).collect();
+        notes.warning(format!("{} columns have the title {title:?}: {}", columns.len(), list.join(", ")));
+    }
 }
 
 /// Names fit for topics and file names, each once: letters, digits, `_`, `-` and `.`; anything else becomes `_`.

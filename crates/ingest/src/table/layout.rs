@@ -69,7 +69,7 @@ pub struct Layout<'a> {
 }
 
 /// The ways a table is written, most particular first.
-const WAYS: [(Delimiter, u8); 7] = [
+const WAYS: [(Delimiter, u8); 8] = [
     (Delimiter::Byte(b'\t'), b'.'),
     (Delimiter::Byte(b'\t'), b','),
     (Delimiter::Byte(b';'), b'.'),
@@ -77,6 +77,8 @@ const WAYS: [(Delimiter, u8); 7] = [
     (Delimiter::Byte(b','), b'.'),
     (Delimiter::Blanks, b'.'),
     (Delimiter::Blanks, b','),
+    // Every number in quotes: "0,0001","-1,5".
+    (Delimiter::Byte(b','), b','),
 ];
 
 /// Fields of a row, and whether the last is empty; `None` where something else than numbers stands. `NaN` and gaps count
@@ -162,7 +164,7 @@ fn refuse_broken_decimal_commas(layout: &Layout, rows: &[Line], file: &str) -> R
     let whole_numbers = || {
         rows.iter().all(|row| !row.bytes.contains(&b'.') && !row.bytes.contains(&b'e') && !row.bytes.contains(&b'E'))
     };
-    if layout.delimiter != Delimiter::Byte(b',') || layout.columns < 3 || !whole_numbers() {
+    if (layout.delimiter, layout.decimal) != (Delimiter::Byte(b','), b'.') || layout.columns < 3 || !whole_numbers() {
         return Ok(());
     }
     let names = layout.header.last().map(|line| Delimiter::Byte(b',').split(line.bytes).len());
@@ -200,6 +202,9 @@ fn no_rows(lines: &[Line], single_column: Option<usize>, file: &str) -> IngestEr
             "export the time column too, or state --sample-time; a signal file of an NHTSA test is read by giving its .EV5 file",
         );
     }
+    if let Some(error) = text_column(lines, file) {
+        return error;
+    }
     let Some(first) = lines.first() else {
         return IngestError::content(
             Place::file(file),
@@ -215,6 +220,37 @@ fn no_rows(lines: &[Line], single_column: Option<usize>, file: &str) -> IngestEr
         EXPECTED,
         "export the record as CSV with one sample a row",
     )
+}
+
+/// Rows that would be rows of numbers but for words in some column: which one, where, and what to do.
+fn text_column(lines: &[Line], file: &str) -> Option<IngestError> {
+    /// Rows that must look alike: as many fields, numbers and words in the same columns.
+    const ALIKE: usize = 5;
+    let shape = |line: &Line, (delimiter, decimal): (Delimiter, u8)| -> Vec<bool> {
+        delimiter.split(line.bytes).iter().map(|f| field(f, decimal).is_some() || is_gap(f)).collect()
+    };
+    WAYS.into_iter().find_map(|way| {
+        let shapes: Vec<Vec<bool>> = lines.iter().map(|line| shape(line, way)).collect();
+        // One number at least, or it is prose.
+        let is_row = |shape: &[bool]| shape.contains(&true) && shape.contains(&false);
+        let first = shapes.windows(ALIKE).position(|rows| is_row(&rows[0]) && rows.iter().all(|row| *row == rows[0]))?;
+        let column = shapes[first].iter().position(|number| !number)?;
+        let text = decode(unquoted(way.0.split(lines[first].bytes)[column]));
+        let names = first.checked_sub(1).map(|k| way.0.split(lines[k].bytes)).filter(|n| n.len() == shapes[first].len());
+        let number = column + 1;
+        let title = names.map_or_else(|| number.to_string(), |n| format!("{number} ({})", decode(unquoted(n[column]))));
+        let is_clock = text.contains(':') && text.bytes().any(|b| b.is_ascii_digit());
+        Some(IngestError::content(
+            Place::line(file, lines[first].number).in_column(title),
+            format!("text in a row of numbers: {:?}", text.chars().take(40).collect::<String>()),
+            "numbers in every column",
+            if is_clock {
+                "export the time in seconds from the start, not as a time of day, or leave the column out and state --sample-time"
+            } else {
+                "leave the column of text out of the export, or move what it says into comment lines (# ...)"
+            },
+        ))
+    })
 }
 
 #[cfg(test)]

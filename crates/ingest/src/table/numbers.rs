@@ -103,11 +103,38 @@ fn slow(bytes: &[u8], decimal: u8) -> Option<f64> {
     plain.parse().ok()
 }
 
-/// The number that is the whole of a field, blanks and one pair of quotes around it aside.
+/// The number that is the whole of a field, blanks and one pair of quotes around it aside. Thousands may be apart.
 pub fn field(bytes: &[u8], decimal: u8) -> Option<Number> {
     let bytes = unquoted(bytes);
-    scan(bytes, decimal).filter(|(_, length)| *length == bytes.len()).map(|(number, _)| number)
+    let whole = scan(bytes, decimal).filter(|(_, length)| *length == bytes.len()).map(|(number, _)| number);
+    whole.or_else(|| grouped(bytes, decimal))
 }
+
+/// `1,234.5`, `1.234,5`, `1'234.5`, `1 234`: one to three digits, then groups of three. A comma or a point between
+/// thousands counts only where a decimal mark or a second group follows: `1,234` alone may be 1.234.
+#[cold]
+fn grouped(bytes: &[u8], decimal: u8) -> Option<Number> {
+    let (sign, unsigned) = match bytes {
+        [b'-' | b'+', rest @ ..] => (&bytes[..1], rest),
+        _ => (&bytes[..0], bytes),
+    };
+    let digits = |bytes: &[u8]| bytes.iter().take_while(|b| b.is_ascii_digit()).count();
+    let lead = digits(unsigned);
+    let mark = MARKS.into_iter().find(|m| unsigned[lead..].starts_with(m) && **m != [decimal])?;
+    let mut plain = [sign, &unsigned[..lead]].concat();
+    let (mut rest, mut groups) = (&unsigned[lead..], 0);
+    while let Some(group) = rest.strip_prefix(mark).filter(|group| digits(group) == 3) {
+        plain.extend(&group[..3]);
+        (rest, groups) = (&group[3..], groups + 1);
+    }
+    let certain = groups > 1 || rest.first() == Some(&decimal) || !matches!(mark, [b',' | b'.']);
+    plain.extend(rest);
+    let (number, length) = scan(&plain, decimal)?;
+    ((1..=3).contains(&lead) && groups > 0 && certain && length == plain.len()).then_some(number)
+}
+
+/// What stands between thousands; the blanks that do not break, in latin-1 and UTF-8.
+const MARKS: [&[u8]; 7] = [b",", b".", b"'", b" ", b"\xA0", b"\xC2\xA0", b"\xE2\x80\xAF"];
 
 /// A field without the blanks and the quotes around it.
 pub fn unquoted(bytes: &[u8]) -> &[u8] {
@@ -130,6 +157,26 @@ pub fn is_gap(bytes: &[u8]) -> bool {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn thousands_may_be_apart_where_nothing_else_can_be_meant() {
+        let of = |text: &str, decimal| field(text.as_bytes(), decimal).map(|n| n.value);
+        for (text, decimal, value) in [
+            ("1,234.5", b'.', 1234.5),
+            ("\"-12,345,678\"", b'.', -12_345_678.0),
+            ("1.234,5", b',', 1234.5),
+            ("1'234", b'.', 1234.0),
+            ("1 234.50e-1", b'.', 123.45),
+            ("1\u{a0}234,5", b',', 1234.5),
+            ("1\u{202f}234,5", b',', 1234.5),
+        ] {
+            assert_eq!(of(text, decimal), Some(value), "{text}");
+        }
+        for text in ["1,234", "1234,567.0", "1,23.0", ",123.0", "1,,234.0", "1,234'567.0", "1,234.5 g", "0x1,234.0"] {
+            assert_eq!(of(text, b'.'), None, "{text}");
+        }
+        assert_eq!(field(b"1\xA0234,5", b',').map(|n| (n.value, n.digits)), Some((1234.5, 5)));
+    }
 
     #[test]
     fn reads_the_forms_seen_in_files() {

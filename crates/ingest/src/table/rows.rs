@@ -3,7 +3,7 @@
 use std::io::Read;
 
 use super::layout::{Delimiter, Layout, decimal_comma};
-use super::numbers::{Number, is_gap, scan, unquoted};
+use super::numbers::{Number, field, is_gap, scan, unquoted};
 use super::text::{LINE_LIMIT, comment, decode, line_at};
 use crate::{IngestError, Place};
 
@@ -245,6 +245,7 @@ fn careful_row(
         let bare = unquoted(text);
         match scan(bare, layout.decimal) {
             Some((number, length)) if length == bare.len() => *cell = number,
+            _ if let Some(number) = field(bare, layout.decimal) => *cell = number,
             _ => {
                 let place = place.clone().in_column(format!("{} ({})", k + 1, name(k)));
                 let found = if bare.is_empty() {

@@ -6,7 +6,7 @@ use crumple_signal::{Notes, QuantityKind};
 use super::Waveform;
 use super::clock::Clocks;
 use crate::table::header::{self, Unit, names_acceleration};
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, Place, Settings, unused};
 
 const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
 
@@ -90,6 +90,11 @@ pub fn kinds(
             (Unit::Unstated | Unit::Unknown(_), Some(f)) if is_target(k) => (QuantityKind::Acceleration, f),
             _ => (QuantityKind::Other, 1.0),
         };
+    }
+    if let Some(factor) = stated
+        && !data.iter().any(|k| kinds[*k] == (QuantityKind::Acceleration, factor))
+    {
+        unused::note("--unit", "the channels state units of their own; --channel names the one that is meant", notes);
     }
     let lacks_unit = |k: usize| matches!(labels[k].unit, Unit::Unstated | Unit::Unknown(_)) && stated.is_none();
     let ask = match wanted {
