@@ -1,6 +1,8 @@
 //! Subspace identification: N4SID, MOESP and CVA.
 
-use crumple_lti::{Complex, StateSpace, eigenvalues, eigenvectors, jacobi_svd};
+use crumple_lti::{
+    Complex, InputHold, StateSpace, eigenvalues, eigenvectors, jacobi_svd, matrix_exponential, to_continuous,
+};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -73,6 +75,11 @@ pub struct Subspace<'a> {
 }
 
 impl<'a> Subspace<'a> {
+    /// Samples that a factorisation needs at least: as many columns as rows of the data matrices.
+    pub fn needed(block_rows: usize, inputs: usize, outputs: usize) -> usize {
+        2 * block_rows - 1 + 2 * block_rows * (inputs + outputs)
+    }
+
     /// Factorises `[U_f; W_p; Y_f] = L Q'`, past inputs and outputs `W_p`, and takes the singular values of the weighted
     /// projection of `Y_f` on `W_p` along `U_f`. Signals are divided by their root mean square first.
     ///
@@ -188,6 +195,34 @@ impl<'a> Subspace<'a> {
         if order == 0 {
             return Err(IdentifyError::OrderZero);
         }
+        let (a, c) = self.shifted(order)?;
+        let (a, c, reflected_poles) = stabilized(a, c, self.data.samples())?;
+        let (model, initial_state) = input_matrices(&a, &c, self.data, self.options.direct)?;
+        Ok(SubspaceModel { model, initial_state, reflected_poles })
+    }
+
+    /// The same where this factorisation is of a [`thinned`](crate::thinned()) record: poles and mode shapes of the thinned
+    /// one, taken to the sampling interval of `whole` by the logarithm; `B`, `D`, `x0` by least squares on `whole`.
+    ///
+    /// A negative real pole of the thinned model gets a conjugate (see [`to_continuous`]) and so one more state. Errors:
+    /// a pole near zero, which no sampling interval but its own can have.
+    pub fn realize_on(&self, order: usize, whole: &IoData) -> Result<SubspaceModel, IdentifyError> {
+        if order == 0 {
+            return Err(IdentifyError::OrderZero);
+        }
+        let (a, c) = self.shifted(order)?;
+        let (n, q) = (a.nrows(), c.nrows());
+        let no_input = (DMatrix::zeros(n, 0), DMatrix::zeros(q, 0));
+        let thin = StateSpace::new(a, no_input.0, c, no_input.1, Some(self.data.sample_time_s()))?;
+        let continuous = to_continuous(&thin, InputHold::Zero)?.model;
+        let a = matrix_exponential(&(&continuous.a * whole.sample_time_s()))?;
+        let (a, c, reflected_poles) = stabilized(a, continuous.c, whole.samples())?;
+        let (model, initial_state) = input_matrices(&a, &c, whole, self.options.direct)?;
+        Ok(SubspaceModel { model, initial_state, reflected_poles })
+    }
+
+    /// `A` by shift invariance and `C`, in units of the data.
+    fn shifted(&self, order: usize) -> Result<(DMatrix<f64>, DMatrix<f64>), IdentifyError> {
         let method = self.options.weighting.name();
         if order > self.highest_order() {
             return Err(IdentifyError::OrderTooHigh { method, order, highest: self.highest_order() });
@@ -199,9 +234,7 @@ impl<'a> Subspace<'a> {
         let a = pseudo_inverse_times(&upper, &lower)
             .ok_or(IdentifyError::NotConverged("the shift of a subspace method"))?;
         let c = DMatrix::from_fn(q, order, |i, k| self.observability[(i, k)] * self.output_scales[i]);
-        let (a, c, reflected_poles) = stabilized(a, c, self.data.samples())?;
-        let (model, initial_state) = input_matrices(&a, &c, self.data, self.options.direct)?;
-        Ok(SubspaceModel { model, initial_state, reflected_poles })
+        Ok((a, c))
     }
 
     /// Several orders, in parallel, in the order given.
