@@ -29,6 +29,7 @@ mod section_chain;
 mod separable;
 mod subspace;
 mod thinning;
+mod transfer_function_array;
 mod transfer_function_fit;
 mod transfer_starts;
 mod vector_arx;
@@ -51,6 +52,7 @@ pub use residual::{ResidualTests, effective_samples, residual_tests};
 pub use separable::{Stop, Termination};
 pub use subspace::{Subspace, SubspaceModel, SubspaceOptions, Weighting};
 pub use thinning::{automatic_thinning, thinned};
+pub use transfer_function_array::{TransferFunctionArray, transfer_function_array};
 pub use transfer_function_fit::{
     Hold, InitialConditions, TransferFunctionFit, TransferFunctionOptions, transfer_function_fit,
 };
