@@ -13,6 +13,9 @@ use crate::{IdentifyError, IoData};
 /// Singular values below this fraction of the largest are rounding.
 const RANK_TOLERANCE: f64 = 1e-12;
 
+/// Singular values of the inputs below this fraction of the largest excite nothing that a record in `f64` can show.
+const SILENT: f64 = 1e-10;
+
 /// Samples per independent part of a long record.
 const PART: usize = 16_384;
 
@@ -72,6 +75,8 @@ pub struct Subspace<'a> {
     /// Extended observability matrix, unweighted, one column per singular value.
     observability: DMatrix<f64>,
     output_scales: Vec<f64>,
+    /// Triangular factor of future and past inputs.
+    inputs: DMatrix<f64>,
 }
 
 impl<'a> Subspace<'a> {
@@ -115,6 +120,7 @@ impl<'a> Subspace<'a> {
             }
         }
         let r = triangular_factor(&stretches, samples + 1 - 2 * i);
+        let inputs = r.view((0, 0), (2 * m * i, 2 * m * i)).into_owned();
         let (future, past) = (m * i, (m + q) * i);
         let outputs = q * i;
         let part = |row: usize, rows: usize, column: usize, columns: usize| {
@@ -174,13 +180,27 @@ impl<'a> Subspace<'a> {
             Some(back) => back * vectors,
             None => vectors,
         };
-        Ok(Self { data, options, singular_values: svd.values, observability, output_scales })
+        Ok(Self { data, options, singular_values: svd.values, observability, output_scales, inputs })
     }
 
     /// Singular values of the weighted projection, largest first: evidence for the order. Those of CVA are the canonical
     /// correlations, 1 at most.
     pub fn singular_values(&self) -> &[f64] {
         &self.singular_values
+    }
+
+    /// Of the independent inputs that a model could be told by, `2 inputs block_rows`, how many the record has.
+    ///
+    /// Fewer: the inputs satisfy a difference equation of their own. Then what they drive and what moves freely cannot be
+    /// told apart, and poles found are those of some model that explains the record. A crash record from the contact on is the
+    /// extreme case: all its signals are sums of the same few exponentials.
+    pub fn excitation(&self) -> (usize, usize) {
+        let full = self.inputs.ncols();
+        let found = jacobi_svd(&self.inputs).map_or(full, |svd| {
+            let tolerance = svd.values.first().copied().unwrap_or(0.0) * SILENT;
+            svd.values.iter().take_while(|s| **s > tolerance).count()
+        });
+        (found, full)
     }
 
     /// Highest order that can be realised.
