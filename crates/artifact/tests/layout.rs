@@ -175,6 +175,7 @@ fn the_layout_of_every_record_type_is_frozen() {
         fit_percent: Some(99.5),
         rmse: None,
         notes: vec![],
+        output_fits_percent: vec![],
     });
     freeze(&EvidenceV1 {
         input: Some("93".into()),

@@ -86,38 +86,10 @@ fn fit(data: &IoData, order: ArxOrder, first: usize) -> Result<Arx, IdentifyErro
         });
     }
     let (y, u) = (&data.outputs()[0], data.inputs());
-    let rows_per_block = TriangularFactor::block_rows(p + 1);
-    let starts: Vec<usize> = (first..samples).step_by(PART).collect();
-    let factors: Vec<TriangularFactor> = starts
-        .into_par_iter()
-        .map(|start| {
-            let end = (start + PART).min(samples);
-            let mut factor = TriangularFactor::new(p + 1);
-            let mut block = vec![0.0; rows_per_block * (p + 1)];
-            for k in (start..end).step_by(rows_per_block) {
-                let count = rows_per_block.min(end - k);
-                let block = &mut block[..count * (p + 1)];
-                // Every column of the block is a stretch of a signal.
-                for (column, target) in block.chunks_exact_mut(count).enumerate() {
-                    let (signal, lag) = if column < na {
-                        (y, column + 1)
-                    } else if column < p {
-                        let (j, tap) = ((column - na) / nb, (column - na) % nb);
-                        (&u[j], nk + tap)
-                    } else {
-                        (y, 0)
-                    };
-                    target.copy_from_slice(&signal[k - lag..k - lag + count]);
-                }
-                factor.push(count, block);
-            }
-            factor
-        })
-        .collect();
-    let mut factor = TriangularFactor::new(p + 1);
-    for part in &factors {
-        factor.merge(part);
-    }
+    let mut columns: Vec<(&[f64], usize)> = (1..=na).map(|lag| (&y[..], lag)).collect();
+    columns.extend(u.iter().flat_map(|u| (nk..nk + nb).map(move |lag| (&u[..], lag))));
+    columns.push((y, 0));
+    let factor = lagged_factor(&columns, first, samples);
     let rows = factor.rows();
     let Solution { coefficients, residual_squares, condition, inverse_square, .. } =
         factor.solve(1, 0.0).ok_or(IdentifyError::NotConverged("the regression of arx"))?;
@@ -135,6 +107,36 @@ fn fit(data: &IoData, order: ArxOrder, first: usize) -> Result<Arx, IdentifyErro
         condition,
         sample_time_s: data.sample_time_s(),
     })
+}
+
+/// Triangular factor of the rows `first..samples` of signals, each late by its lag.
+pub(crate) fn lagged_factor(columns: &[(&[f64], usize)], first: usize, samples: usize) -> TriangularFactor {
+    let width = columns.len();
+    let rows_per_block = TriangularFactor::block_rows(width);
+    let starts: Vec<usize> = (first..samples).step_by(PART).collect();
+    let factors: Vec<TriangularFactor> = starts
+        .into_par_iter()
+        .map(|start| {
+            let end = (start + PART).min(samples);
+            let mut factor = TriangularFactor::new(width);
+            let mut block = vec![0.0; rows_per_block * width];
+            for k in (start..end).step_by(rows_per_block) {
+                let count = rows_per_block.min(end - k);
+                let block = &mut block[..count * width];
+                // Every column of the block is a stretch of a signal.
+                for (target, (signal, lag)) in block.chunks_exact_mut(count).zip(columns) {
+                    target.copy_from_slice(&signal[k - lag..k - lag + count]);
+                }
+                factor.push(count, block);
+            }
+            factor
+        })
+        .collect();
+    let mut factor = TriangularFactor::new(width);
+    for part in &factors {
+        factor.merge(part);
+    }
+    factor
 }
 
 /// Fits every order of a list on the same rows and returns the models with their information criteria, in the order of

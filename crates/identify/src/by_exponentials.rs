@@ -26,7 +26,7 @@ pub fn run(settings: &Settings, test: &TestDescription, inputs: &Inputs, out: &m
         };
         start.push(velocity.ok_or_else(|| {
             Refused::new(format!("the velocity of {} at the start of the window is not known", answer.id))
-                .hint("leave \"velocity\" out of --conditions, or take a displacement as --output-channel")
+                .hint("leave \"velocity\" out of --conditions, or take a displacement as the first of --outputs")
         })?);
     }
     if beyond.conditions > 2 {
@@ -35,11 +35,11 @@ pub fn run(settings: &Settings, test: &TestDescription, inputs: &Inputs, out: &m
     let options = ExponentialOptions {
         real: beyond.real,
         start,
-        stop: Stop { max_iterations: beyond.max_iterations, ..Stop::default() },
+        stop: Stop { max_iterations: beyond.most_iterations(), ..Stop::default() },
         ..ExponentialOptions::new(beyond.terms)
     };
     let fit = exponential_sum(record, answer.sampled.dt_s(), &options)
-        .refuse_with_hint("widen the window (--from, --to), lower --terms, or name another --output-channel")?;
+        .refuse_with_hint("widen the window (--from, --to), lower --terms, or name another of --outputs")?;
     let id = format!("exponentials-{}", beyond.terms);
     let mut notes = vec![format!("time of the exponents runs from the first sample, {} s", answer.sampled.t0_s())];
     if fit.condition > 1e8 {

@@ -2,26 +2,33 @@
 
 use crumple_identify::{
     ArxOrder, IdentifyError, IoData, Order, OutputErrorOptions, Stop, Subspace, SubspaceOptions, Weighting, arx,
-    fit_measures, output_error, simulate_fitted,
+    automatic_thinning, fit_measures, output_error, simulate_fitted, thinned, vector_arx,
 };
-use crumple_lti::{Mode, StateSpace, undo_zero_order_hold};
+use crumple_lti::{InputHold, Mode, StateSpace, to_continuous, to_transfer_function};
 use crumple_signal::TestDescription;
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 
-use crate::evidence::{evidence, growth_notes, identification, modes, percent};
-use crate::input_output::{Cut, pair};
+use crate::evidence::{growth_notes, modes, of_record, percent, put_evidence, put_transfer_functions};
+use crate::input_output::{Record, record};
 use crate::options::{BeyondEra, Settings};
 use crate::to_records::state_space;
 
 /// Block rows and lags are for orders up to this where the order is automatic.
 const AUTOMATIC_ORDER: usize = 4;
 
+/// Transfer functions of more states are not written: their coefficients say nothing.
+const MOST_COEFFICIENTS: usize = 10;
+
+/// Samples that a thinned record keeps at least, in units of what its factorisation needs.
+const KEPT: usize = 2;
+
 /// A model of one order and what its method knows about it.
 struct Found {
     model: StateSpace,
     parameters: usize,
     singular_values: Vec<f64>,
-    prediction_fit_percent: Option<f64>,
+    /// One-step predictions of every output; empty: none.
+    predicted: Vec<Vec<f64>>,
     stop_reason: Option<&'static str>,
     notes: Vec<String>,
 }
@@ -35,8 +42,8 @@ pub fn run(
     out: &mut Output,
 ) -> anyhow::Result<Outcome> {
     let Some(beyond) = &settings.beyond_era else { return Ok(Outcome::Done) };
-    let (drive, answer, data) = pair(settings, beyond, test, inputs)?;
-    let data = data.delayed(beyond.delay);
+    let record = record(settings, beyond, test, inputs)?;
+    let data = record.data.delayed(beyond.delay);
     let mut written = 0;
     let mut failure = None;
     for order in &settings.orders {
@@ -51,14 +58,13 @@ pub fn run(
         let found = identify(method, order, &data, beyond)
             .and_then(|found| Ok((simulate_fitted(&found.model, &data)?.0, found)));
         match found {
-            Ok((mut simulated, found)) => {
-                let mut found = found;
+            Ok((simulated, mut found)) => {
                 if beyond.delay > 0 {
                     found
                         .notes
                         .push(format!("the input acts {} samples late; the model itself has no delay", beyond.delay));
                 }
-                put(method, order, &found, &simulated.swap_remove(0), (&drive, &answer), out)?;
+                put(method, order, &found, &simulated, (&record, &beyond.hold), out)?;
                 written += 1;
             }
             Err(error) => {
@@ -80,20 +86,27 @@ fn identify(method: &str, order: usize, data: &IoData, beyond: &BeyondEra) -> Re
         model,
         parameters,
         singular_values: Vec::new(),
-        prediction_fit_percent: None,
+        predicted: Vec::new(),
         stop_reason: None,
         notes: Vec::new(),
     };
+    let (m, q) = (data.inputs().len(), data.outputs().len());
     match method {
-        "arx" => {
+        "arx" if q == 1 => {
             let model = arx(data, ArxOrder { na: order, nb: order + 1, nk: 0 })?;
-            let predicted = fit_measures(&data.outputs()[0], &model.predict(data)).and_then(|fit| fit.fit_percent);
-            let parameters = 2 * order + 1;
-            Ok(Found { prediction_fit_percent: predicted, ..none(model.state_space()?, parameters) })
+            let parameters = order + m * (order + 1);
+            Ok(Found { predicted: vec![model.predict(data)], ..none(model.state_space()?, parameters) })
+        }
+        "arx" => {
+            let lags = order.div_ceil(q);
+            let model = vector_arx(data, ArxOrder { na: lags, nb: lags + 1, nk: 0 })?;
+            let note = format!("{lags} lags of {q} outputs make {} states", lags * q);
+            let parameters = q * (lags * q + (lags + 1) * m);
+            Ok(Found { predicted: model.predict(data), notes: vec![note], ..none(model.state_space()?, parameters) })
         }
         "output-error" => {
             let options = OutputErrorOptions {
-                stop: Stop { max_iterations: beyond.max_iterations, ..Stop::default() },
+                stop: Stop { max_iterations: beyond.most_iterations(), ..Stop::default() },
                 ..OutputErrorOptions::new(order)
             };
             let found = output_error(data, options)?;
@@ -102,20 +115,43 @@ fn identify(method: &str, order: usize, data: &IoData, beyond: &BeyondEra) -> Re
         name => {
             let weighting = Weighting::ALL.into_iter().find(|w| w.name() == name).unwrap_or(Weighting::N4sid);
             let block_rows = beyond.block_rows.unwrap_or((2 * order).max(10));
-            let subspace = Subspace::new(data, SubspaceOptions { weighting, block_rows, direct: true })?;
-            let found = subspace.realize(order)?;
+            let every = match (beyond.thin, beyond.block_rows) {
+                (Some(every), _) => every,
+                (None, Some(_)) => 1,
+                (None, None) => automatic_thinning(data, KEPT * Subspace::needed(block_rows, m, q)),
+            };
             let mut notes = Vec::new();
+            let options = SubspaceOptions { weighting, block_rows, direct: true };
+            let mut warn = |subspace: &Subspace<'_>| {
+                let (excited, full) = subspace.excitation();
+                if excited < full {
+                    notes.push(format!(
+                        "warning: the input is worth {excited} of {full} independent ones: it follows from its own past, so driven and free motion cannot be told apart and the poles mean little; take tfest, or --inputs none for a free motion"
+                    ));
+                }
+                subspace.singular_values().to_vec()
+            };
+            let (singular_values, found) = if every > 1 {
+                let thin = thinned(data, every)?;
+                let subspace = Subspace::new(&thin, options)?;
+                let result = (warn(&subspace), subspace.realize_on(order, data)?);
+                notes.push(format!(
+                    "poles from every {every}th sample behind a low-pass filter ({} samples of {:.4e} s), inputs and initial state from all: {block_rows} block rows of the whole record are too short a horizon",
+                    thin.samples(),
+                    thin.sample_time_s()
+                ));
+                result
+            } else {
+                let subspace = Subspace::new(data, options)?;
+                (warn(&subspace), subspace.realize(order)?)
+            };
             if found.reflected_poles > 0 {
                 notes.push(format!(
                     "warning: {} growing poles were mirrored at the unit circle so that the model can be simulated",
                     found.reflected_poles
                 ));
             }
-            Ok(Found {
-                singular_values: subspace.singular_values().to_vec(),
-                notes,
-                ..none(found.model, 3 * order + 1)
-            })
+            Ok(Found { singular_values, notes, ..none(found.model, order * (m + q + 1) + m * q) })
         }
     }
 }
@@ -124,31 +160,84 @@ fn put(
     method: &str,
     order: usize,
     found: &Found,
-    simulated: &[f64],
-    (drive, answer): (&Cut, &Cut),
+    simulated: &[Vec<f64>],
+    (record, hold): (&Record, &str),
     out: &mut Output,
 ) -> anyhow::Result<()> {
     let id = format!("{method}-{order}");
-    let (input, output) = (drive.describe(), answer.describe());
+    let (input, output) = (record.input(), record.output());
     let mut notes = found.notes.clone();
-    out.put(&format!("/model/{id}/discrete"), &state_space(&found.model, &input, &output))?;
-    match undo_zero_order_hold(&found.model) {
-        Ok(continuous) => out.put(&format!("/model/{id}/continuous"), &state_space(&continuous, &input, &output))?,
-        Err(error) => notes.push(format!("no continuous model: {error}")),
+    for text in notes.iter().filter_map(|note| note.strip_prefix("warning: ")) {
+        out.notes().warning(format!("{id}: {text}"));
     }
-    let dt = answer.sampled.dt_s();
+    out.put(&format!("/model/{id}/discrete"), &state_space(&found.model, &input, &output))?;
+    put_continuous(&id, &found.model, (record, hold), &mut notes, out)?;
+    let dt = record.data.sample_time_s();
     let pairs: Vec<_> =
         found.model.poles()?.into_iter().filter_map(|z| Some((Mode::discrete(z, dt)?, Some(z)))).collect();
     growth_notes(&id, &pairs.iter().map(|(mode, _)| mode.pole).collect::<Vec<_>>(), &mut notes);
     out.put(&format!("/modes/{id}"), &modes(pairs.into_iter()))?;
-    let mut record = identification(method, order, "input-output", answer, simulated, notes);
-    record.singular_values = found.singular_values.clone();
-    let mut support = evidence(Some(drive), answer, simulated, found.parameters);
-    support.hold = Some("zero-order".to_owned());
-    support.prediction_fit_percent = found.prediction_fit_percent;
-    support.stop_reason = found.stop_reason.map(str::to_owned);
-    out.summary(format!("{id}: {} of {} samples", percent(record.fit_percent), answer.sampled.len()));
-    out.put(&format!("/identification/{id}"), &record)?;
-    out.put(&format!("/evidence/{id}"), &support)?;
-    Ok(())
+    let (mut whole, mut supports) = of_record(method, order, record, simulated, found.parameters, notes);
+    whole.singular_values = found.singular_values.clone();
+    for (k, support) in supports.iter_mut().enumerate() {
+        support.hold = (!record.drives.is_empty()).then(|| hold.to_owned());
+        support.prediction_fit_percent = found
+            .predicted
+            .get(k)
+            .and_then(|predicted| fit_measures(&record.data.outputs()[k], predicted))
+            .and_then(|fit| fit.fit_percent);
+        support.stop_reason = found.stop_reason.map(str::to_owned);
+    }
+    out.summary(format!("{id}: {} of {} samples", percent(whole.fit_percent), record.data.samples()));
+    out.put(&format!("/identification/{id}"), &whole)?;
+    put_evidence(&id, &supports, out)
+}
+
+/// The continuous model by the logarithm for the hold declared, and its transfer functions.
+fn put_continuous(
+    id: &str,
+    model: &StateSpace,
+    (record, hold): (&Record, &str),
+    notes: &mut Vec<String>,
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    let hold = if hold == "zero-order" { InputHold::Zero } else { InputHold::First };
+    let found = match to_continuous(model, hold) {
+        Ok(found) => found,
+        Err(error) => {
+            notes.push(format!("no continuous model: {error}"));
+            return Ok(());
+        }
+    };
+    for z in &found.conjugated {
+        notes.push(format!(
+            "the pole z = {z:.6} has no continuous counterpart: the continuous model has one more state, a conjugate at the Nyquist frequency, and agrees at the samples only"
+        ));
+    }
+    let continuous = found.model;
+    out.put(&format!("/model/{id}/continuous"), &state_space(&continuous, &record.input(), &record.output()))?;
+    if continuous.order() > MOST_COEFFICIENTS {
+        return Ok(());
+    }
+    let mut entries = Vec::new();
+    for i in 0..record.answers.len() {
+        for j in 0..record.drives.len() {
+            let path = StateSpace::new(
+                continuous.a.clone(),
+                continuous.b.columns(j, 1).into_owned(),
+                continuous.c.rows(i, 1).into_owned(),
+                continuous.d.view((i, j), (1, 1)).into_owned(),
+                None,
+            )?;
+            match to_transfer_function(&path) {
+                Ok(tf) => entries.push((tf.numerator().to_vec(), tf.denominator().to_vec())),
+                Err(error) => {
+                    notes.push(format!("no transfer function: {error}"));
+                    return Ok(());
+                }
+            }
+        }
+    }
+    let inputs = record.drives.len();
+    put_transfer_functions(id, record, |i, j| entries[i * inputs + j].clone(), out)
 }

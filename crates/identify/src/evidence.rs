@@ -2,9 +2,10 @@
 
 use crumple_identify::{InformationCriteria, effective_samples, fit_measures, residual_tests};
 use crumple_lti::{Complex, Mode};
-use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeV1, ModesV1};
+use crumple_stage::Output;
+use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeV1, ModesV1, TransferFunctionV1};
 
-use crate::input_output::Cut;
+use crate::input_output::{Cut, Record};
 
 /// Lags of the whiteness test.
 const LAGS: usize = 20;
@@ -73,7 +74,82 @@ pub fn identification(
         fit_percent: fit.and_then(|fit| fit.fit_percent),
         rmse: fit.map(|fit| fit.rmse),
         notes,
+        output_fits_percent: Vec::new(),
     }
+}
+
+/// The same of a model with any number of inputs and outputs, and evidence for each output: one record for one output,
+/// else one a number.
+pub fn of_record(
+    method: &str,
+    order: usize,
+    record: &Record,
+    simulated: &[Vec<f64>],
+    parameters: usize,
+    notes: Vec<String>,
+) -> (IdentificationV1, Vec<EvidenceV1>) {
+    let treated_as = if record.drives.is_empty() { "free-decay" } else { "input-output" };
+    let mut whole = identification(method, order, treated_as, &record.answers[0], &simulated[0], notes);
+    let names = |cuts: &[Cut]| cuts.iter().map(|cut| cut.id.clone()).collect::<Vec<_>>().join(", ");
+    if record.answers.len() > 1 {
+        whole.channel = names(&record.answers);
+        whole.rmse = None;
+        whole.output_fits_percent = record
+            .answers
+            .iter()
+            .zip(simulated)
+            .map(|(answer, yh)| fit_measures(answer.sampled.samples(), yh).and_then(|fit| fit.fit_percent))
+            .collect();
+        let worst = |a: f64, b: &Option<f64>| b.map(|b| a.min(b));
+        whole.fit_percent = whole.output_fits_percent.iter().try_fold(f64::INFINITY, worst);
+    }
+    let supports = record
+        .answers
+        .iter()
+        .zip(simulated)
+        .map(|(answer, yh)| {
+            let mut support = evidence(record.drives.first(), answer, yh, parameters);
+            for other in record.drives.iter().skip(1) {
+                let one = evidence(Some(other), answer, yh, parameters).input_correlation;
+                support.input_correlation = support.input_correlation.zip(one).map(|(a, b)| a.max(b));
+            }
+            support.input = (!record.drives.is_empty()).then(|| names(&record.drives));
+            support
+        })
+        .collect();
+    (whole, supports)
+}
+
+/// Writes the evidence of every output: `/evidence/<id>`, of several outputs `/evidence/<id>/<number>`.
+pub fn put_evidence(id: &str, supports: &[EvidenceV1], out: &mut Output) -> anyhow::Result<()> {
+    if let [only] = supports {
+        return out.put(&format!("/evidence/{id}"), only);
+    }
+    for (number, support) in supports.iter().enumerate() {
+        out.put(&format!("/evidence/{id}/{}", number + 1), support)?;
+    }
+    Ok(())
+}
+
+/// Writes the transfer functions of a continuous model, `/model/<id>/transfer-function`, of several inputs or outputs
+/// `/model/<id>/<output>-<input>/transfer-function`; `entry` gives numerator and denominator by output and input.
+pub fn put_transfer_functions(
+    id: &str,
+    record: &Record,
+    mut entry: impl FnMut(usize, usize) -> (Vec<f64>, Vec<f64>),
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    for (i, answer) in record.answers.iter().enumerate() {
+        for (j, drive) in record.drives.iter().enumerate() {
+            let (numerator, denominator) = entry(i, j);
+            let place = if record.single() { String::new() } else { format!("{}-{}/", i + 1, j + 1) };
+            out.put(
+                &format!("/model/{id}/{place}transfer-function"),
+                &TransferFunctionV1 { numerator, denominator, input: drive.describe(), output: answer.describe() },
+            )?;
+        }
+    }
+    Ok(())
 }
 
 /// Modes of continuous poles, with their discrete counterparts where the model is sampled.

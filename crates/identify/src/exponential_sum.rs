@@ -96,7 +96,7 @@ pub fn exponential_sum(
     let layout =
         if options.real { vec![1; n] } else { (0..n / 2).map(|_| 2).chain((n % 2 == 1).then_some(1)).collect() };
     let problem = PoleProblem {
-        input: None,
+        inputs: Vec::new(),
         hold: Hold::First,
         output: vec![record.iter().map(|y| y / scale).collect()],
         layout,

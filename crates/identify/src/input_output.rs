@@ -1,4 +1,4 @@
-//! The driving and the answering waveform of a stage run, cut to one window.
+//! The driving and the answering waveforms of a stage run, cut to one window.
 
 use crumple_identify::IoData;
 use crumple_signal::{QuantityKind, Sampled, TestDescription};
@@ -6,6 +6,9 @@ use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
 
 use crate::options::{BeyondEra, Settings};
 use crate::window;
+
+/// What a user may do about waveforms that do not fit.
+const HINT: &str = "name other waveforms with --inputs and --outputs";
 
 /// One waveform of the window.
 pub struct Cut {
@@ -28,38 +31,95 @@ impl Cut {
     }
 }
 
-/// The answering waveform: as asked for, else the displacement of the pulse.
-pub fn output(settings: &Settings, beyond: &BeyondEra, test: &TestDescription, inputs: &Inputs) -> anyhow::Result<Cut> {
-    let id = match &beyond.output_channel {
-        Some(id) => id.clone(),
-        None => format!("{}/displacement", crate::channel(settings, test)?),
-    };
-    let wave = inputs.wave(&id)?;
-    Cut::new(id, wave, settings, inputs)
+/// Waveforms sampled together.
+pub struct Record {
+    /// What drives; empty: nothing does.
+    pub drives: Vec<Cut>,
+    /// What answers, at least one.
+    pub answers: Vec<Cut>,
+    /// Their samples.
+    pub data: IoData,
 }
 
-/// Input and output, sampled together.
-pub fn pair(
+impl Record {
+    /// Descriptions of all inputs, separated by semicolons.
+    pub fn input(&self) -> String {
+        if self.drives.is_empty() { "none (free motion)".to_owned() } else { described(&self.drives) }
+    }
+
+    /// Descriptions of all outputs.
+    pub fn output(&self) -> String {
+        described(&self.answers)
+    }
+
+    /// Whether there is one input and one output.
+    pub fn single(&self) -> bool {
+        self.drives.len() == 1 && self.answers.len() == 1
+    }
+}
+
+fn described(cuts: &[Cut]) -> String {
+    cuts.iter().map(Cut::describe).collect::<Vec<_>>().join("; ")
+}
+
+/// The first answering waveform: as asked for, else the displacement of the pulse.
+pub fn output(settings: &Settings, beyond: &BeyondEra, test: &TestDescription, inputs: &Inputs) -> anyhow::Result<Cut> {
+    let mut outputs = outputs(settings, beyond, test, inputs)?;
+    Ok(outputs.swap_remove(0))
+}
+
+fn outputs(
     settings: &Settings,
     beyond: &BeyondEra,
     test: &TestDescription,
     inputs: &Inputs,
-) -> anyhow::Result<(Cut, Cut, IoData)> {
-    let answer = output(settings, beyond, test, inputs)?;
-    let id = match &beyond.input_channel {
-        Some(id) => id.clone(),
-        None => crate::channel(settings, test)?.to_owned(),
+) -> anyhow::Result<Vec<Cut>> {
+    if beyond.outputs.is_empty() {
+        let id = format!("{}/displacement", crate::channel(settings, test)?);
+        let wave = inputs.wave(&id)?;
+        return Ok(vec![Cut::new(id, wave, settings, inputs)?]);
+    }
+    beyond.outputs.iter().map(|id| Cut::new(id.clone(), inputs.wave(id)?, settings, inputs)).collect()
+}
+
+/// Inputs and outputs, sampled together.
+pub fn record(
+    settings: &Settings,
+    beyond: &BeyondEra,
+    test: &TestDescription,
+    inputs: &Inputs,
+) -> anyhow::Result<Record> {
+    let answers = outputs(settings, beyond, test, inputs)?;
+    let ids = match &beyond.inputs[..] {
+        [] => vec![crate::channel(settings, test)?.to_owned()],
+        [none] if none == "none" => Vec::new(),
+        several => several.to_vec(),
     };
-    let wave = inputs.wave(&id)?;
-    let drive = Cut::new(id, wave, settings, inputs)?;
-    let (u, y) = (&drive.sampled, &answer.sampled);
+    let drives = ids
+        .into_iter()
+        .map(|id| {
+            let wave = inputs.wave(&id)?;
+            Cut::new(id, wave, settings, inputs)
+        })
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    let first = &answers[0];
+    for other in drives.iter().chain(&answers[1..]) {
+        together(other, first)?;
+    }
+    let samples = |cuts: &[Cut]| cuts.iter().map(|cut| cut.sampled.samples().to_vec()).collect();
+    let data = IoData::new(samples(&drives), samples(&answers), first.sampled.dt_s()).refuse_with_hint(HINT)?;
+    Ok(Record { drives, answers, data })
+}
+
+fn together(one: &Cut, other: &Cut) -> anyhow::Result<()> {
+    let (u, y) = (&one.sampled, &other.sampled);
     let dt = y.dt_s();
     let apart = (u.t0_s() - y.t0_s()).abs() > 1e-6 * dt || (u.dt_s() / dt - 1.0).abs() > 1e-9;
     if apart || u.len() != y.len() {
         return Err(Refused::new(format!(
             "waveforms {} and {} are not sampled together: {} samples of {} s from {} s, and {} of {} s from {} s",
-            drive.id,
-            answer.id,
+            one.id,
+            other.id,
             u.len(),
             u.dt_s(),
             u.t0_s(),
@@ -67,10 +127,8 @@ pub fn pair(
             dt,
             y.t0_s()
         ))
-        .hint("name waveforms of one time base with --input-channel and --output-channel, or a window that both have")
+        .hint("name waveforms of one time base with --inputs and --outputs, or a window that all have")
         .into());
     }
-    let data = IoData::single(u.samples().to_vec(), y.samples().to_vec(), dt)
-        .refuse_with_hint("name other waveforms with --input-channel and --output-channel")?;
-    Ok((drive, answer, data))
+    Ok(())
 }

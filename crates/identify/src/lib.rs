@@ -4,6 +4,7 @@
 //! of a linear system and returns the smallest balanced one that has it, with poles, modes and the evidence for them.
 
 mod arx;
+mod balanced_truncation;
 mod caveats;
 mod compare;
 mod era;
@@ -26,8 +27,11 @@ mod residual;
 mod section_chain;
 mod separable;
 mod subspace;
+mod thinning;
+mod transfer_function_array;
 mod transfer_function_fit;
 mod transfer_starts;
+mod vector_arx;
 
 pub use arx::{Arx, ArxOrder, arx, arx_scan};
 pub use caveats::{caveats, filter_edge_hz};
@@ -45,9 +49,12 @@ pub use output_error::{OutputError, OutputErrorOptions, output_error};
 pub use residual::{ResidualTests, effective_samples, residual_tests};
 pub use separable::{Stop, Termination};
 pub use subspace::{Subspace, SubspaceModel, SubspaceOptions, Weighting};
+pub use thinning::{automatic_thinning, thinned};
+pub use transfer_function_array::{TransferFunctionArray, transfer_function_array};
 pub use transfer_function_fit::{
     Hold, InitialConditions, TransferFunctionFit, TransferFunctionOptions, transfer_function_fit,
 };
 pub use transfer_starts::Start;
+pub use vector_arx::{VectorArx, vector_arx};
 
 use crumple_lti::Complex;

@@ -47,12 +47,19 @@ pub struct Options {
     /// Channel to identify from. Default: the crash pulse.
     #[arg(long)]
     pub channel: Option<String>,
-    /// Waveform that drives the system, for methods with an input. Default: the crash pulse (deceleration).
-    #[arg(long)]
+    /// Waveform that drives the system, for methods with an input: --inputs of a single one.
+    #[arg(long, conflicts_with = "input_channels")]
     pub input_channel: Option<String>,
-    /// Waveform it answers with, also that of "exponentials", e.g. 93/velocity. Default: displacement of the crash pulse.
-    #[arg(long)]
+    /// Waveform it answers with: --outputs of a single one.
+    #[arg(long, conflicts_with = "output_channels")]
     pub output_channel: Option<String>,
+    /// Waveforms that drive the system, separated by commas, of any quantity; "none": it moves freely (subspace methods).
+    /// Default: the crash pulse (deceleration).
+    #[arg(long = "inputs", alias = "input-channels", value_delimiter = ',')]
+    pub input_channels: Vec<String>,
+    /// Waveforms it answers with, e.g. 93/velocity; "exponentials" takes the first. Default: displacement of the crash pulse.
+    #[arg(long = "outputs", alias = "output-channels", value_delimiter = ',')]
+    pub output_channels: Vec<String>,
     /// Number of poles of a transfer function. Default: 4.
     #[arg(long)]
     pub poles: Option<u32>,
@@ -73,9 +80,11 @@ pub struct Options {
     /// all.
     #[arg(long, value_delimiter = ',')]
     pub starts: Vec<String>,
-    /// Iterations from each start at most. Default: 200.
-    #[arg(long)]
-    pub max_iterations: Option<u32>,
+    /// Iterations from each start at most. Several, separated by commas: tfest gives one model each, those of fewer
+    /// iterations with "after-<n>" in their names; other methods take the largest. Default: 200.
+    #[arg(long, value_delimiter = ',')]
+    #[serde(deserialize_with = "one_or_several")]
+    pub max_iterations: Vec<u32>,
     /// Samples by which the input acts late. Default: 0.
     #[arg(long)]
     pub delay: Option<u32>,
@@ -92,6 +101,10 @@ pub struct Options {
     /// Block rows of the subspace methods. Default: twice the order, 10 at least.
     #[arg(long)]
     pub block_rows: Option<u32>,
+    /// The subspace methods find poles from every n-th sample behind a low-pass filter; 1: from all. Default: as many as the
+    /// bandwidth of the waveforms leaves unneeded, 1 with --block-rows.
+    #[arg(long)]
+    pub thin: Option<u32>,
     /// Start of the window, e.g. 5ms. Default: time zero, 0 s.
     #[arg(long, allow_hyphen_values = true)]
     pub from: Option<Time>,
@@ -129,10 +142,10 @@ pub struct Settings {
 /// Settings of the methods other than `era`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BeyondEra {
-    /// Driving waveform, if not the pulse.
-    pub input_channel: Option<String>,
-    /// Answering waveform, if not the pulse's displacement.
-    pub output_channel: Option<String>,
+    /// Driving waveforms; empty: the pulse. One alone named `none`: no input.
+    pub inputs: Vec<String>,
+    /// Answering waveforms; empty: the pulse's displacement.
+    pub outputs: Vec<String>,
     /// Poles of a transfer function.
     pub poles: usize,
     /// Zeros.
@@ -145,8 +158,8 @@ pub struct BeyondEra {
     pub stable: bool,
     /// Ways to starting points.
     pub starts: Vec<String>,
-    /// Iterations from each start.
-    pub max_iterations: usize,
+    /// Iterations from each start, largest last, at least one.
+    pub max_iterations: Vec<usize>,
     /// Samples by which the input acts late.
     pub delay: usize,
     /// Exponential terms.
@@ -157,9 +170,16 @@ pub struct BeyondEra {
     pub conditions: usize,
     /// Block rows, if given.
     pub block_rows: Option<usize>,
+    /// Thinning of the subspace methods, if given.
+    pub thin: Option<usize>,
 }
 
 impl BeyondEra {
+    /// The most iterations from a start.
+    pub fn most_iterations(&self) -> usize {
+        self.max_iterations.last().copied().unwrap_or(0)
+    }
+
     fn resolve(options: &Options) -> Result<Self, Usage> {
         let choice = |name: &str, given: &Option<String>, choices: &[&str]| match given {
             None => Ok(choices[0].to_owned()),
@@ -188,21 +208,31 @@ impl BeyondEra {
         } else {
             options.starts.clone()
         };
+        let mut max_iterations: Vec<usize> = options.max_iterations.iter().map(|n| *n as usize).collect();
+        if max_iterations.is_empty() {
+            max_iterations.push(200);
+        }
+        max_iterations.sort_unstable();
+        max_iterations.dedup();
+        if options.thin == Some(0) {
+            return Err(Usage::new("thin is 0, a positive number is needed"));
+        }
         Ok(Self {
-            input_channel: options.input_channel.clone(),
-            output_channel: options.output_channel.clone(),
+            inputs: named("input", &options.input_channel, &options.input_channels)?,
+            outputs: named("output", &options.output_channel, &options.output_channels)?,
             poles: size(options.poles, 4),
             zeros: size(options.zeros, 1),
             hold: choice("hold", &options.hold, &["first-order", "zero-order"])?,
             initial: choice("initial condition", &options.initial, &["estimate", "zero", "auto"])?,
             stable: options.stable.unwrap_or(false),
             starts,
-            max_iterations: size(options.max_iterations, 200),
+            max_iterations,
             delay: size(options.delay, 0),
             terms: size(options.terms, 4),
             real: options.real.unwrap_or(false),
             conditions: options.conditions.len(),
             block_rows: options.block_rows.map(|n| n as usize),
+            thin: options.thin.map(|n| n as usize),
         })
     }
 
@@ -210,6 +240,40 @@ impl BeyondEra {
     pub fn start_kinds(&self) -> Vec<Start> {
         STARTS.into_iter().filter(|start| self.starts.iter().any(|name| name == start.name())).collect()
     }
+}
+
+/// Waveforms named by the option of one or by that of several; each once.
+fn named(kind: &str, one: &Option<String>, several: &[String]) -> Result<Vec<String>, Usage> {
+    if one.is_some() && !several.is_empty() {
+        return Err(
+            Usage::new(format!("{kind}_channel and {kind}_channels both name waveforms")).hint("keep one of them")
+        );
+    }
+    let mut names: Vec<String> = Vec::new();
+    for name in several.iter().chain(one) {
+        if names.contains(name) {
+            return Err(Usage::new(format!("{kind} {name:?} is named twice")));
+        }
+        names.push(name.clone());
+    }
+    if names.len() > 1 && names.iter().any(|name| name == "none") {
+        return Err(Usage::new(format!("\"none\" stands beside other {kind}s")));
+    }
+    Ok(names)
+}
+
+/// A number, or a list of numbers.
+fn one_or_several<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<u32>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Written {
+        One(u32),
+        Several(Vec<u32>),
+    }
+    Ok(match Written::deserialize(deserializer)? {
+        Written::One(number) => vec![number],
+        Written::Several(numbers) => numbers,
+    })
 }
 
 /// An error that suggests the nearest name.

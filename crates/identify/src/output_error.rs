@@ -4,6 +4,7 @@ use crumple_lti::{Complex, StateSpace};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use crate::balanced_truncation::balanced_truncation;
 use crate::random::uniform;
 use crate::separable::{Basis, Separable, SeparableFit, Stop, Termination, evaluate, minimize};
 use crate::{ArxOrder, IdentifyError, InformationCriteria, IoData, Subspace, SubspaceOptions, Weighting, arx};
@@ -62,8 +63,8 @@ pub struct OutputError {
 ///
 /// Poles are unknowns of a bounded Levenberg-Marquardt, everything else is linear and projected out. The poles stand
 /// in second-order sections in cascade, each with reflection coefficients `tanh` of its two unknowns, so that every
-/// model on the way is stable and coinciding poles are ordinary points. Starts: ARX of the order and of three times as
-/// many taps reduced to it, the three subspace methods, and seeded random poles; the best six are refined in parallel.
+/// model on the way is stable and coinciding poles are ordinary points. Starts: ARX of the order and of four times as
+/// many taps, by its least damped poles and by balanced truncation, the three subspace methods, and seeded random poles; the best six are refined in parallel.
 ///
 /// A local method: it is as good as its best start. With one output and several inputs, or one input and several
 /// outputs, the model has exactly `order` states; data with several of both are refused, for there common poles do not
@@ -110,10 +111,12 @@ fn starts(data: &IoData, options: OutputErrorOptions) -> Vec<Vec<f64>> {
         let Ok(single) = IoData::new(data.inputs().to_vec(), vec![output.clone()], data.sample_time_s()) else {
             continue;
         };
-        for taps in [n, 3 * n] {
+        for taps in [n, 4 * n] {
             let order = ArxOrder { na: taps, nb: taps + usize::from(options.direct), nk: first_tap };
             let Ok(model) = arx(&single, order).and_then(|model| model.state_space()) else { continue };
             let Ok(mut found) = model.poles() else { continue };
+            // What matters most of many taps: the start for a poor signal-to-noise ratio.
+            poles.extend(balanced_truncation(&model, n).and_then(|(reduced, _)| reduced.poles().ok()));
             // The least damped ones, pairs kept together; poles at zero are those of the delay.
             found.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.abs().total_cmp(&a.im.abs())));
             poles.push(found);

@@ -9,19 +9,20 @@ use crate::{Complex, Hold};
 /// Growth beyond `exp` of half of this over the record is not tried.
 const GROWTH: f64 = 40.0;
 
-/// Poles of a chain against one measured signal. Time runs from 0 to 1 over the record, signals are scaled.
+/// Poles of a chain, common to every input and output, against the measured signals. Time runs from 0 to 1 over the
+/// record, signals are scaled.
 ///
 /// Unknowns are `asinh` of the coefficients `p`, `q` (or `r`) of every section: logarithmic where they are large,
 /// regular at zero, so that a pair may change between oscillating, creeping and growing on the way.
 pub(crate) struct PoleProblem {
-    /// Driving signal, if any.
-    pub(crate) input: Option<Vec<f64>>,
+    /// Driving signals, if any.
+    pub(crate) inputs: Vec<Vec<f64>>,
     pub(crate) hold: Hold,
-    /// Measured signal, alone in its list.
+    /// Measured signals; with `start` only one.
     pub(crate) output: Vec<Vec<f64>>,
     /// Orders of the sections.
     pub(crate) layout: Vec<usize>,
-    /// Coefficients of the numerator, with an input.
+    /// Coefficients of the numerator of every input.
     pub(crate) numerator: usize,
     /// Whether the numerator has the degree of the denominator.
     pub(crate) direct: bool,
@@ -136,24 +137,30 @@ impl PoleProblem {
         (order, xi, derivatives)
     }
 
-    /// Signals of forced and free motion.
-    fn signals(&self, chain: &SectionChain) -> Option<(States, States)> {
+    /// Signals of the motion forced by every input, and of the free one.
+    fn signals(&self, chain: &SectionChain) -> Option<(Vec<States>, States)> {
         let samples = self.output[0].len();
-        let forced = match &self.input {
-            Some(u) => chain.states(Drive::Input(u, self.hold), self.dt()).ok()?,
-            None => Vec::new(),
-        };
+        let forced = self
+            .inputs
+            .iter()
+            .map(|u| chain.states(Drive::Input(u, self.hold), self.dt()).ok())
+            .collect::<Option<Vec<States>>>()?;
         let free = if self.free { chain.states(Drive::Free(samples), self.dt()).ok()? } else { Vec::new() };
         Some((forced, free))
     }
 
-    /// Coefficients of all states, forced then free, from those of the basis.
-    pub(crate) fn state_coefficients(&self, theta: &[f64], c: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    /// Columns of the basis that one input takes.
+    pub(crate) fn columns_per_input(&self) -> usize {
+        self.numerator + usize::from(self.direct)
+    }
+
+    /// Coefficients of all states, forced by every input, then free, from those of the basis for one output.
+    pub(crate) fn state_coefficients(&self, theta: &[f64], c: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
         let chain = self.chain(theta);
         let n = chain.order();
-        let mut forced = vec![0.0; n];
+        let mut forced = vec![vec![0.0; n]; self.inputs.len()];
         let mut at = 0;
-        if self.input.is_some() {
+        for forced in &mut forced {
             for &s in chain.by_degree().iter().take(self.numerator.min(n)) {
                 forced[s] = c[at];
                 at += 1;
@@ -210,7 +217,7 @@ impl Separable for PoleProblem {
         let n = chain.order();
         let (mut forced, free) = self.signals(&chain)?;
         let mut columns = Vec::with_capacity(2 * n + 1);
-        if let Some(u) = &self.input {
+        for (u, forced) in self.inputs.iter().zip(&mut forced) {
             for s in chain.by_degree().into_iter().take(self.numerator.min(n)) {
                 columns.push(std::mem::take(&mut forced[s]));
             }
@@ -236,22 +243,24 @@ impl Separable for PoleProblem {
 
     fn sensitivities(&self, theta: &[f64], coefficients: &DMatrix<f64>) -> Option<Vec<Vec<f64>>> {
         let chain = self.chain(theta);
-        let c: Vec<f64> = coefficients.column(0).iter().copied().collect();
-        let (forced, free) = self.state_coefficients(theta, &c);
         let samples = self.output[0].len();
-        let mut result = vec![vec![0.0; samples]; theta.len()];
-        let mut add = |signals: States| {
-            for (result, signal) in result.iter_mut().zip(signals) {
-                for (result, x) in result.iter_mut().zip(signal) {
-                    *result += x;
+        let mut result = vec![vec![0.0; samples * self.output.len()]; theta.len()];
+        for output in 0..self.output.len() {
+            let c: Vec<f64> = coefficients.column(output).iter().copied().collect();
+            let (forced, free) = self.state_coefficients(theta, &c);
+            let mut add = |signals: States| {
+                for (result, signal) in result.iter_mut().zip(signals) {
+                    for (result, x) in result[output * samples..].iter_mut().zip(signal) {
+                        *result += x;
+                    }
                 }
+            };
+            for (u, forced) in self.inputs.iter().zip(&forced) {
+                add(chain.sensitivities(forced, Drive::Input(u, self.hold), self.dt()).ok()?);
             }
-        };
-        if let Some(u) = &self.input {
-            add(chain.sensitivities(&forced, Drive::Input(u, self.hold), self.dt()).ok()?);
-        }
-        if self.free {
-            add(chain.sensitivities(&free, Drive::Free(samples), self.dt()).ok()?);
+            if self.free {
+                add(chain.sensitivities(&free, Drive::Free(samples), self.dt()).ok()?);
+            }
         }
         // By asinh of a coefficient instead of the coefficient.
         for (result, theta) in result.iter_mut().zip(theta) {
@@ -290,10 +299,12 @@ mod tests {
         let exact = problem.sensitivities(theta, &point.coefficients).unwrap();
         let predict = |theta: &[f64]| {
             let basis = problem.basis(theta).unwrap();
-            (0..problem.output[0].len())
+            let samples = problem.output[0].len();
+            (0..samples * problem.output.len())
                 .map(|k| {
-                    basis.known.first().map_or(0.0, |known| known[k])
-                        + basis.columns.iter().enumerate().map(|(c, x)| x[k] * point.coefficients[(c, 0)]).sum::<f64>()
+                    let (output, k) = (k / samples, k % samples);
+                    let sum = basis.columns.iter().enumerate().map(|(c, x)| x[k] * point.coefficients[(c, output)]);
+                    basis.known.first().map_or(0.0, |known| known[k]) + sum.sum::<f64>()
                 })
                 .collect::<Vec<f64>>()
         };
@@ -321,7 +332,7 @@ mod tests {
     fn problem() -> PoleProblem {
         let signal = |f: f64| (0..80).map(|k| (f64::from(k) * f).sin() + 0.3).collect::<Vec<f64>>();
         PoleProblem {
-            input: Some(signal(0.11)),
+            inputs: vec![signal(0.11)],
             hold: Hold::First,
             output: vec![signal(0.23)],
             layout: vec![2, 2, 1],
@@ -339,11 +350,15 @@ mod tests {
         check(&problem(), &theta);
         check(&PoleProblem { hold: Hold::Zero, direct: true, numerator: 5, ..problem() }, &theta);
         check(&PoleProblem { free: false, ..problem() }, &theta);
+        let several =
+            |k: usize| (0..k).map(|k| problem().output[0].iter().map(|y| y * (k as f64 + 0.5) - 0.2 * y * y).collect());
+        check(&PoleProblem { inputs: several(2).collect(), direct: true, ..problem() }, &theta);
+        check(&PoleProblem { inputs: several(2).collect(), output: several(3).collect(), ..problem() }, &theta);
         // Coinciding pairs, and one that grows.
         check(&problem(), &[3.0, 1.0, 3.0, 1.0, -0.5]);
         for start in [vec![0.5], vec![0.0, 2.0], vec![0.1, 2.0, -3.0]] {
-            check(&PoleProblem { input: None, start: start.clone(), ..problem() }, &theta);
-            check(&PoleProblem { input: None, start, layout: vec![1; 5], ..problem() }, &theta);
+            check(&PoleProblem { inputs: Vec::new(), start: start.clone(), ..problem() }, &theta);
+            check(&PoleProblem { inputs: Vec::new(), start, layout: vec![1; 5], ..problem() }, &theta);
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Subspace identification: N4SID, MOESP and CVA.
 
-use crumple_lti::{Complex, StateSpace, eigenvalues, eigenvectors, jacobi_svd};
+use crumple_lti::{
+    Complex, InputHold, StateSpace, eigenvalues, eigenvectors, jacobi_svd, matrix_exponential, to_continuous,
+};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -10,6 +12,9 @@ use crate::{IdentifyError, IoData};
 
 /// Singular values below this fraction of the largest are rounding.
 const RANK_TOLERANCE: f64 = 1e-12;
+
+/// Singular values of the inputs below this fraction of the largest excite nothing that a record in `f64` can show.
+const SILENT: f64 = 1e-10;
 
 /// Samples per independent part of a long record.
 const PART: usize = 16_384;
@@ -70,9 +75,16 @@ pub struct Subspace<'a> {
     /// Extended observability matrix, unweighted, one column per singular value.
     observability: DMatrix<f64>,
     output_scales: Vec<f64>,
+    /// Triangular factor of future and past inputs.
+    inputs: DMatrix<f64>,
 }
 
 impl<'a> Subspace<'a> {
+    /// Samples that a factorisation needs at least: as many columns as rows of the data matrices.
+    pub fn needed(block_rows: usize, inputs: usize, outputs: usize) -> usize {
+        2 * block_rows - 1 + 2 * block_rows * (inputs + outputs)
+    }
+
     /// Factorises `[U_f; W_p; Y_f] = L Q'`, past inputs and outputs `W_p`, and takes the singular values of the weighted
     /// projection of `Y_f` on `W_p` along `U_f`. Signals are divided by their root mean square first.
     ///
@@ -108,6 +120,7 @@ impl<'a> Subspace<'a> {
             }
         }
         let r = triangular_factor(&stretches, samples + 1 - 2 * i);
+        let inputs = r.view((0, 0), (2 * m * i, 2 * m * i)).into_owned();
         let (future, past) = (m * i, (m + q) * i);
         let outputs = q * i;
         let part = |row: usize, rows: usize, column: usize, columns: usize| {
@@ -167,13 +180,27 @@ impl<'a> Subspace<'a> {
             Some(back) => back * vectors,
             None => vectors,
         };
-        Ok(Self { data, options, singular_values: svd.values, observability, output_scales })
+        Ok(Self { data, options, singular_values: svd.values, observability, output_scales, inputs })
     }
 
     /// Singular values of the weighted projection, largest first: evidence for the order. Those of CVA are the canonical
     /// correlations, 1 at most.
     pub fn singular_values(&self) -> &[f64] {
         &self.singular_values
+    }
+
+    /// Of the independent inputs that a model could be told by, `2 inputs block_rows`, how many the record has.
+    ///
+    /// Fewer: the inputs satisfy a difference equation of their own. Then what they drive and what moves freely cannot be
+    /// told apart, and poles found are those of some model that explains the record. A crash record from the contact on is the
+    /// extreme case: all its signals are sums of the same few exponentials.
+    pub fn excitation(&self) -> (usize, usize) {
+        let full = self.inputs.ncols();
+        let found = jacobi_svd(&self.inputs).map_or(full, |svd| {
+            let tolerance = svd.values.first().copied().unwrap_or(0.0) * SILENT;
+            svd.values.iter().take_while(|s| **s > tolerance).count()
+        });
+        (found, full)
     }
 
     /// Highest order that can be realised.
@@ -188,6 +215,34 @@ impl<'a> Subspace<'a> {
         if order == 0 {
             return Err(IdentifyError::OrderZero);
         }
+        let (a, c) = self.shifted(order)?;
+        let (a, c, reflected_poles) = stabilized(a, c, self.data.samples())?;
+        let (model, initial_state) = input_matrices(&a, &c, self.data, self.options.direct)?;
+        Ok(SubspaceModel { model, initial_state, reflected_poles })
+    }
+
+    /// The same where this factorisation is of a [`thinned`](crate::thinned()) record: poles and mode shapes of the thinned
+    /// one, taken to the sampling interval of `whole` by the logarithm; `B`, `D`, `x0` by least squares on `whole`.
+    ///
+    /// A negative real pole of the thinned model gets a conjugate (see [`to_continuous`]) and so one more state. Errors:
+    /// a pole near zero, which no sampling interval but its own can have.
+    pub fn realize_on(&self, order: usize, whole: &IoData) -> Result<SubspaceModel, IdentifyError> {
+        if order == 0 {
+            return Err(IdentifyError::OrderZero);
+        }
+        let (a, c) = self.shifted(order)?;
+        let (n, q) = (a.nrows(), c.nrows());
+        let no_input = (DMatrix::zeros(n, 0), DMatrix::zeros(q, 0));
+        let thin = StateSpace::new(a, no_input.0, c, no_input.1, Some(self.data.sample_time_s()))?;
+        let continuous = to_continuous(&thin, InputHold::Zero)?.model;
+        let a = matrix_exponential(&(&continuous.a * whole.sample_time_s()))?;
+        let (a, c, reflected_poles) = stabilized(a, continuous.c, whole.samples())?;
+        let (model, initial_state) = input_matrices(&a, &c, whole, self.options.direct)?;
+        Ok(SubspaceModel { model, initial_state, reflected_poles })
+    }
+
+    /// `A` by shift invariance and `C`, in units of the data.
+    fn shifted(&self, order: usize) -> Result<(DMatrix<f64>, DMatrix<f64>), IdentifyError> {
         let method = self.options.weighting.name();
         if order > self.highest_order() {
             return Err(IdentifyError::OrderTooHigh { method, order, highest: self.highest_order() });
@@ -199,9 +254,7 @@ impl<'a> Subspace<'a> {
         let a = pseudo_inverse_times(&upper, &lower)
             .ok_or(IdentifyError::NotConverged("the shift of a subspace method"))?;
         let c = DMatrix::from_fn(q, order, |i, k| self.observability[(i, k)] * self.output_scales[i]);
-        let (a, c, reflected_poles) = stabilized(a, c, self.data.samples())?;
-        let (model, initial_state) = input_matrices(&a, &c, self.data, self.options.direct)?;
-        Ok(SubspaceModel { model, initial_state, reflected_poles })
+        Ok((a, c))
     }
 
     /// Several orders, in parallel, in the order given.

@@ -117,6 +117,7 @@ fn identification(model: &Realization, window: &Window<'_>, notes: Vec<String>) 
         fit_percent: model.fit_percent,
         rmse: model.rmse,
         notes,
+        output_fits_percent: Vec::new(),
     }
 }
 

@@ -152,31 +152,6 @@ pub fn transfer_function_fit(
     data: &IoData,
     options: &TransferFunctionOptions,
 ) -> Result<TransferFunctionFit, IdentifyError> {
-    check(data, options)?;
-    let estimated = match options.initial {
-        InitialConditions::Zero => false,
-        InitialConditions::Estimate => true,
-        InitialConditions::Auto => {
-            let (rest, moving) = (search(data, options, false)?, search(data, options, true)?);
-            let samples = data.samples() as f64;
-            let n = options.poles as f64;
-            let gain = (rest.best.cost - moving.best.cost) / moving.best.cost.max(f64::MIN_POSITIVE);
-            let free = samples - (2.0 * n + options.zeros as f64 + 1.0) - n;
-            let estimate = gain * free.max(1.0) > chi_square_95(n);
-            return if estimate { moving } else { rest }.finish(data, options);
-        }
-    };
-    search(data, options, estimated)?.finish(data, options)
-}
-
-fn check(data: &IoData, options: &TransferFunctionOptions) -> Result<(), IdentifyError> {
-    let (poles, zeros) = (options.poles, options.zeros);
-    if poles == 0 {
-        return Err(IdentifyError::OrderZero);
-    }
-    if zeros > poles {
-        return Err(IdentifyError::NotProper { zeros, poles });
-    }
     if data.inputs().len() != 1 || data.outputs().len() != 1 {
         return Err(IdentifyError::Channels {
             method: "tfest",
@@ -185,7 +160,48 @@ fn check(data: &IoData, options: &TransferFunctionOptions) -> Result<(), Identif
             outputs: data.outputs().len(),
         });
     }
-    let unknowns = 2 * poles + zeros + 1;
+    best_search(data, options)?.finish(data, options)
+}
+
+/// The search with or without an initial motion, as the options say.
+pub(crate) fn best_search(data: &IoData, options: &TransferFunctionOptions) -> Result<Search, IdentifyError> {
+    check(data, options)?;
+    match options.initial {
+        InitialConditions::Zero => search(data, options, false),
+        InitialConditions::Estimate => search(data, options, true),
+        InitialConditions::Auto => {
+            let (rest, moving) = (search(data, options, false)?, search(data, options, true)?);
+            let outputs = data.outputs().len() as f64;
+            let samples = data.samples() as f64 * outputs;
+            let n = options.poles as f64;
+            let numerators = outputs * data.inputs().len() as f64 * (options.zeros as f64 + 1.0);
+            let gain = (rest.best.cost - moving.best.cost) / moving.best.cost.max(f64::MIN_POSITIVE);
+            let added = n * outputs;
+            let free = samples - n - numerators - added;
+            let estimate = gain * free.max(1.0) > chi_square_95(added);
+            Ok(if estimate { moving } else { rest })
+        }
+    }
+}
+
+pub(crate) fn check(data: &IoData, options: &TransferFunctionOptions) -> Result<(), IdentifyError> {
+    let (poles, zeros) = (options.poles, options.zeros);
+    if poles == 0 {
+        return Err(IdentifyError::OrderZero);
+    }
+    if zeros > poles {
+        return Err(IdentifyError::NotProper { zeros, poles });
+    }
+    if data.inputs().is_empty() {
+        return Err(IdentifyError::Channels {
+            method: "tfest",
+            needed: "one input at least",
+            inputs: 0,
+            outputs: data.outputs().len(),
+        });
+    }
+    // Of one output: poles, its initial motion, numerators.
+    let unknowns = 2 * poles + (zeros + 1) * data.inputs().len();
     let needed = options.delay + 2 * unknowns;
     if data.samples() < needed {
         return Err(IdentifyError::TooShort {
@@ -195,8 +211,8 @@ fn check(data: &IoData, options: &TransferFunctionOptions) -> Result<(), Identif
             why: format!("twice the {unknowns} unknowns of {poles} poles and {zeros} zeros"),
         });
     }
-    for (name, signal) in [("input", &data.inputs()[0]), ("output", &data.outputs()[0])] {
-        if signal.iter().all(|x| *x == 0.0) {
+    for (name, signals) in [("input", data.inputs()), ("output", data.outputs())] {
+        if signals.iter().any(|signal| signal.iter().all(|x| *x == 0.0)) {
             return Err(IdentifyError::Silent(name));
         }
     }
@@ -204,29 +220,27 @@ fn check(data: &IoData, options: &TransferFunctionOptions) -> Result<(), Identif
 }
 
 /// The best stationary point from all starts.
-struct Search {
-    problem: PoleProblem,
-    best: SeparableFit,
-    start: Start,
-    evaluations: usize,
-    losses: Vec<f64>,
-    input_scale: f64,
-    output_scale: f64,
+pub(crate) struct Search {
+    pub(crate) problem: PoleProblem,
+    pub(crate) best: SeparableFit,
+    pub(crate) start: Start,
+    pub(crate) evaluations: usize,
+    pub(crate) losses: Vec<f64>,
+    pub(crate) input_scales: Vec<f64>,
+    pub(crate) output_scales: Vec<f64>,
 }
 
-fn search(data: &IoData, options: &TransferFunctionOptions, free: bool) -> Result<Search, IdentifyError> {
-    let (input_scale, output_scale) = (data.input_scales()[0], data.output_scales()[0]);
+pub(crate) fn search(data: &IoData, options: &TransferFunctionOptions, free: bool) -> Result<Search, IdentifyError> {
+    let (input_scales, output_scales) = (data.input_scales(), data.output_scales());
     let n = options.poles;
-    let output: Vec<f64> = data.outputs()[0].iter().map(|y| y / output_scale).collect();
-    let kept = data.samples() - options.delay;
-    let input: Vec<f64> = std::iter::repeat_n(0.0, options.delay)
-        .chain(data.inputs()[0][..kept].iter().map(|u| u / input_scale))
-        .collect();
+    let scaled = |signal: &[f64], scale: f64, delay: usize| -> Vec<f64> {
+        std::iter::repeat_n(0.0, delay).chain(signal[..signal.len() - delay].iter().map(|x| x / scale)).collect()
+    };
     let layout: Vec<usize> = (0..n / 2).map(|_| 2).chain((n % 2 == 1).then_some(1)).collect();
     let problem = PoleProblem {
-        input: Some(input),
+        inputs: data.inputs().iter().zip(&input_scales).map(|(u, scale)| scaled(u, *scale, options.delay)).collect(),
         hold: options.hold,
-        output: vec![output],
+        output: data.outputs().iter().zip(&output_scales).map(|(y, scale)| scaled(y, *scale, 0)).collect(),
         layout,
         numerator: (options.zeros + 1).min(n),
         direct: options.zeros == n,
@@ -235,20 +249,29 @@ fn search(data: &IoData, options: &TransferFunctionOptions, free: bool) -> Resul
         stable: options.stable,
     };
     let duration = data.samples() as f64 * data.sample_time_s();
-    let start_problem = StartProblem {
-        input: problem.input.as_deref().unwrap_or_default(),
-        output: &problem.output[0],
-        hold: options.hold,
-        poles: n,
-        numerator: options.zeros + 1,
-        free,
-    };
+    // Of several inputs and outputs every pair alone: they share the poles.
+    let pairs: Vec<StartProblem<'_>> = problem
+        .output
+        .iter()
+        .flat_map(|output| problem.inputs.iter().map(move |input| (input, output)))
+        .map(|(input, output)| StartProblem {
+            input,
+            output,
+            hold: options.hold,
+            poles: n,
+            numerator: options.zeros + 1,
+            free,
+        })
+        .collect();
     let mut candidates: Vec<(Start, Vec<Complex>)> = options
         .starts
         .par_iter()
         .map(|start| {
-            let found = start_problem.poles_by(*start, options.random_starts);
-            found.into_iter().map(|poles| (*start, poles)).collect::<Vec<_>>()
+            // Those of poles that no record enters are the same for every pair.
+            let alike = matches!(start, Start::Random | Start::Integrators);
+            let pairs = if alike { &pairs[..1] } else { &pairs[..] };
+            let found = pairs.iter().flat_map(|pair| pair.poles_by(*start, options.random_starts));
+            found.map(|poles| (*start, poles)).collect::<Vec<_>>()
         })
         .collect::<Vec<_>>()
         .concat();
@@ -277,10 +300,11 @@ fn search(data: &IoData, options: &TransferFunctionOptions, free: bool) -> Resul
         .collect();
     fits.sort_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
     let evaluations = tried + fits.iter().map(|(_, fit)| fit.evaluations).sum::<usize>();
-    let unit = output_scale * output_scale / data.samples() as f64;
-    let losses = fits.iter().map(|(_, fit)| fit.cost * unit).collect();
+    // In units of the output if there is one, else the mean over outputs divided by their root mean squares.
+    let unit = if let [scale] = output_scales[..] { scale * scale } else { 1.0 / output_scales.len() as f64 };
+    let losses = fits.iter().map(|(_, fit)| fit.cost * unit / data.samples() as f64).collect();
     match fits.into_iter().next() {
-        Some((start, best)) => Ok(Search { problem, best, start, evaluations, losses, input_scale, output_scale }),
+        Some((start, best)) => Ok(Search { problem, best, start, evaluations, losses, input_scales, output_scales }),
         None => Err(IdentifyError::NoStart { method: "tfest", starts: tried }),
     }
 }
@@ -294,13 +318,14 @@ impl Search {
         let k = best.theta.len();
         let c: Vec<f64> = best.coefficients.column(0).iter().copied().collect();
         let unknowns: Vec<f64> = best.theta.iter().chain(&c).copied().collect();
-        let gain = self.output_scale / self.input_scale;
+        let (input_scale, output_scale) = (self.input_scales[0], self.output_scales[0]);
+        let gain = output_scale / input_scale;
         // Numerator, denominator without its 1, frequency and damping of every section.
         let describe = |unknowns: &[f64]| -> Vec<f64> {
             let (theta, c) = unknowns.split_at(k);
             let chain = unscaled(&problem.chain(theta), duration);
             let mut all: Vec<f64> =
-                self.numerator(theta, c, options.zeros, duration).into_iter().map(|b| b * gain).collect();
+                self.numerator(theta, c, 0, options.zeros, duration).into_iter().map(|b| b * gain).collect();
             all.extend(&chain.denominator()[1..]);
             all.extend(chain.poles().iter().map(|s| s.norm()));
             all.extend(chain.poles().iter().map(|s| -s.re / s.norm()));
@@ -320,14 +345,15 @@ impl Search {
         denominator.extend(&values[b_count..b_count + n]);
         let transfer_function = TransferFunction::new(&values[..b_count], &denominator)?;
         let simulated: Vec<f64> =
-            data.outputs()[0].iter().zip(&best.residual).map(|(y, e)| y - e * self.output_scale).collect();
-        let loss = best.cost * self.output_scale * self.output_scale / samples as f64;
+            data.outputs()[0].iter().zip(&best.residual).map(|(y, e)| y - e * output_scale).collect();
+        let loss = best.cost * output_scale * output_scale / samples as f64;
         let (forced, free) = problem.state_coefficients(&best.theta, &c);
+        let forced = &forced[0];
         let initial_numerator = if problem.free {
             let numerators = problem.chain(&best.theta).state_numerators();
             let sum = combined(&numerators, &free);
             // A unit impulse in scaled time has the area of the duration.
-            in_seconds(&sum, n, duration).into_iter().map(|x| x * self.output_scale).collect()
+            in_seconds(&sum, n, duration).into_iter().map(|x| x * output_scale).collect()
         } else {
             Vec::new()
         };
@@ -335,7 +361,7 @@ impl Search {
         Ok(TransferFunctionFit {
             zeros: transfer_function.zeros()?,
             transfer_function,
-            state_space: cascade(&chain, &forced, duration, gain, direct)?,
+            state_space: cascade(&chain, forced, duration, gain, direct)?,
             initial_numerator,
             modes: chain.poles().into_iter().map(Mode::continuous).collect(),
             mode_deviations: (0..n)
@@ -360,15 +386,15 @@ impl Search {
         })
     }
 
-    /// Numerator in 1/s, signals scaled, `zeros + 1` coefficients, highest power first.
-    fn numerator(&self, theta: &[f64], c: &[f64], zeros: usize, duration: f64) -> Vec<f64> {
+    /// Numerator of one input for the output of `c`, in 1/s, signals scaled, `zeros + 1` coefficients, highest power first.
+    pub(crate) fn numerator(&self, theta: &[f64], c: &[f64], input: usize, zeros: usize, duration: f64) -> Vec<f64> {
         let chain = self.problem.chain(theta);
         let n = chain.order();
         let (forced, _) = self.problem.state_coefficients(theta, c);
         let mut polynomial = vec![0.0];
-        polynomial.extend(combined(&chain.state_numerators(), &forced));
+        polynomial.extend(combined(&chain.state_numerators(), &forced[input]));
         if self.problem.direct {
-            let direct = c[self.problem.numerator];
+            let direct = c[input * self.problem.columns_per_input() + self.problem.numerator];
             polynomial.iter_mut().zip(chain.denominator()).for_each(|(b, a)| *b += direct * a);
         }
         // The coefficient of (sT)^j over (sT)^n: multiplied by T^(j-n).
@@ -388,26 +414,41 @@ pub(crate) fn unknowns_covariance(
     effective: f64,
 ) -> (Option<DMatrix<f64>>, f64) {
     let samples = problem.output[0].len();
+    let outputs = problem.output.len();
     let (Some(basis), Some(sensitivities)) =
         (problem.basis(&best.theta), problem.sensitivities(&best.theta, &best.coefficients))
     else {
         return (None, f64::INFINITY);
     };
-    let columns: Vec<&Vec<f64>> = sensitivities.iter().chain(&basis.columns).collect();
-    let mut factor = TriangularFactor::new(columns.len() + 1);
-    let mut block: Vec<f64> = columns.into_iter().flatten().copied().collect();
+    // The linear unknowns of an output move that output alone.
+    let width = sensitivities.len() + outputs * basis.columns.len() + 1;
+    let rows = samples * outputs;
+    let mut factor = TriangularFactor::new(width);
+    let mut block: Vec<f64> = Vec::with_capacity(width * rows);
+    block.extend(sensitivities.iter().flatten());
+    for output in 0..outputs {
+        for column in &basis.columns {
+            block.resize(block.len() + output * samples, 0.0);
+            block.extend(column);
+            block.resize(block.len() + (outputs - 1 - output) * samples, 0.0);
+        }
+    }
     block.extend(&best.residual);
-    factor.push(samples, &mut block);
+    factor.push(rows, &mut block);
     let Some(Solution { inverse_square, condition, .. }) = factor.solve(1, 0.0) else {
         return (None, f64::INFINITY);
     };
     let unknowns = inverse_square.nrows() as f64;
-    let variance = dot(&best.residual, &best.residual) / (samples as f64 - unknowns).max(1.0);
-    (Some(inverse_square * (variance * samples as f64 / effective)), condition)
+    let variance = dot(&best.residual, &best.residual) / (rows as f64 - unknowns).max(1.0);
+    (Some(inverse_square * (variance * rows as f64 / effective)), condition)
 }
 
 /// Standard deviations of `describe(unknowns)` by central differences.
-fn propagated(describe: &impl Fn(&[f64]) -> Vec<f64>, unknowns: &[f64], covariance: &DMatrix<f64>) -> Vec<f64> {
+pub(crate) fn propagated(
+    describe: &impl Fn(&[f64]) -> Vec<f64>,
+    unknowns: &[f64],
+    covariance: &DMatrix<f64>,
+) -> Vec<f64> {
     let count = describe(unknowns).len();
     let mut jacobian = DMatrix::zeros(count, unknowns.len());
     for i in 0..unknowns.len() {
@@ -473,11 +514,16 @@ fn cascade(
     direct: f64,
 ) -> Result<StateSpace, IdentifyError> {
     let n = chain.order();
-    // A state of degree d in the numerator: (sT)^d/(sT)^n.
-    let numerators = chain.state_numerators();
-    let degree = |s: usize| n - 1 - numerators[s].iter().position(|x| *x != 0.0).unwrap_or(n - 1);
-    let power = |s: usize| i32::try_from(degree(s)).unwrap_or(0) - i32::try_from(n).unwrap_or(0);
+    let powers = state_powers(chain);
     let b = DMatrix::from_fn(n, 1, |i, _| if i == chain.entry() { 1.0 } else { 0.0 });
-    let c = DMatrix::from_fn(1, n, |_, s| forced[s] * duration.powi(power(s)) * gain);
+    let c = DMatrix::from_fn(1, n, |_, s| forced[s] * duration.powi(powers[s]) * gain);
     Ok(StateSpace::new(chain.matrix(), b, c, DMatrix::from_element(1, 1, direct), None)?)
+}
+
+/// Power of the duration that belongs to every state: one of degree d in the numerator is `(sT)^d/(sT)^n`.
+pub(crate) fn state_powers(chain: &SectionChain) -> Vec<i32> {
+    let n = chain.order();
+    let degree = |numerator: &Vec<f64>| n - 1 - numerator.iter().position(|x| *x != 0.0).unwrap_or(n - 1);
+    let power = |degree: usize| i32::try_from(degree).unwrap_or(0) - i32::try_from(n).unwrap_or(0);
+    chain.state_numerators().iter().map(|numerator| power(degree(numerator))).collect()
 }

@@ -4,10 +4,10 @@
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 use crumple_identify::{
-    ArxOrder, IoData, OutputErrorOptions, Subspace, SubspaceOptions, Weighting, arx, compare, fit_measures,
-    output_error,
+    ArxOrder, Hold, IoData, OutputErrorOptions, Stop, Subspace, SubspaceOptions, TransferFunctionOptions, Weighting,
+    arx, compare, fit_measures, output_error, transfer_function_fit, vector_arx,
 };
-use crumple_lti::StateSpace;
+use crumple_lti::{StateSpace, discretize_zero_order_hold};
 
 /// Columns of a text file: `inputs` first, the rest outputs. Mean of the first part removed.
 fn record(path: &str, inputs: usize, estimation: usize, dt: f64) -> Option<(IoData, IoData)> {
@@ -86,6 +86,15 @@ fn output_error_line(estimation: &IoData, validation: &IoData, options: OutputEr
     second[0]
 }
 
+/// A continuous transfer function, its input held between samples, simulated as the sampled model it stands for.
+fn transfer_function_line(estimation: &IoData, validation: &IoData, poles: usize, zeros: usize, delay: usize) {
+    let options = TransferFunctionOptions { hold: Hold::Zero, delay, ..TransferFunctionOptions::new(poles, zeros) };
+    let found = transfer_function_fit(estimation, &options).unwrap();
+    let model = discretize_zero_order_hold(&found.state_space, estimation.sample_time_s()).unwrap();
+    let name = format!("tfest {poles} poles, {zeros} zeros, delay {delay} | first half");
+    line(&name, &[fits(&model, &validation.delayed(delay))[0], found.fit.unwrap().fit_percent.unwrap()]);
+}
+
 #[test]
 fn hair_dryer() {
     let Some((estimation, validation)) = record("data/sysid/hair-dryer/dryer.dat", 1, 500, 0.08) else { return };
@@ -97,6 +106,9 @@ fn hair_dryer() {
     for (order, delay) in [(2, 2), (3, 2), (4, 2), (3, 1), (4, 1)] {
         let options = OutputErrorOptions { direct: true, delay, ..OutputErrorOptions::new(order) };
         refined = refined.max(output_error_line(&estimation, &validation, options));
+    }
+    for order in [3, 4] {
+        transfer_function_line(&estimation, &validation, order, order - 1, 2);
     }
     assert!(best.max(refined) >= 85.9, "{best} {refined}");
 }
@@ -112,23 +124,53 @@ fn flexible_robot_arm() {
     subspace_table(&estimation, &validation, &[4, 6, 8], 12);
     let refined = output_error_line(&estimation, &validation, OutputErrorOptions::new(4));
     output_error_line(&estimation, &validation, OutputErrorOptions::new(6));
+    transfer_function_line(&estimation, &validation, 4, 4, 0);
     // An independent output-error fit reaches 96.44 from its ARX start.
     assert!(refined >= 96.4, "{refined}");
+}
+
+/// Simulation fits of the validation part by an ARX model of all outputs.
+fn vector_arx_line(estimation: &IoData, validation: &IoData, lags: usize) -> Vec<f64> {
+    let model = vector_arx(estimation, ArxOrder { na: lags, nb: lags + 1, nk: 0 }).unwrap();
+    let found = fits(&model.state_space().unwrap(), validation);
+    line(&format!("arx, {lags} lags, {} states", lags * estimation.outputs().len()), &found);
+    found
 }
 
 #[test]
 fn steel_subframe() {
     let path = "data/sysid/steel-subframe-a/steel_subframe_u1u2_y01-y06.csv";
     let Some((estimation, validation)) = record(path, 2, 4096, 1.0 / 1024.0) else { return };
-    let options = SubspaceOptions { weighting: Weighting::N4sid, block_rows: 25, direct: true };
-    let subspace = Subspace::new(&estimation, options).unwrap();
     let mut at_30 = Vec::new();
-    for (order, result) in [20, 30].iter().zip(subspace.realize_all(&[20, 30])) {
-        at_30 = fits(&result.unwrap().model, &validation);
-        line(&format!("n4sid order {order}"), &at_30);
+    for weighting in Weighting::ALL {
+        let options = SubspaceOptions { weighting, block_rows: 25, direct: true };
+        let subspace = Subspace::new(&estimation, options).unwrap();
+        for (order, result) in [20, 30].iter().zip(subspace.realize_all(&[20, 30])) {
+            let found = fits(&result.unwrap().model, &validation);
+            line(&format!("{} order {order}", weighting.name()), &found);
+            if weighting == Weighting::N4sid {
+                at_30 = found;
+            }
+        }
     }
+    for lags in [5, 10, 20] {
+        vector_arx_line(&estimation, &validation, lags);
+    }
+    // The third output alone, which then has the order of the whole structure. Ten iterations: the rest gains little.
+    let one = |data: &IoData| {
+        IoData::new(data.inputs().to_vec(), vec![data.outputs()[2].clone()], data.sample_time_s()).unwrap()
+    };
+    let model = arx(&one(&estimation), ArxOrder { na: 30, nb: 31, nk: 0 }).unwrap().state_space().unwrap();
+    line("arx (30,31,0) of output 3 alone", &fits(&model, &one(&validation)));
+    let stop = Stop { max_iterations: 10, ..Stop::default() };
+    let options = OutputErrorOptions { random_starts: 0, stop, ..OutputErrorOptions::new(30) };
+    let found = output_error(&one(&estimation), options).unwrap();
+    line("output error order 30 of output 3 alone", &fits(&found.model, &one(&validation)));
     let mean = at_30.iter().sum::<f64>() / 6.0;
-    println!("mean {mean:.2}");
-    // nfoursid reaches 91.95 in the mean and 84.21 on the worst output with the same horizon and order.
+    println!("mean of n4sid order 30: {mean:.2}");
+    // nfoursid with the same horizon and order: 91.95 in the mean, from 84.21 (the third output) to 95.94.
     assert!(mean >= 92.0 && at_30.iter().all(|fit| *fit >= 84.21), "{at_30:?}");
+    // The aim is 92 % on one output and 80 % on another: five of the six reach 92, the third, worst of all toolboxes, 91.8.
+    let others = at_30.iter().enumerate().filter(|(i, _)| *i != 2);
+    assert!(others.clone().count() == 5 && others.clone().all(|(_, fit)| *fit >= 92.0), "{at_30:?}");
 }

@@ -76,4 +76,10 @@ pub enum LtiError {
         /// Degree of the denominator.
         denominator: usize,
     },
+    /// A matrix that must be inverted has no inverse.
+    #[error("{what} is singular")]
+    Singular {
+        /// Which matrix.
+        what: &'static str,
+    },
 }

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::state_space::check_sample_time;
-use crate::{LtiError, StateSpace, matrix_exponential};
+use crate::{InputHold, LtiError, StateSpace, matrix_exponential, to_continuous};
 
 /// A sampled model driven by this sample of the input and the next:
 /// `x[k+1] = a x[k] + b_now u[k] + b_next u[k+1]`, `y[k] = c x[k] + d u[k]`.
@@ -52,7 +52,29 @@ pub fn discretize_first_order_hold(model: &StateSpace, dt_s: f64) -> Result<Firs
     })
 }
 
+/// The continuous model of which a sampled one (in the form of [`FirstOrderHold::state_space`]) is the first-order-hold
+/// discretisation. Errors: a real pole `z <= 0` ([`LtiError::NegativeRealEigenvalue`]).
+pub fn undo_first_order_hold(model: &StateSpace) -> Result<StateSpace, LtiError> {
+    let found = to_continuous(model, InputHold::First)?;
+    match found.conjugated.first() {
+        Some(&re) => Err(LtiError::NegativeRealEigenvalue { re }),
+        None => Ok(found.model),
+    }
+}
+
 impl FirstOrderHold {
+    /// The textbook form without the next sample: the state is `x - b_next u`, the direct term grows by `c b_next`.
+    /// Same response to every input. Errors: not finite.
+    pub fn state_space(&self) -> Result<StateSpace, LtiError> {
+        StateSpace::new(
+            self.a.clone(),
+            &self.b_now + &self.a * &self.b_next,
+            self.c.clone(),
+            &self.d + &self.c * &self.b_next,
+            Some(self.sample_time_s),
+        )
+    }
+
     /// Response of a model with one input and one output to `input` from the state `initial`.
     /// Errors: [`LtiError::NotSingle`], [`LtiError::Shape`].
     pub fn response(&self, input: &[f64], initial: &DVector<f64>) -> Result<Vec<f64>, LtiError> {

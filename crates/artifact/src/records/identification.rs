@@ -8,7 +8,7 @@ pub struct IdentificationV1 {
     pub method: String,
     /// Model order (number of states).
     pub order: u32,
-    /// Channel the model was identified from.
+    /// Channel the model was identified from; several outputs separated by ", ".
     pub channel: String,
     /// What the samples were taken for: `impulse-response` or `free-decay`.
     pub treated_as: String,
@@ -30,4 +30,7 @@ pub struct IdentificationV1 {
     pub rmse: Option<f64>,
     /// What a reader should know.
     pub notes: Vec<String>,
+    /// Fit of every output where there are several, in the order of `channel`; `fit_percent` is then the smallest.
+    #[serde(default)]
+    pub output_fits_percent: Vec<Option<f64>>,
 }

@@ -179,6 +179,7 @@ fn identification(order: u32) -> IdentificationV1 {
         fit_percent: Some(97.31),
         rmse: Some(1.2),
         notes: vec!["the record is treated as an impulse response".to_owned()],
+        output_fits_percent: Vec::new(),
     }
 }
 

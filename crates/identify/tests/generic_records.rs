@@ -1,0 +1,166 @@
+//! The program on records that are no crashes: any quantities, several inputs and outputs, no mass, speed or pulse.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use crumple_artifact::records::{
+    EvidenceV1, IdentificationV1, ModesV1, NotesV1, StateSpaceV1, TestV1, TransferFunctionV1,
+};
+use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
+use crumple_lti::{Complex, StateSpace, discretize_first_order_hold, simulate};
+use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+use nalgebra::DMatrix;
+
+const DT_S: f64 = 0.02;
+
+/// Poles -0.6 +- 4.0i and -1.5 +- 11.0i.
+fn truth() -> StateSpace {
+    let a = nalgebra::dmatrix![
+        -0.6, 4.0, 0.0, 0.0;
+        -4.0, -0.6, 0.0, 0.0;
+        0.0, 0.0, -1.5, 11.0;
+        0.0, 0.0, -11.0, -1.5
+    ];
+    let b = DMatrix::from_fn(4, 2, |i, j| 3.0 * (1.0 + 0.3 * i as f64 - 0.9 * j as f64));
+    let c = DMatrix::from_fn(2, 4, |i, j| 1.0 - 0.4 * j as f64 + 0.7 * i as f64);
+    StateSpace::new(a, b, c, DMatrix::zeros(2, 2), None).unwrap()
+}
+
+/// Inputs `heater` and `fan`, outputs `inside` and `outside`: voltages and numbers without a unit.
+fn artifact(folder: &Path) -> PathBuf {
+    let sampled = discretize_first_order_hold(&truth(), DT_S).unwrap().state_space().unwrap();
+    let random = |j: u32, k: u32| {
+        let mut x = u64::from(k / 3 + 1000 * j + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        x ^= x >> 32;
+        x = x.wrapping_mul(0xD6E8_FEB8_6659_FD93);
+        x ^= x >> 32;
+        (x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    let u: Vec<Vec<f64>> =
+        (0..2).map(|j| (0..600).map(|k| if k == 0 { 0.0 } else { random(j, k) }).collect()).collect();
+    let y = simulate(&sampled, &u, &[0.3, -0.2, 0.1, 0.4]).unwrap();
+    let ids = ["heater", "fan", "inside", "outside"];
+    let channels = ids.iter().map(|id| Channel::new(*id, QuantityKind::Voltage)).collect();
+    let test = TestDescription { title: "a room".to_owned(), channels, ..TestDescription::default() };
+    let mut builder = ArtifactBuilder::new();
+    builder.put("/test", &TestV1::from(&test)).unwrap();
+    for (id, samples) in ids.into_iter().zip(u.into_iter().chain(y)) {
+        builder.wave(id, QuantityKind::Voltage, Sampled::new(0.0, DT_S, samples).unwrap()).unwrap();
+    }
+    let path = folder.join("1-ingest.mcap");
+    builder.write(&path, &Provenance::new("ingest", "0", "{}".to_owned(), Vec::new()), Compression::None).unwrap();
+    path
+}
+
+fn identify(input: &Path, output: &Path, flags: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_crumple-identify")).arg(input).arg("-o").arg(output).args(flags).output().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Distance of every true pole to the nearest found one, relative, the largest.
+fn worst(modes: &ModesV1) -> f64 {
+    let distance = |s: Complex| {
+        let found = modes.0.iter().map(|mode| (Complex::new(mode.re_per_s, mode.im_rad_per_s) - s).norm());
+        found.fold(f64::INFINITY, f64::min) / s.norm()
+    };
+    truth().poles().unwrap().into_iter().map(distance).fold(0.0, f64::max)
+}
+
+#[test]
+fn every_method_takes_several_inputs_and_outputs() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = artifact(folder.path());
+    let output = folder.path().join("4.mcap");
+    let methods = "--methods=tfest,n4sid,moesp,cva,arx";
+    let flags = [methods, "--inputs=heater,fan", "--outputs=inside,outside", "--orders=4", "--zeros=3"];
+    let run = identify(&input, &output, &flags);
+    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    let result = Artifact::open(&output).unwrap();
+    for id in ["tfest-4-3", "n4sid-4", "moesp-4", "cva-4", "arx-4"] {
+        let modes: ModesV1 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
+        // Clean data of the model class: rounding times the condition of each method.
+        assert!(worst(&modes) < 1e-6, "{id}: {:e} {modes:?}", worst(&modes));
+        let identification: IdentificationV1 = result.record(&format!("/identification/{id}")).unwrap().unwrap();
+        assert_eq!(identification.channel, "inside, outside");
+        assert_eq!(identification.output_fits_percent.len(), 2);
+        assert!(identification.fit_percent.unwrap() > 99.999, "{id}: {identification:?}");
+        let second: EvidenceV1 = result.record(&format!("/evidence/{id}/2")).unwrap().unwrap();
+        assert_eq!((second.input.as_deref(), second.output.as_str()), (Some("heater, fan"), "outside"));
+        let model: StateSpaceV1 = result.record(&format!("/model/{id}/continuous")).unwrap().unwrap();
+        assert_eq!((model.b[0].len(), model.c.len()), (2, 2));
+        // The path from the second input to the first output, at one frequency.
+        let tf: TransferFunctionV1 = result.record(&format!("/model/{id}/1-2/transfer-function")).unwrap().unwrap();
+        assert!(tf.input.contains("fan") && tf.output.contains("inside"), "{tf:?}");
+        let s = Complex::new(0.0, 5.0);
+        let at = |p: &[f64]| p.iter().fold(Complex::new(0.0, 0.0), |sum, c| sum * s + c);
+        let complex = |m: &DMatrix<f64>| m.map(|x| Complex::new(x, 0.0));
+        let resolvent = (DMatrix::identity(4, 4) * s - complex(&truth().a)).lu().solve(&complex(&truth().b)).unwrap();
+        let exact = (complex(&truth().c) * resolvent)[(0, 1)];
+        let found = at(&tf.numerator) / at(&tf.denominator);
+        assert!((found - exact).norm() < 1e-5 * exact.norm(), "{id}: {found} {exact}");
+    }
+}
+
+#[test]
+fn one_output_of_two_inputs_and_the_old_names_of_the_options() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = artifact(folder.path());
+    let output = folder.path().join("4.mcap");
+    let flags = ["--methods=output-error,arx,n4sid", "--inputs=heater,fan", "--output-channel=inside", "--orders=4"];
+    let run = identify(&input, &output, &flags);
+    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    let result = Artifact::open(&output).unwrap();
+    for id in ["output-error-4", "arx-4", "n4sid-4"] {
+        let modes: ModesV1 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
+        assert!(worst(&modes) < 1e-5, "{id}: {:e}", worst(&modes));
+        assert!(result.record::<EvidenceV1>(&format!("/evidence/{id}")).unwrap().is_some());
+    }
+    let run =
+        identify(&input, &output, &["--methods=arx", "--input-channel=fan", "--output-channel=inside", "--force"]);
+    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    let run = identify(&input, &output, &["--methods=arx", "--input-channel=fan", "--inputs=heater"]);
+    assert_eq!(run.status.code(), Some(2), "{}", stderr(&run));
+    // Without names there is no pulse to fall back on, and the error says what to name.
+    let run = identify(&input, &output, &["--methods=arx"]);
+    assert_eq!(run.status.code(), Some(3), "{}", stderr(&run));
+    let run = identify(&input, &output, &["--methods=tfest", "--inputs=none", "--outputs=inside"]);
+    assert!(run.status.code() == Some(3) && stderr(&run).contains("one input at least"), "{}", stderr(&run));
+}
+
+#[test]
+fn negative_poles_of_an_order_too_high_are_told_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let test = TestDescription {
+        title: "alternating".to_owned(),
+        channels: ["u", "y"].map(|id| Channel::new(id, QuantityKind::Other)).to_vec(),
+        ..TestDescription::default()
+    };
+    // y[k] = 0.4 y[k-1] + 0.3 y[k-2] + u[k-1] has a pole at -0.38.
+    let u: Vec<f64> = (0..400_i32).map(|k| f64::from((k * k * 7 + k * 3) % 11) - 5.0).collect();
+    let mut y = vec![0.0; 400];
+    for k in 2..400 {
+        y[k] = 0.4 * y[k - 1] + 0.3 * y[k - 2] + u[k - 1];
+    }
+    let mut builder = ArtifactBuilder::new();
+    builder.put("/test", &TestV1::from(&test)).unwrap();
+    for (id, samples) in [("u", u), ("y", y)] {
+        builder.wave(id, QuantityKind::Other, Sampled::new(0.0, 1.0, samples).unwrap()).unwrap();
+    }
+    let input = folder.path().join("1.mcap");
+    builder.write(&input, &Provenance::new("ingest", "0", "{}".to_owned(), Vec::new()), Compression::None).unwrap();
+    let output = folder.path().join("4.mcap");
+    let flags = ["--methods=arx", "--orders=2", "--inputs=u", "--outputs=y", "--hold=zero-order"];
+    let run = identify(&input, &output, &flags);
+    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    let result = Artifact::open(&output).unwrap();
+    let continuous: StateSpaceV1 = result.record("/model/arx-2/continuous").unwrap().unwrap();
+    assert_eq!(continuous.a.len(), 3);
+    let identification: IdentificationV1 = result.record("/identification/arx-2").unwrap().unwrap();
+    assert!(identification.notes.iter().any(|n| n.contains("z = -0.38")), "{:?}", identification.notes);
+    let _: Option<NotesV1> = result.record("/notes").unwrap();
+}
