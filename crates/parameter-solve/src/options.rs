@@ -2,7 +2,7 @@
 
 use crumple_lumped::ModelKind;
 use crumple_parameter_solve::{
-    DEFAULT_METHODS, DEFAULT_MODELS, FireflyOptions, FireflyUnits, METHODS, MODELS, MassSplit, Method, SolveSettings,
+    DEFAULT_MODELS, FireflyOptions, FireflyUnits, METHODS, MODELS, MassSplit, Method, SolveSettings, solvers_of,
 };
 use crumple_signal::value::{Mass, Time};
 use crumple_stage::{Usage, nearest};
@@ -14,18 +14,46 @@ const FIT_STARTS: usize = 24;
 /// Engine and front structure of a passenger car are about a quarter of it; an assumption, and said so in a note.
 const FRONT_MASS_FRACTION: f64 = 0.25;
 
+/// `--models`, from the table of solvers.
+fn models_help() -> String {
+    let names = |models: &[ModelKind]| models.iter().map(|model| model.name()).collect::<Vec<_>>().join(", ");
+    let left_out: Vec<_> = MODELS.iter().copied().filter(|model| !DEFAULT_MODELS.contains(model)).collect();
+    format!("Models to solve for: {} [default: all but {}]", names(&MODELS), names(&left_out))
+}
+
+/// `--method`, from the table of solvers.
+fn methods_help() -> String {
+    let describe = |method: &Method| {
+        let models: Vec<_> = method.models().collect();
+        let of = if models.len() == MODELS.len() {
+            String::new()
+        } else {
+            format!(" [{}]", models.iter().map(|model| model.name()).collect::<Vec<_>>().join(", "))
+        };
+        format!("{method}: {}{of}", method.about())
+    };
+    let by_default = |model: &ModelKind| {
+        let methods: Vec<_> = solvers_of(*model, &[]).iter().map(|solver| solver.method.name()).collect();
+        format!("{model} {}", methods.join(", "))
+    };
+    format!(
+        "Methods. {} [default: {}]",
+        METHODS.iter().map(describe).collect::<Vec<_>>().join("; "),
+        MODELS.iter().map(by_default).collect::<Vec<_>>().join("; ")
+    )
+}
+
 /// Flags and keys; what is not given has the default named in its text.
 #[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Models to solve for: kelvin, elastoplastic, maxwell, nonlinear-1, nonlinear-2, double-spring-mass-damper
-    /// [default: all but nonlinear-1]
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    // The texts of these two come from the table of solvers.
+    #[allow(missing_docs, reason = "the help text is made from the table")]
+    #[arg(long, value_name = "NAME", value_delimiter = ',', help = models_help())]
     pub models: Vec<String>,
 
-    /// Methods: closed-form (from the crash events), direct-fit (to the displacement), coefficient-matching (from an
-    /// identified model with four poles: every solution), firefly (nonlinear-2) [default: closed-form,direct-fit]
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    #[allow(missing_docs, reason = "the help text is made from the table")]
+    #[arg(long, value_name = "NAME", value_delimiter = ',', help = methods_help())]
     pub method: Vec<String>,
 
     /// Firefly search: units of distance, physical (as printed) or unit (every variable over its range) [default: unit]
@@ -101,11 +129,7 @@ impl TryFrom<Options> for StageSettings {
             // Named twice is meant once.
             named.iter().enumerate().filter(|(k, kind)| !named[..*k].contains(kind)).map(|(_, kind)| *kind).collect()
         };
-        let methods = if options.method.is_empty() {
-            DEFAULT_METHODS.to_vec()
-        } else {
-            options.method.iter().map(|name| method(name)).collect::<Result<_, _>>()?
-        };
+        let methods = options.method.iter().map(|name| method(name)).collect::<Result<Vec<_>, _>>()?;
         let fraction = options.front_mass_fraction;
         if let Some(fraction) = fraction
             && !(fraction > 0.0 && fraction < 1.0)
@@ -142,7 +166,11 @@ impl TryFrom<Options> for StageSettings {
         };
         Ok(Self {
             models: solve.models.iter().map(|m| m.name()).collect(),
-            methods: solve.methods.iter().map(|m| m.name()).collect(),
+            methods: if solve.methods.is_empty() {
+                vec!["default"]
+            } else {
+                solve.methods.iter().map(|m| m.name()).collect()
+            },
             mass_kg: options.mass.map(Mass::si),
             m1_kg: options.m1.map(Mass::si),
             m2_kg: options.m2.map(Mass::si),
@@ -160,7 +188,7 @@ impl TryFrom<Options> for StageSettings {
 }
 
 fn model(name: &str) -> Result<ModelKind, Usage> {
-    let choices = MODELS.map(ModelKind::name);
+    let choices: Vec<_> = MODELS.iter().map(|model| model.name()).collect();
     match name.parse() {
         Ok(kind) if MODELS.contains(&kind) => Ok(kind),
         Ok(kind) => Err(Usage::new(format!("there is no solver for the model {kind} yet"))
