@@ -1,5 +1,7 @@
 use crumple_signal::{Displacement, Signal};
 
+use crate::Sensor;
+
 /// What a test says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evidence<'a> {
@@ -15,6 +17,10 @@ pub struct Evidence<'a> {
     pub coefficient_of_restitution: Option<f64>,
     /// Time zero on the axis of the displacement record, s.
     pub time_zero_s: f64,
+    /// Time of rebound after time zero, s, if the record shows it.
+    pub time_of_rebound_s: Option<f64>,
     /// Displacement of the compartment.
     pub displacement: Option<&'a Signal<Displacement>>,
+    /// Sensors to fit instead of it; none: the compartment's displacement.
+    pub sensors: &'a [Sensor<'a>],
 }

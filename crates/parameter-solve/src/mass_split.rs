@@ -45,3 +45,25 @@ pub fn masses(mass_kg: f64, split: MassSplit) -> Result<(f64, f64, String), Solv
     };
     Ok((m1, m2, format!("m1 = {m1:.2} kg, m2 = {m2:.2} kg: {source}{total}")))
 }
+
+/// Masses of engine, suspension and chassis, and compartment, with the sentence that says where they come from.
+pub fn triple_masses(
+    mass_kg: f64,
+    split: MassSplit,
+    given: Option<[f64; 3]>,
+) -> Result<([f64; 3], String), SolveError> {
+    if let Some(masses) = given {
+        for (name, mass) in ["m1_kg", "m2_kg", "m3_kg"].into_iter().zip(masses) {
+            crate::error::positive(name, mass)?;
+        }
+        let [a, b, c] = masses;
+        return Ok((masses, format!("m1 = {a:.2} kg, m2 = {b:.2} kg, m3 = {c:.2} kg: given")));
+    }
+    let (front, rear, _) = masses(mass_kg, split)?;
+    let half = 0.5 * front;
+    let text = format!(
+        "m1 = m2 = {half:.2} kg, m3 = {rear:.2} kg: the front mass halved between engine and chassis, an assumption that \
+         the parameters depend on"
+    );
+    Ok(([half, half, rear], text))
+}

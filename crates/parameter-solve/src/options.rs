@@ -163,6 +163,7 @@ impl TryFrom<Options> for StageSettings {
             fit_samples: FIT_SAMPLES,
             fit_starts: FIT_STARTS,
             firefly,
+            ..SolveSettings::default()
         };
         Ok(Self {
             models: solve.models.iter().map(|m| m.name()).collect(),
@@ -218,8 +219,8 @@ mod tests {
         let options = Options { method: vec!["closed-from".to_owned()], ..Options::default() };
         let error = StageSettings::try_from(options).unwrap_err();
         assert_eq!(error, Usage::new("unknown method \"closed-from\"").hint("did you mean \"closed-form\"?"));
-        let options = Options { models: vec!["triple-spring-mass-damper".to_owned()], ..Options::default() };
-        assert!(StageSettings::try_from(options).unwrap_err().to_string().contains("no solver"));
+        let options = Options { models: vec!["quadruple-spring-mass-damper".to_owned()], ..Options::default() };
+        assert!(StageSettings::try_from(options).unwrap_err().to_string().contains("unknown model"));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 use crumple_lumped::ModelKind;
 
 use crate::solver::solvers_of;
-use crate::{DEFAULT_MODELS, FireflyOptions, MassSplit, Method, Needs};
+use crate::{DEFAULT_MODELS, FireflyOptions, FitQuantity, LShadeOptions, MassFit, MassSplit, Method, Needs};
 
 /// What is solved for.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,6 +12,14 @@ pub struct SolveSettings {
     pub methods: Vec<Method>,
     /// Masses of the double model.
     pub split: MassSplit,
+    /// Masses of the triple model, kg; `None`: the front of the double model halved.
+    pub triple: Option<[f64; 3]>,
+    /// Whether masses are known or fitted with a known total.
+    pub mass_fit: MassFit,
+    /// What of the motion is fitted.
+    pub quantity: FitQuantity,
+    /// Whether a fitted elastoplastic model leaves the barrier.
+    pub release: bool,
     /// Start of the fit window, s after time zero.
     pub fit_from_s: f64,
     /// End of the fit window; `None`: dynamic crush, or the record's end without one.
@@ -22,6 +30,8 @@ pub struct SolveSettings {
     pub fit_starts: usize,
     /// The firefly search.
     pub firefly: FireflyOptions,
+    /// The general global search.
+    pub l_shade: LShadeOptions,
 }
 
 impl Default for SolveSettings {
@@ -31,11 +41,16 @@ impl Default for SolveSettings {
             models: DEFAULT_MODELS.clone(),
             methods: Vec::new(),
             split: MassSplit::FrontFraction(0.25),
+            triple: None,
+            mass_fit: MassFit::Known,
+            quantity: FitQuantity::Displacement,
+            release: true,
             fit_from_s: 0.0,
             fit_to_s: None,
             fit_samples: 250,
             fit_starts: 24,
             firefly: FireflyOptions::default(),
+            l_shade: LShadeOptions::default(),
         }
     }
 }

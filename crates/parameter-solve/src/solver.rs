@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use crumple_lumped::ModelKind;
 use crumple_signal::Notes;
 
-use crate::solvers::{closed_forms, double, single_mass};
+use crate::solvers::{closed_forms, double, sensors, single_mass};
 use crate::{Candidate, Evidence, Method, SolveError, SolveSettings};
 
 /// What a solver works on.
@@ -58,12 +58,20 @@ pub const SOLVERS: &[Solver] = {
     const DOUBLE: ModelKind = K::DoubleSpringMassDamper;
     &[
         solver(K::Kelvin, Method::ClosedForm, Events, true, closed_forms::kelvin),
+        solver(K::Kelvin, Method::DirectFit, Motion, false, sensors::fit),
+        solver(K::Kelvin, Method::LShade, Motion, false, sensors::fit),
         solver(K::Elastoplastic, Method::ClosedForm, Events, true, closed_forms::elastoplastic),
+        solver(K::Elastoplastic, Method::DirectFit, Motion, false, sensors::fit),
+        solver(K::Elastoplastic, Method::LShade, Motion, false, sensors::fit),
         solver(K::Maxwell, Method::DirectFit, Motion, true, single_mass::maxwell),
+        solver(K::Maxwell, Method::LShade, Motion, false, sensors::fit),
         solver(K::Nonlinear1, Method::DirectFit, Motion, true, single_mass::nonlinear1),
+        solver(K::Nonlinear1, Method::LShade, Motion, false, sensors::fit),
         solver(K::Nonlinear2, Method::DirectFit, Motion, true, single_mass::nonlinear2),
         solver(K::Nonlinear2, Method::Firefly, Motion, false, single_mass::firefly),
+        solver(K::Nonlinear2, Method::LShade, Motion, false, sensors::fit),
         solver(DOUBLE, Method::DirectFit, Motion, true, double::direct_fit),
+        solver(DOUBLE, Method::LShade, Motion, false, sensors::fit),
         Solver {
             model: DOUBLE,
             method: Method::CoefficientMatching,
@@ -71,11 +79,13 @@ pub const SOLVERS: &[Solver] = {
             by_default: false,
             solve: None,
         },
+        solver(K::TripleSpringMassDamper, Method::DirectFit, Motion, true, sensors::fit),
+        solver(K::TripleSpringMassDamper, Method::LShade, Motion, false, sensors::fit),
     ]
 };
 
-/// Models left out where none is asked for: those that a better default covers.
-const NOT_BY_DEFAULT: &[ModelKind] = &[ModelKind::Nonlinear1];
+/// Models left out where none is asked for: one that a better default covers, one that needs more than one sensor.
+const NOT_BY_DEFAULT: &[ModelKind] = &[ModelKind::Nonlinear1, ModelKind::TripleSpringMassDamper];
 
 /// Models this crate can solve for, in the order of the result.
 pub static MODELS: LazyLock<Vec<ModelKind>> = LazyLock::new(|| {

@@ -109,7 +109,9 @@ fn from_events(
         dynamic_crush_m: events.dynamic_crush_m,
         coefficient_of_restitution: events.coefficient_of_restitution,
         time_zero_s: events.time_zero_s,
+        time_of_rebound_s: events.time_of_rebound_s,
         displacement: displacement.as_ref(),
+        sensors: &[],
     };
     solve(&evidence, &settings.solve, out.notes()).refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")
 }
@@ -161,11 +163,11 @@ fn record(candidate: &Candidate, channel: &str) -> CandidateV1 {
         equivalent_to: candidate.equivalent_id(),
         fit: candidate.fit.as_ref().map(|fit| FitV1 {
             channel: channel.to_owned(),
-            quantity: "displacement".to_owned(),
+            quantity: fit.quantity.name().to_owned(),
             from_s: fit.from_s,
             to_s: fit.to_s,
             samples: fit.samples as u64,
-            rmse: fit.rmse_m,
+            rmse: fit.rmse,
             iterations: fit.iterations,
             evaluations: fit.evaluations,
             stop_reason: fit.stop_reason.name().to_owned(),

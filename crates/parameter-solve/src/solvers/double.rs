@@ -3,6 +3,7 @@
 use crumple_lumped::Model;
 use crumple_signal::Notes;
 
+use super::sensors;
 use crate::solver::Task;
 use crate::{Candidate, DoubleFitOptions, SolveError, fit_double, masses};
 
@@ -11,6 +12,9 @@ const DISPLACEMENT_RESOLUTION_M: f64 = 1.3e-6;
 
 /// Every pair of duals that the record cannot tell from the best.
 pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    if !sensors::is_plain(task) {
+        return sensors::fit(task, notes);
+    }
     let (kind, evidence, settings) = (task.model, task.evidence, task.settings);
     let (m1_kg, m2_kg, split) = masses(evidence.mass_kg, settings.split)?;
     notes.info(format!("{kind}: {split}"));

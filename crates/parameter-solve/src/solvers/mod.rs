@@ -8,6 +8,7 @@ use crate::solver::Task;
 
 pub(crate) mod closed_forms;
 pub(crate) mod double;
+pub(crate) mod sensors;
 pub(crate) mod single_mass;
 
 /// A candidate that nothing was fitted for.

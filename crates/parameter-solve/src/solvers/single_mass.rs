@@ -3,7 +3,7 @@
 use crumple_lumped::Model;
 use crumple_signal::{Displacement, Notes, Signal};
 
-use super::crush_of;
+use super::{crush_of, sensors};
 use crate::solver::Task;
 use crate::{
     Candidate, Fit, NonlinearFitOptions, SolveError, Uncertainty, firefly_nonlinear2, fit_maxwell, fit_nonlinear1,
@@ -14,6 +14,9 @@ type Found = (Model, Fit, Option<Uncertainty>);
 
 /// Spring and damper in series.
 pub(crate) fn maxwell(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    if !sensors::is_plain(task) {
+        return sensors::fit(task, notes);
+    }
     fitted(task, notes, |x, options, _| {
         let (model, fit, deviations) = fit_maxwell(x, options)?;
         Ok((Model::Maxwell(model), fit, deviations))
@@ -22,6 +25,9 @@ pub(crate) fn maxwell(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidat
 
 /// The first nonlinear model under its side constraints.
 pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    if !sensors::is_plain(task) {
+        return sensors::fit(task, notes);
+    }
     fitted(task, notes, |x, options, remarks| {
         remarks.push("constrained to the dynamic crush and its time; k1 <= k2, c1 >= c2 >= c3".to_owned());
         let (model, fit) = fit_nonlinear1(x, options, true)?;
@@ -31,6 +37,9 @@ pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
 
 /// The second nonlinear model.
 pub(crate) fn nonlinear2(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    if !sensors::is_plain(task) {
+        return sensors::fit(task, notes);
+    }
     fitted(task, notes, |x, options, _| {
         let (model, fit, deviations) = fit_nonlinear2(x, options)?;
         Ok((Model::Nonlinear2(model), fit, deviations))
