@@ -124,25 +124,3 @@ fn the_printed_firefly_is_a_random_walk_and_the_scaled_one_is_not() {
     let (_, fit, _) = fit_nonlinear2(&x, &wanted).unwrap();
     assert!(fit.rmse < 1e-6 * scaled.fit.rmse);
 }
-
-#[test]
-fn zz_probe() {
-    let truth = Model::Nonlinear2(Nonlinear2 {
-        k2_n_per_m: 40_000.0,
-        x1_m: 0.4,
-        c2_n_s_per_m: 50_056.0,
-        c4_n_s_per_m: 2_000.0,
-        ..table_5()
-    });
-    let x = record(&truth, 9.7222);
-    for to in [Some(0.12), None, Some(0.08)] {
-        let t = std::time::Instant::now();
-        let (_, fit, _) = fit_nonlinear2(&x, &options(&truth, 9.7222, 0.5063, to)).unwrap();
-        eprintln!("probe {:?} {fit:?}", t.elapsed());
-    }
-    let truth = Model::Nonlinear2(table_5());
-    let x = record(&truth, 9.7222);
-    let t = std::time::Instant::now();
-    let (_, fit, _) = fit_nonlinear2(&x, &options(&truth, 9.7222, 0.5063, None)).unwrap();
-    eprintln!("probe {:?} {fit:?}", t.elapsed());
-}
