@@ -20,7 +20,7 @@ mod simulation;
 mod test;
 mod wave;
 
-pub use candidate::{CandidateV1, FitV1, UncertaintyV1};
+pub use candidate::{CandidateV1, FitV1, SensorFitV1, UncertaintyV1};
 pub use channel_filter::{ChannelFilterV1, CorridorPointV1};
 pub use diagnosis::DiagnosisV1;
 pub use events::{EventIntervalV1, EventsV1};

@@ -55,6 +55,13 @@ fn candidate() -> CandidateV1 {
             evaluations: 300,
             stop_reason: "gradient-converged".into(),
             active_bounds: vec!["c1_n_s_per_m".into()],
+            sensors: vec![SensorFitV1 {
+                channel: "103".into(),
+                mass: 1,
+                quantity: "displacement".into(),
+                rmse: 2e-3,
+                noise: 2.5e-3,
+            }],
         }),
         uncertainty: Some(UncertaintyV1 {
             method: "linearised".into(),

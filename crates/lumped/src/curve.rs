@@ -22,6 +22,7 @@ impl Curve {
         let above = if outwards { knots.partition_point(|k| *k <= x) } else { knots.partition_point(|k| *k < x) };
         if above == self.len {
             return Piece {
+                index: self.len,
                 constant: self.values[self.len - 1],
                 slope: 0.0,
                 from: knots[self.len - 1],
@@ -31,13 +32,56 @@ impl Curve {
         // The first knot is zero: below it there is nothing.
         let i = above.max(1);
         let slope = (self.values[i] - self.values[i - 1]) / (knots[i] - knots[i - 1]);
-        Piece { constant: self.values[i - 1] - slope * knots[i - 1], slope, from: knots[i - 1], to: knots[i] }
+        Piece { index: i, constant: self.values[i - 1] - slope * knots[i - 1], slope, from: knots[i - 1], to: knots[i] }
+    }
+
+    /// Number of knots.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Derivative of constant and slope of a piece, given by its index, by a value or the place of a knot.
+    pub fn change_of_piece(&self, index: usize, by: Knot) -> (f64, f64) {
+        if index >= self.len {
+            return (if index == self.len && by == Knot::Value(self.len - 1) { 1.0 } else { 0.0 }, 0.0);
+        }
+        let (low, high) = (index - 1, index);
+        let (from, length) = (self.knots[low], self.knots[high] - self.knots[low]);
+        let slope = (self.values[high] - self.values[low]) / length;
+        let steepening = match by {
+            Knot::Value(k) if k == high => length.recip(),
+            Knot::Value(k) if k == low => -length.recip(),
+            Knot::Place(k) if k == high => -slope / length,
+            Knot::Place(k) if k == low => slope / length,
+            _ => return (0.0, 0.0),
+        };
+        // constant = value - slope * from at the lower knot.
+        let own = match by {
+            Knot::Value(k) if k == low => 1.0,
+            Knot::Place(k) if k == low => -slope,
+            _ => 0.0,
+        };
+        (own - steepening * from, steepening)
     }
 }
+
+/// What a curve is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Knot {
+    /// Value at this knot.
+    Value(usize),
+    /// Place of this knot.
+    Place(usize),
+}
+
+/// Index of no piece: nothing changes it.
+pub(crate) const BEYOND: usize = usize::MAX;
 
 /// `constant + slope x` for `from <= x <= to`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Piece {
+    /// Index of its upper knot; the number of knots beyond the last.
+    pub index: usize,
     pub constant: f64,
     pub slope: f64,
     pub from: f64,

@@ -24,17 +24,21 @@ mod curve;
 mod double_double;
 mod double_spring_mass_damper;
 mod elastoplastic;
+mod elastoplastic_sensitivity;
 mod error;
 mod exact_step;
 mod kelvin;
 mod kind;
+mod linear_motion;
 mod maxwell;
 mod model;
 mod motion;
 mod nonlinear;
 mod parameters;
 mod secant_motion;
+mod secant_sensitivity;
 mod second_order;
+mod sensitivity;
 
 pub use chain::{Chain, ChainResponse, Drive, Energy, TripleSpringMassDamper};
 pub use coefficient_matching::{
@@ -51,3 +55,4 @@ pub use maxwell::Maxwell;
 pub use model::Model;
 pub use motion::{CrushEvents, Motion, Response, State};
 pub use nonlinear::{Nonlinear1, Nonlinear2};
+pub use sensitivity::{Instants, Sensitivity};

@@ -1,10 +1,10 @@
 //! Exact-to-rounding motion of one mass on a secant spring and a damper with piecewise-linear coefficients.
 
-use crate::curve::{Curve, Piece};
+use crate::curve::{BEYOND, Curve, Piece};
 use crate::{CrushEvents, LumpedError, ModelKind, Motion, State};
 
 /// Terms of the Taylor series.
-const ORDER: usize = 16;
+pub(crate) const ORDER: usize = 16;
 /// Rest of the series after a step, relative to the motion.
 const REST: f64 = 1e-17;
 /// Steps after which the search for an event or the motion gives up.
@@ -27,17 +27,22 @@ pub(crate) struct SecantMotion {
 pub(crate) struct Step {
     pub start_s: f64,
     pub length_s: f64,
-    x: [f64; ORDER + 1],
-    law: Law,
+    pub x: [f64; ORDER + 1],
+    pub law: Law,
+    /// Pieces of the two curves it lies on, and the signs there.
+    pub spring_piece: usize,
+    pub damper_piece: usize,
+    pub sign_x: f64,
+    pub sign_v: f64,
 }
 
 /// The force on the pieces a step lies in: `a = -((k0 + k1 sx x) x + (c0 + c1 sv v) v)`, per unit of mass.
 #[derive(Debug, Clone, Copy)]
-struct Law {
-    k0: f64,
-    k1: f64,
-    c0: f64,
-    c1: f64,
+pub(crate) struct Law {
+    pub k0: f64,
+    pub k1: f64,
+    pub c0: f64,
+    pub c1: f64,
 }
 
 impl Step {
@@ -74,7 +79,7 @@ impl Step {
 
 impl Law {
     #[inline]
-    fn acceleration(&self, x: f64, v: f64) -> f64 {
+    pub fn acceleration(&self, x: f64, v: f64) -> f64 {
         -((self.k0 + self.k1 * x) * x + (self.c0 + self.c1 * v) * v)
     }
 }
@@ -101,7 +106,16 @@ impl SecantMotion {
                 // At rest for good.
                 let series = std::array::from_fn(|k| if k == 0 { x } else { 0.0 });
                 let law = Law { k0: 0.0, k1: 0.0, c0: 0.0, c1: 0.0 };
-                visit(&Step { start_s: t, length_s: end_s - t, x: series, law });
+                visit(&Step {
+                    start_s: t,
+                    length_s: end_s - t,
+                    x: series,
+                    law,
+                    spring_piece: BEYOND,
+                    damper_piece: BEYOND,
+                    sign_x: 0.0,
+                    sign_v: 0.0,
+                });
                 return Ok(());
             }
             let (mut step, smooth, spring, damper, sx, sv) = self.piecewise(t, x, v, a, end_s);
@@ -153,7 +167,17 @@ impl SecantMotion {
             };
             let series = law.series(x, v);
             let smooth = longest(&series).min(end_s - t);
-            (Step { start_s: t, length_s: smooth, x: series, law }, smooth, spring, damper, sx, sv)
+            let step = Step {
+                start_s: t,
+                length_s: smooth,
+                x: series,
+                law,
+                spring_piece: spring.index,
+                damper_piece: damper.index,
+                sign_x: sx,
+                sign_v: sv,
+            };
+            (step, smooth, spring, damper, sx, sv)
         };
         let inside = |tried: &(Step, f64, Piece, Piece, f64, f64)| {
             let soon = tried.0.at(tried.1 * INSIDE);

@@ -83,12 +83,12 @@ fn main() {
             .map(|seed| {
                 let search = FireflyOptions { units, seed, ..FireflyOptions::default() };
                 let options = NonlinearFitOptions { samples: 60, ..options };
-                1e3 * firefly_nonlinear2(&x, &options, &search).unwrap().fit.rmse_m
+                1e3 * firefly_nonlinear2(&x, &options, &search).unwrap().fit.rmse
             })
             .collect();
         errors.sort_by(f64::total_cmp);
         println!("firefly {name}: median {:.2} mm, {:.2} to {:.2} mm over 20 seeds", errors[10], errors[0], errors[19]);
     }
     let (_, fit, _) = fit_nonlinear2(&x, &options).unwrap();
-    println!("default method: {:.1e} mm, {} evaluations", 1e3 * fit.rmse_m, fit.evaluations);
+    println!("default method: {:.1e} mm, {} evaluations", 1e3 * fit.rmse, fit.evaluations);
 }

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::Model;
 
-use crate::{Method, StopReason};
+use crate::{FitQuantity, Method, SensorFit, StopReason};
 
 /// One set of parameters.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,8 +48,10 @@ pub struct Fit {
     pub to_s: f64,
     /// Samples used.
     pub samples: usize,
-    /// Root mean square displacement error over them, m.
-    pub rmse_m: f64,
+    /// What was fitted.
+    pub quantity: FitQuantity,
+    /// Root mean square error over them, unit of the quantity; of several sensors that of the first.
+    pub rmse: f64,
     /// Iterations of the descent that ended here, on the thinned and on the whole window.
     pub iterations: u32,
     /// Model evaluations of all starts.
@@ -58,6 +60,8 @@ pub struct Fit {
     pub stop_reason: StopReason,
     /// Names of the parameters that stopped on a bound.
     pub active_bounds: Vec<&'static str>,
+    /// How well each sensor was met; none where the compartment's displacement alone was fitted.
+    pub sensors: Vec<SensorFit>,
 }
 
 /// Linearised uncertainty.

@@ -14,7 +14,7 @@ use crate::error::positive;
 use crate::levenberg_marquardt::{Minimum, Residuals, Settings, minimise};
 use crate::search::{REPORTED, distinct, search};
 use crate::window::Window;
-use crate::{Fit, SolveError, Uncertainty};
+use crate::{Fit, FitQuantity, SolveError, Uncertainty};
 
 /// Names of the fitted parameters, in the order of theta.
 pub(crate) const NAMES: [&str; 4] = ["k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m"];
@@ -164,11 +164,13 @@ fn pair(fine: &DoubleResiduals<'_>, best: &Minimum, evaluations: u64) -> DoubleF
             from_s: window.first_s,
             to_s: window.last_s(),
             samples: window.samples.len(),
-            rmse_m: (best.cost / window.samples.len() as f64).sqrt() * fine.unit_m,
+            quantity: FitQuantity::Displacement,
+            rmse: (best.cost / window.samples.len() as f64).sqrt() * fine.unit_m,
             iterations: best.iterations,
             evaluations,
             stop_reason: best.stop,
             active_bounds: (0..4).filter(|&j| active[0][j]).map(|j| NAMES[j]).collect(),
+            sensors: Vec::new(),
         },
         uncertainty,
     }

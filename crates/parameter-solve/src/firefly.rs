@@ -7,7 +7,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::error::positive;
 use crate::window::Window;
-use crate::{Fit, NonlinearFitOptions, SolveError, StopReason};
+use crate::{Fit, FitQuantity, NonlinearFitOptions, SolveError, StopReason};
 
 /// In which units distances between fireflies are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -160,11 +160,13 @@ pub fn firefly_nonlinear2(
             from_s: window.first_s,
             to_s: window.last_s(),
             samples: window.samples.len(),
-            rmse_m: (best.0 / window.samples.len() as f64).sqrt(),
+            quantity: FitQuantity::Displacement,
+            rmse: (best.0 / window.samples.len() as f64).sqrt(),
             iterations: u32::try_from(search.generations).unwrap_or(u32::MAX),
             evaluations,
             stop_reason: StopReason::IterationLimit,
             active_bounds: Vec::new(),
+            sensors: Vec::new(),
         },
         attraction: if pairs > 0.0 { pulled / pairs } else { 0.0 },
     })

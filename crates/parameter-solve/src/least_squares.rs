@@ -1,7 +1,7 @@
-//! Bounded Levenberg-Marquardt for any number of parameters, sensitivities by differences.
+//! Bounded Levenberg-Marquardt for any number of parameters.
 //!
-//! The fit of the double model has its own, of fixed size and with exact sensitivities; this one serves models whose
-//! response is the only thing known.
+//! Sensitivities are the problem's own where it has them, else differences. The fit of the double model to its compartment
+//! has its own descent, of fixed size.
 
 use std::collections::BTreeMap;
 
@@ -17,6 +17,11 @@ pub(crate) trait Response: Sync {
     fn rows(&self) -> usize;
     /// Fills `out`.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool;
+    /// Fills the first columns of `out` with the derivatives of the residuals; `None` if the problem has none of its own
+    /// and differences must do, `Some(false)` where they are not finite.
+    fn sensitivities(&self, _theta: &[f64], _out: &mut DMatrix<f64>) -> Option<bool> {
+        None
+    }
 }
 
 /// Where to stay and when to stop.
@@ -136,9 +141,14 @@ fn linearise(
 ) -> Option<Linear> {
     let (n, rows) = (theta.len(), here.len());
     let mut matrix = DMatrix::zeros(rows, n + 1);
+    let own = problem.sensitivities(theta, &mut matrix);
+    if own == Some(false) {
+        return None;
+    }
+    *evaluations += u64::from(own.is_some());
     let mut moved = theta.to_vec();
     let mut there = vec![0.0; rows];
-    for i in 0..n {
+    for i in if own.is_some() { 0..0 } else { 0..n } {
         let mut found = false;
         // Inwards from a bound, else forwards.
         let forwards = theta[i] + DIFFERENCE <= bounds.upper[i];

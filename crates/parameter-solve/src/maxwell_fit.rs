@@ -6,7 +6,7 @@ use crumple_signal::{Displacement, Signal};
 use crate::error::positive;
 use crate::least_squares::{Bounds, Optimum, Response, descend, uncertainty};
 use crate::window::Window;
-use crate::{Fit, NonlinearFitOptions, SolveError, Uncertainty};
+use crate::{Fit, FitQuantity, NonlinearFitOptions, SolveError, Uncertainty};
 
 /// Starts of the spring and of the damper, in their units.
 const SPRINGS: [f64; 5] = [0.3, 1.0, 3.0, 10.0, 30.0];
@@ -74,11 +74,13 @@ pub fn fit_maxwell(
         from_s: window.first_s,
         to_s: window.last_s(),
         samples: window.samples.len(),
-        rmse_m: (best.cost / window.samples.len() as f64).sqrt() * options.crush_m,
+        quantity: FitQuantity::Displacement,
+        rmse: (best.cost / window.samples.len() as f64).sqrt() * options.crush_m,
         iterations: best.iterations,
         evaluations,
         stop_reason: best.stop,
         active_bounds: (0..2).filter(|&i| best.on_bound[i]).map(|i| names[i]).collect(),
+        sensors: Vec::new(),
     };
     let model = problem.model(&best.theta);
     let mut rest = vec![0.0; problem.rows()];

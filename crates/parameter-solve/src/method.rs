@@ -1,33 +1,6 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crumple_lumped::ModelKind;
-
-/// Models this crate can solve for, in the order of the result.
-pub const MODELS: [ModelKind; 6] = [
-    ModelKind::Kelvin,
-    ModelKind::Elastoplastic,
-    ModelKind::Maxwell,
-    ModelKind::Nonlinear1,
-    ModelKind::Nonlinear2,
-    ModelKind::DoubleSpringMassDamper,
-];
-
-/// Those solved for where none is asked for.
-pub const DEFAULT_MODELS: [ModelKind; 5] = [
-    ModelKind::Kelvin,
-    ModelKind::Elastoplastic,
-    ModelKind::Maxwell,
-    ModelKind::Nonlinear2,
-    ModelKind::DoubleSpringMassDamper,
-];
-
-/// All methods.
-pub const METHODS: [Method; 4] = [Method::ClosedForm, Method::DirectFit, Method::CoefficientMatching, Method::Firefly];
-
-/// Those used where none is asked for: they need the motion of the test only.
-pub const DEFAULT_METHODS: [Method; 2] = [Method::ClosedForm, Method::DirectFit];
-
 /// How parameters are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Method {
@@ -39,30 +12,39 @@ pub enum Method {
     CoefficientMatching,
     /// By the firefly search of the single-mass paper.
     Firefly,
+    /// By the general global search, ended by a descent.
+    LShade,
 }
+
+/// Name in candidate ids and pipeline files, and what it is in a few words, in the order of the variants.
+const TABLE: [(Method, &str, &str); 5] = [
+    (Method::ClosedForm, "closed-form", "from the crash events"),
+    (Method::DirectFit, "direct-fit", "to the motion of the test"),
+    (Method::CoefficientMatching, "coefficient-matching", "from an identified model with four poles: every solution"),
+    (Method::Firefly, "firefly", "population search of the single-mass paper"),
+    (Method::LShade, "l-shade", "general global search, then a descent"),
+];
+
+/// All methods.
+pub const METHODS: [Method; TABLE.len()] = {
+    let mut methods = [Method::ClosedForm; TABLE.len()];
+    let mut k = 0;
+    while k < TABLE.len() {
+        methods[k] = TABLE[k].0;
+        k += 1;
+    }
+    methods
+};
 
 impl Method {
     /// The name in candidate ids and pipeline files.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::ClosedForm => "closed-form",
-            Self::DirectFit => "direct-fit",
-            Self::CoefficientMatching => "coefficient-matching",
-            Self::Firefly => "firefly",
-        }
+        TABLE[self as usize].1
     }
 
-    /// Whether it is a way to solve for this model.
-    pub const fn solves(self, model: ModelKind) -> bool {
-        match self {
-            Self::ClosedForm => matches!(model, ModelKind::Kelvin | ModelKind::Elastoplastic),
-            Self::DirectFit => matches!(
-                model,
-                ModelKind::Maxwell | ModelKind::Nonlinear1 | ModelKind::Nonlinear2 | ModelKind::DoubleSpringMassDamper
-            ),
-            Self::CoefficientMatching => matches!(model, ModelKind::DoubleSpringMassDamper),
-            Self::Firefly => matches!(model, ModelKind::Nonlinear2),
-        }
+    /// What it is, in a few words.
+    pub const fn about(self) -> &'static str {
+        TABLE[self as usize].2
     }
 }
 
@@ -80,5 +62,18 @@ impl FromStr for Method {
             .into_iter()
             .find(|m| m.name() == text)
             .ok_or_else(|| format!("unknown method {text:?}, expected one of {}", METHODS.map(Self::name).join(", ")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_follows_the_variants() {
+        for (k, method) in METHODS.into_iter().enumerate() {
+            assert_eq!(method as usize, k);
+            assert_eq!(method.name().parse(), Ok(method));
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! The nonlinear models fitted to the compartment's displacement.
 
-use crumple_lumped::{Model, Nonlinear1, Nonlinear2};
+use crumple_lumped::{Instants, Model, Nonlinear1, Nonlinear2};
 use crumple_signal::{Displacement, Signal};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -9,7 +9,7 @@ use crate::error::positive;
 use crate::least_squares::{Bounds, Optimum, Response, descend, uncertainty};
 use crate::nonnegative::nonnegative_least_squares;
 use crate::window::Window;
-use crate::{Fit, SolveError, Uncertainty};
+use crate::{Fit, FitQuantity, SolveError, Uncertainty};
 
 /// What a fit of a nonlinear model is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -122,11 +122,16 @@ impl Momentum {
     }
 }
 
+/// For each of theta the places of the parameters it moves, and how far.
+type Chain = Vec<Vec<(usize, f64)>>;
+
 /// Displacement of a model minus the record, in units of the crush; the model from scaled parameters.
 struct Displacements<'a, F> {
     window: &'a Window,
     options: &'a NonlinearFitOptions,
     model: F,
+    /// Derivatives of the parameters, by their places, by each of theta.
+    chain: fn(&[f64], &NonlinearFitOptions) -> Chain,
     /// Weighted conditions at dynamic crush, `(weight, multipliers)`.
     conditions: Option<(f64, [f64; 2])>,
 }
@@ -170,6 +175,61 @@ impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
         }
         out.iter().all(|x| x.is_finite())
     }
+
+    fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
+        let Some(model) = (self.model)(theta) else { return Some(false) };
+        let chain = (self.chain)(theta, self.options);
+        let places: Vec<usize> = (1..model.kind().parameter_names().len() - 2).collect();
+        let n = self.window.samples.len();
+        let v0 = self.options.impact_speed_m_per_s;
+        let at = Instants { first_s: self.window.first_s, dt_s: self.window.dt_s, samples: n };
+        let Ok(found) = model.sensitivity(v0, &at, &places) else { return Some(false) };
+        for (j, by) in chain.iter().enumerate() {
+            out.column_mut(j).fill(0.0);
+            for (place, factor) in by {
+                let scale = factor / self.options.crush_m;
+                for (k, d) in found.derivatives[place - 1][0].displacement_m.iter().enumerate() {
+                    out[(k, j)] += scale * d;
+                }
+            }
+        }
+        if let Some((weight, _)) = self.conditions {
+            let at = Instants { first_s: self.options.time_of_dynamic_crush_s, dt_s: self.window.dt_s, samples: 1 };
+            let Ok(found) = model.sensitivity(v0, &at, &places) else { return Some(false) };
+            for (j, (place, factor)) in chain.iter().enumerate().flat_map(|(j, by)| by.iter().map(move |b| (j, b))) {
+                let motion = &found.derivatives[place - 1][0];
+                out[(n, j)] += weight.sqrt() * factor * motion.displacement_m[0] / self.options.crush_m;
+                out[(n + 1, j)] += weight.sqrt() * factor * motion.velocity_m_per_s[0] / v0;
+            }
+        }
+        Some(true)
+    }
+}
+
+/// How the second model's parameters move: each with its own number, the knees of the damper in rising order.
+fn chain2(theta: &[f64], options: &NonlinearFitOptions) -> Chain {
+    let (spring, damper) = units(options);
+    let (crush, v0) = (options.crush_m, options.impact_speed_m_per_s);
+    let mut places = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10];
+    if theta[8] > theta[9] {
+        places.swap(5, 6);
+        places.swap(8, 9);
+    }
+    let factors = [spring, spring, spring, crush, damper, damper, damper, damper, v0, v0];
+    places.into_iter().zip(factors).map(|by| vec![by]).collect()
+}
+
+/// How the first model's parameters move: its coefficients are sums of parts.
+fn chain1(_: &[f64], options: &NonlinearFitOptions) -> Chain {
+    let (k, c) = units(options);
+    vec![
+        vec![(1, k), (2, k)],
+        vec![(2, k)],
+        vec![(3, c)],
+        vec![(3, c), (4, c)],
+        vec![(3, c), (4, c), (5, c)],
+        vec![(6, options.impact_speed_m_per_s)],
+    ]
 }
 
 /// Units of spring and damper in which a car is of size one.
@@ -238,6 +298,7 @@ pub fn fit_nonlinear2(
         window: &window,
         options,
         model: |theta: &[f64]| build(theta).map(Model::Nonlinear2),
+        chain: chain2,
         conditions: None,
     };
     let mut bounds = Bounds { lower: vec![0.0; 10], upper: vec![1e3; 10], max_iterations: 12, cost_tolerance: 1e-4 };
@@ -326,11 +387,13 @@ fn record(
         from_s: window.first_s,
         to_s: window.last_s(),
         samples: window.samples.len(),
-        rmse_m: (best.cost / window.samples.len() as f64).sqrt() * options.crush_m,
+        quantity: FitQuantity::Displacement,
+        rmse: (best.cost / window.samples.len() as f64).sqrt() * options.crush_m,
         iterations: best.iterations,
         evaluations,
         stop_reason: best.stop,
         active_bounds: names.iter().zip(&best.on_bound).filter(|(_, held)| **held).map(|(name, _)| *name).collect(),
+        sensors: Vec::new(),
     }
 }
 
@@ -385,7 +448,7 @@ pub fn fit_nonlinear1(
     let mut bounds = Bounds { lower: vec![0.0; 6], upper: vec![1e3; 6], max_iterations: 30, cost_tolerance: 1e-4 };
     (bounds.lower[5], bounds.upper[5]) = (0.005, 0.995);
     let model = |theta: &[f64]| build(theta).map(Model::Nonlinear1);
-    let mut problem = Displacements { window: &window, options, model, conditions: None };
+    let mut problem = Displacements { window: &window, options, model, chain: chain1, conditions: None };
     let (found, mut evaluations) = all(&problem, points, &bounds);
     bounds.max_iterations = 120;
     bounds.cost_tolerance = 1e-10;

@@ -2,7 +2,8 @@
 
 use crumple_lumped::ModelKind;
 use crumple_parameter_solve::{
-    DEFAULT_METHODS, DEFAULT_MODELS, FireflyOptions, FireflyUnits, METHODS, MODELS, MassSplit, Method, SolveSettings,
+    DEFAULT_MODELS, FireflyOptions, FireflyUnits, FitQuantity, LShadeOptions, METHODS, MODELS, MassFit, MassSplit,
+    Method, Place, SolveSettings, solvers_of,
 };
 use crumple_signal::value::{Mass, Time};
 use crumple_stage::{Usage, nearest};
@@ -14,18 +15,49 @@ const FIT_STARTS: usize = 24;
 /// Engine and front structure of a passenger car are about a quarter of it; an assumption, and said so in a note.
 const FRONT_MASS_FRACTION: f64 = 0.25;
 
+/// Shares of masses that are free.
+const FREE_SHARES: (f64, f64) = (0.02, 0.95);
+
+/// `--models`, from the table of solvers.
+fn models_help() -> String {
+    let names = |models: &[ModelKind]| models.iter().map(|model| model.name()).collect::<Vec<_>>().join(", ");
+    let left_out: Vec<_> = MODELS.iter().copied().filter(|model| !DEFAULT_MODELS.contains(model)).collect();
+    format!("Models to solve for: {} [default: all but {}]", names(&MODELS), names(&left_out))
+}
+
+/// `--method`, from the table of solvers.
+fn methods_help() -> String {
+    let describe = |method: &Method| {
+        let models: Vec<_> = method.models().collect();
+        let of = if models.len() == MODELS.len() {
+            String::new()
+        } else {
+            format!(" [{}]", models.iter().map(|model| model.name()).collect::<Vec<_>>().join(", "))
+        };
+        format!("{method}: {}{of}", method.about())
+    };
+    let by_default = |model: &ModelKind| {
+        let methods: Vec<_> = solvers_of(*model, &[]).iter().map(|solver| solver.method.name()).collect();
+        format!("{model} {}", methods.join(", "))
+    };
+    format!(
+        "Methods. {} [default: {}]",
+        METHODS.iter().map(describe).collect::<Vec<_>>().join("; "),
+        MODELS.iter().map(by_default).collect::<Vec<_>>().join("; ")
+    )
+}
+
 /// Flags and keys; what is not given has the default named in its text.
 #[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Models to solve for: kelvin, elastoplastic, maxwell, nonlinear-1, nonlinear-2, double-spring-mass-damper
-    /// [default: all but nonlinear-1]
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    // The texts of these two come from the table of solvers.
+    #[allow(missing_docs, reason = "the help text is made from the table")]
+    #[arg(long, value_name = "NAME", value_delimiter = ',', help = models_help())]
     pub models: Vec<String>,
 
-    /// Methods: closed-form (from the crash events), direct-fit (to the displacement), coefficient-matching (from an
-    /// identified model with four poles: every solution), firefly (nonlinear-2) [default: closed-form,direct-fit]
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    #[allow(missing_docs, reason = "the help text is made from the table")]
+    #[arg(long, value_name = "NAME", value_delimiter = ',', help = methods_help())]
     pub method: Vec<String>,
 
     /// Firefly search: units of distance, physical (as printed) or unit (every variable over its range) [default: unit]
@@ -41,6 +73,41 @@ pub struct Options {
     /// Firefly search: seed of its random numbers [default: 1]
     #[arg(long, value_name = "NUMBER")]
     pub firefly_seed: Option<u64>,
+
+    /// L-SHADE search: evaluations after which the descent takes over [default: 20000]
+    #[arg(long, value_name = "NUMBER")]
+    pub l_shade_evaluations: Option<u64>,
+
+    /// L-SHADE search: seed of its random numbers [default: 1]
+    #[arg(long, value_name = "NUMBER")]
+    pub l_shade_seed: Option<u64>,
+
+    /// What of the motion direct-fit and l-shade fit: displacement, velocity or acceleration [default: displacement]
+    ///
+    /// Displacement is smooth and carries the crush; acceleration shows stiff parts and every wiggle the model cannot follow.
+    #[arg(long, value_name = "QUANTITY")]
+    pub fit_quantity: Option<String>,
+
+    /// Sensors to fit together, as place=channel: compartment=93,front=103 [default: compartment=<the pulse>]
+    ///
+    /// Places: compartment (the last mass), front or engine (the mass next to the barrier), chassis (the one in front of the
+    /// compartment), m1, m2, ... A sensor in front tells the two dual double models apart. The motion of every channel
+    /// comes from crumple-integrate (--channels there).
+    #[arg(long, value_name = "PLACE=CHANNEL", value_delimiter = ',')]
+    pub sensors: Vec<String>,
+
+    /// Masses of the double and triple model in a fit: known, free (with the total known), or the bounds of every share,
+    /// such as 0.1..0.4 [default: known]
+    #[arg(long, value_name = "HOW")]
+    pub fit_masses: Option<String>,
+
+    /// Triple model: masses of engine, suspension and chassis, and compartment [default: the front mass halved, the rest]
+    #[arg(long, value_name = "MASS", value_delimiter = ',')]
+    pub triple_masses: Vec<Mass>,
+
+    /// Fit the elastoplastic model as one that stays attached after rebound and swings on [default: false]
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL")]
+    pub stay_attached: Option<bool>,
 
     /// Mass of the vehicle, with its unit, instead of the test's
     #[arg(long, value_name = "MASS")]
@@ -86,6 +153,16 @@ pub struct StageSettings {
     firefly_units: &'static str,
     firefly_generations: usize,
     firefly_seed: u64,
+    l_shade_evaluations: u64,
+    l_shade_seed: u64,
+    fit_quantity: &'static str,
+    /// Place and channel of each sensor.
+    sensors: Vec<(String, String)>,
+    fit_masses: Option<(f64, f64)>,
+    triple_masses_kg: Option<[f64; 3]>,
+    stay_attached: bool,
+    #[serde(skip)]
+    pub places: Vec<(Place, String)>,
     #[serde(skip)]
     pub solve: SolveSettings,
 }
@@ -101,11 +178,7 @@ impl TryFrom<Options> for StageSettings {
             // Named twice is meant once.
             named.iter().enumerate().filter(|(k, kind)| !named[..*k].contains(kind)).map(|(_, kind)| *kind).collect()
         };
-        let methods = if options.method.is_empty() {
-            DEFAULT_METHODS.to_vec()
-        } else {
-            options.method.iter().map(|name| method(name)).collect::<Result<_, _>>()?
-        };
+        let methods = options.method.iter().map(|name| method(name)).collect::<Result<Vec<_>, _>>()?;
         let fraction = options.front_mass_fraction;
         if let Some(fraction) = fraction
             && !(fraction > 0.0 && fraction < 1.0)
@@ -130,7 +203,35 @@ impl TryFrom<Options> for StageSettings {
             seed: options.firefly_seed.unwrap_or(printed.seed),
             ..printed
         };
+        let l_shade = LShadeOptions {
+            evaluations: options.l_shade_evaluations.unwrap_or(LShadeOptions::default().evaluations),
+            seed: options.l_shade_seed.unwrap_or(LShadeOptions::default().seed),
+        };
+        let quantity = match options.fit_quantity.as_deref() {
+            None => FitQuantity::default(),
+            Some(name) => {
+                name.parse().map_err(|_: String| unknown("quantity", name, &FitQuantity::ALL.map(FitQuantity::name)))?
+            }
+        };
+        let places = options.sensors.iter().map(|text| sensor(text)).collect::<Result<Vec<_>, _>>()?;
+        let mass_fit = mass_fit(options.fit_masses.as_deref())?;
+        let triple = match options.triple_masses[..] {
+            [] => None,
+            [a, b, c] => Some([a.si(), b.si(), c.si()]),
+            _ => {
+                return Err(Usage::new(format!(
+                    "triple-masses has {} masses, expected three",
+                    options.triple_masses.len()
+                ))
+                .hint("--triple-masses 150kg,200kg,900kg: engine, suspension and chassis, compartment"));
+            }
+        };
         let solve = SolveSettings {
+            triple,
+            mass_fit,
+            quantity,
+            release: !options.stay_attached.unwrap_or(false),
+            l_shade,
             models,
             methods,
             split,
@@ -142,7 +243,11 @@ impl TryFrom<Options> for StageSettings {
         };
         Ok(Self {
             models: solve.models.iter().map(|m| m.name()).collect(),
-            methods: solve.methods.iter().map(|m| m.name()).collect(),
+            methods: if solve.methods.is_empty() {
+                vec!["default"]
+            } else {
+                solve.methods.iter().map(|m| m.name()).collect()
+            },
             mass_kg: options.mass.map(Mass::si),
             m1_kg: options.m1.map(Mass::si),
             m2_kg: options.m2.map(Mass::si),
@@ -154,18 +259,57 @@ impl TryFrom<Options> for StageSettings {
             firefly_units: if units == FireflyUnits::Unit { "unit" } else { "physical" },
             firefly_generations: firefly.generations,
             firefly_seed: firefly.seed,
+            l_shade_evaluations: l_shade.evaluations,
+            l_shade_seed: l_shade.seed,
+            fit_quantity: quantity.name(),
+            sensors: places.iter().map(|(place, channel)| (place.to_string(), channel.clone())).collect(),
+            fit_masses: match mass_fit {
+                MassFit::Known => None,
+                MassFit::Shares { lower, upper } => Some((lower, upper)),
+            },
+            triple_masses_kg: triple,
+            stay_attached: !solve.release,
+            places,
             solve,
         })
     }
 }
 
 fn model(name: &str) -> Result<ModelKind, Usage> {
-    let choices = MODELS.map(ModelKind::name);
+    let choices: Vec<_> = MODELS.iter().map(|model| model.name()).collect();
     match name.parse() {
         Ok(kind) if MODELS.contains(&kind) => Ok(kind),
         Ok(kind) => Err(Usage::new(format!("there is no solver for the model {kind} yet"))
             .hint(format!("there are: {}", choices.join(", ")))),
         Err(_) => Err(unknown("model", name, &choices)),
+    }
+}
+
+/// `front=103`.
+fn sensor(text: &str) -> Result<(Place, String), Usage> {
+    let hint = "--sensors compartment=93,front=103";
+    let (place, channel) = text
+        .split_once('=')
+        .filter(|(_, channel)| !channel.is_empty())
+        .ok_or_else(|| Usage::new(format!("sensor {text:?} is not place=channel")).hint(hint))?;
+    Ok((place.parse().map_err(|error: String| Usage::new(error).hint(hint))?, channel.to_owned()))
+}
+
+/// `known`, `free` or `0.1..0.4`.
+fn mass_fit(text: Option<&str>) -> Result<MassFit, Usage> {
+    match text {
+        None | Some("known") => Ok(MassFit::Known),
+        Some("free") => Ok(MassFit::Shares { lower: FREE_SHARES.0, upper: FREE_SHARES.1 }),
+        Some(text) => text
+            .split_once("..")
+            .and_then(|(low, high)| Some((low.parse().ok()?, high.parse().ok()?)))
+            .filter(|(lower, upper)| *lower > 0.0 && lower < upper && *upper < 1.0)
+            .map(|(lower, upper)| MassFit::Shares { lower, upper })
+            .ok_or_else(|| {
+                Usage::new(format!(
+                    "fit-masses is {text:?}, expected known, free or bounds such as 0.1..0.4 within 0 and 1"
+                ))
+            }),
     }
 }
 
@@ -190,8 +334,21 @@ mod tests {
         let options = Options { method: vec!["closed-from".to_owned()], ..Options::default() };
         let error = StageSettings::try_from(options).unwrap_err();
         assert_eq!(error, Usage::new("unknown method \"closed-from\"").hint("did you mean \"closed-form\"?"));
-        let options = Options { models: vec!["triple-spring-mass-damper".to_owned()], ..Options::default() };
-        assert!(StageSettings::try_from(options).unwrap_err().to_string().contains("no solver"));
+        let options = Options { models: vec!["quadruple-spring-mass-damper".to_owned()], ..Options::default() };
+        assert!(StageSettings::try_from(options).unwrap_err().to_string().contains("unknown model"));
+    }
+
+    #[test]
+    fn sensors_and_masses_are_read_or_refused() {
+        assert_eq!(sensor("engine=103").unwrap(), (Place::Front, "103".to_owned()));
+        assert_eq!(sensor("m2=7").unwrap(), (Place::Mass(2), "7".to_owned()));
+        for text in ["103", "roof=103", "front=", "m0=3"] {
+            assert!(sensor(text).is_err(), "{text}");
+        }
+        assert_eq!(mass_fit(Some("0.1..0.4")), Ok(MassFit::Shares { lower: 0.1, upper: 0.4 }));
+        for text in ["0.4..0.1", "0..0.4", "loose", "0.1..NaN"] {
+            assert!(mass_fit(Some(text)).is_err(), "{text}");
+        }
     }
 
     #[test]
@@ -207,6 +364,13 @@ mod tests {
             Options { front_mass_fraction: Some(0.3), ..Options::default() },
             Options { fit_from: Some(Time::from_si(0.01)), ..Options::default() },
             Options { fit_to: Some(Time::from_si(0.05)), ..Options::default() },
+            Options { fit_quantity: Some("velocity".to_owned()), ..Options::default() },
+            Options { sensors: vec!["front=9".to_owned()], ..Options::default() },
+            Options { fit_masses: Some("free".to_owned()), ..Options::default() },
+            Options { triple_masses: vec![Mass::from_si(9.0); 3], ..Options::default() },
+            Options { stay_attached: Some(true), ..Options::default() },
+            Options { l_shade_evaluations: Some(9), ..Options::default() },
+            Options { l_shade_seed: Some(9), ..Options::default() },
         ] {
             assert_ne!(json(options), default);
         }

@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use crumple_parameter_solve::{Candidate, Evidence, MassSplit, Method, masses, match_identified, solve};
-use crumple_signal::{Displacement, TestDescription};
-use crumple_stage::records::{CandidateV1, EventsV1, FitV1, TestV1, UncertaintyV1};
+use crumple_parameter_solve::{
+    Candidate, Evidence, FitQuantity, MassSplit, Method, Place, Sensor, masses, match_identified, solve,
+};
+use crumple_signal::{Acceleration, Displacement, Force, Sampled, TestDescription, Velocity};
+use crumple_stage::records::{CandidateV1, EventsV1, FitV1, SensorFitV1, TestV1, UncertaintyV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
 
 use crate::models::{identified_models, matching_record};
@@ -102,6 +104,17 @@ fn from_events(
         .map(Wave::signal::<Displacement>)
         .transpose()
         .refuse_with_hint("crumple-integrate writes the displacement of the pulse")?;
+    let waves = sensor_waves(settings, input, &events.channel, mass_kg)?;
+    let sensors: Vec<Sensor<'_>> = waves
+        .iter()
+        .map(|(place, channel, record)| Sensor {
+            channel,
+            place: *place,
+            quantity: settings.solve.quantity,
+            record,
+            noise: None,
+        })
+        .collect();
     let evidence = Evidence {
         mass_kg,
         impact_speed_m_per_s,
@@ -109,9 +122,61 @@ fn from_events(
         dynamic_crush_m: events.dynamic_crush_m,
         coefficient_of_restitution: events.coefficient_of_restitution,
         time_zero_s: events.time_zero_s,
+        time_of_rebound_s: events.time_of_rebound_s,
         displacement: displacement.as_ref(),
+        sensors: &sensors,
     };
     solve(&evidence, &settings.solve, out.notes()).refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")
+}
+
+/// The motions to fit together; none where it is the displacement of the pulse alone.
+fn sensor_waves(
+    settings: &StageSettings,
+    input: &Inputs,
+    pulse: &str,
+    mass_kg: f64,
+) -> anyhow::Result<Vec<(Place, String, Sampled)>> {
+    let quantity = settings.solve.quantity;
+    let mut places = settings.places.clone();
+    if places.is_empty() && quantity == FitQuantity::Displacement || !settings.solve.fits_a_signal() {
+        return Ok(Vec::new());
+    }
+    if !places.iter().any(|(place, _)| *place == Place::Compartment) {
+        places.insert(0, (Place::Compartment, pulse.to_owned()));
+    }
+    let hint = "crumple-integrate writes the motion of the pulse and of the channels named with --channels there";
+    let one = |(place, channel): (Place, String)| -> anyhow::Result<(Place, String, Sampled)> {
+        let record = match quantity {
+            FitQuantity::Displacement => input
+                .wave(&format!("{channel}/displacement"))?
+                .signal::<Displacement>()
+                .refuse_with_hint(hint)?
+                .into_sampled(),
+            FitQuantity::Velocity => {
+                input.wave(&format!("{channel}/velocity"))?.signal::<Velocity>().refuse_with_hint(hint)?.into_sampled()
+            }
+            FitQuantity::Acceleration => acceleration(input, &channel, mass_kg)?,
+        };
+        Ok((place, channel, record))
+    };
+    places.into_iter().map(one).collect()
+}
+
+/// The acceleration of a channel from the filter's artifact, else from the force that integrate made of it.
+fn acceleration(input: &Inputs, channel: &str, mass_kg: f64) -> anyhow::Result<Sampled> {
+    if let Some(wave) = input.wave_if(channel) {
+        let hint = "name an accelerometer with --sensors";
+        return Ok(wave.signal::<Acceleration>().refuse_with_hint(hint)?.into_sampled());
+    }
+    let tested = input.test()?.mass_kg.unwrap_or(mass_kg);
+    let Some(force) = input.wave_if(&format!("{channel}/force")) else {
+        return Err(Refused::new(format!("none of the inputs holds the acceleration of channel {channel}"))
+            .hint("give the artifact of crumple-filter too")
+            .into());
+    };
+    let force = force.signal::<Force>().refuse()?;
+    let samples = force.samples().iter().map(|f| -f / tested).collect();
+    Ok(Sampled::new(force.t0_s(), force.dt_s(), samples)?)
 }
 
 /// Candidates from every identified model with four poles, and the record of each matching.
@@ -161,15 +226,26 @@ fn record(candidate: &Candidate, channel: &str) -> CandidateV1 {
         equivalent_to: candidate.equivalent_id(),
         fit: candidate.fit.as_ref().map(|fit| FitV1 {
             channel: channel.to_owned(),
-            quantity: "displacement".to_owned(),
+            quantity: fit.quantity.name().to_owned(),
             from_s: fit.from_s,
             to_s: fit.to_s,
             samples: fit.samples as u64,
-            rmse: fit.rmse_m,
+            rmse: fit.rmse,
             iterations: fit.iterations,
             evaluations: fit.evaluations,
             stop_reason: fit.stop_reason.name().to_owned(),
             active_bounds: fit.active_bounds.iter().map(|name| (*name).to_owned()).collect(),
+            sensors: fit
+                .sensors
+                .iter()
+                .map(|sensor| SensorFitV1 {
+                    channel: sensor.channel.clone(),
+                    mass: sensor.mass as u32,
+                    quantity: sensor.quantity.name().to_owned(),
+                    rmse: sensor.rmse,
+                    noise: sensor.noise,
+                })
+                .collect(),
         }),
         uncertainty: candidate.uncertainty.as_ref().map(|u| UncertaintyV1 {
             method: "linearised, autocorrelated residuals".to_owned(),

@@ -8,6 +8,17 @@ pub(crate) fn start(index: usize, lower: &Vector4<f64>, upper: &Vector4<f64>) ->
     lower + (upper - lower).component_mul(&point)
 }
 
+/// The same for any number of axes up to twelve.
+pub(crate) fn start_in(index: usize, lower: &[f64], upper: &[f64]) -> Vec<f64> {
+    const BASES: [usize; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
+    lower
+        .iter()
+        .zip(upper)
+        .zip(BASES.into_iter().cycle())
+        .map(|((low, high), base)| low + (high - low) * radical_inverse(index + 1, base))
+        .collect()
+}
+
 /// The digits of `index` in `base`, mirrored at the point.
 fn radical_inverse(mut index: usize, base: usize) -> f64 {
     let (mut value, mut weight) = (0.0, 1.0 / base as f64);

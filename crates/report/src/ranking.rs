@@ -194,6 +194,7 @@ mod tests {
             evaluations: 100,
             stop_reason: "on-bound".into(),
             active_bounds: vec!["k2_n_per_m".into()],
+            sensors: vec![],
         });
         assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("kelvin/fit/1"));
         candidates[1].simulation.as_mut().unwrap().fit_percent = Some(28.7);

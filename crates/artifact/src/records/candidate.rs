@@ -48,6 +48,24 @@ pub struct FitV1 {
     pub stop_reason: String,
     /// Parameters that stopped on a bound.
     pub active_bounds: Vec<String>,
+    /// Every sensor fitted, where there is more to say than above: several sensors, or another than the pulse's displacement.
+    #[serde(default)]
+    pub sensors: Vec<SensorFitV1>,
+}
+
+/// One sensor of a fit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SensorFitV1 {
+    /// Its channel.
+    pub channel: String,
+    /// Number of the mass it sits on, from 1 at the barrier.
+    pub mass: u32,
+    /// Quantity fitted, e.g. `velocity`.
+    pub quantity: String,
+    /// Root mean square error over the window, unit of the quantity.
+    pub rmse: f64,
+    /// Noise level that its residuals were divided by, unit of the quantity.
+    pub noise: f64,
 }
 
 /// Uncertainty of parameters.

@@ -389,6 +389,7 @@ pub fn write_artifacts(folder: &Path, simulated: bool) -> Vec<PathBuf> {
                 evaluations: 212,
                 stop_reason: "gradient-converged".to_owned(),
                 active_bounds: vec![],
+                sensors: vec![],
             }),
             notes: vec!["the test mass is taken for the mass that moves".to_owned()],
         };

@@ -1,0 +1,351 @@
+//! Any model fitted to acceleration, velocity or displacement of one or several sensors.
+
+use crumple_lumped::{Model, ModelKind};
+use crumple_signal::Notes;
+
+use crate::family::{Family, Scale};
+use crate::least_squares::{Optimum, Response, uncertainty};
+use crate::sensor_fit::{Fitted, Search, fit_sensors};
+use crate::sensor_problem::{Observed, SensorProblem};
+use crate::solver::Task;
+use crate::window::Window;
+use crate::{
+    Candidate, Fit, FitQuantity, MassFit, Method, NonlinearFitOptions, Place, Sensor, SensorFit, SolveError,
+    elastoplastic_from_events, fit_nonlinear1, fit_nonlinear2, kelvin_from_events, masses, triple_masses,
+};
+
+/// Minima whose weighted errors differ by less than this share are all reported.
+const AS_GOOD: f64 = 1.01;
+
+/// Whether the compartment's displacement alone is to be fitted, with known masses: what the fits made for one model do.
+pub(crate) fn is_plain(task: &Task<'_>) -> bool {
+    task.settings.quantity == FitQuantity::Displacement
+        && task.settings.mass_fit == MassFit::Known
+        && task.evidence.sensors.iter().all(|sensor| sensor.place.mass(masses_of(task.model)).is_none())
+}
+
+fn masses_of(kind: ModelKind) -> usize {
+    kind.parameter_names().iter().filter(|name| matches!(**name, "mass_kg" | "m1_kg" | "m2_kg" | "m3_kg")).count()
+}
+
+/// The fit of the table of solvers, by descents or by L-SHADE.
+pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    let (kind, evidence, settings) = (task.model, task.evidence, task.settings);
+    let count = masses_of(kind);
+    let (masses_kg, split) = match kind {
+        ModelKind::DoubleSpringMassDamper => {
+            let (m1, m2, text) = masses(evidence.mass_kg, settings.split)?;
+            (vec![m1, m2], Some(text))
+        }
+        ModelKind::TripleSpringMassDamper => {
+            let (masses, text) = triple_masses(evidence.mass_kg, settings.split, settings.triple)?;
+            (masses.to_vec(), Some(text))
+        }
+        _ => (vec![evidence.mass_kg], None),
+    };
+    let Some(sensors) = sensors_of(task, count, notes) else { return Ok(Vec::new()) };
+    let to_s = window_end(task);
+    let mut observed = Vec::new();
+    for (mass, sensor) in &sensors {
+        let window =
+            Window::pick(sensor.record, evidence.time_zero_s, settings.fit_from_s, to_s, settings.fit_samples)?;
+        let noise = sensor.noise.unwrap_or(1.0);
+        let mut one = Observed { mass: *mass, quantity: sensor.quantity, window, noise };
+        if sensor.noise.is_none() {
+            one.noise = one.size().max(f64::MIN_POSITIVE);
+        }
+        observed.push(one);
+    }
+    let length_s = observed.iter().map(|o| o.window.last_s()).fold(0.0, f64::max);
+    let scale = Scale {
+        impact_speed_m_per_s: evidence.impact_speed_m_per_s,
+        length_s,
+        // Without a crush the spring of the nonlinear models has no last knot; the way at full speed stands for it.
+        crush_m: evidence.dynamic_crush_m.unwrap_or(evidence.impact_speed_m_per_s * length_s),
+        release: settings.release,
+    };
+    let family = Family::new(kind, &masses_kg, settings.mass_fit, &scale);
+    let search = match task.method {
+        Method::LShade => Search::LShade(settings.l_shade),
+        _ => {
+            let starts = settings.fit_starts.max(6 * family.coordinates.len());
+            Search::Starts(starts, given_starts(task, &family, to_s))
+        }
+    };
+    let weigh: Vec<bool> = sensors.iter().map(|(_, sensor)| sensor.noise.is_none()).collect();
+    let Some(mut found) = fit_sensors(&family, evidence.impact_speed_m_per_s, observed, &weigh, &search) else {
+        notes.warning(format!("{kind}: {}", SolveError::NoFit { starts: settings.fit_starts }));
+        return Ok(Vec::new());
+    };
+    let mut remarks = Vec::new();
+    if let Some(text) = &split {
+        notes.info(format!("{kind}: {text}"));
+        remarks.push(match settings.mass_fit {
+            MassFit::Known => text.clone(),
+            MassFit::Shares { lower, upper } => format!(
+                "masses fitted: total {:.1} kg known, each but the last between {lower} and {upper} of what is left behind it",
+                masses_kg.iter().sum::<f64>()
+            ),
+        });
+    }
+    remarks.append(&mut found.remarks);
+    let report = Report { task, family: &family, sensors: &sensors, found: &found };
+    if kind == ModelKind::DoubleSpringMassDamper && sensors.iter().all(|(mass, _)| *mass == 1) {
+        Ok(report.pairs(&remarks, notes))
+    } else {
+        Ok(report.candidates(&remarks, notes))
+    }
+}
+
+/// The sensors that sit on a mass of the model; without any, the compartment's displacement.
+fn sensors_of<'a>(task: &Task<'a>, count: usize, notes: &mut Notes) -> Option<Vec<(usize, Sensor<'a>)>> {
+    let mut sensors = Vec::new();
+    for sensor in task.evidence.sensors {
+        match sensor.place.mass(count) {
+            Some(mass) => sensors.push((mass, *sensor)),
+            None => notes.info(format!(
+                "{}: sensor {} is on the {}, which this model does not have: not fitted",
+                task.model, sensor.channel, sensor.place
+            )),
+        }
+    }
+    if sensors.is_empty()
+        && task.settings.quantity == FitQuantity::Displacement
+        && let Some(displacement) = task.evidence.displacement
+    {
+        let compartment = Sensor {
+            channel: "",
+            place: Place::Compartment,
+            quantity: FitQuantity::Displacement,
+            record: displacement,
+            noise: None,
+        };
+        sensors.push((count - 1, compartment));
+    }
+    if sensors.is_empty() {
+        notes.warning(format!("{}: not fitted, there is no {} of the compartment", task.model, task.settings.quantity));
+        return None;
+    }
+    Some(sensors)
+}
+
+/// Dynamic crush, unless told otherwise; the unloading of the elastoplastic model shows after it only.
+fn window_end(task: &Task<'_>) -> Option<f64> {
+    let crush = task.evidence.time_of_dynamic_crush_s;
+    task.settings.fit_to_s.or(match task.model {
+        ModelKind::Elastoplastic => crush.and(task.evidence.time_of_rebound_s),
+        _ => crush,
+    })
+}
+
+/// Points that other solvers of this crate give: closed forms, and the fit of a nonlinear model to the displacement.
+fn given_starts(task: &Task<'_>, family: &Family, to_s: Option<f64>) -> Vec<Vec<f64>> {
+    let e = task.evidence;
+    let events = e.time_of_dynamic_crush_s.zip(e.dynamic_crush_m);
+    let (v0, m) = (e.impact_speed_m_per_s, e.mass_kg);
+    let model = match (task.model, events, e.displacement) {
+        (ModelKind::Kelvin, Some((t, c)), _) => kelvin_from_events(m, v0, t, c).ok().map(|s| Model::Kelvin(s.model)),
+        (ModelKind::Elastoplastic, Some((_, c)), _) => {
+            let restitution = e.coefficient_of_restitution.filter(|e| *e > 0.0).unwrap_or(0.2);
+            elastoplastic_from_events(m, v0, c, restitution).ok().map(Model::Elastoplastic)
+        }
+        (ModelKind::Nonlinear1 | ModelKind::Nonlinear2, Some((t, c)), Some(displacement)) => {
+            let options = NonlinearFitOptions {
+                mass_kg: m,
+                impact_speed_m_per_s: v0,
+                crush_m: c,
+                time_of_dynamic_crush_s: t,
+                time_zero_s: e.time_zero_s,
+                from_s: task.settings.fit_from_s,
+                to_s,
+                samples: task.settings.fit_samples,
+            };
+            if task.model == ModelKind::Nonlinear1 {
+                fit_nonlinear1(displacement, &options, false).ok().map(|(model, _)| Model::Nonlinear1(model))
+            } else {
+                fit_nonlinear2(displacement, &options).ok().map(|(model, ..)| Model::Nonlinear2(model))
+            }
+        }
+        _ => None,
+    };
+    model.iter().map(|model| family.theta(model)).collect()
+}
+
+/// What was found, as candidates.
+struct Report<'a> {
+    task: &'a Task<'a>,
+    family: &'a Family,
+    sensors: &'a [(usize, Sensor<'a>)],
+    found: &'a Fitted,
+}
+
+impl Report<'_> {
+    fn problem(&self) -> SensorProblem<'_> {
+        SensorProblem {
+            family: self.family,
+            impact_speed_m_per_s: self.task.evidence.impact_speed_m_per_s,
+            sensors: &self.found.sensors,
+        }
+    }
+
+    fn level(&self, minimum: &Optimum) -> f64 {
+        (minimum.cost / self.problem().rows() as f64).sqrt()
+    }
+
+    /// How far the sensors were missed, in words: `8.1 mm at 93 (compartment)`.
+    fn errors(&self, theta: &[f64]) -> Option<String> {
+        let rmse = self.problem().rmse(theta)?;
+        let text = |((_, sensor), rmse): (&(usize, Sensor<'_>), f64)| {
+            let (value, unit) = match sensor.quantity {
+                FitQuantity::Displacement => (1e3 * rmse, "mm"),
+                other => (rmse, other.unit()),
+            };
+            format!("{value:.4} {unit} at {} ({})", sensor.channel, sensor.place)
+        };
+        Some(self.sensors.iter().zip(rmse).map(text).collect::<Vec<_>>().join(", "))
+    }
+
+    fn candidate(&self, minimum: &Optimum, index: usize, remarks: &[String]) -> Option<Candidate> {
+        let problem = self.problem();
+        let model = self.family.model(&minimum.theta)?;
+        let mut residuals = vec![0.0; problem.rows()];
+        if !problem.residuals(&minimum.theta, &mut residuals) {
+            return None;
+        }
+        let rmse = problem.rmse(&minimum.theta)?;
+        let names = self.family.names();
+        let first = &self.found.sensors[0];
+        let active_bounds: Vec<_> =
+            names.iter().zip(&minimum.on_bound).filter(|(_, held)| **held).map(|(name, _)| *name).collect();
+        let mut notes = remarks.to_vec();
+        notes.push(format!(
+            "fitted to {} from {:.2} ms to {:.2} ms after time zero",
+            first.quantity,
+            1e3 * first.window.first_s,
+            1e3 * first.window.last_s()
+        ));
+        if self.sensors.len() > 1 {
+            notes.push(format!(
+                "root mean square errors {}; residuals weighted by the noise level of each sensor",
+                self.errors(&minimum.theta)?
+            ));
+        }
+        if !active_bounds.is_empty() {
+            notes.push(format!("on a bound, not determined by the record: {}", active_bounds.join(", ")));
+        }
+        let of = |((mass, sensor), (observed, rmse)): (&(usize, Sensor<'_>), (&Observed, &f64))| SensorFit {
+            channel: sensor.channel.to_owned(),
+            mass: mass + 1,
+            quantity: sensor.quantity,
+            rmse: *rmse,
+            noise: observed.noise,
+        };
+        let plain = self.sensors.len() == 1 && self.sensors[0].1.channel.is_empty();
+        let sensors = self.sensors.iter().zip(self.found.sensors.iter().zip(&rmse)).map(of);
+        Some(Candidate {
+            model,
+            method: self.task.method,
+            index,
+            equivalent_to: None,
+            fit: Some(Fit {
+                from_s: first.window.first_s,
+                to_s: first.window.last_s(),
+                samples: problem.rows(),
+                quantity: first.quantity,
+                rmse: rmse[0],
+                iterations: minimum.iterations,
+                evaluations: self.found.evaluations,
+                stop_reason: minimum.stop,
+                active_bounds,
+                sensors: if plain { Vec::new() } else { sensors.collect() },
+            }),
+            uncertainty: uncertainty(minimum, &residuals, &names, &self.family.factors(&minimum.theta)),
+            notes,
+        })
+    }
+
+    /// Every minimum as good as the best; for the double model with a sensor on the chassis, also what its dual does.
+    fn candidates(&self, remarks: &[String], notes: &mut Notes) -> Vec<Candidate> {
+        let Some(best) = self.found.minima.first() else { return Vec::new() };
+        let limit = AS_GOOD * self.level(best);
+        let mut minima: Vec<Optimum> = self.found.minima.iter().filter(|m| self.level(m) <= limit).cloned().collect();
+        if minima.len() > 1 {
+            notes.warning(format!(
+                "{}: {} parameter sets fit equally well; the record does not determine the parameters",
+                self.task.model,
+                minima.len()
+            ));
+        }
+        let mut own = vec![Vec::new(); minima.len()];
+        if let Some(Model::DoubleSpringMassDamper(model)) = self.family.model(&best.theta) {
+            let dual = self.family.theta(&Model::DoubleSpringMassDamper(model.dual()));
+            let at_best = self.errors(&best.theta);
+            if let (Some(at_dual), Some(at_best)) = (self.errors(&dual), at_best) {
+                let text = format!(
+                    "the dual model moves the compartment alike, but not the chassis: it misses by {at_dual}, this one by \
+                     {at_best}; the second sensor decides, and the two are not equivalent"
+                );
+                notes.info(format!("{}: {text}", self.task.model));
+                own[0].push(text);
+            }
+            // Where the dual leads if it is followed: the second best explanation.
+            let settings = crate::sensor_fit::bounds(self.family, 200, 1e-15);
+            if let Some(followed) = crate::least_squares::descend(&self.problem(), &dual, &settings) {
+                let apart = |m: &Optimum| m.theta.iter().zip(&followed.theta).any(|(a, b)| (a - b).abs() > 0.01);
+                if minima.iter().all(apart) {
+                    own.push(vec![format!(
+                        "followed from the dual of the first: weighted error {:.3} times that of the first, not equivalent",
+                        self.level(&followed) / self.level(best).max(f64::MIN_POSITIVE)
+                    )]);
+                    minima.push(followed);
+                }
+            }
+        }
+        let all = minima.iter().zip(own).enumerate();
+        all.filter_map(|(k, (minimum, own))| self.candidate(minimum, k + 1, &[remarks, &own].concat())).collect()
+    }
+
+    /// The compartment alone: each minimum stands for a model and its dual.
+    fn pairs(&self, remarks: &[String], notes: &mut Notes) -> Vec<Candidate> {
+        notes.info(format!(
+            "{}: one compartment accelerometer cannot tell its two dual solutions apart, a second one on the front can",
+            self.task.model
+        ));
+        let Some(best) = self.found.minima.first() else { return Vec::new() };
+        let limit = AS_GOOD * self.level(best);
+        let mut seen: Vec<[f64; 5]> = Vec::new();
+        let mut found = Vec::new();
+        for minimum in self.found.minima.iter().filter(|m| self.level(m) <= limit) {
+            let Some(Model::DoubleSpringMassDamper(model)) = self.family.model(&minimum.theta) else { continue };
+            let [_, t, u, v, w] = model.characteristic_polynomial();
+            let place = [t, u, v, w, model.c1_n_s_per_m * model.c2_n_s_per_m].map(f64::ln);
+            if seen.iter().any(|other| place.iter().zip(other).all(|(a, b)| (a - b).abs() < 0.01)) {
+                continue;
+            }
+            seen.push(place);
+            let index = found.len() + 1;
+            let dual = model.dual();
+            let theta = self.family.theta(&Model::DoubleSpringMassDamper(dual));
+            let settings = crate::sensor_fit::bounds(self.family, 0, 1e-15);
+            // Where a bound keeps the dual out it is none of the candidates.
+            let other = crate::least_squares::descend(&self.problem(), &theta, &settings)
+                .filter(|other| other.cost <= minimum.cost * (1.0 + 1e-6) + 1e-20);
+            let mut pair: Vec<Candidate> = [Some(minimum), other.as_ref()]
+                .into_iter()
+                .flatten()
+                .enumerate()
+                .filter_map(|(k, m)| self.candidate(m, index + k, remarks))
+                .collect();
+            if pair.len() == 2 {
+                if let Some(fit) = &mut pair[1].fit {
+                    fit.stop_reason = minimum.stop;
+                    fit.iterations = minimum.iterations;
+                }
+                pair[0].equivalent_to = Some(index + 1);
+                pair[1].equivalent_to = Some(index);
+            }
+            found.extend(pair);
+        }
+        found
+    }
+}

@@ -1,0 +1,106 @@
+//! One mass fitted to its displacement: Maxwell and the nonlinear models.
+
+use crumple_lumped::Model;
+use crumple_signal::{Displacement, Notes, Signal};
+
+use super::{crush_of, sensors};
+use crate::solver::Task;
+use crate::{
+    Candidate, Fit, NonlinearFitOptions, SolveError, Uncertainty, firefly_nonlinear2, fit_maxwell, fit_nonlinear1,
+    fit_nonlinear2,
+};
+
+type Found = (Model, Fit, Option<Uncertainty>);
+
+/// Spring and damper in series.
+pub(crate) fn maxwell(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    if !sensors::is_plain(task) {
+        return sensors::fit(task, notes);
+    }
+    fitted(task, notes, |x, options, _| {
+        let (model, fit, deviations) = fit_maxwell(x, options)?;
+        Ok((Model::Maxwell(model), fit, deviations))
+    })
+}
+
+/// The first nonlinear model under its side constraints.
+pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    if !sensors::is_plain(task) {
+        return sensors::fit(task, notes);
+    }
+    fitted(task, notes, |x, options, remarks| {
+        remarks.push("constrained to the dynamic crush and its time; k1 <= k2, c1 >= c2 >= c3".to_owned());
+        let (model, fit) = fit_nonlinear1(x, options, true)?;
+        Ok((Model::Nonlinear1(model), fit, None))
+    })
+}
+
+/// The second nonlinear model.
+pub(crate) fn nonlinear2(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    if !sensors::is_plain(task) {
+        return sensors::fit(task, notes);
+    }
+    fitted(task, notes, |x, options, _| {
+        let (model, fit, deviations) = fit_nonlinear2(x, options)?;
+        Ok((Model::Nonlinear2(model), fit, deviations))
+    })
+}
+
+/// The same by the firefly search.
+pub(crate) fn firefly(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    fitted(task, notes, |x, options, remarks| {
+        let found = firefly_nonlinear2(x, options, &task.settings.firefly)?;
+        remarks.push(if found.attraction > 0.0 {
+            format!("mean attraction of two fireflies at the start {:.3}", found.attraction)
+        } else {
+            "the attraction of two fireflies is zero in these units: a random walk".to_owned()
+        });
+        Ok((Model::Nonlinear2(found.model), found.fit, None))
+    })
+}
+
+/// What all fits to the displacement of one mass have in common.
+fn fitted(
+    task: &Task<'_>,
+    notes: &mut Notes,
+    fit: impl FnOnce(&Signal<Displacement>, &NonlinearFitOptions, &mut Vec<String>) -> Result<Found, SolveError>,
+) -> Result<Vec<Candidate>, SolveError> {
+    let (kind, evidence, settings) = (task.model, task.evidence, task.settings);
+    let Some((t_m, crush)) = crush_of(task, notes) else { return Ok(Vec::new()) };
+    let Some(displacement) = evidence.displacement else {
+        notes.warning(format!("{kind}: not fitted, there is no displacement"));
+        return Ok(Vec::new());
+    };
+    let options = NonlinearFitOptions {
+        mass_kg: evidence.mass_kg,
+        impact_speed_m_per_s: evidence.impact_speed_m_per_s,
+        crush_m: crush,
+        time_of_dynamic_crush_s: t_m,
+        time_zero_s: evidence.time_zero_s,
+        from_s: settings.fit_from_s,
+        to_s: settings.fit_to_s.or(Some(t_m)),
+        samples: settings.fit_samples,
+    };
+    let mut remarks = Vec::new();
+    let (model, fit, uncertainty) = match fit(displacement, &options, &mut remarks) {
+        Ok(found) => found,
+        Err(error @ SolveError::NoFit { .. }) => {
+            notes.warning(format!("{kind}: {error}"));
+            return Ok(Vec::new());
+        }
+        Err(error) => return Err(error),
+    };
+    remarks.insert(0, format!("fitted from {:.2} ms to {:.2} ms after time zero", 1e3 * fit.from_s, 1e3 * fit.to_s));
+    if !fit.active_bounds.is_empty() {
+        remarks.push(format!("on a bound, not determined by the record: {}", fit.active_bounds.join(", ")));
+    }
+    Ok(vec![Candidate {
+        model,
+        method: task.method,
+        index: 1,
+        equivalent_to: None,
+        fit: Some(fit),
+        uncertainty,
+        notes: remarks,
+    }])
+}
