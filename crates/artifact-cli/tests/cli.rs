@@ -74,6 +74,7 @@ fn builder() -> ArtifactBuilder {
         unit: "1".into(),
         channel: "93".into(),
         definition: "as defined".into(),
+        ..MetricV1::default()
     };
     builder.put("/metrics", &MetricsV1(vec![metric("third", 1.0 / 3.0), metric("tiny", 5e-324)])).unwrap();
     builder.put("/notes", &NotesV1 { stage: "filter".into(), notes: vec!["a note".into()] }).unwrap();
