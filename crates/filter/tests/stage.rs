@@ -9,6 +9,7 @@ use crumple_artifact::records::{ChannelFilterV1, NotesV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_filter::{Settings, filter};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+use crumple_testkit::program::Program;
 
 /// A half-sine pulse of 20 g over 100 ms on a zero level of 2 m/s².
 fn pulse(rate_hz: f64) -> Sampled {
@@ -42,20 +43,14 @@ fn ingested(folder: &Path, channels: &[(Channel, Sampled)]) -> PathBuf {
     path
 }
 
+const PROGRAM: Program = Program { exe: env!("CARGO_BIN_EXE_crumple-filter"), output: "2-filter.mcap" };
+
 fn run(input: &Path, flags: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_crumple-filter"))
-        .arg(input)
-        .arg("-o")
-        .arg(input.with_file_name("2-filter.mcap"))
-        .args(flags)
-        .output()
-        .unwrap()
+    PROGRAM.run(input, flags)
 }
 
 fn result(input: &Path, flags: &[&str]) -> Artifact {
-    let output = run(input, flags);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    Artifact::open(&input.with_file_name("2-filter.mcap")).unwrap()
+    Artifact::open(&PROGRAM.written(input, flags)).unwrap()
 }
 
 #[test]

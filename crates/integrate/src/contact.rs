@@ -1,7 +1,8 @@
 //! Finds first contact by the rule asked for.
 
-use crumple_integrate::{FoundZero, contact_edge, edr_end, edr_start, threshold_crossing};
-use crumple_signal::{Channel, Notes, Sampled};
+use crumple_integrate::{FoundZero, contact_edge, edr_start, threshold_crossing};
+use crumple_metrics::event_end_by_velocity_change;
+use crumple_signal::{Acceleration, Channel, Notes, Signal};
 use crumple_stage::{Inputs, Refused};
 
 use crate::options::{StageSettings, ZeroRule};
@@ -17,7 +18,7 @@ pub fn time_zero(
     settings: &StageSettings,
     input: &Inputs,
     channel: &Channel,
-    pulse: &Sampled,
+    pulse: &Signal<Acceleration>,
     impact_speed_m_per_s: f64,
     notes: &mut Notes,
 ) -> anyhow::Result<TimeZero> {
@@ -44,7 +45,7 @@ pub fn time_zero(
     }
     notes.info(uncertainty(rule, found, impact_speed_m_per_s));
     if *rule == ZeroRule::Edr
-        && let Some(end_s) = edr_end(pulse, found.time_s)
+        && let Some(end_s) = event_end_by_velocity_change(pulse, found.time_s)
     {
         notes.info(format!("the event ends at {:.2} ms by the same rule", 1e3 * (end_s - found.time_s)));
     }

@@ -21,10 +21,7 @@ pub use force::barrier_force;
 pub use motion::{Motion, Settings, integrate, integrate_reporting};
 pub use rule::{Rule, integrate_twice, integrate_twice_into};
 pub use start::{Start, UsedStart};
-pub use time_zero::{
-    EDR_CHANGE_M_PER_S, EDR_INTERVAL_S, FoundZero, HOLD_S, THRESHOLD_M_PER_S2, contact_edge, edr_end, edr_start,
-    threshold_crossing,
-};
+pub use time_zero::{FoundZero, contact_edge, edr_start, threshold_crossing};
 
 pub use uncertainty::{
     Distribution, EVENT_NAMES, Intervals, MOST_SAMPLES, Perturbation, Spread, Uncertainty, perturbed, propagate,

@@ -1,13 +1,6 @@
-use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, Sampled};
+use crumple_metrics::{EDR_INTERVAL_S, ThresholdRule, time_zero_by_threshold, time_zero_by_velocity_change};
+use crumple_signal::{Acceleration, Sampled, Signal};
 
-/// Level of the threshold rule, m/s² (0.5 g).
-pub const THRESHOLD_M_PER_S2: f64 = 0.5 * STANDARD_GRAVITY_M_PER_S2;
-/// How long the level must be kept, s.
-pub const HOLD_S: f64 = 0.003;
-/// Interval of the rule for event data recorders, s.
-pub const EDR_INTERVAL_S: f64 = 0.02;
-/// Change of velocity in it, m/s (0.8 km/h).
-pub const EDR_CHANGE_M_PER_S: f64 = 0.8 / 3.6;
 /// Stretch at the start of a contact switch that is taken as open, s.
 const OPEN_S: f64 = 0.001;
 
@@ -22,67 +15,25 @@ pub struct FoundZero {
     pub later_by_s: f64,
 }
 
-/// Time zero by threshold: the first time |a| reaches 0.5 g and stays there for 3 ms, linearly interpolated.
+/// Time zero by threshold, [`time_zero_by_threshold`], with how late it may be.
 ///
 /// Meant for a signal of CFC 60 without zero level. Lags true contact, by 0.65 ms on a half-sine of 100 ms; it cannot
 /// have been before the last change of sign, which is what `earlier_by_s` says (at most the start of the record).
-pub fn threshold_crossing(acceleration: &Sampled) -> Option<FoundZero> {
+pub fn threshold_crossing(acceleration: &Signal<Acceleration>) -> Option<FoundZero> {
+    let time_s = time_zero_by_threshold(acceleration, ThresholdRule::default()).value?;
     let a = acceleration.samples();
-    // Rounded, so that 3 ms of a decimal interval are not one sample more. `hold` intervals have one sample more.
-    let hold = (HOLD_S / acceleration.dt_s()).round().max(1.0) as usize;
-    let mut run = 0;
-    let last = a.iter().position(|a| {
-        run = if a.abs() >= THRESHOLD_M_PER_S2 { run + 1 } else { 0 };
-        run > hold
-    })?;
-    let first = last - hold;
-    let crossing = match first.checked_sub(1) {
-        None => 0.0,
-        Some(before) => {
-            let (low, high) = (a[before].abs(), a[first].abs());
-            before as f64 + (THRESHOLD_M_PER_S2 - low) / (high - low)
-        }
-    };
+    let first = acceleration.index_at_or_after(time_s).min(a.len() - 1);
     let sign = a[first].signum();
     let rest = a[..first].iter().rposition(|a| a * sign <= 0.0).unwrap_or(0);
-    Some(FoundZero {
-        time_s: acceleration.t0_s() + crossing * acceleration.dt_s(),
-        earlier_by_s: (crossing - rest as f64).max(0.0) * acceleration.dt_s(),
-        later_by_s: 0.0,
-    })
+    Some(FoundZero { time_s, earlier_by_s: (time_s - acceleration.time_s(rest)).max(0.0), later_by_s: 0.0 })
 }
 
-/// Time zero of an event data recorder, 49 CFR 563.5: the start of the first interval of 20 ms in which the velocity
-/// changes by more than 0.8 km/h.
+/// Time zero of an event data recorder, [`time_zero_by_velocity_change`].
 ///
-/// On the grid of the record, the change by the trapezoid. The interval may begin before contact, by up to its
-/// length: that is what `later_by_s` says.
-pub fn edr_start(acceleration: &Sampled) -> Option<FoundZero> {
-    let start = edr_intervals(acceleration).position(|change| change.abs() > EDR_CHANGE_M_PER_S)?;
-    Some(FoundZero { time_s: acceleration.time_s(start), earlier_by_s: 0.0, later_by_s: EDR_INTERVAL_S })
-}
-
-/// End of the event by the same rule: the start of the first interval after `from_s` in which the velocity changes by no
-/// more than 0.8 km/h.
-pub fn edr_end(acceleration: &Sampled, from_s: f64) -> Option<f64> {
-    let first = acceleration.index_at_or_after(from_s);
-    let after = edr_intervals(acceleration).skip(first).position(|change| change.abs() <= EDR_CHANGE_M_PER_S)?;
-    Some(acceleration.time_s(first + after))
-}
-
-/// Change of velocity in the interval that begins at each sample, m/s.
-fn edr_intervals(acceleration: &Sampled) -> impl Iterator<Item = f64> {
-    let (a, dt_s) = (acceleration.samples(), acceleration.dt_s());
-    let width = (EDR_INTERVAL_S / dt_s).round().max(1.0) as usize;
-    let step = move |k: usize| dt_s * (a[k] + a[k + 1]) / 2.0;
-    let mut change: f64 = (0..width.min(a.len().saturating_sub(1))).map(step).sum();
-    (0..a.len().saturating_sub(width)).map(move |k| {
-        let of_this = change;
-        if k + width + 1 < a.len() {
-            change += step(k + width) - step(k);
-        }
-        of_this
-    })
+/// The interval may begin before contact, by up to its length: that is what `later_by_s` says.
+pub fn edr_start(acceleration: &Signal<Acceleration>) -> Option<FoundZero> {
+    let time_s = time_zero_by_velocity_change(acceleration).value?;
+    Some(FoundZero { time_s, earlier_by_s: 0.0, later_by_s: EDR_INTERVAL_S })
 }
 
 /// Time zero from a contact switch: where its signal first crosses the middle between its level at the start of the
@@ -111,11 +62,15 @@ pub fn contact_edge(switch: &Sampled) -> Option<FoundZero> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crumple_metrics::event_end_by_velocity_change;
+    use crumple_signal::STANDARD_GRAVITY_M_PER_S2;
 
-    fn ramp(slope: f64) -> Sampled {
+    const THRESHOLD_M_PER_S2: f64 = 0.5 * STANDARD_GRAVITY_M_PER_S2;
+
+    fn ramp(slope: f64) -> Signal<Acceleration> {
         // From 5 ms on; before it a little of the other sign.
         let at = |t: f64| if t < 0.005 { 0.1 } else { -slope * (t - 0.005) };
-        Sampled::new(0.0, 1e-4, (0..600).map(|k| at(f64::from(k) * 1e-4)).collect()).unwrap()
+        Signal::new(0.0, 1e-4, (0..600).map(|k| at(f64::from(k) * 1e-4)).collect()).unwrap()
     }
 
     #[test]
@@ -129,15 +84,15 @@ mod tests {
 
     #[test]
     fn a_spike_shorter_than_the_hold_is_passed_over() {
-        let mut samples = ramp(2000.0).into_samples();
+        let mut samples = ramp(2000.0).samples().to_vec();
         samples[10..40].fill(50.0);
-        let with_spike = Sampled::new(0.0, 1e-4, samples.clone()).unwrap();
+        let with_spike = Signal::new(0.0, 1e-4, samples.clone()).unwrap();
         assert!(threshold_crossing(&with_spike).unwrap().time_s > 0.007);
         samples[10..41].fill(50.0);
-        let held = Sampled::new(0.0, 1e-4, samples).unwrap();
+        let held = Signal::new(0.0, 1e-4, samples).unwrap();
         assert!(threshold_crossing(&held).unwrap().time_s < 0.0011);
-        assert_eq!(threshold_crossing(&Sampled::new(0.0, 1e-4, vec![0.0; 50]).unwrap()), None);
-        assert_eq!(threshold_crossing(&Sampled::new(0.0, 1e-4, vec![]).unwrap()), None);
+        assert_eq!(threshold_crossing(&Signal::new(0.0, 1e-4, vec![0.0; 50]).unwrap()), None);
+        assert_eq!(threshold_crossing(&Signal::new(0.0, 1e-4, vec![]).unwrap()), None);
     }
 
     #[test]
@@ -146,15 +101,15 @@ mod tests {
         // most 0.2 m/s; with 20 m/s² it takes 11.1 ms.
         let step = |level: f64| {
             let at = |k: i32| if (300..800).contains(&k) { level } else { 0.0 };
-            Sampled::new(0.0, 1e-4, (0..1200).map(at).collect()).unwrap()
+            Signal::new(0.0, 1e-4, (0..1200).map(at).collect()).unwrap()
         };
         assert_eq!(edr_start(&step(-10.0)), None);
         let found = edr_start(&step(-20.0)).unwrap();
         // The last sample of the interval is at 41.1 ms: 111 full steps and half of the first, 0.223 m/s.
         assert!((found.time_s - 0.0211).abs() < 1.5e-4, "{found:?}");
-        let end = edr_end(&step(-20.0), found.time_s).unwrap();
+        let end = event_end_by_velocity_change(&step(-20.0), found.time_s).unwrap();
         assert!((end - (0.08 - 0.0111)).abs() < 1.5e-4, "{end}");
-        assert_eq!(edr_start(&Sampled::new(0.0, 1e-4, vec![]).unwrap()), None);
+        assert_eq!(edr_start(&Signal::new(0.0, 1e-4, vec![]).unwrap()), None);
     }
 
     #[test]

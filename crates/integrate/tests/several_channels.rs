@@ -3,11 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic too")]
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 use crumple_artifact::records::{EventsV1, MetricsV1, NotesV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, Sampled, TestDescription};
+use crumple_testkit::program::Program;
 
 const MASS_KG: f64 = 1000.0;
 
@@ -58,20 +59,14 @@ fn test_folder(folder: &Path) -> PathBuf {
     path
 }
 
+const PROGRAM: Program = Program { exe: env!("CARGO_BIN_EXE_crumple-integrate"), output: "3-integrate.mcap" };
+
 fn run(input: &Path, flags: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_crumple-integrate"))
-        .arg(input)
-        .arg("-o")
-        .arg(input.with_file_name("3-integrate.mcap"))
-        .args(flags)
-        .output()
-        .unwrap()
+    PROGRAM.run(input, flags)
 }
 
 fn result(input: &Path, flags: &[&str]) -> Artifact {
-    let output = run(input, flags);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    Artifact::open(&input.with_file_name("3-integrate.mcap")).unwrap()
+    Artifact::open(&PROGRAM.written(input, flags)).unwrap()
 }
 
 fn events(artifact: &Artifact) -> EventsV1 {
@@ -102,10 +97,34 @@ fn all_means_the_compartment_and_the_events_stay_those_of_the_pulse() {
     assert!(notes.iter().any(|note| note.contains("not of the compartment: channels 4")), "{notes:?}");
     assert!(notes.iter().any(|note| note.starts_with("dynamic crush of 3 channels: 0.9")), "{notes:?}");
 
+    assert!(notes.iter().any(|note| note.starts_with("channel 2 against 1: largest |da| 0.20 g")), "{notes:?}");
+
     let artifact = result(&input, &["--channels", "4"]);
     assert!(artifact.waves().contains_key("4/displacement"));
     assert_eq!(run(&input, &["--channels", "9"]).status.code(), Some(3));
     assert_eq!(run(&input, &["--channels", "6"]).status.code(), Some(3));
+}
+
+#[test]
+fn the_spread_of_the_channels_is_the_interval_of_every_metric_and_an_engine_is_not_in_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = test_folder(folder.path());
+    let artifact = result(&input, &["--channels", "2,3,4"]);
+    let metrics: MetricsV1 = artifact.record("/metrics").unwrap().unwrap();
+    let of = |channel: &str, name: &str| {
+        metrics.0.iter().find(|metric| metric.channel == channel && metric.name == name).cloned()
+    };
+    let crush = of("1+2+3", "dynamic_crush").unwrap();
+    let single = |channel: &str| of(channel, "dynamic_crush").unwrap().value;
+    // The harder braking stops shorter.
+    assert_eq!((crush.low, crush.high, crush.value), (single("2"), single("3"), single("1")));
+    assert_eq!(crush.interval_by.as_deref(), Some("range over 3 channels"));
+    assert!(crush.definition.ends_with("; value of channel 1"), "{}", crush.definition);
+    assert!(of("1+2+3", "olc").is_some_and(|olc| olc.low < olc.value && olc.value < olc.high));
+    // The impact speed is one for all.
+    assert_eq!(of("1+2+3", "impact_energy"), None);
+    let said = notes(&artifact);
+    assert!(said.iter().any(|note| note.starts_with("channel 4 is not in the spread")), "{said:?}");
 }
 
 #[test]

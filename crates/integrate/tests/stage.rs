@@ -8,6 +8,7 @@ use std::process::{Command, Output};
 use crumple_artifact::records::{EventsV1, MetricsV1, NotesV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+use crumple_testkit::program::Program;
 
 /// A test with one channel of constant deceleration 200 m/s² from time zero, 50 ms at rest before it.
 fn constant(impact_speed_m_per_s: Option<f64>, mass_kg: Option<f64>, cfc: Option<u16>) -> TestDescription {
@@ -31,20 +32,14 @@ fn filtered(folder: &Path, test: &TestDescription) -> PathBuf {
     path
 }
 
+const PROGRAM: Program = Program { exe: env!("CARGO_BIN_EXE_crumple-integrate"), output: "3-integrate.mcap" };
+
 fn run(input: &Path, flags: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_crumple-integrate"))
-        .arg(input)
-        .arg("-o")
-        .arg(input.with_file_name("3-integrate.mcap"))
-        .args(flags)
-        .output()
-        .unwrap()
+    PROGRAM.run(input, flags)
 }
 
 fn result(input: &Path, flags: &[&str]) -> Artifact {
-    let output = run(input, flags);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    Artifact::open(&input.with_file_name("3-integrate.mcap")).unwrap()
+    Artifact::open(&PROGRAM.written(input, flags)).unwrap()
 }
 
 fn events(artifact: &Artifact) -> EventsV1 {
@@ -143,4 +138,62 @@ fn refuses_a_channel_that_is_not_there_or_no_acceleration() {
     let output = run(&input, &["--channel", "a"]);
     assert_eq!(output.status.code(), Some(3));
     assert!(String::from_utf8_lossy(&output.stderr).contains("channel a is no accelerometer"));
+}
+
+#[test]
+fn stated_uncertainties_give_intervals_and_none_gives_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = filtered(folder.path(), &constant(Some(20.0), Some(900.0), Some(60)));
+    let flags =
+        ["--speed-uncertainty", "0.36km/h uniform", "--gain-uncertainty", "1%", "--time-zero-uncertainty", "0.5ms"];
+    let artifact = result(&input, &flags);
+    let crush = events(&artifact);
+    let interval = crush.intervals.iter().find(|interval| interval.name == "dynamic_crush_m").unwrap();
+    let value = crush.dynamic_crush_m.unwrap();
+    assert!(interval.low < value && value < interval.high, "{interval:?} {value}");
+    assert_eq!(interval.interval_by, "5-95 % of 400 replicates");
+    let metrics: MetricsV1 = artifact.record("/metrics").unwrap().unwrap();
+    let olc = metrics.0.iter().find(|metric| metric.name == "olc").unwrap();
+    assert_eq!(olc.definition_id.as_deref(), Some("olc-tb027"));
+    assert!(olc.low < olc.value && olc.value < olc.high && olc.from_s < olc.to_s, "{olc:?}");
+    let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
+    assert!(
+        notes.notes.iter().any(|note| note.starts_with(
+            "intervals are 5-95 % of 400 replicates (seed 1) with impact speed +-0.36 km/h (uniform), gain 1 % \
+             (standard deviation, normal), time zero 0.5 ms (standard deviation, normal); an error of time zero moves"
+        )),
+        "{:?}",
+        notes.notes
+    );
+
+    let without = result(&input, &[&flags[..], &["--uncertainty-replicates", "0"]].concat());
+    assert_eq!(events(&without).intervals, []);
+    for wrong in [
+        ["--speed-uncertainty", "0.1"],
+        ["--gain-uncertainty", "1 km/h"],
+        ["--time-zero-uncertainty", "1ms triangular"],
+        ["--uncertainty-replicates", "5"],
+    ] {
+        assert_eq!(run(&input, &wrong).status.code(), Some(2), "{wrong:?}");
+    }
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_the_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = filtered(folder.path(), &constant(Some(20.0), Some(900.0), Some(60)));
+    let written = |threads: &str| {
+        let output = input.with_file_name(format!("{threads}.mcap"));
+        let status = Command::new(env!("CARGO_BIN_EXE_crumple-integrate"))
+            .arg(&input)
+            .args(["--speed-uncertainty", "0.1m/s", "--zero-level-uncertainty", "0.05g"])
+            .arg("-o")
+            .arg(&output)
+            .env("RAYON_NUM_THREADS", threads)
+            .status()
+            .unwrap();
+        assert!(status.success());
+        std::fs::read(output).unwrap()
+    };
+    assert_eq!(written("1"), written("3"));
 }

@@ -12,6 +12,8 @@ use crumple_metrics::{CrashEvents, Pulse, crash_events, pulse_metrics};
 use crumple_signal::{Acceleration, STANDARD_GRAVITY_M_PER_S2, Signal};
 
 const V0: f64 = 14.0;
+/// Replicates where nothing else is said.
+const N: usize = 1500;
 /// Half-sine of 25 g over 100 ms.
 const PEAK: f64 = 25.0 * STANDARD_GRAVITY_M_PER_S2;
 const DURATION_S: f64 = 0.1;
@@ -151,7 +153,7 @@ fn uncertainty(distribution: Distribution) -> Uncertainty {
         zero_level_m_per_s2: of(0.05 * STANDARD_GRAVITY_M_PER_S2),
         gain: of(0.01),
         time_zero_s: of(0.5e-3),
-        replicates: 4000,
+        replicates: N,
         seed: 1,
     }
 }
@@ -187,7 +189,7 @@ fn one_uncertain_input_gives_its_own_quantiles() {
         };
         // A quantile of N replicates has the standard deviation sqrt(0.05·0.95/N)/density; four of them are allowed, and
         // 2 % for the second order.
-        let noise = 4.0 * (0.05 * 0.95 / 4000.0_f64).sqrt() / density;
+        let noise = 4.0 * (0.05 * 0.95 / N as f64).sqrt() / density;
         let t = crush.time_s;
         for (stated, effect) in [
             (Uncertainty { impact_speed_m_per_s: all.impact_speed_m_per_s, ..nothing.clone() }, t * 0.1 / 3.6),
@@ -218,8 +220,8 @@ fn the_intervals_of_several_inputs_add_as_independent_errors() {
     ];
     let sum = effects.iter().map(|e| e * e).sum::<f64>().sqrt();
     let [[low, high], [early, late]] = of_crush(&uncertainty(Distribution::Normal));
-    // As above: noise of 4000 replicates and the second order.
-    let within = (4.0 * (0.05 * 0.95 / 4000.0_f64).sqrt() / 0.1031 + 0.02 * 1.6449) * sum;
+    // As above: noise of the replicates and the second order.
+    let within = (4.0 * (0.05 * 0.95 / N as f64).sqrt() / 0.1031 + 0.02 * 1.6449) * sum;
     close(high - crush.displacement_m, 1.6449 * sum, within, "high");
     close(crush.displacement_m - low, 1.6449 * sum, within, "low");
     assert!(early < t && t < late);
@@ -282,7 +284,7 @@ fn the_number_of_threads_and_of_replicates_changes_no_replicate() {
         pool.install(|| intervals(&stated, None))
     };
     assert_eq!(with(1), with(3));
-    let more = Uncertainty { replicates: 4000, ..stated.clone() };
+    let more = Uncertainty { replicates: N, ..stated.clone() };
     assert_eq!(stated.perturbation(7), more.perturbation(7));
     let alone = Uncertainty { gain: None, ..stated.clone() };
     assert_eq!(alone.perturbation(7), Perturbation { gain: 0.0, ..stated.perturbation(7) });

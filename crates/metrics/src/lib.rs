@@ -68,7 +68,10 @@ pub use separation::{acceleration_after_separation, restitution_of_two_bodies};
 pub use sliding_mean::{sliding_mean, sliding_mean_of_velocity};
 pub use square_wave::{average_square_wave, equivalent_square_wave};
 pub use stiffness::average_stiffness;
-pub use time_zero::{ThresholdRule, time_zero_by_threshold, time_zero_by_velocity_change};
+pub use time_zero::{
+    EDR_CHANGE_M_PER_S, EDR_INTERVAL_S, ThresholdRule, event_end_by_velocity_change, time_zero_by_threshold,
+    time_zero_by_velocity_change,
+};
 pub use vpi::{VpiOptions, vpi};
 
 /// Why a metric cannot be computed from what was given.

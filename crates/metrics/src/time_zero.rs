@@ -7,6 +7,11 @@ use crate::cumulative::{cumulative, in_samples};
 use crate::definitions::{TIME_ZERO_EDR, TIME_ZERO_THRESHOLD};
 use crate::sliding_mean::window_end;
 
+/// Interval of the rule for event data recorders, s.
+pub const EDR_INTERVAL_S: f64 = 0.02;
+/// Change of velocity in it, m/s (0.8 km/h).
+pub const EDR_CHANGE_M_PER_S: f64 = 0.8 / 3.6;
+
 /// A level that must hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ThresholdRule {
@@ -58,20 +63,31 @@ pub fn time_zero_by_threshold(acceleration: &Signal<Acceleration>, rule: Thresho
 /// Rule of event data recorders: the first sample after which the velocity changes by more than 0.8 km/h within 20 ms,
 /// s on the signal's axis (49 CFR 563.5). The point may precede contact by up to 20 ms.
 pub fn time_zero_by_velocity_change(acceleration: &Signal<Acceleration>) -> Metric {
-    const WINDOW_S: f64 = 0.02;
-    const CHANGE_M_PER_S: f64 = 0.8 / 3.6;
     let none = || Metric::absent(&TIME_ZERO_EDR, "no 20 ms of the record change the velocity by more than 0.8 km/h");
-    let v = cumulative(acceleration.samples(), acceleration.dt_s());
-    let Some((whole, part)) = in_samples(WINDOW_S, acceleration.dt_s()) else { return none() };
-    let starts = 0..v.len().saturating_sub(whole + usize::from(part > 0.0));
-    let mut changes = starts.map(|k| (window_end(&v, k, whole, part) - v[k]).abs());
-    match changes.position(|change| change > CHANGE_M_PER_S) {
+    match changes_of_velocity(acceleration).position(|change| change > EDR_CHANGE_M_PER_S) {
         Some(k) => {
             let from_s = acceleration.time_s(k);
-            Metric::found(&TIME_ZERO_EDR, from_s).over(from_s, from_s + WINDOW_S)
+            Metric::found(&TIME_ZERO_EDR, from_s).over(from_s, from_s + EDR_INTERVAL_S)
         }
         None => none(),
     }
+}
+
+/// End of the event by the same rule: the first sample at or after `from_s` after which the velocity changes by no more
+/// than 0.8 km/h within 20 ms, s on the signal's axis.
+pub fn event_end_by_velocity_change(acceleration: &Signal<Acceleration>, from_s: f64) -> Option<f64> {
+    let first = acceleration.index_at_or_after(from_s);
+    let after = changes_of_velocity(acceleration).skip(first).position(|change| change <= EDR_CHANGE_M_PER_S)?;
+    Some(acceleration.time_s(first + after))
+}
+
+/// |Change of velocity| in the 20 ms that begin at each sample, m/s, by the trapezoid, its end interpolated.
+fn changes_of_velocity(acceleration: &Signal<Acceleration>) -> impl Iterator<Item = f64> {
+    let v = cumulative(acceleration.samples(), acceleration.dt_s());
+    // An interval longer than any record leaves no start.
+    let (whole, part) = in_samples(EDR_INTERVAL_S, acceleration.dt_s()).unwrap_or((v.len(), 0.0));
+    let starts = 0..v.len().saturating_sub(whole + usize::from(part > 0.0));
+    starts.map(move |k| (window_end(&v, k, whole, part) - v[k]).abs())
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 pub mod fixture;
 pub mod pipeline;
+pub mod program;
 pub mod reference_signals;
 pub mod stopwatch;
 
