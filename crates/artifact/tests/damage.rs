@@ -215,3 +215,15 @@ fn a_nan_is_neither_written_nor_read() {
     let error = read(&foreign(&[("/wave/a", WaveBlockV1::SCHEMA, "bincode", &payload)], &[])).unwrap_err();
     insta::assert_snapshot!(error, @"x.mcap: topic /wave/a: sample 1 (t = 1.000000 s) is inf, a finite number is needed");
 }
+
+#[test]
+fn what_is_read_is_told_to_the_byte() {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let bytes = bytes(Compression::None);
+    std::fs::write(file.path(), &bytes).unwrap();
+    let mut told = 0;
+    let artifact = Artifact::open_reporting(file.path(), &mut |read| told += read).unwrap();
+    assert_eq!((told, artifact.stage()), (bytes.len() as u64, Some("filter")));
+    let missing = file.path().with_extension("none");
+    assert!(Artifact::open_reporting(&missing, &mut |_| panic!("nothing is there")).is_err());
+}
