@@ -17,7 +17,7 @@ const RANK_TOLERANCE: f64 = 1e-12;
 const SILENT: f64 = 1e-10;
 
 /// Samples per independent part of a long record.
-const PART: usize = 16_384;
+const PART: usize = 5_120;
 
 /// How the projection of the future on the past is weighted before its singular values are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
