@@ -1,39 +1,18 @@
 //! How well each method finds the ten parameters of the second nonlinear model, over 20 seeds.
 //!
-//! `cargo run --release -p crumple-parameter-solve --example nonlinear_search > docs/methods/nonlinear-search.md`
+//! `cargo run -p crumple-parameter-solve --example nonlinear_search > docs/methods/nonlinear-search.md`
 
 use crumple_lumped::{Model, ModelKind, Nonlinear2};
 use crumple_parameter_solve::{
-    Evidence, FireflyOptions, FireflyUnits, LShadeOptions, Method, NonlinearFitOptions, SolveError, SolveSettings,
+    Evidence, FireflyOptions, FireflyUnits, LShadeOptions, Method, NonlinearFitOptions, SolveSettings,
     firefly_nonlinear2, fit_nonlinear2, random_start_nonlinear2, solve,
 };
-use crumple_signal::{Displacement, Notes, Signal, SignalError};
+use crumple_signal::{Displacement, Notes, Signal};
 
 const SEEDS: u64 = 20;
 const V0: f64 = 9.7222;
 const CRUSH: f64 = 0.5063;
 const SAMPLES: usize = 60;
-
-#[derive(Debug)]
-struct Failed(String);
-
-impl From<SolveError> for Failed {
-    fn from(error: SolveError) -> Self {
-        Self(error.to_string())
-    }
-}
-
-impl From<crumple_lumped::LumpedError> for Failed {
-    fn from(error: crumple_lumped::LumpedError) -> Self {
-        Self(error.to_string())
-    }
-}
-
-impl From<SignalError> for Failed {
-    fn from(error: SignalError) -> Self {
-        Self(error.to_string())
-    }
-}
 
 /// Evaluations and root mean square errors, mm, over the seeds.
 struct Row {
@@ -42,10 +21,10 @@ struct Row {
     errors_mm: Vec<f64>,
 }
 
-fn main() -> Result<(), Failed> {
+fn main() -> anyhow::Result<()> {
     println!("# Searching ten parameters: methods, evaluations, errors\n");
     println!(
-        "Made by `cargo run --release -p crumple-parameter-solve --example nonlinear_search > docs/methods/nonlinear-search.md`.\n"
+        "Made by `cargo run -p crumple-parameter-solve --example nonlinear_search > docs/methods/nonlinear-search.md`.\n"
     );
     println!(
         "Two displacement records, {SAMPLES} samples each: one of the model itself (the parameters of Table 5 of the single-mass \
@@ -113,7 +92,7 @@ fn records() -> [(&'static str, Model); 2] {
     [("Record of the model itself", Model::Nonlinear2(table_5)), ("Record of a Kelvin model", Model::Kelvin(kelvin))]
 }
 
-fn rows(truth: &Model) -> Result<Vec<Row>, Failed> {
+fn rows(truth: &Model) -> anyhow::Result<Vec<Row>> {
     let response = truth.respond(V0, 1e-4, 1501)?;
     let x = Signal::<Displacement>::new(0.0, 1e-4, response.compartment().displacement_m.clone())?;
     let events = truth.events(V0)?;
