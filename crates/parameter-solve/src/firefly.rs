@@ -31,13 +31,15 @@ pub struct FireflyOptions {
     pub generations: usize,
     /// First width of the random step, in units of the range; halves every 500 generations.
     pub alpha: f64,
+    /// Attraction at no distance (`beta0` of the paper); 0 leaves the random walk alone.
+    pub beta0: f64,
     /// Seed of the random numbers.
     pub seed: u64,
 }
 
 impl Default for FireflyOptions {
     fn default() -> Self {
-        Self { units: FireflyUnits::Unit, fireflies: 40, generations: 500, alpha: 0.005, seed: 1 }
+        Self { units: FireflyUnits::Unit, fireflies: 40, generations: 500, alpha: 0.005, beta0: 1.0, seed: 1 }
     }
 }
 
@@ -57,7 +59,7 @@ const COEFFICIENT: f64 = 1e6;
 
 /// Firefly search for the ten parameters of the second nonlinear model.
 ///
-/// Each firefly moves towards every brighter one, `x_i += exp(-gamma r²)(x_j - x_i) + alpha (random - 1/2) range`, with
+/// Each firefly moves towards every brighter one, `x_i += beta0 exp(-gamma r²)(x_j - x_i) + alpha (random - 1/2) range`, with
 /// `gamma = 1/sqrt(L)` and `L` the length of the box's diagonal (single-mass paper, section 5.5; Yang 2009). A model
 /// without a response is dark. The same seed gives the same result on every machine.
 ///
@@ -116,7 +118,7 @@ pub fn firefly_nonlinear2(
     let gamma = length.sqrt().recip();
     let attraction = |a: &[f64; 10], b: &[f64; 10]| {
         let square: f64 = (0..10).map(|i| ((a[i] - b[i]) * scale[i]).powi(2)).sum();
-        (-gamma * square).exp()
+        search.beta0 * (-gamma * square).exp()
     };
     let mut swarm: Vec<[f64; 10]> = (0..search.fireflies).map(|_| std::array::from_fn(|_| uniform())).collect();
     let mut costs: Vec<f64> = swarm.iter().map(&mut cost).collect();

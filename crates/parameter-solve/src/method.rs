@@ -14,15 +14,18 @@ pub enum Method {
     Firefly,
     /// By the general global search, ended by a descent.
     LShade,
+    /// By the interior-point method of the single-mass paper.
+    InteriorPoint,
 }
 
 /// Name in candidate ids and pipeline files, and what it is in a few words, in the order of the variants.
-const TABLE: [(Method, &str, &str); 5] = [
+const TABLE: [(Method, &str, &str); 6] = [
     (Method::ClosedForm, "closed-form", "from the crash events"),
     (Method::DirectFit, "direct-fit", "to the motion of the test"),
     (Method::CoefficientMatching, "coefficient-matching", "from an identified model with four poles: every solution"),
     (Method::Firefly, "firefly", "population search of the single-mass paper"),
     (Method::LShade, "l-shade", "general global search, then a descent"),
+    (Method::InteriorPoint, "interior-point", "side constraints as in the single-mass paper"),
 ];
 
 /// All methods.

@@ -107,7 +107,7 @@ pub(crate) fn fit_sensors(
     (!minima.is_empty()).then_some(Fitted { minima, sensors, evaluations, remarks })
 }
 
-fn all(problem: &SensorProblem<'_>, points: Vec<Vec<f64>>, bounds: &Bounds) -> (Vec<Optimum>, u64) {
+pub(crate) fn all(problem: &SensorProblem<'_>, points: Vec<Vec<f64>>, bounds: &Bounds) -> (Vec<Optimum>, u64) {
     let found: Vec<_> = points.par_iter().map(|point| descend(problem, point, bounds)).collect();
     let mut found: Vec<Optimum> = found.into_iter().flatten().collect();
     let evaluations = found.iter().map(|m| m.evaluations).sum();

@@ -66,6 +66,7 @@ pub const SOLVERS: &[Solver] = {
         solver(K::Maxwell, Method::DirectFit, Motion, true, single_mass::maxwell),
         solver(K::Maxwell, Method::LShade, Motion, false, sensors::fit),
         solver(K::Nonlinear1, Method::DirectFit, Motion, true, single_mass::nonlinear1),
+        solver(K::Nonlinear1, Method::InteriorPoint, Motion, false, single_mass::interior_point),
         solver(K::Nonlinear1, Method::LShade, Motion, false, sensors::fit),
         solver(K::Nonlinear2, Method::DirectFit, Motion, true, single_mass::nonlinear2),
         solver(K::Nonlinear2, Method::Firefly, Motion, false, single_mass::firefly),

@@ -5,6 +5,7 @@
 use crumple_lumped::{Maxwell, Model, Nonlinear1, Nonlinear2};
 use crumple_parameter_solve::{
     FireflyOptions, FireflyUnits, NonlinearFitOptions, firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2,
+    interior_point_nonlinear1,
 };
 use crumple_signal::{Displacement, Signal};
 
@@ -123,4 +124,55 @@ fn the_printed_firefly_is_a_random_walk_and_the_scaled_one_is_not() {
     assert_eq!(run(FireflyUnits::Unit).model, scaled.model);
     let (_, fit, _) = fit_nonlinear2(&x, &wanted).unwrap();
     assert!(fit.rmse < 1e-6 * scaled.fit.rmse);
+}
+
+#[test]
+fn the_printed_firefly_is_bit_for_bit_the_walk_without_attraction() {
+    let truth = Model::Nonlinear2(table_5());
+    let x = record(&truth, 9.7222);
+    let wanted = NonlinearFitOptions { samples: 60, ..options(&truth, 9.7222, 0.5063, None) };
+    for seed in 1..=3 {
+        let run = |units, beta0| {
+            let search = FireflyOptions { units, generations: 20, seed, beta0, ..FireflyOptions::default() };
+            firefly_nonlinear2(&x, &wanted, &search).unwrap()
+        };
+        // exp(-gamma r²) underflows for every pair that differs by 0.1 % of a range: nothing is left but the walk.
+        let (printed, walk) = (run(FireflyUnits::Physical, 1.0), run(FireflyUnits::Physical, 0.0));
+        assert_eq!((printed.model, printed.fit), (walk.model, walk.fit));
+        // In the unit box the attraction makes the difference.
+        assert_ne!(run(FireflyUnits::Unit, 1.0).model, run(FireflyUnits::Unit, 0.0).model);
+    }
+}
+
+#[test]
+fn the_interior_point_reaches_the_point_of_the_augmented_lagrangian() {
+    let nonlinear = Model::Nonlinear1(Nonlinear1 {
+        mass_kg: 873.0,
+        k1_n_per_m: 23_700.0,
+        k2_n_per_m: 253_440.0,
+        c1_n_s_per_m: 56_816.0,
+        c2_n_s_per_m: 19_956.0,
+        c3_n_s_per_m: 1_795.0,
+        v_thresh_m_per_s: 2.7948,
+        crush_m: 0.5063,
+        v0_m_per_s: 9.7222,
+    });
+    let kelvin =
+        Model::Kelvin(crumple_lumped::Kelvin { mass_kg: 873.0, stiffness_n_per_m: 3e5, damping_n_s_per_m: 6e3 });
+    for truth in [nonlinear, kelvin] {
+        let events = truth.events(9.7222).unwrap();
+        let (crush, t_m) = (events.dynamic_crush_m.unwrap(), events.time_of_dynamic_crush_s.unwrap());
+        let options = options(&truth, 9.7222, crush, Some(t_m));
+        let (a, fit_a) = fit_nonlinear1(&record(&truth, 9.7222), &options, true).unwrap();
+        let (b, fit_b) = interior_point_nonlinear1(&record(&truth, 9.7222), &options).unwrap();
+        eprintln!("{a:?} {fit_a:?}\n{b:?} {fit_b:?}");
+        let at = Model::Nonlinear1(b).events(9.7222).unwrap();
+        // Feasibility tolerance of the method, 1e-8 of crush and speed.
+        assert!((at.dynamic_crush_m.unwrap() / crush - 1.0).abs() < 1e-7);
+        assert!((at.time_of_dynamic_crush_s.unwrap() - t_m).abs() < 1e-7);
+        assert!(b.k1_n_per_m <= b.k2_n_per_m && b.c1_n_s_per_m >= b.c2_n_s_per_m && b.c2_n_s_per_m >= b.c3_n_s_per_m);
+        // The method ends at 1e-8 of 1e4 crush²; seven barriers make ten of it, 1e-11 crush² over 190 samples: 1.2e-7 m
+        // where the misfit is nothing (a root), far less where it is.
+        assert!((fit_a.rmse - fit_b.rmse).abs() < 5e-7, "{} {}", fit_a.rmse, fit_b.rmse);
+    }
 }

@@ -1,6 +1,6 @@
 //! Any model fitted to acceleration, velocity or displacement of one or several sensors.
 
-use crumple_lumped::{Model, ModelKind};
+use crumple_lumped::{DoubleSpringMassDamper, Model, ModelKind};
 use crumple_signal::Notes;
 
 use crate::family::{Family, Scale};
@@ -14,6 +14,8 @@ use crate::{
     elastoplastic_from_events, fit_nonlinear1, fit_nonlinear2, kelvin_from_events, masses, triple_masses,
 };
 
+/// Sets that are reported at most.
+const REPORTED: usize = 3;
 /// Minima whose weighted errors differ by less than this share are all reported.
 const AS_GOOD: f64 = 1.01;
 
@@ -271,10 +273,11 @@ impl Report<'_> {
         let mut minima: Vec<Optimum> = self.found.minima.iter().filter(|m| self.level(m) <= limit).cloned().collect();
         if minima.len() > 1 {
             notes.warning(format!(
-                "{}: {} parameter sets fit equally well; the record does not determine the parameters",
+                "{}: {} parameter sets fit within 1 % as well as the best; the record does not determine the parameters",
                 self.task.model,
                 minima.len()
             ));
+            minima.truncate(REPORTED);
         }
         let mut own = vec![Vec::new(); minima.len()];
         if let Some(Model::DoubleSpringMassDamper(model)) = self.family.model(&best.theta) {
@@ -313,16 +316,22 @@ impl Report<'_> {
         ));
         let Some(best) = self.found.minima.first() else { return Vec::new() };
         let limit = AS_GOOD * self.level(best);
-        let mut seen: Vec<[f64; 5]> = Vec::new();
+        let mut seen: Vec<DoubleSpringMassDamper> = Vec::new();
         let mut found = Vec::new();
         for minimum in self.found.minima.iter().filter(|m| self.level(m) <= limit) {
             let Some(Model::DoubleSpringMassDamper(model)) = self.family.model(&minimum.theta) else { continue };
-            let [_, t, u, v, w] = model.characteristic_polynomial();
-            let place = [t, u, v, w, model.c1_n_s_per_m * model.c2_n_s_per_m].map(f64::ln);
-            if seen.iter().any(|other| place.iter().zip(other).all(|(a, b)| (a - b).abs() < 0.01)) {
+            // Alike within 1 %; dampers also where both are nothing beside the critical one of their spring.
+            let alike = |a: &DoubleSpringMassDamper, b: &DoubleSpringMassDamper| {
+                let near = |x: f64, y: f64, size: f64| (x - y).abs() <= 0.01 * x.abs().max(y.abs()).max(size);
+                near(a.k1_n_per_m, b.k1_n_per_m, 0.0)
+                    && near(a.k2_n_per_m, b.k2_n_per_m, 0.0)
+                    && near(a.c1_n_s_per_m, b.c1_n_s_per_m, 0.1 * (a.k1_n_per_m * a.m1_kg).sqrt())
+                    && near(a.c2_n_s_per_m, b.c2_n_s_per_m, 0.1 * (a.k2_n_per_m * a.m2_kg).sqrt())
+            };
+            if seen.iter().any(|other| alike(&model, other) || alike(&model.dual(), other)) {
                 continue;
             }
-            seen.push(place);
+            seen.push(model);
             let index = found.len() + 1;
             let dual = model.dual();
             let theta = self.family.theta(&Model::DoubleSpringMassDamper(dual));

@@ -7,7 +7,7 @@ use super::{crush_of, sensors};
 use crate::solver::Task;
 use crate::{
     Candidate, Fit, NonlinearFitOptions, SolveError, Uncertainty, firefly_nonlinear2, fit_maxwell, fit_nonlinear1,
-    fit_nonlinear2,
+    fit_nonlinear2, interior_point_nonlinear1,
 };
 
 type Found = (Model, Fit, Option<Uncertainty>);
@@ -31,6 +31,19 @@ pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     fitted(task, notes, |x, options, remarks| {
         remarks.push("constrained to the dynamic crush and its time; k1 <= k2, c1 >= c2 >= c3".to_owned());
         let (model, fit) = fit_nonlinear1(x, options, true)?;
+        Ok((Model::Nonlinear1(model), fit, None))
+    })
+}
+
+/// The same as the paper finds it.
+pub(crate) fn interior_point(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    fitted(task, notes, |x, options, remarks| {
+        remarks.push(
+            "the paper's way: interior point with x(t_m) = C, v(t_m) = 0, k1 <= k2, c1 >= c2 >= c3; direct-fit reaches the \
+             same point"
+                .to_owned(),
+        );
+        let (model, fit) = interior_point_nonlinear1(x, options)?;
         Ok((Model::Nonlinear1(model), fit, None))
     })
 }
