@@ -16,6 +16,32 @@ pub fn rmse(measured: &[f64], model: &[f64]) -> Option<f64> {
     Some(distance(measured, model)? / (measured.len() as f64).sqrt())
 }
 
+/// Fit of several records together: `100 (1 - |all errors| / |all deviations from each record's mean|)`, so that a record
+/// counts by its size. For one record that of [`fit_percent`].
+pub(crate) fn common_fit_percent(pairs: &[(&[f64], &[f64])]) -> Option<f64> {
+    if let [(measured, model)] = pairs {
+        return fit_percent(measured, model);
+    }
+    let (mut missed, mut spread) = (0.0, 0.0);
+    for (measured, model) in pairs {
+        let mean = measured.iter().sum::<f64>() / measured.len() as f64;
+        spread += distance(measured, &vec![mean; measured.len()])?.powi(2);
+        missed += distance(measured, model)?.powi(2);
+    }
+    let fit = 100.0 * (1.0 - (missed / spread).sqrt());
+    (spread > 0.0 && fit.is_finite()).then_some(fit)
+}
+
+/// Root mean square error of several records together.
+pub(crate) fn common_rmse(pairs: &[(&[f64], &[f64])]) -> Option<f64> {
+    if let [(measured, model)] = pairs {
+        return rmse(measured, model);
+    }
+    let count: usize = pairs.iter().map(|(measured, _)| measured.len()).sum();
+    let missed = pairs.iter().map(|(measured, model)| Some(distance(measured, model)?.powi(2))).sum::<Option<f64>>()?;
+    Some((missed / count as f64).sqrt()).filter(|rmse| rmse.is_finite())
+}
+
 /// Euclidean distance; `None` if the lengths differ, are zero, or the result is not finite.
 fn distance(a: &[f64], b: &[f64]) -> Option<f64> {
     if a.len() != b.len() || a.is_empty() {
