@@ -146,8 +146,11 @@ fn transfer_function_times() {
 }
 
 fn main() {
-    era_times();
-    arx_times();
-    subspace_times();
-    transfer_function_times();
+    // `cargo bench -p crumple-identify -- era` runs the groups whose name contains the word.
+    let only = std::env::args().skip(1).find(|word| !word.starts_with('-')).unwrap_or_default();
+    let groups: [(&str, fn()); 4] =
+        [("era", era_times), ("arx", arx_times), ("subspace", subspace_times), ("tfest", transfer_function_times)];
+    for (_, group) in groups.iter().filter(|(name, _)| name.contains(&only)) {
+        group();
+    }
 }

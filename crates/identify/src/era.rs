@@ -105,6 +105,21 @@ pub enum EraError {
         /// Columns.
         columns: usize,
     },
+    /// Fewer Markov parameters than the correlations take.
+    #[error(
+        "{parameters} Markov parameters, but correlations of {rows}x{columns} Hankel matrices over {lags} lags need {}",
+        rows + (*columns).max(1) + lags
+    )]
+    TooShortForCorrelations {
+        /// Samples after the first.
+        parameters: usize,
+        /// Rows of the Hankel matrices.
+        rows: usize,
+        /// Columns.
+        columns: usize,
+        /// The offset and twice the lag blocks.
+        lags: usize,
+    },
     /// More states than rows or columns.
     #[error("order {order} needs at least {order} rows and columns, the Hankel matrix is {rows}x{columns}")]
     OrderAboveSize {

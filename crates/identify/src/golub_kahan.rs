@@ -79,6 +79,9 @@ impl GolubKahan {
             let j = self.steps();
             let largest = self.diagonal.iter().chain(&self.superdiagonal).copied().fold(0.0, f64::max);
             h.multiply(Shift::Zero, &self.right[j * columns..], &mut u);
+            if j > 0 {
+                subtract(&mut u, self.superdiagonal[j - 1], &self.left[(j - 1) * rows..]);
+            }
             orthogonalize(&mut u, &self.left);
             let mut alpha = normalize(&mut u);
             let mut fresh_left = false;
@@ -92,6 +95,7 @@ impl GolubKahan {
                 u = fresh_direction(&mut self.rng, rows, &self.left);
             }
             h.multiply_transposed(Shift::Zero, &u, &mut w);
+            subtract(&mut w, alpha, &self.right[j * columns..]);
             orthogonalize(&mut w, &self.right);
             let mut beta = normalize(&mut w);
             self.fresh_right = beta <= BREAKDOWN * largest.max(alpha);
@@ -136,15 +140,39 @@ impl GolubKahan {
     }
 }
 
-/// Removes from `x` its part in the space of the orthonormal `basis`, twice: once leaves too much of it.
+/// Removes from `x` its part in the space of the orthonormal `basis`. Once is enough where little was removed: what is
+/// left of the part is then rounding of what stays. Where the norm falls below `1/sqrt 2` of what it was, much was
+/// removed, and it is done again; twice is always enough (Daniel, Gragg, Kaufman & Stewart, Math. Comp. 30, 1976).
 fn orthogonalize(x: &mut [f64], basis: &[f64]) {
-    for _ in 0..2 {
-        let components: Vec<f64> = basis.chunks_exact(x.len()).map(|b| dot(b, x)).collect();
-        for (b, c) in basis.chunks_exact(x.len()).zip(components) {
-            for (x, b) in x.iter_mut().zip(b) {
-                *x -= c * b;
-            }
+    let before = dot(x, x);
+    if remove(x, basis) < 0.5 * before {
+        remove(x, basis);
+    }
+}
+
+/// One pass of [`orthogonalize`]; returns the square of the norm that is left.
+fn remove(x: &mut [f64], basis: &[f64]) -> f64 {
+    // Four vectors at a time: each pass over `x` serves them all.
+    let vectors: Vec<&[f64]> = basis.chunks_exact(x.len()).collect();
+    let components: Vec<f64> = vectors.iter().map(|b| dot(b, x)).collect();
+    let mut groups = vectors.chunks_exact(4);
+    let mut coefficients = components.chunks_exact(4);
+    for (b, c) in groups.by_ref().zip(coefficients.by_ref()) {
+        let rest = b[0].iter().zip(b[1]).zip(b[2].iter().zip(b[3]));
+        for (x, ((b0, b1), (b2, b3))) in x.iter_mut().zip(rest) {
+            *x -= (c[0] * b0 + c[1] * b1) + (c[2] * b2 + c[3] * b3);
         }
+    }
+    for (b, c) in groups.remainder().iter().zip(coefficients.remainder()) {
+        subtract(x, *c, b);
+    }
+    dot(x, x)
+}
+
+/// `x -= factor b`.
+fn subtract(x: &mut [f64], factor: f64, b: &[f64]) {
+    for (x, b) in x.iter_mut().zip(b) {
+        *x -= factor * b;
     }
 }
 

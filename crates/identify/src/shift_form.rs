@@ -59,8 +59,7 @@ pub(crate) fn state_matrix(
         _ => {
             let (q, r) = early.into_owned().qr().unpack();
             let svd = jacobi_svd(&r)?;
-            let smallest = svd.values.last().copied().filter(|s| *s > f64::EPSILON)?;
-            debug_assert!(smallest > 0.0);
+            svd.values.last().filter(|s| **s > f64::EPSILON)?;
             let mut parts = svd.left.tr_mul(&q.tr_mul(&late));
             for (mut row, s) in parts.row_iter_mut().zip(&svd.values) {
                 row.unscale_mut(*s);
