@@ -1,4 +1,4 @@
-//! The discrete methods: subspace, ARX, output error.
+//! The discrete methods with an input: subspace, ARX, output error, and through Markov parameters OKID and FIR.
 
 use crumple_identify::{
     ArxOrder, IdentifyError, IoData, Order, OutputErrorOptions, Stop, Subspace, SubspaceOptions, Weighting, arx,
@@ -8,7 +8,9 @@ use crumple_lti::{Mode, StateSpace, undo_zero_order_hold};
 use crumple_signal::TestDescription;
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 
+use crate::by_markov::{impulse_response, okid};
 use crate::evidence::{evidence, growth_notes, identification, modes, percent};
+use crate::hankel_settings::HankelSettings;
 use crate::input_output::{Cut, pair};
 use crate::options::{BeyondEra, Settings};
 use crate::to_records::state_space;
@@ -17,13 +19,30 @@ use crate::to_records::state_space;
 const AUTOMATIC_ORDER: usize = 4;
 
 /// A model of one order and what its method knows about it.
-struct Found {
-    model: StateSpace,
-    parameters: usize,
-    singular_values: Vec<f64>,
-    prediction_fit_percent: Option<f64>,
-    stop_reason: Option<&'static str>,
-    notes: Vec<String>,
+pub struct Found {
+    pub model: StateSpace,
+    pub parameters: usize,
+    pub singular_values: Vec<f64>,
+    pub prediction_fit_percent: Option<f64>,
+    pub stop_reason: Option<&'static str>,
+    pub notes: Vec<String>,
+    /// Models written beside the one that is simulated, by the last part of their topic.
+    pub beside: Vec<(&'static str, StateSpace)>,
+}
+
+impl Found {
+    /// Nothing but the model.
+    pub fn new(model: StateSpace, parameters: usize) -> Self {
+        Self {
+            model,
+            parameters,
+            singular_values: Vec::new(),
+            prediction_fit_percent: None,
+            stop_reason: None,
+            notes: Vec::new(),
+            beside: Vec::new(),
+        }
+    }
 }
 
 /// One model per order. What one order does not allow is a note; an error only if there is no model at all.
@@ -48,7 +67,7 @@ pub fn run(
                 AUTOMATIC_ORDER
             }
         };
-        let found = identify(method, order, &data, beyond)
+        let found = identify(method, order, &data, beyond, settings.hankel.as_ref())
             .and_then(|found| Ok((simulate_fitted(&found.model, &data)?.0, found)));
         match found {
             Ok((mut simulated, found)) => {
@@ -68,6 +87,8 @@ pub fn run(
         }
     }
     match failure.filter(|_| written == 0) {
+        // Nothing is passed on, but what was found is written: it is a result.
+        Some(error @ IdentifyError::Diverged { .. }) => Ok(Outcome::NoAcceptableResult(error.to_string())),
         Some(error) => {
             Err(error).refuse_with_hint("lower --orders, widen the window (--from, --to), or name other waveforms")
         }
@@ -75,21 +96,24 @@ pub fn run(
     }
 }
 
-fn identify(method: &str, order: usize, data: &IoData, beyond: &BeyondEra) -> Result<Found, IdentifyError> {
-    let none = |model: StateSpace, parameters: usize| Found {
-        model,
-        parameters,
-        singular_values: Vec::new(),
-        prediction_fit_percent: None,
-        stop_reason: None,
-        notes: Vec::new(),
-    };
+fn identify(
+    method: &str,
+    order: usize,
+    data: &IoData,
+    beyond: &BeyondEra,
+    hankel: Option<&HankelSettings>,
+) -> Result<Found, IdentifyError> {
+    match (method, hankel) {
+        ("okid", Some(hankel)) => return okid(order, data, hankel),
+        ("fir", Some(hankel)) => return impulse_response(order, data, hankel, beyond.initial == "zero"),
+        _ => {}
+    }
     match method {
         "arx" => {
             let model = arx(data, ArxOrder { na: order, nb: order + 1, nk: 0 })?;
             let predicted = fit_measures(&data.outputs()[0], &model.predict(data)).and_then(|fit| fit.fit_percent);
             let parameters = 2 * order + 1;
-            Ok(Found { prediction_fit_percent: predicted, ..none(model.state_space()?, parameters) })
+            Ok(Found { prediction_fit_percent: predicted, ..Found::new(model.state_space()?, parameters) })
         }
         "output-error" => {
             let options = OutputErrorOptions {
@@ -97,7 +121,10 @@ fn identify(method: &str, order: usize, data: &IoData, beyond: &BeyondEra) -> Re
                 ..OutputErrorOptions::new(order)
             };
             let found = output_error(data, options)?;
-            Ok(Found { stop_reason: Some(found.termination.name()), ..none(found.model, found.criteria.parameters) })
+            Ok(Found {
+                stop_reason: Some(found.termination.name()),
+                ..Found::new(found.model, found.criteria.parameters)
+            })
         }
         name => {
             let weighting = Weighting::ALL.into_iter().find(|w| w.name() == name).unwrap_or(Weighting::N4sid);
@@ -114,7 +141,7 @@ fn identify(method: &str, order: usize, data: &IoData, beyond: &BeyondEra) -> Re
             Ok(Found {
                 singular_values: subspace.singular_values().to_vec(),
                 notes,
-                ..none(found.model, 3 * order + 1)
+                ..Found::new(found.model, 3 * order + 1)
             })
         }
     }
@@ -135,6 +162,10 @@ fn put(
     match undo_zero_order_hold(&found.model) {
         Ok(continuous) => out.put(&format!("/model/{id}/continuous"), &state_space(&continuous, &input, &output))?,
         Err(error) => notes.push(format!("no continuous model: {error}")),
+    }
+    for (name, model) in &found.beside {
+        let inputs = format!("{input}; {output}");
+        out.put(&format!("/model/{id}/{name}"), &state_space(model, &inputs, &output))?;
     }
     let dt = answer.sampled.dt_s();
     let pairs: Vec<_> =

@@ -7,7 +7,7 @@ use crate::correlations::{CorrelationSize, Correlations};
 use crate::era::{Known, decompose, realization};
 use crate::factors::Factors;
 use crate::input_matrices::grows;
-use crate::least_squares::TriangularFactor;
+use crate::input_matrix::input_matrix_of;
 use crate::order::order_by_gap;
 use crate::shift_form::state_matrix;
 use crate::shift_pair::{Shift, ShiftPair};
@@ -136,7 +136,9 @@ impl<'a> EraDc<'a> {
         // A model that grows beyond bounds is fitted where it was found.
         let samples = self.scaled[0].len();
         let samples = if grows(&a, samples) { rows } else { samples };
-        let b = self.input_matrix(&a, &c, samples).ok_or_else(failed)?;
+        let parameters: Vec<Vec<&[f64]>> =
+            (0..q).map(|i| (0..m).map(|j| &self.scaled[i * m + j][..samples]).collect()).collect();
+        let b = input_matrix_of(&a, &c, &parameters).ok_or_else(failed)?;
         let controllability = self.controllability(&observability).ok_or_else(failed)?;
         let root = self.scale.sqrt();
         let d = DMatrix::from_fn(q, m, |i, j| self.markov.sequence(i, j)[0]);
@@ -155,34 +157,6 @@ impl<'a> EraDc<'a> {
                 chosen,
             },
         )
-    }
-
-    /// `B` such that `C A^(k-1) B` fits the first scaled Markov parameters best.
-    fn input_matrix(&self, a: &DMatrix<f64>, c: &DMatrix<f64>, samples: usize) -> Option<DMatrix<f64>> {
-        let (n, m, q) = (a.nrows(), self.markov.inputs(), c.nrows());
-        let mut factor = TriangularFactor::new(n + m);
-        let block = TriangularFactor::block_rows(n + m).div_ceil(q);
-        let mut free = c.clone();
-        let mut next = free.clone();
-        for start in (0..samples).step_by(block) {
-            let count = block.min(samples - start);
-            let rows = count * q;
-            let mut data = vec![0.0; rows * (n + m)];
-            for k in 0..count {
-                for i in 0..q {
-                    for s in 0..n {
-                        data[s * rows + k * q + i] = free[(i, s)];
-                    }
-                    for j in 0..m {
-                        data[(n + j) * rows + k * q + i] = self.scaled[i * m + j][start + k];
-                    }
-                }
-                free.mul_to(a, &mut next);
-                std::mem::swap(&mut free, &mut next);
-            }
-            factor.push(rows, &mut data);
-        }
-        Some(factor.solve(m, 1e-12)?.coefficients)
     }
 
     /// `pinv(O) H_0`: the identified sequence `[B, A B, ...]` that coherence is judged by, up to a factor.

@@ -3,6 +3,7 @@
 use crumple_lti::StateSpace;
 use nalgebra::DMatrix;
 
+use crate::input_matrix::input_matrix_of;
 use crate::lagged_regression::LaggedRegression;
 use crate::{Era, EraOptions, IdentifyError, InformationCriteria, IoData, MarkovParameters, Order};
 
@@ -74,6 +75,21 @@ pub struct Okid {
     input_scales: Vec<f64>,
     output_scales: Vec<f64>,
     sample_time_s: f64,
+}
+
+/// Settings of [`Okid::realize`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct OkidRealization {
+    /// Whether ERA is given the sequences of system and gain together.
+    pub jointly: bool,
+    /// Highest order that [`Order::Automatic`] considers.
+    pub max_order: usize,
+}
+
+impl Default for OkidRealization {
+    fn default() -> Self {
+        Self { jointly: true, max_order: 20 }
+    }
 }
 
 /// A model from OKID.
@@ -246,23 +262,35 @@ impl Okid {
         self.sequences[i * width + m + j].iter().map(|o| o * scale).collect()
     }
 
-    /// The model of one order: ERA on both sequences jointly.
-    pub fn realize(&self, order: Order, max_order: usize) -> Result<OkidModel, IdentifyError> {
+    /// The model of one order by ERA: on both sequences jointly, or on those of the system alone with the gain then fitted
+    /// by least squares to `C A^(k-1) G`.
+    ///
+    /// Jointly the gain takes part in the choice of states. Where the regression is rank-deficient (data without noise,
+    /// equal outputs) the gain is not determined and its sequence has states of its own, which disturb; and where it is
+    /// large, the states that few inputs move are lost first. Then take the system alone.
+    pub fn realize(&self, order: Order, options: OkidRealization) -> Result<OkidModel, IdentifyError> {
         let (m, q) = (self.input_scales.len(), self.output_scales.len());
-        let markov = MarkovParameters::new(self.sequences.iter().map(Vec::as_slice).collect(), m + q)?;
-        let options = EraOptions { max_order, ..EraOptions::new(self.sample_time_s) };
-        let found = Era::of(markov, options, &[order])?.realize(order)?;
+        let jointly = options.jointly || m == 0;
+        let width = if jointly { m + q } else { m };
+        let sequence = |i: usize, s: usize| self.sequences[i * (m + q) + s].as_slice();
+        let sequences = (0..q).flat_map(|i| (0..width).map(move |s| (i, s))).map(|(i, s)| sequence(i, s)).collect();
+        let markov = MarkovParameters::new(sequences, width)?;
+        let era = EraOptions { max_order: options.max_order, ..EraOptions::new(self.sample_time_s) };
+        let found = Era::of(markov, era, &[order])?.realize(order)?;
         let n = found.order();
-        let joint = &found.discrete;
-        let b = DMatrix::from_fn(n, m, |s, j| joint.b[(s, j)] / self.input_scales[j]);
-        let kalman_gain = DMatrix::from_fn(n, q, |s, i| -joint.b[(s, m + i)] / self.output_scales[i]);
-        let c = DMatrix::from_fn(q, n, |i, s| joint.c[(i, s)] * self.output_scales[i]);
-        let d = DMatrix::from_fn(q, m, |i, j| joint.d[(i, j)] * self.output_scales[i] / self.input_scales[j]);
+        let StateSpace { a, b, c, d, .. } = found.discrete;
+        let gain = if jointly {
+            b.columns(m, q).into_owned()
+        } else {
+            let gains: Vec<Vec<&[f64]>> = (0..q).map(|i| (0..q).map(|j| &sequence(i, m + j)[1..]).collect()).collect();
+            input_matrix_of(&a, &c, &gains)
+                .ok_or(IdentifyError::NotConverged("the least-squares fit of the observer gain"))?
+        };
+        let b = DMatrix::from_fn(n, m, |s, j| b[(s, j)] / self.input_scales[j]);
+        let kalman_gain = DMatrix::from_fn(n, q, |s, i| -gain[(s, i)] / self.output_scales[i]);
+        let c = DMatrix::from_fn(q, n, |i, s| c[(i, s)] * self.output_scales[i]);
+        let d = DMatrix::from_fn(q, m, |i, j| d[(i, j)] * self.output_scales[i] / self.input_scales[j]);
         let singular_values = found.singular_values.into_iter().zip(found.singular_value_errors).collect();
-        Ok(OkidModel {
-            model: StateSpace::new(joint.a.clone(), b, c, d, Some(self.sample_time_s))?,
-            kalman_gain,
-            singular_values,
-        })
+        Ok(OkidModel { model: StateSpace::new(a, b, c, d, Some(self.sample_time_s))?, kalman_gain, singular_values })
     }
 }

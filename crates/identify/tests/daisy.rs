@@ -4,8 +4,9 @@
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 use crumple_identify::{
-    ArxOrder, Criterion, EraOptions, FirOptions, IdentifyError, IoData, Kernel, Lags, Okid, OkidOptions, Order,
-    OutputErrorOptions, Subspace, SubspaceOptions, Weighting, arx, compare, era, fir, fit_measures, output_error,
+    ArxOrder, Criterion, EraOptions, FirOptions, IdentifyError, IoData, Kernel, Lags, Okid, OkidOptions,
+    OkidRealization, Order, OutputErrorOptions, Subspace, SubspaceOptions, Weighting, arx, compare, era, fir,
+    fit_measures, output_error,
 };
 use crumple_lti::StateSpace;
 
@@ -86,22 +87,26 @@ fn output_error_line(estimation: &IoData, validation: &IoData, options: OutputEr
     second[0]
 }
 
-/// OKID at several orders; the best fit of the first output.
-fn okid_lines(estimation: &IoData, validation: &IoData, lags: Lags, orders: &[usize]) -> f64 {
+/// OKID at several orders, states chosen from system and gain together, and from the system alone; the best fit of each
+/// on the first output.
+fn okid_lines(estimation: &IoData, validation: &IoData, lags: Lags, orders: &[usize]) -> [f64; 2] {
     let okid = Okid::new(estimation, OkidOptions::new(lags)).unwrap();
-    let mut best = f64::NEG_INFINITY;
-    for order in orders {
-        let found = okid.realize(Order::Given(*order), 20).unwrap();
-        let simulated = fits(&found.model, validation);
-        // The predictor sees the outputs too.
-        let seen = validation.inputs().iter().chain(validation.outputs()).cloned().collect();
-        let seen = IoData::new(seen, validation.outputs().to_vec(), validation.sample_time_s()).unwrap();
-        let predicted = fits(&found.predictor().unwrap(), &seen);
-        let name = format!("okid order {order}, {} lags simulated | 1 step", okid.lags);
-        line(&name, &[simulated[0], predicted[0]]);
-        best = best.max(simulated[0]);
-    }
-    best
+    // The predictor sees the outputs too.
+    let seen = validation.inputs().iter().chain(validation.outputs()).cloned().collect();
+    let seen = IoData::new(seen, validation.outputs().to_vec(), validation.sample_time_s()).unwrap();
+    [true, false].map(|jointly| {
+        let one = |order: &usize| {
+            let options = OkidRealization { jointly, ..OkidRealization::default() };
+            let found = okid.realize(Order::Given(*order), options).unwrap();
+            let simulated = fits(&found.model, validation)[0];
+            let predicted = fits(&found.predictor().unwrap(), &seen)[0];
+            let states = if jointly { "joint" } else { "system" };
+            let name = format!("okid order {order}, {} lags, {states} | 1 step", okid.lags);
+            line(&name, &[simulated, predicted]);
+            simulated
+        };
+        orders.iter().map(one).fold(f64::NEG_INFINITY, f64::max)
+    })
 }
 
 /// ERA on the regularised impulse response.
@@ -126,10 +131,12 @@ fn hair_dryer() {
     let best = subspace_table(&estimation, &validation, &[2, 3, 4], 10);
     let okid = [BY_AICC, BY_BIC, Lags::Given(20)].map(|lags| okid_lines(&estimation, &validation, lags, &[3, 4]));
     for kernel in Kernel::ALL {
-        fir_line(&estimation, &validation, 60, kernel, 3);
-        fir_line(&estimation, &validation, 60, kernel, 4);
+        let fir = [3, 4].map(|order| fir_line(&estimation, &validation, 60, kernel, order));
+        // A short response to an input that excites: 85.7 was measured with every kernel.
+        assert!(fir.iter().all(|fit| *fit > 85.4), "{fir:?}");
     }
-    println!("best of OKID {okid:?}");
+    // In the neighbourhood of the subspace methods, of which OKID is a forerunner: 85.85 and 85.90 were measured.
+    assert!(okid[1][0] > 85.5 && okid[1][1] > 85.5, "{okid:?}");
     let mut refined = best;
     for (order, delay) in [(2, 2), (3, 2), (4, 2), (3, 1), (4, 1)] {
         let options = OutputErrorOptions { direct: true, delay, ..OutputErrorOptions::new(order) };
@@ -148,7 +155,8 @@ fn flexible_robot_arm() {
     }
     subspace_table(&estimation, &validation, &[4, 6, 8], 12);
     let okid = [BY_AICC, BY_BIC, Lags::Given(20)].map(|lags| okid_lines(&estimation, &validation, lags, &[4, 6, 8]));
-    println!("best of OKID {okid:?}");
+    // States of the system alone: 97.0 was measured, as good as the subspace methods. Jointly they are lost to the gain.
+    assert!(okid.iter().all(|[_, system]| *system > 96.4), "{okid:?}");
     for kernel in Kernel::ALL {
         fir_line(&estimation, &validation, 200, kernel, 6);
     }
