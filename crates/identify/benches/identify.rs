@@ -211,8 +211,14 @@ fn transfer_function_times() {
 fn main() {
     // `cargo bench -p crumple-identify -- era` runs the groups whose name contains the word.
     let only = std::env::args().skip(1).find(|word| !word.starts_with('-')).unwrap_or_default();
-    let groups: [(&str, fn()); 6] =
-        [("era", era_times), ("arx", arx_times), ("subspace", subspace_times), ("tfest", transfer_function_times)];
+    let groups: [(&str, fn()); 6] = [
+        ("era", era_times),
+        ("era-dc", era_dc_times),
+        ("okid", okid_times),
+        ("arx", arx_times),
+        ("subspace", subspace_times),
+        ("tfest", transfer_function_times),
+    ];
     for (_, group) in groups.iter().filter(|(name, _)| name.contains(&only)) {
         group();
     }

@@ -148,13 +148,13 @@ impl LaggedRegression<'_> {
         // Along a diagonal: the same two signals, the same distance, rising offsets.
         order.sort_by_key(|j| self.columns[*j]);
         let mut gram = DMatrix::zeros(order.len(), order.len());
-        let mut last: std::collections::BTreeMap<(usize, usize, isize), (usize, f64)> =
+        let mut last: std::collections::BTreeMap<(usize, usize, usize), (usize, f64)> =
             std::collections::BTreeMap::new();
         for (position, &i) in order.iter().enumerate() {
             let (s, from_i) = self.columns[i];
             for &j in &order[position..] {
                 let (t, from_j) = self.columns[j];
-                let key = (s, t, from_j as isize - from_i as isize);
+                let key = (s, t, from_j.wrapping_sub(from_i));
                 let product = match last.get(&key) {
                     Some(&(from, sum)) if from + 1 == from_i => {
                         let (a, b) = (self.signals[s], self.signals[t]);

@@ -8,7 +8,7 @@ use crumple_lti::Complex;
 /// Two shapes of two sensors are easily alike: it says little with fewer than four sensors. Allemang & Brown, IMAC 1982.
 pub fn modal_assurance(p: &[Complex], q: &[Complex]) -> Option<f64> {
     let inner: Complex = p.iter().zip(q).map(|(p, q)| p.conj() * q).sum();
-    let square = |shape: &[Complex]| shape.iter().map(|x| x.norm_sqr()).sum::<f64>();
+    let square = |shape: &[Complex]| shape.iter().map(Complex::norm_sqr).sum::<f64>();
     let mac = inner.norm_sqr() / (square(p) * square(q));
     // Rounding may carry it past 1.
     (p.len() == q.len() && mac.is_finite()).then_some(mac.min(1.0))

@@ -129,7 +129,7 @@ impl Okid {
     /// Juang, Phan, Horta & Longman, J. Guidance 16(2), 1993; Juang, *Applied System Identification*, 1994.
     pub fn new(data: &IoData, options: OkidOptions) -> Result<Self, IdentifyError> {
         let found = Self::unchecked(data, options)?;
-        if !(found.growth <= DIVERGED) {
+        if found.growth > DIVERGED {
             return Err(IdentifyError::Diverged { growth: found.growth, lags: found.lags });
         }
         Ok(found)

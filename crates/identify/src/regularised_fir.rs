@@ -113,7 +113,7 @@ pub fn fir(data: &IoData, options: FirOptions) -> Result<Fir, IdentifyError> {
 
     let estimates: Vec<(DVector<f64>, Option<Hyperparameters>)> = if kernel == Kernel::None {
         let solution = factor.solve(q, 0.0).ok_or_else(failed)?;
-        if !(solution.condition <= CONDITION_LIMIT) {
+        if solution.condition > CONDITION_LIMIT {
             return Err(IdentifyError::IllConditioned {
                 method: "fir",
                 condition: solution.condition,
@@ -125,7 +125,7 @@ pub fn fir(data: &IoData, options: FirOptions) -> Result<Fir, IdentifyError> {
         let whole = factor.matrix();
         let r = whole.view((0, 0), (unknowns, unknowns)).into_owned();
         let mut all = Vec::with_capacity(q);
-        for i in 0..q {
+        for (i, scale) in y_scales.iter().enumerate() {
             let target = whole.column(unknowns + i);
             let evidence = Evidence {
                 r: &r,
@@ -141,7 +141,7 @@ pub fn fir(data: &IoData, options: FirOptions) -> Result<Fir, IdentifyError> {
                 decay: best.shape.lambda(),
                 likeness: best.shape.rho(),
                 signal_to_noise: best.ratio,
-                noise_variance: best.noise_variance * y_scales[i] * y_scales[i],
+                noise_variance: best.noise_variance * scale * scale,
                 effective_parameters: best.values.iter().map(|d| best.ratio * d / (1.0 + best.ratio * d)).sum(),
             };
             all.push((h, Some(hyperparameters)));

@@ -27,9 +27,13 @@ pub fn window_start(settings: &Settings, inputs: &Inputs) -> anyhow::Result<(f64
         let rule = "the time of the rebound velocity, when the vehicle parts from the barrier";
         return Ok((start, Some(format!("free decay from {start:.5} s on, {rule}"))));
     }
-    let zero_s = events.map_or(0.0, |events| events.time_zero_s);
+    let zero_s = events.as_ref().map_or(0.0, |events| events.time_zero_s);
     let test = inputs.test()?;
-    let pulse = &test.pulse_channel().refuse_with_hint("give the start as a time with --from")?.id;
+    // The crash pulse is the channel that the events were read from.
+    let pulse = match &events {
+        Some(events) => &events.channel,
+        None => &test.pulse_channel().refuse_with_hint("give the start as a time with --from")?.id,
+    };
     let wave = &inputs.wave(pulse)?.sampled;
     let first = wave.index_at_or_after(zero_s + settings.from_s);
     let end = settings.to_s.map_or(wave.len(), |to| wave.index_at_or_after(zero_s + to + wave.dt_s() / 2.0));
