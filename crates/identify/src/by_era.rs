@@ -4,6 +4,7 @@ use crumple_identify::{Era, EraDc, EraDcOptions, EraError, EraOptions, MarkovPar
 use crumple_signal::{Acceleration, Sampled, TestDescription};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Refused};
 
+use crate::hankel_settings::HankelSettings;
 use crate::options::Settings;
 use crate::to_records::{Window, put_model};
 use crate::{channel, window};
@@ -121,7 +122,7 @@ fn decompose<'a>(
         max_order: settings.max_order,
         rows: settings.rows,
         columns: settings.columns,
-        shift: hankel.map(|hankel| hankel.form()).unwrap_or_default(),
+        shift: hankel.map(HankelSettings::form).unwrap_or_default(),
         ..EraOptions::new(windows[0].dt_s())
     };
     let markov = MarkovParameters::new(windows.iter().map(Sampled::samples).collect(), 1)?;

@@ -59,7 +59,7 @@ pub fn put_model(model: &Realization, window: &Window<'_>, notes: &Notes, out: &
     out.put(&format!("/identification/{id}"), &identification(model, window, notes))?;
     // Of several channels the residuals stand one after the other.
     let first = &window.sampled[0];
-    let samples = window.sampled.iter().flat_map(|sampled| sampled.samples()).copied().collect();
+    let samples = window.sampled.iter().flat_map(Sampled::samples).copied().collect();
     let sampled = Sampled::new(first.t0_s(), first.dt_s(), samples)?;
     let cut = Cut { id: window.channels.join(", "), quantity: QuantityKind::Acceleration, sampled };
     let response = markov_parameters(&model.discrete, first.len()).concat();

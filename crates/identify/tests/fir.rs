@@ -59,8 +59,8 @@ fn short_noisy_records_are_estimated_better_than_by_least_squares_every_time() {
             errors.push(error(&fir(&data, FirOptions { taps, kernel, at_rest: true }).unwrap(), taps));
         }
     }
-    for seed in 0..25 {
-        let [tuned, diagonal, plain] = [0, 1, 2].map(|k| all[k][seed]);
+    let [with_tuned, with_diagonal, without] = &all;
+    for (seed, ((tuned, diagonal), plain)) in with_tuned.iter().zip(with_diagonal).zip(without).enumerate() {
         assert!(tuned < plain && diagonal < plain, "seed {seed}: {tuned} {diagonal} {plain}");
     }
     let medians = all.map(|mut errors| {
