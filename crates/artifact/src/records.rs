@@ -16,6 +16,7 @@ mod metrics;
 mod model;
 mod notes;
 mod quality;
+mod shapes;
 mod simulation;
 mod test;
 mod wave;
@@ -31,6 +32,7 @@ pub use metrics::{MetricV1, MetricsV1};
 pub use model::{ExponentialSumV1, ExponentialTermV1, ModeV1, ModesV1, StateSpaceV1, TransferFunctionV1};
 pub use notes::NotesV1;
 pub use quality::QualityV1;
+pub use shapes::{ShapeV1, ShapesV1};
 pub use simulation::SimulationV1;
 pub use test::{ChannelV1, SourceV1, TestV1};
 pub use wave::WaveBlockV1;
@@ -73,6 +75,7 @@ record! {
     DiagnosisV1 => "crumple.Diagnosis.v1",
     EventsV1 => "crumple.Events.v1",
     EvidenceV1 => "crumple.Evidence.v1",
+    ShapesV1 => "crumple.Shapes.v1",
     ExponentialSumV1 => "crumple.ExponentialSum.v1",
     IdentificationV1 => "crumple.Identification.v1",
     MatchingV1 => "crumple.Matching.v1",

@@ -214,6 +214,17 @@ fn the_layout_of_every_record_type_is_frozen() {
         zeros_im_rad_per_s: vec![0.0],
         singular_value_errors: vec![1e-9],
     });
+    freeze(&ShapesV1 {
+        channels: vec!["93".into(), "95".into()],
+        shapes: vec![ShapeV1 {
+            re_per_s: -3.5,
+            im_rad_per_s: 50.0,
+            re: vec![1.0, -0.5],
+            im: vec![0.0, 0.25],
+            phase_collinearity: Some(0.75),
+        }],
+        modal_assurance: vec![vec![1.0]],
+    });
     freeze(&SimulationV1 {
         dynamic_crush_m: Some(0.75),
         time_of_dynamic_crush_s: Some(0.074),

@@ -5,8 +5,9 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use crumple_identify::{
-    ArxOrder, Era, EraOptions, IoData, Order, Start, Subspace, SubspaceOptions, TransferFunctionOptions, Weighting,
-    arx, transfer_function_fit,
+    ArxOrder, Criterion, Era, EraDcOptions, EraOptions, FirOptions, IoData, Kernel, Lags, MarkovParameters, Okid,
+    OkidOptions, OkidRealization, Order, Start, Subspace, SubspaceOptions, TransferFunctionOptions, Weighting, arx,
+    era_dc, fir, transfer_function_fit,
 };
 use crumple_lti::{StateSpace, discretize_first_order_hold};
 use nalgebra::{DMatrix, DVector};
@@ -101,6 +102,68 @@ fn subspace_times() {
     }
 }
 
+fn era_dc_times() {
+    let wave = |t: f64| (-30.0 * t).exp() * (60.0 * t).sin() + 0.2 * (-12.0 * t).exp() * (400.0 * t).cos();
+    let record: Vec<f64> = (0..10_001).map(|k| wave(k as f64 * 1e-4) + 0.01 * noise(k)).collect();
+    let options =
+        EraDcOptions { era: EraOptions { order: Order::Given(4), ..EraOptions::new(1e-4) }, ..EraDcOptions::new(1e-4) };
+    let time = median(5, || {
+        black_box(era_dc(&record, options)).ok();
+    });
+    line("era-dc order 4, 50 rows, 10 lag blocks, 10,001 samples", "", time, &record);
+    let time = median(3, || {
+        let hankel = |k: usize| DMatrix::from_fn(50, 9930, |i, j| record[1 + i + j + k]);
+        let first = hankel(0).transpose();
+        let lags: Vec<DMatrix<f64>> = (0..=20).map(|k| hankel(k) * &first).collect();
+        let stacked = DMatrix::from_fn(550, 550, |i, j| lags[i / 50 + j / 50][(i % 50, j % 50)]);
+        black_box(stacked.svd(true, true));
+    });
+    line("    naive: correlations formed, dense SVD of 550 x 550", "", time, &record);
+    let sensors: Vec<Vec<f64>> = (0..4)
+        .map(|s| (0..2501).map(|k| wave((k + 20 * s) as f64 * 1e-4) + 0.01 * noise(k + 9 * s)).collect())
+        .collect();
+    let time = median(5, || {
+        let markov = MarkovParameters::new(sensors.iter().map(Vec::as_slice).collect(), 1);
+        let order = Order::Given(4);
+        black_box(markov.and_then(|markov| Era::of(markov, EraOptions::new(1e-4), &[order])?.realize(order))).ok();
+    });
+    line("era order 4, 4 sensors of 2501 samples, 1 % noise", "", time, &sensors[0]);
+}
+
+fn okid_times() {
+    let data = arx_data(10_000);
+    for (name, lags) in [
+        ("20 lags", Lags::Given(20)),
+        ("lags by AICc of 1 to 20", Lags::Best { highest: 20, criterion: Criterion::Aicc }),
+    ] {
+        let time = median(9, || {
+            let model = Okid::new(&data, OkidOptions::new(lags))
+                .and_then(|okid| okid.realize(Order::Given(4), OkidRealization::default()));
+            black_box(model).ok();
+        });
+        line(&format!("okid order 4, {name}, 10^4 samples"), "2 ms", time, &data.outputs()[0]);
+    }
+    let (y, u) = (&data.outputs()[0], &data.inputs()[0]);
+    let time = median(3, || {
+        let regressors = DMatrix::from_fn(y.len() - 20, 41, |i, j| match j {
+            0 => u[i + 20],
+            j if j % 2 == 1 => u[i + 20 - j.div_ceil(2)],
+            j => y[i + 20 - j / 2],
+        });
+        let target = DVector::from_column_slice(&y[20..]);
+        let qr = regressors.qr();
+        black_box(qr.r().solve_upper_triangular(&qr.q().tr_mul(&target)));
+    });
+    line("    naive: whole matrix by QR, the regression alone", "", time, y);
+    let short = arx_data(1000);
+    for kernel in [Kernel::TunedCorrelated, Kernel::DiagonalCorrelated] {
+        let time = median(3, || {
+            black_box(fir(&short, FirOptions { taps: 100, kernel, at_rest: true })).ok();
+        });
+        line(&format!("fir of 100 taps, kernel {}, 1000 samples", kernel.name()), "", time, &short.outputs()[0]);
+    }
+}
+
 fn transfer_function_times() {
     // Two modes, sampled at 10 kHz, a pulse and a motion at the start.
     let denominator = [1.0, 35.7, 6024.0, 185_000.0, 414_600.0];
@@ -146,8 +209,17 @@ fn transfer_function_times() {
 }
 
 fn main() {
-    era_times();
-    arx_times();
-    subspace_times();
-    transfer_function_times();
+    // `cargo bench -p crumple-identify -- era` runs the groups whose name contains the word.
+    let only = std::env::args().skip(1).find(|word| !word.starts_with('-')).unwrap_or_default();
+    let groups: [(&str, fn()); 6] = [
+        ("era", era_times),
+        ("era-dc", era_dc_times),
+        ("okid", okid_times),
+        ("arx", arx_times),
+        ("subspace", subspace_times),
+        ("tfest", transfer_function_times),
+    ];
+    for (_, group) in groups.iter().filter(|(name, _)| name.contains(&only)) {
+        group();
+    }
 }

@@ -1,4 +1,4 @@
-//! The discrete methods: subspace, ARX, output error.
+//! The discrete methods with an input: subspace, ARX, output error, and through Markov parameters OKID and FIR.
 
 use crumple_identify::{
     ArxOrder, IdentifyError, IoData, Order, OutputErrorOptions, Stop, Subspace, SubspaceOptions, Weighting, arx,
@@ -8,7 +8,9 @@ use crumple_lti::{InputHold, Mode, StateSpace, to_continuous, to_transfer_functi
 use crumple_signal::TestDescription;
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 
+use crate::by_markov::{impulse_response, okid};
 use crate::evidence::{growth_notes, modes, of_record, percent, put_evidence, put_transfer_functions};
+use crate::hankel_settings::HankelSettings;
 use crate::input_output::{Record, record};
 use crate::options::{BeyondEra, Settings};
 use crate::to_records::state_space;
@@ -23,14 +25,31 @@ const MOST_COEFFICIENTS: usize = 10;
 const KEPT: usize = 2;
 
 /// A model of one order and what its method knows about it.
-struct Found {
-    model: StateSpace,
-    parameters: usize,
-    singular_values: Vec<f64>,
+pub struct Found {
+    pub model: StateSpace,
+    pub parameters: usize,
+    pub singular_values: Vec<f64>,
     /// One-step predictions of every output; empty: none.
-    predicted: Vec<Vec<f64>>,
-    stop_reason: Option<&'static str>,
-    notes: Vec<String>,
+    pub predicted: Vec<Vec<f64>>,
+    pub stop_reason: Option<&'static str>,
+    pub notes: Vec<String>,
+    /// Models written beside the one that is simulated, by the last part of their topic.
+    pub beside: Vec<(&'static str, StateSpace)>,
+}
+
+impl Found {
+    /// Nothing but the model.
+    pub fn new(model: StateSpace, parameters: usize) -> Self {
+        Self {
+            model,
+            parameters,
+            singular_values: Vec::new(),
+            predicted: Vec::new(),
+            stop_reason: None,
+            notes: Vec::new(),
+            beside: Vec::new(),
+        }
+    }
 }
 
 /// One model per order. What one order does not allow is a note; an error only if there is no model at all.
@@ -55,7 +74,7 @@ pub fn run(
                 AUTOMATIC_ORDER
             }
         };
-        let found = identify(method, order, &data, beyond)
+        let found = identify(method, order, &data, beyond, settings.hankel.as_ref())
             .and_then(|found| Ok((simulate_fitted(&found.model, &data)?.0, found)));
         match found {
             Ok((simulated, mut found)) => {
@@ -74,6 +93,8 @@ pub fn run(
         }
     }
     match failure.filter(|_| written == 0) {
+        // Nothing is passed on, but what was found is written: it is a result.
+        Some(error @ IdentifyError::Diverged { .. }) => Ok(Outcome::NoAcceptableResult(error.to_string())),
         Some(error) => {
             Err(error).refuse_with_hint("lower --orders, widen the window (--from, --to), or name other waveforms")
         }
@@ -81,28 +102,32 @@ pub fn run(
     }
 }
 
-fn identify(method: &str, order: usize, data: &IoData, beyond: &BeyondEra) -> Result<Found, IdentifyError> {
-    let none = |model: StateSpace, parameters: usize| Found {
-        model,
-        parameters,
-        singular_values: Vec::new(),
-        predicted: Vec::new(),
-        stop_reason: None,
-        notes: Vec::new(),
-    };
+fn identify(
+    method: &str,
+    order: usize,
+    data: &IoData,
+    beyond: &BeyondEra,
+    hankel: Option<&HankelSettings>,
+) -> Result<Found, IdentifyError> {
+    match (method, hankel) {
+        ("okid", Some(hankel)) => return okid(order, data, hankel),
+        ("fir", Some(hankel)) => return impulse_response(order, data, hankel, beyond.initial == "zero"),
+        _ => {}
+    }
     let (m, q) = (data.inputs().len(), data.outputs().len());
     match method {
         "arx" if q == 1 => {
             let model = arx(data, ArxOrder { na: order, nb: order + 1, nk: 0 })?;
             let parameters = order + m * (order + 1);
-            Ok(Found { predicted: vec![model.predict(data)], ..none(model.state_space()?, parameters) })
+            Ok(Found { predicted: vec![model.predict(data)], ..Found::new(model.state_space()?, parameters) })
         }
         "arx" => {
             let lags = order.div_ceil(q);
             let model = vector_arx(data, ArxOrder { na: lags, nb: lags + 1, nk: 0 })?;
             let note = format!("{lags} lags of {q} outputs make {} states", lags * q);
             let parameters = q * (lags * q + (lags + 1) * m);
-            Ok(Found { predicted: model.predict(data), notes: vec![note], ..none(model.state_space()?, parameters) })
+            let predicted = model.predict(data);
+            Ok(Found { predicted, notes: vec![note], ..Found::new(model.state_space()?, parameters) })
         }
         "output-error" => {
             let options = OutputErrorOptions {
@@ -110,7 +135,10 @@ fn identify(method: &str, order: usize, data: &IoData, beyond: &BeyondEra) -> Re
                 ..OutputErrorOptions::new(order)
             };
             let found = output_error(data, options)?;
-            Ok(Found { stop_reason: Some(found.termination.name()), ..none(found.model, found.criteria.parameters) })
+            Ok(Found {
+                stop_reason: Some(found.termination.name()),
+                ..Found::new(found.model, found.criteria.parameters)
+            })
         }
         name => {
             let weighting = Weighting::ALL.into_iter().find(|w| w.name() == name).unwrap_or(Weighting::N4sid);
@@ -151,7 +179,7 @@ fn identify(method: &str, order: usize, data: &IoData, beyond: &BeyondEra) -> Re
                     found.reflected_poles
                 ));
             }
-            Ok(Found { singular_values, notes, ..none(found.model, order * (m + q + 1) + m * q) })
+            Ok(Found { singular_values, notes, ..Found::new(found.model, order * (m + q + 1) + m * q) })
         }
     }
 }
@@ -172,6 +200,10 @@ fn put(
     }
     out.put(&format!("/model/{id}/discrete"), &state_space(&found.model, &input, &output))?;
     put_continuous(&id, &found.model, (record, hold), &mut notes, out)?;
+    for (name, model) in &found.beside {
+        let inputs = format!("{input}; {output}");
+        out.put(&format!("/model/{id}/{name}"), &state_space(model, &inputs, &output))?;
+    }
     let dt = record.data.sample_time_s();
     let pairs: Vec<_> =
         found.model.poles()?.into_iter().filter_map(|z| Some((Mode::discrete(z, dt)?, Some(z)))).collect();

@@ -1,13 +1,17 @@
-//! The eigensystem realization algorithm for one channel.
+//! The eigensystem realization algorithm.
 
-use crumple_lti::{LtiError, StateSpace, impulse_response, undo_zero_order_hold};
-use crumple_metrics::{fit_percent, rmse};
+use crumple_lti::{Complex, LtiError, StateSpace, undo_zero_order_hold};
+use crumple_metrics::fit_percent;
 use nalgebra::{DMatrix, DVector};
 
+use crate::common_fit::{common_fit_percent, common_rmse};
 use crate::factors::{Decomposition, Factors, RANK_TOLERANCE, factorize};
-use crate::hankel::{Hankel, Shift};
+use crate::hankel::Hankel;
+use crate::markov::{MarkovParameters, markov_parameters};
 use crate::modal::{IdentifiedMode, modes};
 use crate::order::{GapOrder, order_by_gap};
+use crate::shift_form::{ShiftForm, state_matrix};
+use crate::shift_pair::{Shift, ShiftPair};
 
 /// Singular values one likes to see beyond the highest order: the gap after it, and some of what follows.
 const VALUES_BEYOND: usize = 8;
@@ -30,22 +34,56 @@ pub struct EraOptions {
     pub order: Order,
     /// Highest order that [`Order::Automatic`] considers.
     pub max_order: usize,
-    /// Rows of the Hankel matrix; `None`: half of the record, or what `columns` leaves of it.
+    /// Block rows of the Hankel matrix; `None`: half of the record, or what `columns` leaves of it.
     pub rows: Option<usize>,
-    /// Columns of the Hankel matrix; `None`: half of the record, or what `rows` leaves of it.
+    /// Block columns of the Hankel matrix; `None`: half of the record, or what `rows` leaves of it.
     pub columns: Option<usize>,
+    /// How the state matrix is found.
+    pub shift: ShiftForm,
 }
 
 impl EraOptions {
     /// Whole record, order by the gap rule up to 20.
     pub fn new(sample_time_s: f64) -> Self {
-        Self { sample_time_s, order: Order::Automatic, max_order: 20, rows: None, columns: None }
+        Self {
+            sample_time_s,
+            order: Order::Automatic,
+            max_order: 20,
+            rows: None,
+            columns: None,
+            shift: ShiftForm::Hankel,
+        }
+    }
+
+    /// The same with a Hankel matrix of `2 order` rows and columns, the size other toolboxes start from (python-control,
+    /// ControlSystemIdentification.jl). It uses the first `4 order` samples alone: quick, and poor in noise.
+    pub fn twice_the_order(self, order: usize) -> Self {
+        let size = Some(order.saturating_mul(2));
+        Self { order: Order::Given(order), rows: size, columns: size, ..self }
     }
 }
 
 /// Why there is no model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EraError {
+    /// Sequences that do not pair outputs with inputs.
+    #[error("{sequences} sequences of Markov parameters are not those of {inputs} inputs")]
+    Sequences {
+        /// How many.
+        sequences: usize,
+        /// Number of inputs.
+        inputs: usize,
+    },
+    /// Sequences of different lengths.
+    #[error("sequence {} has {found} samples, the first has {expected}", number + 1)]
+    Lengths {
+        /// Which, from 0.
+        number: usize,
+        /// Its length.
+        found: usize,
+        /// Length of the first.
+        expected: usize,
+    },
     /// A sample is NaN or infinite.
     #[error("sample {index} is not a finite number")]
     NotFinite {
@@ -67,6 +105,21 @@ pub enum EraError {
         rows: usize,
         /// Columns.
         columns: usize,
+    },
+    /// Fewer Markov parameters than the correlations take.
+    #[error(
+        "{parameters} Markov parameters, but correlations of {rows}x{columns} Hankel matrices over {lags} lags need {}",
+        rows + (*columns).max(1) + lags
+    )]
+    TooShortForCorrelations {
+        /// Samples after the first.
+        parameters: usize,
+        /// Rows of the Hankel matrices.
+        rows: usize,
+        /// Columns.
+        columns: usize,
+        /// The offset and twice the lag blocks.
+        lags: usize,
     },
     /// More states than rows or columns.
     #[error("order {order} needs at least {order} rows and columns, the Hankel matrix is {rows}x{columns}")]
@@ -101,6 +154,14 @@ pub enum EraError {
         /// Steps taken.
         steps: usize,
     },
+    /// The shift of the observability matrix determines no state matrix.
+    #[error("the {form} form determines no state matrix of order {order}; lower the order, or use the form {}", ShiftForm::Hankel.name())]
+    NoShift {
+        /// The order asked for.
+        order: usize,
+        /// Name of the form.
+        form: &'static str,
+    },
     /// The realised matrices cannot be analysed.
     #[error(transparent)]
     System(#[from] LtiError),
@@ -116,6 +177,8 @@ pub struct Realization {
     pub continuous: Result<StateSpace, LtiError>,
     /// Poles sorted by `|Im|`, then `Re`, with their evidence.
     pub modes: Vec<IdentifiedMode>,
+    /// Shape of each mode: what every output shows of it, the largest entry 1; `None` if the model has multiple poles.
+    pub mode_shapes: Vec<Option<Vec<Complex>>>,
     /// Leading singular values of `H0`, largest first. More exist unless the decomposition was dense.
     pub singular_values: Vec<f64>,
     /// Bound of the error of each: rounding for those that converged, up to 3 % of themselves for the last.
@@ -126,8 +189,11 @@ pub struct Realization {
     pub rows: usize,
     /// Its columns.
     pub columns: usize,
-    /// Fit of the impulse response to all samples; `None` for a constant record or an overflowing response.
+    /// Fit of the impulse response to all samples of all sequences; `None` for constant records or an overflowing
+    /// response.
     pub fit_percent: Option<f64>,
+    /// The same for every sequence alone.
+    pub sequence_fits_percent: Vec<Option<f64>>,
     /// Root mean square error of the impulse response, unit of the record; `None` if it overflows.
     pub rmse: Option<f64>,
     /// Where the order came from; `None`: it was given.
@@ -161,7 +227,7 @@ pub fn era(markov: &[f64], opt: EraOptions) -> Result<Realization, EraError> {
 
 /// A decomposed record, from which models of several orders follow at little cost.
 pub struct Era<'a> {
-    markov: &'a [f64],
+    markov: MarkovParameters<'a>,
     opt: EraOptions,
     rows: usize,
     columns: usize,
@@ -173,47 +239,36 @@ pub struct Era<'a> {
 }
 
 impl<'a> Era<'a> {
-    /// Decomposes the Hankel matrix for the orders to come; `opt.order` is not looked at.
+    /// Decomposes the Hankel matrix of one channel for the orders to come; `opt.order` is not looked at.
     pub fn new(markov: &'a [f64], opt: EraOptions, orders: &[Order]) -> Result<Self, EraError> {
+        Self::of(MarkovParameters::new(vec![markov], 1)?, opt, orders)
+    }
+
+    /// The same for any number of outputs and inputs, with a block Hankel matrix. Sequences count by their size: bring
+    /// them to comparable ones first where they measure different things.
+    pub fn of(markov: MarkovParameters<'a>, opt: EraOptions, orders: &[Order]) -> Result<Self, EraError> {
         if !(opt.sample_time_s.is_finite() && opt.sample_time_s > 0.0) {
             return Err(LtiError::SampleTime(opt.sample_time_s).into());
         }
-        if let Some(index) = markov.iter().position(|y| !y.is_finite()) {
-            return Err(EraError::NotFinite { index });
-        }
-        let parameters = markov.len().saturating_sub(1);
+        let parameters = markov.samples().saturating_sub(1);
         let (rows, columns) = shape(parameters, opt.rows, opt.columns);
         if rows == 0 || columns == 0 || rows.saturating_add(columns) > parameters {
             return Err(EraError::TooShort { parameters, rows: rows.max(1), columns: columns.max(1) });
         }
-        let used = &markov[1..=rows + columns];
-        let largest = used.iter().fold(0.0_f64, |m, y| m.max(y.abs()));
+        let used = || markov.sequences().iter().map(|y| &y[1..=rows + columns]);
+        let largest = used().flatten().fold(0.0_f64, |m, y| m.max(y.abs()));
         // The last parameter stands in the shifted matrix only: without any other there is nothing to decompose.
-        if used[..used.len() - 1].iter().all(|y| *y == 0.0) {
-            return Err(EraError::Silent { samples: used.len() });
+        if used().all(|y| y[..y.len() - 1].iter().all(|y| *y == 0.0)) {
+            return Err(EraError::Silent { samples: rows + columns });
         }
         // Scaling by a power of two rounds nothing and keeps squares inside the range of f64.
         let scale = largest.log2().floor().exp2().max(f64::MIN_POSITIVE);
-        let scaled: Vec<f64> = used.iter().map(|y| y / scale).collect();
+        let scaled: Vec<Vec<f64>> = used().map(|y| y.iter().map(|y| y / scale).collect()).collect();
 
-        let size = rows.min(columns);
+        let mut hankel = Hankel::new(scaled.iter().map(Vec::as_slice).collect(), markov.inputs(), rows, columns);
         let given = orders.iter().map(|order| if let Order::Given(n) = order { *n } else { 0 }).max().unwrap_or(0);
         let automatic = orders.contains(&Order::Automatic);
-        let highest = if automatic { given.max(opt.max_order) } else { given };
-        let mut hankel = Hankel::new(&scaled, rows, columns);
-        let factors = factorize(&mut hankel, (highest + VALUES_BEYOND).min(size), automatic, |values| {
-            let chosen = if automatic { order_by_gap(values, opt.max_order).map_or(0, |gap| gap.order) } else { 0 };
-            given.max(chosen).min(size)
-        })?;
-
-        let count = factors.left.ncols().min(factors.right.ncols()).min(factors.rank()).min(highest.max(1));
-        let mut products = DMatrix::zeros(rows, count);
-        let mut product = vec![0.0; rows];
-        for i in 0..count {
-            hankel.multiply(Shift::One, factors.right.column(i).as_slice(), &mut product);
-            products.column_mut(i).copy_from_slice(&product);
-        }
-        let shifted = factors.left.columns(0, count).tr_mul(&products);
+        let (factors, shifted) = decompose(&mut hankel, given, automatic.then_some(opt.max_order))?;
         Ok(Self { markov, opt, rows, columns, scale, factors, shifted })
     }
 
@@ -237,7 +292,8 @@ impl<'a> Era<'a> {
                 (gap.map_or(1, |gap| gap.order), gap)
             }
         };
-        let (rows, columns) = (self.rows, self.columns);
+        let (q, m) = (self.markov.outputs(), self.markov.inputs());
+        let (rows, columns) = (self.rows * q, self.columns * m);
         if n == 0 {
             return Err(EraError::OrderZero);
         }
@@ -252,31 +308,101 @@ impl<'a> Era<'a> {
         }
 
         let roots = DVector::from_iterator(n, self.factors.values[..n].iter().map(|s| s.sqrt()));
-        let a = DMatrix::from_fn(n, n, |i, j| self.shifted[(i, j)] / (roots[i] * roots[j]));
+        let left = self.factors.left.columns(0, n).into_owned();
+        let a = state_matrix(self.opt.shift, &left, &roots, &self.shifted, q)
+            .ok_or(EraError::NoShift { order: n, form: self.opt.shift.name() })?;
         let controllability =
             DMatrix::from_fn(n, columns, |i, j| roots[i] * self.factors.right[(j, i)]) * self.scale.sqrt();
-        let b = controllability.columns(0, 1).into_owned();
-        let c = DMatrix::from_fn(1, n, |_, i| roots[i] * self.factors.left[(0, i)]) * self.scale.sqrt();
-        let d = DMatrix::from_element(1, 1, self.markov[0]);
+        let b = controllability.columns(0, m).into_owned();
+        let c = DMatrix::from_fn(q, n, |r, i| roots[i] * left[(r, i)]) * self.scale.sqrt();
+        let d = DMatrix::from_fn(q, m, |i, j| self.markov.sequence(i, j)[0]);
         let dt = self.opt.sample_time_s;
         let discrete = StateSpace::new(a, b, c, d, Some(dt))?;
-
-        let poles = discrete.poles()?;
-        let response = impulse_response(&discrete, self.markov.len())?;
-        Ok(Realization {
-            continuous: undo_zero_order_hold(&discrete),
-            modes: modes(&discrete, &poles, dt, &controllability, rows + columns),
-            singular_values: self.factors.seen.iter().map(|(s, _)| s * self.scale).collect(),
-            singular_value_errors: self.factors.seen.iter().map(|(_, error)| error * self.scale).collect(),
-            decomposition: self.factors.decomposition,
-            rows,
-            columns,
-            fit_percent: fit_percent(self.markov, &response),
-            rmse: rmse(self.markov, &response),
-            chosen,
+        realization(
             discrete,
-        })
+            &self.markov,
+            &controllability,
+            self.rows + self.columns,
+            Known {
+                singular_values: self
+                    .factors
+                    .seen
+                    .iter()
+                    .map(|(s, error)| (s * self.scale, error * self.scale))
+                    .collect(),
+                decomposition: self.factors.decomposition,
+                rows: self.rows,
+                columns: self.columns,
+                chosen,
+            },
+        )
     }
+}
+
+/// What a decomposition knows before there is a model.
+pub(crate) struct Known {
+    /// With bounds of their errors.
+    pub(crate) singular_values: Vec<(f64, f64)>,
+    pub(crate) decomposition: Decomposition,
+    pub(crate) rows: usize,
+    pub(crate) columns: usize,
+    pub(crate) chosen: Option<GapOrder>,
+}
+
+/// Analyses a realised model: modes with their evidence, the continuous model, the fit to the parameters it came from.
+pub(crate) fn realization(
+    discrete: StateSpace,
+    markov: &MarkovParameters<'_>,
+    controllability: &DMatrix<f64>,
+    terms: usize,
+    known: Known,
+) -> Result<Realization, EraError> {
+    let poles = discrete.poles()?;
+    let dt = discrete.sample_time_s.unwrap_or(1.0);
+    let (modes, mode_shapes) = modes(&discrete, &poles, dt, controllability, terms);
+    let response = markov_parameters(&discrete, markov.samples());
+    let pairs: Vec<(&[f64], &[f64])> =
+        markov.sequences().iter().zip(&response).map(|(y, model)| (*y, model.as_slice())).collect();
+    let (singular_values, singular_value_errors) = known.singular_values.into_iter().unzip();
+    Ok(Realization {
+        continuous: undo_zero_order_hold(&discrete),
+        modes,
+        mode_shapes,
+        singular_values,
+        singular_value_errors,
+        decomposition: known.decomposition,
+        rows: known.rows,
+        columns: known.columns,
+        fit_percent: common_fit_percent(&pairs),
+        sequence_fits_percent: pairs.iter().map(|(y, model)| fit_percent(y, model)).collect(),
+        rmse: common_rmse(&pairs),
+        chosen: known.chosen,
+        discrete,
+    })
+}
+
+/// Leading singular triplets of the first of the pair, and `U' H1 V`: for orders up to `given`, and up to the order by
+/// the gap rule if a highest order for that is stated.
+pub(crate) fn decompose(
+    pair: &mut impl ShiftPair,
+    given: usize,
+    max_order: Option<usize>,
+) -> Result<(Factors, DMatrix<f64>), EraError> {
+    let size = pair.rows().min(pair.columns());
+    let highest = given.max(max_order.unwrap_or(0));
+    let factors = factorize(pair, (highest + VALUES_BEYOND).min(size), max_order.is_some(), |values| {
+        let chosen = max_order.and_then(|highest| order_by_gap(values, highest)).map_or(0, |gap| gap.order);
+        given.max(chosen).min(size)
+    })?;
+    let count = factors.left.ncols().min(factors.right.ncols()).min(factors.rank()).min(highest.max(1));
+    let mut products = DMatrix::zeros(pair.rows(), count);
+    let mut product = vec![0.0; pair.rows()];
+    for i in 0..count {
+        pair.multiply(Shift::One, factors.right.column(i).as_slice(), &mut product);
+        products.column_mut(i).copy_from_slice(&product);
+    }
+    let shifted = factors.left.columns(0, count).tr_mul(&products);
+    Ok((factors, shifted))
 }
 
 /// Rows and columns: as given, else half of the parameters each; an odd one is left out, for a square matrix is

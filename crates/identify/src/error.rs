@@ -2,6 +2,8 @@
 
 use crumple_lti::LtiError;
 
+use crate::EraError;
+
 /// Why an estimator gives no model. ([`EraError`](crate::EraError) is that of the Hankel methods.)
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IdentifyError {
@@ -99,11 +101,18 @@ pub enum IdentifyError {
         starts: usize,
     },
     /// The identified observer is unstable, so its Markov parameters grow.
-    #[error("the Markov parameters of the observer grow by a factor {growth:.1e}: OKID diverged")]
+    #[error(
+        "okid_diverged: the Markov parameters grow by a factor {growth:.1e} beyond the {lags} lags; take more lags or a subspace method"
+    )]
     Diverged {
-        /// Largest Markov parameter beyond the lags over the largest within.
+        /// Largest of the last Markov parameters over the largest within the lags.
         growth: f64,
+        /// Number of lags.
+        lags: usize,
     },
+    /// The Hankel matrix of estimated Markov parameters gives no model.
+    #[error(transparent)]
+    Hankel(#[from] EraError),
     /// A decomposition did not settle.
     #[error("{0} did not converge")]
     NotConverged(&'static str),

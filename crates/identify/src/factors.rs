@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::EraError;
 use crate::golub_kahan::GolubKahan;
-use crate::hankel::Hankel;
+use crate::shift_pair::ShiftPair;
 
 /// Up to this many rows (or columns) the matrix is formed and decomposed whole, all singular values, in about 1 ms.
 /// Beyond, the cost grows with the cube (measured for the square case: 5 ms at 200, 0.2 s at 600) while Lanczos stays
@@ -79,7 +79,7 @@ impl Factors {
 /// `needed` tells from the leading singular values seen so far how many triplets must be exact; `evidence` is the
 /// number of values one would like to see, and waits for longer with `patient`. Errors: [`EraError::NotConverged`].
 pub(crate) fn factorize(
-    h: &mut Hankel<'_>,
+    h: &mut impl ShiftPair,
     evidence: usize,
     patient: bool,
     needed: impl Fn(&[f64]) -> usize,
@@ -128,11 +128,11 @@ pub(crate) fn factorize(
 ///
 /// The Hankel matrix of one channel is symmetric when it is square: `H = Q L Q'`, so `S = |L|`, `U = Q`,
 /// `V = Q sign(L)`, at a fraction of the cost of an SVD. Otherwise a QR step first makes it square.
-fn dense(h: &Hankel<'_>) -> Result<Factors, EraError> {
+fn dense(h: &mut impl ShiftPair) -> Result<Factors, EraError> {
     let (rows, columns) = (h.rows(), h.columns());
     let steps = EIGEN_STEPS_PER_VALUE * rows.min(columns);
     let failed = || EraError::NotConverged { rows, columns, steps };
-    let (values, mut left, mut right): (Vec<f64>, _, _) = if rows == columns {
+    let (values, mut left, mut right): (Vec<f64>, _, _) = if h.symmetric() {
         let eigen = SymmetricEigen::try_new(h.dense(), f64::EPSILON, steps).ok_or_else(failed)?;
         let mut order: Vec<usize> = (0..rows).collect();
         order.sort_by(|&i, &j| eigen.eigenvalues[j].abs().total_cmp(&eigen.eigenvalues[i].abs()));

@@ -6,119 +6,156 @@ use nalgebra::DMatrix;
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
-/// The Hankel pair of a sequence: `H0[i,j] = y[i+j]` and its shift `H1[i,j] = y[i+j+1]`, both `rows x columns`.
+use crate::shift_pair::{Shift, ShiftPair};
+
+/// The block Hankel pair of Markov parameters: block `(i, j)` of `H0` is `Y[i+j]` and of its shift `H1` is `Y[i+j+1]`, with
+/// `Y` of `outputs x inputs`; `rows x columns` blocks. Row `i * outputs + r` belongs to output `r`.
 ///
-/// A product with a vector is a correlation, done by FFT in `O(N log N)` time and `O(N)` memory: `(H x)[i] = sum_j
-/// y[i+j] x[j]`. Rounding error about the rounding unit times `|y| |x|`, that is relative to the largest singular
-/// value, not to the result.
+/// A product with a vector is a sum of correlations, done by FFT in `O(N log N)` time and `O(N)` memory: for one channel
+/// `(H x)[i] = sum_j y[i+j] x[j]`. Rounding error about the rounding unit times `|y| |x|`, that is relative to the
+/// largest singular value, not to the result.
 pub(crate) struct Hankel<'a> {
-    y: &'a [f64],
-    rows: usize,
-    columns: usize,
+    /// `y[r * inputs + c]`.
+    y: Vec<&'a [f64]>,
+    outputs: usize,
+    inputs: usize,
+    block_rows: usize,
+    block_columns: usize,
     forward: Arc<dyn RealToComplex<f64>>,
     inverse: Arc<dyn ComplexToReal<f64>>,
-    spectra: [Vec<Complex<f64>>; 2],
+    /// Of every sequence.
+    spectra: Vec<Vec<Complex<f64>>>,
     time: Vec<f64>,
+    /// Transform of the part of the factor that belongs to each input (output, for the transposed product).
+    factors: Vec<Vec<Complex<f64>>>,
     frequency: Vec<Complex<f64>>,
     forward_scratch: Vec<Complex<f64>>,
     inverse_scratch: Vec<Complex<f64>>,
 }
 
-/// Which matrix of the pair.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Shift {
-    /// `H0`.
-    Zero,
-    /// `H1`.
-    One,
-}
-
 impl<'a> Hankel<'a> {
-    /// Takes `rows + columns` values: `y[rows + columns - 1]` is the last entry of `H1`. The caller has checked the
-    /// length.
-    pub(crate) fn new(y: &'a [f64], rows: usize, columns: usize) -> Self {
-        let span = rows + columns - 1;
-        debug_assert!(rows > 0 && columns > 0 && y.len() > span, "{} values for {rows} x {columns}", y.len());
-        let length = fast_length(span);
+    /// Takes `rows + columns` values of every sequence: the last is the last entry of `H1`. `y[r * inputs + c]` is the
+    /// sequence of output `r` and input `c`. The caller has checked the lengths.
+    pub(crate) fn new(y: Vec<&'a [f64]>, inputs: usize, rows: usize, columns: usize) -> Self {
+        let values = rows + columns;
+        debug_assert!(
+            rows > 0 && columns > 0 && y.iter().all(|y| y.len() >= values),
+            "too short for {rows} x {columns}"
+        );
+        let outputs = y.len() / inputs;
+        let length = fast_length(values);
         let mut planner = RealFftPlanner::new();
         let forward = planner.plan_fft_forward(length);
         let inverse = planner.plan_fft_inverse(length);
         let mut hankel = Self {
-            y,
-            rows,
-            columns,
+            outputs,
+            inputs,
+            block_rows: rows,
+            block_columns: columns,
             time: forward.make_input_vec(),
+            factors: vec![forward.make_output_vec(); inputs.max(outputs)],
             frequency: forward.make_output_vec(),
             forward_scratch: forward.make_scratch_vec(),
             inverse_scratch: inverse.make_scratch_vec(),
-            spectra: [Vec::new(), Vec::new()],
+            spectra: Vec::with_capacity(y.len()),
+            y,
             forward,
             inverse,
         };
-        for shift in 0..2 {
-            hankel.transform(&y[shift..shift + span]);
-            hankel.spectra[shift] = hankel.frequency.clone();
+        for sequence in 0..hankel.y.len() {
+            let y = hankel.y[sequence];
+            hankel.time[..values].copy_from_slice(&y[..values]);
+            let mut spectrum = hankel.forward.make_output_vec();
+            transform(&hankel.forward, &mut hankel.time, values, &mut spectrum, &mut hankel.forward_scratch);
+            hankel.spectra.push(spectrum);
         }
         hankel
     }
 
-    /// Rows.
-    pub(crate) fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Columns.
-    pub(crate) fn columns(&self) -> usize {
-        self.columns
-    }
-
-    /// `out = H x`.
-    pub(crate) fn multiply(&mut self, shift: Shift, x: &[f64], out: &mut [f64]) {
-        debug_assert_eq!((x.len(), out.len()), (self.columns, self.rows));
-        self.correlate(shift, x, out);
-    }
-
-    /// `out = H' x`: a Hankel matrix of the same sequence with rows and columns exchanged.
-    pub(crate) fn multiply_transposed(&mut self, shift: Shift, x: &[f64], out: &mut [f64]) {
-        debug_assert_eq!((x.len(), out.len()), (self.rows, self.columns));
-        self.correlate(shift, x, out);
-    }
-
-    /// `H0` entry by entry.
-    pub(crate) fn dense(&self) -> DMatrix<f64> {
-        DMatrix::from_fn(self.rows, self.columns, |i, j| self.y[i + j])
-    }
-
-    fn transform(&mut self, x: &[f64]) {
-        self.time[..x.len()].copy_from_slice(x);
-        self.time[x.len()..].fill(0.0);
-        // The lengths come from the plan itself, the only thing the transform can object to.
-        let done = self.forward.process_with_scratch(&mut self.time, &mut self.frequency, &mut self.forward_scratch);
-        debug_assert!(done.is_ok());
-    }
-
-    /// `out[i] = sum_j y[i+j] x[j]`, no index wrapping round for `i + j < rows + columns - 1`.
-    fn correlate(&mut self, shift: Shift, x: &[f64], out: &mut [f64]) {
-        self.transform(x);
-        let spectrum = &self.spectra[usize::from(shift == Shift::One)];
-        for (product, y) in self.frequency.iter_mut().zip(spectrum) {
-            *product = y * product.conj();
+    /// `out[i, r] = sum_jc y_rc[i + j + shift] x[j, c]`; for the transposed product rows and columns change places, for a
+    /// transposed block Hankel matrix is one of the transposed blocks. No index wraps round within the transform.
+    fn correlate(&mut self, shift: Shift, transposed: bool, x: &[f64], out: &mut [f64]) {
+        let (to, from) = if transposed { (self.inputs, self.outputs) } else { (self.outputs, self.inputs) };
+        let length = x.len() / from;
+        for (c, factor) in self.factors[..from].iter_mut().enumerate() {
+            if from == 1 {
+                self.time[..length].copy_from_slice(x);
+            } else {
+                for (time, x) in self.time.iter_mut().zip(x.iter().skip(c).step_by(from)) {
+                    *time = *x;
+                }
+            }
+            transform(&self.forward, &mut self.time, length, factor, &mut self.forward_scratch);
         }
-        // Real signals have real first and (even length) last bins; the transform back insists on it.
-        let even = self.time.len().is_multiple_of(2);
-        if let Some(first) = self.frequency.first_mut() {
-            first.im = 0.0;
-        }
-        if let Some(last) = self.frequency.last_mut().filter(|_| even) {
-            last.im = 0.0;
-        }
-        let done = self.inverse.process_with_scratch(&mut self.frequency, &mut self.time, &mut self.inverse_scratch);
-        debug_assert!(done.is_ok());
+        let offset = usize::from(shift == Shift::One);
         let scale = 1.0 / self.time.len() as f64;
-        for (result, value) in out.iter_mut().zip(&self.time) {
-            *result = value * scale;
+        let even = self.time.len().is_multiple_of(2);
+        for r in 0..to {
+            for (c, factor) in self.factors[..from].iter().enumerate() {
+                let spectrum = &self.spectra[if transposed { c * self.inputs + r } else { r * self.inputs + c }];
+                for ((product, y), x) in self.frequency.iter_mut().zip(spectrum).zip(factor) {
+                    let term = y * x.conj();
+                    *product = if c == 0 { term } else { *product + term };
+                }
+            }
+            // Real signals have real first and (even length) last bins; the transform back insists on it.
+            if let Some(first) = self.frequency.first_mut() {
+                first.im = 0.0;
+            }
+            if let Some(last) = self.frequency.last_mut().filter(|_| even) {
+                last.im = 0.0;
+            }
+            let done =
+                self.inverse.process_with_scratch(&mut self.frequency, &mut self.time, &mut self.inverse_scratch);
+            debug_assert!(done.is_ok());
+            for (result, value) in out.iter_mut().skip(r).step_by(to).zip(&self.time[offset..]) {
+                *result = value * scale;
+            }
         }
     }
+}
+
+impl ShiftPair for Hankel<'_> {
+    fn rows(&self) -> usize {
+        self.block_rows * self.outputs
+    }
+
+    fn columns(&self) -> usize {
+        self.block_columns * self.inputs
+    }
+
+    fn symmetric(&self) -> bool {
+        self.y.len() == 1 && self.block_rows == self.block_columns
+    }
+
+    fn multiply(&mut self, shift: Shift, x: &[f64], out: &mut [f64]) {
+        debug_assert_eq!((x.len(), out.len()), (self.columns(), self.rows()));
+        self.correlate(shift, false, x, out);
+    }
+
+    fn multiply_transposed(&mut self, shift: Shift, x: &[f64], out: &mut [f64]) {
+        debug_assert_eq!((x.len(), out.len()), (self.rows(), self.columns()));
+        self.correlate(shift, true, x, out);
+    }
+
+    fn dense(&mut self) -> DMatrix<f64> {
+        let (q, m) = (self.outputs, self.inputs);
+        DMatrix::from_fn(self.rows(), self.columns(), |i, j| self.y[(i % q) * m + j % m][i / q + j / m])
+    }
+}
+
+/// Transforms the first `length` values of `time`; the rest is taken for zeros.
+fn transform(
+    plan: &Arc<dyn RealToComplex<f64>>,
+    time: &mut [f64],
+    length: usize,
+    out: &mut [Complex<f64>],
+    scratch: &mut [Complex<f64>],
+) {
+    time[length..].fill(0.0);
+    // The lengths come from the plan itself, the only thing the transform can object to.
+    let done = plan.process_with_scratch(time, out, scratch);
+    debug_assert!(done.is_ok());
 }
 
 /// The least even length of the form `2^a 3^b 5^c` that is at least `n`.
@@ -142,20 +179,28 @@ mod tests {
 
     #[test]
     fn products_equal_those_of_the_formed_matrix() {
-        for (rows, columns) in [(1, 1), (3, 5), (40, 17), (64, 64)] {
-            let y: Vec<f64> = (0..rows + columns).map(|k| (k as f64 * 0.7).sin() + 0.01 * k as f64).collect();
-            let mut h = Hankel::new(&y, rows, columns);
-            let x: Vec<f64> = (0..columns.max(rows)).map(|k| (k as f64 * 1.3).cos()).collect();
+        for (q, m, rows, columns) in
+            [(1, 1, 1, 1), (1, 1, 3, 5), (1, 1, 40, 17), (1, 1, 64, 64), (3, 1, 20, 31), (1, 2, 9, 12), (3, 2, 17, 10)]
+        {
+            let y: Vec<Vec<f64>> = (0..q * m)
+                .map(|s| (0..rows + columns).map(|k| (k as f64 * 0.7 + s as f64).sin() + 0.01 * k as f64).collect())
+                .collect();
+            let x: Vec<f64> = (0..(columns * m).max(rows * q)).map(|k| (k as f64 * 1.3).cos()).collect();
             for (shift, offset) in [(Shift::Zero, 0), (Shift::One, 1)] {
-                let dense = DMatrix::from_fn(rows, columns, |i, j| y[i + j + offset]);
-                let (mut out, mut out_t) = (vec![0.0; rows], vec![0.0; columns]);
-                h.multiply(shift, &x[..columns], &mut out);
-                h.multiply_transposed(shift, &x[..rows], &mut out_t);
-                let exact = &dense * DMatrix::from_column_slice(columns, 1, &x[..columns]);
-                let exact_t = dense.transpose() * DMatrix::from_column_slice(rows, 1, &x[..rows]);
+                let dense =
+                    DMatrix::from_fn(rows * q, columns * m, |i, j| y[(i % q) * m + j % m][i / q + j / m + offset]);
+                let mut h = Hankel::new(y.iter().map(Vec::as_slice).collect(), m, rows, columns);
+                let (mut out, mut out_t) = (vec![0.0; rows * q], vec![0.0; columns * m]);
+                h.multiply(shift, &x[..columns * m], &mut out);
+                h.multiply_transposed(shift, &x[..rows * q], &mut out_t);
+                let exact = &dense * DMatrix::from_column_slice(columns * m, 1, &x[..columns * m]);
+                let exact_t = dense.transpose() * DMatrix::from_column_slice(rows * q, 1, &x[..rows * q]);
                 for (found, expected) in out.iter().chain(&out_t).zip(exact.iter().chain(exact_t.iter())) {
                     // Sums of up to 64 terms of size 1 to 2: a few hundred rounding units.
                     assert!((found - expected).abs() < 1e-13, "{rows}x{columns}: {found} against {expected}");
+                }
+                if shift == Shift::Zero {
+                    assert_eq!(h.dense(), dense);
                 }
             }
         }

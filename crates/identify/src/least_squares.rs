@@ -119,6 +119,7 @@ impl TriangularFactor {
         Some(Solution {
             coefficients,
             residual_squares,
+            rank,
             condition: if smallest > 0.0 { largest / smallest } else { f64::INFINITY },
             inverse_square,
         })
@@ -132,6 +133,8 @@ pub(crate) struct Solution {
     pub(crate) coefficients: DMatrix<f64>,
     /// Sum of squared residuals of every target.
     pub(crate) residual_squares: Vec<f64>,
+    /// Number of singular values that count.
+    pub(crate) rank: usize,
     /// Condition number of the column-scaled equations, before truncation.
     pub(crate) condition: f64,
     /// `(X' X)⁻¹`, to be multiplied by the noise variance.

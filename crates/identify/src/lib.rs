@@ -1,31 +1,43 @@
 //! Identifies linear models from a record.
 //!
-//! One method so far: [`era`], the eigensystem realization algorithm, which takes the record for the impulse response
-//! of a linear system and returns the smallest balanced one that has it, with poles, modes and the evidence for them.
+//! [`era`], the eigensystem realization algorithm, takes a record for the impulse response of a linear system and returns the smallest balanced one that has it, with poles, modes and the evidence for them.
 
 mod arx;
 mod balanced_truncation;
 mod caveats;
+mod common_fit;
 mod compare;
+mod correlations;
 mod era;
+mod era_dc;
 mod error;
 mod exponential_sum;
 mod factors;
+mod fir_kernel;
+mod free_decay;
 mod golub_kahan;
 mod hankel;
 mod information;
 mod initial_state;
 mod input_matrices;
+mod input_matrix;
 mod io_data;
+mod lagged_regression;
 mod least_squares;
+mod markov;
 mod modal;
+mod mode_shape;
+mod okid;
 mod order;
 mod output_error;
 mod pole_problem;
 mod random;
+mod regularised_fir;
 mod residual;
 mod section_chain;
 mod separable;
+mod shift_form;
+mod shift_pair;
 mod subspace;
 mod thinning;
 mod transfer_function_array;
@@ -37,17 +49,25 @@ pub use arx::{Arx, ArxOrder, arx, arx_scan};
 pub use caveats::{caveats, filter_edge_hz};
 pub use compare::{FitMeasures, compare, fit_measures, simulate_fitted};
 pub use era::{Era, EraError, EraOptions, Order, Realization, era};
+pub use era_dc::{EraDc, EraDcOptions, era_dc};
 pub use error::IdentifyError;
 pub use exponential_sum::{ExponentialOptions, ExponentialSumFit, ExponentialTerm, exponential_sum};
 pub use factors::Decomposition;
+pub use fir_kernel::Kernel;
+pub use free_decay::end_of_contact;
 pub use information::InformationCriteria;
 pub use io_data::IoData;
 pub use least_squares::CONDITION_LIMIT;
+pub use markov::{MarkovParameters, markov_parameters};
 pub use modal::IdentifiedMode;
+pub use mode_shape::{modal_assurance, phase_collinearity};
+pub use okid::{Criterion, Lags, Okid, OkidModel, OkidOptions, OkidRealization};
 pub use order::{GapOrder, order_by_gap};
 pub use output_error::{OutputError, OutputErrorOptions, output_error};
+pub use regularised_fir::{Fir, FirOptions, Hyperparameters, fir};
 pub use residual::{ResidualTests, effective_samples, residual_tests};
 pub use separable::{Stop, Termination};
+pub use shift_form::ShiftForm;
 pub use subspace::{Subspace, SubspaceModel, SubspaceOptions, Weighting};
 pub use thinning::{automatic_thinning, thinned};
 pub use transfer_function_array::{TransferFunctionArray, transfer_function_array};

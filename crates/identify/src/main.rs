@@ -2,12 +2,15 @@
 
 mod by_era;
 mod by_exponentials;
+mod by_markov;
 mod by_state_space;
 mod by_transfer_function;
 mod evidence;
+mod hankel_settings;
 mod input_output;
 mod options;
 mod to_records;
+mod window_start;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -17,6 +20,7 @@ use crumple_stage::records::{EventsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
 use options::{Options, Settings};
+use window_start::window_start;
 
 struct Identify;
 
@@ -39,6 +43,9 @@ impl Stage for Identify {
     fn run(settings: &Settings, inputs: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let test = inputs.test()?;
         out.put("/test", &TestV1::from(&test))?;
+        if let (_, Some(rule)) = window_start(settings, inputs)? {
+            out.notes().info(rule);
+        }
         // A method that fails does not take the others with it.
         let mut error = None;
         let mut reason = None;
@@ -46,7 +53,7 @@ impl Stage for Identify {
         let alone = settings.methods.len() == 1;
         for method in &settings.methods {
             let outcome = match method.as_str() {
-                "era" => by_era::run(settings, &test, inputs, out),
+                "era" | "era-dc" => by_era::run(method, settings, &test, inputs, out),
                 "tfest" => by_transfer_function::run(settings, &test, inputs, out),
                 "exponentials" => by_exponentials::run(settings, &test, inputs, out),
                 name => by_state_space::run(name, settings, &test, inputs, out),
@@ -86,7 +93,10 @@ fn channel<'a>(settings: &'a Settings, test: &'a TestDescription) -> anyhow::Res
 /// among the inputs; without them it is the record's own zero.
 fn window(record: &Sampled, settings: &Settings, inputs: &Inputs) -> anyhow::Result<Sampled> {
     let zero_s = inputs.record_if::<EventsV1>("/events")?.map_or(0.0, |events| events.time_zero_s);
-    let first = record.index_at_or_after(zero_s + settings.from_s);
+    // Half a sample of room for the rounding of times.
+    let (from_s, rule) = window_start(settings, inputs)?;
+    let room_s = if rule.is_some() { record.dt_s() / 2.0 } else { 0.0 };
+    let first = record.index_at_or_after(zero_s + from_s - room_s);
     // The sample at `to` itself belongs to the window.
     let end = settings.to_s.map_or(record.len(), |to| record.index_at_or_after(zero_s + to + record.dt_s() / 2.0));
     let end = settings.samples.map_or(end, |count| end.min(first.saturating_add(count)));

@@ -17,7 +17,8 @@ pub struct IdentifiedMode {
     pub mode_singular_value: Option<f64>,
 }
 
-/// Modes of a discrete model in the order of `poles`.
+/// Modes of a discrete model in the order of `poles`, and their shapes: what every output shows of a mode, scaled and
+/// turned so that the largest entry is 1.
 ///
 /// `controllability` is `S^1/2 V'`: the identified sequence `[B, A B, A² B, ...]` by which the model's own is judged.
 /// `terms` is the number of samples the sum in the mode singular value runs over.
@@ -31,34 +32,35 @@ pub(crate) fn modes(
     dt_s: f64,
     controllability: &DMatrix<f64>,
     terms: usize,
-) -> Vec<IdentifiedMode> {
-    let evidence = modal_evidence(model, poles, controllability, terms);
-    let (coherence, mut strength) = evidence.unwrap_or_else(|| (vec![None; poles.len()], vec![None; poles.len()]));
-    let largest = strength.iter().flatten().copied().fold(0.0, f64::max);
-    for value in &mut strength {
-        *value = value.map(|s| s / largest).filter(|s| s.is_finite());
-    }
-    poles
-        .iter()
-        .zip(coherence.into_iter().zip(strength))
-        .map(|(&z, (coherence, strength))| IdentifiedMode {
-            discrete_pole: z,
-            mode: Mode::discrete(z, dt_s),
-            modal_amplitude_coherence: coherence,
-            mode_singular_value: strength,
-        })
-        .collect()
+) -> (Vec<IdentifiedMode>, Vec<Option<Vec<Complex>>>) {
+    let none = || ModalEvidence { coherence: None, strength: None, shape: None };
+    let evidence =
+        modal_evidence(model, poles, controllability, terms).unwrap_or_else(|| poles.iter().map(|_| none()).collect());
+    let largest = evidence.iter().filter_map(|mode| mode.strength).fold(0.0, f64::max);
+    let identified = poles.iter().zip(&evidence).map(|(&z, evidence)| IdentifiedMode {
+        discrete_pole: z,
+        mode: Mode::discrete(z, dt_s),
+        modal_amplitude_coherence: evidence.coherence,
+        mode_singular_value: evidence.strength.map(|s| s / largest).filter(|s| s.is_finite()),
+    });
+    (identified.collect(), evidence.iter().map(|mode| mode.shape.clone()).collect())
 }
 
-type Evidence = (Vec<Option<f64>>, Vec<Option<f64>>);
+/// What the data say of one mode.
+struct ModalEvidence {
+    coherence: Option<f64>,
+    /// Mode singular value, not yet relative to the largest.
+    strength: Option<f64>,
+    shape: Option<Vec<Complex>>,
+}
 
-/// Coherences and unscaled mode singular values; `None` if the eigenvectors do not span the state space.
+/// One entry a pole; `None` if the eigenvectors do not span the state space.
 fn modal_evidence(
     model: &StateSpace,
     poles: &[Complex],
     controllability: &DMatrix<f64>,
     terms: usize,
-) -> Option<Evidence> {
+) -> Option<Vec<ModalEvidence>> {
     let complex = |m: &DMatrix<f64>| m.map(|x| Complex::new(x, 0.0));
     let vectors = eigenvectors(&model.a, poles)?;
     let inverse = vectors.clone().try_inverse()?;
@@ -68,25 +70,36 @@ fn modal_evidence(
     let b = &inverse * complex(&model.b);
     let c = complex(&model.c) * &vectors;
     let identified = &inverse * complex(controllability);
-    let mut coherences = Vec::with_capacity(poles.len());
-    let mut strengths = Vec::with_capacity(poles.len());
-    for (i, &z) in poles.iter().enumerate() {
-        let mut pure = b[i];
+    let inputs = b.ncols();
+    let evidence = poles.iter().enumerate().map(|(i, &z)| {
+        let mut pure: Vec<Complex> = b.row(i).iter().copied().collect();
         let (mut inner, mut pure_square, mut data_square) = (Complex::new(0.0, 0.0), 0.0, 0.0);
-        for data in identified.row(i).iter() {
+        for (j, data) in identified.row(i).iter().enumerate() {
+            let pure = &mut pure[j % inputs];
             inner += pure.conj() * data;
             pure_square += pure.norm_sqr();
             data_square += data.norm_sqr();
-            pure *= z;
+            *pure *= z;
         }
         let coherence = inner.norm() / (pure_square * data_square).sqrt();
-        // Rounding may carry it past 1.
-        coherences.push(coherence.is_finite().then_some(coherence.min(1.0)));
-
         let modulus = z.norm();
         let sum: f64 = std::iter::successors(Some(1.0), |power| Some(power * modulus)).take(terms).sum();
-        let strength = (c[i].norm() * sum * b[i].norm()).sqrt();
-        strengths.push(strength.is_finite().then_some(strength));
+        let strength = (c.column(i).norm() * sum * b.row(i).norm()).sqrt();
+        ModalEvidence {
+            // Rounding may carry it past 1.
+            coherence: coherence.is_finite().then_some(coherence.min(1.0)),
+            strength: strength.is_finite().then_some(strength),
+            shape: normalized(c.column(i).iter().copied().collect()),
+        }
+    });
+    Some(evidence.collect())
+}
+
+/// Divides by the entry of largest modulus (the first such entry on a tie); `None` for a mode that no output shows.
+fn normalized(mut shape: Vec<Complex>) -> Option<Vec<Complex>> {
+    let largest = shape.iter().fold(Complex::new(0.0, 0.0), |m, x| if x.norm() > m.norm() { *x } else { m });
+    for entry in &mut shape {
+        *entry /= largest;
     }
-    Some((coherences, strengths))
+    shape.iter().all(|x| x.re.is_finite() && x.im.is_finite()).then_some(shape)
 }

@@ -9,8 +9,11 @@ use serde::{Deserialize, Serialize};
 
 use crumple_identify::{Order, Start};
 
+use crate::hankel_settings::HankelSettings;
+
 /// Methods by name.
-const METHODS: [&str; 8] = ["era", "tfest", "exponentials", "n4sid", "moesp", "cva", "arx", "output-error"];
+const METHODS: [&str; 11] =
+    ["era", "era-dc", "okid", "fir", "tfest", "exponentials", "n4sid", "moesp", "cva", "arx", "output-error"];
 
 /// Ways to starting points by name, default first to last.
 const STARTS: [Start; 7] =
@@ -23,9 +26,9 @@ const CONDITIONS: [&str; 3] = ["position", "velocity", "acceleration"];
 #[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Identification methods, separated by commas. From one channel: era (eigensystem realization), exponentials.
-    /// From an input and an output: tfest (continuous transfer function), n4sid, moesp, cva, arx, output-error.
-    /// Default: era.
+    /// Identification methods, separated by commas. From free motion: era (eigensystem realization), era-dc (the same on
+    /// correlations of the record), exponentials. From an input and an output: tfest (continuous transfer function),
+    /// okid (observer, then era), fir (impulse response, then era), n4sid, moesp, cva, arx, output-error. Default: era.
     #[arg(long, value_delimiter = ',')]
     pub methods: Vec<String>,
     /// Numbers of states to try, separated by commas, and "auto" for the largest gap between singular values. Two
@@ -47,6 +50,43 @@ pub struct Options {
     /// Channel to identify from. Default: the crash pulse.
     #[arg(long)]
     pub channel: Option<String>,
+    /// Channels whose free motion is identified together by era and era-dc, separated by commas: one model with a shape
+    /// of every mode. Default: one channel.
+    #[arg(long, value_delimiter = ',')]
+    pub channels: Vec<String>,
+    /// Start where the contact force has ended: "separation" (the time of the rebound velocity) or a share of the peak of
+    /// the crash pulse that it stays under from then on, e.g. 5%. Default: the start of the window.
+    #[arg(long)]
+    pub free_decay: Option<String>,
+    /// Size of the Hankel matrix of era: half (of the record) or twice-order (rows and columns). Default: half.
+    #[arg(long)]
+    pub hankel_size: Option<String>,
+    /// How era, era-dc and fir find the state matrix: hankel, least-squares or total-least-squares. Default: hankel.
+    #[arg(long)]
+    pub shift_form: Option<String>,
+    /// Lag of the first correlation of era-dc, samples; from --rows on none has white noise in it. Default: 0.
+    #[arg(long)]
+    pub offset: Option<u32>,
+    /// Correlations that era-dc stacks beyond the first, each way. Default: 10.
+    #[arg(long)]
+    pub lag_blocks: Option<u32>,
+    /// Past samples that the observer of okid sees. Default: chosen by --lag-criterion.
+    #[arg(long)]
+    pub lags: Option<u32>,
+    /// Criterion for the number of lags: aicc or bic. Default: aicc.
+    #[arg(long)]
+    pub lag_criterion: Option<String>,
+    /// What okid chooses its states from: joint (system and observer gain) or system. Default: joint.
+    #[arg(long)]
+    pub okid_states: Option<String>,
+    /// Samples of the impulse response of fir, at most a third of the record unless it starts from rest (--initial
+    /// zero). Default: 100.
+    #[arg(long)]
+    pub taps: Option<u32>,
+    /// What fir expects of the impulse response: tc (dies out, neighbours alike), dc (the same, with a likeness of its
+    /// own) or none. Default: tc.
+    #[arg(long)]
+    pub kernel: Option<String>,
     /// Waveform that drives the system, for methods with an input: --inputs of a single one.
     #[arg(long, conflicts_with = "input_channels")]
     pub input_channel: Option<String>,
@@ -133,6 +173,9 @@ pub struct Settings {
     /// What the methods other than `era` need; absent where `era` is alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beyond_era: Option<BeyondEra>,
+    /// What methods through Markov parameters need beyond plain ERA; absent for the latter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hankel: Option<HankelSettings>,
     /// Start of the window, s.
     pub from_s: f64,
     /// End of the window, s, if not the end of the record.
@@ -277,7 +320,7 @@ fn one_or_several<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<V
 }
 
 /// An error that suggests the nearest name.
-fn unknown(what: &str, found: &str, choices: &[&str]) -> Usage {
+pub fn unknown(what: &str, found: &str, choices: &[&str]) -> Usage {
     let hint = match nearest(found, choices.iter().copied()) {
         Some(near) => format!("did you mean {near:?}?"),
         None => format!("there are: {}", choices.join(", ")),
@@ -315,10 +358,15 @@ impl Settings {
             return Err(Usage::new(format!("{name} is 0, a positive number is needed")));
         }
         let size = |n: Option<u32>| n.map(|n| n as usize);
-        let beyond_era =
-            if options.methods.iter().any(|m| m != "era") { Some(BeyondEra::resolve(&options)?) } else { None };
+        let beyond_era = if options.methods.iter().any(|m| m != "era" && m != "era-dc") {
+            Some(BeyondEra::resolve(&options)?)
+        } else {
+            None
+        };
+        let hankel = HankelSettings::resolve(&options)?;
         Ok(Self {
             beyond_era,
+            hankel,
             methods: if options.methods.is_empty() { vec!["era".to_owned()] } else { options.methods },
             orders: if orders.is_empty() { vec![OrderOption(Order::Given(4))] } else { orders },
             max_order: size(options.max_order).unwrap_or(20),

@@ -119,7 +119,7 @@ impl<'a> Subspace<'a> {
                 stretches.extend(signals.iter().map(|s| (&s[..], offset + k)));
             }
         }
-        let r = triangular_factor(&stretches, samples + 1 - 2 * i);
+        let r = triangular_factor(&stretches, samples + 1 - 2 * i).matrix();
         let inputs = r.view((0, 0), (2 * m * i, 2 * m * i)).into_owned();
         let (future, past) = (m * i, (m + q) * i);
         let outputs = q * i;
@@ -263,8 +263,8 @@ impl<'a> Subspace<'a> {
     }
 }
 
-/// `R` of the matrix whose columns are stretches of signals: `(signal, offset)`, `rows` samples each.
-fn triangular_factor(stretches: &[(&[f64], usize)], rows: usize) -> DMatrix<f64> {
+/// Triangular factor of the matrix whose columns are stretches of signals: `(signal, offset)`, `rows` samples each.
+pub(crate) fn triangular_factor(stretches: &[(&[f64], usize)], rows: usize) -> TriangularFactor {
     let width = stretches.len();
     let block_rows = TriangularFactor::block_rows(width);
     let starts: Vec<usize> = (0..rows).step_by(PART.max(4 * width)).collect();
@@ -290,7 +290,7 @@ fn triangular_factor(stretches: &[(&[f64], usize)], rows: usize) -> DMatrix<f64>
     for part in factors {
         whole.merge(&part);
     }
-    whole.matrix()
+    whole
 }
 
 fn numerical_rank(values: &[f64]) -> usize {

@@ -1,10 +1,10 @@
 //! An identified model as the records of the artifact.
 
-use crumple_identify::{Decomposition, Realization};
-use crumple_lti::{LtiError, StateSpace, impulse_response, to_transfer_function};
+use crumple_identify::{Decomposition, Realization, markov_parameters, modal_assurance, phase_collinearity};
+use crumple_lti::{LtiError, StateSpace, to_transfer_function};
 use crumple_signal::{Notes, QuantityKind, Sampled};
 use crumple_stage::Output;
-use crumple_stage::records::{IdentificationV1, ModeV1, ModesV1, StateSpaceV1, TransferFunctionV1};
+use crumple_stage::records::{IdentificationV1, ModeV1, ModesV1, ShapeV1, ShapesV1, StateSpaceV1, TransferFunctionV1};
 use nalgebra::DMatrix;
 
 use crate::evidence::evidence;
@@ -15,26 +15,36 @@ const INPUT: &str = "unit impulse (the record taken as Markov parameters)";
 
 /// The samples a model was identified from.
 pub struct Window<'a> {
-    /// Id of the channel.
-    pub channel: &'a str,
-    /// The samples and their times.
-    pub sampled: &'a Sampled,
+    /// `era` or `era-dc`.
+    pub method: &'a str,
+    /// Ids of the channels.
+    pub channels: &'a [&'a str],
+    /// The samples of each and their times.
+    pub sampled: &'a [Sampled],
+    /// What the samples are taken for.
+    pub treated_as: &'static str,
 }
 
-/// Writes the records of one model under its id, `era-<order>`, and a summary line.
+/// Writes the records of one model under its id, `<method>-<order>`, and a summary line.
 pub fn put_model(model: &Realization, window: &Window<'_>, notes: &Notes, out: &mut Output) -> anyhow::Result<()> {
-    let id = format!("era-{}", model.order());
-    let output = format!("acceleration of channel {}, m/s^2", window.channel);
+    let id = format!("{}-{}", window.method, model.order());
+    let single = window.channels.len() == 1;
+    let plural = if single { "" } else { "s" };
+    let output = format!("acceleration of channel{plural} {}, m/s^2", window.channels.join(", "));
     let mut notes = notes.to_texts();
     out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output))?;
     if let Ok(continuous) = &model.continuous {
         out.put(&format!("/model/{id}/continuous"), &state_space(continuous, INPUT, &output))?;
         match transfer_function(continuous, &output) {
+            _ if !single => {}
             Ok(record) => out.put(&format!("/model/{id}/transfer-function"), &record)?,
             Err(error) => notes.push(format!("no transfer function: {error}")),
         }
     }
     out.put(&format!("/modes/{id}"), &modes(model))?;
+    if !single {
+        out.put(&format!("/shapes/{id}"), &shapes(model, window.channels))?;
+    }
     if let Decomposition::Lanczos { steps } = model.decomposition {
         let converged = model
             .singular_value_errors
@@ -47,10 +57,14 @@ pub fn put_model(model: &Realization, window: &Window<'_>, notes: &Notes, out: &
         ));
     }
     out.put(&format!("/identification/{id}"), &identification(model, window, notes))?;
-    let cut =
-        Cut { id: window.channel.to_owned(), quantity: QuantityKind::Acceleration, sampled: window.sampled.clone() };
-    let response = impulse_response(&model.discrete, window.sampled.len())?;
-    let mut support = evidence(None, &cut, &response, 2 * model.order() + 1);
+    // Of several channels the residuals stand one after the other.
+    let first = &window.sampled[0];
+    let samples = window.sampled.iter().flat_map(Sampled::samples).copied().collect();
+    let sampled = Sampled::new(first.t0_s(), first.dt_s(), samples)?;
+    let cut = Cut { id: window.channels.join(", "), quantity: QuantityKind::Acceleration, sampled };
+    let response = markov_parameters(&model.discrete, first.len()).concat();
+    let mut support =
+        evidence(None, &cut, &response, (window.channels.len() + 1) * model.order() + window.channels.len());
     support.singular_value_errors = model.singular_value_errors.clone();
     out.put(&format!("/evidence/{id}"), &support)?;
     out.summary(summary(&id, model, window));
@@ -101,16 +115,36 @@ fn modes(model: &Realization) -> ModesV1 {
     ModesV1(entries.collect())
 }
 
+/// Shapes of the modes, conjugates once, and how alike they are.
+fn shapes(model: &Realization, channels: &[&str]) -> ShapesV1 {
+    let modes = model.modes.iter().zip(&model.mode_shapes).filter(|(mode, _)| mode.discrete_pole.im >= 0.0);
+    let known: Vec<_> = modes.filter_map(|(mode, shape)| Some((mode.mode?, shape.as_ref()?))).collect();
+    let modal_assurance =
+        known.iter().map(|(_, p)| known.iter().map(|(_, q)| modal_assurance(p, q).unwrap_or(0.0)).collect()).collect();
+    let shapes = known.iter().map(|(mode, shape)| ShapeV1 {
+        re_per_s: mode.pole.re,
+        im_rad_per_s: mode.pole.im,
+        re: shape.iter().map(|x| x.re).collect(),
+        im: shape.iter().map(|x| x.im).collect(),
+        phase_collinearity: phase_collinearity(shape),
+    });
+    ShapesV1 {
+        channels: channels.iter().map(|&channel| channel.to_owned()).collect(),
+        shapes: shapes.collect(),
+        modal_assurance,
+    }
+}
+
 fn identification(model: &Realization, window: &Window<'_>, notes: Vec<String>) -> IdentificationV1 {
     let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     IdentificationV1 {
-        method: "era".to_owned(),
+        method: window.method.to_owned(),
         order: size(model.order()),
-        channel: window.channel.to_owned(),
-        treated_as: "impulse-response".to_owned(),
-        from_s: window.sampled.t0_s(),
-        to_s: window.sampled.end_s(),
-        samples: window.sampled.len() as u64,
+        channel: window.channels.join(", "),
+        treated_as: window.treated_as.to_owned(),
+        from_s: window.sampled[0].t0_s(),
+        to_s: window.sampled[0].end_s(),
+        samples: window.sampled[0].len() as u64,
         hankel_rows: Some(size(model.rows)),
         hankel_columns: Some(size(model.columns)),
         singular_values: model.singular_values.clone(),
@@ -138,5 +172,5 @@ fn summary(id: &str, model: &Realization, window: &Window<'_>) -> String {
             }
         })
         .collect();
-    format!("{id}: {fit} of {} samples; {}", window.sampled.len(), modes.join(", "))
+    format!("{id}: {fit} of {} samples; {}", window.sampled[0].len(), modes.join(", "))
 }
