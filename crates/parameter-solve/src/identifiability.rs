@@ -35,8 +35,9 @@ pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance) -> Opt
         })
         .collect();
     let moved = format!(
-        "{} together move the displacement by only {} rms",
+        "{} {} the displacement by only {} rms",
         named.join(", "),
+        if named.len() == 1 { "moves" } else { "together move" },
         length(unit * covariance.weakest_change_m)
     );
     let known = match parts[..] {
@@ -87,7 +88,7 @@ mod tests {
     use nalgebra::DMatrix;
 
     fn spring(name: &'static str, value: f64) -> FreeParameter {
-        FreeParameter { name, value, unit: value, logarithmic: true, limit: f64::INFINITY }
+        FreeParameter { name, value, unit: value, scale: 0.0, logarithmic: true, limit: f64::INFINITY }
     }
 
     #[test]

@@ -98,6 +98,8 @@ pub struct FreeParameter {
     pub value: f64,
     /// Unit of its coordinate: the value itself for a logarithm, the scale of its kind otherwise.
     pub unit: f64,
+    /// Scale of its kind, `m (v0/C)²` for springs and `m v0/C` for dampers; 0 for knots.
+    pub scale: f64,
     /// Whether the coordinate is the logarithm of the value: all but those near zero.
     pub logarithmic: bool,
     /// Largest value allowed; speeds and lengths of a curve stay inside it.
@@ -110,6 +112,12 @@ const NEAR_ZERO: f64 = 0.01;
 const RANGE: f64 = 1e4;
 
 impl FreeParameter {
+    /// The same parameter described about another value: by its logarithm, or by its share of the scale near zero.
+    pub fn described_at(&self, value: f64) -> Self {
+        let logarithmic = value > NEAR_ZERO * self.scale;
+        Self { value, unit: if logarithmic { value } else { self.scale }, logarithmic, ..*self }
+    }
+
     /// The coordinate of a value.
     pub fn coordinate(&self, value: f64) -> f64 {
         if self.logarithmic { (value / self.unit).ln() } else { value / self.unit }
@@ -162,8 +170,7 @@ pub fn free_parameters(
                 _ if name.ends_with("_m_per_s") => (0.0, knot("v0_m_per_s")),
                 _ => (0.0, knot("crush_m")),
             };
-            let logarithmic = value > NEAR_ZERO * scale;
-            FreeParameter { name, value, unit: if logarithmic { value } else { scale }, logarithmic, limit }
+            FreeParameter { name, value, unit: value, scale, logarithmic: true, limit }.described_at(value)
         })
         .collect()
 }

@@ -51,7 +51,23 @@ impl Refined {
 /// Bounded Levenberg-Marquardt in the coordinates of [`FreeParameter`], then from both sides of the direction along which
 /// the misfit rises least, as long as that finds something better. Local: the result depends on the start. `None`
 /// where the model has no finite response.
+///
+/// A parameter that comes near zero, or away from it, is described anew there and the descent goes on.
 pub fn refine(model: &Model, free: &[FreeParameter], observed: &Observed) -> Option<Refined> {
+    let found = descend_with_hops(model, free, observed)?;
+    let again: Vec<FreeParameter> = found.free.iter().map(|p| p.described_at(p.value)).collect();
+    if again.iter().zip(free).all(|(new, old)| new.logarithmic == old.logarithmic) {
+        return Some(found);
+    }
+    let next = descend_with_hops(&found.model, &again, observed)?;
+    Some(Refined {
+        evaluations: found.evaluations + next.evaluations,
+        iterations: found.iterations + next.iterations,
+        ..next
+    })
+}
+
+fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observed) -> Option<Refined> {
     let problem = Problem::new(*model, free.to_vec(), observed);
     let mut best = descend(&problem, &problem.start(), &bounds(free))?;
     let mut evaluations = best.evaluations;
@@ -123,6 +139,7 @@ fn finish(problem: &Problem<'_>, best: Optimum, evaluations: u64) -> Option<Refi
     }
     let values = model.parameters();
     let free = problem.free.iter().map(|p| FreeParameter { value: values[p.name], ..*p }).collect();
+    // `unit` stays that of the start: a logarithm's derivative does not depend on it.
     Some(Refined {
         model,
         free,
