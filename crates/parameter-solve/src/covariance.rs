@@ -98,15 +98,7 @@ pub fn covariance(j_m: &DMatrix<f64>, residuals_m: &[f64], resolution_m: f64) ->
     let condition = if rank == p { svd.values[0] / svd.values[p - 1] } else { f64::INFINITY };
     let matrix = of_noise + of_resolution;
     let finite = matrix.iter().all(|x| x.is_finite()) && half_width.iter().all(|x| !x.is_nan());
-    finite.then_some(Covariance {
-        matrix,
-        half_width,
-        condition,
-        rank,
-        weakest,
-        weakest_change_m,
-        effective_samples,
-    })
+    finite.then_some(Covariance { matrix, half_width, condition, rank, weakest, weakest_change_m, effective_samples })
 }
 
 impl Covariance {

@@ -78,7 +78,7 @@ pub(crate) fn short(name: &str) -> String {
 }
 
 fn length(m: f64) -> String {
-    if m >= 1e-4 { format!("{:.2} mm", 1e3 * m) } else { format!("{:.2e} m", m) }
+    if m >= 1e-4 { format!("{:.2} mm", 1e3 * m) } else { format!("{m:.2e} m") }
 }
 
 #[cfg(test)]

@@ -63,8 +63,11 @@ pub fn judge(
     options: JudgeOptions,
 ) -> Option<Judgement> {
     // What stands on zero is judged from its one side; what stands on the end of the search is not judged.
-    let kept: Vec<usize> =
-        (0..refined.free.len()).filter(|&i| !refined.on_bound[i] || refined.free[i].value == 0.0).collect();
+    // Neither is what moves nothing in the window: it stays open on both sides.
+    let judged = |i: &usize| {
+        (!refined.on_bound[*i] || refined.free[*i].value == 0.0) && refined.sensitivity_m.column(*i).norm() > 0.0
+    };
+    let kept: Vec<usize> = (0..refined.free.len()).filter(judged).collect();
     let free: Vec<FreeParameter> = kept.iter().map(|&i| refined.free[i]).collect();
     let j_m = refined.sensitivity_m.select_columns(&kept);
     let found = covariance(&j_m, &refined.misfit_m, observed.resolution_m)?;
@@ -78,8 +81,7 @@ pub fn judge(
         let deviation = (found.matrix[(i, i)].max(0.0) + away * away).sqrt();
         let half = (found.half_width[i].powi(2) + (1.96 * away).powi(2)).sqrt();
         if half.is_finite() {
-            standard_deviation
-                .insert(parameter.name, deviation * parameter.slope(parameter.coordinate(value)).abs());
+            standard_deviation.insert(parameter.name, deviation * parameter.slope(parameter.coordinate(value)).abs());
         }
         interval.insert(parameter.name, around(parameter, value, half));
     }
@@ -99,7 +101,13 @@ pub fn judge(
         weakest_direction: weakest_direction(&free, &found),
         residual_autocorrelation: lag_1_autocorrelation(&refined.misfit_m),
         effective_samples: found.effective_samples,
-        profile: if options.profile { profile(refined, observed, &found) } else { Vec::new() },
+        profile: if options.profile {
+            let half_width = |i| kept.iter().position(|&k| k == i).map(|k| found.half_width[k]);
+            let expected: Vec<Option<f64>> = (0..refined.free.len()).map(half_width).collect();
+            profile(refined, observed, &expected, found.effective_samples)
+        } else {
+            Vec::new()
+        },
         bootstrap: (options.bootstrap > 0).then(|| bootstrap(refined, observed, options.bootstrap)).flatten(),
     })
 }
@@ -158,7 +166,6 @@ impl Judgement {
                         low: p.low.map(|x| x * by),
                         high: p.high.map(|x| x * by),
                         points: p.points.iter().map(|(value, rise)| (value * by, *rise)).collect(),
-                        ..p.clone()
                     }
                 })
                 .collect(),
@@ -170,6 +177,10 @@ impl Judgement {
 
 /// Free parameters of which the record says nothing at all, for a sentence.
 pub fn undetermined(judgement: &Judgement) -> Vec<&'static str> {
-    judgement.interval.iter().filter(|(_, (low, high))| low.is_none() || high.is_none()).map(|(name, _)| *name).collect()
+    judgement
+        .interval
+        .iter()
+        .filter(|(_, (low, high))| low.is_none() || high.is_none())
+        .map(|(name, _)| *name)
+        .collect()
 }
-

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{DoubleSpringMassDamper, Model, ModelKind, Nonlinear1};
 use crumple_parameter_solve::{
-    Candidate, FreeParameter, InputUncertainty, IntegrationRule, JudgeOptions, Judgement, Measurement, Method, Observed,
-    Propagation, Refined, TwoPassFilter, free_parameters, judge, propagate, refine,
+    Candidate, FreeParameter, InputUncertainty, IntegrationRule, JudgeOptions, Judgement, Measurement, Method,
+    Observed, Propagation, Refined, TwoPassFilter, free_parameters, judge, propagate, refine,
 };
 use crumple_signal::{Acceleration, Displacement};
 use crumple_stage::records::{ChannelFilterV1, EventsV1, ProfileV1, ReplicatesV1, UncertaintyV1};
@@ -76,8 +76,7 @@ pub fn judge_all(
         return Ok(none);
     };
     let (measurement, known) = measurement(input, events, &displacement)?;
-    let scene =
-        Scene { settings, events, displacement, measurement, known, mass_kg, impact_speed_m_per_s, crush_m };
+    let scene = Scene { settings, events, displacement, measurement, known, mass_kg, impact_speed_m_per_s, crush_m };
     if !known {
         out.notes().info(
             "the filter of the record is not known here (give the artifact of crumple-filter too): models are fitted as if \
@@ -186,9 +185,8 @@ impl Scene<'_> {
         let found = match &candidate.model {
             // Whether the vehicle leaves the barrier or swings on: what fits the record better.
             Model::Elastoplastic(model) => {
-                let both = [true, false].map(|release| {
-                    with(&Model::Elastoplastic(crumple_lumped::Elastoplastic { release, ..*model }))
-                });
+                let both = [true, false]
+                    .map(|release| with(&Model::Elastoplastic(crumple_lumped::Elastoplastic { release, ..*model })));
                 both.into_iter().flatten().min_by(|a, b| a.rmse_m().total_cmp(&b.rmse_m()))
             }
             model => with(model),
@@ -303,9 +301,11 @@ fn pair_up(candidates: &mut Vec<Candidate>, judged: &mut Vec<Option<Judged>>, sc
         if let Model::DoubleSpringMassDamper(model) = a.model {
             let dual = model.dual();
             b.model = Model::DoubleSpringMassDamper(dual);
-            let of_b = verdict
-                .as_ref()
-                .map(|v| Judged { judgement: v.judgement.of_dual(&b.model, &a.model), propagation: None, ..v.clone() });
+            let of_b = verdict.as_ref().map(|v| Judged {
+                judgement: v.judgement.of_dual(&b.model, &a.model),
+                propagation: None,
+                ..v.clone()
+            });
             if let (Some(fit), Some(own)) = (&mut b.fit, &a.fit) {
                 *fit = own.clone();
                 fit.active_bounds.iter_mut().for_each(|name| *name = exchanged(name));
@@ -414,13 +414,8 @@ impl Judged {
     /// What a person should hear at once: parameters that the record does not determine; propagated intervals.
     pub fn line(&self, candidate: &Candidate) -> String {
         let mut parts = Vec::new();
-        let open: Vec<&str> = self
-            .judgement
-            .profile
-            .iter()
-            .filter(|p| !p.identifiable())
-            .map(|p| p.parameter)
-            .collect();
+        let open: Vec<&str> =
+            self.judgement.profile.iter().filter(|p| !p.identifiable()).map(|p| p.parameter).collect();
         if !open.is_empty() {
             parts.push(format!("not identifiable: {}", open.join(", ")));
         }

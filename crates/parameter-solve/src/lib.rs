@@ -39,7 +39,7 @@ mod starts;
 mod window;
 
 pub use amplitude_ratios::{front_from_amplitudes, rear_from_amplitudes};
-pub use bootstrap::{Bootstrap, REPLICATES};
+pub use bootstrap::{Bootstrap, REPLICATES, bootstrap};
 pub use candidate::{Candidate, Fit, Uncertainty};
 pub use covariance::{Covariance, covariance};
 pub use double_fit::{DoubleFit, DoubleFitOptions, fit_double};
@@ -55,9 +55,11 @@ pub use maxwell::{MaxwellExponents, maxwell_constants, maxwell_from_exponents};
 pub use maxwell_fit::fit_maxwell;
 pub use measurement::{IntegrationRule, Measurement, TwoPassFilter};
 pub use method::{DEFAULT_METHODS, DEFAULT_MODELS, METHODS, MODELS, Method};
-pub use observed::{FreeParameter, Observed, RESOLUTION_M, free_parameters};
 pub use nonlinear_fit::{NonlinearFitOptions, fit_nonlinear1, fit_nonlinear2};
-pub use profile::{Profile, RISE_95};
-pub use propagation::{InputUncertainty, Propagation, REPETITIONS, Repetition, perturbed, propagate, repeat, repetition};
+pub use observed::{FreeParameter, Observed, RESOLUTION_M, free_parameters};
+pub use profile::{Profile, RISE_95, profile};
+pub use propagation::{
+    InputUncertainty, Propagation, REPETITIONS, Repetition, perturbed, propagate, repeat, repetition,
+};
 pub use refine::{Refined, refine};
 pub use solve::{Evidence, MassSplit, SolveSettings, masses, solve};

@@ -206,10 +206,7 @@ impl<'a> Problem<'a> {
 }
 
 /// The same model with other values; `None` for values without meaning.
-pub(crate) fn with_parameters(
-    template: &Model,
-    values: &std::collections::BTreeMap<String, f64>,
-) -> Option<Model> {
+pub(crate) fn with_parameters(template: &Model, values: &std::collections::BTreeMap<String, f64>) -> Option<Model> {
     let kind: ModelKind = template.kind();
     let mut model = Model::from_parameters(kind, values).ok()?;
     if let (Model::Elastoplastic(new), Model::Elastoplastic(old)) = (&mut model, template) {

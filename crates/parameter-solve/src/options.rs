@@ -2,7 +2,8 @@
 
 use crumple_lumped::ModelKind;
 use crumple_parameter_solve::{
-    DEFAULT_METHODS, DEFAULT_MODELS, FireflyOptions, FireflyUnits, METHODS, MODELS, MassSplit, Method, REPETITIONS, SolveSettings,
+    DEFAULT_METHODS, DEFAULT_MODELS, FireflyOptions, FireflyUnits, METHODS, MODELS, MassSplit, Method, REPETITIONS,
+    SolveSettings,
 };
 use crumple_signal::value::{Acceleration, Mass, Speed, Time};
 use crumple_stage::{Usage, nearest};

@@ -3,7 +3,6 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use crate::covariance::Covariance;
 use crate::observed::{FreeParameter, Observed, Problem};
 use crate::refine::{Refined, follow};
 
@@ -45,13 +44,20 @@ impl Profile {
 /// `Ne` is the effective number of samples, at least one more than there are parameters. To both sums of squares comes the
 /// resolution of the displacement. Up to 24 points on each side, with growing steps; a side that never rises so far, or ends on
 /// a bound of the search, is open: not identifiable. Where zero is reached below the limit, zero is the end.
-pub fn profile(refined: &Refined, observed: &Observed, covariance: &Covariance) -> Vec<Profile> {
+///
+/// `expected`: half-width of the linear interval of each free parameter's coordinate, where there is one; it sets the first step.
+pub fn profile(
+    refined: &Refined,
+    observed: &Observed,
+    expected: &[Option<f64>],
+    effective_samples: f64,
+) -> Vec<Profile> {
     let problem = Problem::new(refined.model, refined.free.clone(), observed);
     let at = problem.start();
     (0..refined.free.len())
         .into_par_iter()
         .map(|i| {
-            let judge = Side::new(refined, observed, covariance, i, &at);
+            let judge = Side::new(refined, observed, (expected.get(i).copied().flatten(), effective_samples), i, &at);
             let (low, mut points) = judge.walk(-1.0);
             let (high, above) = judge.walk(1.0);
             points.reverse();
@@ -76,16 +82,19 @@ struct Side<'a> {
 }
 
 impl<'a> Side<'a> {
-    fn new(refined: &'a Refined, observed: &'a Observed, c: &Covariance, fixed: usize, at: &'a [f64]) -> Self {
+    fn new(
+        refined: &'a Refined,
+        observed: &'a Observed,
+        (expected, effective_samples): (Option<f64>, f64),
+        fixed: usize,
+        at: &'a [f64],
+    ) -> Self {
         let n = refined.misfit_m.len() as f64;
         let unit = observed.scale_m();
         let floor = n * (observed.resolution_m / unit).powi(2);
         let least = refined.misfit_m.iter().map(|r| (r / unit).powi(2)).sum::<f64>() + floor;
-        let kept: Vec<usize> =
-            (0..refined.free.len()).filter(|&i| !refined.on_bound[i] || refined.free[i].value == 0.0).collect();
-        let expected = kept.iter().position(|&i| i == fixed).map_or(0.1, |k| c.half_width[k]);
-        let first_step = (FIRST_SHARE * expected).clamp(STEPS.0, STEPS.1);
-        let effective_samples = c.effective_samples.max(refined.free.len() as f64 + 1.0);
+        let first_step = (FIRST_SHARE * expected.unwrap_or(1.0)).clamp(STEPS.0, STEPS.1);
+        let effective_samples = effective_samples.max(refined.free.len() as f64 + 1.0);
         Self { refined, observed, fixed, at, effective_samples, least, floor, first_step }
     }
 
@@ -95,8 +104,7 @@ impl<'a> Side<'a> {
         let mut values = self.refined.model.parameters();
         *values.get_mut(free[self.fixed].name)? = free[self.fixed].at(coordinate);
         let template = crate::observed::with_parameters(&self.refined.model, &values)?;
-        let others: Vec<FreeParameter> =
-            (0..free.len()).filter(|&i| i != self.fixed).map(|i| free[i]).collect();
+        let others: Vec<FreeParameter> = (0..free.len()).filter(|&i| i != self.fixed).map(|i| free[i]).collect();
         let problem = Problem::new(template, others, self.observed);
         let (theta, cost) = if start.is_empty() {
             (Vec::new(), self.observed.misfit(&template)?.iter().map(|r| (r / problem.unit_m).powi(2)).sum())
@@ -112,8 +120,7 @@ impl<'a> Side<'a> {
     fn walk(&self, direction: f64) -> (Option<f64>, Vec<(f64, f64)>) {
         let free = &self.refined.free[self.fixed];
         let (lower, upper) = free.bounds();
-        let mut theta: Vec<f64> =
-            DVector::from_column_slice(self.at).remove_row(self.fixed).iter().copied().collect();
+        let mut theta: Vec<f64> = DVector::from_column_slice(self.at).remove_row(self.fixed).iter().copied().collect();
         let mut inside = self.at[self.fixed];
         let mut step = self.first_step;
         let mut points = Vec::new();

@@ -1,7 +1,7 @@
 //! A fitted model followed to the minimum of its misfit as measured.
 
-use crumple_lumped::Model;
 use crumple_lti::jacobi_svd;
+use crumple_lumped::Model;
 use nalgebra::{DMatrix, DVector};
 
 use crate::StopReason;

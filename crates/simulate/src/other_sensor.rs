@@ -44,10 +44,5 @@ pub fn beside(simulation: &Simulation, sensor: &OtherSensor, time_zero_s: f64, d
         x.push(sensor.displacement.at(time_zero_s + k as f64 * dt_s)?);
         xh.push(*modelled);
     }
-    Some(SensorFit {
-        channel: sensor.channel.clone(),
-        mass,
-        rmse_m: rmse(&x, &xh)?,
-        fit_percent: fit_percent(&x, &xh),
-    })
+    Some(SensorFit { channel: sensor.channel.clone(), mass, rmse_m: rmse(&x, &xh)?, fit_percent: fit_percent(&x, &xh) })
 }

@@ -6,8 +6,8 @@ use crumple_lumped::{Model, ModelKind};
 use crumple_signal::value::Time;
 use crumple_signal::{Acceleration, Displacement, QuantityKind, Sampled, TestDescription, Velocity};
 use crumple_simulate::{
-    Information, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, effective_samples, information,
-    parameters_of, simulate,
+    Information, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, effective_samples,
+    information, parameters_of, simulate,
 };
 use crumple_stage::records::{CandidateV1, EventsV1, OtherSensorV1, SimulationV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};

@@ -34,10 +34,7 @@ fn candidates(record: &Path, truth: &Value, model: &str) -> Vec<Value> {
     let mass = format!("{}kg", masses.iter().sum::<f64>());
     let speed = format!("{}m/s", truth["v0_m_s"]);
     let csv = record.join("accel.csv");
-    stage(
-        "crumple-ingest",
-        &[csv.to_str().unwrap(), "-o", &ingested, "--mass", &mass, "--impact-speed", &speed, "-q"],
-    );
+    stage("crumple-ingest", &[csv.to_str().unwrap(), "-o", &ingested, "--mass", &mass, "--impact-speed", &speed, "-q"]);
     stage("crumple-filter", &[&ingested, "-o", &filtered, "--cfc", "60", "-q"]);
     stage("crumple-integrate", &[&filtered, "-o", &integrated, "-q"]);
     let split: Vec<String> = match masses[..] {
@@ -87,12 +84,9 @@ fn wanted(truth: &Value, model: &str, found: &Value) -> Vec<(&'static str, f64)>
             ("v1_m_per_s", list("c_knots", 1)),
             ("v2_m_per_s", list("c_knots", 2)),
         ],
-        _ => vec![
-            ("k1_n_per_m", n("k1")),
-            ("k2_n_per_m", n("k2")),
-            ("c1_n_s_per_m", n("c1")),
-            ("c2_n_s_per_m", n("c2")),
-        ],
+        _ => {
+            vec![("k1_n_per_m", n("k1")), ("k2_n_per_m", n("k2")), ("c1_n_s_per_m", n("c1")), ("c2_n_s_per_m", n("c2"))]
+        }
     }
 }
 
