@@ -46,7 +46,7 @@ run input *args: build
     step {{ filter }} "$dir/1-ingest.mcap" "${options[@]}" -o "$dir/2-filter.mcap"
     step {{ integrate }} "$dir/2-filter.mcap" "${options[@]}" -o "$dir/3-integrate.mcap"
     step {{ identify }} "$dir/2-filter.mcap" "$dir/3-integrate.mcap" "${options[@]}" -o "$dir/4-identify.mcap"
-    step {{ parameter_solve }} "$dir/3-integrate.mcap" "$dir/4-identify.mcap" "${options[@]}" -o "$dir/5-parameter-solve.mcap"
+    step {{ parameter_solve }} "$dir/2-filter.mcap" "$dir/3-integrate.mcap" "$dir/4-identify.mcap" "${options[@]}" -o "$dir/5-parameter-solve.mcap"
     step {{ simulate }} "$dir/2-filter.mcap" "$dir/3-integrate.mcap" "$dir/5-parameter-solve.mcap" "${options[@]}" -o "$dir/6-simulate.mcap"
     {{ report }} "$dir"/[1-6]-*.mcap "${options[@]}" -o "$dir/report.html" || { code=$?; [ "$code" -ne 4 ] || exit 4; give_up "$code" 6; }
 

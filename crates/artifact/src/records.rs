@@ -21,7 +21,7 @@ mod simulation;
 mod test;
 mod wave;
 
-pub use candidate::{CandidateV1, FitV1, SensorFitV1, UncertaintyV1};
+pub use candidate::{CandidateV1, FitV1, ProfileV1, ReplicatesV1, SensorFitV1, UncertaintyV1};
 pub use channel_filter::{ChannelFilterV1, CorridorPointV1};
 pub use diagnosis::DiagnosisV1;
 pub use events::{EventIntervalV1, EventsV1};
@@ -33,7 +33,7 @@ pub use model::{ExponentialSumV1, ExponentialTermV1, ModeV1, ModesV1, StateSpace
 pub use notes::NotesV1;
 pub use quality::QualityV1;
 pub use shapes::{ShapeV1, ShapesV1};
-pub use simulation::SimulationV1;
+pub use simulation::{OtherSensorV1, SimulationV1};
 pub use test::{ChannelV1, SourceV1, TestV1};
 pub use wave::WaveBlockV1;
 

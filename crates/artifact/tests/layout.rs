@@ -67,6 +67,7 @@ fn candidate() -> CandidateV1 {
             method: "linearised".into(),
             standard_deviation: names(&[("stiffness_n_per_m", 120.5)]),
             condition: Some(1e4),
+            ..UncertaintyV1::default()
         }),
         notes: vec!["undamped".into()],
     }
@@ -239,6 +240,10 @@ fn the_layout_of_every_record_type_is_frozen() {
         from_s: 0.0,
         to_s: 0.0742,
         notes: vec![],
+        aicc: None,
+        effective_samples: None,
+        fitted_parameters: None,
+        other_sensors: vec![],
     });
     freeze(&MatchingV1 {
         m1_kg: 284.4,

@@ -3,11 +3,13 @@
 use crumple_lumped::ModelKind;
 use crumple_parameter_solve::{
     DEFAULT_MODELS, FireflyOptions, FireflyUnits, FitQuantity, LShadeOptions, METHODS, MODELS, MassFit, MassSplit,
-    Method, Place, SolveSettings, solvers_of,
+    Method, Place, REPETITIONS, SolveSettings, solvers_of,
 };
-use crumple_signal::value::{Mass, Time};
+use crumple_signal::value::{Acceleration, Mass, Speed, Time};
 use crumple_stage::{Usage, nearest};
 use serde::{Deserialize, Serialize};
+
+use crate::judging::Judging;
 
 /// Samples fitted at most, and starts of a fit: enough for four parameters, see the fit's documentation.
 const FIT_SAMPLES: usize = 250;
@@ -134,6 +136,36 @@ pub struct Options {
     /// End of the fit window after time zero [default: time of dynamic crush, or the end of a record without one]
     #[arg(long, value_name = "TIME")]
     pub fit_to: Option<Time>,
+
+    /// Follow the likelihood of every parameter while all others are fitted again: 95 % intervals that need not be
+    /// symmetric, and open ends where the record does not bound a parameter [default: false]
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL")]
+    pub profile: Option<bool>,
+
+    /// Repeat every fit with the misfit shuffled in blocks, so many times, for 95 % intervals without a formula; 200 is
+    /// usual [default: 0]
+    #[arg(long, value_name = "NUMBER")]
+    pub bootstrap: Option<usize>,
+
+    /// Standard uncertainty of the test mass, e.g. 10kg: propagated to the parameters [default: 0 kg]
+    #[arg(long, value_name = "MASS")]
+    pub mass_uncertainty: Option<Mass>,
+
+    /// Standard uncertainty of the impact speed, e.g. 0.1km/h: propagated to crush and parameters [default: 0 m/s]
+    #[arg(long, value_name = "SPEED")]
+    pub speed_uncertainty: Option<Speed>,
+
+    /// Standard uncertainty of the accelerometer's zero level, e.g. 0.05g: propagated likewise [default: 0 m/s^2]
+    #[arg(long, value_name = "ACCELERATION")]
+    pub bias_uncertainty: Option<Acceleration>,
+
+    /// Standard uncertainty of time zero, e.g. 0.5ms: propagated likewise [default: 0 s]
+    #[arg(long, value_name = "TIME")]
+    pub time_zero_uncertainty: Option<Time>,
+
+    /// Repetitions of the propagation of these uncertainties [default: 200]
+    #[arg(long, value_name = "NUMBER")]
+    pub repetitions: Option<usize>,
 }
 
 /// Options with every default filled in.
@@ -163,6 +195,8 @@ pub struct StageSettings {
     stay_attached: bool,
     #[serde(skip)]
     pub places: Vec<(Place, String)>,
+    #[serde(flatten)]
+    pub judging: Judging,
     #[serde(skip)]
     pub solve: SolveSettings,
 }
@@ -241,6 +275,24 @@ impl TryFrom<Options> for StageSettings {
             fit_starts: FIT_STARTS,
             firefly,
         };
+        let judging = Judging {
+            profile: options.profile.unwrap_or(false),
+            bootstrap: options.bootstrap.unwrap_or(0),
+            mass_uncertainty_kg: not_negative("mass-uncertainty", options.mass_uncertainty.map_or(0.0, Mass::si))?,
+            speed_uncertainty_m_per_s: not_negative(
+                "speed-uncertainty",
+                options.speed_uncertainty.map_or(0.0, Speed::si),
+            )?,
+            bias_uncertainty_m_per_s2: not_negative(
+                "bias-uncertainty",
+                options.bias_uncertainty.map_or(0.0, Acceleration::si),
+            )?,
+            time_zero_uncertainty_s: not_negative(
+                "time-zero-uncertainty",
+                options.time_zero_uncertainty.map_or(0.0, Time::si),
+            )?,
+            repetitions: options.repetitions.unwrap_or(REPETITIONS),
+        };
         Ok(Self {
             models: solve.models.iter().map(|m| m.name()).collect(),
             methods: if solve.methods.is_empty() {
@@ -270,9 +322,14 @@ impl TryFrom<Options> for StageSettings {
             triple_masses_kg: triple,
             stay_attached: !solve.release,
             places,
+            judging,
             solve,
         })
     }
+}
+
+fn not_negative(name: &str, value: f64) -> Result<f64, Usage> {
+    if value >= 0.0 { Ok(value) } else { Err(Usage::new(format!("{name} is {value}, expected zero or more"))) }
 }
 
 fn model(name: &str) -> Result<ModelKind, Usage> {
@@ -371,6 +428,13 @@ mod tests {
             Options { stay_attached: Some(true), ..Options::default() },
             Options { l_shade_evaluations: Some(9), ..Options::default() },
             Options { l_shade_seed: Some(9), ..Options::default() },
+            Options { profile: Some(true), ..Options::default() },
+            Options { bootstrap: Some(200), ..Options::default() },
+            Options { mass_uncertainty: Some(Mass::from_si(10.0)), ..Options::default() },
+            Options { speed_uncertainty: Some(Speed::from_si(0.1)), ..Options::default() },
+            Options { bias_uncertainty: Some(Acceleration::from_si(0.5)), ..Options::default() },
+            Options { time_zero_uncertainty: Some(Time::from_si(5e-4)), ..Options::default() },
+            Options { repetitions: Some(50), ..Options::default() },
         ] {
             assert_ne!(json(options), default);
         }

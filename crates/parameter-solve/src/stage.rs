@@ -10,6 +10,7 @@ use crumple_signal::{Acceleration, Displacement, Force, Sampled, TestDescription
 use crumple_stage::records::{CandidateV1, EventsV1, FitV1, SensorFitV1, TestV1, UncertaintyV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
 
+use crate::judging::{Judged, judge_all};
 use crate::models::{identified_models, matching_record};
 use crate::options::{Options, StageSettings};
 
@@ -34,6 +35,7 @@ impl Stage for ParameterSolve {
 
     fn run(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let mut candidates = Vec::new();
+        let mut judgements = Vec::new();
         let mut channel = String::new();
         let mut test = None;
         if settings.solve.needs_events() {
@@ -50,6 +52,8 @@ impl Stage for ParameterSolve {
                 ));
             }
             candidates = from_events(settings, input, &described, &events, out)?;
+            let mass_kg = settings.mass_kg.or(described.mass_kg);
+            judgements = judge_all(&mut candidates, settings, input, &events, mass_kg, out)?;
             channel = events.channel;
             test = Some(described);
         } else if input.record_if::<TestV1>("/test")?.is_some() {
@@ -62,9 +66,14 @@ impl Stage for ParameterSolve {
             let given = settings.mass_kg.or(test.as_ref().and_then(|test| test.mass_kg));
             candidates.extend(from_models(settings, input, given, out)?);
         }
-        for candidate in &candidates {
-            out.put(&format!("/parameters/{}", candidate.id()), &record(candidate, &channel))?;
+        // Those of identified models come last and have none.
+        judgements.resize(candidates.len(), None);
+        for (candidate, judged) in candidates.iter().zip(&judgements) {
+            out.put(&format!("/parameters/{}", candidate.id()), &record(candidate, judged.as_ref(), &channel))?;
             out.summary(line(candidate));
+            if let Some(text) = judged.as_ref().map(|judged| judged.line(candidate)).filter(|text| !text.is_empty()) {
+                out.summary(text);
+            }
         }
         Ok(if candidates.is_empty() {
             Outcome::NoAcceptableResult("no model could be solved for; the notes say why".to_owned())
@@ -216,7 +225,7 @@ fn from_models(
     Ok(candidates)
 }
 
-fn record(candidate: &Candidate, channel: &str) -> CandidateV1 {
+fn record(candidate: &Candidate, judged: Option<&Judged>, channel: &str) -> CandidateV1 {
     let named = |values: &BTreeMap<&'static str, f64>| values.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect();
     CandidateV1 {
         model: candidate.model.kind().name().to_owned(),
@@ -247,10 +256,13 @@ fn record(candidate: &Candidate, channel: &str) -> CandidateV1 {
                 })
                 .collect(),
         }),
-        uncertainty: candidate.uncertainty.as_ref().map(|u| UncertaintyV1 {
-            method: "linearised, autocorrelated residuals".to_owned(),
-            standard_deviation: named(&u.standard_deviation),
-            condition: Some(u.condition),
+        uncertainty: judged.map(Judged::record).or_else(|| {
+            candidate.uncertainty.as_ref().map(|u| UncertaintyV1 {
+                method: "linearised, autocorrelated residuals".to_owned(),
+                standard_deviation: named(&u.standard_deviation),
+                condition: Some(u.condition),
+                ..UncertaintyV1::default()
+            })
         }),
         notes: candidate.notes.clone(),
     }

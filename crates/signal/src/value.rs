@@ -59,6 +59,8 @@ value! {
     Mass(Dimension::Mass, "kg"),
     /// A speed, m/s.
     Speed(Dimension::Signal(QuantityKind::Velocity), "m/s"),
+    /// An acceleration, m/s².
+    Acceleration(Dimension::Signal(QuantityKind::Acceleration), "m/s^2"),
     /// A time or duration, s.
     Time(Dimension::Time, "s"),
     /// A length, m.

@@ -3,8 +3,12 @@
 //! Every response is exact (see `crumple-lumped`): what differs from the test is the model, not the integration.
 //! Ranking the candidates belongs to the report.
 
+mod information;
 mod measures;
+mod other_sensor;
 mod simulate;
 
+pub use information::{Information, effective_samples, information, parameters_of};
 pub use measures::max_abs_error;
+pub use other_sensor::{OtherSensor, SensorFit, beside};
 pub use simulate::{Comparison, Measured, SimulateError, Simulation, Window, simulate};

@@ -84,6 +84,10 @@ pub struct Simulation {
     pub events: CrushEvents,
     /// Beside the test.
     pub comparison: Comparison,
+    /// Motion of every mass, from the barrier on; the last is the compartment.
+    pub masses: Vec<Motion>,
+    /// Displacement of the model minus that of the test at every sample of the window, m.
+    pub error_m: Vec<f64>,
 }
 
 /// Simulates a model at the test's impact speed and sampling interval, and compares it with the test.
@@ -138,7 +142,8 @@ pub fn simulate(model: &Model, test: &Measured<'_>, window: Window) -> Result<Si
         dynamic_crush_error_m: difference(events.dynamic_crush_m, test.dynamic_crush_m),
         time_of_dynamic_crush_error_s: difference(events.time_of_dynamic_crush_s, test.time_of_dynamic_crush_s),
     };
-    Ok(Simulation { motion, events, comparison })
+    let error_m = xh.iter().zip(&x).map(|(model, test)| model - test).collect();
+    Ok(Simulation { motion, events, comparison, masses: response.motions, error_m })
 }
 
 /// Most samples that are rated: warping costs their square, and no loading phase is longer than 2 s.

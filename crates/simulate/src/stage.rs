@@ -4,9 +4,12 @@ use std::path::PathBuf;
 
 use crumple_lumped::{Model, ModelKind};
 use crumple_signal::value::Time;
-use crumple_signal::{Acceleration, Displacement, QuantityKind, Sampled, Velocity};
-use crumple_simulate::{Measured, SimulateError, Simulation, Window, simulate};
-use crumple_stage::records::{CandidateV1, EventsV1, SimulationV1, TestV1};
+use crumple_signal::{Acceleration, Displacement, QuantityKind, Sampled, TestDescription, Velocity};
+use crumple_simulate::{
+    Information, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, effective_samples,
+    information, parameters_of, simulate,
+};
+use crumple_stage::records::{CandidateV1, EventsV1, OtherSensorV1, SimulationV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -89,13 +92,25 @@ impl Stage for Simulate {
             .collect();
 
         out.put("/test", &TestV1::from(&test))?;
+        let others = other_sensors(input, &test, channel)?;
+        let simulations = || results.iter().flatten();
+        // The most that any candidate's error is worth: a smooth error makes no candidate good.
+        let worth = simulations().filter_map(|s| effective_samples(&s.error_m)).reduce(f64::max);
         let mut simulated = 0;
         for ((id, candidate), result) in candidates.iter().zip(results) {
             match result {
                 Ok(simulation) => {
                     simulated += 1;
                     out.summary(line(id, &simulation));
-                    write(id, candidate, simulation, &displacement, events.time_zero_s, out)?;
+                    let kind: ModelKind = candidate.model.parse()?;
+                    let mean_square = simulation.comparison.rmse_displacement_m.map(|rmse| rmse * rmse);
+                    let criterion = worth.zip(mean_square).map(|(n, v)| information(v, n, parameters_of(kind)));
+                    let beside: Vec<SensorFit> = others
+                        .iter()
+                        .filter_map(|sensor| beside(&simulation, sensor, events.time_zero_s, displacement.dt_s()))
+                        .collect();
+                    let beside = beside.into_iter().map(sensor_record).collect();
+                    write(id, candidate, simulation, (criterion, beside), &displacement, events.time_zero_s, out)?;
                 }
                 Err(error) => out.notes().warning(format!("{id}: not simulated, {error}")),
             }
@@ -112,11 +127,12 @@ fn write(
     id: &str,
     candidate: &CandidateV1,
     simulation: Simulation,
+    (information, other_sensors): (Option<Information>, Vec<OtherSensorV1>),
     grid: &Sampled,
     time_zero_s: f64,
     out: &mut Output,
 ) -> anyhow::Result<()> {
-    let Simulation { motion, mut events, comparison } = simulation;
+    let Simulation { motion, mut events, comparison, .. } = simulation;
     let mut notes = Vec::new();
     let end_s = grid.end_s() - time_zero_s;
     if let (Some(t), Some(crush)) = (events.time_of_dynamic_crush_s, events.dynamic_crush_m)
@@ -150,6 +166,10 @@ fn write(
         from_s: comparison.from_s,
         to_s: comparison.to_s,
         notes,
+        aicc: information.and_then(|i| i.aicc),
+        effective_samples: information.map(|i| i.effective_samples),
+        fitted_parameters: information.map(|i| i.parameters),
+        other_sensors,
     };
     out.put(&format!("/simulation/{id}"), &record)?;
     let waves = [
@@ -161,6 +181,30 @@ fn write(
         out.wave(&format!("{id}/{name}"), quantity, Sampled::new(time_zero_s, grid.dt_s(), samples)?)?;
     }
     Ok(())
+}
+
+/// Every other accelerometer on the vehicle that was integrated.
+fn other_sensors(input: &Inputs, test: &TestDescription, pulse: &str) -> anyhow::Result<Vec<OtherSensor>> {
+    let mut found = Vec::new();
+    for channel in test.channels.iter().filter(|channel| channel.id != pulse) {
+        if let Some(wave) = input.wave_if(&format!("{}/displacement", channel.id)) {
+            found.push(OtherSensor {
+                channel: channel.id.clone(),
+                on_engine: channel.location.to_lowercase().contains("engine"),
+                displacement: wave.signal::<Displacement>().refuse()?.into_sampled(),
+            });
+        }
+    }
+    Ok(found)
+}
+
+fn sensor_record(fit: SensorFit) -> OtherSensorV1 {
+    OtherSensorV1 {
+        channel: fit.channel,
+        mass: fit.mass as u32,
+        rmse_displacement_m: fit.rmse_m,
+        fit_percent: fit.fit_percent,
+    }
 }
 
 fn line(id: &str, simulation: &Simulation) -> String {

@@ -69,7 +69,7 @@ pub struct SensorFitV1 {
 }
 
 /// Uncertainty of parameters.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct UncertaintyV1 {
     /// How it was found, e.g. `linearised`.
     pub method: String,
@@ -77,4 +77,61 @@ pub struct UncertaintyV1 {
     pub standard_deviation: BTreeMap<String, f64>,
     /// Condition number of the scaled sensitivity matrix.
     pub condition: Option<f64>,
+    /// Lower end of the 95 % interval by parameter; `null`: open, the record does not bound it.
+    #[serde(default)]
+    pub interval_low: BTreeMap<String, Option<f64>>,
+    /// Upper end of the 95 % interval by parameter; `null`: open.
+    #[serde(default)]
+    pub interval_high: BTreeMap<String, Option<f64>>,
+    /// Parameters in the order of the correlation matrix.
+    #[serde(default)]
+    pub order: Vec<String>,
+    /// Correlation of the estimates, rows as `order`.
+    #[serde(default)]
+    pub correlation: Vec<Vec<f64>>,
+    /// Directions in the space of the parameters that the record determines at all.
+    pub rank: Option<u32>,
+    /// The direction determined least, in words.
+    pub weakest_direction: Option<String>,
+    /// Independent samples that the misfit is worth.
+    pub effective_samples: Option<f64>,
+    /// Profile likelihood by parameter, where asked for.
+    #[serde(default)]
+    pub profile: Vec<ProfileV1>,
+    /// Block bootstrap, where asked for.
+    pub bootstrap: Option<ReplicatesV1>,
+    /// Effect of uncertain mass, speed, zero level and time zero, where stated.
+    pub propagation: Option<ReplicatesV1>,
+}
+
+/// The likelihood of one parameter while all others follow.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ProfileV1 {
+    /// Parameter.
+    pub parameter: String,
+    /// Lower end of the 95 % interval; `null`: open.
+    pub low: Option<f64>,
+    /// Upper end; `null`: open.
+    pub high: Option<f64>,
+    /// Whether both ends exist.
+    pub identifiable: bool,
+    /// Values of the parameter, rising.
+    pub values: Vec<f64>,
+    /// Rise of `2 ln L` above its least at each.
+    pub rise: Vec<f64>,
+}
+
+/// Intervals read from repetitions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ReplicatesV1 {
+    /// What was repeated, in words.
+    pub method: String,
+    /// Repetitions that led to a result.
+    pub replicates: u64,
+    /// Share of the results between the ends, e.g. 0.95.
+    pub coverage: f64,
+    /// Lower end by parameter.
+    pub low: BTreeMap<String, f64>,
+    /// Upper end by parameter.
+    pub high: BTreeMap<String, f64>,
 }

@@ -33,4 +33,27 @@ pub struct SimulationV1 {
     /// What a reader should know.
     #[serde(default)]
     pub notes: Vec<String>,
+    /// Corrected Akaike criterion of the displacement error over the window, `Ne ln V + 2p + 2p(p+1)/(Ne-p-1)`, `V` in m²;
+    /// `null` with too few independent samples for the parameters.
+    pub aicc: Option<f64>,
+    /// Independent samples `Ne` in it: the same for all candidates of a run.
+    pub effective_samples: Option<f64>,
+    /// Parameters `p` in it.
+    pub fitted_parameters: Option<u32>,
+    /// The candidate beside other sensors on the vehicle, which its fit did not see.
+    #[serde(default)]
+    pub other_sensors: Vec<OtherSensorV1>,
+}
+
+/// A candidate beside a sensor that its fit did not see.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct OtherSensorV1 {
+    /// Channel.
+    pub channel: String,
+    /// Mass of the model it was compared with, counted from the barrier, from 1.
+    pub mass: u32,
+    /// Root mean square displacement error over the window, m.
+    pub rmse_displacement_m: f64,
+    /// Displacement fit, percent.
+    pub fit_percent: Option<f64>,
 }

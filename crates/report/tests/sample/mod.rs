@@ -374,6 +374,7 @@ pub fn write_artifacts(folder: &Path, simulated: bool) -> Vec<PathBuf> {
                 method: "linearised".to_owned(),
                 standard_deviation: parameters.iter().map(|(name, value)| (name.clone(), 0.013 * value)).collect(),
                 condition: Some(41.2),
+                ..UncertaintyV1::default()
             }),
             parameters,
             physical: sketch.physical,
@@ -410,6 +411,10 @@ pub fn write_artifacts(folder: &Path, simulated: bool) -> Vec<PathBuf> {
             from_s: 0.0,
             to_s: t_m,
             notes: vec![],
+            aicc: None,
+            effective_samples: None,
+            fitted_parameters: None,
+            other_sensors: vec![],
         };
         simulate.builder.put(&format!("/simulation/{}", sketch.id), &simulation).unwrap();
         for (what, quantity, index) in [

@@ -1,0 +1,186 @@
+//! Everything that is said of how well a model's parameters are known.
+
+use std::collections::BTreeMap;
+
+use crumple_lumped::Model;
+
+use crate::bootstrap::{Bootstrap, bootstrap};
+use crate::correlation::lag_1_autocorrelation;
+use crate::covariance::covariance;
+use crate::identifiability::weakest_direction;
+use crate::observed::{FreeParameter, Observed};
+use crate::profile::{Profile, profile};
+use crate::refine::Refined;
+
+/// What is computed beyond the covariance.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JudgeOptions {
+    /// Profile likelihood of every parameter.
+    pub profile: bool,
+    /// Replicates of a block bootstrap; 0: none.
+    pub bootstrap: usize,
+}
+
+/// An interval by parameter; `None`: open on that side.
+pub type Intervals = BTreeMap<&'static str, (Option<f64>, Option<f64>)>;
+
+/// The verdict on one candidate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judgement {
+    /// The parameters judged, in the order of the matrices.
+    pub parameters: Vec<&'static str>,
+    /// Standard deviations, in the unit of each; those on a bound of the search have none.
+    pub standard_deviation: BTreeMap<&'static str, f64>,
+    /// 95 % intervals of the linearisation: log-normal, or normal and cut at zero for a value near zero.
+    pub interval: Intervals,
+    /// Correlation of the estimates (of their logarithms), rows as `parameters`; those on a bound are left out.
+    pub correlation: Vec<Vec<f64>>,
+    /// Condition number of the sensitivities with columns of one length; `None` without full rank.
+    pub condition: Option<f64>,
+    /// Directions that the record determines.
+    pub rank: usize,
+    /// The direction determined least, in words.
+    pub weakest_direction: Option<String>,
+    /// Lag-1 autocorrelation of the misfit.
+    pub residual_autocorrelation: f64,
+    /// Independent samples that the misfit is worth.
+    pub effective_samples: f64,
+    /// Profile likelihood intervals, where asked for.
+    pub profile: Vec<Profile>,
+    /// Bootstrap, where asked for.
+    pub bootstrap: Option<Bootstrap>,
+}
+
+/// Judges a model at the minimum of its misfit.
+///
+/// `given`: the values that are to be judged, where they are not those of the minimum: a closed form that follows two events
+/// instead of the whole curve. Its intervals stand around its own values and are widened by their distance from the minimum, as
+/// one more deviation: the same model, taken from the record in another way, gives values so far apart.
+pub fn judge(
+    refined: &Refined,
+    given: Option<&Model>,
+    observed: &Observed,
+    options: JudgeOptions,
+) -> Option<Judgement> {
+    // What stands on zero is judged from its one side; what stands on the end of the search is not judged.
+    // Neither is what moves nothing in the window: it stays open on both sides.
+    let judged = |i: &usize| {
+        (!refined.on_bound[*i] || refined.free[*i].value == 0.0) && refined.sensitivity_m.column(*i).norm() > 0.0
+    };
+    let kept: Vec<usize> = (0..refined.free.len()).filter(judged).collect();
+    let free: Vec<FreeParameter> = kept.iter().map(|&i| refined.free[i]).collect();
+    let j_m = refined.sensitivity_m.select_columns(&kept);
+    let found = covariance(&j_m, &refined.misfit_m, observed.resolution_m)?;
+    let values = given.unwrap_or(&refined.model).parameters();
+    let mut standard_deviation = BTreeMap::new();
+    let mut interval = Intervals::new();
+    for (i, parameter) in free.iter().enumerate() {
+        let value = values[parameter.name];
+        let away = parameter.coordinate(value) - parameter.coordinate(parameter.value);
+        let away = if given.is_some() && away.is_finite() { away } else { 0.0 };
+        let deviation = (found.matrix[(i, i)].max(0.0) + away * away).sqrt();
+        let half = (found.half_width[i].powi(2) + (1.96 * away).powi(2)).sqrt();
+        if half.is_finite() {
+            standard_deviation.insert(parameter.name, deviation * parameter.slope(parameter.coordinate(value)).abs());
+        }
+        interval.insert(parameter.name, around(parameter, value, half));
+    }
+    for (i, parameter) in refined.free.iter().enumerate() {
+        if !kept.contains(&i) {
+            interval.insert(parameter.name, (None, None));
+        }
+    }
+    let correlation = found.correlation();
+    Some(Judgement {
+        parameters: free.iter().map(|p| p.name).collect(),
+        standard_deviation,
+        interval,
+        correlation: correlation.row_iter().map(|row| row.iter().copied().collect()).collect(),
+        condition: Some(found.condition).filter(|c| c.is_finite()),
+        rank: found.rank,
+        weakest_direction: weakest_direction(&free, &found),
+        residual_autocorrelation: lag_1_autocorrelation(&refined.misfit_m),
+        effective_samples: found.effective_samples,
+        profile: if options.profile {
+            let half_width = |i| kept.iter().position(|&k| k == i).map(|k| found.half_width[k]);
+            let expected: Vec<Option<f64>> = (0..refined.free.len()).map(half_width).collect();
+            profile(refined, observed, &expected, found.effective_samples)
+        } else {
+            Vec::new()
+        },
+        bootstrap: (options.bootstrap > 0).then(|| bootstrap(refined, observed, options.bootstrap)).flatten(),
+    })
+}
+
+/// The interval of a coordinate as values. Beyond a factor of `e^9` nothing is said.
+fn around(parameter: &FreeParameter, value: f64, half: f64) -> (Option<f64>, Option<f64>) {
+    if parameter.logarithmic && value > 0.0 {
+        let known = half < 9.0;
+        (known.then(|| value * (-half).exp()), known.then(|| value * half.exp()))
+    } else {
+        let half = half * parameter.unit;
+        (Some((value - half).max(0.0)), Some(value + half).filter(|high| high.is_finite()))
+    }
+}
+
+impl Judgement {
+    /// The same verdict seen from the dual double model, which exchanges front and rear: its logarithms differ from these by
+    /// constants, so deviations and intervals keep their relative size. `model` holds its values.
+    pub fn of_dual(&self, model: &Model, of: &Model) -> Self {
+        let (values, before) = (model.parameters(), of.parameters());
+        let other = |name: &'static str| match name {
+            "k1_n_per_m" => "k2_n_per_m",
+            "k2_n_per_m" => "k1_n_per_m",
+            "c1_n_s_per_m" => "c2_n_s_per_m",
+            "c2_n_s_per_m" => "c1_n_s_per_m",
+            name => name,
+        };
+        let ratio = |name: &'static str| values[name] / before[other(name)];
+        let pair = |(low, high): &(Option<f64>, Option<f64>), by: f64| (low.map(|x| x * by), high.map(|x| x * by));
+        let exchange = |intervals: &Intervals| -> Intervals {
+            intervals.iter().map(|(name, interval)| (other(name), pair(interval, ratio(other(name))))).collect()
+        };
+        let exchanged_words = |text: &str| {
+            // Through names that stand for no parameter.
+            [("k1", "\u{1}"), ("k2", "k1"), ("\u{1}", "k2"), ("c1", "\u{1}"), ("c2", "c1"), ("\u{1}", "c2")]
+                .iter()
+                .fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
+        };
+        Self {
+            parameters: self.parameters.iter().map(|name| other(name)).collect(),
+            standard_deviation: self
+                .standard_deviation
+                .iter()
+                .map(|(name, deviation)| (other(name), deviation * ratio(other(name))))
+                .collect(),
+            interval: exchange(&self.interval),
+            // The combination of values has another factor in the dual; the shares are the same.
+            weakest_direction: self.weakest_direction.as_deref().map(exchanged_words),
+            profile: self
+                .profile
+                .iter()
+                .map(|p| {
+                    let by = ratio(other(p.parameter));
+                    Profile {
+                        parameter: other(p.parameter),
+                        low: p.low.map(|x| x * by),
+                        high: p.high.map(|x| x * by),
+                        points: p.points.iter().map(|(value, rise)| (value * by, *rise)).collect(),
+                    }
+                })
+                .collect(),
+            bootstrap: self.bootstrap.as_ref().map(|b| Bootstrap { interval: exchange(&b.interval), ..b.clone() }),
+            ..self.clone()
+        }
+    }
+}
+
+/// Free parameters of which the record says nothing at all, for a sentence.
+pub fn undetermined(judgement: &Judgement) -> Vec<&'static str> {
+    judgement
+        .interval
+        .iter()
+        .filter(|(_, (low, high))| low.is_none() || high.is_none())
+        .map(|(name, _)| *name)
+        .collect()
+}

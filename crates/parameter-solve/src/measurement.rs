@@ -1,0 +1,191 @@
+//! How a motion becomes the displacement in an artifact: sampling, channel filter, integration.
+
+use crumple_lumped::{LumpedError, Model};
+
+/// A filter of second order that was run forward and backward, as the filter stage records it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TwoPassFilter {
+    /// a0, a1, a2, b1, b2 of `y[i] = a0 x[i] + a1 x[i-1] + a2 x[i-2] + b1 y[i-1] + b2 y[i-2]`.
+    pub coefficients: [f64; 5],
+    /// Samples mirrored through the end points before filtering; 0: started from rest.
+    pub samples_added: usize,
+}
+
+/// Rule of the integration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IntegrationRule {
+    /// Trapezoids.
+    Trapezoid,
+    /// The first paper's: every sample holds until the next.
+    ForwardEuler,
+}
+
+/// Everything between the vehicle and the displacement that a fit sees.
+///
+/// A model that goes through the same steps differs from the record by what it does not describe, and not by what a
+/// filter does to the jump of acceleration at contact (some 1e-5 m at CFC 60) or a sum to an integral (1e-6 m).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measurement {
+    /// Sampling interval, s.
+    pub dt_s: f64,
+    /// First sample of the acceleration, s after contact; negative before it.
+    pub first_s: f64,
+    /// Samples of the acceleration.
+    pub samples: usize,
+    /// The channel filter; `None`: not filtered.
+    pub filter: Option<TwoPassFilter>,
+    /// Whether the integration starts at contact (else at the first sample), with the impact speed.
+    pub from_contact: bool,
+    /// Its rule.
+    pub rule: IntegrationRule,
+}
+
+/// What a filter remembers is followed until it has fallen to this: 1e-10 of 1000 m/s² over its 10 ms moves no displacement by 1e-11 m.
+const FORGOTTEN: f64 = 1e-10;
+/// Samples of which the mean starts a pass, as in the filter stage.
+const START_SAMPLES: usize = 10;
+/// A sample this close to contact is at contact, in intervals: rounding of decimal time stamps.
+const ON_GRID: f64 = 1e-6;
+
+impl Measurement {
+    /// Index of the first sample at or after contact.
+    pub fn contact_index(&self) -> usize {
+        (-self.first_s / self.dt_s - ON_GRID).ceil().max(0.0) as usize
+    }
+
+    /// Time of a sample after contact, s.
+    pub fn time_s(&self, index: usize) -> f64 {
+        let t = self.first_s + index as f64 * self.dt_s;
+        if t.abs() < ON_GRID * self.dt_s { 0.0 } else { t }
+    }
+
+    /// The displacement that this measurement makes of a model's compartment, from the first sample of the record to
+    /// sample `last`; before the start of an integration from contact it is zero.
+    ///
+    /// Between the model's instants (contact and whole intervals after it) its acceleration is taken as linear, which
+    /// matters only where contact lies between two samples: an error of `dt² max|a''|/8`. Errors: the model's own.
+    pub fn displacement(&self, model: &Model, v0_m_per_s: f64, last: usize) -> Result<Vec<f64>, LumpedError> {
+        let last = last.min(self.samples.saturating_sub(1));
+        let memory = self.filter.as_ref().map_or(0, TwoPassFilter::memory_samples);
+        let count = last.saturating_add(memory).saturating_add(1).min(self.samples);
+        let zero = self.contact_index();
+        let gap = (self.time_s(zero) / self.dt_s).max(0.0);
+        let mut a = vec![0.0; zero.min(count)];
+        if count > zero {
+            let response = model.respond(v0_m_per_s, self.dt_s, count - zero + 1)?;
+            let exact = &response.compartment().acceleration_m_per_s2;
+            // The record has the value after a jump at contact.
+            a.extend(exact.windows(2).map(|w| w[0] + gap * (w[1] - w[0])));
+        }
+        if let Some(filter) = &self.filter {
+            a = filter.run(&a);
+        }
+        a.truncate(last + 1);
+        Ok(self.integrate(&a, v0_m_per_s, zero, gap))
+    }
+
+    /// As the integrate stage: from the first sample, shifted to zero at contact; or from contact.
+    fn integrate(&self, a: &[f64], v0: f64, zero: usize, gap: f64) -> Vec<f64> {
+        let dt = self.dt_s;
+        let mut x = vec![0.0; a.len()];
+        let step = |v: &mut f64, x: &mut f64, before: f64, after: f64| match self.rule {
+            IntegrationRule::Trapezoid => {
+                let next = *v + 0.5 * dt * (before + after);
+                *x += 0.5 * dt * (*v + next);
+                *v = next;
+            }
+            IntegrationRule::ForwardEuler => {
+                *x += dt * *v;
+                *v += dt * before;
+            }
+        };
+        if self.from_contact || zero == 0 {
+            let (mut v, mut s) = (v0, v0 * gap * dt);
+            if zero > 0 && gap > 0.0 && zero < a.len() {
+                let at_zero = a[zero] - (a[zero] - a[zero - 1]) * gap;
+                match self.rule {
+                    IntegrationRule::Trapezoid => {
+                        v = v0 + 0.5 * gap * dt * (at_zero + a[zero]);
+                        s = 0.5 * gap * dt * (v0 + v);
+                    }
+                    IntegrationRule::ForwardEuler => v = v0 + gap * dt * at_zero,
+                }
+            }
+            for k in zero..a.len() {
+                x[k] = s;
+                if k + 1 < a.len() {
+                    step(&mut v, &mut s, a[k], a[k + 1]);
+                }
+            }
+            return x;
+        }
+        let (mut v, mut s) = (v0, 0.0);
+        let mut at_contact = (v0, v0);
+        for k in 0..a.len() {
+            x[k] = s;
+            if k + 1 == zero {
+                at_contact.0 = v;
+            } else if k == zero {
+                at_contact.1 = v;
+            }
+            if k + 1 < a.len() {
+                step(&mut v, &mut s, a[k], a[k + 1]);
+            }
+        }
+        if zero < a.len() {
+            // The velocity taken as linear between the samples around contact.
+            let (before, after) = at_contact;
+            let v_contact = after - (after - before) * gap;
+            let shift = x[zero] - 0.5 * gap * dt * (after + v_contact);
+            x.iter_mut().for_each(|x| *x -= shift);
+        }
+        x
+    }
+}
+
+impl TwoPassFilter {
+    /// Samples after which a pass has forgotten what it met.
+    fn memory_samples(&self) -> usize {
+        // Poles of a low-pass of second order are a complex pair of magnitude sqrt(-b2); anything else is followed long.
+        let magnitude = (-self.coefficients[4]).max(0.0).sqrt();
+        let samples = (FORGOTTEN.ln() / magnitude.ln()).ceil();
+        if samples.is_finite() && samples > 0.0 { samples as usize } else { 0 }
+    }
+
+    /// Forward and backward, with the same extension and the same start of each pass as the filter stage.
+    fn run(&self, samples: &[f64]) -> Vec<f64> {
+        let n = samples.len();
+        if n < 4 {
+            return samples.to_vec();
+        }
+        let added = self.samples_added.min(n - 1);
+        let (first, last) = (samples[0], samples[n - 1]);
+        let mut extended: Vec<f64> = Vec::with_capacity(n + 2 * added);
+        extended.extend(samples[1..=added].iter().rev().map(|x| 2.0 * first - x));
+        extended.extend_from_slice(samples);
+        extended.extend(samples[n - 1 - added..n - 1].iter().rev().map(|x| 2.0 * last - x));
+        let from_rest = added == 0;
+        self.pass(&mut extended, from_rest);
+        extended.reverse();
+        self.pass(&mut extended, from_rest);
+        extended.reverse();
+        extended[added..added + n].to_vec()
+    }
+
+    fn pass(&self, values: &mut [f64], from_rest: bool) {
+        let [a0, a1, a2, b1, b2] = self.coefficients;
+        let head = &values[..START_SAMPLES.min(values.len())];
+        let start = if from_rest { 0.0 } else { head.iter().sum::<f64>() / head.len() as f64 };
+        let (mut x2, mut x1) = (values[0], values[1]);
+        let (mut y2, mut y1) = (start, start);
+        values[0] = start;
+        values[1] = start;
+        for value in &mut values[2..] {
+            let x = *value;
+            let y = a0 * x + a1 * x1 + a2 * x2 + b1 * y1 + b2 * y2;
+            (x2, x1) = (x1, x);
+            (y2, y1) = (y1, y);
+            *value = y;
+        }
+    }
+}

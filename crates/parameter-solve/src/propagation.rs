@@ -1,0 +1,159 @@
+//! What uncertain mass, speed, zero level and time zero do to crush and parameters.
+
+use std::collections::BTreeMap;
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use rayon::prelude::*;
+
+use crumple_lumped::Model;
+
+use crate::bootstrap::percentile;
+use crate::observed::{Observed, Problem, with_parameters};
+use crate::refine::follow;
+use crate::{FreeParameter, Measurement};
+
+/// Standard deviations of what a test is told and not measured on the pulse; normal, independent.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct InputUncertainty {
+    /// Of the test mass, kg.
+    pub mass_kg: f64,
+    /// Of the impact speed, m/s.
+    pub impact_speed_m_per_s: f64,
+    /// Of the zero level of the accelerometer, m/s².
+    pub bias_m_per_s2: f64,
+    /// Of time zero, s.
+    pub time_zero_s: f64,
+}
+
+impl InputUncertainty {
+    /// Whether anything is uncertain.
+    pub fn any(&self) -> bool {
+        [self.mass_kg, self.impact_speed_m_per_s, self.bias_m_per_s2, self.time_zero_s].iter().any(|s| *s > 0.0)
+    }
+}
+
+/// Repetitions where no other number is asked for.
+pub const REPETITIONS: usize = 200;
+const SEED: u64 = 2;
+
+/// What the repetitions say.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Propagation {
+    /// Repetitions that led to a result.
+    pub repetitions: usize,
+    /// 5th and 95th percentile by name: the parameters, and `dynamic_crush_m` of the model.
+    pub interval_90: BTreeMap<&'static str, (f64, f64)>,
+    /// Standard deviation by name.
+    pub standard_deviation: BTreeMap<&'static str, f64>,
+}
+
+/// A test as a repetition finds it.
+#[derive(Debug, Clone)]
+pub struct Repetition {
+    /// The record with another speed, zero level and time zero.
+    pub observed: Observed,
+    /// Mass over the mass stated.
+    pub mass_ratio: f64,
+}
+
+/// The inputs of repetition `index`: four normal numbers from its own stream of a fixed seed.
+///
+/// Another impact speed adds `δv (t - t_start)` to the displacement, another zero level `δb (t - t_start)²/2`, since the
+/// integration starts there; another time zero moves the label of contact, with the displacement made zero again there.
+pub fn repetition(observed: &Observed, inputs: &InputUncertainty, index: usize) -> Repetition {
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    random.set_stream(index as u64);
+    let mut normal = || normal(&mut random);
+    let draws = [normal(), normal(), normal(), normal()];
+    let mass = inputs.mass_kg * draws[0];
+    let speed = inputs.impact_speed_m_per_s * draws[1];
+    let bias = inputs.bias_m_per_s2 * draws[2];
+    let late = inputs.time_zero_s * draws[3];
+    perturbed(observed, mass, speed, bias, late)
+}
+
+/// The record with a mass ratio `1 + mass` (relative), `speed` faster, `bias` higher and its contact `late` later.
+pub fn perturbed(observed: &Observed, mass: f64, speed: f64, bias: f64, late: f64) -> Repetition {
+    let m = observed.measurement;
+    let measurement = Measurement { first_s: m.first_s - late, ..m };
+    let start_s = if m.from_contact { m.time_s(m.contact_index()) } else { m.first_s };
+    let more = |t: f64| speed * (t - start_s) + 0.5 * bias * (t - start_s) * (t - start_s);
+    // Displacement at the new contact on the old axis; nearly the speed times the shift.
+    let x: Vec<f64> = observed.displacement_m.clone();
+    let time = |k: usize| m.time_s(observed.first + k * observed.stride);
+    let at_contact = {
+        let v = (x[1] - x[0]) / (time(1) - time(0));
+        let origin = if late == 0.0 { 0.0 } else { x[0] + v * (late - time(0)) };
+        origin + more(late.max(start_s))
+    };
+    let displacement_m = x.iter().enumerate().map(|(k, x)| x + more(time(k)) - at_contact).collect();
+    let observed = Observed {
+        measurement,
+        impact_speed_m_per_s: observed.impact_speed_m_per_s + speed,
+        displacement_m,
+        ..observed.clone()
+    };
+    Repetition { observed, mass_ratio: 1.0 + mass }
+}
+
+/// Repeats the fit of `model` with inputs drawn anew, each from the values found, and reads the percentiles.
+///
+/// Springs and dampers are proportional to the mass, since a displacement knows only their ratio to it. Without a fit the
+/// repetition is left out and not counted. `mass_kg`: the mass that `inputs` speak of. `None` with fewer than 20 results.
+pub fn propagate(
+    model: &Model,
+    free: &[FreeParameter],
+    observed: &Observed,
+    mass_kg: f64,
+    inputs: &InputUncertainty,
+    repetitions: usize,
+) -> Option<Propagation> {
+    let relative = InputUncertainty { mass_kg: inputs.mass_kg / mass_kg, ..*inputs };
+    let found: Vec<Option<BTreeMap<&'static str, f64>>> = (0..repetitions)
+        .into_par_iter()
+        .map(|index| repeat(model, free, &repetition(observed, &relative, index)))
+        .collect();
+    let found: Vec<_> = found.into_iter().flatten().collect();
+    if found.len() < 20 {
+        return None;
+    }
+    let mut interval_90 = BTreeMap::new();
+    let mut standard_deviation = BTreeMap::new();
+    for name in found[0].keys().copied() {
+        let mut values: Vec<f64> = found.iter().filter_map(|f| f.get(name).copied()).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let power: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+        standard_deviation.insert(name, (power / (values.len() - 1) as f64).sqrt());
+        interval_90.insert(name, (percentile(&mut values, 0.05)?, percentile(&mut values, 0.95)?));
+    }
+    Some(Propagation { repetitions: found.len(), interval_90, standard_deviation })
+}
+
+/// The parameters and the model's crush of one repetition.
+pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) -> Option<BTreeMap<&'static str, f64>> {
+    let v0 = repetition.observed.impact_speed_m_per_s;
+    // The last knot of a nonlinear damper is the impact speed.
+    let mut values = model.parameters();
+    if let Some(knot) = values.get_mut("v0_m_per_s") {
+        *knot = v0;
+    }
+    let template = with_parameters(model, &values)?;
+    let problem = Problem::new(template, free.to_vec(), &repetition.observed);
+    let optimum = follow(&problem, &problem.start())?;
+    let fitted = problem.model(&optimum.theta)?;
+    let mut result: BTreeMap<&'static str, f64> = BTreeMap::new();
+    for (parameter, theta) in free.iter().zip(&optimum.theta) {
+        let by_mass = parameter.name.ends_with("_n_per_m") || parameter.name.ends_with("_n_s_per_m");
+        result.insert(parameter.name, parameter.at(*theta) * if by_mass { repetition.mass_ratio } else { 1.0 });
+    }
+    if let Some(crush) = fitted.events(v0).ok().and_then(|events| events.dynamic_crush_m) {
+        result.insert("dynamic_crush_m", crush);
+    }
+    Some(result)
+}
+
+/// Twelve uniform numbers less six: normal to 2 % up to three deviations, without a logarithm whose last digit depends on the machine.
+fn normal(random: &mut ChaCha8Rng) -> f64 {
+    (0..12).map(|_| (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64).sum::<f64>() - 6.0
+}

@@ -1,0 +1,153 @@
+//! A fitted model followed to the minimum of its misfit as measured.
+
+use crumple_lti::jacobi_svd;
+use crumple_lumped::Model;
+use nalgebra::{DMatrix, DVector};
+
+use crate::StopReason;
+use crate::least_squares::{Bounds, Optimum, Response, descend};
+use crate::observed::{FreeParameter, Observed, Problem};
+
+/// A model at the minimum, with the sensitivities there.
+#[derive(Debug, Clone)]
+pub struct Refined {
+    /// The model.
+    pub model: Model,
+    /// Its free parameters; the values are those of the minimum.
+    pub free: Vec<FreeParameter>,
+    /// Which of them stopped on a bound.
+    pub on_bound: Vec<bool>,
+    /// Model minus record, m.
+    pub misfit_m: Vec<f64>,
+    /// Change of the displacement by each free parameter's coordinate, m; columns as `free`.
+    pub sensitivity_m: DMatrix<f64>,
+    /// Model evaluations spent.
+    pub evaluations: u64,
+    /// Iterations.
+    pub iterations: u32,
+    /// Why it stopped.
+    pub stop_reason: StopReason,
+}
+
+const ITERATIONS: u32 = 200;
+/// Relative decrease of the cost that is worth another step.
+const COST_TOLERANCE: f64 = 1e-11;
+/// Step of the central differences: its square and rounding over it are both near 1e-10.
+const DIFFERENCE: f64 = 1e-5;
+/// Steps along the weakest direction from which the descent starts once more, in the coordinates.
+const HOPS: [f64; 4] = [-0.3, 0.3, -0.05, 0.05];
+/// A misfit below this share of the largest displacement is the exact model.
+const EXACT: f64 = 1e-10;
+
+impl Refined {
+    /// Root mean square misfit, m.
+    pub fn rmse_m(&self) -> f64 {
+        (self.misfit_m.iter().map(|r| r * r).sum::<f64>() / self.misfit_m.len() as f64).sqrt()
+    }
+}
+
+/// Descends from `model` to the least misfit, all parameters of `free` moving.
+///
+/// Bounded Levenberg-Marquardt in the coordinates of [`FreeParameter`], then from both sides of the direction along which
+/// the misfit rises least, as long as that finds something better. Local: the result depends on the start. `None`
+/// where the model has no finite response.
+///
+/// A parameter that comes near zero, or away from it, is described anew there and the descent goes on.
+pub fn refine(model: &Model, free: &[FreeParameter], observed: &Observed) -> Option<Refined> {
+    let found = descend_with_hops(model, free, observed)?;
+    let again: Vec<FreeParameter> = found.free.iter().map(|p| p.described_at(p.value)).collect();
+    if again.iter().zip(free).all(|(new, old)| new.logarithmic == old.logarithmic) {
+        return Some(found);
+    }
+    let next = descend_with_hops(&found.model, &again, observed)?;
+    Some(Refined {
+        evaluations: found.evaluations + next.evaluations,
+        iterations: found.iterations + next.iterations,
+        ..next
+    })
+}
+
+fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observed) -> Option<Refined> {
+    let problem = Problem::new(*model, free.to_vec(), observed);
+    let mut best = descend(&problem, &problem.start(), &bounds(free))?;
+    let mut evaluations = best.evaluations;
+    let exact = EXACT * EXACT * problem.rows() as f64;
+    for _ in 0..3 {
+        if best.cost <= exact || best.on_bound.iter().any(|held| *held) {
+            break;
+        }
+        let Some(weak) = weakest(&best) else { break };
+        let before = best.cost;
+        for hop in HOPS {
+            let start: Vec<f64> = best.theta.iter().zip(weak.iter()).map(|(t, w)| t + hop * w).collect();
+            if let Some(found) = descend(&problem, &start, &bounds(free)) {
+                evaluations += found.evaluations;
+                if found.cost < 0.999 * best.cost {
+                    best = found;
+                    break;
+                }
+            }
+        }
+        if best.cost > 0.999 * before {
+            break;
+        }
+    }
+    finish(&problem, best, evaluations)
+}
+
+/// The same without hops, from the coordinates `start`: for many repetitions near a minimum that is known.
+pub(crate) fn follow(problem: &Problem<'_>, start: &[f64]) -> Option<Optimum> {
+    descend(problem, start, &bounds(&problem.free))
+}
+
+pub(crate) fn bounds(free: &[FreeParameter]) -> Bounds {
+    Bounds {
+        lower: free.iter().map(|p| p.bounds().0).collect(),
+        upper: free.iter().map(|p| p.bounds().1).collect(),
+        max_iterations: ITERATIONS,
+        cost_tolerance: COST_TOLERANCE,
+    }
+}
+
+fn weakest(best: &Optimum) -> Option<DVector<f64>> {
+    let svd = jacobi_svd(&best.r)?;
+    let last = svd.right.ncols().checked_sub(1)?;
+    Some(svd.right.column(last).into_owned())
+}
+
+fn finish(problem: &Problem<'_>, best: Optimum, evaluations: u64) -> Option<Refined> {
+    let n = problem.free.len();
+    let model = problem.model(&best.theta)?;
+    let misfit_m = problem.observed.misfit(&model)?;
+    let mut sensitivity_m = DMatrix::zeros(misfit_m.len(), n);
+    let mut theta = best.theta.clone();
+    let limits = bounds(&problem.free);
+    for j in 0..n {
+        // One-sided at a bound.
+        let up = (theta[j] + DIFFERENCE).min(limits.upper[j]);
+        let down = (theta[j] - DIFFERENCE).max(limits.lower[j]);
+        let at = |coordinate: f64, theta: &mut Vec<f64>| {
+            let before = std::mem::replace(&mut theta[j], coordinate);
+            let found = problem.model(theta).and_then(|model| problem.observed.misfit(&model));
+            theta[j] = before;
+            found
+        };
+        let (above, below) = (at(up, &mut theta)?, at(down, &mut theta)?);
+        for (k, (a, b)) in above.iter().zip(&below).enumerate() {
+            sensitivity_m[(k, j)] = (a - b) / (up - down);
+        }
+    }
+    let values = model.parameters();
+    let free = problem.free.iter().map(|p| FreeParameter { value: values[p.name], ..*p }).collect();
+    // `unit` stays that of the start: a logarithm's derivative does not depend on it.
+    Some(Refined {
+        model,
+        free,
+        on_bound: best.on_bound,
+        misfit_m,
+        sensitivity_m,
+        evaluations,
+        iterations: best.iterations,
+        stop_reason: best.stop,
+    })
+}

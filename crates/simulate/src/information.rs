@@ -1,0 +1,73 @@
+//! Information criterion of the displacement error, with what the samples are worth.
+
+use crumple_lumped::ModelKind;
+
+/// The criterion of one candidate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Information {
+    /// `Ne ln V + 2p + 2p(p+1)/(Ne - p - 1)`, `V` the mean square error in m²; `None` for `Ne <= p + 1` or no error at all.
+    pub aicc: Option<f64>,
+    /// Independent samples.
+    pub effective_samples: f64,
+    /// Parameters.
+    pub parameters: u32,
+}
+
+/// Independent samples that an error over a window is worth: their number over the autocorrelation time, `1 + 2 sum r_k` up to
+/// the first lag that is not positive (Geyer's initial positive sequence). `None` for an error that is zero.
+pub fn effective_samples(error: &[f64]) -> Option<f64> {
+    let n = error.len();
+    let power: f64 = error.iter().map(|e| e * e).sum();
+    if n == 0 || power <= 0.0 || !power.is_finite() {
+        return None;
+    }
+    let mut time = 1.0;
+    for lag in 1..n {
+        let product: f64 = error[lag..].iter().zip(error).map(|(a, b)| a * b).sum();
+        if product <= 0.0 {
+            break;
+        }
+        time += 2.0 * product / power;
+    }
+    Some((n as f64 / time).max(1.0))
+}
+
+/// The criterion for a mean square error, at the number of independent samples that all candidates share: with a number each,
+/// the criterion would reward the smoother error. Hurvich & Tsai, Biometrika 76(2), 1989.
+pub fn information(mean_square_m2: f64, effective_samples: f64, parameters: u32) -> Information {
+    let (n, p) = (effective_samples, f64::from(parameters));
+    let aicc = (n > p + 1.0 && mean_square_m2 > 0.0)
+        .then(|| n * mean_square_m2.ln() + 2.0 * p + 2.0 * p * (p + 1.0) / (n - p - 1.0))
+        .filter(|value| value.is_finite());
+    Information { aicc, effective_samples, parameters }
+}
+
+/// Springs, dampers and knots of a model: what its fit was free to choose. Masses and the ends of curves are given.
+pub fn parameters_of(kind: ModelKind) -> u32 {
+    let given = |name: &str| name.ends_with("_kg") || name == "crush_m" || name == "v0_m_per_s";
+    kind.parameter_names().iter().filter(|name| !given(name)).count() as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_criterion_is_that_of_the_formula() {
+        // 100 ln 1e-6 + 4 + 12/97, by hand.
+        let found = information(1e-6, 100.0, 2);
+        assert!((found.aicc.unwrap() - (-1_381.551_055_796_427_5 + 4.0 + 12.0 / 97.0)).abs() < 1e-9);
+        assert_eq!(information(1e-6, 10.9, 10).aicc, None);
+        assert_eq!((parameters_of(ModelKind::Kelvin), parameters_of(ModelKind::Nonlinear2)), (2, 10));
+    }
+
+    #[test]
+    fn smooth_errors_are_worth_few_samples() {
+        let swing: Vec<f64> = (0..1000).map(|k| (f64::from(k) * 0.01 * std::f64::consts::PI).sin()).collect();
+        // Five periods, about three samples each.
+        let worth = effective_samples(&swing).unwrap();
+        assert!((14.0..=20.0).contains(&worth), "{worth}");
+        assert_eq!(effective_samples(&[0.0; 4]), None);
+        assert_eq!(effective_samples(&[1.0, -1.0, 1.0, -1.0]), Some(4.0));
+    }
+}

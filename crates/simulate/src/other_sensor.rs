@@ -1,0 +1,48 @@
+//! A candidate beside a sensor that its fit did not see.
+
+use crumple_lumped::Motion;
+use crumple_metrics::{fit_percent, rmse};
+use crumple_signal::Sampled;
+
+use crate::Simulation;
+
+/// Another accelerometer on the vehicle, integrated.
+#[derive(Debug, Clone)]
+pub struct OtherSensor {
+    /// Channel.
+    pub channel: String,
+    /// Whether it sits on the engine, and so on the mass next to the barrier.
+    pub on_engine: bool,
+    /// Its displacement, m.
+    pub displacement: Sampled,
+}
+
+/// How a candidate does there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SensorFit {
+    /// Channel.
+    pub channel: String,
+    /// Mass compared, counted from the barrier, from 1.
+    pub mass: usize,
+    /// Root mean square displacement error over the window, m.
+    pub rmse_m: f64,
+    /// Displacement fit, percent.
+    pub fit_percent: Option<f64>,
+}
+
+/// Compares the displacement of the sensor with that of its mass over the window of the simulation: the engine's with the mass
+/// next to the barrier, any other with the compartment. A model of one mass has only that. `None` where the record does not
+/// cover the window.
+///
+/// For two dual double models this is the only figure that differs.
+pub fn beside(simulation: &Simulation, sensor: &OtherSensor, time_zero_s: f64, dt_s: f64) -> Option<SensorFit> {
+    let mass = if sensor.on_engine { 1 } else { simulation.masses.len() };
+    let motion: &Motion = simulation.masses.get(mass.checked_sub(1)?)?;
+    let compared = (simulation.comparison.to_s / dt_s).round() as usize + 1;
+    let (mut x, mut xh) = (Vec::new(), Vec::new());
+    for (k, modelled) in motion.displacement_m.iter().enumerate().take(compared) {
+        x.push(sensor.displacement.at(time_zero_s + k as f64 * dt_s)?);
+        xh.push(*modelled);
+    }
+    Some(SensorFit { channel: sensor.channel.clone(), mass, rmse_m: rmse(&x, &xh)?, fit_percent: fit_percent(&x, &xh) })
+}
