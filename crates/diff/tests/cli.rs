@@ -160,7 +160,7 @@ fn last_bits_are_the_same_by_default_and_not_exactly() {
     let folder = pair(&Made { samples, peak: 445.75 * (1.0 + 1e-12), ..Made::default() });
     let found = diff(folder.path(), &["a.mcap", "b.mcap"]);
     assert_eq!(found.code, 0, "{}", found.stdout);
-    insta::assert_snapshot!(found.stdout, @"same within tolerance: 212 values in 3 topics, the largest relative difference is 2.0e-12 in /wave/93");
+    insta::assert_snapshot!(found.stdout, @"same within tolerance: 224 values in 3 topics, the largest relative difference is 2.0e-12 in /wave/93");
     assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--exact"]).code, 1);
     assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--rel", "0", "--abs", "1e-8"]).code, 0);
     assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--rel", "1e-14"]).code, 1);
@@ -231,7 +231,7 @@ fn other_encodings_orders_and_chunks_of_the_same_content_are_the_same() {
     assert_eq!(found.code, 0, "{}{}", found.stdout, found.stderr);
     insta::assert_snapshot!(found.stdout, @"
     provenance: only in a.mcap  (for information)
-    same within tolerance: 212 values in 3 topics, none differs
+    same within tolerance: 224 values in 3 topics, none differs
     ");
 }
 

@@ -107,10 +107,12 @@ pub fn uncertainty_note(uncertainty: &Uncertainty, start: UsedStart) -> String {
     let moved = match (time_zero_s, start) {
         (None, _) => "",
         (Some(_), UsedStart::RecordStart) => {
-            "; an error of time zero moves the crush by v0 times it and every time by it, not the velocity, which is              integrated from the start of the record"
+            "; an error of time zero moves the crush by v0 times it and every time by it, not the velocity, which is \
+             integrated from the start of the record"
         }
         (Some(_), UsedStart::TimeZero) => {
-            "; an error of time zero cuts the record there: it moves the crush by v0 times it, and the velocity by what              the pulse does in it"
+            "; an error of time zero cuts the record there: it moves the crush by v0 times it, and the velocity by what \
+             the pulse does in it"
         }
     };
     let stated: Vec<String> = stated.collect();
