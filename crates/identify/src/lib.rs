@@ -1,6 +1,7 @@
 //! Identifies linear models from a record.
 //!
-//! [`era`], the eigensystem realization algorithm, takes a record for the impulse response of a linear system and returns the smallest balanced one that has it, with poles, modes and the evidence for them.
+//! [`era`], the eigensystem realization algorithm, takes a record for the impulse response of a linear system and returns
+//! the smallest balanced one that has it, with poles, modes and the evidence for them.
 
 mod arx;
 mod balanced_truncation;
