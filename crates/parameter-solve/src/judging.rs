@@ -35,6 +35,9 @@ const SAME: f64 = 1e-3;
 /// itself moves the time of a crush that ends steeply by 0.1 ms and more.
 const CONDITIONS: f64 = 5e-3;
 
+/// Both ends of an interval.
+type Ends = (Option<f64>, Option<f64>);
+
 /// The verdict on one candidate.
 #[derive(Debug, Clone)]
 pub struct Judged {
@@ -164,7 +167,7 @@ impl Scene<'_> {
     fn refine(&self, candidate: &Candidate) -> Option<(Observed, Refined)> {
         if candidate.method == Method::CoefficientMatching
             || candidate.of_sensors()
-            || (candidate.is_double() && candidate.index % 2 == 0)
+            || (candidate.is_double() && candidate.index.is_multiple_of(2))
         {
             return None;
         }
@@ -182,7 +185,8 @@ impl Scene<'_> {
             observed.resolution_m = UNKNOWN_FILTER_M;
         }
         let with = |model: &Model| {
-            let free = free_parameters(model, self.impact_speed_m_per_s, self.crush_m, true);
+            let mut free = free_parameters(model, self.impact_speed_m_per_s, self.crush_m, true);
+            free.retain(|parameter| !held(candidate).any(|name| name == parameter.name));
             refine(model, &free, &observed)
         };
         let found = match &candidate.model {
@@ -225,7 +229,8 @@ impl Scene<'_> {
         let asked = &self.settings.judging;
         let options = JudgeOptions { profile: asked.profile, bootstrap: asked.bootstrap };
         let given = (!self.gives_way(candidate, refined)).then_some(&candidate.model);
-        let judgement = judge(refined, given, observed, options)?;
+        let mut judgement = judge(refined, given, observed, options)?;
+        judgement.interval.extend(held(candidate).map(|name| (name, (None, None))));
         let inputs = InputUncertainty {
             mass_kg: asked.mass_uncertainty_kg,
             impact_speed_m_per_s: asked.speed_uncertainty_m_per_s,
@@ -243,6 +248,13 @@ impl Scene<'_> {
     }
 }
 
+/// Parameters that the search left on a bound, other than zero: that value is the bound's, so it is held and has no interval.
+fn held(candidate: &Candidate) -> impl Iterator<Item = &'static str> {
+    let values = candidate.model.parameters();
+    let names = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
+    names.iter().copied().filter(move |name| values.get(*name).is_some_and(|value| *value != 0.0))
+}
+
 /// A fit takes the values of the minimum.
 fn adopt(candidate: &mut Candidate, refined: &Refined) {
     candidate.model = refined.model;
@@ -251,8 +263,10 @@ fn adopt(candidate: &mut Candidate, refined: &Refined) {
         fit.iterations += refined.iterations;
         fit.evaluations += refined.evaluations;
         fit.stop_reason = refined.stop_reason;
-        fit.active_bounds =
-            refined.free.iter().zip(&refined.on_bound).filter(|(_, held)| **held).map(|(p, _)| p.name).collect();
+        // What was held stays named; a zero may have been left.
+        fit.active_bounds.retain(|name| refined.free.iter().all(|p| p.name != *name));
+        let stopped = refined.free.iter().zip(&refined.on_bound).filter(|(_, held)| **held).map(|(p, _)| p.name);
+        fit.active_bounds.extend(stopped);
     }
 }
 
@@ -369,7 +383,7 @@ impl Judged {
         let j = &self.judgement;
         let own = |name: &&'static str| (*name).to_owned();
         let finite = |values: &BTreeMap<&'static str, f64>| values.iter().map(|(k, v)| (own(k), *v)).collect();
-        let side = |of: fn(&(Option<f64>, Option<f64>)) -> Option<f64>| {
+        let side = |of: fn(&Ends) -> Option<f64>| {
             j.interval.iter().map(|(name, interval)| (own(name), of(interval))).collect()
         };
         UncertaintyV1 {
@@ -400,7 +414,7 @@ impl Judged {
                 })
                 .collect(),
             bootstrap: j.bootstrap.as_ref().map(|b| {
-                let ends = |of: fn(&(Option<f64>, Option<f64>)) -> Option<f64>| {
+                let ends = |of: fn(&Ends) -> Option<f64>| {
                     b.interval.iter().filter_map(|(name, i)| Some((own(name), of(i)?))).collect()
                 };
                 ReplicatesV1 {
