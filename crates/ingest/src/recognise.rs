@@ -27,7 +27,7 @@ pub trait Reader: Sync {
         false
     }
 
-    /// Flags about the form of a file that the reader heeds, of those in [`crate::unused`].
+    /// Flags about the form of a file that the reader heeds, by their names, `--unit`; others given are warned about.
     fn heeds(&self) -> &'static [&'static str] {
         &[]
     }
