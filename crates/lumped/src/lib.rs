@@ -23,6 +23,8 @@ mod cubic;
 mod curve;
 mod double_double;
 mod double_spring_mass_damper;
+mod driven;
+mod dynamics;
 mod elastoplastic;
 mod error;
 mod exact_step;
@@ -36,12 +38,14 @@ mod parameters;
 mod secant_motion;
 mod second_order;
 
-pub use chain::{Chain, ChainResponse, Drive, Energy, TripleSpringMassDamper};
+pub use chain::{Chain, ChainResponse, TripleSpringMassDamper};
 pub use coefficient_matching::{
     Certificate, CoefficientMatch, CoefficientMatching, MatchRoot, MatchedSolution, Reading, matching_sensitivity,
 };
 pub use crumple_lti::Complex;
 pub use double_spring_mass_damper::DoubleSpringMassDamper;
+pub use driven::Drive;
+pub use dynamics::{Dynamics, ElementForce, Energy};
 pub use elastoplastic::Elastoplastic;
 pub use error::LumpedError;
 pub use exact_step::{ExactStep, exact_step, exact_step_with_derivatives};

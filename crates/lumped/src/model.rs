@@ -1,8 +1,7 @@
-use crate::chain::Drive;
 use crate::exact_step::exact_step;
 use crate::{
-    CrushEvents, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, ModelKind, Motion, Nonlinear1,
-    Nonlinear2, Response, TripleSpringMassDamper,
+    CrushEvents, DoubleSpringMassDamper, Drive, Elastoplastic, Kelvin, LumpedError, Maxwell, ModelKind, Motion,
+    Nonlinear1, Nonlinear2, Response, TripleSpringMassDamper,
 };
 
 /// A lumped model with its parameters.

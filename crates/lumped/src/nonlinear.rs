@@ -119,7 +119,7 @@ impl Nonlinear1 {
         rises("v0_m_per_s", self.v_thresh_m_per_s, self.v0_m_per_s)
     }
 
-    fn law(&self) -> SecantMotion {
+    pub(crate) fn law(&self) -> SecantMotion {
         SecantMotion {
             mass_kg: self.mass_kg,
             spring: Curve::new([0.0, self.crush_m], [self.k1_n_per_m, self.k2_n_per_m]),
@@ -152,7 +152,7 @@ impl Nonlinear2 {
         rises("v0_m_per_s", self.v2_m_per_s, self.v0_m_per_s)
     }
 
-    fn law(&self) -> SecantMotion {
+    pub(crate) fn law(&self) -> SecantMotion {
         SecantMotion {
             mass_kg: self.mass_kg,
             spring: Curve::new([0.0, self.x1_m, self.crush_m], [self.k1_n_per_m, self.k2_n_per_m, self.k3_n_per_m]),
