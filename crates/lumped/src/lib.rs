@@ -35,6 +35,7 @@ mod model;
 mod motion;
 mod nonlinear;
 mod parameters;
+mod physical_coordinates;
 mod secant_motion;
 mod second_order;
 
@@ -55,3 +56,4 @@ pub use maxwell::Maxwell;
 pub use model::Model;
 pub use motion::{CrushEvents, Motion, Response, State};
 pub use nonlinear::{Nonlinear1, Nonlinear2};
+pub use physical_coordinates::{PhysicalCoordinates, RealisedModel};

@@ -51,6 +51,19 @@ impl Model {
         }
     }
 
+    /// Masses from the barrier on, kg.
+    pub fn masses_kg(&self) -> Vec<f64> {
+        match self {
+            Self::Kelvin(m) => vec![m.mass_kg],
+            Self::Elastoplastic(m) => vec![m.mass_kg],
+            Self::Maxwell(m) => vec![m.mass_kg],
+            Self::Nonlinear1(m) => vec![m.mass_kg],
+            Self::Nonlinear2(m) => vec![m.mass_kg],
+            Self::DoubleSpringMassDamper(m) => vec![m.m1_kg, m.m2_kg],
+            Self::TripleSpringMassDamper(m) => m.masses_kg.to_vec(),
+        }
+    }
+
     /// Events of the compartment, from the exact solution.
     pub fn events(&self, impact_speed_m_per_s: f64) -> Result<CrushEvents, LumpedError> {
         self.check()?;

@@ -10,6 +10,7 @@
 mod amplitude_ratios;
 mod candidate;
 mod correlation;
+mod curve_fit;
 mod double_fit;
 mod double_residuals;
 mod elastoplastic;
@@ -31,6 +32,7 @@ mod window;
 
 pub use amplitude_ratios::{front_from_amplitudes, rear_from_amplitudes};
 pub use candidate::{Candidate, Fit, Uncertainty};
+pub use curve_fit::curve_fit_of_the_paper;
 pub use double_fit::{DoubleFit, DoubleFitOptions, fit_double};
 pub use elastoplastic::elastoplastic_from_events;
 pub use error::SolveError;
@@ -39,7 +41,7 @@ pub use kelvin::{KelvinBranch, KelvinSolution, centroid_to_crush_time_ratio, kel
 pub use levenberg_marquardt::StopReason;
 pub use matching::{Identified, Matched, Quartic, match_identified};
 pub use maxwell::{MaxwellExponents, maxwell_constants, maxwell_from_exponents};
-pub use maxwell_fit::fit_maxwell;
+pub use maxwell_fit::{fit_maxwell, undetermined_by_the_record};
 pub use method::{DEFAULT_METHODS, DEFAULT_MODELS, METHODS, MODELS, Method};
 pub use nonlinear_fit::{NonlinearFitOptions, fit_nonlinear1, fit_nonlinear2};
 pub use solve::{Evidence, MassSplit, SolveSettings, masses, solve};

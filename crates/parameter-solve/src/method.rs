@@ -23,7 +23,8 @@ pub const DEFAULT_MODELS: [ModelKind; 5] = [
 ];
 
 /// All methods.
-pub const METHODS: [Method; 4] = [Method::ClosedForm, Method::DirectFit, Method::CoefficientMatching, Method::Firefly];
+pub const METHODS: [Method; 5] =
+    [Method::ClosedForm, Method::DirectFit, Method::CoefficientMatching, Method::CurveFit, Method::Firefly];
 
 /// Those used where none is asked for: they need the motion of the test only.
 pub const DEFAULT_METHODS: [Method; 2] = [Method::ClosedForm, Method::DirectFit];
@@ -37,6 +38,8 @@ pub enum Method {
     DirectFit,
     /// From the characteristic polynomial of an identified model.
     CoefficientMatching,
+    /// From exponents and amplitudes as the ERA paper does it, for reproduction.
+    CurveFit,
     /// By the firefly search of the single-mass paper.
     Firefly,
 }
@@ -48,6 +51,7 @@ impl Method {
             Self::ClosedForm => "closed-form",
             Self::DirectFit => "direct-fit",
             Self::CoefficientMatching => "coefficient-matching",
+            Self::CurveFit => "curve-fit",
             Self::Firefly => "firefly",
         }
     }
@@ -60,7 +64,7 @@ impl Method {
                 model,
                 ModelKind::Maxwell | ModelKind::Nonlinear1 | ModelKind::Nonlinear2 | ModelKind::DoubleSpringMassDamper
             ),
-            Self::CoefficientMatching => matches!(model, ModelKind::DoubleSpringMassDamper),
+            Self::CoefficientMatching | Self::CurveFit => matches!(model, ModelKind::DoubleSpringMassDamper),
             Self::Firefly => matches!(model, ModelKind::Nonlinear2),
         }
     }

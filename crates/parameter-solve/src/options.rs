@@ -24,7 +24,8 @@ pub struct Options {
     pub models: Vec<String>,
 
     /// Methods: closed-form (from the crash events), direct-fit (to the displacement), coefficient-matching (from an
-    /// identified model with four poles: every solution), firefly (nonlinear-2) [default: closed-form,direct-fit]
+    /// identified model with four poles: every solution), curve-fit (from four real exponentials, as the ERA paper prints
+    /// it: for reproduction only), firefly (nonlinear-2) [default: closed-form,direct-fit]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub method: Vec<String>,
 

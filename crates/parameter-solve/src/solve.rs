@@ -6,7 +6,7 @@ use crumple_signal::{Displacement, Notes, Signal};
 use crate::{
     Candidate, DoubleFitOptions, FireflyOptions, KelvinBranch, Method, NonlinearFitOptions, SolveError,
     elastoplastic_from_events, firefly_nonlinear2, fit_double, fit_maxwell, fit_nonlinear1, fit_nonlinear2,
-    kelvin_from_events,
+    kelvin_from_events, undetermined_by_the_record,
 };
 
 /// Error of a displacement integrated twice by the trapezoidal rule at 10 kHz, m: known records lie within 1.3e-6 m.
@@ -80,7 +80,7 @@ impl SolveSettings {
     pub fn needs_events(&self) -> bool {
         let solves = |method: &&Method| self.models.iter().any(|model| method.solves(*model));
         let mut used = self.methods.iter().filter(solves).peekable();
-        used.peek().is_none() || used.any(|method| *method != Method::CoefficientMatching)
+        used.peek().is_none() || used.any(|method| !matches!(method, Method::CoefficientMatching | Method::CurveFit))
     }
 }
 
@@ -102,7 +102,7 @@ pub fn solve(
         for &method in settings.methods.iter().filter(|method| method.solves(model)) {
             match (model, method) {
                 // From an identified model, see `match_identified`.
-                (_, Method::CoefficientMatching) => {}
+                (_, Method::CoefficientMatching | Method::CurveFit) => {}
                 (ModelKind::Kelvin, _) => candidates.extend(kelvin(evidence, method, notes)),
                 (ModelKind::Elastoplastic, _) => candidates.extend(elastoplastic(evidence, method, notes)),
                 (ModelKind::DoubleSpringMassDamper, _) => {
@@ -184,6 +184,12 @@ fn single_fit(
         Err(error) => return Err(error),
     };
     remarks.insert(0, format!("fitted from {:.2} ms to {:.2} ms after time zero", 1e3 * fit.from_s, 1e3 * fit.to_s));
+    if let Model::Maxwell(maxwell) = &model
+        && let Some(finding) = undetermined_by_the_record(maxwell, evidence.impact_speed_m_per_s, crush)
+    {
+        notes.warning(format!("{kind}: {finding}"));
+        remarks.push(finding);
+    }
     if !fit.active_bounds.is_empty() {
         remarks.push(format!("on a bound, not determined by the record: {}", fit.active_bounds.join(", ")));
     }
@@ -352,9 +358,17 @@ fn double(
                 2 * place + 1
             ));
         }
-        for dual in 0..2 {
+        let own = coincides_with_its_dual(&pair.models);
+        for dual in 0..if own { 1 } else { 2 } {
             let mut remarks = vec![split.clone(), window.clone()];
-            if let Some(u) = &pair.uncertainty[dual] {
+            if own {
+                remarks.push(
+                    "its own dual, listed once, counts twice: front and rear can move against each other without a change of \
+                     the record in first order, so there are no standard deviations"
+                        .to_owned(),
+                );
+            }
+            if let Some(u) = pair.uncertainty[dual].as_ref().filter(|_| !own) {
                 remarks.push(format!(
                     "standard deviations: linearised, widened for a residual autocorrelation of {:.4}; they hold for the \
                      given masses and if the model is true, and say nothing of other solutions",
@@ -369,14 +383,20 @@ fn double(
                 model: Model::DoubleSpringMassDamper(pair.models[dual]),
                 method,
                 index: 2 * place + dual + 1,
-                equivalent_to: Some(2 * place + 2 - dual),
+                equivalent_to: (!own).then_some(2 * place + 2 - dual),
                 fit: Some(fit),
-                uncertainty: pair.uncertainty[dual].clone(),
+                uncertainty: pair.uncertainty[dual].clone().filter(|_| !own),
                 notes: remarks,
             });
         }
     }
     Ok(candidates)
+}
+
+/// Whether the two models of a pair are one to 1e-4: the error is flat to fourth order there, so a fit to 1e-16 leaves that.
+fn coincides_with_its_dual([a, b]: &[crumple_lumped::DoubleSpringMassDamper; 2]) -> bool {
+    let near = |x: f64, y: f64| (x - y).abs() <= 1e-4 * x.abs().max(y.abs());
+    near(a.k1_n_per_m, b.k1_n_per_m) && near(a.c1_n_s_per_m, b.c1_n_s_per_m)
 }
 
 /// The same bounds seen from the dual model, which exchanges front and rear.

@@ -145,10 +145,14 @@ mod tests {
                 from_s: 0.0,
                 to_s: 0.07,
                 notes: vec![],
+                drive: None,
+                energy: Vec::new(),
+                energy_closure: None,
             }),
             displacement: None,
             velocity: None,
             acceleration: None,
+            elements: Vec::new(),
         }
     }
 

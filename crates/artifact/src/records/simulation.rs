@@ -33,4 +33,30 @@ pub struct SimulationV1 {
     /// What a reader should know.
     #[serde(default)]
     pub notes: Vec<String>,
+    /// What moved the model where it was not the impact alone, in words.
+    #[serde(default)]
+    pub drive: Option<String>,
+    /// Energy at the start, at dynamic crush and at the end.
+    #[serde(default)]
+    pub energy: Vec<EnergyV1>,
+    /// Largest gap of the energy balance over the whole response, relative to the energy brought in.
+    #[serde(default)]
+    pub energy_closure: Option<f64>,
+}
+
+/// Where the energy of a model is at one instant.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EnergyV1 {
+    /// `start`, `dynamic crush` (the sample next to it) or `end`.
+    pub instant: String,
+    /// Time after time zero, s.
+    pub time_s: f64,
+    /// In the masses, J.
+    pub kinetic_j: f64,
+    /// In the springs, J: what they can give back.
+    pub stored_j: f64,
+    /// Turned into heat by dampers and plastic deformation, J.
+    pub dissipated_j: f64,
+    /// Brought in by the impact speed, a force or a moving barrier, J.
+    pub input_j: f64,
 }

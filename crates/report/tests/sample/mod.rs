@@ -400,6 +400,9 @@ pub fn write_artifacts(folder: &Path, simulated: bool) -> Vec<PathBuf> {
             from_s: 0.0,
             to_s: t_m,
             notes: vec![],
+            drive: None,
+            energy: Vec::new(),
+            energy_closure: None,
         };
         simulate.builder.put(&format!("/simulation/{}", sketch.id), &simulation).unwrap();
         for (what, quantity, index) in [
