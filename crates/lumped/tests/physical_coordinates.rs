@@ -51,7 +51,8 @@ fn every_solution_of_the_matching_has_its_transformation_and_the_second_sensor_d
         let mismatch = p.chassis_mismatch.unwrap();
         if (model.k1_n_per_m - 12_000.0).abs() < 1e-3 {
             right += 1;
-            assert!(mismatch < 1e-9, "{mismatch:e}");
+            // That, and twice through the inverse of A, which is four natural frequencies from its slowest pole.
+            assert!(mismatch < 1e-8, "{mismatch:e}");
             assert_eq!(p.stiffness_n_per_m[(0, 1)], -model.k2_n_per_m);
             assert!(start[0].abs() < 1e-9 && (start[2] - 12.0).abs() < 1e-8, "{start:?}");
         } else {
