@@ -27,13 +27,13 @@ pub use diagnosis::DiagnosisV1;
 pub use events::{EventIntervalV1, EventsV1};
 pub use evidence::EvidenceV1;
 pub use identification::IdentificationV1;
-pub use matching::{MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1};
+pub use matching::{MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, PhysicalCoordinatesV1};
 pub use metrics::{MetricV1, MetricsV1};
 pub use model::{ExponentialSumV1, ExponentialTermV1, ModeV1, ModesV1, StateSpaceV1, TransferFunctionV1};
 pub use notes::NotesV1;
 pub use quality::QualityV1;
 pub use shapes::{ShapeV1, ShapesV1};
-pub use simulation::{OtherSensorV1, SimulationV1};
+pub use simulation::{EnergyV1, OtherSensorV1, SimulationV1};
 pub use test::{ChannelV1, SourceV1, TestV1};
 pub use wave::WaveBlockV1;
 

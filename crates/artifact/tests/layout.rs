@@ -244,6 +244,16 @@ fn the_layout_of_every_record_type_is_frozen() {
         effective_samples: None,
         fitted_parameters: None,
         other_sensors: vec![],
+        drive: Some("a force on mass 1".to_owned()),
+        energy: vec![EnergyV1 {
+            instant: "end".to_owned(),
+            time_s: 0.2,
+            kinetic_j: 1.5,
+            stored_j: 2.5,
+            dissipated_j: 4.0,
+            input_j: 8.0,
+        }],
+        energy_closure: Some(1e-14),
     });
     freeze(&MatchingV1 {
         m1_kg: 284.4,
@@ -271,6 +281,8 @@ fn the_layout_of_every_record_type_is_frozen() {
             dual: 1,
             residual: 1e-17,
             candidate: Some("double-spring-mass-damper/coefficient-matching/1".into()),
+            zero_re_per_s: Some(91.7),
+            zero_im_per_s: Some(0.0),
         }],
         sweep: vec![MatchingSweepV1 {
             front_mass_fraction: 0.9,
@@ -281,6 +293,19 @@ fn the_layout_of_every_record_type_is_frozen() {
             physical: true,
         }],
         notes: vec![],
+        source: Some("eigenvalues of a state matrix".into()),
+        zeta_of_the_start_per_s2: Some(-2000.0),
+        coordinates: vec![PhysicalCoordinatesV1 {
+            candidate: "double-spring-mass-damper/coefficient-matching/1".into(),
+            mass_kg: vec![vec![284.4, 0.0], vec![0.0, 1137.6]],
+            damping_n_s_per_m: vec![vec![15e3, 19e3], vec![19e3, -19e3]],
+            stiffness_n_per_m: vec![vec![1.8e6, -1.8e6], vec![-1.8e6, 1.8e6]],
+            transformation: vec![vec![1.0, 0.0, 0.0, 0.5], vec![0.0, 1.0, 0.0, 0.0]],
+            condition: 42.0,
+            residual: 1e-13,
+            chassis_mismatch: Some(0.02),
+            start: Some(vec![0.0, 0.0, 15.6, 15.6]),
+        }],
     });
     freeze(&NotesV1 { stage: "ingest".into(), notes: vec!["warning: clipped".into()] });
     freeze(&DiagnosisV1 { stage: "identify".into(), reason: "the record is constant".into() });

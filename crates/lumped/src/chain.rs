@@ -1,8 +1,9 @@
 use crumple_lti::{Complex, matrix_exponential, polynomial_roots};
 use nalgebra::{DMatrix, DVector};
 
+use crate::driven::{Driven, Instant};
 use crate::error::{finite, positive};
-use crate::{CrushEvents, LumpedError, ModelKind, Motion, State};
+use crate::{CrushEvents, Drive, Energy, LumpedError, ModelKind, Motion, State};
 
 /// Any number of masses in a row: barrier - (k1, c1) - m1 - (k2, c2) - m2 - ... - mN, the compartment last.
 ///
@@ -15,23 +16,6 @@ pub struct Chain {
     dampers_n_s_per_m: Vec<f64>,
 }
 
-/// What moves a chain.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Drive {
-    /// All masses meet the barrier at this speed, m/s.
-    Impact(f64),
-    /// A force on one mass (index from 0) that starts from rest, N, samples at the response's interval, linear between
-    /// them and zero after the last.
-    Force {
-        /// Mass the force acts on.
-        mass: usize,
-        /// Samples, N, positive towards the barrier.
-        samples: Vec<f64>,
-    },
-    /// The acceleration of the barrier (a sled, a shaker), m/s², in the direction of crush; everything starts from rest.
-    BaseAcceleration(Vec<f64>),
-}
-
 /// Motion, element forces and energies of a chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChainResponse {
@@ -39,25 +23,14 @@ pub struct ChainResponse {
     pub dt_s: f64,
     /// Motion of every mass, from the barrier on; displacement is absolute.
     pub motions: Vec<Motion>,
+    /// Displacement of the barrier, m: zero unless it is driven.
+    pub base_m: Vec<f64>,
     /// Force in every spring, N, positive in compression.
     pub spring_force_n: Vec<Vec<f64>>,
     /// Force in every damper, N.
     pub damper_force_n: Vec<Vec<f64>>,
     /// Energy at every sample.
     pub energy: Vec<Energy>,
-}
-
-/// Where the energy is.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Energy {
-    /// In the masses, J.
-    pub kinetic_j: f64,
-    /// In the springs, J.
-    pub stored_j: f64,
-    /// Turned into heat by the dampers so far, J.
-    pub dissipated_j: f64,
-    /// Brought in by force or base so far, and by the impact speed, J.
-    pub input_j: f64,
 }
 
 impl Chain {
@@ -147,10 +120,12 @@ impl Chain {
         }
         a[(base, base + 1)] = 1.0;
         a[(input, input + 1)] = 1.0;
-        match drive {
-            Drive::Force { mass, .. } if *mass < n => a[(n + mass, input)] = 1.0 / self.masses_kg[*mass],
-            Drive::BaseAcceleration(_) => a[(base + 1, input)] = 1.0,
-            Drive::Force { .. } | Drive::Impact(_) => {}
+        if let Some((mass, _)) = drive.force()
+            && mass < n
+        {
+            a[(n + mass, input)] = 1.0 / self.masses_kg[mass];
+        } else if drive.base().is_some() {
+            a[(base + 1, input)] = 1.0;
         }
         a
     }
@@ -161,53 +136,30 @@ impl Chain {
     /// of the quadratic form over the step (Van Loan 1978), so the balance closes to rounding. Errors: a force on a mass
     /// that is not there, a step or drive that is not finite, a response that leaves the range of numbers.
     pub fn respond(&self, drive: &Drive, dt_s: f64, samples: usize) -> Result<ChainResponse, LumpedError> {
-        positive("dt_s", dt_s)?;
         let n = self.masses_kg.len();
-        let size = 2 * n + 4;
-        let input = 2 * n + 2;
-        if let Drive::Force { mass, .. } = drive
-            && *mass >= n
+        if let Some((mass, _)) = drive.force()
+            && mass >= n
         {
             return Err(LumpedError::Value {
                 name: "mass",
-                value: *mass as f64,
+                value: mass as f64,
                 expected: "the index of a mass of the chain",
             });
         }
         let a = self.matrix(drive);
-        let phi = matrix_exponential(&(&a * dt_s))?;
-        let heat = integrated(&a, &self.heat_form(), dt_s)?;
-        let work = integrated(&a, &self.work_form(drive, &a), dt_s)?;
-        let source: &[f64] = match drive {
-            Drive::Impact(_) => &[],
-            Drive::Force { samples, .. } | Drive::BaseAcceleration(samples) => samples,
-        };
-        let at = |k: usize| source.get(k).copied().unwrap_or(0.0);
-
-        let mut z = DVector::zeros(size);
-        if let Drive::Impact(speed) = drive {
-            finite("impact_speed_m_per_s", *speed)?;
-            z.rows_mut(n, n).fill(*speed);
-        }
+        let (heat, work) = (self.heat_form(), self.work_form(drive, &a));
+        let mut start = vec![0.0; 2 * n];
+        start[n..].fill(drive.speed_m_per_s());
         let mut response = ChainResponse {
             dt_s,
             motions: vec![Motion::with_capacity(samples); n],
+            base_m: Vec::with_capacity(samples),
             spring_force_n: vec![Vec::with_capacity(samples); n],
             damper_force_n: vec![Vec::with_capacity(samples); n],
             energy: Vec::with_capacity(samples),
         };
-        let mut energy = self.energy(&z);
-        energy.input_j = energy.kinetic_j;
-        for k in 0..samples {
-            z[input] = at(k);
-            z[input + 1] = (at(k + 1) - at(k)) / dt_s;
-            let rate = &a * &z;
-            if !rate.iter().all(|x| x.is_finite()) {
-                return Err(LumpedError::Diverges {
-                    model: ModelKind::TripleSpringMassDamper,
-                    time_s: k as f64 * dt_s,
-                });
-            }
+        let driven = Driven { a, heat, work, model: ModelKind::TripleSpringMassDamper };
+        driven.walk(&start, drive, dt_s, samples, |Instant { z, rate, dissipated_j, input_j }| {
             for i in 0..n {
                 let (front_x, front_v) = if i == 0 { (z[2 * n], z[2 * n + 1]) } else { (z[i - 1], z[n + i - 1]) };
                 response.spring_force_n[i].push(self.springs_n_per_m[i] * (z[i] - front_x));
@@ -218,19 +170,15 @@ impl Chain {
                     acceleration_m_per_s2: rate[n + i],
                 });
             }
-            response.energy.push(Energy {
-                dissipated_j: energy.dissipated_j,
-                input_j: energy.input_j,
-                ..self.energy(&z)
-            });
-            energy.dissipated_j += z.dot(&(&heat * &z));
-            energy.input_j += z.dot(&(&work * &z));
-            z = &phi * z;
-        }
+            response.base_m.push(z[2 * n]);
+            let held = self.energy(z);
+            let impact = if let Some(first) = response.energy.first() { first.input_j } else { held.kinetic_j };
+            response.energy.push(Energy { dissipated_j, input_j: impact + input_j, ..held });
+        })?;
         Ok(response)
     }
 
-    fn energy(&self, z: &DVector<f64>) -> Energy {
+    fn energy(&self, z: &[f64]) -> Energy {
         let n = self.masses_kg.len();
         let front = |i: usize| if i == 0 { z[2 * n] } else { z[i - 1] };
         Energy {
@@ -259,15 +207,13 @@ impl Chain {
     fn work_form(&self, drive: &Drive, a: &DMatrix<f64>) -> DMatrix<f64> {
         let n = self.masses_kg.len();
         let mut q = DMatrix::zeros(2 * n + 4, 2 * n + 4);
-        match drive {
-            Drive::Impact(_) => {}
-            Drive::Force { mass, .. } => q[(n + mass, 2 * n + 2)] = 1.0,
+        if let Some((mass, _)) = drive.force() {
+            q[(n + mass, 2 * n + 2)] = 1.0;
+        } else if drive.base().is_some() {
             // The barrier pushes with the force of the first element: minus the sum of m a.
-            Drive::BaseAcceleration(_) => {
-                for i in 0..n {
-                    for j in 0..2 * n + 4 {
-                        q[(2 * n + 1, j)] += self.masses_kg[i] * a[(n + i, j)];
-                    }
+            for i in 0..n {
+                for j in 0..2 * n + 4 {
+                    q[(2 * n + 1, j)] += self.masses_kg[i] * a[(n + i, j)];
                 }
             }
         }
@@ -323,17 +269,6 @@ impl Chain {
         }
         Ok(events)
     }
-}
-
-/// `W` with `integral over a step of z' Q z = z0' W z0`.
-fn integrated(a: &DMatrix<f64>, q: &DMatrix<f64>, dt_s: f64) -> Result<DMatrix<f64>, LumpedError> {
-    let n = a.nrows();
-    let mut block = DMatrix::zeros(2 * n, 2 * n);
-    block.view_mut((0, 0), (n, n)).copy_from(&(-a.transpose() * dt_s));
-    block.view_mut((0, n), (n, n)).copy_from(&(q * dt_s));
-    block.view_mut((n, n), (n, n)).copy_from(&(a * dt_s));
-    let e = matrix_exponential(&block)?;
-    Ok(e.view((n, n), (n, n)).transpose() * e.view((0, n), (n, n)))
 }
 
 /// Three masses in a row: engine, suspension and chassis, compartment. See [`Chain`].

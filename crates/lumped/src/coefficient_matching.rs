@@ -10,6 +10,9 @@ use crate::{Complex, DoubleSpringMassDamper, LumpedError};
 /// Relative size below which a discriminant counts as zero: two mirror solutions coincide, or a root lies on the
 /// border between real and complex ones.
 const NOISE: f64 = 1e-26;
+/// The same at a double root of the cubic, whose place is uncertain by the square root of the noise of its discriminant
+/// over the distance of the third root; and the most of it, so that the equations are still met to 1e-12.
+const OWN_DUAL: (f64, f64) = (1e-13, 1e-12);
 /// Smale's bound for an approximate zero, `(13 - 3 sqrt 17)/4`.
 const ALPHA: f64 = 0.157_670_780_786_5;
 
@@ -201,7 +204,15 @@ impl CoefficientMatching {
             let square_0 = denoise(rest * rest - ComplexDd::real(kw), rest.norm().powi(2) + kw.hi.abs());
             let product = ct * rest - ComplexDd::real((kappa * v).scale(2.0));
             // The larger by its root, the other by division: no sign to guess and nothing lost in the smaller.
-            let none = square_1.norm() == 0.0 && square_0.norm() == 0.0;
+            // Where a set is its own dual the root of the cubic is double. Coefficients off by a rounding split it by less than
+            // can be seen, so it is known to the square root of the noise only; without this the four sets there would come
+            // out complex, though two of them are real for every polynomial.
+            let third = found.iter().map(|other| (other.value - zeta).norm()).fold(0.0, f64::max) / u.hi.abs();
+            let blur = (OWN_DUAL.0 / third).min(OWN_DUAL.1);
+            let own_dual = root.multiplicity > 1
+                && square_1.norm() <= blur * (t.hi * t.hi + kappa.hi * u.hi.abs())
+                && square_0.norm() <= blur * (rest.norm().powi(2) + kw.hi.abs());
+            let none = own_dual || (square_1.norm() == 0.0 && square_0.norm() == 0.0);
             let (r1, r0) = if none {
                 (ComplexDd::default(), ComplexDd::default())
             } else if square_1.norm() * (1.0 + rest.norm().powi(2)) >= square_0.norm() * (1.0 + t.hi * t.hi) {

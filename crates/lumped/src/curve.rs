@@ -15,6 +15,31 @@ impl Curve {
         curve
     }
 
+    /// The coefficient at `x >= 0`.
+    pub fn value(&self, x: f64) -> f64 {
+        let piece = self.piece(x, true);
+        piece.constant + piece.slope * x
+    }
+
+    /// `integral from 0 to x of k(s) s ds` for `x >= 0`: the work on a secant spring with this coefficient, in closed form on
+    /// every piece.
+    pub fn work(&self, x: f64) -> f64 {
+        let knots = &self.knots[..self.len];
+        let mut total = 0.0;
+        let mut from = 0.0;
+        loop {
+            let piece = self.piece(from, true);
+            let to = piece.to.min(x);
+            // As products of sums and differences: nothing cancels on a short piece.
+            let (sum, gap) = (to + from, to - from);
+            total += gap * (0.5 * piece.constant * sum + piece.slope / 3.0 * (sum * sum - to * from));
+            if piece.to >= x || !knots.contains(&piece.to) {
+                return total;
+            }
+            from = piece.to;
+        }
+    }
+
     /// The piece that holds at `x >= 0`, where moving outwards counts the piece beyond a knot: `(start, slope, end)`
     /// of `value = start + slope x`, valid up to `end` (and from `begin`).
     pub fn piece(&self, x: f64, outwards: bool) -> Piece {

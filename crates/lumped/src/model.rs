@@ -1,8 +1,7 @@
-use crate::chain::Drive;
 use crate::exact_step::exact_step;
 use crate::{
-    CrushEvents, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, ModelKind, Motion, Nonlinear1,
-    Nonlinear2, Response, TripleSpringMassDamper,
+    CrushEvents, DoubleSpringMassDamper, Drive, Elastoplastic, Kelvin, LumpedError, Maxwell, ModelKind, Motion,
+    Nonlinear1, Nonlinear2, Response, TripleSpringMassDamper,
 };
 
 /// A lumped model with its parameters.
@@ -49,6 +48,19 @@ impl Model {
             Self::Nonlinear2(m) => m.check(),
             Self::DoubleSpringMassDamper(m) => m.check(),
             Self::TripleSpringMassDamper(m) => m.check(),
+        }
+    }
+
+    /// Masses from the barrier on, kg.
+    pub fn masses_kg(&self) -> Vec<f64> {
+        match self {
+            Self::Kelvin(m) => vec![m.mass_kg],
+            Self::Elastoplastic(m) => vec![m.mass_kg],
+            Self::Maxwell(m) => vec![m.mass_kg],
+            Self::Nonlinear1(m) => vec![m.mass_kg],
+            Self::Nonlinear2(m) => vec![m.mass_kg],
+            Self::DoubleSpringMassDamper(m) => vec![m.m1_kg, m.m2_kg],
+            Self::TripleSpringMassDamper(m) => m.masses_kg.to_vec(),
         }
     }
 

@@ -186,3 +186,128 @@ proptest! {
         prop_assert!(found.solutions.iter().all(|s| s.residual < 1e-12));
     }
 }
+
+#[test]
+fn a_model_that_is_its_own_dual_is_listed_once_with_its_multiplicity() {
+    // Numbers whose coefficients are exact: (k1, k2, c1, c2) = (2e5, 1e5, 2000, 1000), mu = 2.
+    let found = solve([40.0, 4200.0, 40_000.0, 2e6], 100.0, 100.0);
+    let own: Vec<_> = found.solutions.iter().enumerate().filter(|(place, s)| s.dual == *place).collect();
+    assert_eq!(own.len(), 1);
+    let own = own[0].1;
+    // All of T1's P² - 4q, S² - 4DW and PS - 2DG vanish there, so the root of the cubic is double too: two pairs in one.
+    assert!(own.real && own.physical && own.multiplicity == 4 && found.roots[own.root].multiplicity == 2);
+    assert_eq!((own.k1_n_per_m.re, own.k2_n_per_m.re), (2e5, 1e5));
+    assert_eq!((own.c1_n_s_per_m.re, own.c2_n_s_per_m.re), (2000.0, 1000.0));
+    assert_eq!(found.solutions.iter().map(|s| s.multiplicity).sum::<usize>(), 6);
+}
+
+/// Every solution as often as it counts.
+fn counted(found: &crumple_lumped::CoefficientMatch) -> Vec<[Complex; 4]> {
+    let parameters = |s: &crumple_lumped::MatchedSolution| [s.k1_n_per_m, s.k2_n_per_m, s.c1_n_s_per_m, s.c2_n_s_per_m];
+    found.solutions.iter().flat_map(|s| std::iter::repeat_n(parameters(s), s.multiplicity)).collect()
+}
+
+/// Largest distance of a solution of one match from its partner in the other, relative to the largest parameter.
+fn moved(from: &crumple_lumped::CoefficientMatch, to: &crumple_lumped::CoefficientMatch) -> f64 {
+    let (from, mut left) = (counted(from), counted(to));
+    let size: Vec<f64> = (0..4).map(|i| from.iter().map(|p| p[i].norm()).fold(0.0, f64::max)).collect();
+    let mut farthest = 0.0_f64;
+    for p in &from {
+        let distance = |q: &[Complex; 4]| (0..4).map(|i| (q[i] - p[i]).norm() / size[i]).fold(0.0, f64::max);
+        let nearest = (0..left.len()).min_by(|&a, &b| distance(&left[a]).total_cmp(&distance(&left[b]))).unwrap();
+        farthest = farthest.max(distance(&left.remove(nearest)));
+    }
+    farthest
+}
+
+proptest! {
+    #[test]
+    fn next_to_a_model_that_is_its_own_dual_no_solution_is_lost(
+        m1 in 100.0..900.0f64, m2 in 100.0..900.0f64, k2 in 1e5..1e6f64, c2 in 1e3..3e4f64,
+    ) {
+        let mu = (m1 + m2) / m2;
+        let model = DoubleSpringMassDamper {
+            m1_kg: m1,
+            m2_kg: m2,
+            k1_n_per_m: mu * k2,
+            k2_n_per_m: k2,
+            c1_n_s_per_m: mu * c2,
+            c2_n_s_per_m: c2,
+        };
+        let [_, t, u, v, w] = model.characteristic_polynomial();
+        let found = CoefficientMatching::new([t, u, v, w], m1, m2, Reading::Binary).unwrap().solve();
+        prop_assert_eq!(found.solutions.iter().map(|s| s.multiplicity).sum::<usize>(), 6);
+        prop_assert!(found.solutions.iter().any(|s| s.real));
+        // Four solutions meet there: the rounding of t, u, v, w, some 4e-16, moves them by its fourth root, 1.4e-4, times the
+        // gain of the coefficients.
+        let near = counted(&found).into_iter().filter(|p| {
+            (p[1] / k2 - 1.0).norm() < 1e-2 && (p[3] / c2 - 1.0).norm() < 1e-2 && (p[0] / (mu * k2) - 1.0).norm() < 1e-2
+        });
+        prop_assert_eq!(near.count(), 4);
+    }
+
+    #[test]
+    fn solutions_move_continuously_with_a_coefficient_also_through_double_roots(
+        logs in prop::array::uniform6(0.0..1.0f64), stretch in 0.3..3.0f64,
+    ) {
+        let log = |x: f64, low: f64, high: f64| low * (high / low).powf(x);
+        let model = DoubleSpringMassDamper {
+            m1_kg: log(logs[0], 200.0, 800.0),
+            m2_kg: log(logs[1], 200.0, 800.0),
+            k1_n_per_m: log(logs[2], 1e4, 1e6),
+            k2_n_per_m: log(logs[3], 1e4, 1e6),
+            c1_n_s_per_m: log(logs[4], 1e3, 1e5),
+            c2_n_s_per_m: log(logs[5], 1e3, 1e5),
+        };
+        let [_, t, u, v, w] = model.characteristic_polynomial();
+        let at = |factor: f64| {
+            let polynomial = [t, u, factor * v, w];
+            CoefficientMatching::new(polynomial, model.m1_kg, model.m2_kg, Reading::Binary).unwrap().solve()
+        };
+        // Bisect to where the number of real solutions changes, if it does: a double root or a border lies there.
+        let real = |m: &crumple_lumped::CoefficientMatch| m.solutions.iter().filter(|s| s.real).map(|s| s.multiplicity).sum::<usize>();
+        let (mut low, mut high) = (1.0, stretch);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if real(&at(middle)) == real(&at(1.0)) { low = middle } else { high = middle }
+        }
+        for (gap, factor) in [(1e-6, low), (1e-10, low), (1e-6, 0.5 * (1.0 + low))] {
+            let (before, after) = (at(factor * (1.0 - gap)), at(factor * (1.0 + gap)));
+            prop_assert_eq!(counted(&before).len(), 6);
+            // At a multiple solution the square root of the step, a cube root at worst; times how far this polynomial is from
+            // one of size one. No solution jumps.
+            let farthest = moved(&before, &after);
+            prop_assert!(farthest < 30.0 * f64::cbrt(gap), "{farthest:e} for a step of {gap:e}");
+        }
+    }
+
+    #[test]
+    fn solved_parameters_reproduce_the_polynomial(
+        t in 1.0..200.0f64, u in 100.0..1e5f64, v in 1e3..1e6f64, w in 1e4..1e8f64, fraction in 0.02..0.98f64,
+    ) {
+        let found = CoefficientMatching::new([t, u, v, w], fraction, 1.0 - fraction, Reading::Binary).unwrap().solve();
+        for s in found.solutions.iter().filter(|s| s.real) {
+            let model = s.model(fraction, 1.0 - fraction).unwrap();
+            let [_, t1, u1, v1, w1] = model.characteristic_polynomial();
+            let [m1, m2] = [model.m1_kg, model.m2_kg];
+            let [k1, k2, c1, c2] = [model.k1_n_per_m, model.k2_n_per_m, model.c1_n_s_per_m, model.c2_n_s_per_m];
+            // With negative parameters the sums cancel: each coefficient relative to the sum of its parts.
+            let parts = [
+                (m1 * c2).abs() + (m2 * c1).abs() + (m2 * c2).abs(),
+                (m1 * k2).abs() + (m2 * k1).abs() + (m2 * k2).abs() + (c1 * c2).abs(),
+                (c1 * k2).abs() + (c2 * k1).abs(),
+                (k1 * k2).abs(),
+            ];
+            for ((x, y), size) in [(t1, t), (u1, u), (v1, v), (w1, w)].into_iter().zip(parts) {
+                prop_assert!((x - y).abs() <= 1e-12 * size / (m1 * m2), "{x} {y}");
+                if s.physical {
+                    prop_assert!((x - y).abs() <= 1e-12 * y, "{x} {y}");
+                }
+            }
+            let dual = &found.solutions[s.dual];
+            let mu = (m1 + m2) / m2;
+            prop_assert!((dual.k1_n_per_m.re - mu * k2).abs() <= 1e-12 * dual.k1_n_per_m.re.abs());
+            prop_assert!((dual.c1_n_s_per_m.re - mu * c2).abs() <= 1e-12 * dual.c1_n_s_per_m.re.abs());
+        }
+    }
+}

@@ -165,10 +165,7 @@ impl Scene<'_> {
     }
 
     fn refine(&self, candidate: &Candidate) -> Option<(Observed, Refined)> {
-        if candidate.method == Method::CoefficientMatching
-            || candidate.of_sensors()
-            || (candidate.is_double() && candidate.index.is_multiple_of(2))
-        {
+        if candidate.method == Method::CoefficientMatching || candidate.of_sensors() || candidate.is_second_of_pair() {
             return None;
         }
         let window = self.window(candidate)?;
@@ -271,8 +268,10 @@ fn adopt(candidate: &mut Candidate, refined: &Refined) {
 }
 
 trait FitKind {
-    /// One of a pair of double models fitted to the displacement of the compartment alone.
+    /// A double model fitted to the displacement of the compartment alone: one of a pair, or its own dual.
     fn is_double(&self) -> bool;
+    /// The second of a pair, which follows from the first.
+    fn is_second_of_pair(&self) -> bool;
     /// Fitted to something else than that displacement: it has its own uncertainty.
     fn of_sensors(&self) -> bool;
 }
@@ -280,6 +279,10 @@ trait FitKind {
 impl FitKind for Candidate {
     fn is_double(&self) -> bool {
         self.model.kind() == ModelKind::DoubleSpringMassDamper && self.method == Method::DirectFit && !self.of_sensors()
+    }
+
+    fn is_second_of_pair(&self) -> bool {
+        self.is_double() && self.equivalent_to.is_some_and(|first| first < self.index)
     }
 
     fn of_sensors(&self) -> bool {
@@ -295,21 +298,20 @@ fn pair_up(candidates: &mut Vec<Candidate>, judged: &mut Vec<Option<Judged>>, sc
     }
     let Some(first) = candidates.iter().position(Candidate::is_double) else { return };
     let count = candidates[first..].iter().take_while(|candidate| candidate.is_double()).count();
-    let mut pairs: Vec<(Candidate, Candidate, Option<Judged>)> = Vec::new();
+    let mut pairs: Vec<(Candidate, Option<Candidate>, Option<Judged>)> = Vec::new();
     let block: Vec<Candidate> = candidates.drain(first..first + count).collect();
     let verdicts: Vec<Option<Judged>> = judged.drain(first..first + count).collect();
-    for (pair, verdict) in block.chunks(2).zip(verdicts.chunks(2)) {
-        if let [a, b] = pair {
-            pairs.push((a.clone(), b.clone(), verdict[0].clone()));
-        }
+    for (a, verdict) in block.iter().zip(verdicts).filter(|(a, _)| !a.is_second_of_pair()) {
+        let second = block.iter().find(|b| b.is_second_of_pair() && b.equivalent_to == Some(a.index));
+        pairs.push((a.clone(), second.cloned(), verdict));
     }
     let rmse = |c: &Candidate| c.fit.as_ref().map_or(f64::INFINITY, |fit| fit.rmse);
     pairs.sort_by(|(a, ..), (b, ..)| rmse(a).total_cmp(&rmse(b)));
     let best = pairs.first().map_or(0.0, |(a, ..)| rmse(a));
     let before = pairs.len();
-    let mut kept: Vec<(Candidate, Candidate, Option<Judged>)> = Vec::new();
+    let mut kept: Vec<(Candidate, Option<Candidate>, Option<Judged>)> = Vec::new();
     for pair in pairs {
-        let near = |(other, ..): &(Candidate, Candidate, Option<Judged>)| same(&other.model, &pair.0.model);
+        let near = |(other, ..): &(Candidate, Option<Candidate>, Option<Judged>)| same(&other.model, &pair.0.model);
         if rmse(&pair.0) <= 1.01 * best + crumple_parameter_solve::RESOLUTION_M && !kept.iter().any(near) {
             kept.push(pair);
         }
@@ -321,7 +323,15 @@ fn pair_up(candidates: &mut Vec<Candidate>, judged: &mut Vec<Option<Judged>>, sc
         ));
     }
     let mut place = first;
-    for (k, (mut a, mut b, verdict)) in kept.into_iter().enumerate() {
+    for (k, (mut a, b, verdict)) in kept.into_iter().enumerate() {
+        let Some(mut b) = b else {
+            // Its own dual.
+            a.index = 2 * k + 1;
+            candidates.insert(place, a);
+            judged.insert(place, verdict);
+            place += 1;
+            continue;
+        };
         if let Model::DoubleSpringMassDamper(model) = a.model {
             let dual = model.dual();
             b.model = Model::DoubleSpringMassDamper(dual);

@@ -1,7 +1,8 @@
 //! The double model from an identified one: coefficient matching with every solution.
 
 use crumple_lumped::{
-    CoefficientMatch, CoefficientMatching, Complex, MatchedSolution, Model, Reading, matching_sensitivity,
+    CoefficientMatch, CoefficientMatching, Complex, MatchedSolution, Model, PhysicalCoordinates, Reading,
+    RealisedModel, matching_sensitivity,
 };
 use crumple_signal::Notes;
 
@@ -28,6 +29,10 @@ pub struct Identified {
     pub quartic: Quartic,
     /// Its numerator, highest power first, where it is a transfer function.
     pub numerator: Option<Vec<f64>>,
+    /// Where the poles were taken from, in words.
+    pub source: &'static str,
+    /// Its state space, where there is one whose output is a motion.
+    pub realised: Option<RealisedModel>,
 }
 
 /// What matching found.
@@ -41,6 +46,10 @@ pub struct Matched {
     pub candidates: Vec<Candidate>,
     /// What was found, in words.
     pub remarks: Vec<String>,
+    /// The state space in the coordinates of each solution, by the place of its candidate.
+    pub coordinates: Vec<(usize, PhysicalCoordinates)>,
+    /// `c1 c2/(m1 m2)` that the start of a free motion implies, 1/s².
+    pub zeta_of_the_start: Option<f64>,
 }
 
 /// Matches the characteristic polynomial of the double model with the identified one.
@@ -74,14 +83,30 @@ pub fn match_identified(
     // Places of the real solutions among the candidates.
     let index = |solution: usize| first_index + solution;
     let mut candidates = Vec::new();
+    let mut coordinates = Vec::new();
+    let zeta_of_the_start = identified.realised.as_ref().and_then(RealisedModel::zeta_of_the_start);
     for (place, solution) in found.solutions.iter().enumerate().filter(|(_, s)| s.real) {
         let Some(model) = solution.model(m1_kg, m2_kg) else { continue };
-        let mut remarks = vec![format!("from the poles of {}: {verdict}", identified.id)];
+        let mut remarks = vec![format!("from the {} {}: {verdict}", identified.source, identified.id)];
         remarks.push(numerator_remark(identified.numerator.as_deref(), solution));
         remarks.push(match matching_sensitivity(&model) {
             Some(gain) => format!("1 % in one coefficient moves a parameter by up to {:.3} %", gain.amax()),
             None => "a multiple solution: a change of the coefficients moves it by its square root".to_owned(),
         });
+        if solution.dual == place {
+            remarks.push(format!(
+                "its own dual, listed once: {} of the six solutions coincide here",
+                solution.multiplicity
+            ));
+        }
+        match identified.realised.as_ref().map(|realised| realised.coordinates(&model)) {
+            Some(Ok(physical)) => {
+                remarks.push(coordinate_remark(&physical));
+                coordinates.push((candidates.len(), physical));
+            }
+            Some(Err(error)) => remarks.push(format!("no physical coordinates: {error}")),
+            None => {}
+        }
         candidates.push(Candidate {
             model: Model::DoubleSpringMassDamper(model),
             method: Method::CoefficientMatching,
@@ -92,7 +117,60 @@ pub fn match_identified(
             notes: remarks,
         });
     }
-    Ok(Matched { found, sweep, candidates, remarks: vec![verdict] })
+    let mut remarks = vec![verdict, format!("used: the {} {}", identified.source, identified.id)];
+    if let Some(zeta) = zeta_of_the_start {
+        remarks.push(start_remark(zeta, &found));
+    }
+    if let Some(realised) = identified.realised.as_ref().filter(|realised| realised.chassis.is_some()) {
+        match realised.from_both_masses(m1_kg + m2_kg) {
+            Ok(Some((model, residual))) => {
+                let text = format!(
+                    "from the rows of both masses, with the total mass alone given: m1 = {:.2} kg, m2 = {:.2} kg; the state space is a \
+                     chain of two masses up to {residual:.1e}",
+                    model.m1_kg, model.m2_kg
+                );
+                remarks.push(text.clone());
+                candidates.push(Candidate {
+                    model: Model::DoubleSpringMassDamper(model),
+                    method: Method::CoefficientMatching,
+                    index: first_index + candidates.len(),
+                    equivalent_to: None,
+                    fit: None,
+                    uncertainty: None,
+                    notes: vec![text],
+                });
+            }
+            Ok(None) => {}
+            Err(error) => remarks.push(format!("not from the rows of both masses: {error}")),
+        }
+    }
+    Ok(Matched { found, sweep, candidates, remarks, coordinates, zeta_of_the_start })
+}
+
+/// What the transformation says, and what it does not.
+fn coordinate_remark(physical: &PhysicalCoordinates) -> String {
+    let decided = match physical.chassis_mismatch {
+        Some(gap) => format!("the chassis sensor's row differs by {:.3} %", 100.0 * gap),
+        None => {
+            "every real solution has such a transformation with the same compartment output: a second sensor on the \
+                 front decides"
+                .to_owned()
+        }
+    };
+    format!(
+        "physical coordinates of the state space: condition {:.3e}, residual {:.1e}; {decided}",
+        physical.condition, physical.residual
+    )
+}
+
+/// Which root of the cubic the start of the motion speaks for.
+fn start_remark(zeta: f64, found: &CoefficientMatch) -> String {
+    let real = found.roots.iter().enumerate().filter(|(_, root)| root.zeta.im == 0.0);
+    let nearest = real.min_by(|(_, a), (_, b)| (a.zeta.re - zeta).abs().total_cmp(&(b.zeta.re - zeta).abs()));
+    let root = nearest.map_or_else(String::new, |(place, root)| {
+        format!("; the nearest real root of the cubic is {:.6} 1/s² (number {})", root.zeta.re, place + 1)
+    });
+    format!("the start of the motion implies c1 c2/(m1 m2) = {zeta:.6} 1/s²{root}")
 }
 
 /// How many solutions of which kind, and whether the masses can be right at all.

@@ -89,3 +89,50 @@ pub fn fit_maxwell(
     let deviations = known.then(|| uncertainty(&best, &rest, &names, &factors)).flatten();
     Ok((model, fit, deviations))
 }
+
+/// Share of the dynamic crush below which a part of the model is nearly rigid.
+const RIGID: f64 = 0.02;
+
+/// Which parameter the record hardly determines, in words, and why; `None` where both take part.
+///
+/// Spring and damper in series share the crush. The damper gives `m v0/c` until the mass stops, at most; the spring's share
+/// is at least the rest. Where one of them gives less than 2 % of the crush it could as well be rigid: its value follows
+/// from that small remainder, to which noise, filter and the other's law contribute as much.
+pub fn undetermined_by_the_record(model: &Maxwell, impact_speed_m_per_s: f64, crush_m: f64) -> Option<String> {
+    let damper = model.mass_kg * impact_speed_m_per_s / model.damping_n_s_per_m;
+    // At dynamic crush the momentum has passed through the damper; the rest of the crush is the spring's.
+    let events = model.events(impact_speed_m_per_s);
+    let spring = events.dynamic_crush_m.map(|crush| crush - damper);
+    let share = |give: f64| format!("{:.2} mm of {:.1} mm", 1e3 * give, 1e3 * crush_m);
+    if damper < RIGID * crush_m {
+        return Some(format!(
+            "the damper is nearly rigid, it gives {}: the record does not determine damping_n_s_per_m, only that it is large, and the \
+             model is a spring alone",
+            share(damper)
+        ));
+    }
+    match spring {
+        Some(spring) if spring < RIGID * crush_m => Some(format!(
+            "the spring is nearly rigid, it gives {}: the record does not determine stiffness_n_per_m, only that it is large, and the \
+             model is a damper alone",
+            share(spring.max(0.0))
+        )),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_nearly_rigid_damper_is_found_and_a_working_one_is_not() {
+        let model = Maxwell { mass_kg: 900.0, stiffness_n_per_m: 3e5, damping_n_s_per_m: 1e8 };
+        let crush = model.events(10.0).dynamic_crush_m.unwrap();
+        let finding = undetermined_by_the_record(&model, 10.0, crush).unwrap();
+        assert!(finding.contains("does not determine damping_n_s_per_m"), "{finding}");
+        let working = Maxwell { damping_n_s_per_m: 4e4, stiffness_n_per_m: 1e6, ..model };
+        let crush = working.events(10.0).dynamic_crush_m.unwrap();
+        assert_eq!(undetermined_by_the_record(&working, 10.0, crush), None);
+    }
+}

@@ -10,6 +10,8 @@ pub enum Method {
     DirectFit,
     /// From the characteristic polynomial of an identified model.
     CoefficientMatching,
+    /// From exponents and amplitudes as the ERA paper does it, for reproduction.
+    CurveFit,
     /// By the firefly search of the single-mass paper.
     Firefly,
     /// By the general global search, ended by a descent.
@@ -19,10 +21,11 @@ pub enum Method {
 }
 
 /// Name in candidate ids and pipeline files, and what it is in a few words, in the order of the variants.
-const TABLE: [(Method, &str, &str); 6] = [
+const TABLE: [(Method, &str, &str); 7] = [
     (Method::ClosedForm, "closed-form", "from the crash events"),
     (Method::DirectFit, "direct-fit", "to the motion of the test"),
     (Method::CoefficientMatching, "coefficient-matching", "from an identified model with four poles: every solution"),
+    (Method::CurveFit, "curve-fit", "from four real exponentials, as the ERA paper prints it: for reproduction only"),
     (Method::Firefly, "firefly", "population search of the single-mass paper"),
     (Method::LShade, "l-shade", "general global search, then a descent"),
     (Method::InteriorPoint, "interior-point", "side constraints as in the single-mass paper"),

@@ -1,36 +1,114 @@
 //! Identified models with four poles among the inputs, and the record of what matching found.
 
-use crumple_lumped::Complex;
-use crumple_parameter_solve::{Identified, Matched, Quartic};
+use crumple_lti::{eigenvalues, matrix_logarithm};
+use crumple_lumped::{Complex, RealisedModel};
+use crumple_parameter_solve::{Candidate, Identified, Matched, Quartic};
 use crumple_stage::Inputs;
 use crumple_stage::records::{
-    MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, ModesV1, TransferFunctionV1,
+    ExponentialSumV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, ModesV1, PhysicalCoordinatesV1,
+    StateSpaceV1, TransferFunctionV1,
 };
+use nalgebra::{DMatrix, Matrix4, RowVector4, Vector4};
 
-/// Transfer functions of fourth order, then modes of four poles that belong to none of them.
+/// Every model with four poles: transfer functions of fourth order with the state space of the same name where there is
+/// one, then state spaces without a transfer function, sums of four exponentials, and modes of four poles that belong
+/// to none of them.
 pub fn identified_models(input: &Inputs) -> anyhow::Result<Vec<Identified>> {
-    let mut found = Vec::new();
+    let mut found: Vec<Identified> = Vec::new();
     for (id, model) in input.records::<TransferFunctionV1>("/model/")? {
         if let [leading, t, u, v, w] = model.denominator[..]
             && leading != 0.0
         {
             let quartic = Quartic::Coefficients([t, u, v, w].map(|c| c / leading));
-            found.push(Identified { id, quartic, numerator: Some(model.numerator) });
+            let source = "denominator of the transfer function";
+            found.push(Identified { id, quartic, numerator: Some(model.numerator), source, realised: None });
+        }
+    }
+    let spaces = input.records::<StateSpaceV1>("/model/")?;
+    for (id, model) in &spaces {
+        // The continuous one of a pair says all.
+        let base = base_of(id);
+        if id.ends_with("/discrete") && spaces.iter().any(|(other, _)| *other == format!("{base}/continuous")) {
+            continue;
+        }
+        let Some((a, rows)) = continuous(model) else { continue };
+        let realised = realised(&a, &rows, model);
+        if let Some(known) = found.iter_mut().find(|known| base_of(&known.id) == base) {
+            known.realised = realised;
+            continue;
+        }
+        let poles = eigenvalues(&DMatrix::from_column_slice(4, 4, a.as_slice()))?;
+        if let Ok(poles) = <[Complex; 4]>::try_from(poles) {
+            let source = "eigenvalues of the state matrix of";
+            found.push(Identified {
+                id: id.clone(),
+                quartic: Quartic::Poles(poles),
+                numerator: None,
+                source,
+                realised,
+            });
+        }
+    }
+    for (id, sum) in input.records::<ExponentialSumV1>("/model/")? {
+        if let [a, b, c, d] = &sum.terms[..] {
+            let poles = [a, b, c, d].map(|term| Complex::new(term.re_per_s, term.im_rad_per_s));
+            let source = "exponents of the sum";
+            found.push(Identified { id, quartic: Quartic::Poles(poles), numerator: None, source, realised: None });
         }
     }
     for (id, modes) in input.records::<ModesV1>("/modes/")? {
         if let [a, b, c, d] = &modes.0[..]
-            && !found.iter().any(|model| model.id == id || model.id.starts_with(&format!("{id}/")))
+            && !found.iter().any(|model| base_of(&model.id) == id)
         {
             let poles = [a, b, c, d].map(|mode| Complex::new(mode.re_per_s, mode.im_rad_per_s));
-            found.push(Identified { id, quartic: Quartic::Poles(poles), numerator: None });
+            let source = "poles of the modes of";
+            found.push(Identified { id, quartic: Quartic::Poles(poles), numerator: None, source, realised: None });
         }
     }
     Ok(found)
 }
 
+/// `era-4` of `era-4/continuous`.
+fn base_of(id: &str) -> &str {
+    ["/continuous", "/discrete", "/transfer-function"].iter().find_map(|end| id.strip_suffix(end)).unwrap_or(id)
+}
+
+/// State matrix in continuous time and output rows of a model with four states; `None` for another order or where the
+/// sampled matrix has no logarithm.
+fn continuous(model: &StateSpaceV1) -> Option<(Matrix4<f64>, Vec<RowVector4<f64>>)> {
+    let flat: Vec<f64> = model.a.iter().flatten().copied().collect();
+    if model.a.len() != 4 || flat.len() != 16 {
+        return None;
+    }
+    let a = Matrix4::from_row_slice(&flat);
+    let a = if model.sample_time_s > 0.0 {
+        let log = matrix_logarithm(&DMatrix::from_column_slice(4, 4, a.as_slice())).ok()?;
+        Matrix4::from_column_slice((log / model.sample_time_s).as_slice())
+    } else {
+        a
+    };
+    let rows = model.c.iter().filter(|row| row.len() == 4).map(|row| RowVector4::from_row_slice(row)).collect();
+    Some((a, rows))
+}
+
+/// One output is the compartment's; of two the first is that of the chassis. `None` where the words of the output name no
+/// motion.
+fn realised(a: &Matrix4<f64>, rows: &[RowVector4<f64>], model: &StateSpaceV1) -> Option<RealisedModel> {
+    let derivative = ["displacement", "velocity", "acceleration"].iter().position(|q| model.output.starts_with(q))?;
+    let (chassis, compartment) = match rows {
+        [compartment] => (None, *compartment),
+        [chassis, compartment] => (Some(*chassis), *compartment),
+        _ => return None,
+    };
+    // The state right after an impulse is the column of the input: the start of a free motion.
+    let column: Vec<f64> = model.b.iter().filter_map(|row| row.first().copied()).collect();
+    let free = model.input.contains("impulse") && column.len() == 4;
+    let start = free.then(|| Vector4::from_column_slice(&column));
+    Some(RealisedModel { a: *a, compartment, chassis, derivative, start })
+}
+
 /// What goes to `/matching/<model id>`.
-pub fn matching_record(matched: &Matched) -> MatchingV1 {
+pub fn matching_record(matched: &Matched, source: &str) -> MatchingV1 {
     let found = &matched.found;
     let mut candidates = matched.candidates.iter();
     let mut polynomial = vec![1.0];
@@ -68,7 +146,9 @@ pub fn matching_record(matched: &Matched) -> MatchingV1 {
                 dual: s.dual as u32,
                 residual: s.residual,
                 // Candidates are the real solutions, in the same order.
-                candidate: if s.real { candidates.next().map(crumple_parameter_solve::Candidate::id) } else { None },
+                candidate: if s.real { candidates.next().map(Candidate::id) } else { None },
+                zero_re_per_s: s.zero().map(|zero| zero.re),
+                zero_im_per_s: s.zero().map(|zero| zero.im),
             })
             .collect(),
         sweep: matched
@@ -85,5 +165,30 @@ pub fn matching_record(matched: &Matched) -> MatchingV1 {
             })
             .collect(),
         notes: matched.remarks.clone(),
+        source: Some(source.to_owned()),
+        zeta_of_the_start_per_s2: matched.zeta_of_the_start,
+        coordinates: matched
+            .coordinates
+            .iter()
+            .map(|(place, physical)| PhysicalCoordinatesV1 {
+                candidate: matched.candidates[*place].id(),
+                mass_kg: physical.mass_kg.row_iter().map(|row| row.iter().copied().collect()).collect(),
+                damping_n_s_per_m: physical
+                    .damping_n_s_per_m
+                    .row_iter()
+                    .map(|row| row.iter().copied().collect())
+                    .collect(),
+                stiffness_n_per_m: physical
+                    .stiffness_n_per_m
+                    .row_iter()
+                    .map(|row| row.iter().copied().collect())
+                    .collect(),
+                transformation: physical.transformation.row_iter().map(|row| row.iter().copied().collect()).collect(),
+                condition: physical.condition,
+                residual: physical.residual,
+                chassis_mismatch: physical.chassis_mismatch,
+                start: physical.start.map(Vec::from),
+            })
+            .collect(),
     }
 }

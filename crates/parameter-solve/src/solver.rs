@@ -80,6 +80,7 @@ pub const SOLVERS: &[Solver] = {
             by_default: false,
             solve: None,
         },
+        Solver { model: DOUBLE, method: Method::CurveFit, needs: IdentifiedModel, by_default: false, solve: None },
         solver(K::TripleSpringMassDamper, Method::DirectFit, Motion, true, sensors::fit),
         solver(K::TripleSpringMassDamper, Method::LShade, Motion, false, sensors::fit),
     ]

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use crumple_parameter_solve::{
-    Candidate, Evidence, FitQuantity, MassSplit, Method, Place, Sensor, masses, match_identified, solve,
+    Candidate, Evidence, FitQuantity, MassSplit, Method, Place, Sensor, curve_fit_of_the_paper, masses,
+    match_identified, solve,
 };
 use crumple_signal::{Acceleration, Displacement, Force, Sampled, TestDescription, Velocity};
-use crumple_stage::records::{CandidateV1, EventsV1, FitV1, SensorFitV1, TestV1, UncertaintyV1};
+use crumple_stage::records::{CandidateV1, EventsV1, ExponentialSumV1, FitV1, SensorFitV1, TestV1, UncertaintyV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
 
 use crate::judging::{Judged, judge_all};
@@ -65,6 +66,10 @@ impl Stage for ParameterSolve {
         if settings.solve.uses(Method::CoefficientMatching) {
             let given = settings.mass_kg.or(test.as_ref().and_then(|test| test.mass_kg));
             candidates.extend(from_models(settings, input, given, out)?);
+        }
+        if settings.solve.uses(Method::CurveFit) {
+            let given = settings.mass_kg.or(test.as_ref().and_then(|test| test.mass_kg));
+            candidates.extend(from_exponentials(settings, input, given, out)?);
         }
         // Those of identified models come last and have none.
         judgements.resize(candidates.len(), None);
@@ -188,13 +193,8 @@ fn acceleration(input: &Inputs, channel: &str, mass_kg: f64) -> anyhow::Result<S
     Ok(Sampled::new(force.t0_s(), force.dt_s(), samples)?)
 }
 
-/// Candidates from every identified model with four poles, and the record of each matching.
-fn from_models(
-    settings: &StageSettings,
-    input: &Inputs,
-    mass_kg: Option<f64>,
-    out: &mut Output,
-) -> anyhow::Result<Vec<Candidate>> {
+/// Masses of chassis and compartment, by the options and the test.
+fn given_masses(settings: &StageSettings, mass_kg: Option<f64>, out: &mut Output) -> anyhow::Result<(f64, f64)> {
     let mass_kg = match (mass_kg, settings.solve.split) {
         (Some(mass), _) => mass,
         (None, MassSplit::Both(m1, m2)) => m1 + m2,
@@ -207,6 +207,59 @@ fn from_models(
     };
     let (m1_kg, m2_kg, split) = masses(mass_kg, settings.solve.split).refuse_with_hint("see --m1 and --m2")?;
     out.notes().info(split);
+    Ok((m1_kg, m2_kg))
+}
+
+/// Candidates of the ERA paper's curve fit from every sum of four real exponentials.
+fn from_exponentials(
+    settings: &StageSettings,
+    input: &Inputs,
+    mass_kg: Option<f64>,
+    out: &mut Output,
+) -> anyhow::Result<Vec<Candidate>> {
+    let sums = input.records::<ExponentialSumV1>("/model/")?;
+    if sums.is_empty() {
+        return Err(Refused::new("none of the inputs holds a sum of exponentials")
+            .expected("a sum of four real ones below /model/")
+            .hint("crumple-identify --methods exponentials --terms 4 --real")
+            .into());
+    }
+    let (m1_kg, m2_kg) = given_masses(settings, mass_kg, out)?;
+    let mut candidates = Vec::new();
+    for (id, sum) in sums {
+        let real = sum.terms.iter().all(|term| term.im_rad_per_s == 0.0);
+        let [a, b, c, d] = &sum.terms[..] else {
+            out.notes().warning(format!("curve-fit: {id} has {} terms, the paper's form has four", sum.terms.len()));
+            continue;
+        };
+        if !real {
+            out.notes().warning(format!(
+                "curve-fit: {id} has a damped wave, the paper's form has four real exponents (--real at crumple-identify); \
+                 coefficient-matching takes any"
+            ));
+            continue;
+        }
+        let exponents = [a, b, c, d].map(|term| term.re_per_s);
+        let amplitudes = [a, b, c, d].map(|term| term.re_amplitude);
+        match curve_fit_of_the_paper(&id, &exponents, &amplitudes, m1_kg, m2_kg, candidates.len() + 1) {
+            Ok(candidate) => {
+                out.notes().warning(format!("{}: as the ERA paper prints it, for reproduction only", candidate.id()));
+                candidates.push(candidate);
+            }
+            Err(error) => out.notes().warning(format!("curve-fit: {id}: {error}")),
+        }
+    }
+    Ok(candidates)
+}
+
+/// Candidates from every identified model with four poles, and the record of each matching.
+fn from_models(
+    settings: &StageSettings,
+    input: &Inputs,
+    mass_kg: Option<f64>,
+    out: &mut Output,
+) -> anyhow::Result<Vec<Candidate>> {
+    let (m1_kg, m2_kg) = given_masses(settings, mass_kg, out)?;
     let identified = identified_models(input)?;
     if identified.is_empty() {
         return Err(Refused::new("none of the inputs holds a model with four poles")
@@ -219,7 +272,7 @@ fn from_models(
         let first = candidates.len() + 1;
         let matched =
             match_identified(model, m1_kg, m2_kg, first, out.notes()).refuse_with_hint("see --m1 and --m2")?;
-        out.put(&format!("/matching/{}", model.id), &matching_record(&matched))?;
+        out.put(&format!("/matching/{}", model.id), &matching_record(&matched, model.source))?;
         candidates.extend(matched.candidates);
     }
     Ok(candidates)

@@ -5,9 +5,12 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{CandidateV1, DiagnosisV1, EventsV1, MatchingV1, TestV1, TransferFunctionV1};
+use crumple_artifact::records::{
+    CandidateV1, DiagnosisV1, EventsV1, ExponentialSumV1, ExponentialTermV1, MatchingV1, StateSpaceV1, TestV1,
+    TransferFunctionV1,
+};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
-use crumple_lumped::{Kelvin, Model};
+use crumple_lumped::{DoubleSpringMassDamper, Kelvin, Model};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
 
 fn kelvin() -> Kelvin {
@@ -173,4 +176,80 @@ fn a_typed_transfer_function_is_matched_with_every_solution_and_no_test_is_neede
     let output = run(folder.path(), &flags);
     assert_eq!(output.status.code(), Some(3));
     assert!(String::from_utf8_lossy(&output.stderr).contains("--m1 284.4kg"));
+}
+
+#[test]
+fn a_state_space_of_both_masses_is_transformed_to_physical_coordinates_and_names_the_right_set() {
+    let folder = tempfile::tempdir().unwrap();
+    let truth = DoubleSpringMassDamper {
+        m1_kg: 300.0,
+        m2_kg: 900.0,
+        k1_n_per_m: 4e5,
+        k2_n_per_m: 6e5,
+        c1_n_s_per_m: 9e3,
+        c2_n_s_per_m: 2e4,
+    };
+    let a = truth.state_matrix();
+    let rows: Vec<Vec<f64>> = a.row_iter().map(|row| row.iter().copied().collect()).collect();
+    let mut builder = ArtifactBuilder::new();
+    let model = StateSpaceV1 {
+        c: vec![rows[2].clone(), rows[3].clone()],
+        a: rows,
+        b: vec![vec![0.0], vec![0.0], vec![12.0], vec![12.0]],
+        d: vec![vec![0.0], vec![0.0]],
+        sample_time_s: 0.0,
+        input: "unit impulse".to_owned(),
+        output: "acceleration of engine and compartment, m/s^2".to_owned(),
+    };
+    builder.put("/model/both", &model).unwrap();
+    let provenance = Provenance::new("identify", "0", "{}".to_owned(), Vec::new());
+    builder.write(&folder.path().join("3.mcap"), &provenance, Compression::None).unwrap();
+    let flags =
+        ["--models", "double-spring-mass-damper", "--method", "coefficient-matching", "--m1", "300kg", "--m2", "900kg"];
+    let output = run(folder.path(), &flags);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
+    let matching: MatchingV1 = artifact.record("/matching/both").unwrap().unwrap();
+    assert_eq!(matching.source.as_deref(), Some("eigenvalues of the state matrix of"));
+    // c1 c2/(m1 m2) = 666.67 from the jerk at contact: a few roundings through the inverse of A.
+    assert!((matching.zeta_of_the_start_per_s2.unwrap() - 1.8e8 / 2.7e5).abs() < 1e-8);
+    let best = |c: &&crumple_artifact::records::PhysicalCoordinatesV1| c.chassis_mismatch.unwrap();
+    let right = matching.coordinates.iter().min_by(|a, b| best(a).total_cmp(&best(b))).unwrap();
+    assert!(right.chassis_mismatch.unwrap() < 1e-8 && (right.stiffness_n_per_m[0][0] / 1e6 - 1.0).abs() < 1e-9);
+    assert!(
+        matching.coordinates.iter().filter(|c| c.chassis_mismatch.unwrap() > 1e-3).count() >= 1,
+        "its dual at least"
+    );
+    // One candidate more, from both rows and the total mass alone.
+    let last = format!("/parameters/double-spring-mass-damper/coefficient-matching/{}", matching.coordinates.len() + 1);
+    let direct: CandidateV1 = artifact.record(&last).unwrap().unwrap();
+    assert!(
+        (direct.parameters["m1_kg"] / 300.0 - 1.0).abs() < 1e-9
+            && (direct.parameters["k1_n_per_m"] / 4e5 - 1.0).abs() < 1e-9
+    );
+}
+
+#[test]
+fn the_curve_fit_of_the_paper_comes_from_a_sum_of_exponentials_and_is_labelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let term =
+        |(s, c): (f64, f64)| ExponentialTermV1 { re_amplitude: c, im_amplitude: 0.0, re_per_s: s, im_rad_per_s: 0.0 };
+    let printed = [(-7.754, -253.6), (-6.238, 83.75), (-9.603, 333.0), (-10.87, -163.2)];
+    let sum = ExponentialSumV1 { terms: printed.map(term).to_vec(), output: "displacement a, m".to_owned() };
+    let mut builder = ArtifactBuilder::new();
+    builder.put("/model/exponentials-4", &sum).unwrap();
+    let provenance = Provenance::new("identify", "0", "{}".to_owned(), Vec::new());
+    builder.write(&folder.path().join("3.mcap"), &provenance, Compression::None).unwrap();
+    let models = ["--models", "double-spring-mass-damper", "--method", "curve-fit,coefficient-matching"];
+    let output = run(folder.path(), &[&models[..], &["--m1", "291kg", "--m2", "582kg"]].concat());
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    assert!(stderr.contains("as the ERA paper prints it, for reproduction only"), "{stderr}");
+    let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
+    let record = |id: &str| artifact.record::<CandidateV1>(&format!("/parameters/{id}")).unwrap();
+    let paper = record("double-spring-mass-damper/curve-fit/1").unwrap();
+    // Printed without decimals.
+    assert!((paper.parameters["k2_n_per_m"] - 40731.0).abs() < 0.5 && !paper.physical);
+    // The right way beside it: the two physical sets with these exponents.
+    assert!(record("double-spring-mass-damper/coefficient-matching/1").unwrap().physical);
 }

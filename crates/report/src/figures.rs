@@ -1,6 +1,7 @@
 //! The figures of the report, one file each. A figure whose record is absent is left out.
 
 mod bode;
+mod elements;
 mod force;
 mod models;
 mod motion;
@@ -18,6 +19,7 @@ pub fn all(run: &Run, ranking: &Ranking) -> Vec<Figure> {
         motion::figure(run),
         models::figure(run, ranking),
         force::figure(run, ranking),
+        elements::figure(run, ranking),
         poles::figure(run),
         singular_values::figure(run),
         bode::figure(run),

@@ -11,7 +11,7 @@ use crumple_signal::{Note, Sampled, Severity, TestDescription};
 use crumple_stage::{Inputs, RefuseExt, Refused};
 
 use crate::ranking::by_id;
-use crate::run::{Candidate, Measured, Model, Run, StageNote, StageRecord};
+use crate::run::{Candidate, Element, Measured, Model, Run, StageNote, StageRecord};
 
 /// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
 ///
@@ -128,12 +128,41 @@ fn candidates(
             displacement: wave(&id, "displacement"),
             velocity: wave(&id, "velocity"),
             acceleration: wave(&id, "acceleration"),
+            elements: elements(inputs, &id, time_zero_s),
             id,
             record,
         })
         .collect();
     candidates.sort_by(|a, b| by_id(&a.id, &b.id));
     Ok(candidates)
+}
+
+/// Forces below `<id>/force/` with the deflection that belongs to each.
+fn elements(inputs: &Inputs, id: &str, time_zero_s: f64) -> Vec<Element> {
+    let prefix = format!("{id}/force/");
+    let samples = |what: String| inputs.wave_if(&format!("{id}/{what}")).map(|wave| wave.sampled.samples());
+    // Of mass i from 1; the last mass is the compartment, which has no number.
+    let of_mass = |i: usize| samples(format!("m{i}/displacement")).or_else(|| samples("displacement".to_owned()));
+    let mut found: Vec<Element> = inputs
+        .waves()
+        .filter_map(|(wave_id, wave)| {
+            let name = wave_id.strip_prefix(&prefix)?;
+            let place = name.trim_start_matches(|c: char| c.is_ascii_alphabetic()).parse().unwrap_or(1);
+            let behind = of_mass(place)?;
+            let deflection = match place.checked_sub(1).filter(|front| *front > 0).map(of_mass) {
+                Some(front) => behind.iter().zip(front?).map(|(x, y)| x - y).collect(),
+                None => behind.to_vec(),
+            };
+            (deflection.len() == wave.sampled.len()).then(|| Element {
+                name: name.to_owned(),
+                force: after(&wave.sampled, time_zero_s),
+                deflection,
+            })
+        })
+        .collect();
+    let order = |e: &Element| (e.name.trim_start_matches(['k', 'c']).to_owned(), e.name.starts_with('c'));
+    found.sort_by_key(order);
+    found
 }
 
 fn stage_record(artifact: &Artifact) -> StageRecord {

@@ -2,6 +2,7 @@
 
 mod candidates;
 mod channels;
+mod energy;
 mod header;
 mod models;
 mod numbers;
@@ -65,6 +66,7 @@ impl Page {
             }
         }
         candidates::write(&mut body, run, ranking);
+        energy::write(&mut body, run, ranking);
         models::write(&mut body, run);
         numbers::write(&mut body, run);
         channels::write(&mut body, run);

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use crate::Candidate;
+use crate::{Candidate, Run};
 
 /// Fits that differ by less are the same: simulations agree to about 1e-10 percent, and no test decides at 1e-6.
 const FIT_STEP_PERCENT: f64 = 1e-6;
@@ -48,6 +48,13 @@ impl Ranking {
             order: fitted.iter().map(|(_, candidate)| candidate.id.clone()).collect(),
             best: simplest_of_the_good(&fitted).map(|candidate| candidate.id.clone()),
         }
+    }
+
+    /// Of the candidates of coefficient matching the one whose simulation fits best, physical or not: the solution that the
+    /// simulation supports.
+    pub fn best_of_matching<'a>(&self, run: &'a Run) -> Option<&'a Candidate> {
+        let matched = |id: &String| run.candidate(id).filter(|c| c.record.method == "coefficient-matching");
+        self.order.iter().find_map(matched)
     }
 
     /// Place of a candidate, counted from 1.
@@ -149,10 +156,14 @@ mod tests {
                 effective_samples: None,
                 fitted_parameters: None,
                 other_sensors: vec![],
+                drive: None,
+                energy: Vec::new(),
+                energy_closure: None,
             }),
             displacement: None,
             velocity: None,
             acceleration: None,
+            elements: Vec::new(),
         }
     }
 

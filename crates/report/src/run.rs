@@ -77,6 +77,19 @@ pub struct Candidate {
     pub velocity: Option<Sampled>,
     /// Acceleration of the compartment.
     pub acceleration: Option<Sampled>,
+    /// Its springs and dampers at work, from the barrier on.
+    pub elements: Vec<Element>,
+}
+
+/// A spring or damper at work.
+#[derive(Debug, Clone)]
+pub struct Element {
+    /// `k`, `c`, `k2`, ...
+    pub name: String,
+    /// Its force, N, positive in compression.
+    pub force: Sampled,
+    /// How far the masses at its ends have come together, m.
+    pub deflection: Vec<f64>,
 }
 
 /// A remark and the stage that made it.

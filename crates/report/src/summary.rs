@@ -19,6 +19,7 @@ pub struct Summary<'a> {
     candidates: Vec<CandidateSummary<'a>>,
     best: Option<String>,
     ranking: Vec<String>,
+    matching_best: Option<MatchingSummary<'a>>,
     notes: Vec<String>,
     other_channels: Vec<&'a str>,
     missing: &'a [String],
@@ -84,6 +85,15 @@ struct CandidateSummary<'a> {
     notes: &'a [String],
 }
 
+/// Which solution of coefficient matching the simulation supports.
+#[derive(Debug, Serialize)]
+struct MatchingSummary<'a> {
+    id: &'a str,
+    equivalent_to: Option<&'a str>,
+    fit_percent: Option<f64>,
+    physical: bool,
+}
+
 /// Sums a run up.
 ///
 /// `best` is the physical candidate with the best displacement fit ([`Ranking`]). A metric name that several channels
@@ -141,6 +151,12 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
             .collect(),
         best: ranking.best.clone(),
         ranking: ranking.order.clone(),
+        matching_best: ranking.best_of_matching(run).map(|candidate| MatchingSummary {
+            id: &candidate.id,
+            equivalent_to: candidate.record.equivalent_to.as_deref(),
+            fit_percent: candidate.simulation.as_ref().and_then(|simulation| simulation.fit_percent),
+            physical: candidate.record.physical,
+        }),
         notes: run.notes.iter().map(|note| format!("{}: {}", note.stage, note.note)).collect(),
         other_channels: test.channels.iter().map(|c| c.id.as_str()).filter(|id| Some(*id) != channel).collect(),
         missing: &run.missing,

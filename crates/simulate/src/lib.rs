@@ -3,12 +3,14 @@
 //! Every response is exact (see `crumple-lumped`): what differs from the test is the model, not the integration.
 //! Ranking the candidates belongs to the report.
 
+mod excitation;
 mod information;
 mod measures;
 mod other_sensor;
 mod simulate;
 
+pub use excitation::Excitation;
 pub use information::{Information, effective_samples, information, parameters_of};
 pub use measures::max_abs_error;
 pub use other_sensor::{OtherSensor, SensorFit, beside};
-pub use simulate::{Comparison, Measured, SimulateError, Simulation, Window, simulate};
+pub use simulate::{Comparison, Measured, SimulateError, Simulation, Window, simulate, simulate_driven};

@@ -1,7 +1,8 @@
-use crumple_lumped::{CrushEvents, LumpedError, Model, Motion};
+use crumple_lumped::{CrushEvents, Dynamics, LumpedError, Model, Motion};
 use crumple_metrics::{Iso18571Options, fit_percent, iso18571, rmse};
 use crumple_signal::Sampled;
 
+use crate::excitation::Excitation;
 use crate::measures::max_abs_error;
 
 /// Why a candidate cannot be compared.
@@ -88,6 +89,8 @@ pub struct Simulation {
     pub masses: Vec<Motion>,
     /// Displacement of the model minus that of the test at every sample of the window, m.
     pub error_m: Vec<f64>,
+    /// The force in every spring and damper, and the energy; `None` where the heat leaves the range of numbers.
+    pub dynamics: Option<Dynamics>,
 }
 
 /// Simulates a model at the test's impact speed and sampling interval, and compares it with the test.
@@ -98,6 +101,17 @@ pub struct Simulation {
 ///
 /// Errors: a speed or parameters without meaning, a response that leaves the range of numbers, nothing to compare.
 pub fn simulate(model: &Model, test: &Measured<'_>, window: Window) -> Result<Simulation, SimulateError> {
+    simulate_driven(model, test, window, &Excitation::Impact)
+}
+
+/// As [`simulate`], moved by something else than the impact speed alone. The events of a driven model are those of its
+/// samples, interpolated between two: right to about `dt²` times the rate of the deceleration.
+pub fn simulate_driven(
+    model: &Model,
+    test: &Measured<'_>,
+    window: Window,
+    excitation: &Excitation<'_>,
+) -> Result<Simulation, SimulateError> {
     let v0 = test.impact_speed_m_per_s;
     if !(v0.is_finite() && v0 > 0.0) {
         return Err(SimulateError::Speed(v0));
@@ -113,9 +127,16 @@ pub fn simulate(model: &Model, test: &Measured<'_>, window: Window) -> Result<Si
     if compared < 2 || samples > most {
         return Err(SimulateError::Empty { end_s, to_s });
     }
-    let response = model.respond(v0, dt, samples)?;
-    let motion = response.compartment().clone();
-    let events = model.events(v0)?;
+    let (motion, masses, events, dynamics) = if let Excitation::Impact = excitation {
+        let response = model.respond(v0, dt, samples)?;
+        let drive = excitation.drive(model, v0, zero, dt, samples);
+        (response.compartment().clone(), response.motions, model.events(v0)?, model.dynamics(&drive, dt, samples).ok())
+    } else {
+        let dynamics = model.dynamics(&excitation.drive(model, v0, zero, dt, samples), dt, samples)?;
+        let motion = dynamics.response.compartment().clone();
+        let events = sampled_events(&motion, dt);
+        (motion, dynamics.response.motions.clone(), events, Some(dynamics))
+    };
 
     // Pairs of test and model inside the window; a record that starts a little late gives fewer.
     let pairs = |record: &Sampled, modelled: &[f64]| -> (Vec<f64>, Vec<f64>) {
@@ -143,7 +164,19 @@ pub fn simulate(model: &Model, test: &Measured<'_>, window: Window) -> Result<Si
         time_of_dynamic_crush_error_s: difference(events.time_of_dynamic_crush_s, test.time_of_dynamic_crush_s),
     };
     let error_m = xh.iter().zip(&x).map(|(model, test)| model - test).collect();
-    Ok(Simulation { motion, events, comparison, masses: response.motions, error_m })
+    Ok(Simulation { motion, events, comparison, masses, error_m, dynamics })
+}
+
+/// First zero of the velocity from above, between two samples.
+fn sampled_events(motion: &Motion, dt_s: f64) -> CrushEvents {
+    let v = &motion.velocity_m_per_s;
+    let Some(k) = (1..v.len()).find(|&k| v[k - 1] > 0.0 && v[k] <= 0.0) else { return CrushEvents::default() };
+    let part = v[k - 1] / (v[k - 1] - v[k]);
+    CrushEvents {
+        time_of_dynamic_crush_s: Some(((k - 1) as f64 + part) * dt_s),
+        dynamic_crush_m: Some(motion.displacement_m[k - 1] + 0.5 * v[k - 1] * part * dt_s),
+        ..CrushEvents::default()
+    }
 }
 
 /// Most samples that are rated: warping costs their square, and no loading phase is longer than 2 s.

@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use crumple_lumped::{Model, ModelKind};
+use crumple_lumped::{Dynamics, Model, ModelKind, Motion};
 use crumple_signal::value::Time;
 use crumple_signal::{Acceleration, Displacement, QuantityKind, Sampled, TestDescription, Velocity};
 use crumple_simulate::{
-    Information, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, effective_samples,
-    information, parameters_of, simulate,
+    Excitation, Information, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside,
+    effective_samples, information, parameters_of, simulate_driven,
 };
-use crumple_stage::records::{CandidateV1, EventsV1, OtherSensorV1, SimulationV1, TestV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
+use crumple_stage::records::{CandidateV1, EnergyV1, EventsV1, OtherSensorV1, SimulationV1, TestV1};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Usage, Wave, nearest};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -29,13 +29,35 @@ pub struct Options {
     /// the barrier [default: false]
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL")]
     pub stay_attached: Option<bool>,
+
+    /// What moves the models: impact (the impact speed), force (a waveform of the inputs, N, from rest), base (the
+    /// barrier's acceleration, a waveform of the inputs, from rest), pulse-as-force (the impact speed, and the mass times the
+    /// measured acceleration as a force on the front mass: the transfer-function paper's simulation, circular)
+    /// [default: impact]
+    ///
+    /// Kelvin, Maxwell, two and three masses can be driven; other models are left out with a note.
+    #[arg(long, value_name = "NAME")]
+    pub drive: Option<String>,
+
+    /// Waveform for --drive force or base, by its id, e.g. barrier/force
+    #[arg(long, value_name = "ID")]
+    pub drive_wave: Option<String>,
+
+    /// Mass that --drive force acts on, from 1 at the barrier [default: 1]
+    #[arg(long, value_name = "NUMBER")]
+    pub drive_mass: Option<usize>,
 }
+
+const DRIVES: [&str; 4] = ["impact", "force", "base", "pulse-as-force"];
 
 /// Options with every default filled in.
 #[derive(Debug, Serialize)]
 pub struct Settings {
     to_s: Option<f64>,
     stay_attached: bool,
+    drive: &'static str,
+    drive_wave: Option<String>,
+    drive_mass: usize,
 }
 
 impl Stage for Simulate {
@@ -46,7 +68,34 @@ impl Stage for Simulate {
     type Input = Inputs;
 
     fn resolve(options: Options) -> anyhow::Result<Settings> {
-        Ok(Settings { to_s: options.to.map(Time::si), stay_attached: options.stay_attached.unwrap_or(false) })
+        let name = options.drive.as_deref().unwrap_or(DRIVES[0]);
+        let Some(drive) = DRIVES.into_iter().find(|drive| *drive == name) else {
+            let hint = match nearest(name, DRIVES) {
+                Some(near) => format!("did you mean {near:?}?"),
+                None => format!("there are: {}", DRIVES.join(", ")),
+            };
+            return Err(Usage::new(format!("unknown drive {name:?}")).hint(hint).into());
+        };
+        let takes_a_wave = matches!(drive, "force" | "base");
+        if takes_a_wave != options.drive_wave.is_some() {
+            return Err(if takes_a_wave {
+                Usage::new(format!("--drive {drive} needs a waveform")).hint("--drive-wave barrier/force")
+            } else {
+                Usage::new(format!("--drive {drive} takes no --drive-wave")).hint("--drive force or base does")
+            }
+            .into());
+        }
+        let drive_mass = options.drive_mass.unwrap_or(1);
+        if drive_mass == 0 {
+            return Err(Usage::new("drive-mass is 0, expected 1 for the mass next to the barrier, or more").into());
+        }
+        Ok(Settings {
+            to_s: options.to.map(Time::si),
+            stay_attached: options.stay_attached.unwrap_or(false),
+            drive,
+            drive_wave: options.drive_wave,
+            drive_mass,
+        })
     }
 
     fn load(paths: &[PathBuf], _: &Settings) -> anyhow::Result<Loaded<Inputs>> {
@@ -79,6 +128,32 @@ impl Stage for Simulate {
             time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
         };
 
+        let driving = match &settings.drive_wave {
+            Some(id) => {
+                let wave = input.wave(id)?;
+                let wanted = if settings.drive == "force" { QuantityKind::Force } else { QuantityKind::Acceleration };
+                if wave.quantity != wanted {
+                    return Err(Refused::new(format!("waveform {id} is {}", wave.quantity))
+                        .expected(format!("{wanted}, to drive models by"))
+                        .hint("crumple-artifact show lists the waveforms")
+                        .into());
+                }
+                Some(&wave.sampled)
+            }
+            None if settings.drive == "pulse-as-force" => Some(&input.wave(channel)?.sampled),
+            None => None,
+        };
+        let excitation = match (settings.drive, driving) {
+            ("force", Some(record)) => Excitation::Force { record, mass: settings.drive_mass - 1 },
+            ("base", Some(record)) => Excitation::Base { record },
+            ("pulse-as-force", Some(record)) => Excitation::PulseAsForce { record },
+            _ => Excitation::Impact,
+        };
+        let drive = words(settings);
+        if let Some(drive) = &drive {
+            out.notes().warning(format!("models are moved by {drive}"));
+        }
+
         let results: Vec<Result<Simulation, SimulateError>> = candidates
             .par_iter()
             .map(|(_, candidate)| {
@@ -87,7 +162,7 @@ impl Stage for Simulate {
                 if let Model::Elastoplastic(elastoplastic) = &mut model {
                     elastoplastic.release = !settings.stay_attached;
                 }
-                simulate(&model, &measured, Window { to_s: settings.to_s })
+                simulate_driven(&model, &measured, Window { to_s: settings.to_s }, &excitation)
             })
             .collect();
 
@@ -110,7 +185,8 @@ impl Stage for Simulate {
                         .filter_map(|sensor| beside(&simulation, sensor, events.time_zero_s, displacement.dt_s()))
                         .collect();
                     let beside = beside.into_iter().map(sensor_record).collect();
-                    write(id, candidate, simulation, (criterion, beside), &displacement, events.time_zero_s, out)?;
+                    let found = (criterion, beside, drive.clone());
+                    write(id, candidate, simulation, found, &displacement, events.time_zero_s, out)?;
                 }
                 Err(error) => out.notes().warning(format!("{id}: not simulated, {error}")),
             }
@@ -123,16 +199,31 @@ impl Stage for Simulate {
     }
 }
 
+/// What moves the models where it is not the impact alone.
+fn words(settings: &Settings) -> Option<String> {
+    let wave = settings.drive_wave.as_deref().unwrap_or("the pulse");
+    match settings.drive {
+        "force" => Some(format!("the force {wave} on mass {}, from rest", settings.drive_mass)),
+        "base" => Some(format!("the acceleration {wave} of the barrier, from rest; displacements are absolute")),
+        "pulse-as-force" => Some(
+            "the impact speed and the mass times the measured acceleration as a force on the front mass: circular, since \
+             the measured motion goes in and a model that is nearly one rigid mass gives it back; agreement is no evidence"
+                .to_owned(),
+        ),
+        _ => None,
+    }
+}
+
 fn write(
     id: &str,
     candidate: &CandidateV1,
     simulation: Simulation,
-    (information, other_sensors): (Option<Information>, Vec<OtherSensorV1>),
+    (information, other_sensors, drive): (Option<Information>, Vec<OtherSensorV1>, Option<String>),
     grid: &Sampled,
     time_zero_s: f64,
     out: &mut Output,
 ) -> anyhow::Result<()> {
-    let Simulation { motion, mut events, comparison, .. } = simulation;
+    let Simulation { motion, mut events, comparison, dynamics, .. } = simulation;
     let mut notes = Vec::new();
     let end_s = grid.end_s() - time_zero_s;
     if let (Some(t), Some(crush)) = (events.time_of_dynamic_crush_s, events.dynamic_crush_m)
@@ -170,15 +261,29 @@ fn write(
         effective_samples: information.map(|i| i.effective_samples),
         fitted_parameters: information.map(|i| i.parameters),
         other_sensors,
+        drive,
+        energy: dynamics.as_ref().map_or_else(Vec::new, |d| energies(d, events.time_of_dynamic_crush_s)),
+        energy_closure: dynamics.as_ref().and_then(Dynamics::energy_closure),
     };
     out.put(&format!("/simulation/{id}"), &record)?;
-    let waves = [
-        ("displacement", QuantityKind::Displacement, motion.displacement_m),
-        ("velocity", QuantityKind::Velocity, motion.velocity_m_per_s),
-        ("acceleration", QuantityKind::Acceleration, motion.acceleration_m_per_s2),
-    ];
-    for (name, quantity, samples) in waves {
-        out.wave(&format!("{id}/{name}"), quantity, Sampled::new(time_zero_s, grid.dt_s(), samples)?)?;
+    let mut wave = |what: &str, quantity: QuantityKind, samples: Vec<f64>| {
+        out.wave(&format!("{id}/{what}"), quantity, Sampled::new(time_zero_s, grid.dt_s(), samples)?)
+    };
+    let mut of_mass = |prefix: &str, motion: Motion| {
+        wave(&format!("{prefix}displacement"), QuantityKind::Displacement, motion.displacement_m)?;
+        wave(&format!("{prefix}velocity"), QuantityKind::Velocity, motion.velocity_m_per_s)?;
+        wave(&format!("{prefix}acceleration"), QuantityKind::Acceleration, motion.acceleration_m_per_s2)
+    };
+    of_mass("", motion)?;
+    let Some(dynamics) = dynamics else { return Ok(()) };
+    // The last mass is the compartment, written above.
+    let mut motions = dynamics.response.motions;
+    motions.pop();
+    for (k, motion) in motions.into_iter().enumerate() {
+        of_mass(&format!("m{}/", k + 1), motion)?;
+    }
+    for element in dynamics.forces {
+        wave(&format!("force/{}", element.name), QuantityKind::Force, element.force_n)?;
     }
     Ok(())
 }
@@ -205,6 +310,27 @@ fn sensor_record(fit: SensorFit) -> OtherSensorV1 {
         rmse_displacement_m: fit.rmse_m,
         fit_percent: fit.fit_percent,
     }
+}
+
+/// Energy at the start, at the sample next to dynamic crush, and at the end.
+fn energies(dynamics: &Dynamics, time_of_crush_s: Option<f64>) -> Vec<EnergyV1> {
+    let dt_s = dynamics.response.dt_s;
+    let last = dynamics.energy.len().saturating_sub(1);
+    let crush = time_of_crush_s.map(|t| (t / dt_s).round() as usize).filter(|k| *k < last);
+    [("start", Some(0)), ("dynamic crush", crush), ("end", Some(last))]
+        .into_iter()
+        .filter_map(|(instant, k)| {
+            let energy = dynamics.energy.get(k?)?;
+            Some(EnergyV1 {
+                instant: instant.to_owned(),
+                time_s: k? as f64 * dt_s,
+                kinetic_j: energy.kinetic_j,
+                stored_j: energy.stored_j,
+                dissipated_j: energy.dissipated_j,
+                input_j: energy.input_j,
+            })
+        })
+        .collect()
 }
 
 fn line(id: &str, simulation: &Simulation) -> String {

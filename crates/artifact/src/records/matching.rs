@@ -21,6 +21,39 @@ pub struct MatchingV1 {
     pub sweep: Vec<MatchingSweepV1>,
     /// What was found, in words.
     pub notes: Vec<String>,
+    /// What of the model was used, in words: coefficients of a transfer function, eigenvalues of a state matrix, ...
+    #[serde(default)]
+    pub source: Option<String>,
+    /// `c1 c2/(m1 m2)` that the start of a free motion implies, 1/s²: it tells pairs of solutions apart.
+    #[serde(default)]
+    pub zeta_of_the_start_per_s2: Option<f64>,
+    /// A state space in the coordinates of every real solution.
+    #[serde(default)]
+    pub coordinates: Vec<PhysicalCoordinatesV1>,
+}
+
+/// An identified state space in the coordinates `(x1, x2, v1, v2)` of one solution, `M x'' + L x' + K x = 0`; matrices are lists
+/// of rows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PhysicalCoordinatesV1 {
+    /// The candidate.
+    pub candidate: String,
+    /// `M`, kg.
+    pub mass_kg: Vec<Vec<f64>>,
+    /// `L`, N·s/m.
+    pub damping_n_s_per_m: Vec<Vec<f64>>,
+    /// `K`, N/m.
+    pub stiffness_n_per_m: Vec<Vec<f64>>,
+    /// `T` of `(x1, x2, v1, v2) = T z`, z the state of the model.
+    pub transformation: Vec<Vec<f64>>,
+    /// Condition number of `T`, velocities over the mean natural frequency.
+    pub condition: f64,
+    /// `|T A - Ap T|/|Ap T|`.
+    pub residual: f64,
+    /// Difference of the chassis row of `T` from that of a sensor there, relative; `null` without one.
+    pub chassis_mismatch: Option<f64>,
+    /// `(x1, x2, v1, v2)` at the start of a free motion, m and m/s.
+    pub start: Option<Vec<f64>>,
 }
 
 /// One root of the cubic.
@@ -67,6 +100,12 @@ pub struct MatchingSolutionV1 {
     pub residual: f64,
     /// Id of the candidate, for a real solution.
     pub candidate: Option<String>,
+    /// Zero `-k2/c2` of the transfer function from a force on the chassis to the compartment, 1/s: real part.
+    #[serde(default)]
+    pub zero_re_per_s: Option<f64>,
+    /// Its imaginary part.
+    #[serde(default)]
+    pub zero_im_per_s: Option<f64>,
 }
 
 /// One real solution at one division of the mass.

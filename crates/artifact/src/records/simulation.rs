@@ -43,6 +43,15 @@ pub struct SimulationV1 {
     /// The candidate beside other sensors on the vehicle, which its fit did not see.
     #[serde(default)]
     pub other_sensors: Vec<OtherSensorV1>,
+    /// What moved the model where it was not the impact alone, in words.
+    #[serde(default)]
+    pub drive: Option<String>,
+    /// Energy at the start, at dynamic crush and at the end.
+    #[serde(default)]
+    pub energy: Vec<EnergyV1>,
+    /// Largest gap of the energy balance over the whole response, relative to the energy brought in.
+    #[serde(default)]
+    pub energy_closure: Option<f64>,
 }
 
 /// A candidate beside a sensor that its fit did not see.
@@ -56,4 +65,21 @@ pub struct OtherSensorV1 {
     pub rmse_displacement_m: f64,
     /// Displacement fit, percent.
     pub fit_percent: Option<f64>,
+}
+
+/// Where the energy of a model is at one instant.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EnergyV1 {
+    /// `start`, `dynamic crush` (the sample next to it) or `end`.
+    pub instant: String,
+    /// Time after time zero, s.
+    pub time_s: f64,
+    /// In the masses, J.
+    pub kinetic_j: f64,
+    /// In the springs, J: what they can give back.
+    pub stored_j: f64,
+    /// Turned into heat by dampers and plastic deformation, J.
+    pub dissipated_j: f64,
+    /// Brought in by the impact speed, a force or a moving barrier, J.
+    pub input_j: f64,
 }

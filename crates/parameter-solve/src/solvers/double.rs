@@ -1,6 +1,6 @@
 //! The double spring-mass-damper fitted to the compartment's displacement.
 
-use crumple_lumped::Model;
+use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_signal::Notes;
 
 use super::sensors;
@@ -66,9 +66,17 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
                 2 * place + 1
             ));
         }
-        for dual in 0..2 {
+        let own = coincides_with_its_dual(&pair.models);
+        for dual in 0..if own { 1 } else { 2 } {
             let mut remarks = vec![split.clone(), window.clone()];
-            if let Some(u) = &pair.uncertainty[dual] {
+            if own {
+                remarks.push(
+                    "its own dual, listed once, counts twice: front and rear can move against each other without a change of \
+                     the record in first order, so there are no standard deviations"
+                        .to_owned(),
+                );
+            }
+            if let Some(u) = pair.uncertainty[dual].as_ref().filter(|_| !own) {
                 remarks.push(format!(
                     "standard deviations: linearised, widened for a residual autocorrelation of {:.4}; they hold for the \
                      given masses and if the model is true, and say nothing of other solutions",
@@ -83,14 +91,20 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
                 model: Model::DoubleSpringMassDamper(pair.models[dual]),
                 method: task.method,
                 index: 2 * place + dual + 1,
-                equivalent_to: Some(2 * place + 2 - dual),
+                equivalent_to: (!own).then_some(2 * place + 2 - dual),
                 fit: Some(fit),
-                uncertainty: pair.uncertainty[dual].clone(),
+                uncertainty: pair.uncertainty[dual].clone().filter(|_| !own),
                 notes: remarks,
             });
         }
     }
     Ok(candidates)
+}
+
+/// Whether the two models of a pair are one to 1e-4: the error is flat to fourth order there, so a fit to 1e-16 leaves that.
+fn coincides_with_its_dual([a, b]: &[DoubleSpringMassDamper; 2]) -> bool {
+    let near = |x: f64, y: f64| (x - y).abs() <= 1e-4 * x.abs().max(y.abs());
+    near(a.k1_n_per_m, b.k1_n_per_m) && near(a.c1_n_s_per_m, b.c1_n_s_per_m)
 }
 
 /// The same bounds seen from the dual model, which exchanges front and rear.

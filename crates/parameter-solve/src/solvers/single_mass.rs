@@ -7,7 +7,7 @@ use super::{crush_of, sensors};
 use crate::solver::Task;
 use crate::{
     Candidate, Fit, NonlinearFitOptions, SolveError, Uncertainty, firefly_nonlinear2, fit_maxwell, fit_nonlinear1,
-    fit_nonlinear2, interior_point_nonlinear1,
+    fit_nonlinear2, interior_point_nonlinear1, undetermined_by_the_record,
 };
 
 type Found = (Model, Fit, Option<Uncertainty>);
@@ -104,6 +104,12 @@ fn fitted(
         Err(error) => return Err(error),
     };
     remarks.insert(0, format!("fitted from {:.2} ms to {:.2} ms after time zero", 1e3 * fit.from_s, 1e3 * fit.to_s));
+    if let Model::Maxwell(maxwell) = &model
+        && let Some(finding) = undetermined_by_the_record(maxwell, evidence.impact_speed_m_per_s, crush)
+    {
+        notes.warning(format!("{kind}: {finding}"));
+        remarks.push(finding);
+    }
     if !fit.active_bounds.is_empty() {
         remarks.push(format!("on a bound, not determined by the record: {}", fit.active_bounds.join(", ")));
     }

@@ -116,10 +116,53 @@ fn configuration(poles: &[Complex]) -> Value {
     })
 }
 
+/// The roots with those that coincide made one: `m` roots close together whose mean is a zero of the polynomial and of its
+/// first `m - 1` derivatives to rounding. Such roots come apart by the m-th root of a rounding; their mean does not move.
+fn settled(polynomial: &[f64], roots: &[Complex]) -> Vec<Complex> {
+    let mut found = roots.to_vec();
+    let mut taken = vec![false; found.len()];
+    // The largest groups first.
+    for size in (2..=found.len()).rev() {
+        for first in 0..found.len() {
+            let mut group: Vec<usize> = (0..found.len()).filter(|&k| !taken[k]).collect();
+            if taken[first] || group.len() < size {
+                continue;
+            }
+            group.sort_by(|&a, &b| (roots[a] - roots[first]).norm().total_cmp(&(roots[b] - roots[first]).norm()));
+            group.truncate(size);
+            let mean = group.iter().map(|&k| roots[k]).sum::<Complex>() / size as f64;
+            let spread = group.iter().map(|&k| (roots[k] - mean).norm()).fold(0.0, f64::max);
+            if spread > 10.0 * 1e-15_f64.powf(1.0 / size as f64) * mean.norm() {
+                continue;
+            }
+            // Derivatives over factorials, by repeated division.
+            let mut rest: Vec<Complex> = polynomial.iter().map(|c| Complex::new(*c, 0.0)).collect();
+            let mut sizes: Vec<f64> = polynomial.iter().map(|c| c.abs()).collect();
+            let zero = (0..size).all(|_| {
+                for k in 1..rest.len() {
+                    let (above, bound) = (rest[k - 1], sizes[k - 1]);
+                    rest[k] += above * mean;
+                    sizes[k] += bound * mean.norm();
+                }
+                let (value, bound) = (rest.pop().unwrap_or_default(), sizes.pop().unwrap_or_default());
+                value.norm() <= 1e-13 * bound
+            });
+            if zero {
+                // A real multiple root has no imaginary part left.
+                let mean = if mean.im.abs() <= 1e-12 * mean.norm() { Complex::new(mean.re, 0.0) } else { mean };
+                for k in group {
+                    (found[k], taken[k]) = (mean, true);
+                }
+            }
+        }
+    }
+    found
+}
+
 fn charpoly_two_mass(i: &Inputs<'_>) -> Result<Value, String> {
     let model = double(i)?;
     let [_, t, u, v, w] = model.characteristic_polynomial();
-    let poles = model.poles().map_err(text)?;
+    let poles = settled(&[1.0, t, u, v, w], &model.poles().map_err(text)?);
     Ok(json!({
         "t": t, "u": u, "v": v, "w": w,
         "coefficients_descending_monic": [1.0, t, u, v, w],
@@ -131,7 +174,12 @@ fn charpoly_two_mass(i: &Inputs<'_>) -> Result<Value, String> {
 /// Masses `m1, m2, ...` with `k1, ...` and `c1, ...`, or lists `m`, `k`, `c`.
 fn chain(i: &Inputs<'_>) -> Result<Chain, String> {
     let list = |name: &str| -> Result<Vec<f64>, String> {
-        for key in [name.to_owned(), format!("{name}s"), format!("{name}_values")] {
+        let word = match name {
+            "m" => "masses",
+            "k" => "stiffnesses",
+            _ => "dampings",
+        };
+        for key in [name.to_owned(), format!("{name}s"), format!("{name}_values"), word.to_owned()] {
             if i.0[&key].is_array() {
                 return i.list(&key);
             }
@@ -144,7 +192,7 @@ fn chain(i: &Inputs<'_>) -> Result<Chain, String> {
 fn charpoly_chain(i: &Inputs<'_>) -> Result<Value, String> {
     let chain = chain(i)?;
     let coefficients = chain.characteristic_polynomial();
-    let poles = chain.poles().map_err(text)?;
+    let poles = settled(&coefficients, &chain.poles().map_err(text)?);
     let mut found = Map::new();
     for (k, c) in coefficients.iter().enumerate() {
         found.insert(format!("a{}", coefficients.len() - 1 - k), json!(c));
@@ -161,13 +209,15 @@ fn crush(i: &Inputs<'_>) -> Result<Value, String> {
     let v0 = i.n("v0")?;
     let until = i.n("T").unwrap_or(2.0);
     let mut found = Map::new();
-    let events: Vec<CrushEvents> = if i.n("m3").is_ok() {
+    let events: Vec<CrushEvents> = if i.n("m3").is_ok() || i.0["m"].is_array() || i.0["masses"].is_array() {
         let chain = chain(i)?;
-        found.insert("roots".to_owned(), complexes(chain.poles().map_err(text)?));
+        let poles = settled(&chain.characteristic_polynomial(), &chain.poles().map_err(text)?);
+        found.insert("roots".to_owned(), complexes(poles.iter().copied()));
+        found.insert("configuration".to_owned(), configuration(&poles));
         chain.events(v0, until).map_err(text)?
     } else {
         let model = double(i)?;
-        let poles = model.poles().map_err(text)?;
+        let poles = settled(&model.characteristic_polynomial(), &model.poles().map_err(text)?);
         found.insert("roots".to_owned(), complexes(poles.iter().copied()));
         found.insert("configuration".to_owned(), configuration(&poles));
         model.events(v0).map_err(text)?.to_vec()

@@ -24,6 +24,18 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         row(out, candidate, ranking);
     }
     out.push_str("</tbody>\n</table></div>\n");
+    if let Some(supported) = ranking.best_of_matching(run) {
+        let dual = supported.record.equivalent_to.as_deref().map_or_else(String::new, |other| {
+            format!(" and its dual {}, which this sensor cannot tell from it", html(&candidate_name(other)))
+        });
+        let fit = supported.simulation.as_ref().and_then(|s| s.fit_percent);
+        out.push_str(&format!(
+            "<p class=\"caption\">Of the solutions of coefficient matching the simulation supports {}{dual}: fit {} %{}.</p>\n",
+            html(&candidate_name(&supported.id)),
+            fit.map_or_else(|| ABSENT.to_owned(), |fit| decimals(fit, 2)),
+            if supported.record.physical { "" } else { "; it is not a passive structure" },
+        ));
+    }
     out.push_str(match ranking.best {
         Some(_) => {
             "<p class=\"caption\">Ranked by the fit of the displacement; highlighted is the best that is physical, has no parameter on a bound of \

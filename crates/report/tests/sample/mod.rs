@@ -415,6 +415,9 @@ pub fn write_artifacts(folder: &Path, simulated: bool) -> Vec<PathBuf> {
             effective_samples: None,
             fitted_parameters: None,
             other_sensors: vec![],
+            drive: None,
+            energy: Vec::new(),
+            energy_closure: None,
         };
         simulate.builder.put(&format!("/simulation/{}", sketch.id), &simulation).unwrap();
         for (what, quantity, index) in [

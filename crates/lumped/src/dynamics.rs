@@ -1,0 +1,223 @@
+//! Everything a model does: the motion of every mass, the force in every spring and damper, and where the energy is.
+
+use nalgebra::DMatrix;
+
+use crate::driven::{Driven, Instant};
+use crate::{Chain, Drive, LumpedError, Maxwell, Model, ModelKind, Motion, Response, State};
+
+/// Where the energy is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Energy {
+    /// In the masses, J.
+    pub kinetic_j: f64,
+    /// In the springs, J: what they can give back.
+    pub stored_j: f64,
+    /// Turned into heat by dampers and plastic deformation so far, J.
+    pub dissipated_j: f64,
+    /// Brought in by force or base so far, and by the impact speed, J.
+    pub input_j: f64,
+}
+
+impl Energy {
+    /// What the balance lacks: kinetic + stored + dissipated - input, J; rounding only.
+    pub fn gap_j(&self) -> f64 {
+        self.kinetic_j + self.stored_j + self.dissipated_j - self.input_j
+    }
+}
+
+/// The force in one spring or damper.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElementForce {
+    /// `k`, `c`, or with the number of the element from the barrier on: `k2`.
+    pub name: String,
+    /// Force at every sample, N, positive in compression.
+    pub force_n: Vec<f64>,
+    /// How far the element is compressed, m.
+    pub deflection_m: Vec<f64>,
+}
+
+/// Motions, forces and energies of a model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dynamics {
+    /// The motion of every mass; absolute.
+    pub response: Response,
+    /// The force in every spring and damper, from the barrier on.
+    pub forces: Vec<ElementForce>,
+    /// Energy at every sample.
+    pub energy: Vec<Energy>,
+}
+
+impl Dynamics {
+    /// Largest gap of the energy balance over the largest energy brought in; `None` if there was none.
+    ///
+    /// Heat and work are integrated by themselves, so this is a check of motion, forces and law together: `1e-11` and
+    /// less for every model.
+    pub fn energy_closure(&self) -> Option<f64> {
+        let largest = self.energy.iter().map(|e| e.input_j.abs()).fold(0.0, f64::max);
+        let gap = self.energy.iter().map(|e| e.gap_j().abs()).fold(0.0, f64::max);
+        (largest > 0.0).then_some(gap / largest)
+    }
+}
+
+impl Model {
+    /// Motions, forces and energies at `k dt`, k = 0 .. `samples`.
+    ///
+    /// After an impact the motions are those of [`Model::respond`]. Force and base motion drive the linear models: Kelvin,
+    /// Maxwell, two and three masses. The elastoplastic model stores what it would give back along the unloading line;
+    /// the rest of the work on its spring counts as dissipated at once. Errors: as [`Model::respond`], and a drive that
+    /// the model cannot be given.
+    pub fn dynamics(&self, drive: &Drive, dt_s: f64, samples: usize) -> Result<Dynamics, LumpedError> {
+        self.check()?;
+        let Drive::Impact(speed) = drive else {
+            return match self {
+                Self::Maxwell(m) => maxwell(m, drive, dt_s, samples),
+                _ => match self.chain()? {
+                    Some(chain) => chained(self.kind(), &chain, drive, dt_s, samples),
+                    None => Err(LumpedError::Drive { model: self.kind() }),
+                },
+            };
+        };
+        let response = self.respond(*speed, dt_s, samples)?;
+        match self {
+            Self::Maxwell(m) => Ok(Dynamics { response, ..maxwell(m, drive, dt_s, samples)? }),
+            Self::Elastoplastic(m) => {
+                let motion = response.compartment();
+                let force_n: Vec<f64> = motion.acceleration_m_per_s2.iter().map(|a| -m.mass_kg * a).collect();
+                let (stiff, soft) = (m.unloading_stiffness_n_per_m, m.loading_stiffness_n_per_m);
+                let plastic = |x: f64| 0.5 * soft * x * x * (1.0 - soft / stiff);
+                let crush = m.events(*speed);
+                let (t_m, c) =
+                    (crush.time_of_dynamic_crush_s.unwrap_or_default(), crush.dynamic_crush_m.unwrap_or_default());
+                let energy = (0..samples)
+                    .map(|k| {
+                        let x = if k as f64 * dt_s <= t_m { motion.displacement_m[k] } else { c };
+                        Energy {
+                            kinetic_j: 0.5 * m.mass_kg * motion.velocity_m_per_s[k].powi(2),
+                            stored_j: 0.5 * force_n[k].powi(2) / stiff,
+                            dissipated_j: plastic(x),
+                            input_j: 0.5 * m.mass_kg * speed.powi(2),
+                        }
+                    })
+                    .collect();
+                let deflection_m = motion.displacement_m.clone();
+                Ok(Dynamics {
+                    forces: vec![ElementForce { name: "k".to_owned(), force_n, deflection_m }],
+                    energy,
+                    response,
+                })
+            }
+            Self::Nonlinear1(m) => secant(&m.law(), *speed, dt_s, response),
+            Self::Nonlinear2(m) => secant(&m.law(), *speed, dt_s, response),
+            Self::Kelvin(_) | Self::DoubleSpringMassDamper(_) | Self::TripleSpringMassDamper(_) => {
+                match self.chain()? {
+                    Some(chain) => Ok(Dynamics { response, ..chained(self.kind(), &chain, drive, dt_s, samples)? }),
+                    None => Err(LumpedError::Drive { model: self.kind() }),
+                }
+            }
+        }
+    }
+
+    /// The model as a chain of masses, where it is one.
+    pub fn chain(&self) -> Result<Option<Chain>, LumpedError> {
+        Ok(match self {
+            Self::Kelvin(m) => Some(Chain::new(&[m.mass_kg], &[m.stiffness_n_per_m], &[m.damping_n_s_per_m])?),
+            Self::DoubleSpringMassDamper(m) => {
+                Some(Chain::new(&[m.m1_kg, m.m2_kg], &[m.k1_n_per_m, m.k2_n_per_m], &[m.c1_n_s_per_m, m.c2_n_s_per_m])?)
+            }
+            Self::TripleSpringMassDamper(m) => Some(m.chain()?),
+            Self::Elastoplastic(_) | Self::Maxwell(_) | Self::Nonlinear1(_) | Self::Nonlinear2(_) => None,
+        })
+    }
+}
+
+fn chained(model: ModelKind, chain: &Chain, drive: &Drive, dt_s: f64, samples: usize) -> Result<Dynamics, LumpedError> {
+    let found = chain.respond(drive, dt_s, samples).map_err(|error| match error {
+        LumpedError::Diverges { time_s, .. } => LumpedError::Diverges { model, time_s },
+        other => other,
+    })?;
+    let masses = chain.masses_kg().len();
+    let name = |letter: char, i: usize| if masses == 1 { letter.to_string() } else { format!("{letter}{}", i + 1) };
+    let mut forces = Vec::with_capacity(2 * masses);
+    for (i, (spring, damper)) in found.spring_force_n.into_iter().zip(found.damper_force_n).enumerate() {
+        let own = &found.motions[i].displacement_m;
+        let deflection_m: Vec<f64> = match i.checked_sub(1) {
+            Some(front) => own.iter().zip(&found.motions[front].displacement_m).map(|(x, y)| x - y).collect(),
+            None => own.iter().zip(&found.base_m).map(|(x, y)| x - y).collect(),
+        };
+        forces.push(ElementForce { name: name('k', i), force_n: spring, deflection_m: deflection_m.clone() });
+        forces.push(ElementForce { name: name('c', i), force_n: damper, deflection_m });
+    }
+    let response = Response { dt_s, masses_kg: chain.masses_kg().to_vec(), motions: found.motions };
+    Ok(Dynamics { response, forces, energy: found.energy })
+}
+
+/// Spring and damper in series: one force, two deflections. States `x`, `v` and the spring's deflection `F/k`, all of a
+/// size.
+fn maxwell(m: &Maxwell, drive: &Drive, dt_s: f64, samples: usize) -> Result<Dynamics, LumpedError> {
+    let (mass, k, c) = (m.mass_kg, m.stiffness_n_per_m, m.damping_n_s_per_m);
+    let [mut a, mut heat, mut work] = [0; 3].map(|_| DMatrix::zeros(7, 7));
+    (a[(0, 1)], a[(1, 2)]) = (1.0, -k / mass);
+    (a[(2, 1)], a[(2, 4)], a[(2, 2)]) = (1.0, -1.0, -k / c);
+    (a[(3, 4)], a[(5, 6)]) = (1.0, 1.0);
+    heat[(2, 2)] = k * k / c;
+    if let Some((index, _)) = drive.force() {
+        if index > 0 {
+            return Err(LumpedError::Value { name: "mass", value: index as f64, expected: "0: there is one mass" });
+        }
+        a[(1, 5)] = 1.0 / mass;
+        (work[(1, 5)], work[(5, 1)]) = (0.5, 0.5);
+    } else if drive.base().is_some() {
+        a[(4, 5)] = 1.0;
+        (work[(2, 4)], work[(4, 2)]) = (-0.5 * k, -0.5 * k);
+    }
+    let mut motion = Motion::with_capacity(samples);
+    let mut energy: Vec<Energy> = Vec::with_capacity(samples);
+    let [mut force, mut spring, mut damper] = [0; 3].map(|_| Vec::with_capacity(samples));
+    let speed = drive.speed_m_per_s();
+    let driven = Driven { a, heat, work, model: ModelKind::Maxwell };
+    driven.walk(&[0.0, speed, 0.0], drive, dt_s, samples, |Instant { z, rate, dissipated_j, input_j }| {
+        motion.push(State { displacement_m: z[0], velocity_m_per_s: z[1], acceleration_m_per_s2: rate[1] });
+        force.push(k * z[2]);
+        spring.push(z[2]);
+        damper.push(z[0] - z[3] - z[2]);
+        energy.push(Energy {
+            kinetic_j: 0.5 * mass * z[1] * z[1],
+            stored_j: 0.5 * k * z[2] * z[2],
+            dissipated_j,
+            input_j: 0.5 * mass * speed * speed + input_j,
+        });
+    })?;
+    let forces = vec![
+        ElementForce { name: "k".to_owned(), force_n: force.clone(), deflection_m: spring },
+        ElementForce { name: "c".to_owned(), force_n: force, deflection_m: damper },
+    ];
+    Ok(Dynamics { response: Response { dt_s, masses_kg: vec![mass], motions: vec![motion] }, forces, energy })
+}
+
+fn secant(
+    law: &crate::secant_motion::SecantMotion,
+    speed: f64,
+    dt_s: f64,
+    response: Response,
+) -> Result<Dynamics, LumpedError> {
+    let motion = response.compartment();
+    let heat = law.dissipated(speed, dt_s, motion.displacement_m.len())?;
+    let (mut spring, mut damper, mut energy) = (Vec::new(), Vec::new(), Vec::new());
+    let states = motion.displacement_m.iter().zip(&motion.velocity_m_per_s);
+    for ((x, v), dissipated_j) in states.zip(heat) {
+        spring.push(law.spring.value(x.abs()) * x);
+        damper.push(law.damper.value(v.abs()) * v);
+        energy.push(Energy {
+            kinetic_j: 0.5 * law.mass_kg * v * v,
+            stored_j: law.spring.work(x.abs()),
+            dissipated_j,
+            input_j: 0.5 * law.mass_kg * speed * speed,
+        });
+    }
+    let deflection_m = motion.displacement_m.clone();
+    let forces = vec![
+        ElementForce { name: "k".to_owned(), force_n: spring, deflection_m: deflection_m.clone() },
+        ElementForce { name: "c".to_owned(), force_n: damper, deflection_m },
+    ];
+    Ok(Dynamics { response, forces, energy })
+}

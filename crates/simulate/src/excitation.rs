@@ -1,0 +1,54 @@
+use crumple_lumped::{Drive, Model};
+use crumple_signal::Sampled;
+
+/// What moves the models.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Excitation<'a> {
+    /// The impact speed of the test.
+    Impact,
+    /// A force on one mass from rest.
+    Force {
+        /// The force, N, positive towards the barrier.
+        record: &'a Sampled,
+        /// The mass, from 0 at the barrier.
+        mass: usize,
+    },
+    /// A barrier (sled, shaker) that moves, everything else at rest.
+    Base {
+        /// Its acceleration, m/s², positive in the direction of crush.
+        record: &'a Sampled,
+    },
+    /// The impact speed and, as a force on the mass next to the barrier, the whole mass times the measured acceleration:
+    /// the forced simulation of the transfer-function paper. Circular: the answer goes in as the question, and a model
+    /// that is one rigid mass integrates it to the measured motion.
+    PulseAsForce {
+        /// The measured acceleration, m/s².
+        record: &'a Sampled,
+    },
+}
+
+impl Excitation<'_> {
+    /// The drive at `k dt` after time zero, k = 0 .. `samples`; records are interpolated linearly, zero outside.
+    pub(crate) fn drive(
+        &self,
+        model: &Model,
+        impact_speed_m_per_s: f64,
+        time_zero_s: f64,
+        dt_s: f64,
+        samples: usize,
+    ) -> Drive {
+        let on_grid = |record: &Sampled, factor: f64| -> Vec<f64> {
+            (0..samples).map(|k| factor * record.at(time_zero_s + k as f64 * dt_s).unwrap_or(0.0)).collect()
+        };
+        match *self {
+            Self::Impact => Drive::Impact(impact_speed_m_per_s),
+            Self::Force { record, mass } => Drive::Force { mass, samples: on_grid(record, 1.0) },
+            Self::Base { record } => Drive::BaseAcceleration(on_grid(record, 1.0)),
+            Self::PulseAsForce { record } => Drive::ImpactAndForce {
+                speed_m_per_s: impact_speed_m_per_s,
+                mass: 0,
+                samples: on_grid(record, model.masses_kg().iter().sum()),
+            },
+        }
+    }
+}
