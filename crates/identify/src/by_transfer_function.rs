@@ -1,23 +1,35 @@
 //! The method `tfest`: a continuous transfer function from one waveform to another.
 
 use crumple_identify::{
-    Hold, InitialConditions, Stop, TransferFunctionFit, TransferFunctionOptions, transfer_function_fit,
+    Hold, InitialConditions, IoData, Stop, TransferFunctionFit, TransferFunctionOptions, continued,
+    response_deviations, sampled, transfer_function_fit,
 };
 use crumple_lti::Complex;
-use crumple_signal::{QuantityKind, TestDescription};
+use crumple_signal::{Notes, QuantityKind, TestDescription};
 use crumple_stage::records::TransferFunctionV1;
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 
-use crate::evidence::{evidence, growth_notes, identification, modes, percent};
-use crate::input_output::{Cut, pair};
-use crate::options::Settings;
+use std::f64::consts::TAU;
+
+use crate::comparison::Comparison;
+use crate::evidence::{evidence, foretold, identification, modes, notes_on_modes, percent, validate};
+use crate::input_output::{Cut, pair, whole};
+use crate::judgement::{Band, Judged, put_spreads, spread};
+use crate::options::{BeyondEra, Settings};
+use crate::paper;
 use crate::to_records::state_space;
 
 /// Poles within this of zero, times the length of the record, are integrators.
 const INTEGRATOR: f64 = 0.5;
 
 /// One transfer function.
-pub fn run(settings: &Settings, test: &TestDescription, inputs: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
+pub fn run(
+    settings: &Settings,
+    test: &TestDescription,
+    inputs: &Inputs,
+    comparison: &mut Comparison,
+    out: &mut Output,
+) -> anyhow::Result<Outcome> {
     let Some(beyond) = &settings.beyond_era else { return Ok(Outcome::Done) };
     let (drive, answer, data) = pair(settings, beyond, test, inputs)?;
     let options = TransferFunctionOptions {
@@ -35,58 +47,93 @@ pub fn run(settings: &Settings, test: &TestDescription, inputs: &Inputs, out: &m
     };
     let fit = transfer_function_fit(&data, &options)
         .refuse_with_hint("widen the window (--from, --to), lower --poles, or name other waveforms")?;
-    let id = format!("tfest-{}-{}", beyond.poles, beyond.zeros);
-    let mut notes = Vec::new();
-    remarks(&id, &fit, &drive, &answer, &mut notes);
-    put(&id, &fit, (&drive, &answer), beyond, &notes, out)?;
-    for note in notes {
-        match note.strip_prefix("warning: ") {
-            Some(text) => out.notes().warning(text),
-            None => out.notes().info(note),
-        }
+    let paper = if settings.paper.is_some() { "-paper" } else { "" };
+    let id = format!("tfest-{}-{}{paper}", beyond.poles, beyond.zeros);
+    let mut notes = remarks(&id, &fit, &drive, &answer);
+    if let Some(name) = &settings.paper {
+        paper::remarks(name).iter().for_each(|remark| notes.info(*remark));
     }
+    let whole = whole(&drive, &answer, &data)?;
+    let task = Task { id: &id, options: &options, drive: &drive, answer: &answer, data: &data, whole: &whole };
+    put(&task, &fit, settings, beyond, &mut notes, comparison, out)?;
+    out.notes().extend(notes);
     Ok(Outcome::Done)
 }
 
+/// What a transfer function is for and from.
+struct Task<'a> {
+    id: &'a str,
+    options: &'a TransferFunctionOptions,
+    drive: &'a Cut,
+    answer: &'a Cut,
+    data: &'a IoData,
+    whole: &'a IoData,
+}
+
 /// What a reader should know before believing the coefficients.
-fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut, notes: &mut Vec<String>) {
+fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> Notes {
     let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
-    growth_notes(id, &poles, notes);
+    let mut notes = notes_on_modes(id, &poles, &[answer, drive]);
     let duration = answer.sampled.len() as f64 * answer.sampled.dt_s();
     let slow = poles.iter().filter(|s| s.norm() * duration < INTEGRATOR).count();
-    if drive.quantity == QuantityKind::Acceleration && answer.quantity == QuantityKind::Displacement && slow >= 2 {
-        notes.push(format!(
-            "warning: {id}: two poles lie at zero: the model integrates the acceleration twice, which is true of any body and says nothing about this car"
+    let of_motion = drive.quantity == QuantityKind::Acceleration && answer.quantity == QuantityKind::Displacement;
+    if of_motion && slow >= 2 {
+        notes.warning(format!(
+            "{id}: two poles lie at zero: the model integrates the acceleration twice, which is true of any body and says nothing about this car"
         ));
     }
-    if let Some(zero) = fit.zeros.iter().find(|zero| zero.re > 0.0) {
-        notes.push(format!("{id}: the zero {:.4} {:+.4}i 1/s lies in the right half plane", zero.re, zero.im));
+    for (zero, deviation) in
+        fit.zeros.iter().zip(&fit.zero_deviations).filter(|(zero, _)| zero.re > 0.0 && zero.im >= 0.0)
+    {
+        let sure = deviation.map_or("not determined".to_owned(), |(re, _)| format!("standard deviation {re:.2}"));
+        let place = format!("{id}: the zero {:.4} {:+.4}i 1/s ({sure}) lies in the right half plane", zero.re, zero.im);
+        if of_motion {
+            notes.warning(format!(
+                "{place}: a chain of springs and dampers has it at -k2/c2, on the left; with positive constants this model is impossible"
+            ));
+        } else {
+            notes.info(place);
+        }
+    }
+    let gain = fit.transfer_function.at(Complex::new(0.0, 0.0)).re;
+    if of_motion && slow == 0 && poles.iter().all(|s| s.re < 0.0) {
+        let exact = "the true system is 1/s^2 and has none";
+        if gain < 0.0 {
+            notes.warning(format!(
+                "{id}: the gain at rest, {gain:.4e} s^2, is negative: a steady acceleration forward would end behind; {exact}"
+            ));
+        } else {
+            notes.info(format!("{id}: a gain at rest, {gain:.4e} s^2, is that of the record's length; {exact}"));
+        }
     }
     let numerator = fit.transfer_function.numerator();
     let shown = &fit.numerator_deviations[fit.numerator_deviations.len() - numerator.len()..];
     for (power, (b, deviation)) in numerator.iter().rev().zip(shown.iter().rev()).enumerate() {
         if 1.96 * deviation > b.abs() {
-            notes.push(format!(
-                "warning: {id}: the numerator's coefficient of s^{power}, {b:.6e} with standard deviation {deviation:.2e}, is not known even in sign"
+            notes.warning(format!(
+                "{id}: the numerator's coefficient of s^{power}, {b:.6e} with standard deviation {deviation:.2e}, is not known even in sign"
             ));
         }
     }
     if fit.condition > 1e8 {
-        notes.push(format!(
-            "warning: {id}: condition number {:.1e}: the curve is known, single coefficients are not",
+        notes.warning(format!(
+            "{id}: condition number {:.1e}: the curve is known, single coefficients are not",
             fit.condition
         ));
     }
+    notes
 }
 
 fn put(
-    id: &str,
+    task: &Task<'_>,
     fit: &TransferFunctionFit,
-    (drive, answer): (&Cut, &Cut),
-    beyond: &crate::options::BeyondEra,
-    notes: &[String],
+    settings: &Settings,
+    beyond: &BeyondEra,
+    notes: &mut Notes,
+    comparison: &mut Comparison,
     out: &mut Output,
 ) -> anyhow::Result<()> {
+    let Task { id, options, drive, answer, data, .. } = *task;
     let (input, output) = (drive.describe(), answer.describe());
     out.put(
         &format!("/model/{id}/transfer-function"),
@@ -99,7 +146,6 @@ fn put(
     )?;
     out.put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &input, &output))?;
     out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
-    let record = identification("tfest", beyond.poles, "input-output", answer, &fit.simulated, notes.to_vec());
     let finite = |values: &[f64]| if values.iter().all(|x| x.is_finite()) { values.to_vec() } else { Vec::new() };
     let mut support = evidence(Some(drive), answer, &fit.simulated, fit.criteria.parameters);
     support.hold = Some(beyond.hold.clone());
@@ -116,15 +162,72 @@ fn put(
     support.damping_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
     support.zeros_re_per_s = fit.zeros.iter().map(|zero| zero.re).collect();
     support.zeros_im_rad_per_s = fit.zeros.iter().map(|zero| zero.im).collect();
+    support.zero_re_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.0)).collect();
+    support.zero_im_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.1)).collect();
+    support.paper = settings.paper.clone();
+    if !answer.kept.is_empty() {
+        let (model, rest) = sampled(&fit.state_space, options.hold, data.sample_time_s())?;
+        let (first, whole) = (data.delayed(options.delay), task.whole.delayed(options.delay));
+        let rest: Vec<f64> = rest.iter().map(|x| x * first.inputs()[0][0]).collect();
+        let foretold = continued(&model, &first, &whole, (!fit.initial_estimated).then_some(&rest[..]))?;
+        validate(answer, &foretold[0], &mut support);
+    }
+
+    let judged = judged(fit, answer);
+    let grid = judged.grid_hz();
+    let initial = if fit.initial_estimated { InitialConditions::Estimate } else { InitialConditions::Zero };
+    let poles = vec![judged.poles.clone()];
+    let again = TransferFunctionOptions { starts: Vec::new(), given: poles, initial, ..options.clone() };
+    let found = spread(
+        settings.bootstrap.as_ref(),
+        (id, &judged.sample(&grid)),
+        (answer.sampled.samples(), &fit.simulated),
+        fit.criteria.parameters,
+        notes,
+        |y| {
+            let data = IoData::single(data.inputs()[0].clone(), y.to_vec(), data.sample_time_s()).ok()?;
+            Some(self::judged(&transfer_function_fit(&data, &again).ok()?, answer).sample(&grid))
+        },
+    );
+    if let Some(found) = &found {
+        put_spreads(found, &mut support);
+    }
+    let band = match (&found, &fit.coefficient_covariance) {
+        (Some(found), _) => Some(Band::from_bootstrap(found)),
+        (None, Some(covariance)) => {
+            let rad_per_s: Vec<f64> = grid.iter().map(|f| TAU * f).collect();
+            let magnitude: Vec<f64> = judged.sample(&grid).response.iter().map(|h| h.norm()).collect();
+            let deviations = response_deviations(&fit.transfer_function, beyond.zeros + 1, covariance, &rad_per_s);
+            Some(Band::from_deviations(&magnitude, &deviations))
+        }
+        (None, None) => None,
+    };
+    if let Some(record) = judged.response(&input, &output, band.as_ref()) {
+        out.put(&format!("/response/{id}"), &record)?;
+    }
+    let record = identification("tfest", beyond.poles, "input-output", answer, &fit.simulated, notes.to_texts());
     let percent = percent(record.fit_percent);
     out.put(&format!("/identification/{id}"), &record)?;
     out.put(&format!("/evidence/{id}"), &support)?;
+    comparison.enter(id, answer.sampled.len(), &support);
     out.summary(format!(
-        "{id}: {percent} of {} samples, {} after {} iterations from start {}",
+        "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
         answer.sampled.len(),
         fit.termination.name(),
         fit.iterations,
-        fit.start.name()
+        fit.start.name(),
+        foretold(&support)
     ));
     Ok(())
+}
+
+fn judged<'a>(fit: &'a TransferFunctionFit, answer: &Cut) -> Judged<'a> {
+    Judged {
+        continuous: Some(&fit.state_space),
+        discrete: None,
+        poles: fit.modes.iter().map(|mode| mode.pole).collect(),
+        zeros: fit.zeros.clone(),
+        dt_s: answer.sampled.dt_s(),
+        samples: answer.sampled.len(),
+    }
 }

@@ -5,7 +5,7 @@ use crumple_signal::{QuantityKind, Sampled, TestDescription};
 use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
 
 use crate::options::{BeyondEra, Settings};
-use crate::window;
+use crate::{Window, window};
 
 /// One waveform of the window.
 pub struct Cut {
@@ -15,11 +15,34 @@ pub struct Cut {
     pub quantity: QuantityKind,
     /// Its samples in the window.
     pub sampled: Sampled,
+    /// Samples after the window that are kept for validation.
+    pub kept: Vec<f64>,
+    /// Class of the filter it went through, if known: that of the channel it was made from.
+    pub cfc: Option<u16>,
 }
 
 impl Cut {
-    fn new(id: String, wave: &Wave, settings: &Settings, inputs: &Inputs) -> anyhow::Result<Self> {
-        Ok(Self { quantity: wave.quantity, sampled: window(&wave.sampled, settings, inputs)?, id })
+    fn new(
+        id: String,
+        wave: &Wave,
+        settings: &Settings,
+        test: &TestDescription,
+        inputs: &Inputs,
+    ) -> anyhow::Result<Self> {
+        let Window { used, kept } = window(&wave.sampled, settings, inputs)?;
+        let channel = id.split('/').next().unwrap_or(&id);
+        let cfc = test.channel(&id).or_else(|| test.channel(channel)).and_then(|c| c.cfc);
+        Ok(Self { quantity: wave.quantity, sampled: used, kept, cfc, id })
+    }
+
+    /// All samples, those kept for validation too.
+    pub fn whole(&self) -> Vec<f64> {
+        self.sampled.samples().iter().chain(&self.kept).copied().collect()
+    }
+
+    /// First time of the samples kept for validation, s.
+    pub fn kept_from_s(&self) -> Option<f64> {
+        (!self.kept.is_empty()).then(|| self.sampled.time_s(self.sampled.len()))
     }
 
     /// `displacement of channel 93/displacement, m`.
@@ -35,7 +58,12 @@ pub fn output(settings: &Settings, beyond: &BeyondEra, test: &TestDescription, i
         None => format!("{}/displacement", crate::channel(settings, test)?),
     };
     let wave = inputs.wave(&id)?;
-    Cut::new(id, wave, settings, inputs)
+    Cut::new(id, wave, settings, test, inputs)
+}
+
+/// Input and output of the window and of what is kept after it.
+pub fn whole(drive: &Cut, answer: &Cut, data: &IoData) -> anyhow::Result<IoData> {
+    Ok(IoData::single(drive.whole(), answer.whole(), data.sample_time_s())?)
 }
 
 /// Input and output, sampled together.
@@ -51,7 +79,7 @@ pub fn pair(
         None => crate::channel(settings, test)?.to_owned(),
     };
     let wave = inputs.wave(&id)?;
-    let drive = Cut::new(id, wave, settings, inputs)?;
+    let drive = Cut::new(id, wave, settings, test, inputs)?;
     let (u, y) = (&drive.sampled, &answer.sampled);
     let dt = y.dt_s();
     let apart = (u.t0_s() - y.t0_s()).abs() > 1e-6 * dt || (u.dt_s() / dt - 1.0).abs() > 1e-9;

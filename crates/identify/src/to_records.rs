@@ -1,30 +1,45 @@
 //! An identified model as the records of the artifact.
 
-use crumple_identify::{Decomposition, Realization};
+use crumple_identify::{Decomposition, EraOptions, Order, Realization, Sample, era};
 use crumple_lti::{LtiError, StateSpace, impulse_response, to_transfer_function};
-use crumple_signal::{Notes, QuantityKind, Sampled};
+use crumple_signal::Notes;
 use crumple_stage::Output;
 use crumple_stage::records::{IdentificationV1, ModeV1, ModesV1, StateSpaceV1, TransferFunctionV1};
 use nalgebra::DMatrix;
 
-use crate::evidence::evidence;
+use crate::comparison::Comparison;
+use crate::evidence::{evidence, foretold, validate};
+use crate::evidence_options::BootstrapSettings;
 use crate::input_output::Cut;
+use crate::judgement::{Band, Judged, put_spreads, spread, zeros_of};
 
 /// What a reader of the model must know of its input.
 const INPUT: &str = "unit impulse (the record taken as Markov parameters)";
 
-/// The samples a model was identified from.
-pub struct Window<'a> {
-    /// Id of the channel.
-    pub channel: &'a str,
-    /// The samples and their times.
-    pub sampled: &'a Sampled,
+/// What all models of one decomposition share.
+pub struct Pass<'a> {
+    /// The record.
+    pub cut: &'a Cut,
+    /// How it was decomposed.
+    pub options: EraOptions,
+    /// Bootstrap, if asked for.
+    pub bootstrap: Option<&'a BootstrapSettings>,
+    /// Whether this is the procedure of the paper, which the id then says with the number of samples.
+    pub paper: bool,
 }
 
 /// Writes the records of one model under its id, `era-<order>`, and a summary line.
-pub fn put_model(model: &Realization, window: &Window<'_>, notes: &Notes, out: &mut Output) -> anyhow::Result<()> {
-    let id = format!("era-{}", model.order());
-    let output = format!("acceleration of channel {}, m/s^2", window.channel);
+pub fn put_model(
+    model: &Realization,
+    pass: &Pass<'_>,
+    notes: &Notes,
+    comparison: &mut Comparison,
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    let Pass { cut, options, bootstrap, paper } = pass;
+    let (order, samples) = (model.order(), cut.sampled.len());
+    let id = if *paper { format!("era-{order}-n{samples}-paper") } else { format!("era-{order}") };
+    let output = format!("acceleration of channel {}, m/s^2", cut.id);
     let mut notes = notes.to_texts();
     out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output))?;
     if let Ok(continuous) = &model.continuous {
@@ -46,15 +61,51 @@ pub fn put_model(model: &Realization, window: &Window<'_>, notes: &Notes, out: &
             model.singular_values.len()
         ));
     }
-    out.put(&format!("/identification/{id}"), &identification(model, window, notes))?;
-    let cut =
-        Cut { id: window.channel.to_owned(), quantity: QuantityKind::Acceleration, sampled: window.sampled.clone() };
-    let response = impulse_response(&model.discrete, window.sampled.len())?;
-    let mut support = evidence(None, &cut, &response, 2 * model.order() + 1);
+    let whole = impulse_response(&model.discrete, samples + cut.kept.len())?;
+    let response = &whole[..samples];
+    let mut support = evidence(None, cut, response, 2 * order + 1);
     support.singular_value_errors = model.singular_value_errors.clone();
+    support.paper = paper.then(|| "era".to_owned());
+    validate(cut, &whole, &mut support);
+
+    let judged = judged(model, cut);
+    let grid = judged.grid_hz();
+    let options = EraOptions { order: Order::Given(order), ..*options };
+    let mut remarks = Notes::new();
+    let record = (cut.sampled.samples(), response);
+    let found = spread(*bootstrap, (&id, &judged.sample(&grid)), record, 2 * order + 1, &mut remarks, |y| {
+        Some(judged_sample(&era(y, options).ok()?, cut, &grid))
+    });
+    notes.extend(remarks.to_texts());
+    out.notes().extend(remarks);
+    let band = found.as_ref().map(Band::from_bootstrap);
+    if let Some(found) = &found {
+        put_spreads(found, &mut support);
+    }
+    if let Some(record) = judged.response(INPUT, &output, band.as_ref()) {
+        out.put(&format!("/response/{id}"), &record)?;
+    }
+    out.put(&format!("/identification/{id}"), &identification(model, cut, notes))?;
     out.put(&format!("/evidence/{id}"), &support)?;
-    out.summary(summary(&id, model, window));
+    comparison.enter(&id, samples, &support);
+    out.summary(format!("{}{}", summary(&id, model, samples), foretold(&support)));
     Ok(())
+}
+
+fn judged<'a>(model: &'a Realization, cut: &Cut) -> Judged<'a> {
+    let continuous = model.continuous.as_ref().ok();
+    Judged {
+        continuous,
+        discrete: Some(&model.discrete),
+        poles: model.modes.iter().filter_map(|m| m.mode).map(|mode| mode.pole).collect(),
+        zeros: continuous.map(zeros_of).unwrap_or_default(),
+        dt_s: cut.sampled.dt_s(),
+        samples: cut.sampled.len(),
+    }
+}
+
+fn judged_sample(model: &Realization, cut: &Cut, grid_hz: &[f64]) -> Sample {
+    judged(model, cut).sample(grid_hz)
 }
 
 pub fn state_space(model: &StateSpace, input: &str, output: &str) -> StateSpaceV1 {
@@ -101,16 +152,16 @@ fn modes(model: &Realization) -> ModesV1 {
     ModesV1(entries.collect())
 }
 
-fn identification(model: &Realization, window: &Window<'_>, notes: Vec<String>) -> IdentificationV1 {
+fn identification(model: &Realization, cut: &Cut, notes: Vec<String>) -> IdentificationV1 {
     let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     IdentificationV1 {
         method: "era".to_owned(),
         order: size(model.order()),
-        channel: window.channel.to_owned(),
+        channel: cut.id.clone(),
         treated_as: "impulse-response".to_owned(),
-        from_s: window.sampled.t0_s(),
-        to_s: window.sampled.end_s(),
-        samples: window.sampled.len() as u64,
+        from_s: cut.sampled.t0_s(),
+        to_s: cut.sampled.end_s(),
+        samples: cut.sampled.len() as u64,
         hankel_rows: Some(size(model.rows)),
         hankel_columns: Some(size(model.columns)),
         singular_values: model.singular_values.clone(),
@@ -121,7 +172,7 @@ fn identification(model: &Realization, window: &Window<'_>, notes: Vec<String>) 
 }
 
 /// `era-4: fit 81.4 % of 2501 samples; 5.31 Hz (damping 0.481), 13.2 Hz (damping 0.112)`.
-fn summary(id: &str, model: &Realization, window: &Window<'_>) -> String {
+fn summary(id: &str, model: &Realization, samples: usize) -> String {
     let fit = model.fit_percent.map_or("no defined fit".to_owned(), |fit| format!("fit {fit:.1} %"));
     let modes: Vec<String> = model
         .modes
@@ -137,5 +188,5 @@ fn summary(id: &str, model: &Realization, window: &Window<'_>) -> String {
             }
         })
         .collect();
-    format!("{id}: {fit} of {} samples; {}", window.sampled.len(), modes.join(", "))
+    format!("{id}: {fit} of {samples} samples; {}", modes.join(", "))
 }
