@@ -5,7 +5,9 @@ mod force;
 mod models;
 mod motion;
 mod poles;
+mod responses;
 mod singular_values;
+mod stabilisation;
 
 use serde_json::json;
 
@@ -20,7 +22,9 @@ pub fn all(run: &Run, ranking: &Ranking) -> Vec<Figure> {
         force::figure(run, ranking),
         poles::figure(run),
         singular_values::figure(run),
+        stabilisation::figure(run),
         bode::figure(run),
+        responses::figure(run),
     ]
     .into_iter()
     .flatten()
