@@ -2,8 +2,8 @@
 
 use crumple_artifact::records::{
     CandidateV1, ChannelFilterV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1, IdentificationV1, MatchingV1,
-    MetricsV1, ModesV1, NotesV1, QualityV1, ShapesV1, SimulationV1, StateSpaceV1, TestV1, TransferFunctionV1,
-    WaveBlockV1,
+    MetricsV1, ModesV1, NotesV1, QualityV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1, StabilizationV1,
+    StateSpaceV1, TestV1, TransferFunctionV1, WaveBlockV1,
 };
 use crumple_artifact::{Artifact, JsonForm, RawRecord, Record};
 use crumple_signal::TestDescription;
@@ -24,7 +24,7 @@ pub struct Checked {
 }
 
 /// Topic, or its start where it ends in `/`, and what may stand there.
-const STATED: [(&str, &[&str]); 16] = [
+const STATED: [(&str, &[&str]); 19] = [
     ("/test", &[TestV1::SCHEMA]),
     ("/wave/", &[WaveBlockV1::SCHEMA]),
     ("/quality/", &[QualityV1::SCHEMA]),
@@ -36,6 +36,9 @@ const STATED: [(&str, &[&str]); 16] = [
     ("/identification/", &[IdentificationV1::SCHEMA]),
     ("/evidence/", &[EvidenceV1::SCHEMA]),
     ("/shapes/", &[ShapesV1::SCHEMA]),
+    ("/stabilisation/", &[StabilizationV1::SCHEMA]),
+    ("/response/", &[ResponseV1::SCHEMA]),
+    ("/selection/", &[SelectionV1::SCHEMA]),
     ("/matching/", &[MatchingV1::SCHEMA]),
     ("/parameters/", &[CandidateV1::SCHEMA]),
     ("/simulation/", &[SimulationV1::SCHEMA]),

@@ -16,8 +16,11 @@ mod metrics;
 mod model;
 mod notes;
 mod quality;
+mod response;
+mod selection;
 mod shapes;
 mod simulation;
+mod stabilization;
 mod test;
 mod wave;
 
@@ -25,15 +28,18 @@ pub use candidate::{CandidateV1, FitV1, ProfileV1, ReplicatesV1, SensorFitV1, Un
 pub use channel_filter::{ChannelFilterV1, CorridorPointV1};
 pub use diagnosis::DiagnosisV1;
 pub use events::{EventIntervalV1, EventsV1};
-pub use evidence::EvidenceV1;
+pub use evidence::{EvidenceV1, SpreadV1};
 pub use identification::IdentificationV1;
 pub use matching::{MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, PhysicalCoordinatesV1};
 pub use metrics::{MetricV1, MetricsV1};
 pub use model::{ExponentialSumV1, ExponentialTermV1, ModeV1, ModesV1, StateSpaceV1, TransferFunctionV1};
 pub use notes::NotesV1;
 pub use quality::QualityV1;
+pub use response::ResponseV1;
+pub use selection::{SelectionModelV1, SelectionV1};
 pub use shapes::{ShapeV1, ShapesV1};
 pub use simulation::{EnergyV1, OtherSensorV1, SimulationV1};
+pub use stabilization::{StabilizationClusterV1, StabilizationPoleV1, StabilizationV1};
 pub use test::{ChannelV1, SourceV1, TestV1};
 pub use wave::WaveBlockV1;
 
@@ -83,7 +89,10 @@ record! {
     ModesV1 => "crumple.Modes.v1",
     NotesV1 => "crumple.Notes.v1",
     QualityV1 => "crumple.Quality.v1",
+    ResponseV1 => "crumple.Response.v1",
+    SelectionV1 => "crumple.Selection.v1",
     SimulationV1 => "crumple.Simulation.v1",
+    StabilizationV1 => "crumple.Stabilization.v1",
     StateSpaceV1 => "crumple.StateSpace.v1",
     TestV1 => "crumple.Test.v1",
     TransferFunctionV1 => "crumple.TransferFunction.v1",

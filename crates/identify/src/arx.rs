@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::least_squares::{CONDITION_LIMIT, Solution, TriangularFactor};
+use crate::propagation::discrete_mode_deviations;
 use crate::{IdentifyError, InformationCriteria, IoData};
 
 /// Samples per independent part of a long record. Parts are combined in order, so the result does not depend on the
@@ -172,6 +173,15 @@ impl Arx {
             DMatrix::from_fn(1, m, |_, j| b(j, 0)),
             Some(self.sample_time_s),
         )?)
+    }
+
+    /// Standard deviations of natural frequency (rad/s) and damping ratio of the poles of [`Arx::state_space`], given in
+    /// its order, from the covariance: for white equation errors. `None` for poles at zero, multiple ones, and those
+    /// that are not roots of `a` but of the delay.
+    pub fn mode_deviations(&self, poles: &[crumple_lti::Complex]) -> Vec<Option<(f64, f64)>> {
+        let na = self.a.len();
+        let covariance = self.covariance.view((0, 0), (na, na)).into_owned();
+        discrete_mode_deviations(&self.a, &covariance, poles, self.sample_time_s)
     }
 
     /// One-step predictions of the output; the first `states` samples, which lack their past, are the measured ones.

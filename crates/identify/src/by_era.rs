@@ -1,39 +1,139 @@
 //! The methods `era` and `era-dc`: records taken for impulse responses.
 
-use crumple_identify::{Era, EraDc, EraDcOptions, EraError, EraOptions, MarkovParameters, Order, Realization, caveats};
-use crumple_signal::{Acceleration, Sampled, TestDescription};
-use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Refused};
+use crumple_identify::{
+    Era, EraDc, EraDcOptions, EraError, EraOptions, MarkovParameters, Order, Realization, caveats, era_order_scan,
+};
+use crumple_signal::{Acceleration, TestDescription};
+use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 
+use crate::comparison::Comparison;
 use crate::hankel_settings::HankelSettings;
+use crate::input_output::Cut;
 use crate::options::Settings;
-use crate::to_records::{Window, put_model};
-use crate::{channel, window};
+use crate::to_records::{Pass, put_model};
+use crate::{channel, diagram, paper};
 
-/// Models of every order asked for.
+/// What models of all orders are for and from.
+struct Task<'a> {
+    method: &'a str,
+    settings: &'a Settings,
+    /// The channels, sampled together.
+    cuts: &'a [Cut],
+    treated_as: &'static str,
+    /// Those of a paper, whose models are named so.
+    remarks: &'a [&'a str],
+}
+
+/// Models of every order asked for, or those of the paper.
 pub fn run(
     method: &str,
     settings: &Settings,
     test: &TestDescription,
     inputs: &Inputs,
+    comparison: &mut Comparison,
     out: &mut Output,
 ) -> anyhow::Result<Outcome> {
     let several = settings.hankel.as_ref().map_or(&[][..], |hankel| &hankel.channels);
     let channels: Vec<&str> =
         if several.is_empty() { vec![channel(settings, test)?] } else { several.iter().map(String::as_str).collect() };
-    let windows = windows(&channels, settings, inputs)?;
-    let cfc = channels.iter().find_map(|channel| test.channel(channel).and_then(|c| c.cfc));
+    let cuts = cuts(&channels, settings, test, inputs)?;
+    let names = channels.join(", ");
+    let free = settings.hankel.as_ref().is_some_and(|hankel| hankel.free_decay_share.is_some());
+    let treated_as = if free { "free-decay" } else { "impulse-response" };
+    if !free {
+        out.notes().info(format!(
+            "{method}: the record of {names} is taken for an impulse response; of a crash pulse the strongest poles are often those of its filter and of its shape, not of the car"
+        ));
+    }
+    let task = Task { method, settings, cuts: &cuts, treated_as, remarks: &[] };
+    if settings.paper.is_some() {
+        return by_paper(&task, comparison, out);
+    }
+    if let Some(wanted) = &settings.stabilisation {
+        match &cuts[..] {
+            [cut] if method == "era" => {
+                match era_order_scan(cut.sampled.samples(), settings.max_order, settings.rows, settings.columns) {
+                    Ok(models) => diagram::put(method, &names, &models, cut.sampled.dt_s(), wanted, out)?,
+                    Err(error) => out.notes().warning(format!("{method}: no stabilisation diagram: {error}")),
+                }
+            }
+            _ => out.notes().info(format!(
+                "{method}: no stabilisation diagram: it is drawn for era of one channel and for the subspace methods"
+            )),
+        }
+    }
     let orders: Vec<Order> = settings.orders.iter().map(|order| order.0).collect();
-    let decomposed = match decompose(method, settings, &windows, &orders) {
+    realize_all(&task, &orders, comparison, out)
+}
+
+/// The window of every channel. Errors: not accelerations, not sampled together.
+fn cuts(channels: &[&str], settings: &Settings, test: &TestDescription, inputs: &Inputs) -> anyhow::Result<Vec<Cut>> {
+    let mut cuts: Vec<Cut> = Vec::with_capacity(channels.len());
+    for channel in channels {
+        let wave = inputs.wave(channel)?;
+        wave.signal::<Acceleration>().refuse_with_hint("name an accelerometer with --channel")?;
+        let next = Cut::new((*channel).to_owned(), wave, settings, test, inputs)?;
+        if let Some(first) = cuts.first() {
+            let hint = "name channels of one time base with --channels, or a window that all have";
+            first.together_with(&next, hint)?;
+        }
+        cuts.push(next);
+    }
+    Ok(cuts)
+}
+
+/// The realisations of the paper: each order from its own number of samples, as far as the record has them.
+fn by_paper(task: &Task<'_>, comparison: &mut Comparison, out: &mut Output) -> anyhow::Result<Outcome> {
+    let remarks = paper::remarks("era");
+    remarks.iter().for_each(|remark| out.notes().info(*remark));
+    let mut outcome = Outcome::Done;
+    for (order, samples) in paper::ERA_RUNS {
+        let shorter: Vec<Cut> = task
+            .cuts
+            .iter()
+            .map(|cut| Cut {
+                id: cut.id.clone(),
+                quantity: cut.quantity,
+                sampled: cut.sampled.slice(0, samples),
+                kept: Vec::new(),
+                cfc: cut.cfc,
+            })
+            .collect();
+        let found = shorter[0].sampled.len();
+        if found < samples {
+            out.notes().info(format!("paper era: the window has {found} samples, not {samples}"));
+        }
+        match realize_all(&Task { cuts: &shorter, remarks, ..*task }, &[order], comparison, out)? {
+            Outcome::Done => {}
+            other => outcome = other,
+        }
+    }
+    Ok(outcome)
+}
+
+/// Models of several orders from one decomposition.
+fn realize_all(
+    task: &Task<'_>,
+    orders: &[Order],
+    comparison: &mut Comparison,
+    out: &mut Output,
+) -> anyhow::Result<Outcome> {
+    let Task { method, settings, cuts, treated_as, remarks } = *task;
+    let dt_s = cuts[0].sampled.dt_s();
+    let samples: Vec<&[f64]> = cuts.iter().map(|cut| cut.sampled.samples()).collect();
+    let decomposed = match decompose(method, settings, samples, dt_s, orders) {
         Err(error @ EraError::Silent { .. }) => {
-            return Ok(Outcome::NoAcceptableResult(format!("channel {}: {error}", channels.join(", "))));
+            let names: Vec<&str> = cuts.iter().map(|cut| cut.id.as_str()).collect();
+            return Ok(Outcome::NoAcceptableResult(format!("channel {}: {error}", names.join(", "))));
         }
         result => {
             result.refuse_with_hint("widen the window (--from, --to, --samples), or lower --rows and --columns")?
         }
     };
+    let cfc = cuts.iter().find_map(|cut| cut.cfc);
     let mut written: Vec<usize> = Vec::new();
     let mut first_failure = None;
-    for order in orders {
+    for &order in orders {
         let model = match realize(&decomposed, order, out) {
             Ok(model) => model,
             Err(error) => {
@@ -46,46 +146,27 @@ pub fn run(
             continue;
         }
         written.push(model.order());
-        let notes = caveats(&model, cfc);
-        let free = settings.hankel.as_ref().is_some_and(|hankel| hankel.free_decay_share.is_some());
-        let treated_as = if free { "free-decay" } else { "impulse-response" };
-        put_model(&model, &Window { method, channels: &channels, sampled: &windows, treated_as }, &notes, out)?;
-        out.notes().extend(notes);
+        let mut notes = caveats(&model, cfc);
+        out.notes().extend(notes.clone());
+        remarks.iter().for_each(|remark| notes.info(*remark));
+        let found = Order::Given(model.order());
+        // A Hankel matrix sized by the order asked for stays as it was.
+        let of = if matches!(decomposed, Decomposed::Sized(_)) { order } else { found };
+        let refit = |y: &[f64]| decompose(method, settings, vec![y], dt_s, &[of]).ok()?.realize(found).ok();
+        let pass = Pass {
+            method,
+            cuts,
+            treated_as,
+            bootstrap: settings.bootstrap.as_ref(),
+            paper: !remarks.is_empty(),
+            refit: &refit,
+        };
+        put_model(&model, &pass, &notes, comparison, out)?;
     }
     if let Some(error) = first_failure.filter(|_| written.is_empty()) {
         return Err(error).refuse_with_hint("lower --orders, or widen the window (--from, --to, --samples)");
     }
     Ok(Outcome::Done)
-}
-
-/// The window of every channel. Errors: not accelerations, not sampled together.
-fn windows(channels: &[&str], settings: &Settings, inputs: &Inputs) -> anyhow::Result<Vec<Sampled>> {
-    let mut windows: Vec<Sampled> = Vec::with_capacity(channels.len());
-    for channel in channels {
-        let record =
-            inputs.wave(channel)?.signal::<Acceleration>().refuse_with_hint("name an accelerometer with --channel")?;
-        let next = window(&record, settings, inputs)?;
-        if let Some(first) = windows.first() {
-            let dt = first.dt_s();
-            let apart = (next.t0_s() - first.t0_s()).abs() > 1e-6 * dt || (next.dt_s() / dt - 1.0).abs() > 1e-9;
-            if apart || next.len() != first.len() {
-                return Err(Refused::new(format!(
-                    "channels {} and {channel} are not sampled together: {} samples of {dt} s from {} s, and {} of {} s \
-                     from {} s",
-                    channels[0],
-                    first.len(),
-                    first.t0_s(),
-                    next.len(),
-                    next.dt_s(),
-                    next.t0_s()
-                ))
-                .hint("name channels of one time base with --channels, or a window that all have")
-                .into());
-            }
-        }
-        windows.push(next);
-    }
-    Ok(windows)
 }
 
 /// What models of all orders follow from.
@@ -114,7 +195,8 @@ impl Decomposed<'_> {
 fn decompose<'a>(
     method: &str,
     settings: &Settings,
-    windows: &'a [Sampled],
+    samples: Vec<&'a [f64]>,
+    dt_s: f64,
     orders: &[Order],
 ) -> Result<Decomposed<'a>, EraError> {
     let hankel = settings.hankel.as_ref();
@@ -123,9 +205,9 @@ fn decompose<'a>(
         rows: settings.rows,
         columns: settings.columns,
         shift: hankel.map(HankelSettings::form).unwrap_or_default(),
-        ..EraOptions::new(windows[0].dt_s())
+        ..EraOptions::new(dt_s)
     };
-    let markov = MarkovParameters::new(windows.iter().map(Sampled::samples).collect(), 1)?;
+    let markov = MarkovParameters::new(samples, 1)?;
     match hankel {
         Some(hankel) if method == "era-dc" => {
             let options = EraDcOptions { era: options, offset: hankel.offset, lag_blocks: hankel.lag_blocks };

@@ -1,17 +1,25 @@
 //! The method `exponentials`: a record as a sum of exponentials.
 
-use crumple_identify::{ExponentialOptions, Stop, exponential_sum};
-use crumple_lti::Mode;
+use crumple_identify::{ExponentialOptions, ExponentialSumFit, Sample, Stop, exponential_sum};
+use crumple_lti::{Complex, Mode};
 use crumple_signal::TestDescription;
 use crumple_stage::records::{ExponentialSumV1, ExponentialTermV1};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Refused};
 
-use crate::evidence::{evidence, identification, modes, percent};
+use crate::comparison::Comparison;
+use crate::evidence::{evidence, foretold, identification, modes, notes_on_modes, percent, validate};
 use crate::input_output::output;
+use crate::judgement::{put_spreads, spread};
 use crate::options::Settings;
 
 /// One sum.
-pub fn run(settings: &Settings, test: &TestDescription, inputs: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
+pub fn run(
+    settings: &Settings,
+    test: &TestDescription,
+    inputs: &Inputs,
+    comparison: &mut Comparison,
+    out: &mut Output,
+) -> anyhow::Result<Outcome> {
     let Some(beyond) = &settings.beyond_era else { return Ok(Outcome::Done) };
     let answer = output(settings, beyond, test, inputs)?;
     let record = answer.sampled.samples();
@@ -50,6 +58,9 @@ pub fn run(settings: &Settings, test: &TestDescription, inputs: &Inputs, out: &m
         out.notes().warning(text.clone());
         notes.push(format!("warning: {text}"));
     }
+    let poles: Vec<Complex> = fit.terms.iter().map(|term| term.exponent).collect();
+    let mut remarks = notes_on_modes(&id, &poles, &[&answer]);
+    remarks.info(format!("{id}: the record is taken for a free decay from its first sample on: nothing may drive it"));
     let terms = fit
         .terms
         .iter()
@@ -67,8 +78,28 @@ pub fn run(settings: &Settings, test: &TestDescription, inputs: &Inputs, out: &m
     }
     out.put(&format!("/model/{id}"), &ExponentialSumV1 { terms, output: answer.describe() })?;
     out.put(&format!("/modes/{id}"), &modes(fit.terms.iter().map(|term| (Mode::continuous(term.exponent), None))))?;
-    let record = identification("exponentials", beyond.terms, "free-decay", &answer, &fit.simulated, notes);
     let mut support = evidence(None, &answer, &fit.simulated, fit.criteria.parameters);
+    let again = ExponentialOptions { random_starts: 0, given: vec![poles.clone()], ..options.clone() };
+    let found = spread(
+        settings.bootstrap.as_ref(),
+        (&id, &Sample { poles, ..Sample::default() }),
+        (record, &fit.simulated),
+        fit.criteria.parameters,
+        &mut remarks,
+        |y| {
+            let fit = exponential_sum(y, answer.sampled.dt_s(), &again).ok()?;
+            Some(Sample { poles: fit.terms.iter().map(|term| term.exponent).collect(), ..Sample::default() })
+        },
+    );
+    if let Some(found) = &found {
+        put_spreads(found, &mut support);
+    }
+    notes.extend(remarks.to_texts());
+    out.notes().extend(remarks);
+    let all = answer.sampled.len() + answer.kept.len();
+    let curve: Vec<f64> = (0..all).map(|k| value_at(&fit, k as f64 * answer.sampled.dt_s())).collect();
+    validate(&answer, &curve, &mut support);
+    let record = identification("exponentials", beyond.terms, "free-decay", &answer, &fit.simulated, notes);
     if beyond.conditions > 0 {
         support.initial_conditions = format!("{} of the record's start held", beyond.conditions);
     }
@@ -80,11 +111,18 @@ pub fn run(settings: &Settings, test: &TestDescription, inputs: &Inputs, out: &m
     let percent = percent(record.fit_percent);
     out.put(&format!("/identification/{id}"), &record)?;
     out.put(&format!("/evidence/{id}"), &support)?;
+    comparison.enter(&id, answer.sampled.len(), std::slice::from_ref(&support));
     out.summary(format!(
-        "{id}: {percent} of {} samples, {} after {} iterations",
+        "{id}: {percent} of {} samples, {} after {} iterations{}",
         answer.sampled.len(),
         fit.termination.name(),
-        fit.iterations
+        fit.iterations,
+        foretold(std::slice::from_ref(&support))
     ));
     Ok(Outcome::Done)
+}
+
+/// The sum at a time after the first sample.
+fn value_at(fit: &ExponentialSumFit, time_s: f64) -> f64 {
+    fit.terms.iter().map(|term| (term.amplitude * (term.exponent * time_s).exp()).re).sum()
 }

@@ -5,7 +5,7 @@ use crumple_identify::{
     OkidRealization, Order, fir, simulate_fitted,
 };
 
-use crate::by_state_space::Found;
+use crate::by_state_space::{Chosen, Found};
 use crate::hankel_settings::HankelSettings;
 
 /// Lags that a criterion looks at, at most.
@@ -51,7 +51,8 @@ pub fn okid(order: usize, data: &IoData, settings: &HankelSettings) -> Result<Fo
         singular_values: found.singular_values.iter().map(|(s, _)| *s).collect(),
         notes,
         beside: vec![("predictor", predictor)],
-        ..Found::new(found.model, 3 * order + 1)
+        chosen: Chosen { thin: None, lags: Some(okid.lags) },
+        ..Found::new(found.model, order * (width + 1) + data.inputs().len() * data.outputs().len())
     })
 }
 
@@ -88,6 +89,7 @@ pub fn impulse_response(
             "warning: the impulse response has not died out after {taps} samples; take more --taps, or okid"
         ));
     }
-    let parameters = 2 * model.order() + 1;
+    let (m, q) = (data.inputs().len(), data.outputs().len());
+    let parameters = model.order() * (m + q) + m * q;
     Ok(Found { singular_values: model.singular_values.clone(), notes, ..Found::new(model.discrete, parameters) })
 }

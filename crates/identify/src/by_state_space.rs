@@ -2,24 +2,23 @@
 
 use crumple_identify::{
     ArxOrder, IdentifyError, IoData, Order, OutputErrorOptions, Stop, Subspace, SubspaceOptions, Weighting, arx,
-    automatic_thinning, fit_measures, output_error, simulate_fitted, thinned, vector_arx,
+    automatic_thinning, output_error, simulate_fitted, subspace_order_scan, thinned, vector_arx,
 };
-use crumple_lti::{InputHold, Mode, StateSpace, to_continuous, to_transfer_function};
+use crumple_lti::{Complex, StateSpace};
 use crumple_signal::TestDescription;
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 
 use crate::by_markov::{impulse_response, okid};
-use crate::evidence::{growth_notes, modes, of_record, percent, put_evidence, put_transfer_functions};
+use crate::comparison::Comparison;
+use crate::diagram;
+use crate::evidence_options::Stabilisation;
 use crate::hankel_settings::HankelSettings;
 use crate::input_output::{Record, record};
 use crate::options::{BeyondEra, Settings};
-use crate::to_records::state_space;
+use crate::state_space_records::{Task, put};
 
 /// Block rows and lags are for orders up to this where the order is automatic.
 const AUTOMATIC_ORDER: usize = 4;
-
-/// Transfer functions of more states are not written: their coefficients say nothing.
-const MOST_COEFFICIENTS: usize = 10;
 
 /// Samples that a thinned record keeps at least, in units of what its factorisation needs.
 const KEPT: usize = 2;
@@ -32,9 +31,25 @@ pub struct Found {
     /// One-step predictions of every output; empty: none.
     pub predicted: Vec<Vec<f64>>,
     pub stop_reason: Option<&'static str>,
+    /// Standard deviations of frequency and damping of discrete poles, where the method has a covariance.
+    pub deviations: Option<Deviations>,
     pub notes: Vec<String>,
     /// Models written beside the one that is simulated, by the last part of their topic.
     pub beside: Vec<(&'static str, StateSpace)>,
+    /// What the method chose by the record and a fit to a replicate of it keeps.
+    pub chosen: Chosen,
+}
+
+/// Standard deviations of frequency (rad/s) and damping ratio of discrete poles.
+pub type Deviations = Box<dyn Fn(&[Complex]) -> Vec<Option<(f64, f64)>>>;
+
+/// Choices that a method makes by the record before it fits.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Chosen {
+    /// The subspace methods find poles from every n-th sample.
+    pub thin: Option<usize>,
+    /// Past samples that the observer sees.
+    pub lags: Option<usize>,
 }
 
 impl Found {
@@ -46,8 +61,10 @@ impl Found {
             singular_values: Vec::new(),
             predicted: Vec::new(),
             stop_reason: None,
+            deviations: None,
             notes: Vec::new(),
             beside: Vec::new(),
+            chosen: Chosen::default(),
         }
     }
 }
@@ -58,11 +75,15 @@ pub fn run(
     settings: &Settings,
     test: &TestDescription,
     inputs: &Inputs,
+    comparison: &mut Comparison,
     out: &mut Output,
 ) -> anyhow::Result<Outcome> {
     let Some(beyond) = &settings.beyond_era else { return Ok(Outcome::Done) };
     let record = record(settings, beyond, test, inputs)?;
-    let data = record.data.delayed(beyond.delay);
+    let (data, whole) = (record.data.delayed(beyond.delay), record.whole.delayed(beyond.delay));
+    if let (Some(wanted), Some(weighting)) = (&settings.stabilisation, weighting(method)) {
+        put_diagram((method, weighting), settings.max_order, (&record, &data), beyond, wanted, out)?;
+    }
     let mut written = 0;
     let mut failure = None;
     for order in &settings.orders {
@@ -74,7 +95,8 @@ pub fn run(
                 AUTOMATIC_ORDER
             }
         };
-        let found = identify(method, order, &data, beyond, settings.hankel.as_ref())
+        let hankel = settings.hankel.as_ref();
+        let found = identify(method, order, &data, beyond, hankel)
             .and_then(|found| Ok((simulate_fitted(&found.model, &data)?.0, found)));
         match found {
             Ok((simulated, mut found)) => {
@@ -83,7 +105,24 @@ pub fn run(
                         .notes
                         .push(format!("the input acts {} samples late; the model itself has no delay", beyond.delay));
                 }
-                put(method, order, &found, &simulated, (&record, &beyond.hold), out)?;
+                let Chosen { thin, lags } = found.chosen;
+                let beyond_again = BeyondEra { thin: thin.or(beyond.thin), ..beyond.clone() };
+                let hankel_again = hankel.map(|hankel| HankelSettings { lags: lags.or(hankel.lags), ..hankel.clone() });
+                let refit = |y: &[f64]| {
+                    let again = IoData::new(data.inputs().to_vec(), vec![y.to_vec()], data.sample_time_s()).ok()?;
+                    Some(identify(method, order, &again, &beyond_again, hankel_again.as_ref()).ok()?.model)
+                };
+                let task = Task {
+                    method,
+                    order,
+                    record: &record,
+                    hold: &beyond.hold,
+                    data: &data,
+                    whole: &whole,
+                    bootstrap: settings.bootstrap.as_ref(),
+                    refit: &refit,
+                };
+                put(&task, &found, &simulated, comparison, out)?;
                 written += 1;
             }
             Err(error) => {
@@ -100,6 +139,47 @@ pub fn run(
         }
         None => Ok(Outcome::Done),
     }
+}
+
+fn weighting(method: &str) -> Option<Weighting> {
+    Weighting::ALL.into_iter().find(|w| w.name() == method)
+}
+
+/// Every how manieth sample the subspace methods find poles from.
+fn thinning(beyond: &BeyondEra, block_rows: usize, data: &IoData) -> usize {
+    match (beyond.thin, beyond.block_rows) {
+        (Some(every), _) => every,
+        (None, Some(_)) => 1,
+        (None, None) => {
+            automatic_thinning(data, KEPT * Subspace::needed(block_rows, data.inputs().len(), data.outputs().len()))
+        }
+    }
+}
+
+/// The stabilisation diagram of a subspace method, from as many samples as its models.
+fn put_diagram(
+    (method, weighting): (&str, Weighting),
+    max_order: usize,
+    (record, data): (&Record, &IoData),
+    beyond: &BeyondEra,
+    wanted: &Stabilisation,
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    let block_rows = beyond.block_rows.unwrap_or(max_order + 2);
+    let every = thinning(beyond, block_rows, data);
+    let thin = if every > 1 { thinned(data, every) } else { Ok(data.clone()) };
+    let models = thin.and_then(|thin| {
+        let subspace = Subspace::new(&thin, SubspaceOptions { weighting, block_rows, direct: true })?;
+        Ok((subspace_order_scan(&subspace, max_order), thin.sample_time_s()))
+    });
+    match models {
+        Ok((models, dt_s)) => {
+            let names: Vec<&str> = record.answers.iter().map(|cut| cut.id.as_str()).collect();
+            diagram::put(method, &names.join(", "), &models, dt_s, wanted, out)?;
+        }
+        Err(error) => out.notes().warning(format!("{method}: no stabilisation diagram: {error}")),
+    }
+    Ok(())
 }
 
 fn identify(
@@ -119,7 +199,9 @@ fn identify(
         "arx" if q == 1 => {
             let model = arx(data, ArxOrder { na: order, nb: order + 1, nk: 0 })?;
             let parameters = order + m * (order + 1);
-            Ok(Found { predicted: vec![model.predict(data)], ..Found::new(model.state_space()?, parameters) })
+            let predicted = vec![model.predict(data)];
+            let found = Found { predicted, ..Found::new(model.state_space()?, parameters) };
+            Ok(Found { deviations: Some(Box::new(move |poles| model.mode_deviations(poles))), ..found })
         }
         "arx" => {
             let lags = order.div_ceil(q);
@@ -141,13 +223,9 @@ fn identify(
             })
         }
         name => {
-            let weighting = Weighting::ALL.into_iter().find(|w| w.name() == name).unwrap_or(Weighting::N4sid);
+            let weighting = weighting(name).unwrap_or(Weighting::N4sid);
             let block_rows = beyond.block_rows.unwrap_or((2 * order).max(10));
-            let every = match (beyond.thin, beyond.block_rows) {
-                (Some(every), _) => every,
-                (None, Some(_)) => 1,
-                (None, None) => automatic_thinning(data, KEPT * Subspace::needed(block_rows, m, q)),
-            };
+            let every = thinning(beyond, block_rows, data);
             let mut notes = Vec::new();
             let options = SubspaceOptions { weighting, block_rows, direct: true };
             let mut warn = |subspace: &Subspace<'_>| {
@@ -179,97 +257,8 @@ fn identify(
                     found.reflected_poles
                 ));
             }
-            Ok(Found { singular_values, notes, ..Found::new(found.model, order * (m + q + 1) + m * q) })
+            let chosen = Chosen { thin: Some(every), lags: None };
+            Ok(Found { singular_values, notes, chosen, ..Found::new(found.model, order * (m + q + 1) + m * q) })
         }
     }
-}
-
-fn put(
-    method: &str,
-    order: usize,
-    found: &Found,
-    simulated: &[Vec<f64>],
-    (record, hold): (&Record, &str),
-    out: &mut Output,
-) -> anyhow::Result<()> {
-    let id = format!("{method}-{order}");
-    let (input, output) = (record.input(), record.output());
-    let mut notes = found.notes.clone();
-    for text in notes.iter().filter_map(|note| note.strip_prefix("warning: ")) {
-        out.notes().warning(format!("{id}: {text}"));
-    }
-    out.put(&format!("/model/{id}/discrete"), &state_space(&found.model, &input, &output))?;
-    put_continuous(&id, &found.model, (record, hold), &mut notes, out)?;
-    for (name, model) in &found.beside {
-        let inputs = format!("{input}; {output}");
-        out.put(&format!("/model/{id}/{name}"), &state_space(model, &inputs, &output))?;
-    }
-    let dt = record.data.sample_time_s();
-    let pairs: Vec<_> =
-        found.model.poles()?.into_iter().filter_map(|z| Some((Mode::discrete(z, dt)?, Some(z)))).collect();
-    growth_notes(&id, &pairs.iter().map(|(mode, _)| mode.pole).collect::<Vec<_>>(), &mut notes);
-    out.put(&format!("/modes/{id}"), &modes(pairs.into_iter()))?;
-    let (mut whole, mut supports) = of_record(method, order, record, simulated, found.parameters, notes);
-    whole.singular_values = found.singular_values.clone();
-    for (k, support) in supports.iter_mut().enumerate() {
-        support.hold = (!record.drives.is_empty()).then(|| hold.to_owned());
-        support.prediction_fit_percent = found
-            .predicted
-            .get(k)
-            .and_then(|predicted| fit_measures(&record.data.outputs()[k], predicted))
-            .and_then(|fit| fit.fit_percent);
-        support.stop_reason = found.stop_reason.map(str::to_owned);
-    }
-    out.summary(format!("{id}: {} of {} samples", percent(whole.fit_percent), record.data.samples()));
-    out.put(&format!("/identification/{id}"), &whole)?;
-    put_evidence(&id, &supports, out)
-}
-
-/// The continuous model by the logarithm for the hold declared, and its transfer functions.
-fn put_continuous(
-    id: &str,
-    model: &StateSpace,
-    (record, hold): (&Record, &str),
-    notes: &mut Vec<String>,
-    out: &mut Output,
-) -> anyhow::Result<()> {
-    let hold = if hold == "zero-order" { InputHold::Zero } else { InputHold::First };
-    let found = match to_continuous(model, hold) {
-        Ok(found) => found,
-        Err(error) => {
-            notes.push(format!("no continuous model: {error}"));
-            return Ok(());
-        }
-    };
-    for z in &found.conjugated {
-        notes.push(format!(
-            "the pole z = {z:.6} has no continuous counterpart: the continuous model has one more state, a conjugate at the Nyquist frequency, and agrees at the samples only"
-        ));
-    }
-    let continuous = found.model;
-    out.put(&format!("/model/{id}/continuous"), &state_space(&continuous, &record.input(), &record.output()))?;
-    if continuous.order() > MOST_COEFFICIENTS {
-        return Ok(());
-    }
-    let mut entries = Vec::new();
-    for i in 0..record.answers.len() {
-        for j in 0..record.drives.len() {
-            let path = StateSpace::new(
-                continuous.a.clone(),
-                continuous.b.columns(j, 1).into_owned(),
-                continuous.c.rows(i, 1).into_owned(),
-                continuous.d.view((i, j), (1, 1)).into_owned(),
-                None,
-            )?;
-            match to_transfer_function(&path) {
-                Ok(tf) => entries.push((tf.numerator().to_vec(), tf.denominator().to_vec())),
-                Err(error) => {
-                    notes.push(format!("no transfer function: {error}"));
-                    return Ok(());
-                }
-            }
-        }
-    }
-    let inputs = record.drives.len();
-    put_transfer_functions(id, record, |i, j| entries[i * inputs + j].clone(), out)
 }

@@ -1,26 +1,52 @@
-//! The method `tfest`: a continuous transfer function from one waveform to another.
+//! The method `tfest`: continuous transfer functions from waveforms to others.
 
 use crumple_identify::{
-    Hold, InitialConditions, Stop, TransferFunctionArray, TransferFunctionFit, TransferFunctionOptions,
-    transfer_function_array, transfer_function_fit,
+    Hold, InitialConditions, IoData, Stop, TransferFunctionFit, TransferFunctionOptions, continued,
+    response_deviations, sampled, transfer_function_array, transfer_function_fit,
 };
-use crumple_lti::Complex;
-use crumple_signal::{QuantityKind, TestDescription};
-use crumple_stage::records::TransferFunctionV1;
+use crumple_lti::{Complex, StateSpace};
+use crumple_signal::{Notes, QuantityKind, TestDescription};
+use crumple_stage::records::EvidenceV1;
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
+use nalgebra::DVector;
+use std::f64::consts::TAU;
 
+use crate::array_records::put_array;
+use crate::comparison::Comparison;
 use crate::evidence::{
-    evidence, growth_notes, identification, modes, of_record, percent, put_evidence, put_transfer_functions,
+    evidence, foretold, identification, modes, notes_on_modes, percent, put_transfer_functions, validate_all,
 };
 use crate::input_output::{Cut, Record, record};
-use crate::options::Settings;
+use crate::judgement::{Band, Judged, put_spreads, spread};
+use crate::options::{BeyondEra, Settings};
+use crate::paper;
 use crate::to_records::state_space;
 
 /// Poles within this of zero, times the length of the record, are integrators.
 const INTEGRATOR: f64 = 0.5;
 
-/// One transfer function for every limit of iterations.
-pub fn run(settings: &Settings, test: &TestDescription, inputs: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
+/// What transfer functions are for and from.
+pub struct Task<'a> {
+    /// Id of the model.
+    pub id: &'a str,
+    /// How it was fitted.
+    pub options: &'a TransferFunctionOptions,
+    /// Settings of the stage.
+    pub settings: &'a Settings,
+    /// Those beside `era`.
+    pub beyond: &'a BeyondEra,
+    /// The waveforms.
+    pub record: &'a Record,
+}
+
+/// One transfer function, or an array of them, for every limit of iterations.
+pub fn run(
+    settings: &Settings,
+    test: &TestDescription,
+    inputs: &Inputs,
+    comparison: &mut Comparison,
+    out: &mut Output,
+) -> anyhow::Result<Outcome> {
     let Some(beyond) = &settings.beyond_era else { return Ok(Outcome::Done) };
     let record = record(settings, beyond, test, inputs)?;
     let options = TransferFunctionOptions {
@@ -38,135 +64,125 @@ pub fn run(settings: &Settings, test: &TestDescription, inputs: &Inputs, out: &m
     for &max_iterations in &beyond.max_iterations {
         let options = TransferFunctionOptions { stop: Stop { max_iterations, ..Stop::default() }, ..options.clone() };
         let mut id = format!("tfest-{}-{}", beyond.poles, beyond.zeros);
-        let mut notes = Vec::new();
+        let mut limit = None;
         if max_iterations < beyond.most_iterations() {
             id.push_str(&format!("-after-{max_iterations}"));
-            notes.push(format!("{id}: every start is stopped after {max_iterations} iterations, converged or not"));
+            limit = Some(format!("{id}: every start is stopped after {max_iterations} iterations, converged or not"));
+        }
+        if settings.paper.is_some() {
+            id.push_str("-paper");
+        }
+        let task = Task { id: &id, options: &options, settings, beyond, record: &record };
+        let mut notes = Notes::new();
+        limit.into_iter().for_each(|text| notes.info(text));
+        if let Some(name) = &settings.paper {
+            paper::remarks(name).iter().for_each(|remark| notes.info(*remark));
         }
         let hint = "widen the window (--from, --to), lower --poles, or name other waveforms";
         if record.single() {
             let fit = transfer_function_fit(&record.data, &options).refuse_with_hint(hint)?;
-            remarks(&id, &fit, &record.drives[0], &record.answers[0], &mut notes);
-            put(&id, &fit, (&record.drives[0], &record.answers[0]), beyond, &notes, out)?;
+            notes.extend(remarks(&id, &fit, &record.drives[0], &record.answers[0]));
+            put(&task, &fit, &mut notes, comparison, out)?;
         } else {
             let fit = transfer_function_array(&record.data, &options).refuse_with_hint(hint)?;
-            growth_notes(&id, &fit.modes.iter().map(|mode| mode.pole).collect::<Vec<_>>(), &mut notes);
-            notes.push(format!("{id}: one denominator for all paths, a numerator for each"));
-            condition_note(&id, fit.condition, &mut notes);
-            put_array(&id, &fit, &record, beyond, &notes, out)?;
+            put_array(&task, &fit, &mut notes, comparison, out)?;
         }
-        for note in notes {
-            match note.strip_prefix("warning: ") {
-                Some(text) => out.notes().warning(text),
-                None => out.notes().info(note),
-            }
-        }
+        out.notes().extend(notes);
     }
     Ok(Outcome::Done)
 }
 
 /// What a reader should know before believing the coefficients.
-fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut, notes: &mut Vec<String>) {
+fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> Notes {
     let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
-    growth_notes(id, &poles, notes);
+    let mut notes = notes_on_modes(id, &poles, &[answer, drive]);
     let duration = answer.sampled.len() as f64 * answer.sampled.dt_s();
     let slow = poles.iter().filter(|s| s.norm() * duration < INTEGRATOR).count();
-    if drive.quantity == QuantityKind::Acceleration && answer.quantity == QuantityKind::Displacement && slow >= 2 {
-        notes.push(format!(
-            "warning: {id}: two poles lie at zero: the model integrates the acceleration twice, which is true of any body and says nothing about this car"
+    let of_motion = drive.quantity == QuantityKind::Acceleration && answer.quantity == QuantityKind::Displacement;
+    if of_motion && slow >= 2 {
+        notes.warning(format!(
+            "{id}: two poles lie at zero: the model integrates the acceleration twice, which is true of any body and says nothing about this car"
         ));
     }
-    if let Some(zero) = fit.zeros.iter().find(|zero| zero.re > 0.0) {
-        notes.push(format!("{id}: the zero {:.4} {:+.4}i 1/s lies in the right half plane", zero.re, zero.im));
+    for (zero, deviation) in
+        fit.zeros.iter().zip(&fit.zero_deviations).filter(|(zero, _)| zero.re > 0.0 && zero.im >= 0.0)
+    {
+        let sure = deviation.map_or("not determined".to_owned(), |(re, _)| format!("standard deviation {re:.2}"));
+        let place = format!("{id}: the zero {:.4} {:+.4}i 1/s ({sure}) lies in the right half plane", zero.re, zero.im);
+        if of_motion {
+            notes.warning(format!(
+                "{place}: a chain of springs and dampers has it at -k2/c2, on the left; with positive constants this model is impossible"
+            ));
+        } else {
+            notes.info(place);
+        }
+    }
+    let gain = fit.transfer_function.at(Complex::new(0.0, 0.0)).re;
+    if of_motion && slow == 0 && poles.iter().all(|s| s.re < 0.0) {
+        let exact = "the true system is 1/s^2 and has none";
+        if gain < 0.0 {
+            notes.warning(format!(
+                "{id}: the gain at rest, {gain:.4e} s^2, is negative: a steady acceleration forward would end behind; {exact}"
+            ));
+        } else {
+            notes.info(format!("{id}: a gain at rest, {gain:.4e} s^2, is that of the record's length; {exact}"));
+        }
     }
     let numerator = fit.transfer_function.numerator();
     let shown = &fit.numerator_deviations[fit.numerator_deviations.len() - numerator.len()..];
     for (power, (b, deviation)) in numerator.iter().rev().zip(shown.iter().rev()).enumerate() {
         if 1.96 * deviation > b.abs() {
-            notes.push(format!(
-                "warning: {id}: the numerator's coefficient of s^{power}, {b:.6e} with standard deviation {deviation:.2e}, is not known even in sign"
+            notes.warning(format!(
+                "{id}: the numerator's coefficient of s^{power}, {b:.6e} with standard deviation {deviation:.2e}, is not known even in sign"
             ));
         }
     }
-    condition_note(id, fit.condition, notes);
+    condition_note(id, fit.condition, &mut notes);
+    notes
 }
 
-fn condition_note(id: &str, condition: f64, notes: &mut Vec<String>) {
+/// Says so where the fit determines no single coefficient.
+pub fn condition_note(id: &str, condition: f64, notes: &mut Notes) {
     if condition > 1e8 {
-        notes.push(format!(
-            "warning: {id}: condition number {condition:.1e}: the curve is known, single coefficients are not"
+        notes.warning(format!(
+            "{id}: condition number {condition:.1e}: the curve is known, single coefficients are not"
         ));
     }
 }
 
-/// Records of several inputs or outputs.
-fn put_array(
-    id: &str,
-    fit: &TransferFunctionArray,
-    record: &Record,
-    beyond: &crate::options::BeyondEra,
-    notes: &[String],
-    out: &mut Output,
+/// Puts the fit of the kept samples into the evidence, if there are any.
+pub fn validate_continuous(
+    task: &Task<'_>,
+    model: &StateSpace,
+    initial_estimated: bool,
+    supports: &mut [EvidenceV1],
 ) -> anyhow::Result<()> {
-    let entry = |i: usize, j: usize| {
-        let tf = &fit.entries[i][j];
-        (tf.numerator().to_vec(), tf.denominator().to_vec())
-    };
-    put_transfer_functions(id, record, entry, out)?;
-    out.put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &record.input(), &record.output()))?;
-    out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
-    let (whole, mut supports) =
-        of_record("tfest", beyond.poles, record, &fit.simulated, fit.parameters, notes.to_vec());
-    let finite = |values: &[f64]| if values.iter().all(|x| x.is_finite()) { values.to_vec() } else { Vec::new() };
-    for (i, support) in supports.iter_mut().enumerate() {
-        support.hold = Some(beyond.hold.clone());
-        support.initial_conditions = if fit.initial_estimated { "estimated" } else { "zero" }.to_owned();
-        support.start = Some(fit.start.name().to_owned());
-        support.stop_reason = Some(fit.termination.name().to_owned());
-        support.iterations = u32::try_from(fit.iterations).ok();
-        support.evaluations = Some(fit.evaluations as u64);
-        support.losses = fit.losses.clone();
-        support.condition = Some(fit.condition).filter(|c| c.is_finite());
-        // Of every input, one after the other.
-        support.numerator_deviations = finite(&fit.numerator_deviations[i].concat());
-        support.denominator_deviations = finite(&fit.denominator_deviations);
-        support.frequency_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.0)).collect();
-        support.damping_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
+    let Task { options, record, .. } = *task;
+    if record.answers[0].kept.is_empty() {
+        return Ok(());
     }
-    let percent = percent(whole.fit_percent);
-    out.put(&format!("/identification/{id}"), &whole)?;
-    put_evidence(id, &supports, out)?;
-    out.summary(format!(
-        "{id}: {percent} of {} samples, {} after {} iterations from start {}",
-        record.data.samples(),
-        fit.termination.name(),
-        fit.iterations,
-        fit.start.name()
-    ));
+    let (model, rest) = sampled(model, options.hold, record.data.sample_time_s())?;
+    let (first, whole) = (record.data.delayed(options.delay), record.whole.delayed(options.delay));
+    let start = rest * DVector::from_iterator(first.inputs().len(), first.inputs().iter().map(|u| u[0]));
+    let foretold = continued(&model, &first, &whole, (!initial_estimated).then_some(start.as_slice()))?;
+    validate_all(record, &foretold, supports);
     Ok(())
 }
 
 fn put(
-    id: &str,
+    task: &Task<'_>,
     fit: &TransferFunctionFit,
-    (drive, answer): (&Cut, &Cut),
-    beyond: &crate::options::BeyondEra,
-    notes: &[String],
+    notes: &mut Notes,
+    comparison: &mut Comparison,
     out: &mut Output,
 ) -> anyhow::Result<()> {
+    let Task { id, options, settings, beyond, record } = *task;
+    let (data, drive, answer) = (&record.data, &record.drives[0], &record.answers[0]);
     let (input, output) = (drive.describe(), answer.describe());
-    out.put(
-        &format!("/model/{id}/transfer-function"),
-        &TransferFunctionV1 {
-            numerator: fit.transfer_function.numerator().to_vec(),
-            denominator: fit.transfer_function.denominator().to_vec(),
-            input: input.clone(),
-            output: output.clone(),
-        },
-    )?;
+    let tf = &fit.transfer_function;
+    put_transfer_functions(id, record, |_, _| (tf.numerator().to_vec(), tf.denominator().to_vec()), out)?;
     out.put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &input, &output))?;
     out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
-    let record = identification("tfest", beyond.poles, "input-output", answer, &fit.simulated, notes.to_vec());
     let finite = |values: &[f64]| if values.iter().all(|x| x.is_finite()) { values.to_vec() } else { Vec::new() };
     let mut support = evidence(Some(drive), answer, &fit.simulated, fit.criteria.parameters);
     support.hold = Some(beyond.hold.clone());
@@ -183,15 +199,67 @@ fn put(
     support.damping_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
     support.zeros_re_per_s = fit.zeros.iter().map(|zero| zero.re).collect();
     support.zeros_im_rad_per_s = fit.zeros.iter().map(|zero| zero.im).collect();
+    support.zero_re_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.0)).collect();
+    support.zero_im_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.1)).collect();
+    support.paper = settings.paper.clone();
+    validate_continuous(task, &fit.state_space, fit.initial_estimated, std::slice::from_mut(&mut support))?;
+
+    let judged = judged(fit, answer);
+    let grid = judged.grid_hz();
+    let initial = if fit.initial_estimated { InitialConditions::Estimate } else { InitialConditions::Zero };
+    let poles = vec![judged.poles.clone()];
+    let again = TransferFunctionOptions { starts: Vec::new(), given: poles, initial, ..options.clone() };
+    let found = spread(
+        settings.bootstrap.as_ref(),
+        (id, &judged.sample(&grid)),
+        (answer.sampled.samples(), &fit.simulated),
+        fit.criteria.parameters,
+        notes,
+        |y| {
+            let data = IoData::single(data.inputs()[0].clone(), y.to_vec(), data.sample_time_s()).ok()?;
+            Some(self::judged(&transfer_function_fit(&data, &again).ok()?, answer).sample(&grid))
+        },
+    );
+    if let Some(found) = &found {
+        put_spreads(found, &mut support);
+    }
+    let band = match (&found, &fit.coefficient_covariance) {
+        (Some(found), _) => Some(Band::from_bootstrap(found)),
+        (None, Some(covariance)) => {
+            let rad_per_s: Vec<f64> = grid.iter().map(|f| TAU * f).collect();
+            let magnitude: Vec<f64> = judged.sample(&grid).response.iter().map(|h| h.norm()).collect();
+            let deviations = response_deviations(&fit.transfer_function, beyond.zeros + 1, covariance, &rad_per_s);
+            Some(Band::from_deviations(&magnitude, &deviations))
+        }
+        (None, None) => None,
+    };
+    if let Some(record) = judged.response(&input, &output, band.as_ref()) {
+        out.put(&format!("/response/{id}"), &record)?;
+    }
+    let record = identification("tfest", beyond.poles, "input-output", answer, &fit.simulated, notes.to_texts());
     let percent = percent(record.fit_percent);
     out.put(&format!("/identification/{id}"), &record)?;
     out.put(&format!("/evidence/{id}"), &support)?;
+    let supports = std::slice::from_ref(&support);
+    comparison.enter(id, answer.sampled.len(), supports);
     out.summary(format!(
-        "{id}: {percent} of {} samples, {} after {} iterations from start {}",
+        "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
         answer.sampled.len(),
         fit.termination.name(),
         fit.iterations,
-        fit.start.name()
+        fit.start.name(),
+        foretold(supports)
     ));
     Ok(())
+}
+
+fn judged<'a>(fit: &'a TransferFunctionFit, answer: &Cut) -> Judged<'a> {
+    Judged {
+        continuous: Some(&fit.state_space),
+        discrete: None,
+        poles: fit.modes.iter().map(|mode| mode.pole).collect(),
+        zeros: fit.zeros.clone(),
+        dt_s: answer.sampled.dt_s(),
+        samples: answer.sampled.len(),
+    }
 }

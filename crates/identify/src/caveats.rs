@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crumple_lti::Mode;
 use crumple_signal::Notes;
 
-use crate::{IdentifiedMode, Realization};
+use crate::Realization;
 
 /// A mode within this factor of the filter's edge may be the filter's own.
 const EDGE_FACTOR: f64 = 2.0;
@@ -38,26 +38,35 @@ pub fn caveats(model: &Realization, cfc: Option<u16>) -> Notes {
     if let Err(reason) = &model.continuous {
         notes.warning(format!("order {order} has no continuous model: {reason}"));
     }
+    let name = format!("order {order}");
     for identified in model.modes.iter().filter(|m| m.discrete_pole.im >= 0.0) {
-        mode_caveats(identified, model, cfc, &mut notes);
+        match identified.mode {
+            Some(mode) => mode_caveats(&name, &mode, model.discrete.sample_time_s, cfc, &mut notes),
+            None => notes.warning(format!("{name}: a pole at z = 0 is a pure delay and has no frequency")),
+        }
     }
     notes
 }
 
-fn mode_caveats(identified: &IdentifiedMode, model: &Realization, cfc: Option<u16>, notes: &mut Notes) {
-    let order = model.order();
-    let Some(mode) = identified.mode else {
-        notes.warning(format!("order {order}: a pole at z = 0 is a pure delay and has no frequency"));
-        return;
-    };
-    let name = describe(&mode);
-    if mode.pole.re > 0.0 {
-        notes.warning(format!("order {order}: the mode {name} grows; no structure that absorbs a crash does"));
+/// Notes on single modes of a model of any method: growth, artefacts of sampling at `dt_s`, and frequencies near the edge
+/// of the filter of class `cfc` that the signals went through. Of a conjugate pair the upper one speaks.
+pub fn mode_notes(name: &str, modes: &[Mode], dt_s: Option<f64>, cfc: Option<u16>) -> Notes {
+    let mut notes = Notes::new();
+    for mode in modes.iter().filter(|mode| mode.pole.im >= 0.0) {
+        mode_caveats(name, mode, dt_s, cfc, &mut notes);
     }
-    let nyquist_rad_per_s = model.discrete.sample_time_s.map_or(f64::INFINITY, |dt| PI / dt);
+    notes
+}
+
+fn mode_caveats(model: &str, mode: &Mode, dt_s: Option<f64>, cfc: Option<u16>, notes: &mut Notes) {
+    let name = describe(mode);
+    if mode.pole.re > 0.0 {
+        notes.warning(format!("{model}: the mode {name} grows; no structure that absorbs a crash does"));
+    }
+    let nyquist_rad_per_s = dt_s.map_or(f64::INFINITY, |dt| PI / dt);
     if mode.pole.im.abs() > NEAR_NYQUIST * nyquist_rad_per_s {
         notes.warning(format!(
-            "order {order}: the mode {name} alternates from sample to sample: an artefact of sampling or of too high an order"
+            "{model}: the mode {name} alternates from sample to sample: an artefact of sampling or of too high an order"
         ));
     }
     if let Some(cfc) = cfc {
@@ -65,7 +74,7 @@ fn mode_caveats(identified: &IdentifiedMode, model: &Realization, cfc: Option<u1
         let ratio = mode.natural_frequency_hz() / edge;
         if (1.0 / EDGE_FACTOR..=EDGE_FACTOR).contains(&ratio) {
             notes.warning(format!(
-                "order {order}: the mode {name} lies near the {edge:.0} Hz edge of the CFC {cfc} filter; it may belong to the filter, not to the car"
+                "{model}: the mode {name} lies near the {edge:.0} Hz edge of the CFC {cfc} filter; it may belong to the filter, not to the car"
             ));
         }
     }

@@ -1,7 +1,8 @@
 //! Evidence common to the methods beside `era`, as records.
 
-use crumple_identify::{InformationCriteria, effective_samples, fit_measures, residual_tests};
+use crumple_identify::{InformationCriteria, effective_samples, fit_measures, mode_notes, residual_tests};
 use crumple_lti::{Complex, Mode};
+use crumple_signal::Notes;
 use crumple_stage::Output;
 use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeV1, ModesV1, TransferFunctionV1};
 
@@ -47,6 +48,49 @@ pub fn evidence(input: Option<&Cut>, output: &Cut, simulated: &[f64], parameters
         zeros_re_per_s: Vec::new(),
         zeros_im_rad_per_s: Vec::new(),
         singular_value_errors: Vec::new(),
+        zero_re_deviations: Vec::new(),
+        zero_im_deviations: Vec::new(),
+        bootstrap_replicates: None,
+        bootstrap_failed: None,
+        bootstrap_noise: None,
+        frequency_spreads: Vec::new(),
+        damping_spreads: Vec::new(),
+        zero_re_spreads: Vec::new(),
+        zero_im_spreads: Vec::new(),
+        validation_fit_percent: None,
+        validation_from_s: None,
+        paper: None,
+    }
+}
+
+/// Puts the fit of the kept samples into the evidence: `foretold` are all samples by the model. Nothing without kept ones.
+pub fn validate(output: &Cut, foretold: &[f64], support: &mut EvidenceV1) {
+    support.validation_from_s = output.kept_from_s();
+    if !output.kept.is_empty() && foretold.len() == output.sampled.len() + output.kept.len() {
+        let fit = fit_measures(&output.kept, &foretold[output.sampled.len()..]);
+        support.validation_fit_percent = fit.and_then(|fit| fit.fit_percent);
+    }
+}
+
+/// The same for every output of a record.
+pub fn validate_all(record: &Record, foretold: &[Vec<f64>], supports: &mut [EvidenceV1]) {
+    for ((answer, foretold), support) in record.answers.iter().zip(foretold).zip(supports) {
+        validate(answer, foretold, support);
+    }
+}
+
+/// Notes on single modes of a model between waveforms: growth, sampling, and the edge of the filter they went through.
+pub fn notes_on_modes(id: &str, poles: &[Complex], cuts: &[&Cut]) -> Notes {
+    let modes: Vec<Mode> = poles.iter().copied().map(Mode::continuous).collect();
+    let dt_s = cuts.first().map(|cut| cut.sampled.dt_s());
+    mode_notes(id, &modes, dt_s, cuts.iter().find_map(|cut| cut.cfc))
+}
+
+/// `; 98.30 % of the samples after it`, where samples were kept; of several outputs the smallest.
+pub fn foretold(supports: &[EvidenceV1]) -> String {
+    match supports.iter().filter_map(|support| support.validation_fit_percent).reduce(f64::min) {
+        Some(fit) => format!("; {fit:.2} % of the samples after it"),
+        None => String::new(),
     }
 }
 
@@ -168,16 +212,6 @@ pub fn modes(modes: impl Iterator<Item = (Mode, Option<Complex>)>) -> ModesV1 {
             })
             .collect(),
     )
-}
-
-/// Notes every model deserves: poles that grow.
-pub fn growth_notes(id: &str, poles: &[Complex], notes: &mut Vec<String>) {
-    for s in poles.iter().filter(|s| s.re > 0.0 && s.im >= 0.0) {
-        notes.push(format!(
-            "warning: {id}: the pole {:.4} {:+.4}i 1/s grows; no structure that absorbs a crash does",
-            s.re, s.im
-        ));
-    }
 }
 
 /// `99.76 %`, or that there is no such figure.

@@ -3,7 +3,7 @@
 use crumple_lti::Complex;
 use rayon::prelude::*;
 
-use crate::pole_problem::PoleProblem;
+use crate::pole_problem::{PoleProblem, scaled_poles};
 use crate::residual::effective_samples;
 use crate::section_chain::{SectionChain, sections_of};
 use crate::separable::{Separable, SeparableFit, Stop, Termination, evaluate, minimize};
@@ -28,6 +28,8 @@ pub struct ExponentialOptions {
     pub stable: bool,
     /// Random starting points beside that of the matrix pencil.
     pub random_starts: usize,
+    /// Exponents to start from, 1/s; where there are any, nothing else is tried but the random ones.
+    pub given: Vec<Vec<Complex>>,
     /// When to stop.
     pub stop: Stop,
 }
@@ -35,7 +37,15 @@ pub struct ExponentialOptions {
 impl ExponentialOptions {
     /// Of so many terms: real or complex, not growing, free at the start, 20 random starts.
     pub fn new(terms: usize) -> Self {
-        Self { terms, real: false, start: Vec::new(), stable: true, random_starts: 20, stop: Stop::default() }
+        Self {
+            terms,
+            real: false,
+            start: Vec::new(),
+            stable: true,
+            random_starts: 20,
+            given: Vec::new(),
+            stop: Stop::default(),
+        }
     }
 }
 
@@ -112,7 +122,11 @@ pub fn exponential_sum(
         stable: options.stable,
     };
     let dt = problem.dt();
-    let mut candidates: Vec<Vec<Complex>> = exponential_poles(&problem.output[0], dt, n).into_iter().collect();
+    let mut candidates: Vec<Vec<Complex>> = if options.given.is_empty() {
+        exponential_poles(&problem.output[0], dt, n).into_iter().collect()
+    } else {
+        options.given.iter().map(|poles| scaled_poles(poles, duration)).collect()
+    };
     candidates.extend((0..options.random_starts).map(|k| random_poles(k, n, 0.2 * std::f64::consts::PI / dt)));
     if options.real {
         for poles in &mut candidates {

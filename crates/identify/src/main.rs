@@ -1,14 +1,21 @@
 //! `crumple-identify`: linear models from a crash pulse.
 
+mod array_records;
 mod by_era;
 mod by_exponentials;
 mod by_markov;
 mod by_state_space;
 mod by_transfer_function;
+mod comparison;
+mod diagram;
 mod evidence;
+mod evidence_options;
 mod hankel_settings;
 mod input_output;
+mod judgement;
 mod options;
+mod paper;
+mod state_space_records;
 mod to_records;
 mod window_start;
 
@@ -19,6 +26,7 @@ use crumple_signal::{Sampled, TestDescription};
 use crumple_stage::records::{EventsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
+use comparison::Comparison;
 use options::{Options, Settings};
 use window_start::window_start;
 
@@ -51,12 +59,13 @@ impl Stage for Identify {
         let mut reason = None;
         let mut done = false;
         let alone = settings.methods.len() == 1;
+        let mut comparison = Comparison::default();
         for method in &settings.methods {
             let outcome = match method.as_str() {
-                "era" | "era-dc" => by_era::run(method, settings, &test, inputs, out),
-                "tfest" => by_transfer_function::run(settings, &test, inputs, out),
-                "exponentials" => by_exponentials::run(settings, &test, inputs, out),
-                name => by_state_space::run(name, settings, &test, inputs, out),
+                "era" | "era-dc" => by_era::run(method, settings, &test, inputs, &mut comparison, out),
+                "tfest" => by_transfer_function::run(settings, &test, inputs, &mut comparison, out),
+                "exponentials" => by_exponentials::run(settings, &test, inputs, &mut comparison, out),
+                name => by_state_space::run(name, settings, &test, inputs, &mut comparison, out),
             };
             match outcome {
                 Ok(Outcome::Done) => done = true,
@@ -68,6 +77,7 @@ impl Stage for Identify {
                 }
             }
         }
+        comparison.put(out)?;
         match (done, error, reason) {
             (false, Some(error), _) => Err(error),
             (false, None, Some(reason)) => Ok(Outcome::NoAcceptableResult(reason)),
@@ -89,9 +99,17 @@ fn channel<'a>(settings: &'a Settings, test: &'a TestDescription) -> anyhow::Res
     }
 }
 
+/// The samples of a record that a model is identified from, and those after them that are kept to judge it.
+struct Window {
+    /// Identified from.
+    used: Sampled,
+    /// What follows, if samples are kept for validation: no gap between.
+    kept: Vec<f64>,
+}
+
 /// The part of the record that is used. The window counts from time zero, which the crash events state where they are
 /// among the inputs; without them it is the record's own zero.
-fn window(record: &Sampled, settings: &Settings, inputs: &Inputs) -> anyhow::Result<Sampled> {
+fn window(record: &Sampled, settings: &Settings, inputs: &Inputs) -> anyhow::Result<Window> {
     let zero_s = inputs.record_if::<EventsV1>("/events")?.map_or(0.0, |events| events.time_zero_s);
     // Half a sample of room for the rounding of times.
     let (from_s, rule) = window_start(settings, inputs)?;
@@ -99,7 +117,9 @@ fn window(record: &Sampled, settings: &Settings, inputs: &Inputs) -> anyhow::Res
     let first = record.index_at_or_after(zero_s + from_s - room_s);
     // The sample at `to` itself belongs to the window.
     let end = settings.to_s.map_or(record.len(), |to| record.index_at_or_after(zero_s + to + record.dt_s() / 2.0));
-    let end = settings.samples.map_or(end, |count| end.min(first.saturating_add(count)));
+    let used = settings.validate_from_s.map_or(end, |from| end.min(record.index_at_or_after(zero_s + from)));
+    let kept = record.slice(used.max(first), end).samples().to_vec();
+    let end = settings.samples.map_or(used, |count| used.min(first.saturating_add(count)));
     let window = record.slice(first, end);
     if window.is_empty() {
         return Err(Refused::new(format!(
@@ -111,7 +131,13 @@ fn window(record: &Sampled, settings: &Settings, inputs: &Inputs) -> anyhow::Res
         .hint("set --from and --to to times inside the record")
         .into());
     }
-    Ok(window)
+    if settings.validate_from_s.is_some() && (kept.is_empty() || end < used) {
+        return Err(Refused::new("no sample is left for the validation, or --samples ends before it begins")
+            .hint("set --validate-from to a time inside the window, without --samples")
+            .into());
+    }
+    let kept = if settings.validate_from_s.is_some() { kept } else { Vec::new() };
+    Ok(Window { used: window, kept })
 }
 
 fn main() -> ExitCode {

@@ -7,6 +7,8 @@ use crumple_signal::value::Time;
 use crumple_stage::{Usage, nearest};
 use serde::{Deserialize, Serialize};
 
+use crate::evidence_options::{self, BootstrapSettings, Stabilisation};
+use crate::paper;
 use crumple_identify::{Order, Start};
 
 use crate::hankel_settings::HankelSettings;
@@ -145,6 +147,32 @@ pub struct Options {
     /// bandwidth of the waveforms leaves unneeded, 1 with --block-rows.
     #[arg(long)]
     pub thin: Option<u32>,
+    /// Draw a stabilisation diagram: the poles of all orders up to --max-order of methods that choose an order (era, n4sid,
+    /// moesp, cva), and which of them stay. Default: false.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    pub stabilisation: Option<bool>,
+    /// Largest damping ratio of a pole that counts there. Default: 2; 0.3 is usual for structures.
+    #[arg(long)]
+    pub highest_damping: Option<f64>,
+    /// Fits to records with new noise, for standard deviations and 5 to 95 % intervals of frequencies, damping, zeros and
+    /// frequency responses; 200 are usual. Default: 0, none.
+    #[arg(long)]
+    pub bootstrap: Option<u32>,
+    /// How that noise is drawn from the residuals: blocks, or autoregression. Default: blocks.
+    #[arg(long)]
+    pub bootstrap_noise: Option<String>,
+    /// Seed of that noise. Default: 1.
+    #[arg(long)]
+    pub bootstrap_seed: Option<u32>,
+    /// Identify from the samples before this time only, and tell how well the model foretells the rest, e.g. 100ms.
+    /// Default: no validation.
+    #[arg(long)]
+    pub validate_from: Option<Time>,
+    /// Follow the procedure of a paper as printed, labelled so: era (crash pulse as an impulse response, 2 states from 100
+    /// and from 50 samples, 4 from 60 and from 2501) or tfest (4 poles, 1 zero, 20 iterations, at rest before the record).
+    /// It sets --methods and what belongs to the procedure. Default: none.
+    #[arg(long)]
+    pub paper: Option<String>,
     /// Start of the window, e.g. 5ms. Default: time zero, 0 s.
     #[arg(long, allow_hyphen_values = true)]
     pub from: Option<Time>,
@@ -180,6 +208,18 @@ pub struct Settings {
     pub from_s: f64,
     /// End of the window, s, if not the end of the record.
     pub to_s: Option<f64>,
+    /// Stabilisation diagram, if asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stabilisation: Option<Stabilisation>,
+    /// Bootstrap, if asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bootstrap: Option<BootstrapSettings>,
+    /// First time of the samples kept for validation, s, if any are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub validate_from_s: Option<f64>,
+    /// Paper whose procedure is followed, if any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub paper: Option<String>,
 }
 
 /// Settings of the methods other than `era`.
@@ -330,7 +370,8 @@ pub fn unknown(what: &str, found: &str, choices: &[&str]) -> Usage {
 
 impl Settings {
     /// Fills in the defaults. Errors: an unknown method, an order of zero, an empty window.
-    pub fn resolve(options: Options) -> Result<Self, Usage> {
+    pub fn resolve(mut options: Options) -> Result<Self, Usage> {
+        paper::follow(&mut options)?;
         for method in &options.methods {
             if !METHODS.contains(&method.as_str()) {
                 return Err(unknown("identification method", method, &METHODS));
@@ -348,6 +389,9 @@ impl Settings {
             return Err(Usage::new(format!("the window from {from_s} s to {to_s} s is empty"))
                 .hint("give --to a later time than --from"));
         }
+        let validate_from_s = evidence_options::validate_from(&options, from_s, to_s)?;
+        let bootstrap = evidence_options::bootstrap(&options)?;
+        let stabilisation = evidence_options::stabilisation(&options)?;
         let sizes = [
             ("max_order", options.max_order),
             ("rows", options.rows),
@@ -376,6 +420,10 @@ impl Settings {
             channel: options.channel,
             from_s,
             to_s,
+            stabilisation,
+            bootstrap,
+            validate_from_s,
+            paper: options.paper,
         })
     }
 }

@@ -209,6 +209,17 @@ impl<'a> Subspace<'a> {
         rows.min(numerical_rank(&self.singular_values))
     }
 
+    /// Extended observability matrix, one column per singular value, of outputs divided by their scales; and the number
+    /// of outputs.
+    pub(crate) fn observability(&self) -> (&DMatrix<f64>, usize) {
+        (&self.observability, self.output_scales.len())
+    }
+
+    /// Root mean square of every output.
+    pub(crate) fn output_scales(&self) -> &[f64] {
+        &self.output_scales
+    }
+
     /// The model of one order: `C` from the first block row, `A` by shift invariance (least squares), then `B`, `D`, `x0`
     /// by least squares on the simulated output. Growing poles are mirrored at the unit circle first, and counted.
     pub fn realize(&self, order: usize) -> Result<SubspaceModel, IdentifyError> {

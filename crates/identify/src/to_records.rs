@@ -1,36 +1,64 @@
 //! An identified model as the records of the artifact.
 
-use crumple_identify::{Decomposition, Realization, markov_parameters, modal_assurance, phase_collinearity};
+use crumple_identify::{Decomposition, Realization, Sample, markov_parameters, modal_assurance, phase_collinearity};
 use crumple_lti::{LtiError, StateSpace, to_transfer_function};
 use crumple_signal::{Notes, QuantityKind, Sampled};
 use crumple_stage::Output;
 use crumple_stage::records::{IdentificationV1, ModeV1, ModesV1, ShapeV1, ShapesV1, StateSpaceV1, TransferFunctionV1};
 use nalgebra::DMatrix;
 
-use crate::evidence::evidence;
+use crate::comparison::Comparison;
+use crate::evidence::{evidence, foretold, validate};
+use crate::evidence_options::BootstrapSettings;
 use crate::input_output::Cut;
+use crate::judgement::{Band, Judged, limits, put_spreads, spread, zeros_of};
 
 /// What a reader of the model must know of its input.
 const INPUT: &str = "unit impulse (the record taken as Markov parameters)";
 
-/// The samples a model was identified from.
-pub struct Window<'a> {
+/// What a model comes from.
+pub struct Pass<'a> {
     /// `era` or `era-dc`.
     pub method: &'a str,
-    /// Ids of the channels.
-    pub channels: &'a [&'a str],
-    /// The samples of each and their times.
-    pub sampled: &'a [Sampled],
+    /// The channels, sampled together, at least one.
+    pub cuts: &'a [Cut],
     /// What the samples are taken for.
     pub treated_as: &'static str,
+    /// Bootstrap, if asked for.
+    pub bootstrap: Option<&'a BootstrapSettings>,
+    /// Whether this is the procedure of the paper, which the id then says with the number of samples.
+    pub paper: bool,
+    /// The same estimate from another record of one channel.
+    pub refit: &'a (dyn Fn(&[f64]) -> Option<Realization> + Sync),
+}
+
+impl Pass<'_> {
+    fn names(&self) -> Vec<&str> {
+        self.cuts.iter().map(|cut| cut.id.as_str()).collect()
+    }
+
+    fn single(&self) -> bool {
+        self.cuts.len() == 1
+    }
+
+    fn samples(&self) -> usize {
+        self.cuts[0].sampled.len()
+    }
 }
 
 /// Writes the records of one model under its id, `<method>-<order>`, and a summary line.
-pub fn put_model(model: &Realization, window: &Window<'_>, notes: &Notes, out: &mut Output) -> anyhow::Result<()> {
-    let id = format!("{}-{}", window.method, model.order());
-    let single = window.channels.len() == 1;
+pub fn put_model(
+    model: &Realization,
+    pass: &Pass<'_>,
+    notes: &Notes,
+    comparison: &mut Comparison,
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    let (order, samples, single) = (model.order(), pass.samples(), pass.single());
+    let paper = if pass.paper { format!("-n{samples}-paper") } else { String::new() };
+    let id = format!("{}-{order}{paper}", pass.method);
     let plural = if single { "" } else { "s" };
-    let output = format!("acceleration of channel{plural} {}, m/s^2", window.channels.join(", "));
+    let output = format!("acceleration of channel{plural} {}, m/s^2", pass.names().join(", "));
     let mut notes = notes.to_texts();
     out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output))?;
     if let Ok(continuous) = &model.continuous {
@@ -43,7 +71,7 @@ pub fn put_model(model: &Realization, window: &Window<'_>, notes: &Notes, out: &
     }
     out.put(&format!("/modes/{id}"), &modes(model))?;
     if !single {
-        out.put(&format!("/shapes/{id}"), &shapes(model, window.channels))?;
+        out.put(&format!("/shapes/{id}"), &shapes(model, &pass.names()))?;
     }
     if let Decomposition::Lanczos { steps } = model.decomposition {
         let converged = model
@@ -56,19 +84,73 @@ pub fn put_model(model: &Realization, window: &Window<'_>, notes: &Notes, out: &
             model.singular_values.len()
         ));
     }
-    out.put(&format!("/identification/{id}"), &identification(model, window, notes))?;
+    let whole = markov_parameters(&model.discrete, samples + pass.cuts[0].kept.len());
     // Of several channels the residuals stand one after the other.
-    let first = &window.sampled[0];
-    let samples = window.sampled.iter().flat_map(Sampled::samples).copied().collect();
-    let sampled = Sampled::new(first.t0_s(), first.dt_s(), samples)?;
-    let cut = Cut { id: window.channels.join(", "), quantity: QuantityKind::Acceleration, sampled };
-    let response = markov_parameters(&model.discrete, first.len()).concat();
-    let mut support =
-        evidence(None, &cut, &response, (window.channels.len() + 1) * model.order() + window.channels.len());
+    let cut = joined(pass.cuts)?;
+    let part = |samples: std::ops::Range<usize>| whole.iter().flat_map(|y| &y[samples.clone()]).copied().collect();
+    let response: Vec<f64> = part(0..samples);
+    let kept: Vec<f64> = part(samples..samples + pass.cuts[0].kept.len());
+    let parameters = (pass.cuts.len() + 1) * order + pass.cuts.len();
+    let mut support = evidence(None, &cut, &response, parameters);
     support.singular_value_errors = model.singular_value_errors.clone();
+    support.paper = pass.paper.then(|| "era".to_owned());
+    validate(&cut, &[&response[..], &kept].concat(), &mut support);
+    support.validation_from_s = pass.cuts[0].kept_from_s();
+
+    let mut remarks = Notes::new();
+    limits(&id, (1, pass.cuts.len()), pass.bootstrap, &mut remarks);
+    if single {
+        let judged = judged(model, &cut);
+        let grid = judged.grid_hz();
+        let record = (cut.sampled.samples(), &response[..]);
+        let found = spread(pass.bootstrap, (&id, &judged.sample(&grid)), record, parameters, &mut remarks, |y| {
+            Some(judged_sample(&(pass.refit)(y)?, &cut, &grid))
+        });
+        let band = found.as_ref().map(Band::from_bootstrap);
+        if let Some(found) = &found {
+            put_spreads(found, &mut support);
+        }
+        if let Some(record) = judged.response(INPUT, &output, band.as_ref()) {
+            out.put(&format!("/response/{id}"), &record)?;
+        }
+    }
+    notes.extend(remarks.to_texts());
+    out.notes().extend(remarks);
+    out.put(&format!("/identification/{id}"), &identification(model, pass, notes))?;
     out.put(&format!("/evidence/{id}"), &support)?;
-    out.summary(summary(&id, model, window));
+    let supports = std::slice::from_ref(&support);
+    comparison.enter(&id, samples, supports);
+    out.summary(format!("{}{}", summary(&id, model, samples), foretold(supports)));
     Ok(())
+}
+
+/// All channels as one, one after the other.
+fn joined(cuts: &[Cut]) -> anyhow::Result<Cut> {
+    let first = &cuts[0].sampled;
+    let samples = cuts.iter().flat_map(|cut| cut.sampled.samples()).copied().collect();
+    Ok(Cut {
+        id: cuts.iter().map(|cut| cut.id.as_str()).collect::<Vec<_>>().join(", "),
+        quantity: QuantityKind::Acceleration,
+        sampled: Sampled::new(first.t0_s(), first.dt_s(), samples)?,
+        kept: cuts.iter().flat_map(|cut| &cut.kept).copied().collect(),
+        cfc: cuts.iter().find_map(|cut| cut.cfc),
+    })
+}
+
+fn judged<'a>(model: &'a Realization, cut: &Cut) -> Judged<'a> {
+    let continuous = model.continuous.as_ref().ok();
+    Judged {
+        continuous,
+        discrete: Some(&model.discrete),
+        poles: model.modes.iter().filter_map(|m| m.mode).map(|mode| mode.pole).collect(),
+        zeros: continuous.map(zeros_of).unwrap_or_default(),
+        dt_s: cut.sampled.dt_s(),
+        samples: cut.sampled.len(),
+    }
+}
+
+fn judged_sample(model: &Realization, cut: &Cut, grid_hz: &[f64]) -> Sample {
+    judged(model, cut).sample(grid_hz)
 }
 
 pub fn state_space(model: &StateSpace, input: &str, output: &str) -> StateSpaceV1 {
@@ -135,16 +217,17 @@ fn shapes(model: &Realization, channels: &[&str]) -> ShapesV1 {
     }
 }
 
-fn identification(model: &Realization, window: &Window<'_>, notes: Vec<String>) -> IdentificationV1 {
+fn identification(model: &Realization, pass: &Pass<'_>, notes: Vec<String>) -> IdentificationV1 {
+    let sampled = &pass.cuts[0].sampled;
     let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     IdentificationV1 {
-        method: window.method.to_owned(),
+        method: pass.method.to_owned(),
         order: size(model.order()),
-        channel: window.channels.join(", "),
-        treated_as: window.treated_as.to_owned(),
-        from_s: window.sampled[0].t0_s(),
-        to_s: window.sampled[0].end_s(),
-        samples: window.sampled[0].len() as u64,
+        channel: pass.names().join(", "),
+        treated_as: pass.treated_as.to_owned(),
+        from_s: sampled.t0_s(),
+        to_s: sampled.end_s(),
+        samples: sampled.len() as u64,
         hankel_rows: Some(size(model.rows)),
         hankel_columns: Some(size(model.columns)),
         singular_values: model.singular_values.clone(),
@@ -156,7 +239,7 @@ fn identification(model: &Realization, window: &Window<'_>, notes: Vec<String>) 
 }
 
 /// `era-4: fit 81.4 % of 2501 samples; 5.31 Hz (damping 0.481), 13.2 Hz (damping 0.112)`.
-fn summary(id: &str, model: &Realization, window: &Window<'_>) -> String {
+fn summary(id: &str, model: &Realization, samples: usize) -> String {
     let fit = model.fit_percent.map_or("no defined fit".to_owned(), |fit| format!("fit {fit:.1} %"));
     let modes: Vec<String> = model
         .modes
@@ -172,5 +255,5 @@ fn summary(id: &str, model: &Realization, window: &Window<'_>) -> String {
             }
         })
         .collect();
-    format!("{id}: {fit} of {} samples; {}", window.sampled[0].len(), modes.join(", "))
+    format!("{id}: {fit} of {samples} samples; {}", modes.join(", "))
 }

@@ -91,8 +91,11 @@ pub fn transfer_function_array(
     let residuals: Vec<&[f64]> = best.residual.chunks_exact(samples).collect();
     let effective = residuals.iter().map(|residual| effective_samples(residual)).sum();
     let (covariance, condition) = unknowns_covariance(problem, best, effective);
-    let deviations = match &covariance {
-        Some(covariance) => propagated(&describe, &unknowns, covariance),
+    let deviations: Vec<f64> = match &covariance {
+        Some(covariance) => {
+            let described = propagated(&describe, &unknowns, covariance);
+            described.diagonal().iter().map(|x| x.max(0.0).sqrt()).collect()
+        }
         None => vec![f64::INFINITY; values.len()],
     };
     let numerators = q * m * b_count;

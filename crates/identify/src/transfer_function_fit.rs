@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::least_squares::{Solution, TriangularFactor};
 use crate::pole_problem::{PoleProblem, scaled_poles};
+use crate::propagation::root_deviations;
 use crate::residual::{chi_square_95, effective_samples};
 use crate::section_chain::{Section, SectionChain, sections_of};
 use crate::separable::{Separable, SeparableFit, Stop, Termination, evaluate, minimize};
@@ -110,6 +111,11 @@ pub struct TransferFunctionFit {
     pub numerator_deviations: Vec<f64>,
     /// The same of the denominator without its leading 1.
     pub denominator_deviations: Vec<f64>,
+    /// Covariance of both: the numerator's `zeros + 1` coefficients, then the denominator's; `None` where the
+    /// sensitivities do not determine it.
+    pub coefficient_covariance: Option<DMatrix<f64>>,
+    /// Standard deviations of the real and imaginary parts of the zeros, 1/s; `None` where not determined.
+    pub zero_deviations: Vec<Option<(f64, f64)>>,
     /// Condition number of the column-scaled sensitivities of all unknowns.
     pub condition: f64,
     /// Mean square of the error, square of the output's unit.
@@ -334,12 +340,13 @@ impl Search {
         let values = describe(&unknowns);
         let effective = effective_samples(&best.residual);
         let (covariance, condition) = unknowns_covariance(problem, best, effective);
-        let deviations = match &covariance {
-            Some(covariance) => propagated(&describe, &unknowns, covariance),
-            None => vec![f64::INFINITY; values.len()],
-        };
         let n = options.poles;
         let b_count = options.zeros + 1;
+        let described = covariance.map(|covariance| propagated(&describe, &unknowns, &covariance));
+        let deviations: Vec<f64> = match &described {
+            Some(described) => described.diagonal().iter().map(|x| x.max(0.0).sqrt()).collect(),
+            None => vec![f64::INFINITY; values.len()],
+        };
         let chain = unscaled(&problem.chain(&best.theta), duration);
         let mut denominator = vec![1.0];
         denominator.extend(&values[b_count..b_count + n]);
@@ -358,8 +365,21 @@ impl Search {
             Vec::new()
         };
         let direct = if problem.direct { c[problem.numerator] * gain } else { 0.0 };
+        let zeros = transfer_function.zeros()?;
+        // Coefficients that vanish exactly are not part of the polynomial.
+        let shown = transfer_function.numerator();
+        let dropped = b_count - shown.len();
+        let zero_deviations = match &described {
+            Some(covariance) => {
+                let of_numerator = covariance.view((dropped, dropped), (shown.len(), shown.len())).into_owned();
+                root_deviations(shown, &of_numerator, &zeros)
+            }
+            None => vec![None; zeros.len()],
+        };
         Ok(TransferFunctionFit {
-            zeros: transfer_function.zeros()?,
+            coefficient_covariance: described.map(|c| c.view((0, 0), (b_count + n, b_count + n)).into_owned()),
+            zero_deviations,
+            zeros,
             transfer_function,
             state_space: cascade(&chain, forced, duration, gain, direct)?,
             initial_numerator,
@@ -443,12 +463,12 @@ pub(crate) fn unknowns_covariance(
     (Some(inverse_square * (variance * rows as f64 / effective)), condition)
 }
 
-/// Standard deviations of `describe(unknowns)` by central differences.
+/// Covariance of `describe(unknowns)` by central differences.
 pub(crate) fn propagated(
     describe: &impl Fn(&[f64]) -> Vec<f64>,
     unknowns: &[f64],
     covariance: &DMatrix<f64>,
-) -> Vec<f64> {
+) -> DMatrix<f64> {
     let count = describe(unknowns).len();
     let mut jacobian = DMatrix::zeros(count, unknowns.len());
     for i in 0..unknowns.len() {
@@ -462,8 +482,7 @@ pub(crate) fn propagated(
             jacobian[(j, i)] = (up - down) / (2.0 * h);
         }
     }
-    let product = &jacobian * covariance;
-    (0..count).map(|j| product.row(j).dot(&jacobian.row(j)).max(0.0).sqrt()).collect()
+    &jacobian * covariance * jacobian.transpose()
 }
 
 /// `sum c_s p_s` of polynomials of one length.

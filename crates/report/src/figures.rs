@@ -6,7 +6,9 @@ mod force;
 mod models;
 mod motion;
 mod poles;
+mod responses;
 mod singular_values;
+mod stabilisation;
 
 use serde_json::json;
 
@@ -22,7 +24,9 @@ pub fn all(run: &Run, ranking: &Ranking) -> Vec<Figure> {
         elements::figure(run, ranking),
         poles::figure(run),
         singular_values::figure(run),
+        stabilisation::figure(run),
         bode::figure(run),
+        responses::figure(run),
     ]
     .into_iter()
     .flatten()

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
-    CandidateV1, ChannelFilterV1, DiagnosisV1, IdentificationV1, MetricsV1, ModesV1, NotesV1, SimulationV1,
-    StateSpaceV1, TestV1, TransferFunctionV1,
+    CandidateV1, ChannelFilterV1, DiagnosisV1, IdentificationV1, MetricsV1, ModesV1, NotesV1, ResponseV1, SimulationV1,
+    StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1,
 };
 use crumple_signal::{Note, Sampled, Severity, TestDescription};
 use crumple_stage::{Inputs, RefuseExt, Refused};
@@ -31,6 +31,8 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
         run.measured = measured(inputs, &id, time_zero_s);
     }
     run.models = models(inputs)?;
+    let stabilizations = inputs.records::<StabilizationV1>("/stabilisation/")?;
+    run.stabilizations = stabilizations.into_iter().map(|(_, record)| record).collect();
     let simulations: BTreeMap<String, SimulationV1> = inputs.records("/simulation/")?.into_iter().collect();
     let stage_ran = inputs.artifacts().iter().any(|artifact| artifact.stage() == Some("simulate"));
     run.responses = (stage_ran || !simulations.is_empty()).then_some(simulations.len());
@@ -93,6 +95,9 @@ fn models(inputs: &Inputs) -> anyhow::Result<Vec<Model>> {
     }
     for (id, modes) in inputs.records::<ModesV1>("/modes/")? {
         of(&id, &mut |model| model.modes.clone_from(&modes.0));
+    }
+    for (id, response) in inputs.records::<ResponseV1>("/response/")? {
+        of(&id, &mut |model| model.response = Some(response.clone()));
     }
     for (topic, tf) in inputs.records::<TransferFunctionV1>("/model/")? {
         let id = topic.strip_suffix("/transfer-function").unwrap_or(&topic);

@@ -1,7 +1,8 @@
 //! What a report is made from, wherever it was read.
 
 use crumple_artifact::records::{
-    CandidateV1, ChannelFilterV1, EventsV1, IdentificationV1, MetricV1, ModeV1, SimulationV1, TransferFunctionV1,
+    CandidateV1, ChannelFilterV1, EventsV1, IdentificationV1, MetricV1, ModeV1, ResponseV1, SimulationV1,
+    StabilizationV1, TransferFunctionV1,
 };
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
 
@@ -22,6 +23,8 @@ pub struct Run {
     pub metrics: Vec<MetricV1>,
     /// Identified models by id.
     pub models: Vec<Model>,
+    /// Stabilisation diagrams, by method.
+    pub stabilizations: Vec<StabilizationV1>,
     /// Candidates in id order: by model, method and the number at the end.
     pub candidates: Vec<Candidate>,
     /// Number of responses in the simulate stage's artifact; `None`: there is no such artifact.
@@ -60,6 +63,8 @@ pub struct Model {
     pub transfer_function: Option<TransferFunctionV1>,
     /// Its modes, one entry a pole.
     pub modes: Vec<ModeV1>,
+    /// Its responses in frequency and time.
+    pub response: Option<ResponseV1>,
 }
 
 /// One set of physical parameters and what it answers with.

@@ -98,8 +98,31 @@ fn the_page_loads_nothing_and_the_test_cannot_break_it() {
     assert!(!own.contains("<script>window.broken"), "the title has opened a script");
     assert!(own.contains("Frontal &lt;b&gt;impact&lt;/b&gt; &amp; &quot;pole&quot;"));
     assert!(!own.contains("sled <1>") && own.contains("sled &lt;1&gt;"));
-    // As many scripts are closed as opened: six figures, plotly, the drawing.
-    assert_eq!((html.matches("<script").count(), html.matches("</script>").count()), (8, 8));
+    // As many scripts are closed as opened: eight figures, plotly, the drawing.
+    assert_eq!((html.matches("<script").count(), html.matches("</script>").count()), (10, 10));
+}
+
+#[test]
+fn evidence_of_the_models_is_drawn_with_its_settings() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = sample::write_artifacts(folder.path(), true);
+    report(folder.path(), &inputs, &[]);
+    let html = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    for text in [
+        "Band of era-2: bootstrap of 200 replicates, 5 to 95 %.",
+        "stable is a frequency within 1 %, a damping ratio within 5 %.",
+        "damping ratio above 2.0, above 95 % of the Nyquist",
+        "Marked: modes present in 50 % of the orders or more (1).",
+        "era-2, zeros",
+        "to a unit sample (above) and to a unit step (below)",
+    ] {
+        assert!(html.contains(text), "{text}");
+    }
+    // The band ends where it is not determined: thirty points there and back.
+    let bode = html.split("id=\"bode-data\">").nth(1).unwrap().split("</script>").next().unwrap();
+    let figure: serde_json::Value = serde_json::from_str(&bode.replace("\\u003c", "<")).unwrap();
+    let band = figure["data"].as_array().unwrap().iter().find(|trace| trace["fill"] == "toself").unwrap();
+    assert_eq!(band["x"].as_array().unwrap().len(), 60);
 }
 
 #[test]

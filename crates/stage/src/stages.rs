@@ -11,7 +11,7 @@ pub fn stage_order(stage: Option<&str>) -> usize {
 
 /// The binary that writes a topic, e.g. `/events` -> `crumple-integrate`.
 pub fn writer_of(topic: &str) -> &'static str {
-    const WRITERS: [(&str, &str); 16] = [
+    const WRITERS: [(&str, &str); 19] = [
         ("/test", "crumple-ingest"),
         ("/quality/", "crumple-ingest"),
         ("/filter/", "crumple-filter"),
@@ -22,6 +22,9 @@ pub fn writer_of(topic: &str) -> &'static str {
         ("/identification/", "crumple-identify"),
         ("/evidence/", "crumple-identify"),
         ("/shapes/", "crumple-identify"),
+        ("/stabilisation/", "crumple-identify"),
+        ("/response/", "crumple-identify"),
+        ("/selection/", "crumple-identify"),
         ("/matching/", "crumple-parameter-solve"),
         ("/parameters/", "crumple-parameter-solve"),
         ("/simulation/", "crumple-simulate"),

@@ -60,4 +60,39 @@ pub struct EvidenceV1 {
     pub zeros_im_rad_per_s: Vec<f64>,
     /// Bounds of the errors of the singular values in `/identification/<id>`, one each.
     pub singular_value_errors: Vec<f64>,
+    /// Standard deviations of the real parts of the zeros, 1/s; `null` where not determined. Empty without them.
+    pub zero_re_deviations: Vec<Option<f64>>,
+    /// The same of their imaginary parts, rad/s.
+    pub zero_im_deviations: Vec<Option<f64>>,
+    /// Replicates of the bootstrap that led to a model; `null` without a bootstrap.
+    pub bootstrap_replicates: Option<u32>,
+    /// Replicates that did not.
+    pub bootstrap_failed: Option<u32>,
+    /// How their noise was drawn, in words.
+    pub bootstrap_noise: Option<String>,
+    /// Spread over the replicates of the natural frequency of every mode, rad/s, in their order.
+    pub frequency_spreads: Vec<Option<SpreadV1>>,
+    /// The same of the damping ratio.
+    pub damping_spreads: Vec<Option<SpreadV1>>,
+    /// The same of the real part of every zero, 1/s.
+    pub zero_re_spreads: Vec<Option<SpreadV1>>,
+    /// The same of its imaginary part, rad/s.
+    pub zero_im_spreads: Vec<Option<SpreadV1>>,
+    /// Fit of the samples kept for validation, which the model has not seen, percent.
+    pub validation_fit_percent: Option<f64>,
+    /// First of these samples, s on the record's time axis.
+    pub validation_from_s: Option<f64>,
+    /// The paper whose procedure this is, as printed: `era` or `tfest`.
+    pub paper: Option<String>,
+}
+
+/// Spread of a number over the replicates of a bootstrap.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SpreadV1 {
+    /// Standard deviation.
+    pub deviation: f64,
+    /// 5 % of the replicates lie below.
+    pub lower: f64,
+    /// 5 % lie above.
+    pub upper: f64,
 }

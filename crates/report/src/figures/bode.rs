@@ -3,48 +3,66 @@
 use std::f64::consts::{PI, TAU};
 
 use crumple_artifact::records::TransferFunctionV1;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use crate::Run;
 use crate::escape::html;
-use crate::figure::{Figure, axis, base_layout, colour, compact, room_above, set, short};
+use crate::figure::{Figure, axis, base_layout, colour, compact, room_above, set, short, with};
 use crate::people::significant;
+use crate::{Model, Run};
 
 const POINTS: usize = 400;
 const HEIGHT_PX: u32 = 500;
 /// Rows that the names of natural frequencies are spread over.
 const NAME_ROWS: u32 = 3;
 
-/// Magnitude and phase of every model with a transfer function; `None` where there is none.
+/// Magnitude and phase of one model, with the words of its ends and its band.
+struct Curve {
+    frequencies_hz: Vec<f64>,
+    magnitude_db: Vec<f64>,
+    phase_deg: Vec<f64>,
+    input: String,
+    output: String,
+    /// Where the band comes from; its edges are lower and upper magnitude (dB), lower and upper phase (degrees).
+    band: Option<String>,
+    edges: [Vec<Option<f64>>; 4],
+}
+
+/// Magnitude and phase of every model with a response or a transfer function; `None` where there is none.
 pub fn figure(run: &Run) -> Option<Figure> {
-    let models: Vec<_> = run
+    let nyquist_hz = run.acceleration().map(|a| a.rate_hz() / 2.0);
+    let moduli: Vec<f64> = run
         .models
         .iter()
-        .filter_map(|model| Some((model, model.transfer_function.as_ref()?)))
-        .filter(|(_, tf)| !tf.numerator.is_empty() && !tf.denominator.is_empty())
-        .collect();
-    let (_, first) = models.first()?;
-    let nyquist_hz = run.acceleration().map(|a| a.rate_hz() / 2.0);
-    let moduli: Vec<f64> = models
-        .iter()
-        .flat_map(|(model, _)| &model.modes)
+        .filter(|model| model.response.is_some() || model.transfer_function.is_some())
+        .flat_map(|model| &model.modes)
         .map(|mode| mode.natural_frequency_rad_per_s / TAU)
         .filter(|f| *f > 1e-3)
         .collect();
-    let (low, high) = span_hz(&moduli, nyquist_hz);
-    let frequencies: Vec<f64> = (0..POINTS).map(|k| low * (high / low).powf(k as f64 / (POINTS - 1) as f64)).collect();
+    let span = span_hz(&moduli, nyquist_hz);
+    let models: Vec<(&Model, Curve)> =
+        run.models.iter().filter_map(|model| Some((model, curve(model, span)?))).collect();
+    let (_, first) = models.first()?;
+    let shown = models.iter().flat_map(|(_, curve)| &curve.frequencies_hz);
+    let (low, high) = shown.fold((f64::INFINITY, 0.0_f64), |(l, h), &f| (l.min(f), h.max(f)));
 
     let (mut traces, mut shapes, mut labels) = (Vec::new(), Vec::new(), Vec::new());
-    for (place, (model, tf)) in models.iter().enumerate() {
-        let line = json!({"color": colour::SERIES[place % colour::SERIES.len()], "width": 2,
-                          "dash": colour::DASHES[place % colour::DASHES.len()]});
-        let (magnitude_db, phase_deg) = response(tf, &frequencies);
-        let x = compact_log(&frequencies);
+    for (place, (model, curve)) in models.iter().enumerate() {
+        let colour = colour::SERIES[place % colour::SERIES.len()];
+        let line = json!({"color": colour, "width": 2, "dash": colour::DASHES[place % colour::DASHES.len()]});
+        let x = compact_log(&curve.frequencies_hz);
+        for (edges, axis) in [(&curve.edges[..2], "y"), (&curve.edges[2..], "y2")] {
+            if let Some(band) = band(&curve.frequencies_hz, &edges[0], &edges[1]) {
+                traces.push(with(
+                    band,
+                    json!({"yaxis": axis, "legendgroup": model.id, "fillcolor": colour, "opacity": 0.22}),
+                ));
+            }
+        }
         traces.push(
-            json!({"type": "scatter", "mode": "lines", "x": x.clone(), "y": compact(magnitude_db.iter().copied()),
+            json!({"type": "scatter", "mode": "lines", "x": x.clone(), "y": compact(curve.magnitude_db.iter().copied()),
             "name": html(&model.id), "legendgroup": model.id, "line": line, "hovertemplate": "%{y:.2f} dB"}),
         );
-        traces.push(json!({"type": "scatter", "mode": "lines", "x": x, "y": compact(phase_deg.iter().copied()),
+        traces.push(json!({"type": "scatter", "mode": "lines", "x": x, "y": compact(curve.phase_deg.iter().copied()),
             "yaxis": "y2", "name": html(&model.id), "legendgroup": model.id, "showlegend": false, "line": line,
             "hovertemplate": "%{y:.1f}°"}));
         // One label a resonance: a conjugate pair is one, an aperiodic pole none.
@@ -65,6 +83,14 @@ pub fn figure(run: &Run) -> Option<Figure> {
             );
         }
     }
+    let mut caption = format!(
+        "From {} to {}, SI units. Phase is unwrapped; natural frequencies of oscillating poles are marked.",
+        words(&first.input, "the input"),
+        words(&first.output, "the output")
+    );
+    for (model, band) in models.iter().filter_map(|(model, curve)| Some((model, curve.band.as_ref()?))) {
+        caption.push_str(&format!(" Band of {}: {band}.", model.id));
+    }
     let labels_drawn = labels.len();
     let mut layout = base_layout();
     set(
@@ -82,16 +108,60 @@ pub fn figure(run: &Run) -> Option<Figure> {
     Some(Figure {
         id: "bode",
         title: "Frequency response",
-        caption: format!(
-            "From {} to {}, SI units. Phase is unwrapped; natural frequencies of oscillating poles are marked.",
-            words(&first.input, "the input"),
-            words(&first.output, "the output")
-        ),
+        caption,
         height_px: HEIGHT_PX,
         half_width: false,
         traces,
         layout,
     })
+}
+
+fn curve(model: &Model, (low, high): (f64, f64)) -> Option<Curve> {
+    let degrees = |x: f64| x * 180.0 / PI;
+    if let Some(r) = &model.response {
+        let decibel = |edge: &[Option<f64>]| edge.iter().map(|x| x.filter(|x| *x > 0.0).map(decibel)).collect();
+        let turned = |edge: &[Option<f64>]| edge.iter().map(|x| x.map(degrees)).collect();
+        return Some(Curve {
+            frequencies_hz: r.frequency_hz.clone(),
+            magnitude_db: r.magnitude.iter().copied().map(self::decibel).collect(),
+            phase_deg: r.phase_rad.iter().copied().map(degrees).collect(),
+            input: r.input.clone(),
+            output: r.output.clone(),
+            band: r.band.clone(),
+            edges: [
+                decibel(&r.magnitude_lower),
+                decibel(&r.magnitude_upper),
+                turned(&r.phase_lower_rad),
+                turned(&r.phase_upper_rad),
+            ],
+        });
+    }
+    let tf = model.transfer_function.as_ref().filter(|tf| !tf.numerator.is_empty() && !tf.denominator.is_empty())?;
+    let frequencies_hz: Vec<f64> =
+        (0..POINTS).map(|k| low * (high / low).powf(k as f64 / (POINTS - 1) as f64)).collect();
+    let (magnitude_db, phase_deg) = response(tf, &frequencies_hz);
+    let (input, output) = (tf.input.clone(), tf.output.clone());
+    Some(Curve { frequencies_hz, magnitude_db, phase_deg, input, output, band: None, edges: Default::default() })
+}
+
+fn decibel(x: f64) -> f64 {
+    20.0 * x.log10()
+}
+
+/// The area between two edges, where both are known; `None` where they nowhere are.
+fn band(frequencies_hz: &[f64], lower: &[Option<f64>], upper: &[Option<f64>]) -> Option<Value> {
+    let known: Vec<(f64, f64, f64)> =
+        frequencies_hz.iter().zip(lower.iter().zip(upper)).filter_map(|(f, (l, u))| Some((*f, (*l)?, (*u)?))).collect();
+    if known.is_empty() {
+        return None;
+    }
+    // Along the upper edge and back along the lower.
+    let x: Vec<f64> = known.iter().chain(known.iter().rev()).map(|point| point.0).collect();
+    let y: Vec<f64> = known.iter().map(|point| point.2).chain(known.iter().rev().map(|point| point.1)).collect();
+    Some(
+        json!({"type": "scatter", "mode": "lines", "fill": "toself", "x": compact_log(&x), "y": compact(y.iter().copied()),
+        "line": {"width": 0}, "hoverinfo": "skip", "showlegend": false}),
+    )
 }
 
 fn words<'a>(text: &'a str, otherwise: &'a str) -> &'a str {
@@ -130,7 +200,7 @@ fn at_i_omega(coefficients: &[f64], omega: f64) -> (f64, f64) {
 }
 
 /// Frequencies on a logarithmic grid: digits relative to each value, not to the span.
-fn compact_log(frequencies: &[f64]) -> serde_json::Value {
+fn compact_log(frequencies: &[f64]) -> Value {
     frequencies.iter().map(|f| format!("{f:.5e}").parse::<f64>().unwrap_or(*f)).collect()
 }
 

@@ -67,6 +67,27 @@ pub fn figure(run: &Run) -> Option<Figure> {
         }
     }
 
+    let mut far_zeros = 0;
+    for (place, model) in run.models.iter().enumerate() {
+        let Some(response) = &model.response else { continue };
+        let zeros: Vec<(f64, f64)> =
+            response.zeros_re_per_s.iter().zip(&response.zeros_im_rad_per_s).map(|(re, im)| (*re, *im)).collect();
+        far_zeros += zeros.iter().filter(|(re, im)| re.hypot(*im) > 1.2 * radius).count();
+        if zeros.is_empty() {
+            continue;
+        }
+        let id = html(&model.id);
+        traces.push(json!({
+            "type": "scatter", "mode": "markers",
+            "x": zeros.iter().map(|z| short(z.0)).collect::<Vec<_>>(),
+            "y": zeros.iter().map(|z| short(z.1)).collect::<Vec<_>>(),
+            "hovertemplate": format!("zero %{{x:.5~g}} %{{y:+.5~g}}i 1/s<extra>{id}</extra>"),
+            "name": format!("{id}, zeros"), "visible": if run.models.len() > 3 { json!("legendonly") } else { json!(true) },
+            "marker": {"symbol": "circle-open", "size": 10, "color": colour::SERIES[place % colour::SERIES.len()],
+                       "line": {"width": 2}},
+        }));
+    }
+
     let (mut shapes, mut labels) = (Vec::new(), Vec::new());
     let guide = json!({"color": colour::GUIDE, "width": 1, "dash": "dot"});
     let label = |x: f64, y: f64, text: String, xanchor: &str, yanchor: &str| {
@@ -95,7 +116,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
                        "line": {"color": "#7b8794", "width": 1}, "layer": "below"}));
 
     let mut caption = String::from(
-        "Continuous poles. Rays join poles of equal damping ratio ζ, circles those of equal natural frequency.",
+        "Continuous poles, and zeros as circles. Rays join poles of equal damping ratio ζ, circles those of equal natural frequency.",
     );
     match unstable {
         0 => caption.push_str(" All poles are stable."),
@@ -103,6 +124,9 @@ pub fn figure(run: &Run) -> Option<Figure> {
         n => caption.push_str(&format!(
             " {n} poles are unstable (right half plane): they describe the window, not the structure."
         )),
+    }
+    if far_zeros > 0 {
+        caption.push_str(&format!(" {far_zeros} zeros lie outside the first view."));
     }
     if outside > 0 {
         caption.push_str(&format!(" {outside} far poles lie outside the first view; double-click to see all."));
@@ -121,7 +145,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
     );
     Some(Figure {
         id: "poles",
-        title: "Poles of the identified models",
+        title: "Poles and zeros of the identified models",
         caption,
         height_px: 480,
         half_width: true,

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use crumple_artifact::records::{
     CandidateV1, ChannelFilterV1, EventIntervalV1, EventsV1, FitV1, IdentificationV1, MetricV1, MetricsV1, ModeV1,
-    ModesV1, NotesV1, SimulationV1, TestV1, TransferFunctionV1, UncertaintyV1,
+    ModesV1, NotesV1, ResponseV1, SimulationV1, StabilizationClusterV1, StabilizationPoleV1, StabilizationV1, TestV1,
+    TransferFunctionV1, UncertaintyV1,
 };
 use crumple_artifact::{ArtifactBuilder, Compression, InputDigest, Provenance};
 use crumple_signal::{Channel, ChannelStatus, QuantityKind, Sampled, Source, TestDescription};
@@ -180,6 +181,76 @@ fn identification(order: u32) -> IdentificationV1 {
         rmse: Some(1.2),
         notes: vec!["the record is treated as an impulse response".to_owned()],
         output_fits_percent: Vec::new(),
+    }
+}
+
+/// `1/(s + 20)`: with a band of 10 % and 5°, half of it not determined.
+fn response() -> ResponseV1 {
+    let frequency_hz: Vec<f64> = (0..60).map(|k| 0.5 * 1.1_f64.powi(k)).collect();
+    let w: Vec<f64> = frequency_hz.iter().map(|f| std::f64::consts::TAU * f).collect();
+    let magnitude: Vec<f64> = w.iter().map(|w| 1.0 / w.hypot(20.0)).collect();
+    let phase_rad: Vec<f64> = w.iter().map(|w| -(w / 20.0).atan()).collect();
+    let edge = |values: &[f64], change: &dyn Fn(f64) -> f64| {
+        values.iter().enumerate().map(|(k, x)| (k < 30).then(|| change(*x))).collect::<Vec<Option<f64>>>()
+    };
+    let time_s: Vec<f64> = (0..200).map(|k| f64::from(k) * 4e-4).collect();
+    ResponseV1 {
+        input: "unit impulse (the record taken as Markov parameters)".to_owned(),
+        output: "acceleration of channel accel, m/s^2".to_owned(),
+        model: "continuous".to_owned(),
+        band: Some("bootstrap of 200 replicates, 5 to 95 %".to_owned()),
+        magnitude_lower: edge(&magnitude, &|x| 0.9 * x),
+        magnitude_upper: edge(&magnitude, &|x| 1.1 * x),
+        phase_lower_rad: edge(&phase_rad, &|x| x - 0.09),
+        phase_upper_rad: edge(&phase_rad, &|x| x + 0.09),
+        frequency_hz,
+        magnitude,
+        phase_rad,
+        impulse_of: "unit sample".to_owned(),
+        impulse: time_s.iter().map(|t| (-20.0 * t).exp()).collect(),
+        step: time_s.iter().map(|t| (1.0 - (-20.0 * t).exp()) / 20.0).collect(),
+        time_s,
+        zeros_re_per_s: vec![-132.0],
+        zeros_im_rad_per_s: vec![0.0],
+    }
+}
+
+/// One mode that stays from order 4 on, and one pole of every other kind.
+fn stabilization() -> StabilizationV1 {
+    let pole = |order: u32, im: f64, stability: &str| StabilizationPoleV1 {
+        order,
+        re_per_s: -1.4,
+        im_rad_per_s: im,
+        stability: stability.to_owned(),
+    };
+    StabilizationV1 {
+        method: "era".to_owned(),
+        channel: "accel".to_owned(),
+        orders: vec![2, 4, 6, 8],
+        highest_damping: 2.0,
+        nyquist_share: 0.95,
+        least_collinearity: None,
+        least_strength: Some(2.0),
+        frequency_change: 0.01,
+        damping_change: 0.05,
+        shape_change: None,
+        presence: 0.5,
+        poles: vec![
+            pole(2, 19.4, "new"),
+            pole(4, 19.41, "frequency"),
+            pole(4, 900.0, "rejected"),
+            pole(6, 19.42, "frequency-and-damping"),
+            pole(8, 19.42, "frequency-and-damping"),
+        ],
+        clusters: vec![StabilizationClusterV1 {
+            orders: 3,
+            natural_frequency_rad_per_s: 19.47,
+            natural_frequency_lower_rad_per_s: 19.46,
+            natural_frequency_upper_rad_per_s: 19.48,
+            damping_ratio: 0.0719,
+            damping_ratio_lower: 0.0718,
+            damping_ratio_upper: 0.0721,
+        }],
     }
 }
 
@@ -356,6 +427,8 @@ pub fn write_artifacts(folder: &Path, simulated: bool) -> Vec<PathBuf> {
         output: "acceleration".to_owned(),
     };
     identify.builder.put("/model/era-2/transfer-function", &tf).unwrap();
+    identify.builder.put("/response/era-2", &response()).unwrap();
+    identify.builder.put("/stabilisation/era", &stabilization()).unwrap();
     paths.push(identify.write(folder));
 
     let mut solve = Stage::new("parameter-solve", "5-parameter-solve.mcap", &[]);

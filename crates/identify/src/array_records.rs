@@ -1,0 +1,71 @@
+//! Continuous transfer functions of several inputs or outputs, and the evidence for them, as records.
+
+use crumple_identify::TransferFunctionArray;
+use crumple_lti::Complex;
+use crumple_signal::Notes;
+use crumple_stage::Output;
+
+use crate::by_transfer_function::{Task, condition_note, validate_continuous};
+use crate::comparison::Comparison;
+use crate::evidence::{foretold, modes, notes_on_modes, of_record, percent, put_evidence, put_transfer_functions};
+use crate::judgement::limits;
+use crate::to_records::state_space;
+
+/// Writes the records of one array and a summary line.
+pub fn put_array(
+    task: &Task<'_>,
+    fit: &TransferFunctionArray,
+    notes: &mut Notes,
+    comparison: &mut Comparison,
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    let Task { id, settings, beyond, record, .. } = *task;
+    let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
+    notes.extend(notes_on_modes(id, &poles, &record.cuts()));
+    notes.info(format!("{id}: one denominator for all paths, a numerator for each"));
+    condition_note(id, fit.condition, notes);
+    limits(id, (record.drives.len(), record.answers.len()), settings.bootstrap.as_ref(), notes);
+    if settings.bootstrap.is_some() && record.answers.len() == 1 {
+        notes.warning(format!("{id}: no bootstrap: of transfer functions it is made for one input and one output"));
+    }
+    let entry = |i: usize, j: usize| {
+        let tf = &fit.entries[i][j];
+        (tf.numerator().to_vec(), tf.denominator().to_vec())
+    };
+    put_transfer_functions(id, record, entry, out)?;
+    out.put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &record.input(), &record.output()))?;
+    out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
+    let (whole, mut supports) =
+        of_record("tfest", beyond.poles, record, &fit.simulated, fit.parameters, notes.to_texts());
+    let finite = |values: &[f64]| if values.iter().all(|x| x.is_finite()) { values.to_vec() } else { Vec::new() };
+    for (i, support) in supports.iter_mut().enumerate() {
+        support.hold = Some(beyond.hold.clone());
+        support.initial_conditions = if fit.initial_estimated { "estimated" } else { "zero" }.to_owned();
+        support.start = Some(fit.start.name().to_owned());
+        support.stop_reason = Some(fit.termination.name().to_owned());
+        support.iterations = u32::try_from(fit.iterations).ok();
+        support.evaluations = Some(fit.evaluations as u64);
+        support.losses = fit.losses.clone();
+        support.condition = Some(fit.condition).filter(|c| c.is_finite());
+        // Of every input, one after the other.
+        support.numerator_deviations = finite(&fit.numerator_deviations[i].concat());
+        support.denominator_deviations = finite(&fit.denominator_deviations);
+        support.frequency_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.0)).collect();
+        support.damping_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
+        support.paper = settings.paper.clone();
+    }
+    validate_continuous(task, &fit.state_space, fit.initial_estimated, &mut supports)?;
+    let percent = percent(whole.fit_percent);
+    out.put(&format!("/identification/{id}"), &whole)?;
+    put_evidence(id, &supports, out)?;
+    comparison.enter(id, record.data.samples(), &supports);
+    out.summary(format!(
+        "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
+        record.data.samples(),
+        fit.termination.name(),
+        fit.iterations,
+        fit.start.name(),
+        foretold(&supports)
+    ));
+    Ok(())
+}

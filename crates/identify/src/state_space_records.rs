@@ -1,0 +1,182 @@
+//! A sampled model between waveforms, and the evidence for it, as records.
+
+use crumple_identify::{IdentifyError, IoData, continued, fit_measures};
+use crumple_lti::{Complex, InputHold, Mode, StateSpace, to_continuous, to_transfer_function};
+use crumple_stage::Output;
+
+use crate::by_state_space::Found;
+use crate::comparison::Comparison;
+use crate::evidence::{
+    foretold, modes, notes_on_modes, of_record, percent, put_evidence, put_transfer_functions, validate_all,
+};
+use crate::evidence_options::BootstrapSettings;
+use crate::input_output::{Cut, Record};
+use crate::judgement::{Band, Judged, limits, put_spreads, spread, zeros_of};
+use crate::to_records::state_space;
+
+/// Transfer functions of more states are not written: their coefficients say nothing.
+const MOST_COEFFICIENTS: usize = 10;
+
+/// What a model is for and from.
+pub struct Task<'a> {
+    /// Name of the method.
+    pub method: &'a str,
+    /// States asked for.
+    pub order: usize,
+    /// The waveforms.
+    pub record: &'a Record,
+    /// Hold of the continuous model: `first-order` or `zero-order`.
+    pub hold: &'a str,
+    /// The window, inputs delayed.
+    pub data: &'a IoData,
+    /// The same with what is kept after it.
+    pub whole: &'a IoData,
+    /// Bootstrap, if asked for.
+    pub bootstrap: Option<&'a BootstrapSettings>,
+    /// The same estimate from another record of one output.
+    pub refit: &'a (dyn Fn(&[f64]) -> Option<StateSpace> + Sync),
+}
+
+/// Writes the records of one model under its id, `<method>-<order>`, and a summary line.
+pub fn put(
+    task: &Task<'_>,
+    found: &Found,
+    simulated: &[Vec<f64>],
+    comparison: &mut Comparison,
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    let Task { method, order, record, hold, .. } = *task;
+    let id = format!("{method}-{order}");
+    let (input, output) = (record.input(), record.output());
+    let kind = if hold == "zero-order" { InputHold::Zero } else { InputHold::First };
+    let mut notes = found.notes.clone();
+    for text in notes.iter().filter_map(|note| note.strip_prefix("warning: ")) {
+        out.notes().warning(format!("{id}: {text}"));
+    }
+    out.put(&format!("/model/{id}/discrete"), &state_space(&found.model, &input, &output))?;
+    let continuous = put_continuous(&id, &found.model, (record, kind), &mut notes, out)?;
+    for (name, model) in &found.beside {
+        let inputs = format!("{input}; {output}");
+        out.put(&format!("/model/{id}/{name}"), &state_space(model, &inputs, &output))?;
+    }
+    let dt = record.data.sample_time_s();
+    let pairs: Vec<_> =
+        found.model.poles()?.into_iter().filter_map(|z| Some((Mode::discrete(z, dt)?, Some(z)))).collect();
+    let first = &record.answers[0];
+    let judged = judged(&found.model, continuous.as_ref(), first)?;
+    let mut remarks = notes_on_modes(&id, &judged.poles, &record.cuts());
+    out.put(&format!("/modes/{id}"), &modes(pairs.iter().copied()))?;
+
+    let (mut whole, mut supports) = of_record(method, order, record, simulated, found.parameters, Vec::new());
+    let discrete: Vec<Complex> = pairs.iter().filter_map(|(_, z)| *z).collect();
+    let deviations = found.deviations.as_ref().map(|deviations| deviations(&discrete)).unwrap_or_default();
+    for (k, support) in supports.iter_mut().enumerate() {
+        support.hold = (!record.drives.is_empty()).then(|| hold.to_owned());
+        support.prediction_fit_percent = found
+            .predicted
+            .get(k)
+            .and_then(|predicted| fit_measures(&record.data.outputs()[k], predicted))
+            .and_then(|fit| fit.fit_percent);
+        support.stop_reason = found.stop_reason.map(str::to_owned);
+        support.frequency_deviations = deviations.iter().map(|d| d.map(|d| d.0)).collect();
+        support.damping_deviations = deviations.iter().map(|d| d.map(|d| d.1)).collect();
+    }
+    if !first.kept.is_empty() {
+        validate_all(record, &continued(&found.model, task.data, task.whole, None)?, &mut supports);
+    }
+    limits(&id, (record.drives.len(), record.answers.len()), task.bootstrap, &mut remarks);
+    let mut band = None;
+    if let ([support], [simulated]) = (&mut supports[..], simulated) {
+        let grid = judged.grid_hz();
+        let signals = (first.sampled.samples(), &simulated[..]);
+        let sample = judged.sample(&grid);
+        let spreads = spread(task.bootstrap, (&id, &sample), signals, found.parameters, &mut remarks, |y| {
+            let model = (task.refit)(y)?;
+            let continuous = to_continuous(&model, kind).ok().map(|found| found.model);
+            Some(self::judged(&model, continuous.as_ref(), first).ok()?.sample(&grid))
+        });
+        if let Some(spreads) = &spreads {
+            put_spreads(spreads, support);
+            band = Some(Band::from_bootstrap(spreads));
+        }
+    }
+    if record.single() {
+        if let Some(response) = judged.response(&input, &output, band.as_ref()) {
+            out.put(&format!("/response/{id}"), &response)?;
+        }
+    }
+    notes.extend(remarks.to_texts());
+    out.notes().extend(remarks);
+    whole.notes = notes;
+    whole.singular_values = found.singular_values.clone();
+    let samples = record.data.samples();
+    out.summary(format!("{id}: {} of {samples} samples{}", percent(whole.fit_percent), foretold(&supports)));
+    out.put(&format!("/identification/{id}"), &whole)?;
+    comparison.enter(&id, samples, &supports);
+    put_evidence(&id, &supports, out)
+}
+
+fn judged<'a>(
+    model: &'a StateSpace,
+    continuous: Option<&'a StateSpace>,
+    answer: &Cut,
+) -> Result<Judged<'a>, IdentifyError> {
+    let dt_s = answer.sampled.dt_s();
+    Ok(Judged {
+        continuous,
+        discrete: Some(model),
+        poles: model.poles()?.into_iter().filter_map(|z| Some(Mode::discrete(z, dt_s)?.pole)).collect(),
+        zeros: continuous.map(zeros_of).unwrap_or_default(),
+        dt_s,
+        samples: answer.sampled.len(),
+    })
+}
+
+/// Writes the continuous model by the logarithm for the hold declared, and its transfer functions.
+fn put_continuous(
+    id: &str,
+    model: &StateSpace,
+    (record, hold): (&Record, InputHold),
+    notes: &mut Vec<String>,
+    out: &mut Output,
+) -> anyhow::Result<Option<StateSpace>> {
+    let found = match to_continuous(model, hold) {
+        Ok(found) => found,
+        Err(error) => {
+            notes.push(format!("no continuous model: {error}"));
+            return Ok(None);
+        }
+    };
+    for z in &found.conjugated {
+        notes.push(format!(
+            "the pole z = {z:.6} has no continuous counterpart: the continuous model has one more state, a conjugate at the Nyquist frequency, and agrees at the samples only"
+        ));
+    }
+    let continuous = found.model;
+    out.put(&format!("/model/{id}/continuous"), &state_space(&continuous, &record.input(), &record.output()))?;
+    if continuous.order() > MOST_COEFFICIENTS {
+        return Ok(Some(continuous));
+    }
+    let mut entries = Vec::new();
+    for i in 0..record.answers.len() {
+        for j in 0..record.drives.len() {
+            let path = StateSpace::new(
+                continuous.a.clone(),
+                continuous.b.columns(j, 1).into_owned(),
+                continuous.c.rows(i, 1).into_owned(),
+                continuous.d.view((i, j), (1, 1)).into_owned(),
+                None,
+            )?;
+            match to_transfer_function(&path) {
+                Ok(tf) => entries.push((tf.numerator().to_vec(), tf.denominator().to_vec())),
+                Err(error) => {
+                    notes.push(format!("no transfer function: {error}"));
+                    return Ok(Some(continuous));
+                }
+            }
+        }
+    }
+    let inputs = record.drives.len();
+    put_transfer_functions(id, record, |i, j| entries[i * inputs + j].clone(), out)?;
+    Ok(Some(continuous))
+}
