@@ -14,7 +14,8 @@ pub fn follow(options: &mut Options) -> Result<(), Usage> {
     let Some(paper) = options.paper.as_deref() else { return Ok(()) };
     let taken = match paper {
         "era" => vec![
-            ("methods", !options.methods.is_empty() && options.methods != ["era"]),
+            // The curve fit of the same paper stands beside its realisations.
+            ("methods", options.methods.iter().any(|method| !["era", "exponentials"].contains(&method.as_str()))),
             ("orders", !options.orders.is_empty()),
             ("samples", options.samples.is_some()),
             ("rows", options.rows.is_some()),
@@ -38,7 +39,9 @@ pub fn follow(options: &mut Options) -> Result<(), Usage> {
         return Err(Usage::new(format!("paper {paper:?} prescribes {name}, which is given too"))
             .hint(format!("leave out {name}, or the paper")));
     }
-    options.methods = vec![paper.to_owned()];
+    if options.methods.is_empty() {
+        options.methods = vec![paper.to_owned()];
+    }
     if paper == "tfest" {
         options.initial = Some("zero".to_owned());
         options.hold = Some("zero-order".to_owned());
