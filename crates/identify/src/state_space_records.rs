@@ -103,10 +103,8 @@ pub fn put(
             band = Some(Band::from_bootstrap(spreads));
         }
     }
-    if record.single() {
-        if let Some(response) = judged.response(&input, &output, band.as_ref()) {
-            out.put(&format!("/response/{id}"), &response)?;
-        }
+    if let Some(response) = judged.response(&input, &output, band.as_ref()).filter(|_| record.single()) {
+        out.put(&format!("/response/{id}"), &response)?;
     }
     notes.extend(remarks.to_texts());
     out.notes().extend(remarks);
