@@ -8,13 +8,14 @@ use crumple_lti::{Complex, StateSpace};
 use crumple_signal::TestDescription;
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 
+use crate::beyond_era::BeyondEra;
 use crate::by_markov::{impulse_response, okid};
 use crate::comparison::Comparison;
 use crate::diagram;
 use crate::evidence_options::Stabilisation;
 use crate::hankel_settings::HankelSettings;
 use crate::input_output::{Record, record};
-use crate::options::{BeyondEra, Settings};
+use crate::options::Settings;
 use crate::state_space_records::{Task, put};
 
 /// Block rows and lags are for orders up to this where the order is automatic.

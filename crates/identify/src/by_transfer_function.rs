@@ -12,13 +12,14 @@ use nalgebra::DVector;
 use std::f64::consts::TAU;
 
 use crate::array_records::put_array;
+use crate::beyond_era::BeyondEra;
 use crate::comparison::Comparison;
 use crate::evidence::{
     evidence, foretold, identification, modes, notes_on_modes, percent, put_transfer_functions, validate_all,
 };
 use crate::input_output::{Cut, Record, record};
 use crate::judgement::{Band, Judged, put_spreads, spread};
-use crate::options::{BeyondEra, Settings};
+use crate::options::Settings;
 use crate::paper;
 use crate::to_records::state_space;
 

@@ -3,6 +3,7 @@
 use crumple_lti::{StateSpace, discretize_first_order_hold, discretize_zero_order_hold, simulate};
 use nalgebra::DMatrix;
 
+use crate::initial_state::free_outputs;
 use crate::{Hold, IdentifyError, IoData, simulate_fitted};
 
 /// A continuous model as a sampled one that gives the same outputs for an input of the declared kind.
@@ -34,6 +35,9 @@ pub fn continued(
         Some(start) => start.to_vec(),
         None => simulate_fitted(model, first)?.1,
     };
+    if whole.inputs().is_empty() {
+        return Ok(free_outputs(model, &start, whole.samples()));
+    }
     Ok(simulate(model, whole.inputs(), &start)?)
 }
 

@@ -73,7 +73,7 @@ impl HankelSettings {
             lag_blocks: size(options.lag_blocks, 10),
             lags: options.lags.map(|n| n as usize),
             lag_criterion: choice("criterion", &options.lag_criterion, &CRITERIA)?,
-            okid_states: choice("choice of states", &options.okid_states, &["joint", "system"])?,
+            okid_states: choice("choice of states", &options.okid_states, &["system", "joint"])?,
             taps: size(options.taps, 100),
             kernel: choice("kernel", &options.kernel, &Kernel::ALL.map(Kernel::name))?,
             free_decay_share: options.free_decay.as_deref().map(share).transpose()?,

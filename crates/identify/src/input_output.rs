@@ -4,7 +4,8 @@ use crumple_identify::IoData;
 use crumple_signal::{QuantityKind, Sampled, TestDescription};
 use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
 
-use crate::options::{BeyondEra, Settings};
+use crate::beyond_era::BeyondEra;
+use crate::options::Settings;
 use crate::{Window, window};
 
 /// What a user may do about waveforms that do not fit.

@@ -1,6 +1,7 @@
 //! `crumple-identify`: linear models from a crash pulse.
 
 mod array_records;
+mod beyond_era;
 mod by_era;
 mod by_exponentials;
 mod by_markov;

@@ -3,26 +3,19 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crumple_identify::Order;
 use crumple_signal::value::Time;
 use crumple_stage::{Usage, nearest};
 use serde::{Deserialize, Serialize};
 
+use crate::beyond_era::BeyondEra;
 use crate::evidence_options::{self, BootstrapSettings, Stabilisation};
-use crate::paper;
-use crumple_identify::{Order, Start};
-
 use crate::hankel_settings::HankelSettings;
+use crate::paper;
 
 /// Methods by name.
 const METHODS: [&str; 11] =
     ["era", "era-dc", "okid", "fir", "tfest", "exponentials", "n4sid", "moesp", "cva", "arx", "output-error"];
-
-/// Ways to starting points by name, default first to last.
-const STARTS: [Start; 7] =
-    [Start::Svf, Start::Gpmf, Start::Iv, Start::N4sid, Start::Integrators, Start::Exponentials, Start::Random];
-
-/// Conditions of a sum of exponentials at the start of the window.
-const CONDITIONS: [&str; 3] = ["position", "velocity", "acceleration"];
 
 /// Flags of `crumple-identify`, keys of `[identify]`.
 #[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
@@ -78,7 +71,8 @@ pub struct Options {
     /// Criterion for the number of lags: aicc or bic. Default: aicc.
     #[arg(long)]
     pub lag_criterion: Option<String>,
-    /// What okid chooses its states from: joint (system and observer gain) or system. Default: joint.
+    /// What okid chooses its states from: system, or joint (system and observer gain, as published). Default:
+    /// system.
     #[arg(long)]
     pub okid_states: Option<String>,
     /// Samples of the impulse response of fir, at most a third of the record unless it starts from rest (--initial
@@ -220,129 +214,6 @@ pub struct Settings {
     /// Paper whose procedure is followed, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paper: Option<String>,
-}
-
-/// Settings of the methods other than `era`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BeyondEra {
-    /// Driving waveforms; empty: the pulse. One alone named `none`: no input.
-    pub inputs: Vec<String>,
-    /// Answering waveforms; empty: the pulse's displacement.
-    pub outputs: Vec<String>,
-    /// Poles of a transfer function.
-    pub poles: usize,
-    /// Zeros.
-    pub zeros: usize,
-    /// Input between samples.
-    pub hold: String,
-    /// Motion at the start.
-    pub initial: String,
-    /// Whether poles are kept from growing.
-    pub stable: bool,
-    /// Ways to starting points.
-    pub starts: Vec<String>,
-    /// Iterations from each start, largest last, at least one.
-    pub max_iterations: Vec<usize>,
-    /// Samples by which the input acts late.
-    pub delay: usize,
-    /// Exponential terms.
-    pub terms: usize,
-    /// Real exponents only.
-    pub real: bool,
-    /// Conditions at the start, in the order position, velocity, acceleration.
-    pub conditions: usize,
-    /// Block rows, if given.
-    pub block_rows: Option<usize>,
-    /// Thinning of the subspace methods, if given.
-    pub thin: Option<usize>,
-}
-
-impl BeyondEra {
-    /// The most iterations from a start.
-    pub fn most_iterations(&self) -> usize {
-        self.max_iterations.last().copied().unwrap_or(0)
-    }
-
-    fn resolve(options: &Options) -> Result<Self, Usage> {
-        let choice = |name: &str, given: &Option<String>, choices: &[&str]| match given {
-            None => Ok(choices[0].to_owned()),
-            Some(text) if choices.contains(&text.as_str()) => Ok(text.clone()),
-            Some(text) => Err(unknown(name, text, choices)),
-        };
-        let names = STARTS.map(Start::name);
-        if let Some(start) = options.starts.iter().find(|start| !names.contains(&start.as_str())) {
-            return Err(unknown("start", start, &names));
-        }
-        for (condition, expected) in options.conditions.iter().zip(CONDITIONS) {
-            if !CONDITIONS.contains(&condition.as_str()) {
-                return Err(unknown("condition", condition, &CONDITIONS));
-            }
-            if condition != expected {
-                return Err(Usage::new(format!("condition {condition:?} stands before {expected:?}"))
-                    .hint("each condition needs the ones before: position, then velocity, then acceleration"));
-            }
-        }
-        if options.conditions.len() > CONDITIONS.len() {
-            return Err(Usage::new(format!("{} conditions, there are three", options.conditions.len())));
-        }
-        let size = |n: Option<u32>, default: usize| n.map_or(default, |n| n as usize);
-        let starts: Vec<String> = if options.starts.is_empty() {
-            names.iter().map(|name| (*name).to_owned()).collect()
-        } else {
-            options.starts.clone()
-        };
-        let mut max_iterations: Vec<usize> = options.max_iterations.iter().map(|n| *n as usize).collect();
-        if max_iterations.is_empty() {
-            max_iterations.push(200);
-        }
-        max_iterations.sort_unstable();
-        max_iterations.dedup();
-        if options.thin == Some(0) {
-            return Err(Usage::new("thin is 0, a positive number is needed"));
-        }
-        Ok(Self {
-            inputs: named("input", &options.input_channel, &options.input_channels)?,
-            outputs: named("output", &options.output_channel, &options.output_channels)?,
-            poles: size(options.poles, 4),
-            zeros: size(options.zeros, 1),
-            hold: choice("hold", &options.hold, &["first-order", "zero-order"])?,
-            initial: choice("initial condition", &options.initial, &["estimate", "zero", "auto"])?,
-            stable: options.stable.unwrap_or(false),
-            starts,
-            max_iterations,
-            delay: size(options.delay, 0),
-            terms: size(options.terms, 4),
-            real: options.real.unwrap_or(false),
-            conditions: options.conditions.len(),
-            block_rows: options.block_rows.map(|n| n as usize),
-            thin: options.thin.map(|n| n as usize),
-        })
-    }
-
-    /// The starts as the library knows them.
-    pub fn start_kinds(&self) -> Vec<Start> {
-        STARTS.into_iter().filter(|start| self.starts.iter().any(|name| name == start.name())).collect()
-    }
-}
-
-/// Waveforms named by the option of one or by that of several; each once.
-fn named(kind: &str, one: &Option<String>, several: &[String]) -> Result<Vec<String>, Usage> {
-    if one.is_some() && !several.is_empty() {
-        return Err(
-            Usage::new(format!("{kind}_channel and {kind}_channels both name waveforms")).hint("keep one of them")
-        );
-    }
-    let mut names: Vec<String> = Vec::new();
-    for name in several.iter().chain(one) {
-        if names.contains(name) {
-            return Err(Usage::new(format!("{kind} {name:?} is named twice")));
-        }
-        names.push(name.clone());
-    }
-    if names.len() > 1 && names.iter().any(|name| name == "none") {
-        return Err(Usage::new(format!("\"none\" stands beside other {kind}s")));
-    }
-    Ok(names)
 }
 
 /// A number, or a list of numbers.

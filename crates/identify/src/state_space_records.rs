@@ -82,7 +82,10 @@ pub fn put(
         support.damping_deviations = deviations.iter().map(|d| d.map(|d| d.1)).collect();
     }
     if !first.kept.is_empty() {
-        validate_all(record, &continued(&found.model, task.data, task.whole, None)?, &mut supports);
+        match continued(&found.model, task.data, task.whole, None) {
+            Ok(foretold) => validate_all(record, &foretold, &mut supports),
+            Err(error) => remarks.warning(format!("{id}: no validation: {error}")),
+        }
     }
     limits(&id, (record.drives.len(), record.answers.len()), task.bootstrap, &mut remarks);
     let mut band = None;
@@ -100,10 +103,8 @@ pub fn put(
             band = Some(Band::from_bootstrap(spreads));
         }
     }
-    if record.single() {
-        if let Some(response) = judged.response(&input, &output, band.as_ref()) {
-            out.put(&format!("/response/{id}"), &response)?;
-        }
+    if let Some(response) = judged.response(&input, &output, band.as_ref()).filter(|_| record.single()) {
+        out.put(&format!("/response/{id}"), &response)?;
     }
     notes.extend(remarks.to_texts());
     out.notes().extend(remarks);

@@ -107,6 +107,24 @@ fn every_method_takes_several_inputs_and_outputs() {
 }
 
 #[test]
+fn every_path_foretells_the_samples_kept_for_validation() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = artifact(folder.path());
+    let output = folder.path().join("4.mcap");
+    let flags = ["--methods=tfest,moesp", "--inputs=heater,fan", "--outputs=inside,outside", "--zeros=3"];
+    let run = identify(&input, &output, &[&flags[..], &["--validate-from=8s"]].concat());
+    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    let result = Artifact::open(&output).unwrap();
+    for id in ["tfest-4-3", "moesp-4"] {
+        for number in [1, 2] {
+            let evidence: EvidenceV1 = result.record(&format!("/evidence/{id}/{number}")).unwrap().unwrap();
+            // Clean data of the model class, as above.
+            assert!(evidence.validation_fit_percent.unwrap() > 99.999, "{id}: {:?}", evidence.validation_fit_percent);
+        }
+    }
+}
+
+#[test]
 fn one_output_of_two_inputs_and_the_old_names_of_the_options() {
     let folder = tempfile::tempdir().unwrap();
     let input = artifact(folder.path());

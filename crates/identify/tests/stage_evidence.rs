@@ -135,6 +135,57 @@ fn bootstrap_gives_every_method_its_spreads_and_the_truth_lies_within_them() {
 }
 
 #[test]
+fn methods_through_markov_parameters_have_the_same_evidence() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = artifact(folder.path(), Some(30));
+    let flags = ["--methods=okid,fir,era-dc", "--orders=4", "--bootstrap=8", "--rows=100", "--validate-from=300ms"];
+    let result = done(&input, &folder.path().join("4.mcap"), &flags);
+    for id in ["okid-4", "fir-4", "era-dc-4"] {
+        let evidence: EvidenceV1 = result.record(&format!("/evidence/{id}")).unwrap().unwrap();
+        let modes: ModesV1 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
+        assert_eq!(evidence.frequency_spreads.len(), modes.0.len(), "{id}");
+        assert!(evidence.bootstrap_replicates.unwrap() >= 4 && evidence.validation_fit_percent.is_some(), "{id}");
+        assert_eq!(evidence.validation_from_s, Some(0.3), "{id}");
+        let response: ResponseV1 = result.record(&format!("/response/{id}")).unwrap().unwrap();
+        assert!(response.band.unwrap().contains("bootstrap"), "{id}");
+    }
+    // Correlations find the second mode, 45 Hz, near the edge of a filter at 50 Hz.
+    let notes: NotesV1 = result.record("/notes").unwrap().unwrap();
+    assert!(notes.notes.iter().any(|n| n.contains("near the 50 Hz edge of the CFC 30 filter")), "{:?}", notes.notes);
+    let selection: SelectionV1 = result.record("/selection/93/displacement").unwrap().unwrap();
+    assert_eq!(selection.models.len(), 2);
+}
+
+#[test]
+fn models_of_several_outputs_are_validated_and_compared_and_say_what_they_lack() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = artifact(folder.path(), None);
+    let flags = [
+        "--methods=moesp",
+        "--orders=2,6",
+        "--inputs=none",
+        "--outputs=93,93/displacement",
+        "--validate-from=250ms",
+        "--bootstrap=4",
+        "--stabilisation",
+    ];
+    let result = done(&input, &folder.path().join("4.mcap"), &flags);
+    for number in [1, 2] {
+        let evidence: EvidenceV1 = result.record(&format!("/evidence/moesp-6/{number}")).unwrap().unwrap();
+        assert!(evidence.validation_fit_percent.is_some() && evidence.bootstrap_replicates.is_none(), "{number}");
+    }
+    assert!(result.record::<StabilizationV1>("/stabilisation/moesp").unwrap().is_some());
+    let selection: SelectionV1 = result.record("/selection/93+93/displacement").unwrap().unwrap();
+    assert_eq!((selection.models.len(), selection.output.as_str()), (2, "93, 93/displacement"));
+    // The pulse has two modes, and the 8 Hz one drives an oscillator of 8 Hz: six states.
+    assert_eq!(selection.best_by_bic, "moesp-6");
+    let notes: NotesV1 = result.record("/notes").unwrap().unwrap();
+    for text in ["moesp-6: no bootstrap", "moesp-6: responses are written for models of one input and one output"] {
+        assert!(notes.notes.iter().any(|n| n.contains(text)), "{text}: {:?}", notes.notes);
+    }
+}
+
+#[test]
 fn spreads_do_not_depend_on_the_number_of_threads_and_follow_the_seed() {
     let folder = tempfile::tempdir().unwrap();
     let input = artifact(folder.path(), Some(60));

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// `/selection/<output channel>`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SelectionV1 {
-    /// Channel that the models answer with.
+    /// Channel that the models answer with; several separated by commas, in the topic by `+`.
     pub output: String,
     /// Number of independent samples that all of them are judged by.
     pub effective_samples: f64,
@@ -28,7 +28,7 @@ pub struct SelectionModelV1 {
     pub id: String,
     /// Number of its parameters.
     pub parameters: u64,
-    /// Mean square error of the simulated output.
+    /// Mean square error of the simulated output; of several outputs the geometric mean.
     pub loss: f64,
     /// Akaike's criterion for short records less that of the best; `null` with too many parameters.
     pub aicc_difference: Option<f64>,
