@@ -21,43 +21,14 @@ impl Curve {
         piece.constant + piece.slope * x
     }
 
-    /// `integral from 0 to x of k(s) s ds` for `x >= 0`: the work on a secant spring with this coefficient, in closed form on
-    /// every piece.
+    /// See [`work`].
     pub fn work(&self, x: f64) -> f64 {
-        let knots = &self.knots[..self.len];
-        let mut total = 0.0;
-        let mut from = 0.0;
-        loop {
-            let piece = self.piece(from, true);
-            let to = piece.to.min(x);
-            // As products of sums and differences: nothing cancels on a short piece.
-            let (sum, gap) = (to + from, to - from);
-            total += gap * (0.5 * piece.constant * sum + piece.slope / 3.0 * (sum * sum - to * from));
-            if piece.to >= x || !knots.contains(&piece.to) {
-                return total;
-            }
-            from = piece.to;
-        }
+        work(&self.knots[..self.len], &self.values[..self.len], x)
     }
 
-    /// The piece that holds at `x >= 0`, where moving outwards counts the piece beyond a knot: `(start, slope, end)`
-    /// of `value = start + slope x`, valid up to `end` (and from `begin`).
+    /// See [`piece`].
     pub fn piece(&self, x: f64, outwards: bool) -> Piece {
-        let knots = &self.knots[..self.len];
-        let above = if outwards { knots.partition_point(|k| *k <= x) } else { knots.partition_point(|k| *k < x) };
-        if above == self.len {
-            return Piece {
-                index: self.len,
-                constant: self.values[self.len - 1],
-                slope: 0.0,
-                from: knots[self.len - 1],
-                to: f64::INFINITY,
-            };
-        }
-        // The first knot is zero: below it there is nothing.
-        let i = above.max(1);
-        let slope = (self.values[i] - self.values[i - 1]) / (knots[i] - knots[i - 1]);
-        Piece { index: i, constant: self.values[i - 1] - slope * knots[i - 1], slope, from: knots[i - 1], to: knots[i] }
+        piece(&self.knots[..self.len], &self.values[..self.len], x, outwards)
     }
 
     /// Number of knots.
@@ -111,4 +82,38 @@ pub(crate) struct Piece {
     pub slope: f64,
     pub from: f64,
     pub to: f64,
+}
+
+/// `integral from 0 to x of k(s) s ds` for `x >= 0`: the work on a secant spring with this coefficient, in closed form on
+/// every piece. The first knot is zero.
+pub(crate) fn work(knots: &[f64], values: &[f64], x: f64) -> f64 {
+    let mut total = 0.0;
+    let mut from = 0.0;
+    loop {
+        let piece = piece(knots, values, from, true);
+        let to = piece.to.min(x);
+        // As products of sums and differences: nothing cancels on a short piece.
+        let (sum, gap) = (to + from, to - from);
+        total += gap * (0.5 * piece.constant * sum + piece.slope / 3.0 * (sum * sum - to * from));
+        if piece.to >= x || !knots.contains(&piece.to) {
+            return total;
+        }
+        from = piece.to;
+    }
+}
+
+/// The piece that holds at `x >= 0`, where moving outwards counts the piece beyond a knot. The first knot is zero.
+pub(crate) fn piece(knots: &[f64], values: &[f64], x: f64, outwards: bool) -> Piece {
+    let above = if outwards { knots.partition_point(|k| *k <= x) } else { knots.partition_point(|k| *k < x) };
+    let last = knots.len() - 1;
+    if above == knots.len() {
+        return Piece { index: above, constant: values[last], slope: 0.0, from: knots[last], to: f64::INFINITY };
+    }
+    // The first knot is zero: below it there is nothing.
+    let i = above.max(1);
+    if i > last {
+        return Piece { index: i, constant: values[last], slope: 0.0, from: knots[last], to: f64::INFINITY };
+    }
+    let slope = (values[i] - values[i - 1]) / (knots[i] - knots[i - 1]);
+    Piece { index: i, constant: values[i - 1] - slope * knots[i - 1], slope, from: knots[i - 1], to: knots[i] }
 }

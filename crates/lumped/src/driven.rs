@@ -57,7 +57,8 @@ impl Drive {
         }
     }
 
-    fn source(&self) -> &[f64] {
+    /// Samples of the force or of the acceleration; none for an impact.
+    pub(crate) fn source(&self) -> &[f64] {
         self.force().map(|(_, samples)| samples).or(self.base()).unwrap_or(&[])
     }
 }

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use crate::driven::{Driven, Instant};
-use crate::{Chain, Drive, LumpedError, Maxwell, Model, ModelKind, Motion, Response, State};
+use crate::{Chain, ChainResponse, Drive, LumpedError, Maxwell, Model, ModelKind, Motion, Response, State};
 
 /// Where the energy is.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -135,7 +135,12 @@ fn chained(model: ModelKind, chain: &Chain, drive: &Drive, dt_s: f64, samples: u
         LumpedError::Diverges { time_s, .. } => LumpedError::Diverges { model, time_s },
         other => other,
     })?;
-    let masses = chain.masses_kg().len();
+    Ok(of_chain(chain.masses_kg(), found))
+}
+
+/// What a chain does in the words of every model.
+pub(crate) fn of_chain(masses_kg: &[f64], found: ChainResponse) -> Dynamics {
+    let (masses, dt_s) = (masses_kg.len(), found.dt_s);
     let name = |letter: char, i: usize| if masses == 1 { letter.to_string() } else { format!("{letter}{}", i + 1) };
     let mut forces = Vec::with_capacity(2 * masses);
     for (i, (spring, damper)) in found.spring_force_n.into_iter().zip(found.damper_force_n).enumerate() {
@@ -147,8 +152,8 @@ fn chained(model: ModelKind, chain: &Chain, drive: &Drive, dt_s: f64, samples: u
         forces.push(ElementForce { name: name('k', i), force_n: spring, deflection_m: deflection_m.clone() });
         forces.push(ElementForce { name: name('c', i), force_n: damper, deflection_m });
     }
-    let response = Response { dt_s, masses_kg: chain.masses_kg().to_vec(), motions: found.motions };
-    Ok(Dynamics { response, forces, energy: found.energy })
+    let response = Response { dt_s, masses_kg: masses_kg.to_vec(), motions: found.motions };
+    Dynamics { response, forces, energy: found.energy }
 }
 
 /// Spring and damper in series: one force, two deflections. States `x`, `v` and the spring's deflection `F/k`, all of a

@@ -56,6 +56,12 @@ pub enum LumpedError {
         /// Time of the first such sample.
         time_s: f64,
     },
+    /// The motion of a chain of masses leaves the range of numbers.
+    #[error("the motion of the chain of masses cannot be followed beyond t = {time_s} s: it diverges or is too stiff")]
+    ChainDiverges {
+        /// How far it was followed.
+        time_s: f64,
+    },
 }
 
 /// Refuses NaN, infinities and, where asked, what is not positive.

@@ -12,11 +12,13 @@
 //!   knot to knot.
 //! - [`DoubleSpringMassDamper`]: chassis and passenger compartment, two of each.
 //! - [`TripleSpringMassDamper`] and [`Chain`]: three and any number of masses; impact, input force or base motion.
+//! - [`SecantChain`]: the same with piecewise-linear coefficients in every spring and damper.
 //!
 //! Contact stays closed in all of them (the mass is tied to the barrier) except where `release` is set. So a linear
 //! model describes the loading phase of a crash; what it does after rebound is not a prediction.
 
 mod chain;
+mod chain_motion;
 mod coefficient_matching;
 mod crossing;
 mod cubic;
@@ -39,6 +41,8 @@ mod motion;
 mod nonlinear;
 mod parameters;
 mod physical_coordinates;
+mod piecewise_linear;
+mod secant_chain;
 mod secant_motion;
 mod secant_sensitivity;
 mod second_order;
@@ -63,4 +67,6 @@ pub use model::Model;
 pub use motion::{CrushEvents, Motion, Response, State};
 pub use nonlinear::{Nonlinear1, Nonlinear2};
 pub use physical_coordinates::{PhysicalCoordinates, RealisedModel};
+pub use piecewise_linear::PiecewiseLinear;
+pub use secant_chain::SecantChain;
 pub use sensitivity::{Instants, Sensitivity};

@@ -17,6 +17,10 @@ pub enum Dimension {
     Frequency,
     /// Share of a whole; unit 1.
     Share,
+    /// Force over displacement; SI unit N/m.
+    Stiffness,
+    /// Force over speed; SI unit N·s/m.
+    Damping,
 }
 
 impl Dimension {
@@ -28,6 +32,8 @@ impl Dimension {
             Self::Time => "s",
             Self::Frequency => "Hz",
             Self::Share => "%",
+            Self::Stiffness => "N/m",
+            Self::Damping => "N*s/m",
         }
     }
 
@@ -41,6 +47,8 @@ impl Dimension {
             Self::Time => "time",
             Self::Frequency => "frequency",
             Self::Share => "share",
+            Self::Stiffness => "stiffness",
+            Self::Damping => "damping",
         }
     }
 }
@@ -51,7 +59,7 @@ const FOOT_M: f64 = 0.3048;
 const POUND_KG: f64 = 0.453_592_37;
 const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
 
-use Dimension::{Frequency, Mass, Share, Signal, Time};
+use Dimension::{Damping, Frequency, Mass, Share, Signal, Stiffness, Time};
 use QuantityKind as Q;
 
 /// `(spellings, dimension, factor to SI)`. The first spelling is the usual one.
@@ -104,6 +112,15 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["kHz"], Frequency, 1e3),
     (&["%", "percent"], Share, 1e-2),
     (&["share"], Share, 1.0),
+    (&["kN/m"], Stiffness, 1e3),
+    (&["N/m"], Stiffness, 1.0),
+    (&["N/mm"], Stiffness, 1e3),
+    (&["kN/mm", "MN/m"], Stiffness, 1e6),
+    (&["lbf/in"], Stiffness, POUND_KG * STANDARD_GRAVITY_M_PER_S2 / INCH_M),
+    (&["kN*s/m", "kN·s/m", "kNs/m", "kN.s/m", "kN/(m/s)"], Damping, 1e3),
+    (&["N*s/m", "N·s/m", "Ns/m", "N.s/m", "N/(m/s)"], Damping, 1.0),
+    (&["N*s/mm", "N·s/mm", "Ns/mm", "N.s/mm"], Damping, 1e3),
+    (&["lbf*s/in"], Damping, POUND_KG * STANDARD_GRAVITY_M_PER_S2 / INCH_M),
 ];
 
 fn squeeze(text: &str) -> String {
@@ -234,6 +251,15 @@ mod tests {
         assert_eq!(parse_value("36km/h", SPEED), Ok(10.0));
         assert_eq!(parse_value("-20 ms", Time), Ok(-0.02));
         assert_eq!(parse_value("30 mph", SPEED), Ok(13.4112));
+    }
+
+    #[test]
+    fn springs_and_dampers_are_typed_in_the_units_of_the_trade() {
+        assert_eq!(parse_value("350 kN/m", Stiffness), Ok(350e3));
+        assert_eq!(parse_value("350N/mm", Stiffness), Ok(350e3));
+        assert_eq!(parse_value("20 kN s/m", Damping), Ok(20e3));
+        assert_eq!(parse_value("8 N*s/mm", Damping), Ok(8e3));
+        assert!(matches!(parse_value("20 kN/m", Damping), Err(UnitError::Unit { .. })));
     }
 
     #[test]

@@ -71,6 +71,10 @@ value! {
     Level(Dimension::Signal(QuantityKind::Acceleration), "m/s^2"),
     /// A share of something, typed in percent.
     Share(Dimension::Share, "share"),
+    /// A stiffness, N/m.
+    Stiffness(Dimension::Stiffness, "N/m"),
+    /// A damping, N·s/m.
+    Damping(Dimension::Damping, "N*s/m"),
 }
 
 /// Takes text, and bare numbers as text so that the answer to them is about the unit.

@@ -1,4 +1,4 @@
-use crumple_lumped::{Drive, Model};
+use crumple_lumped::Drive;
 use crumple_signal::Sampled;
 
 /// What moves the models.
@@ -28,10 +28,11 @@ pub enum Excitation<'a> {
 }
 
 impl Excitation<'_> {
-    /// The drive at `k dt` after time zero, k = 0 .. `samples`; records are interpolated linearly, zero outside.
+    /// The drive of a model of `mass_kg` in all at `k dt` after time zero, k = 0 .. `samples`; records are interpolated linearly,
+    /// zero outside.
     pub(crate) fn drive(
         &self,
-        model: &Model,
+        mass_kg: f64,
         impact_speed_m_per_s: f64,
         time_zero_s: f64,
         dt_s: f64,
@@ -47,7 +48,7 @@ impl Excitation<'_> {
             Self::PulseAsForce { record } => Drive::ImpactAndForce {
                 speed_m_per_s: impact_speed_m_per_s,
                 mass: 0,
-                samples: on_grid(record, model.masses_kg().iter().sum()),
+                samples: on_grid(record, mass_kg),
             },
         }
     }

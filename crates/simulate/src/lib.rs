@@ -12,5 +12,7 @@ mod simulate;
 pub use excitation::Excitation;
 pub use information::{Information, effective_samples, information, parameters_of};
 pub use measures::max_abs_error;
-pub use other_sensor::{OtherSensor, SensorFit, beside};
-pub use simulate::{Comparison, Measured, SimulateError, Simulation, Window, simulate, simulate_driven};
+pub use other_sensor::{OtherSensor, SensorFit, beside, beside_mass};
+pub use simulate::{
+    Comparison, Measured, SimulateError, Simulation, Window, simulate, simulate_chain, simulate_driven,
+};

@@ -1,5 +1,7 @@
 //! `crumple-simulate`: the response of every candidate model beside the test.
 
+mod chain_table;
+mod drive;
 mod stage;
 
 use std::process::ExitCode;

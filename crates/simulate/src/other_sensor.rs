@@ -36,7 +36,17 @@ pub struct SensorFit {
 ///
 /// For two dual double models this is the only figure that differs.
 pub fn beside(simulation: &Simulation, sensor: &OtherSensor, time_zero_s: f64, dt_s: f64) -> Option<SensorFit> {
-    let mass = if sensor.on_engine { 1 } else { simulation.masses.len() };
+    beside_mass(simulation, sensor, if sensor.on_engine { 1 } else { simulation.masses.len() }, time_zero_s, dt_s)
+}
+
+/// As [`beside`], with the mass that the sensor sits on, counted from the barrier, from 1.
+pub fn beside_mass(
+    simulation: &Simulation,
+    sensor: &OtherSensor,
+    mass: usize,
+    time_zero_s: f64,
+    dt_s: f64,
+) -> Option<SensorFit> {
     let motion: &Motion = simulation.masses.get(mass.checked_sub(1)?)?;
     let compared = (simulation.comparison.to_s / dt_s).round() as usize + 1;
     let (mut x, mut xh) = (Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-use crumple_lumped::{CrushEvents, Dynamics, LumpedError, Model, Motion};
+use crumple_lumped::{CrushEvents, Drive, Dynamics, LumpedError, Model, Motion, SecantChain};
 use crumple_metrics::{Iso18571Options, fit_percent, iso18571, rmse};
 use crumple_signal::Sampled;
 
@@ -116,6 +116,66 @@ pub fn simulate_driven(
     if !(v0.is_finite() && v0 > 0.0) {
         return Err(SimulateError::Speed(v0));
     }
+    let mass_kg = model.masses_kg().iter().sum();
+    beside_the_test(test, window, |dt, samples| {
+        let drive = excitation.drive(mass_kg, v0, test.time_zero_s, dt, samples);
+        Ok(if let Excitation::Impact = excitation {
+            let response = model.respond(v0, dt, samples)?;
+            let motion = response.compartment().clone();
+            (motion, response.motions, model.events(v0)?, model.dynamics(&drive, dt, samples).ok())
+        } else {
+            driven(model.dynamics(&drive, dt, samples)?)
+        })
+    })
+}
+
+/// As [`simulate_driven`], for a chain of masses, whose initial speed may be another than the test's. Under a force it starts from
+/// rest unless a speed is given; under a base motion always.
+pub fn simulate_chain(
+    chain: &SecantChain,
+    speed_m_per_s: Option<f64>,
+    test: &Measured<'_>,
+    window: Window,
+    excitation: &Excitation<'_>,
+) -> Result<Simulation, SimulateError> {
+    let v0 = speed_m_per_s.unwrap_or(test.impact_speed_m_per_s);
+    if !(v0.is_finite() && v0 > 0.0) {
+        return Err(SimulateError::Speed(v0));
+    }
+    let mass_kg = chain.masses_kg().iter().sum();
+    beside_the_test(test, window, |dt, samples| {
+        let drive = match (excitation.drive(mass_kg, v0, test.time_zero_s, dt, samples), speed_m_per_s) {
+            (Drive::Force { mass, samples }, Some(speed_m_per_s)) => {
+                Drive::ImpactAndForce { speed_m_per_s, mass, samples }
+            }
+            (drive, _) => drive,
+        };
+        let (motion, masses, mut events, dynamics) = driven(chain.dynamics(&drive, dt, samples)?);
+        if let Excitation::Impact = excitation {
+            events = chain.events(v0, CHAIN_HORIZON_S)?.pop().unwrap_or_default();
+        }
+        Ok((motion, masses, events, dynamics))
+    })
+}
+
+/// A crash is over in two seconds or never.
+const CHAIN_HORIZON_S: f64 = 2.0;
+
+/// Motion of the compartment, of every mass, its events, and everything else.
+type Responded = (Motion, Vec<Motion>, CrushEvents, Option<Dynamics>);
+
+fn driven(dynamics: Dynamics) -> Responded {
+    let motion = dynamics.response.compartment().clone();
+    let events = sampled_events(&motion, dynamics.response.dt_s);
+    (motion, dynamics.response.motions.clone(), events, Some(dynamics))
+}
+
+/// Simulates on the grid of the test and compares.
+fn beside_the_test(
+    test: &Measured<'_>,
+    window: Window,
+    respond: impl FnOnce(f64, usize) -> Result<Responded, LumpedError>,
+) -> Result<Simulation, SimulateError> {
     let (dt, zero) = (test.displacement.dt_s(), test.time_zero_s);
     let end_s = test.displacement.end_s() - zero;
     let to_s = window.to_s.or(test.time_of_dynamic_crush_s).unwrap_or(end_s).min(end_s);
@@ -127,16 +187,7 @@ pub fn simulate_driven(
     if compared < 2 || samples > most {
         return Err(SimulateError::Empty { end_s, to_s });
     }
-    let (motion, masses, events, dynamics) = if let Excitation::Impact = excitation {
-        let response = model.respond(v0, dt, samples)?;
-        let drive = excitation.drive(model, v0, zero, dt, samples);
-        (response.compartment().clone(), response.motions, model.events(v0)?, model.dynamics(&drive, dt, samples).ok())
-    } else {
-        let dynamics = model.dynamics(&excitation.drive(model, v0, zero, dt, samples), dt, samples)?;
-        let motion = dynamics.response.compartment().clone();
-        let events = sampled_events(&motion, dt);
-        (motion, dynamics.response.motions.clone(), events, Some(dynamics))
-    };
+    let (motion, masses, events, dynamics) = respond(dt, samples)?;
 
     // Pairs of test and model inside the window; a record that starts a little late gives fewer.
     let pairs = |record: &Sampled, modelled: &[f64]| -> (Vec<f64>, Vec<f64>) {

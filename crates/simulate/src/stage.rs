@@ -6,13 +6,16 @@ use crumple_lumped::{Dynamics, Model, ModelKind, Motion};
 use crumple_signal::value::Time;
 use crumple_signal::{Acceleration, Displacement, QuantityKind, Sampled, TestDescription, Velocity};
 use crumple_simulate::{
-    Excitation, Information, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside,
-    effective_samples, information, parameters_of, simulate_driven,
+    Information, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, beside_mass,
+    effective_samples, information, parameters_of, simulate_chain, simulate_driven,
 };
 use crumple_stage::records::{CandidateV1, EnergyV1, EventsV1, OtherSensorV1, SimulationV1, TestV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Usage, Wave, nearest};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+
+use crate::chain_table::ChainSettings;
+use crate::drive::Driven;
 
 /// The stage.
 pub struct Simulate;
@@ -46,18 +49,21 @@ pub struct Options {
     /// Mass that --drive force acts on, from 1 at the barrier [default: 1]
     #[arg(long, value_name = "NUMBER")]
     pub drive_mass: Option<usize>,
-}
 
-const DRIVES: [&str; 4] = ["impact", "force", "base", "pulse-as-force"];
+    /// Chains of masses stated in the pipeline file, `[simulate.chain.<name>]`, simulated beside the candidates.
+    #[arg(skip)]
+    pub chain: toml::Table,
+}
 
 /// Options with every default filled in.
 #[derive(Debug, Serialize)]
 pub struct Settings {
     to_s: Option<f64>,
     stay_attached: bool,
-    drive: &'static str,
-    drive_wave: Option<String>,
-    drive_mass: usize,
+    #[serde(flatten)]
+    driven: Driven,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    chain: Vec<ChainSettings>,
 }
 
 impl Stage for Simulate {
@@ -68,33 +74,18 @@ impl Stage for Simulate {
     type Input = Inputs;
 
     fn resolve(options: Options) -> anyhow::Result<Settings> {
-        let name = options.drive.as_deref().unwrap_or(DRIVES[0]);
-        let Some(drive) = DRIVES.into_iter().find(|drive| *drive == name) else {
-            let hint = match nearest(name, DRIVES) {
-                Some(near) => format!("did you mean {near:?}?"),
-                None => format!("there are: {}", DRIVES.join(", ")),
-            };
-            return Err(Usage::new(format!("unknown drive {name:?}")).hint(hint).into());
-        };
-        let takes_a_wave = matches!(drive, "force" | "base");
-        if takes_a_wave != options.drive_wave.is_some() {
-            return Err(if takes_a_wave {
-                Usage::new(format!("--drive {drive} needs a waveform")).hint("--drive-wave barrier/force")
-            } else {
-                Usage::new(format!("--drive {drive} takes no --drive-wave")).hint("--drive force or base does")
-            }
-            .into());
-        }
-        let drive_mass = options.drive_mass.unwrap_or(1);
-        if drive_mass == 0 {
-            return Err(Usage::new("drive-mass is 0, expected 1 for the mass next to the barrier, or more").into());
-        }
+        let name = options.drive.as_deref().unwrap_or("impact");
+        let driven = Driven::new("", name, options.drive_wave, options.drive_mass.unwrap_or(1))?;
+        let chain = options
+            .chain
+            .iter()
+            .map(|(name, table)| ChainSettings::read(name, table, &driven))
+            .collect::<anyhow::Result<_>>()?;
         Ok(Settings {
             to_s: options.to.map(Time::si),
             stay_attached: options.stay_attached.unwrap_or(false),
-            drive,
-            drive_wave: options.drive_wave,
-            drive_mass,
+            driven,
+            chain,
         })
     }
 
@@ -106,7 +97,7 @@ impl Stage for Simulate {
         let test = input.test()?;
         let events: EventsV1 = input.record("/events")?;
         let candidates: Vec<(String, CandidateV1)> = input.records("/parameters/")?;
-        if candidates.is_empty() {
+        if candidates.is_empty() && settings.chain.is_empty() {
             return Err(input.missing("/parameters/"));
         }
         let impact_speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
@@ -128,32 +119,13 @@ impl Stage for Simulate {
             time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
         };
 
-        let driving = match &settings.drive_wave {
-            Some(id) => {
-                let wave = input.wave(id)?;
-                let wanted = if settings.drive == "force" { QuantityKind::Force } else { QuantityKind::Acceleration };
-                if wave.quantity != wanted {
-                    return Err(Refused::new(format!("waveform {id} is {}", wave.quantity))
-                        .expected(format!("{wanted}, to drive models by"))
-                        .hint("crumple-artifact show lists the waveforms")
-                        .into());
-                }
-                Some(&wave.sampled)
-            }
-            None if settings.drive == "pulse-as-force" => Some(&input.wave(channel)?.sampled),
-            None => None,
-        };
-        let excitation = match (settings.drive, driving) {
-            ("force", Some(record)) => Excitation::Force { record, mass: settings.drive_mass - 1 },
-            ("base", Some(record)) => Excitation::Base { record },
-            ("pulse-as-force", Some(record)) => Excitation::PulseAsForce { record },
-            _ => Excitation::Impact,
-        };
-        let drive = words(settings);
+        let excitation = settings.driven.excitation(input, channel)?;
+        let drive = settings.driven.words();
         if let Some(drive) = &drive {
             out.notes().warning(format!("models are moved by {drive}"));
         }
 
+        let window = Window { to_s: settings.to_s };
         let results: Vec<Result<Simulation, SimulateError>> = candidates
             .par_iter()
             .map(|(_, candidate)| {
@@ -162,13 +134,21 @@ impl Stage for Simulate {
                 if let Model::Elastoplastic(elastoplastic) = &mut model {
                     elastoplastic.release = !settings.stay_attached;
                 }
-                simulate_driven(&model, &measured, Window { to_s: settings.to_s }, &excitation)
+                simulate_driven(&model, &measured, window, &excitation)
             })
             .collect();
+        let chains: Vec<Result<Simulation, SimulateError>> = settings
+            .chain
+            .iter()
+            .map(|stated| {
+                let excitation = stated.driven.excitation(input, channel)?;
+                Ok(simulate_chain(&stated.chain()?, stated.speed_m_per_s, &measured, window, &excitation))
+            })
+            .collect::<anyhow::Result<_>>()?;
 
         out.put("/test", &TestV1::from(&test))?;
         let others = other_sensors(input, &test, channel)?;
-        let simulations = || results.iter().flatten();
+        let simulations = || results.iter().chain(&chains).flatten();
         // The most that any candidate's error is worth: a smooth error makes no candidate good.
         let worth = simulations().filter_map(|s| effective_samples(&s.error_m)).reduce(f64::max);
         let mut simulated = 0;
@@ -191,26 +171,36 @@ impl Stage for Simulate {
                 Err(error) => out.notes().warning(format!("{id}: not simulated, {error}")),
             }
         }
+        for (stated, result) in settings.chain.iter().zip(chains) {
+            let id = stated.id();
+            let candidate = stated.candidate(stated.chain()?.is_passive());
+            out.put(&format!("/parameters/{id}"), &candidate)?;
+            match result {
+                Ok(simulation) => {
+                    simulated += 1;
+                    out.summary(line(&id, &simulation));
+                    let free = candidate.parameters.keys().filter(|name| !name.ends_with("_kg")).count() as u32;
+                    let mean_square = simulation.comparison.rmse_displacement_m.map(|rmse| rmse * rmse);
+                    let criterion = worth.zip(mean_square).map(|(n, v)| information(v, n, free));
+                    let beside = others
+                        .iter()
+                        .filter_map(|sensor| {
+                            let mass = if sensor.on_engine { stated.engine() } else { simulation.masses.len() };
+                            beside_mass(&simulation, sensor, mass, events.time_zero_s, displacement.dt_s())
+                        })
+                        .map(sensor_record)
+                        .collect();
+                    let found = (criterion, beside, stated.words());
+                    write(&id, &candidate, simulation, found, &displacement, events.time_zero_s, out)?;
+                }
+                Err(error) => out.notes().warning(format!("{id}: not simulated, {error}")),
+            }
+        }
         Ok(if simulated == 0 {
             Outcome::NoAcceptableResult("no candidate could be simulated; the notes say why".to_owned())
         } else {
             Outcome::Done
         })
-    }
-}
-
-/// What moves the models where it is not the impact alone.
-fn words(settings: &Settings) -> Option<String> {
-    let wave = settings.drive_wave.as_deref().unwrap_or("the pulse");
-    match settings.drive {
-        "force" => Some(format!("the force {wave} on mass {}, from rest", settings.drive_mass)),
-        "base" => Some(format!("the acceleration {wave} of the barrier, from rest; displacements are absolute")),
-        "pulse-as-force" => Some(
-            "the impact speed and the mass times the measured acceleration as a force on the front mass: circular, since \
-             the measured motion goes in and a model that is nearly one rigid mass gives it back; agreement is no evidence"
-                .to_owned(),
-        ),
-        _ => None,
     }
 }
 

@@ -20,7 +20,7 @@ pub use error::{ExitStatus, RefuseExt, Refused, Usage};
 pub use inputs::{Inputs, Loaded, MissingTopic, load_artifacts};
 pub use nearest::nearest;
 pub use output::Output;
-pub use pipeline::check_pipeline;
+pub use pipeline::{check_pipeline, unknown_name};
 pub use progress::{Progress, Watched, be_quiet};
 pub use run::{Outcome, Stage, main};
 pub use stages::{STAGES, stage_order, writer_of};

@@ -20,9 +20,9 @@ const HEADER_KEYS: [&str; 2] = ["title", "description"];
 /// Errors: an unreadable file; a table or key that does not exist, with the nearest name; a value of the wrong type.
 pub(crate) fn merge<O>(stage: &str, pipeline: Option<&Path>, flags: &O, matches: &ArgMatches) -> anyhow::Result<O>
 where
-    O: clap::Args + Serialize + DeserializeOwned,
+    O: clap::Args + Serialize + DeserializeOwned + Default,
 {
-    let keys = option_keys::<O>();
+    let keys = option_keys::<O>()?;
     let mut table = match pipeline {
         Some(path) => stage_table(stage, path, &keys)?,
         None => toml::Table::new(),
@@ -42,9 +42,17 @@ where
     })
 }
 
-fn option_keys<O: clap::Args>() -> Vec<String> {
+/// Every flag, and the tables that only a pipeline file can hold: those stand in the options as an empty map.
+fn option_keys<O: clap::Args + Serialize + Default>() -> anyhow::Result<Vec<String>> {
     let command = O::augment_args(clap::Command::new("options"));
-    command.get_arguments().map(|argument| argument.get_id().to_string()).collect()
+    let mut keys: Vec<String> = command.get_arguments().map(|argument| argument.get_id().to_string()).collect();
+    let defaults = toml::Table::try_from(O::default()).context("the default options cannot be written as a table")?;
+    for (key, _) in defaults.into_iter().filter(|(_, value)| value.is_table()) {
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+    Ok(keys)
 }
 
 /// Checks a pipeline file for a program that takes no options from it beyond `keys` of its own table.
@@ -66,7 +74,7 @@ fn stage_table(stage: &str, path: &Path, keys: &[String]) -> anyhow::Result<toml
         if !STAGES.contains(&key.as_str()) && !HEADER_KEYS.contains(&key.as_str()) {
             let what = if file[key].is_table() { "table" } else { "key" };
             let choices: Vec<&str> = STAGES.iter().chain(&HEADER_KEYS).copied().collect();
-            return Err(unknown(&format!("{}: unknown {what} {key:?}", path.display()), key, &choices));
+            return Err(unknown_name(&format!("{}: unknown {what} {key:?}", path.display()), key, &choices));
         }
     }
     let table = match file.remove(stage) {
@@ -77,13 +85,14 @@ fn stage_table(stage: &str, path: &Path, keys: &[String]) -> anyhow::Result<toml
     for key in table.keys() {
         if !keys.iter().any(|known| known == key) {
             let known: Vec<&str> = keys.iter().map(String::as_str).collect();
-            return Err(unknown(&format!("{}: unknown key {key:?} in [{stage}]", path.display()), key, &known));
+            return Err(unknown_name(&format!("{}: unknown key {key:?} in [{stage}]", path.display()), key, &known));
         }
     }
     Ok(table)
 }
 
-fn unknown(problem: &str, name: &str, choices: &[&str]) -> anyhow::Error {
+/// An error about a name that does not exist: with the nearest that does, or all of them.
+pub fn unknown_name(problem: &str, name: &str, choices: &[&str]) -> anyhow::Error {
     let hint = match nearest(name, choices.iter().copied()) {
         Some(near) => format!("did you mean {near:?}?"),
         None => format!("there are: {}", choices.join(", ")),

@@ -1,0 +1,141 @@
+//! A coefficient as a person states it: values at knots.
+
+use crate::LumpedError;
+use crate::curve::{piece, work};
+use crate::error::finite;
+
+/// A coefficient that is linear between knots and constant outside, over the size of a displacement or speed: even, so that a
+/// spring is as stiff in tension as in compression.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PiecewiseLinear {
+    /// Rising, the first zero.
+    knots: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl PiecewiseLinear {
+    /// The same everywhere.
+    pub fn constant(value: f64) -> Self {
+        Self { knots: vec![0.0], values: vec![value] }
+    }
+
+    /// `(knot, value)` with knots that rise from zero or more. A first knot above zero holds down to zero. Errors: none at all,
+    /// knots that do not rise, what is not finite.
+    pub fn new(points: &[(f64, f64)]) -> Result<Self, LumpedError> {
+        let Some(&(first, start)) = points.first() else {
+            return Err(LumpedError::Value { name: "number of knots", value: 0.0, expected: "one or more" });
+        };
+        for (knot, value) in points {
+            finite("knot", *knot)?;
+            finite("value at a knot", *value)?;
+        }
+        if first < 0.0 {
+            return Err(LumpedError::Value { name: "knot", value: first, expected: "zero or more" });
+        }
+        if let Some(pair) = points.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
+            return Err(LumpedError::Value { name: "knot", value: pair[1].0, expected: "above the knot before it" });
+        }
+        let (mut knots, mut values) = (Vec::new(), Vec::new());
+        if first > 0.0 {
+            knots.push(0.0);
+            values.push(start);
+        }
+        knots.extend(points.iter().map(|p| p.0));
+        values.extend(points.iter().map(|p| p.1));
+        // A last knot at the value of the one before it says what holds without it.
+        while values.len() > 1 && values[values.len() - 1] == values[values.len() - 2] {
+            knots.pop();
+            values.pop();
+        }
+        Ok(Self { knots, values })
+    }
+
+    /// The coefficient at a displacement or speed.
+    pub fn at(&self, q: f64) -> f64 {
+        let piece = piece(&self.knots, &self.values, q.abs(), true);
+        piece.constant + piece.slope * q.abs()
+    }
+
+    /// Energy in a secant spring with this stiffness, `integral from 0 to |q| of k(s) s ds`.
+    pub fn energy(&self, q: f64) -> f64 {
+        work(&self.knots, &self.values, q.abs())
+    }
+
+    /// Its value if it is the same everywhere.
+    pub fn as_constant(&self) -> Option<f64> {
+        (self.values.len() == 1).then_some(self.values[0])
+    }
+
+    /// Whether every value is positive or zero.
+    pub fn is_passive(&self) -> bool {
+        self.values.iter().all(|value| *value >= 0.0)
+    }
+
+    /// The pieces over the whole axis, from minus to plus infinity: `coefficient = constant + slope q`.
+    pub(crate) fn regions(&self) -> Vec<Region> {
+        let right: Vec<Region> = self
+            .knots
+            .iter()
+            .map(|knot| {
+                let p = piece(&self.knots, &self.values, *knot, true);
+                Region { constant: p.constant, slope: p.slope, low: p.from, high: p.to }
+            })
+            .collect();
+        let mirrored = |r: &Region| Region { slope: -r.slope, low: -r.high, high: -r.low, ..*r };
+        let mut all: Vec<Region> = right.iter().rev().map(mirrored).collect();
+        let mut rest = right.as_slice();
+        if right[0].slope == 0.0 {
+            // Nothing happens at zero: one piece across it.
+            all.pop();
+            all.push(Region { low: -right[0].high, ..right[0] });
+            rest = &right[1..];
+        }
+        all.extend_from_slice(rest);
+        all
+    }
+}
+
+/// Where one straight line holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Region {
+    pub constant: f64,
+    pub slope: f64,
+    pub low: f64,
+    pub high: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regions_tile_the_axis_and_give_the_coefficient() {
+        let curve = PiecewiseLinear::new(&[(0.1, 3.0), (0.2, 5.0), (0.4, 1.0), (0.5, 1.0)]).unwrap();
+        let regions = curve.regions();
+        // Minus infinity to -0.4, -0.2, -0.1, across zero to 0.1, 0.2, 0.4, infinity.
+        assert_eq!(regions.len(), 7);
+        assert_eq!((regions[0].low, regions[6].high), (f64::NEG_INFINITY, f64::INFINITY));
+        for pair in regions.windows(2) {
+            assert_eq!(pair[0].high, pair[1].low);
+        }
+        for q in [-0.7, -0.3, -0.15, 0.0, 0.05, 0.13, 0.39, 2.0] {
+            let region = regions.iter().find(|r| r.low <= q && q <= r.high).unwrap();
+            // Two roundings of numbers near 5.
+            assert!((region.constant + region.slope * q - curve.at(q)).abs() < 1e-14, "{q}");
+        }
+        assert_eq!(PiecewiseLinear::constant(2.0).regions().len(), 1);
+        // By hand: 3 * 0.1^2/2 up to the knot, then k = 1 + 20 s: s^2/2 + 20 s^3/3 from 0.1 to 0.2.
+        let by_hand = 0.015 + 0.5 * (0.04 - 0.01) + 20.0 / 3.0 * (0.008 - 0.001);
+        assert!((curve.energy(-0.2) - by_hand).abs() < 1e-16);
+    }
+
+    #[test]
+    fn knots_must_rise_and_equal_values_are_a_constant() {
+        assert!(PiecewiseLinear::new(&[]).is_err());
+        assert!(PiecewiseLinear::new(&[(-0.1, 1.0)]).is_err());
+        assert!(PiecewiseLinear::new(&[(0.0, 1.0), (0.0, 2.0)]).is_err());
+        assert!(PiecewiseLinear::new(&[(0.0, f64::NAN)]).is_err());
+        let flat = PiecewiseLinear::new(&[(0.0, 7.0), (0.2, 7.0), (0.4, 7.0)]).unwrap();
+        assert_eq!(flat.as_constant(), Some(7.0));
+    }
+}
