@@ -7,7 +7,7 @@ use crumple_stage::{Inputs, Refused};
 const PARTS: [&str; 6] = ["engine", "caliper", "brake", "wheel", "steering", "dashboard"];
 
 /// The channels of a list, or with `all` every x acceleration with data, not marked failed, whose location names
-/// nothing that moves apart from the compartment.
+/// nothing that moves apart from the compartment, and those the list names beside it.
 pub fn further<'a>(
     asked: &[String],
     test: &'a TestDescription,
@@ -22,7 +22,13 @@ pub fn further<'a>(
                 && channel.axis.is_none_or(|axis| axis == Axis::X)
                 && input.wave_if(&channel.id).is_some()
         });
-        let (taken, left): (Vec<&Channel>, Vec<&Channel>) = candidates.partition(|channel| of_compartment(channel));
+        for id in asked.iter().filter(|id| *id != "all" && *id != pulse) {
+            known(test, id)?;
+            input.wave(id)?;
+        }
+        let named = |channel: &Channel| asked.contains(&channel.id);
+        let (taken, left): (Vec<&Channel>, Vec<&Channel>) =
+            candidates.partition(|channel| of_compartment(channel) || named(channel));
         if !left.is_empty() {
             let ids: Vec<&str> = left.iter().map(|channel| channel.id.as_str()).collect();
             notes.info(format!(
@@ -34,14 +40,18 @@ pub fn further<'a>(
     }
     let mut channels = Vec::new();
     for id in asked.iter().filter(|id| *id != pulse) {
-        let channel = test.channel(id).ok_or_else(|| {
-            Refused::new(format!("the test has no channel {id:?}"))
-                .hint("crumple-artifact show lists the channels of an artifact")
-        })?;
+        let channel = known(test, id)?;
         input.wave(id)?;
         channels.push(channel);
     }
     Ok(channels)
+}
+
+fn known<'a>(test: &'a TestDescription, id: &str) -> anyhow::Result<&'a Channel> {
+    Ok(test.channel(id).ok_or_else(|| {
+        Refused::new(format!("the test has no channel {id:?}"))
+            .hint("crumple-artifact show lists the channels of an artifact")
+    })?)
 }
 
 /// Whether a channel moves with the compartment, as far as status and location say.

@@ -26,7 +26,7 @@ pub struct Options {
     #[arg(long, value_name = "ID")]
     pub channel: Option<String>,
 
-    /// Further accelerometers to integrate, by id, or all: every x acceleration of the compartment [default: none]
+    /// Further accelerometers to integrate, by id; all stands for every x acceleration of the compartment [default: none]
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     pub channels: Vec<String>,
 

@@ -12,6 +12,7 @@
 //! - two curves: [`iso18571()`], [`cora()`], [`residuals()`]; several: [`Corridor`], [`agreement`], [`over_channels`]
 
 mod asi;
+mod autocorrelation;
 mod best_shift;
 mod butterworth;
 mod centroid;
@@ -44,6 +45,9 @@ mod time_zero;
 mod vpi;
 
 pub use asi::{AsiLimits, AsiMethod, asi};
+pub use autocorrelation::{
+    autocorrelation_time, autocovariance, effective_samples, first_zero_lag, lag_1_autocorrelation,
+};
 pub use centroid::{centroid_time_by_moment, centroid_time_from_crush};
 pub use channels::{Agreement, ChannelMotion, LARGEST_CRUSH_GAP, agreement, over_channels};
 pub use clip::{CLIP_3MS_S, clip_contiguous, clip_cumulative};

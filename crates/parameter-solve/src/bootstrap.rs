@@ -4,10 +4,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
-use crate::correlation::autocorrelation_time;
 use crate::judge::Intervals;
 use crate::observed::{Observed, Problem};
 use crate::refine::{Refined, follow};
+use crumple_metrics::autocorrelation_time;
 
 /// Replicates that say something of the ends of an interval.
 pub const REPLICATES: usize = 200;

@@ -3,7 +3,7 @@
 use crumple_lti::jacobi_svd;
 use nalgebra::{DMatrix, DVector};
 
-use crate::correlation::{autocorrelation_time, autocovariance, first_zero_lag};
+use crumple_metrics::{autocorrelation_time, autocovariance, first_zero_lag};
 
 /// Singular values below this share of the largest are those of the differences, not of the model.
 const RANK_TOLERANCE: f64 = 1e-8;

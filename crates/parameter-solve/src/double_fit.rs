@@ -8,13 +8,13 @@ use crumple_signal::{Displacement, Signal};
 use nalgebra::{DMatrix, Matrix4, Vector4};
 use rayon::prelude::*;
 
-use crate::correlation::lag_1_autocorrelation;
 use crate::double_residuals::DoubleResiduals;
 use crate::error::positive;
 use crate::levenberg_marquardt::{Minimum, Residuals, Settings, minimise};
 use crate::search::{REPORTED, distinct, search};
 use crate::window::Window;
 use crate::{Fit, FitQuantity, SolveError, Uncertainty};
+use crumple_metrics::lag_1_autocorrelation;
 
 /// Names of the fitted parameters, in the order of theta.
 pub(crate) const NAMES: [&str; 4] = ["k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m"];

@@ -44,7 +44,7 @@ pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance) -> Opt
         [_] => format!("{} is the least determined", short(free[lead].name)),
         [a, b] if deviation > LOOSE => {
             let slope = |i: usize| along[i] * free[i].slope(free[i].coordinate(free[i].value));
-            let (first, second) = if a < b { (a, b) } else { (b, a) };
+            let (first, second) = if comes_before(free[a].name, free[b].name, a < b) { (a, b) } else { (b, a) };
             let factor = -slope(first) / slope(second);
             let sign = if factor < 0.0 { '-' } else { '+' };
             format!(
@@ -66,6 +66,11 @@ pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance) -> Opt
         "nothing bounds it".to_owned()
     };
     Some(format!("{known}: {moved}; {width}"))
+}
+
+/// Two of one kind stand by their numbers, others as the model has them.
+fn comes_before(a: &str, b: &str, in_the_model: bool) -> bool {
+    if a.as_bytes().first() == b.as_bytes().first() { a < b } else { in_the_model }
 }
 
 /// A parameter without its unit: `k1_n_per_m` is `k1`.

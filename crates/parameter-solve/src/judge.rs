@@ -2,15 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::Model;
-
 use crate::bootstrap::{Bootstrap, bootstrap};
-use crate::correlation::lag_1_autocorrelation;
-use crate::covariance::covariance;
+use crate::covariance::{Covariance, covariance};
+use crate::dual_scale::DualScale;
 use crate::identifiability::weakest_direction;
 use crate::observed::{FreeParameter, Observed};
 use crate::profile::{Profile, profile};
 use crate::refine::Refined;
+use crumple_lumped::Model;
+use crumple_metrics::lag_1_autocorrelation;
 
 /// What is computed beyond the covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -49,6 +49,9 @@ pub struct Judgement {
     pub profile: Vec<Profile>,
     /// Bootstrap, where asked for.
     pub bootstrap: Option<Bootstrap>,
+    /// What the sentence on the weakest direction is made from.
+    free: Vec<FreeParameter>,
+    covariance: Covariance,
 }
 
 /// Judges a model at the minimum of its misfit.
@@ -109,6 +112,8 @@ pub fn judge(
             Vec::new()
         },
         bootstrap: (options.bootstrap > 0).then(|| bootstrap(refined, observed, options.bootstrap)).flatten(),
+        free,
+        covariance: found,
     })
 }
 
@@ -124,45 +129,38 @@ fn around(parameter: &FreeParameter, value: f64, half: f64) -> (Option<f64>, Opt
 }
 
 impl Judgement {
-    /// The same verdict seen from the dual double model, which exchanges front and rear: its logarithms differ from these by
-    /// constants, so deviations and intervals keep their relative size. `model` holds its values.
-    pub fn of_dual(&self, model: &Model, of: &Model) -> Self {
-        let (values, before) = (model.parameters(), of.parameters());
-        let other = |name: &'static str| match name {
-            "k1_n_per_m" => "k2_n_per_m",
-            "k2_n_per_m" => "k1_n_per_m",
-            "c1_n_s_per_m" => "c2_n_s_per_m",
-            "c2_n_s_per_m" => "c1_n_s_per_m",
-            name => name,
-        };
-        let ratio = |name: &'static str| values[name] / before[other(name)];
-        let pair = |(low, high): &(Option<f64>, Option<f64>), by: f64| (low.map(|x| x * by), high.map(|x| x * by));
+    /// The same verdict seen from the dual double model.
+    pub fn of_dual(&self, dual: &DualScale) -> Self {
         let exchange = |intervals: &Intervals| -> Intervals {
-            intervals.iter().map(|(name, interval)| (other(name), pair(interval, ratio(other(name))))).collect()
-        };
-        let exchanged_words = |text: &str| {
-            // Through names that stand for no parameter.
-            [("k1", "\u{1}"), ("k2", "k1"), ("\u{1}", "k2"), ("c1", "\u{1}"), ("c2", "c1"), ("\u{1}", "c2")]
+            intervals
                 .iter()
-                .fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
+                .map(|(name, (low, high))| {
+                    let (name, by) = dual.of(name);
+                    (name, (low.map(|x| x * by), high.map(|x| x * by)))
+                })
+                .collect()
         };
+        let free: Vec<FreeParameter> = self
+            .free
+            .iter()
+            .map(|p| {
+                let (name, by) = dual.of(p.name);
+                let limit = p.limit * by;
+                FreeParameter { name, value: p.value * by, unit: p.unit * by, scale: p.scale * by, limit, ..*p }
+            })
+            .collect();
         Self {
-            parameters: self.parameters.iter().map(|name| other(name)).collect(),
-            standard_deviation: self
-                .standard_deviation
-                .iter()
-                .map(|(name, deviation)| (other(name), deviation * ratio(other(name))))
-                .collect(),
+            parameters: self.parameters.iter().map(|name| dual.of(name).0).collect(),
+            standard_deviation: dual.values(&self.standard_deviation),
             interval: exchange(&self.interval),
-            // The combination of values has another factor in the dual; the shares are the same.
-            weakest_direction: self.weakest_direction.as_deref().map(exchanged_words),
+            weakest_direction: weakest_direction(&free, &self.covariance),
             profile: self
                 .profile
                 .iter()
                 .map(|p| {
-                    let by = ratio(other(p.parameter));
+                    let (parameter, by) = dual.of(p.parameter);
                     Profile {
-                        parameter: other(p.parameter),
+                        parameter,
                         low: p.low.map(|x| x * by),
                         high: p.high.map(|x| x * by),
                         points: p.points.iter().map(|(value, rise)| (value * by, *rise)).collect(),
@@ -170,6 +168,7 @@ impl Judgement {
                 })
                 .collect(),
             bootstrap: self.bootstrap.as_ref().map(|b| Bootstrap { interval: exchange(&b.interval), ..b.clone() }),
+            free,
             ..self.clone()
         }
     }

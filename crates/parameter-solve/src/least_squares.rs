@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 use crumple_lti::jacobi_svd;
 use nalgebra::{DMatrix, DVector};
 
-use crate::correlation::lag_1_autocorrelation;
 use crate::{StopReason, Uncertainty};
+use crumple_metrics::lag_1_autocorrelation;
 
 /// Residuals at a point; `false` if the model has no finite response there.
 pub(crate) trait Response: Sync {

@@ -1,9 +1,12 @@
 //! `crumple-parameter-solve`: finds springs and dampers of lumped models from the events and motion of a test.
 
 mod judging;
+mod measured;
 mod models;
 mod options;
+mod pairs;
 mod stage;
+mod verdict;
 
 use std::process::ExitCode;
 

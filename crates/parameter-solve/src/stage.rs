@@ -1,6 +1,5 @@
 //! Reads the events and the displacement, solves, writes the candidates.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use crumple_parameter_solve::{
@@ -8,12 +7,13 @@ use crumple_parameter_solve::{
     match_identified, solve,
 };
 use crumple_signal::{Acceleration, Displacement, Force, Sampled, TestDescription, Velocity};
-use crumple_stage::records::{CandidateV1, EventsV1, ExponentialSumV1, FitV1, SensorFitV1, TestV1, UncertaintyV1};
+use crumple_stage::records::{CandidateV1, EventsV1, ExponentialSumV1, FitV1, SensorFitV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
 
-use crate::judging::{Judged, judge_all};
+use crate::judging::judge_all;
 use crate::models::{identified_models, matching_record};
 use crate::options::{Options, StageSettings};
+use crate::verdict::{Judged, of_its_own};
 
 /// The stage.
 pub struct ParameterSolve;
@@ -279,7 +279,6 @@ fn from_models(
 }
 
 fn record(candidate: &Candidate, judged: Option<&Judged>, channel: &str) -> CandidateV1 {
-    let named = |values: &BTreeMap<&'static str, f64>| values.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect();
     CandidateV1 {
         model: candidate.model.kind().name().to_owned(),
         method: candidate.method.name().to_owned(),
@@ -309,14 +308,9 @@ fn record(candidate: &Candidate, judged: Option<&Judged>, channel: &str) -> Cand
                 })
                 .collect(),
         }),
-        uncertainty: judged.map(Judged::record).or_else(|| {
-            candidate.uncertainty.as_ref().map(|u| UncertaintyV1 {
-                method: "linearised, autocorrelated residuals".to_owned(),
-                standard_deviation: named(&u.standard_deviation),
-                condition: Some(u.condition),
-                ..UncertaintyV1::default()
-            })
-        }),
+        uncertainty: judged
+            .map(Judged::record)
+            .or_else(|| candidate.uncertainty.as_ref().map(|u| of_its_own(u, &candidate.model.parameters()))),
         notes: candidate.notes.clone(),
     }
 }

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{EventsV1, FitV1, ModeV1, SimulationV1, UncertaintyV1};
 use serde::Serialize;
 
-use crate::{Model, Ranking, Run};
+use crate::ranking::by_id;
+use crate::{Candidate, Model, Ranking, Run};
 
 /// The summary of a run. Keys are written in the order of the fields, numbers in full, SI units throughout.
 #[derive(Debug, Serialize)]
@@ -19,6 +20,10 @@ pub struct Summary<'a> {
     candidates: Vec<CandidateSummary<'a>>,
     best: Option<String>,
     ranking: Vec<String>,
+    /// The figure that orders `ranking`.
+    ranked_by: &'static str,
+    /// Those with an AICc by that, lowest first.
+    ranking_by_aicc: Vec<String>,
     matching_best: Option<MatchingSummary<'a>>,
     notes: Vec<String>,
     other_channels: Vec<&'a str>,
@@ -151,6 +156,8 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
             .collect(),
         best: ranking.best.clone(),
         ranking: ranking.order.clone(),
+        ranked_by: "simulation.fit_percent: displacement fit over simulation.from_s to simulation.to_s, highest first",
+        ranking_by_aicc: by_aicc(run),
         matching_best: ranking.best_of_matching(run).map(|candidate| MatchingSummary {
             id: &candidate.id,
             equivalent_to: candidate.record.equivalent_to.as_deref(),
@@ -161,6 +168,14 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
         other_channels: test.channels.iter().map(|c| c.id.as_str()).filter(|id| Some(*id) != channel).collect(),
         missing: &run.missing,
     }
+}
+
+/// Candidates that have an AICc, lowest first; equal ones in id order.
+fn by_aicc(run: &Run) -> Vec<String> {
+    let with = |candidate: &Candidate| Some((candidate.simulation.as_ref()?.aicc?, candidate.id.clone()));
+    let mut found: Vec<(f64, String)> = run.candidates.iter().filter_map(with).collect();
+    found.sort_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| by_id(x, y)));
+    found.into_iter().map(|(_, id)| id).collect()
 }
 
 fn model(model: &Model) -> ModelSummary<'_> {

@@ -13,25 +13,6 @@ pub struct Information {
     pub parameters: u32,
 }
 
-/// Independent samples that an error over a window is worth: their number over the autocorrelation time, `1 + 2 sum r_k` up to
-/// the first lag that is not positive (Geyer's initial positive sequence). `None` for an error that is zero.
-pub fn effective_samples(error: &[f64]) -> Option<f64> {
-    let n = error.len();
-    let power: f64 = error.iter().map(|e| e * e).sum();
-    if n == 0 || power <= 0.0 || !power.is_finite() {
-        return None;
-    }
-    let mut time = 1.0;
-    for lag in 1..n {
-        let product: f64 = error[lag..].iter().zip(error).map(|(a, b)| a * b).sum();
-        if product <= 0.0 {
-            break;
-        }
-        time += 2.0 * product / power;
-    }
-    Some((n as f64 / time).max(1.0))
-}
-
 /// The criterion for a mean square error, at the number of independent samples that all candidates share: with a number each,
 /// the criterion would reward the smoother error. Hurvich & Tsai, Biometrika 76(2), 1989.
 pub fn information(mean_square_m2: f64, effective_samples: f64, parameters: u32) -> Information {
@@ -59,15 +40,5 @@ mod tests {
         assert!((found.aicc.unwrap() - (-1_381.551_055_796_427_5 + 4.0 + 12.0 / 97.0)).abs() < 1e-9);
         assert_eq!(information(1e-6, 10.9, 10).aicc, None);
         assert_eq!((parameters_of(ModelKind::Kelvin), parameters_of(ModelKind::Nonlinear2)), (2, 10));
-    }
-
-    #[test]
-    fn smooth_errors_are_worth_few_samples() {
-        let swing: Vec<f64> = (0..1000).map(|k| (f64::from(k) * 0.01 * std::f64::consts::PI).sin()).collect();
-        // Five periods, about three samples each.
-        let worth = effective_samples(&swing).unwrap();
-        assert!((14.0..=20.0).contains(&worth), "{worth}");
-        assert_eq!(effective_samples(&[0.0; 4]), None);
-        assert_eq!(effective_samples(&[1.0, -1.0, 1.0, -1.0]), Some(4.0));
     }
 }

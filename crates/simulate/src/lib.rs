@@ -10,7 +10,7 @@ mod other_sensor;
 mod simulate;
 
 pub use excitation::Excitation;
-pub use information::{Information, effective_samples, information, parameters_of};
+pub use information::{Information, information, parameters_of};
 pub use measures::max_abs_error;
 pub use other_sensor::{OtherSensor, SensorFit, beside, beside_mass};
 pub use simulate::{

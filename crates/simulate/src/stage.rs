@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use crumple_lumped::{Dynamics, Model, ModelKind, Motion};
+use crumple_metrics::effective_samples;
 use crumple_signal::value::Time;
 use crumple_signal::{Acceleration, Displacement, QuantityKind, Sampled, TestDescription, Velocity};
 use crumple_simulate::{
-    Information, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, beside_mass,
-    effective_samples, information, parameters_of, simulate_chain, simulate_driven,
+    Information, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, beside_mass, information,
+    parameters_of, simulate_chain, simulate_driven,
 };
 use crumple_stage::records::{CandidateV1, EnergyV1, EventsV1, OtherSensorV1, SimulationV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};

@@ -1,12 +1,15 @@
 //! Helpers for the workspace's tests, and the fixture generator. A dev-dependency only.
 
 pub mod fixture;
+mod known_truth;
 pub mod pipeline;
 pub mod program;
 pub mod reference_signals;
 pub mod stopwatch;
 
 use std::path::PathBuf;
+
+pub use known_truth::{KnownTruth, known_truths, known_truths_in, other_records, write_known_truth};
 
 /// A file or folder of the shared reference material, if it is here.
 ///
@@ -28,16 +31,14 @@ pub fn workspace() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
 
-/// `truth.json` of a record with known parameters, if it is here.
+/// `truth.json` of the record of this name, for tests that need one and no other; [`known_truths`] goes over all.
 ///
 /// Looks in the folder `CRUMPLE_KNOWN_TRUTH`, else among the shared reference material; prints the skip line
-/// where it is absent. A file that is there and cannot be read is the test's failure, not a skip.
+/// where the record is absent. A file that is there and cannot be read is the test's failure, not a skip.
 pub fn known_truth(record: &str) -> Option<serde_json::Value> {
-    let folder = match std::env::var_os("CRUMPLE_KNOWN_TRUTH") {
-        Some(folder) => PathBuf::from(folder).join(record),
-        None => shared(&format!("reference/known-truth/{record}"))?,
-    };
-    let path = folder.join("truth.json");
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    Some(serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display())))
+    let found = known_truths().into_iter().find(|known| known.name == record);
+    if found.is_none() {
+        eprintln!("SKIPPED: no record {record} among those with known parameters");
+    }
+    found.map(|known| known.truth)
 }

@@ -2,19 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use crumple_testkit::pipeline::binary;
-use crumple_testkit::{known_truth, shared};
+use crumple_testkit::{KnownTruth, known_truths, known_truths_in, other_records, write_known_truth};
 use serde_json::Value;
-
-fn folder(record: &str) -> Option<PathBuf> {
-    match std::env::var_os("CRUMPLE_KNOWN_TRUTH") {
-        Some(folder) => Some(PathBuf::from(folder).join(record)),
-        None => shared(&format!("reference/known-truth/{record}")),
-    }
-}
 
 fn stage(name: &str, args: &[&str]) -> String {
     let output = Command::new(binary(name)).args(args).output().unwrap();
@@ -101,14 +94,26 @@ fn holds(found: &Value, name: &str, truth: f64) -> (bool, String) {
     (inside && near, format!("{name}: {value} in {low:?} {high:?}, truth {truth}"))
 }
 
-fn check(record: &str, model: &str) {
-    let (Some(truth), Some(folder)) = (known_truth(record), folder(record)) else { return };
-    let found = candidates(&folder, &truth, model);
+/// The name of the model here; a nonlinear one by its number of knots.
+fn model_of(known: &KnownTruth) -> &str {
+    match known.model() {
+        "double" => "double-spring-mass-damper",
+        "nonlinear" => match known.truth["parameters"]["k_knots"].as_array().unwrap().len() {
+            2 => "nonlinear-1",
+            _ => "nonlinear-2",
+        },
+        other => other,
+    }
+}
+
+fn check(known: &KnownTruth) {
+    let (record, truth, model) = (&known.name, &known.truth, model_of(known));
+    let found = candidates(&known.folder, truth, model);
     assert!(!found.is_empty(), "{record}: no candidate");
     let mut reports = Vec::new();
     let holding = found.iter().any(|candidate| {
         let all: Vec<(bool, String)> =
-            wanted(&truth, model, candidate).iter().map(|(name, value)| holds(candidate, name, *value)).collect();
+            wanted(truth, model, candidate).iter().map(|(name, value)| holds(candidate, name, *value)).collect();
         reports.extend(all.iter().map(|(_, text)| text.clone()));
         all.iter().all(|(holds, _)| *holds)
     });
@@ -126,26 +131,43 @@ fn check(record: &str, model: &str) {
     assert!(words.is_some_and(|words| words.contains("displacement")), "{words:?}");
 }
 
+/// Every record of the folder whose model is among `models`.
+fn check_all(models: &[&str]) {
+    for known in known_truths().iter().filter(|known| known.is_lumped() && models.contains(&known.model())) {
+        check(known);
+    }
+}
+
 #[test]
 fn single_masses_come_back_through_cfc_60() {
-    for record in ["kelvin-undamped", "kelvin-underdamped"] {
-        check(record, "kelvin");
-    }
-    for record in ["elastoplastic", "elastoplastic-release"] {
-        check(record, "elastoplastic");
-    }
-    check("maxwell", "maxwell");
+    check_all(&["kelvin", "elastoplastic", "maxwell"]);
 }
 
 #[test]
 fn nonlinear_models_come_back_through_cfc_60() {
-    check("nonlinear-1", "nonlinear-1");
-    check("nonlinear-2", "nonlinear-2");
+    check_all(&["nonlinear"]);
 }
 
 #[test]
 fn double_models_and_their_duals_come_back_through_cfc_60() {
-    for record in ["double-underdamped", "double-mixed", "double-overdamped"] {
-        check(record, "double-spring-mass-damper");
+    check_all(&["double"]);
+}
+
+#[test]
+fn no_record_of_the_folder_is_left_out() {
+    for known in known_truths().iter().filter(|known| known.is_lumped()) {
+        let checked = ["kelvin", "elastoplastic", "maxwell", "nonlinear", "double"].contains(&known.model());
+        assert!(checked, "{}: no test for a model {:?}", known.name, known.model());
+    }
+}
+
+#[test]
+fn records_of_other_parameters_come_back_through_cfc_60() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, model, v0) in other_records() {
+        write_known_truth(folder.path(), name, &model, v0).unwrap();
+    }
+    for known in known_truths_in(folder.path()) {
+        check(&known);
     }
 }

@@ -14,6 +14,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
          <th scope=\"col\"><abbr title=\"No parameter is negative: a passive structure.\">Physical</abbr></th>\
          <th scope=\"col\" class=\"n\"><abbr title=\"100 (1 − |x − x̂| / |x − mean x|) of the displacement over the compared window.\">Fit, %</abbr></th>\
          <th scope=\"col\" class=\"n\"><abbr title=\"Root mean square displacement error over the compared window.\">RMSE, mm</abbr></th>\
+         <th scope=\"col\" class=\"n\"><abbr title=\"Corrected Akaike criterion of the displacement error over the same window, at the same number of independent samples for all: lower is better, it charges for every parameter.\">AICc</abbr></th>\
          <th scope=\"col\" class=\"n\"><abbr title=\"Dynamic crush of the model minus that of the test.\">ΔC, mm</abbr></th>\
          <th scope=\"col\" class=\"n\"><abbr title=\"Time of dynamic crush of the model minus that of the test.\">Δt<sub>m</sub>, ms</abbr></th>\
          </tr></thead>\n<tbody>\n",
@@ -38,7 +39,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     out.push_str(match ranking.best {
         Some(_) => {
-            "<p class=\"caption\">Ranked by the fit of the displacement; highlighted is the best that is physical, has no parameter on a bound of \
+            "<p class=\"caption\">Ranked by the fit of the displacement; AICc stands beside it, over the same window, and decides nothing. Highlighted is the best that is physical, has no parameter on a bound of \
              its search and no more parameters than it needs. A dual gives exactly the same record on this sensor and so the same figures.</p>\n</section>\n"
         }
         None => {
@@ -74,9 +75,7 @@ fn row(out: &mut String, candidate: &Candidate, ranking: &Ranking) {
             remarks.push(format!("On a bound: {}.", fit.active_bounds.join(", ")));
         }
     }
-    if let Some(condition) = record.uncertainty.as_ref().and_then(|u| u.condition) {
-        remarks.push(format!("Condition of the sensitivities: {}.", significant(condition, 3)));
-    }
+    remarks.extend(how_well_known(candidate));
     remarks.extend(simulation.iter().flat_map(|s| s.notes.iter().cloned()));
     if !remarks.is_empty() {
         let items: String = remarks.iter().map(|text| format!("<li>{}</li>", html(text))).collect();
@@ -90,19 +89,50 @@ fn row(out: &mut String, candidate: &Candidate, ranking: &Ranking) {
     let simulation = simulation.as_ref();
     out.push_str(&format!(
         "<tr{}><td class=\"rank\">{}{place}</td><td>{about}</td><td class=\"parameters\">{}</td><td>{}</td>\
-         <td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
+         <td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
         if best { " class=\"best\"" } else { "" },
         if best { "<span class=\"star\" title=\"best physical candidate\">★</span> " } else { "" },
         parameters(candidate),
         if record.physical { "yes" } else { "<span class=\"no\">no</span>" },
         number(simulation.and_then(|s| s.fit_percent), &|v| decimals(v, 2)),
         number(simulation.and_then(|s| s.rmse_displacement_m), &|v| decimals(MILLI * v, 2)),
+        number(simulation.and_then(|s| s.aicc), &|v| decimals(v, 1)),
         number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| signed(MILLI * v, 2)),
         number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| signed(MILLI * v, 2)),
     ));
 }
 
-/// `k = 321.9 ± 0.4 kN/m`, one parameter a line.
+/// Rank, weakest direction and condition; the sensors that the fit did not see.
+fn how_well_known(candidate: &Candidate) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if let Some(u) = &candidate.record.uncertainty {
+        if let Some(rank) = u.rank {
+            remarks.push(format!("Directions that the record determines: {rank} of {}.", u.order.len()));
+        }
+        remarks.extend(u.weakest_direction.iter().map(|text| format!("Known least: {text}.")));
+        if let Some(condition) = u.condition {
+            remarks.push(format!("Condition of the sensitivities: {}.", significant(condition, 3)));
+        }
+    }
+    let Some(simulation) = &candidate.simulation else { return remarks };
+    if let (Some(p), Some(samples)) = (simulation.fitted_parameters, simulation.effective_samples) {
+        let of = if simulation.aicc.is_some() { "" } else { ": too few for an AICc" };
+        remarks.push(format!("{p} parameters, {} independent samples in the window{of}.", significant(samples, 3)));
+    }
+    let others = simulation.other_sensors.iter().map(|other| {
+        format!(
+            "Sensor {} on mass {}, which the fit did not see: {} mm root mean square{}.",
+            other.channel,
+            other.mass,
+            decimals(MILLI * other.rmse_displacement_m, 2),
+            other.fit_percent.map_or_else(String::new, |fit| format!(", fit {} %", decimals(fit, 2)))
+        )
+    });
+    remarks.extend(others);
+    remarks
+}
+
+/// `k = 321.9 ± 0.4 kN/m, 95 %: 321.1 to 322.7`, one parameter a line.
 fn parameters(candidate: &Candidate) -> String {
     let deviations = candidate.record.uncertainty.as_ref().map(|u| &u.standard_deviation);
     let mut parameters: Vec<(&String, &f64)> = candidate.record.parameters.iter().collect();
@@ -119,8 +149,9 @@ fn parameters(candidate: &Candidate) -> String {
                 Some(&d) => (format!("{NBSP}±{NBSP}{}", significant(parameter(name, d).1, 2)), ""),
                 None => (String::new(), ""),
             };
+            let interval = if on_bound { String::new() } else { interval(candidate, name) };
             format!(
-                "<span title=\"{}\">{} = {}{deviation}{NBSP}{unit}{doubt}</span>",
+                "<span title=\"{}\">{} = {}{deviation}{NBSP}{unit}{doubt}{interval}</span>",
                 html(name),
                 html(&symbol),
                 significant(shown, 4)
@@ -128,4 +159,15 @@ fn parameters(candidate: &Candidate) -> String {
         })
         .collect();
     lines.join("<br>")
+}
+
+/// `, 95 %: 310 to 330`; an end that the record does not bound is "open".
+fn interval(candidate: &Candidate, name: &str) -> String {
+    let Some(u) = &candidate.record.uncertainty else { return String::new() };
+    let (Some(low), Some(high)) = (u.interval_low.get(name), u.interval_high.get(name)) else { return String::new() };
+    let end = |end: &Option<f64>| end.map_or_else(|| "open".to_owned(), |x| significant(parameter(name, x).1, 3));
+    match (low, high) {
+        (None, None) => "; 95\u{a0}%: open".to_owned(),
+        _ => format!("; 95{NBSP}%: {} to {}", end(low), end(high)),
+    }
 }

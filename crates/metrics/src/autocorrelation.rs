@@ -1,0 +1,85 @@
+//! How residuals hang together in time, and what that leaves of their number.
+//!
+//! `crumple-identify` counts the residuals of a noise model by their lag-1 autocorrelation instead, `N (1 - r)/(1 + r)`: right for
+//! a first-order autoregression, which the slow misfit of a crash model is not.
+
+/// Lag-1 autocorrelation of residuals, within 0 and 0.999 999; 0 for residuals that do not vary.
+///
+/// White residuals give about 0; the smooth misfit of a model to a crash gives nearly 1.
+pub fn lag_1_autocorrelation(residuals: &[f64]) -> f64 {
+    let mean = residuals.iter().sum::<f64>() / residuals.len().max(1) as f64;
+    let power: f64 = residuals.iter().map(|r| (r - mean).powi(2)).sum();
+    if power == 0.0 || !power.is_finite() {
+        return 0.0;
+    }
+    let product: f64 = residuals.windows(2).map(|w| (w[0] - mean) * (w[1] - mean)).sum();
+    (product / power).clamp(0.0, 0.999_999)
+}
+
+/// Autocovariance of residuals about zero at lags 0 .. `lags`, each divided by their number (so that any triangular window of
+/// it is positive semidefinite).
+pub fn autocovariance(residuals: &[f64], lags: usize) -> Vec<f64> {
+    let n = residuals.len().max(1) as f64;
+    (0..lags.min(residuals.len())).map(|lag| at_lag(residuals, lag) / n).collect()
+}
+
+/// `sum r[k] r[k + lag]`.
+fn at_lag(residuals: &[f64], lag: usize) -> f64 {
+    residuals[lag..].iter().zip(residuals).map(|(a, b)| a * b).sum()
+}
+
+/// First lag at which the autocovariance is not positive; at least 1.
+pub fn first_zero_lag(covariance: &[f64]) -> usize {
+    covariance.iter().skip(1).position(|c| *c <= 0.0).map_or(covariance.len(), |k| k + 1).max(1)
+}
+
+/// Autocorrelation time in samples: `1 + 2 sum r_k` over the lags before the first that is not positive; at least 1, and 1 for
+/// residuals that are all zero.
+///
+/// Geyer's initial positive sequence ("Practical Markov chain Monte Carlo", Statistical Science 7(4), 1992), about zero and not
+/// about the mean: a constant misfit is one sample. A slow swing of `m` periods in the window counts as about `3 m` samples.
+pub fn autocorrelation_time(residuals: &[f64]) -> f64 {
+    let power = at_lag(residuals, 0);
+    if power <= 0.0 || !power.is_finite() {
+        return 1.0;
+    }
+    let sum: f64 = (1..residuals.len()).map(|lag| at_lag(residuals, lag)).take_while(|product| *product > 0.0).sum();
+    (1.0 + 2.0 * sum / power).max(1.0)
+}
+
+/// Independent samples that residuals are worth: their number over [`autocorrelation_time`], at least 1. `None` for residuals
+/// that are all zero, or none.
+pub fn effective_samples(residuals: &[f64]) -> Option<f64> {
+    let varies = residuals.iter().any(|r| *r != 0.0) && residuals.iter().all(|r| r.is_finite());
+    varies.then(|| (residuals.len() as f64 / autocorrelation_time(residuals)).max(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+    use super::*;
+
+    #[test]
+    fn tells_smooth_from_alternating() {
+        let smooth: Vec<f64> = (0..200).map(|k| (f64::from(k) * 0.03).sin()).collect();
+        assert!(lag_1_autocorrelation(&smooth) > 0.98);
+        let alternating: Vec<f64> = (0..200).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        assert_eq!(lag_1_autocorrelation(&alternating), 0.0);
+        assert_eq!(lag_1_autocorrelation(&[0.0; 5]), 0.0);
+        assert_eq!((autocorrelation_time(&alternating), autocorrelation_time(&[0.0; 5])), (1.0, 1.0));
+    }
+
+    #[test]
+    fn a_swing_counts_three_samples_a_period() {
+        let swing: Vec<f64> = (0..1000).map(|k| (f64::from(k) * 0.01 * std::f64::consts::PI).sin()).collect();
+        // Five periods: 1 + 2 (half a swing of a cosine, 50/pi·2) = 64; the window's ends take a little off.
+        let time = autocorrelation_time(&swing);
+        assert!((50.0..=70.0).contains(&time), "{time}");
+        // About three samples a period.
+        let worth = effective_samples(&swing).unwrap();
+        assert!((14.0..=20.0).contains(&worth), "{worth}");
+        assert_eq!((effective_samples(&[0.0; 4]), effective_samples(&[])), (None, None));
+        assert_eq!(effective_samples(&[1.0, -1.0, 1.0, -1.0]), Some(4.0));
+    }
+}
