@@ -27,16 +27,14 @@ fn triple() -> SecantChain {
 }
 
 /// Classical Runge-Kutta with small steps on the law as a person writes it: nothing shared with the library but the curves.
-/// Visits `k dt`, k = 0 .. samples.
+/// Visits `k dt`, k = 0 .. samples, in steps of `dt/parts`.
 fn runge_kutta(
     masses: &[f64],
     force: impl Fn(usize, f64, f64) -> f64,
     pushed: impl Fn(usize, f64) -> f64,
     base: impl Fn(f64) -> (f64, f64),
     speed: f64,
-    dt: f64,
-    parts: usize,
-    samples: usize,
+    (dt, parts, samples): (f64, usize, usize),
 ) -> Vec<Vec<f64>> {
     let n = masses.len();
     let rate = |t: f64, z: &[f64]| -> Vec<f64> {
@@ -207,7 +205,7 @@ fn equal_knots_are_the_linear_chain() {
 fn three_masses_after_an_impact_move_as_a_small_step_integrator_says() {
     let chain = triple();
     let found = chain.respond(&Drive::Impact(14.0), 1e-3, 251).unwrap();
-    let at = |parts| runge_kutta(chain.masses_kg(), by_hand, |_, _| 0.0, |_| (0.0, 0.0), 14.0, 1e-3, parts, 251);
+    let at = |parts| runge_kutta(chain.masses_kg(), by_hand, |_, _| 0.0, |_| (0.0, 0.0), 14.0, (1e-3, parts, 251));
     let (coarse, fine) = (largest_difference(&found, &at(250)), largest_difference(&found, &at(1000)));
     // Steps of 1 us. Between knots the rule is right to (70/s * 1e-6 s)^4; a step over a knot, where the third derivative of the
     // motion jumps by some 1e6 m/s^3 and more, errs by h^3 of it: 1e-12 m each, some twenty of them.
@@ -229,7 +227,7 @@ fn drives_move_three_masses_as_a_small_step_integrator_says() {
     let drive = Drive::Force { mass: 1, samples: samples.clone() };
     let found = chain.respond(&drive, dt, 251).unwrap();
     let push = |i: usize, t: f64| if i == 1 { linear(&samples, t) } else { 0.0 };
-    let truth = runge_kutta(chain.masses_kg(), by_hand, push, |_| (0.0, 0.0), 0.0, dt, 1000, 251);
+    let truth = runge_kutta(chain.masses_kg(), by_hand, push, |_| (0.0, 0.0), 0.0, (dt, 1000, 251));
     let difference = largest_difference(&found, &truth);
     // As after an impact, with slower knots.
     assert!(difference.0 < 2e-11 && difference.1 < 2e-9, "{difference:?}");
@@ -237,7 +235,8 @@ fn drives_move_three_masses_as_a_small_step_integrator_says() {
     // A base of constant acceleration for the whole response: its motion has a closed form.
     let sled = Drive::BaseAcceleration(vec![120.0; 252]);
     let found = chain.respond(&sled, dt, 251).unwrap();
-    let truth = runge_kutta(chain.masses_kg(), by_hand, |_, _| 0.0, |t| (60.0 * t * t, 120.0 * t), 0.0, dt, 1000, 251);
+    let truth =
+        runge_kutta(chain.masses_kg(), by_hand, |_, _| 0.0, |t| (60.0 * t * t, 120.0 * t), 0.0, (dt, 1000, 251));
     let difference = largest_difference(&found, &truth);
     assert!(difference.0 < 2e-11 && difference.1 < 2e-9, "{difference:?}");
     assert!((found.base_m[250] - 60.0 * 0.25 * 0.25).abs() < 1e-12);
