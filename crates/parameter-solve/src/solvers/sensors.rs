@@ -252,7 +252,8 @@ impl Report<'_> {
             rmse: *rmse,
             noise: observed.noise,
         };
-        let plain = self.sensors.len() == 1 && self.sensors[0].1.channel.is_empty();
+        // The pulse's displacement: judged like the fits made for one model, through the filter of the record.
+        let plain = is_plain(self.task);
         let sensors = self.sensors.iter().zip(self.found.sensors.iter().zip(&rmse)).map(of);
         Some(Candidate {
             model,
