@@ -4,9 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{
-    DoubleSpringMassDamper, Elastoplastic, Kelvin, Maxwell, Model, Nonlinear1, Nonlinear2,
-};
+use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, Maxwell, Model, Nonlinear1, Nonlinear2};
 use crumple_parameter_solve::{
     Evidence, InputUncertainty, IntegrationRule, JudgeOptions, MassSplit, Measurement, Observed, SolveSettings,
     TwoPassFilter, free_parameters, judge, perturbed, propagate, refine, repeat, solve,
