@@ -163,6 +163,7 @@ impl Stage for Simulate {
                     let criterion = worth.zip(mean_square).map(|(n, v)| information(v, n, parameters_of(kind)));
                     let beside: Vec<SensorFit> = others
                         .iter()
+                        .filter(|sensor| !was_fitted(candidate, &sensor.channel))
                         .filter_map(|sensor| beside(&simulation, sensor, events.time_zero_s, displacement.dt_s()))
                         .collect();
                     let beside = beside.into_iter().map(sensor_record).collect();
@@ -292,6 +293,11 @@ fn other_sensors(input: &Inputs, test: &TestDescription, pulse: &str) -> anyhow:
         }
     }
     Ok(found)
+}
+
+/// Whether the candidate's own fit saw this channel: it says nothing new then.
+fn was_fitted(candidate: &CandidateV1, channel: &str) -> bool {
+    candidate.fit.as_ref().is_some_and(|fit| fit.sensors.iter().any(|sensor| sensor.channel == channel))
 }
 
 fn sensor_record(fit: SensorFit) -> OtherSensorV1 {

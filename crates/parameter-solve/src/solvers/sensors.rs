@@ -1,7 +1,7 @@
 //! Any model fitted to acceleration, velocity or displacement of one or several sensors.
 
 use crumple_lumped::{DoubleSpringMassDamper, Model, ModelKind};
-use crumple_signal::Notes;
+use crumple_signal::{Notes, Sampled};
 
 use crate::family::{Family, Scale};
 use crate::least_squares::{Optimum, Response, uncertainty};
@@ -19,11 +19,21 @@ const REPORTED: usize = 3;
 /// Minima whose weighted errors differ by less than this share are all reported.
 const AS_GOOD: f64 = 1.01;
 
-/// Whether the compartment's displacement alone is to be fitted, with known masses: what the fits made for one model do.
+/// Whether the displacement of the pulse alone is to be fitted, with known masses: what the fits made for one model do. A sensor
+/// on a mass that the model does not have changes nothing, nor does naming the pulse itself.
 pub(crate) fn is_plain(task: &Task<'_>) -> bool {
+    let count = masses_of(task.model);
+    let is_pulse = |sensor: &Sensor<'_>| {
+        let pulse: Option<&Sampled> = task.evidence.displacement.map(|displacement| &**displacement);
+        sensor.quantity == FitQuantity::Displacement && pulse == Some(sensor.record)
+    };
     task.settings.quantity == FitQuantity::Displacement
         && task.settings.mass_fit == MassFit::Known
-        && task.evidence.sensors.iter().all(|sensor| sensor.place.mass(masses_of(task.model)).is_none())
+        && task
+            .evidence
+            .sensors
+            .iter()
+            .all(|sensor| sensor.place.mass(count).is_none_or(|mass| mass + 1 == count && is_pulse(sensor)))
 }
 
 fn masses_of(kind: ModelKind) -> usize {
@@ -242,7 +252,8 @@ impl Report<'_> {
             rmse: *rmse,
             noise: observed.noise,
         };
-        let plain = self.sensors.len() == 1 && self.sensors[0].1.channel.is_empty();
+        // The pulse's displacement: judged like the fits made for one model, through the filter of the record.
+        let plain = is_plain(self.task);
         let sensors = self.sensors.iter().zip(self.found.sensors.iter().zip(&rmse)).map(of);
         Some(Candidate {
             model,

@@ -1,0 +1,109 @@
+//! The public frontal test NHTSA 10146 with every model family: the compartment alone, and the compartment with the engine.
+
+#![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
+
+use std::path::Path;
+
+use crumple_testkit::pipeline::{number, summary_of};
+use crumple_testkit::shared;
+use serde_json::Value;
+
+const FAMILIES: [&str; 7] = [
+    "kelvin",
+    "elastoplastic",
+    "maxwell",
+    "nonlinear-1",
+    "nonlinear-2",
+    "double-spring-mass-damper",
+    "triple-spring-mass-damper",
+];
+
+/// Runs the pipeline for two sensors with these flags more for parameter-solve.
+fn summary(record: &Path, flags: &str) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let binary = crumple_testkit::pipeline::binary("crumple-parameter-solve");
+    let stage = format!("parameter_solve={} {flags}", binary.display());
+    summary_of(&["pipeline=two-sensors", "flags=-q", &stage], folder.path(), record, &[])
+}
+
+fn candidates<'a>(summary: &'a Value, family: &str) -> Vec<&'a Value> {
+    let of_family = |c: &&Value| c["model"] == family;
+    summary["candidates"].as_array().unwrap().iter().filter(of_family).collect()
+}
+
+/// Every family is there with intervals, and the best follows the crush of the test.
+fn check_all(summary: &Value) {
+    let crush = number(summary, &["events", "dynamic_crush_m"]);
+    for family in FAMILIES {
+        let found = candidates(summary, family);
+        assert!(!found.is_empty(), "{family}: no candidate");
+        for candidate in found {
+            let intervals = &candidate["uncertainty"]["interval_low"];
+            assert!(intervals.as_object().is_some_and(|i| !i.is_empty()), "no intervals: {candidate}");
+            // A family that the record bounds nowhere would say nothing; nonlinear-2 is bounded at the ends only.
+            let bounded = ["interval_low", "interval_high"]
+                .iter()
+                .any(|end| candidate["uncertainty"][end].as_object().unwrap().values().any(Value::is_number));
+            assert!(bounded, "every interval is open: {candidate}");
+            assert!(candidate["simulation"]["aicc"].is_number(), "{candidate}");
+        }
+    }
+    for family in ["kelvin", "elastoplastic"] {
+        for method in ["closed-form", "direct-fit"] {
+            assert!(candidates(summary, family).iter().any(|c| c["method"] == method), "{family} by {method}");
+        }
+    }
+    assert!(summary["ranked_by"].as_str().unwrap().contains("displacement fit"));
+    let all = summary["candidates"].as_array().unwrap();
+    let fit = |id: &Value| number(all.iter().find(|c| c["id"] == *id).unwrap(), &["simulation", "fit_percent"]);
+    let fits: Vec<f64> = summary["ranking"].as_array().unwrap().iter().map(fit).collect();
+    // Places are given in steps of a millionth of a percent.
+    assert!(fits.windows(2).all(|pair| pair[0] >= pair[1] - 1e-6), "{fits:?}");
+    let best = all.iter().find(|c| c["id"] == summary["best"]).unwrap();
+    // What a model is for here: the crush within 1 % over the loading phase.
+    let error = number(best, &["simulation", "dynamic_crush_error_m"]);
+    assert!(error.abs() <= 0.01 * crush, "{}: {error} of {crush}", summary["best"]);
+    assert!(number(best, &["simulation", "max_displacement_error_m"]) <= 0.01 * crush, "{best}");
+    // Cross-validation on the other crossmember accelerometers, which no fit saw. They lie up to 2.4 % apart themselves.
+    // The engine (95) is another body.
+    let others =
+        best["simulation"]["other_sensors"].as_array().unwrap().iter().filter(|other| other["channel"] != "95");
+    let others: Vec<&Value> = others.collect();
+    assert_eq!(others.len(), 3, "{others:?}");
+    for other in others {
+        assert!(number(other, &["rmse_displacement_m"]) <= 0.024 * crush, "{other}");
+    }
+}
+
+#[test]
+fn the_compartment_alone_leaves_two_duals() {
+    let Some(record) = shared("data/nhtsa-v10146-camry-frontal/v10146.EV5") else { return };
+    let summary = summary(&record, "--sensors compartment=93");
+    check_all(&summary);
+    let doubles = candidates(&summary, "double-spring-mass-damper");
+    assert_eq!(doubles[0]["equivalent_to"], doubles[1]["id"], "{doubles:?}");
+    assert_eq!(doubles[1]["equivalent_to"], doubles[0]["id"], "{doubles:?}");
+    // The same record, so the same figures; two simulations differ by rounding.
+    let fit = |c: &Value| number(c, &["simulation", "fit_percent"]);
+    assert!((fit(doubles[0]) - fit(doubles[1])).abs() < 1e-6, "{doubles:?}");
+}
+
+#[test]
+fn the_engine_sensor_decides_between_the_duals() {
+    let Some(record) = shared("data/nhtsa-v10146-camry-frontal/v10146.EV5") else { return };
+    let summary = summary(&record, "");
+    check_all(&summary);
+    let doubles = candidates(&summary, "double-spring-mass-damper");
+    for double in &doubles {
+        assert!(double["equivalent_to"].is_null(), "{double}");
+        let notes = double["notes"].to_string();
+        assert!(notes.contains("the second sensor decides"), "{notes}");
+        let sensors = double["fit"]["sensors"].as_array().unwrap();
+        assert_eq!(sensors.len(), 2, "{sensors:?}");
+        let seen_again = double["simulation"]["other_sensors"].as_array().unwrap();
+        assert!(seen_again.iter().all(|sensor| sensor["channel"] != "95"), "{seen_again:?}");
+    }
+    // Models of one mass cannot use it: the same parameters as from the compartment alone.
+    let kelvin = candidates(&summary, "kelvin").into_iter().find(|c| c["method"] == "direct-fit").unwrap();
+    assert!(kelvin["fit"]["sensors"].as_array().is_none_or(Vec::is_empty), "{kelvin}");
+}
