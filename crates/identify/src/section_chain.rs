@@ -212,18 +212,27 @@ fn recur<const N: usize>(
     let (now, next) = (column(now, 0), column(next, 0));
     let mut x: [f64; N] = std::array::from_fn(|i| start[i]);
     let mut states = vec![Vec::with_capacity(samples); N];
-    for k in 0..samples {
-        for (state, x) in states.iter_mut().zip(x) {
-            state.push(x);
-        }
-        let (u0, u1) = input.map_or((0.0, 0.0), |u| (u[k], u.get(k + 1).copied().unwrap_or(0.0)));
-        let mut sum: [f64; N] = std::array::from_fn(|i| now[i] * u0 + next[i] * u1);
-        for (column, x) in columns.iter().zip(x) {
-            for i in 0..N {
-                sum[i] += column[i] * x;
+    // Kept together for some steps, then dealt out: the state stays in registers meanwhile.
+    let mut steps = [[0.0; N]; 64];
+    for start in (0..samples).step_by(steps.len()) {
+        let count = steps.len().min(samples - start);
+        for (k, step) in (start..).zip(&mut steps[..count]) {
+            *step = x;
+            let (u0, u1) = input.map_or((0.0, 0.0), |u| (u[k], u.get(k + 1).copied().unwrap_or(0.0)));
+            // Two sums that do not wait for each other.
+            let mut even: [f64; N] = std::array::from_fn(|i| now[i] * u0 + next[i] * u1);
+            let mut odd = [0.0; N];
+            for (column, x) in columns.chunks_exact(2).zip(x.chunks_exact(2)) {
+                for i in 0..N {
+                    even[i] += column[0][i] * x[0];
+                    odd[i] += column[1][i] * x[1];
+                }
             }
+            x = std::array::from_fn(|i| even[i] + odd[i]);
         }
-        x = sum;
+        for (i, state) in states.iter_mut().enumerate() {
+            state.extend(steps[..count].iter().map(|step| step[i]));
+        }
     }
     states
 }

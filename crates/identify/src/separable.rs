@@ -131,7 +131,12 @@ pub(crate) fn evaluate(problem: &impl Separable, theta: &[f64]) -> Option<Point>
         }
         column.iter_mut().for_each(|x| *x /= norms[j]);
         let mut entries = vec![0.0; q.len()];
-        for _ in 0..2 {
+        let mut rest = 1.0;
+        for pass in 0..2 {
+            // Where a tenth and more is left, one pass is orthogonal to ten units in the last place.
+            if pass > 0 && rest > 0.1 {
+                break;
+            }
             for (entry, q) in entries.iter_mut().zip(&q) {
                 let part = dot(q, &column);
                 *entry += part;
@@ -139,8 +144,8 @@ pub(crate) fn evaluate(problem: &impl Separable, theta: &[f64]) -> Option<Point>
                     *x -= part * q;
                 }
             }
+            rest = dot(&column, &column).sqrt();
         }
-        let rest = dot(&column, &column).sqrt();
         if rest <= DEPENDENT {
             continue;
         }

@@ -37,13 +37,6 @@ impl Motion {
         }
     }
 
-    #[inline]
-    pub(crate) fn set(&mut self, k: usize, state: State) {
-        self.displacement_m[k] = state.displacement_m;
-        self.velocity_m_per_s[k] = state.velocity_m_per_s;
-        self.acceleration_m_per_s2[k] = state.acceleration_m_per_s2;
-    }
-
     pub(crate) fn push(&mut self, state: State) {
         self.displacement_m.push(state.displacement_m);
         self.velocity_m_per_s.push(state.velocity_m_per_s);

@@ -69,21 +69,38 @@ impl Step {
         product(&coefficient, &product(&v, &v))
     }
 
-    /// The states at several instants.
+    /// The motion at `first dt`, `(first + 1) dt` and so on, as many as the slices hold: several instants at a time, which
+    /// the processor works on side by side.
+    fn fill(&self, first: usize, dt_s: f64, [x, v, a]: [&mut [f64]; 3]) {
+        let tau = |at: usize| {
+            let at = at as f64;
+            std::array::from_fn(|lane| (at + lane as f64) * dt_s - self.start_s)
+        };
+        let whole = x.len() - x.len() % LANES;
+        let blocks = x.as_chunks_mut::<LANES>().0.iter_mut().zip(v.as_chunks_mut::<LANES>().0);
+        for (block, ((x, v), a)) in blocks.zip(a.as_chunks_mut::<LANES>().0).enumerate() {
+            (*x, *v, *a) = self.waves(tau(first + block * LANES));
+        }
+        let rest = x.len() - whole;
+        if rest > 0 {
+            let (x_rest, v_rest, a_rest) = self.waves(tau(first + whole));
+            x[whole..].copy_from_slice(&x_rest[..rest]);
+            v[whole..].copy_from_slice(&v_rest[..rest]);
+            a[whole..].copy_from_slice(&a_rest[..rest]);
+        }
+    }
+
+    /// Displacement, velocity and acceleration at several instants.
     #[inline]
-    fn at_each<const N: usize>(&self, tau: [f64; N]) -> [State; N] {
-        let (mut x, mut v) = ([0.0; N], [0.0; N]);
-        for k in (0..=ORDER).rev() {
-            for lane in 0..N {
+    fn waves(&self, tau: [f64; LANES]) -> ([f64; LANES], [f64; LANES], [f64; LANES]) {
+        let (mut x, mut v) = ([0.0; LANES], [0.0; LANES]);
+        for coefficient in self.x.iter().rev() {
+            for lane in 0..LANES {
                 v[lane] = v[lane] * tau[lane] + x[lane];
-                x[lane] = x[lane] * tau[lane] + self.x[k];
+                x[lane] = x[lane] * tau[lane] + coefficient;
             }
         }
-        std::array::from_fn(|i| State {
-            displacement_m: x[i],
-            velocity_m_per_s: v[i],
-            acceleration_m_per_s2: self.law.acceleration(x[i], v[i]),
-        })
+        (x, v, std::array::from_fn(|lane| self.law.acceleration(x[lane], v[lane])))
     }
 }
 
@@ -215,19 +232,18 @@ impl SecantMotion {
         let end_s = dt_s * samples as f64;
         self.walk(impact_speed_m_per_s, end_s, |step| {
             let stop = step.start_s + step.length_s;
-            while next < samples && next as f64 * dt_s <= stop {
-                // Several instants at a time, which the processor works on side by side.
-                let tau = std::array::from_fn(|lane| (next + lane) as f64 * dt_s - step.start_s);
-                let states = step.at_each::<LANES>(tau);
-                for (lane, state) in states.into_iter().enumerate().take(samples - next) {
-                    if (next + lane) as f64 * dt_s > stop {
-                        next += lane;
-                        return true;
-                    }
-                    motion.set(next + lane, state);
-                }
-                next += LANES;
+            // Instants up to the end of the step: a division finds them but for rounding.
+            let mut end = ((stop / dt_s) as usize).clamp(next, samples);
+            while end > next && (end - 1) as f64 * dt_s > stop {
+                end -= 1;
             }
+            while end < samples && end as f64 * dt_s <= stop {
+                end += 1;
+            }
+            let Motion { displacement_m, velocity_m_per_s, acceleration_m_per_s2 } = &mut motion;
+            let waves = [displacement_m, velocity_m_per_s, acceleration_m_per_s2].map(|wave| &mut wave[next..end]);
+            step.fill(next, dt_s, waves);
+            next = end;
             next < samples
         })?;
         Ok(motion)
@@ -319,9 +335,15 @@ impl Law {
         (x[0], v[0]) = (x0, v0);
         for k in 0..ORDER {
             let (mut xx, mut vv) = (0.0, 0.0);
-            for i in 0..=k {
+            // Every product but that of the middle term occurs twice.
+            for i in 0..k.div_ceil(2) {
                 xx += x[i] * x[k - i];
                 vv += v[i] * v[k - i];
+            }
+            (xx, vv) = (2.0 * xx, 2.0 * vv);
+            if k % 2 == 0 {
+                xx += x[k / 2] * x[k / 2];
+                vv += v[k / 2] * v[k / 2];
             }
             let a = -(self.k0 * x[k] + self.k1 * xx + self.c0 * v[k] + self.c1 * vv);
             let by = 1.0 / (k + 1) as f64;

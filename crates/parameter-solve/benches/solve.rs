@@ -5,28 +5,17 @@
 #![allow(clippy::unwrap_used, reason = "a benchmark that cannot run has no figure")]
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use crumple_lumped::{CoefficientMatching, Model, Nonlinear2, Reading};
 use crumple_parameter_solve::{
     FireflyOptions, FireflyUnits, NonlinearFitOptions, firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2,
 };
 use crumple_signal::Signal;
+use crumple_testkit::stopwatch::best_us;
 
-/// Median of repeated runs, µs.
-fn time(name: &str, aim: &str, mut run: impl FnMut()) {
-    let mut found: Vec<f64> = (0..9)
-        .map(|_| {
-            let (start, mut runs) = (Instant::now(), 0_u32);
-            while start.elapsed().as_secs_f64() < 0.02 {
-                run();
-                runs += 1;
-            }
-            1e6 * start.elapsed().as_secs_f64() / f64::from(runs)
-        })
-        .collect();
-    found.sort_by(f64::total_cmp);
-    println!("{name:62} {:12.2} µs   aim {aim}", found[4]);
+/// Shortest of repeated runs, µs: what else runs on the machine only adds.
+fn time(name: &str, aim: &str, run: impl FnMut()) {
+    println!("{name:62} {:12.2} µs   aim {aim}", best_us(run));
 }
 
 fn main() {
