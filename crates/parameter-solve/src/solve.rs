@@ -1,6 +1,7 @@
 //! All candidates for one test.
 
 use crumple_signal::Notes;
+use rayon::prelude::*;
 
 use crate::solver::{Task, solvers_of};
 use crate::{Candidate, Evidence, SolveError, SolveSettings};
@@ -15,17 +16,28 @@ pub fn solve(
 ) -> Result<Vec<Candidate>, SolveError> {
     crate::error::positive("mass_kg", evidence.mass_kg)?;
     crate::error::positive("impact_speed_m_per_s", evidence.impact_speed_m_per_s)?;
+    // Solvers know nothing of each other; candidates and notes keep the order of the settings for any number of threads.
+    let found: Vec<(Result<Vec<Candidate>, SolveError>, Notes)> = settings
+        .models
+        .par_iter()
+        .flat_map_iter(|&model| {
+            let solvers = solvers_of(model, &settings.methods);
+            let mut none = Notes::new();
+            if solvers.is_empty() {
+                none.warning(format!("{model}: none of the methods asked for solves this model"));
+            }
+            let solved = solvers.into_iter().filter_map(move |solver| {
+                let mut notes = Notes::new();
+                let task = Task { model, method: solver.method, evidence, settings };
+                Some((solver.solve?(&task, &mut notes), notes))
+            });
+            std::iter::once((Ok(Vec::new()), none)).chain(solved)
+        })
+        .collect();
     let mut candidates = Vec::new();
-    for &model in &settings.models {
-        let solvers = solvers_of(model, &settings.methods);
-        if solvers.is_empty() {
-            notes.warning(format!("{model}: none of the methods asked for solves this model"));
-        }
-        for solver in solvers {
-            let Some(solve) = solver.solve else { continue };
-            let task = Task { model, method: solver.method, evidence, settings };
-            candidates.extend(solve(&task, notes)?);
-        }
+    for (result, remarks) in found {
+        notes.extend(remarks);
+        candidates.extend(result?);
     }
     // Extreme events lead beyond the range of numbers; such a set is no result.
     candidates.retain(|candidate| {

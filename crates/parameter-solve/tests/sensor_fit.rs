@@ -30,6 +30,20 @@ fn model(kind: ModelKind) -> Model {
     Model::from_parameters(kind, &named).unwrap()
 }
 
+/// The first nonlinear model with the last knot of its spring at its own dynamic crush, as the side conditions of its fit
+/// to the plain displacement have it; other models as they are.
+fn with_knot_at_crush(model: Model) -> Model {
+    let mut named = model.parameters();
+    if model.kind() == ModelKind::Nonlinear1 {
+        // The fixed point of knot = crush.
+        for _ in 0..100 {
+            let events = Model::from_parameters(model.kind(), &named).unwrap().events(V0).unwrap();
+            named.insert("crush_m".to_owned(), events.dynamic_crush_m.unwrap());
+        }
+    }
+    Model::from_parameters(model.kind(), &named).unwrap()
+}
+
 /// What sensors on the masses record, from the barrier on.
 fn records(model: &Model, quantity: FitQuantity, samples: usize) -> Vec<Sampled> {
     let response = model.respond(V0, DT, samples).unwrap();
@@ -101,7 +115,7 @@ fn settings(method: Method, truth: &Model) -> SolveSettings {
 #[test]
 fn every_model_comes_back_from_every_quantity() {
     for kind in ModelKind::ALL {
-        let truth = model(kind);
+        let truth = with_knot_at_crush(model(kind));
         for quantity in FitQuantity::ALL {
             let places = match kind {
                 ModelKind::TripleSpringMassDamper => vec![Place::Compartment, Place::Front, Place::Chassis],
