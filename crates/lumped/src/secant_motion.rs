@@ -10,7 +10,7 @@ const REST: f64 = 1e-17;
 /// Steps after which the search for an event or the motion gives up.
 const MAX_STEPS: usize = 20_000;
 /// Instants evaluated side by side.
-const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
 /// Share of a step after which a motion that starts on a knot must lie inside its piece.
 const INSIDE: f64 = 1.0 / 16.0;
 
@@ -92,7 +92,7 @@ impl Step {
 
     /// Displacement, velocity and acceleration at several instants.
     #[inline]
-    fn waves(&self, tau: [f64; LANES]) -> ([f64; LANES], [f64; LANES], [f64; LANES]) {
+    pub fn waves(&self, tau: [f64; LANES]) -> ([f64; LANES], [f64; LANES], [f64; LANES]) {
         let (mut x, mut v) = ([0.0; LANES], [0.0; LANES]);
         for coefficient in self.x.iter().rev() {
             for lane in 0..LANES {
@@ -261,13 +261,16 @@ impl SecantMotion {
         let end_s = first_s + dt_s * out.len() as f64;
         self.walk(impact_speed_m_per_s, end_s, |step| {
             let stop = step.start_s + step.length_s;
-            while next < out.len() {
-                let t = first_s + next as f64 * dt_s;
-                if t > stop {
-                    break;
+            let time = |k: usize| first_s + k as f64 * dt_s;
+            while next < out.len() && time(next) <= stop {
+                let found = step.waves(std::array::from_fn(|lane| time(next + lane) - step.start_s)).0;
+                // Lanes beyond the step or the end are not used.
+                for x in found {
+                    if next < out.len() && time(next) <= stop {
+                        out[next] = x;
+                        next += 1;
+                    }
                 }
-                out[next] = step.at(t - step.start_s).displacement_m;
-                next += 1;
             }
             next < out.len()
         })
@@ -390,19 +393,21 @@ fn border(step: &Step, length: f64, spring: &Piece, damper: &Piece, sx: f64, sv:
                 (side * (sx * s.displacement_m - end), side * sx * s.velocity_m_per_s)
             }
         };
-        if distance(0.0).0 > if is_velocity { reach.1 } else { reach.0 } {
+        let here = side * (if is_velocity { sv * step.x[1] } else { sx * step.x[0] } - end);
+        if here > if is_velocity { reach.1 } else { reach.0 } {
             continue;
         }
         // Looked for on eight points, so that one out and back within the step is seen. From a border the motion was
         // found to go inwards.
-        let mut low = if distance(0.0).0 > 0.0 { 0.0 } else { length * INSIDE };
+        let mut low = if here > 0.0 { 0.0 } else { length * INSIDE };
         let mut high = None;
-        for part in 1..=8 {
-            let tau = first * f64::from(part) / 8.0;
+        let parts: [f64; LANES] = std::array::from_fn(|part| first * (part + 1) as f64 / LANES as f64);
+        let (x, v, _) = step.waves(parts);
+        for (part, tau) in parts.into_iter().enumerate() {
             if tau <= low {
                 continue;
             }
-            if distance(tau).0 < 0.0 {
+            if side * (if is_velocity { sv * v[part] } else { sx * x[part] } - end) < 0.0 {
                 high = Some(tau);
                 break;
             }

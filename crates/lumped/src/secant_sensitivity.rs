@@ -1,7 +1,7 @@
 //! Derivatives of the nonlinear motions: the variational equation along the Taylor series of the motion.
 
 use crate::curve::{Curve, Knot};
-use crate::secant_motion::{Law, ORDER, SecantMotion, Step};
+use crate::secant_motion::{LANES, Law, ORDER, SecantMotion, Step};
 use crate::{Instants, LumpedError, Motion, Sensitivity, State};
 
 /// A small change of the motion, at the start of a step.
@@ -20,17 +20,33 @@ struct Series {
 }
 
 impl Series {
-    fn at(&self, step: &Step, tau: f64) -> State {
-        let (mut x, mut v) = (0.0, 0.0);
-        for k in (0..=ORDER).rev() {
-            x = x * tau + self.x[k];
-            v = v * tau + self.v[k];
+    /// Displacement, velocity and acceleration of the change at several times after the step's start, where the motion itself
+    /// has `states`.
+    fn waves(
+        &self,
+        step: &Step,
+        tau: [f64; LANES],
+        states: &([f64; LANES], [f64; LANES], [f64; LANES]),
+    ) -> [State; LANES] {
+        let (mut x, mut v) = ([0.0; LANES], [0.0; LANES]);
+        for (of_x, of_v) in self.x.iter().zip(&self.v).rev() {
+            for lane in 0..LANES {
+                x[lane] = x[lane] * tau[lane] + of_x;
+                v[lane] = v[lane] * tau[lane] + of_v;
+            }
         }
-        let state = step.at(tau);
-        let (sx, sv) = (state.displacement_m, state.velocity_m_per_s);
         let law = &step.law;
-        let a = -((law.k0 + 2.0 * law.k1 * sx) * x + (law.c0 + 2.0 * law.c1 * sv) * v) + self.law.acceleration(sx, sv);
-        State { displacement_m: x, velocity_m_per_s: v, acceleration_m_per_s2: a }
+        std::array::from_fn(|lane| {
+            let (x, v, sx, sv) = (x[lane], v[lane], states.0[lane], states.1[lane]);
+            let own = (law.k0 + 2.0 * law.k1 * sx) * x + (law.c0 + 2.0 * law.c1 * sv) * v;
+            State { displacement_m: x, velocity_m_per_s: v, acceleration_m_per_s2: self.law.acceleration(sx, sv) - own }
+        })
+    }
+
+    /// Displacement and velocity of the change at the end of the step.
+    fn end(&self, step: &Step) -> Change {
+        let at = |series: &[f64; ORDER + 1]| series.iter().rev().fold(0.0, |sum, term| sum * step.length_s + term);
+        Change { x: at(&self.x), v: at(&self.v) }
     }
 }
 
@@ -120,24 +136,38 @@ impl SecantMotion {
         let mut changes = vec![Change::default(); parameters.len()];
         let mut next = 0;
         let end_s = at.first_s + at.dt_s * at.samples as f64;
+        let time = |k: usize| at.first_s + k as f64 * at.dt_s;
+        // Series of the parameters' changes over a step, and blocks of its instants; kept to be filled again.
+        let mut series = Vec::with_capacity(parameters.len());
         self.walk(impact_speed_m_per_s, end_s, |step| {
             let stop = step.start_s + step.length_s;
             let first = next;
-            while next < at.samples && at.first_s + next as f64 * at.dt_s <= stop {
-                motion.push(step.at(at.first_s + next as f64 * at.dt_s - step.start_s));
+            while next < at.samples && time(next) <= stop {
                 next += 1;
             }
-            if parameters.is_empty() {
-                return next < at.samples;
+            series.clear();
+            if !parameters.is_empty() {
+                let products = Products::of(step);
+                let law = |place| self.change_of_law(step, place);
+                series
+                    .extend(parameters.iter().zip(&changes).map(|(p, change)| products.series(step, *change, law(*p))));
             }
-            let products = Products::of(step);
-            for ((place, change), derivative) in parameters.iter().zip(&mut changes).zip(&mut derivatives) {
-                let series = products.series(step, *change, self.change_of_law(step, *place));
-                for k in first..next {
-                    derivative[0].push(series.at(step, at.first_s + k as f64 * at.dt_s - step.start_s));
+            for block in (first..next).step_by(LANES) {
+                let tau = std::array::from_fn(|lane| time(block + lane) - step.start_s);
+                let states = step.waves(tau);
+                // Lanes beyond the step are not used.
+                let lanes = LANES.min(next - block);
+                motion.displacement_m.extend_from_slice(&states.0[..lanes]);
+                motion.velocity_m_per_s.extend_from_slice(&states.1[..lanes]);
+                motion.acceleration_m_per_s2.extend_from_slice(&states.2[..lanes]);
+                for (series, derivative) in series.iter().zip(&mut derivatives) {
+                    for change in &series.waves(step, tau, &states)[..lanes] {
+                        derivative[0].push(*change);
+                    }
                 }
-                let end = series.at(step, step.length_s);
-                *change = Change { x: end.displacement_m, v: end.velocity_m_per_s };
+            }
+            for (series, change) in series.iter().zip(&mut changes) {
+                *change = series.end(step);
             }
             next < at.samples
         })?;

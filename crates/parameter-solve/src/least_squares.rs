@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use crumple_lti::jacobi_svd;
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use crate::{StopReason, Uncertainty};
 use crumple_metrics::lag_1_autocorrelation;
@@ -17,6 +18,10 @@ pub(crate) trait Response: Sync {
     fn rows(&self) -> usize;
     /// Fills `out`.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool;
+    /// Sum of squares at which the model is the record: nothing is left to descend for.
+    fn exact(&self) -> f64 {
+        0.0
+    }
     /// Fills the first columns of `out` with the derivatives of the residuals; `None` if the problem has none of its own
     /// and differences must do, `Some(false)` where they are not finite.
     fn sensitivities(&self, _theta: &[f64], _out: &mut DMatrix<f64>) -> Option<bool> {
@@ -86,6 +91,9 @@ pub(crate) fn descend(problem: &impl Response, start: &[f64], bounds: &Bounds) -
         if (0..n).filter(|&i| !on_bound[i]).all(|i| gradient[i].abs() <= 1e-14 * linear.r.column(i).norm() * size) {
             break StopReason::GradientConverged;
         }
+        if cost <= problem.exact() {
+            break StopReason::CostConverged;
+        }
         if iterations >= bounds.max_iterations {
             break StopReason::IterationLimit;
         }
@@ -146,28 +154,13 @@ fn linearise(
         return None;
     }
     *evaluations += u64::from(own.is_some());
-    let mut moved = theta.to_vec();
-    let mut there = vec![0.0; rows];
-    for i in if own.is_some() { 0..0 } else { 0..n } {
-        let mut found = false;
-        // Inwards from a bound, else forwards.
-        let forwards = theta[i] + DIFFERENCE <= bounds.upper[i];
-        for step in if forwards { [DIFFERENCE, -DIFFERENCE] } else { [-DIFFERENCE, DIFFERENCE] } {
-            moved[i] = theta[i] + step;
-            let by = moved[i] - theta[i];
-            *evaluations += 1;
-            if problem.residuals(&moved, &mut there) {
-                for (k, (a, b)) in there.iter().zip(here).enumerate() {
-                    matrix[(k, i)] = (a - b) / by;
-                }
-                found = true;
-                break;
-            }
+    if own.is_none() {
+        let differences: Vec<(Option<Vec<f64>>, u64)> =
+            (0..n).into_par_iter().map(|i| difference(problem, theta, here, bounds, i)).collect();
+        for (i, (column, spent)) in differences.into_iter().enumerate() {
+            *evaluations += spent;
+            matrix.column_mut(i).copy_from_slice(&column?);
         }
-        if !found {
-            return None;
-        }
-        moved[i] = theta[i];
     }
     matrix.column_mut(n).copy_from_slice(here);
     let triangle = matrix.qr().r();
@@ -177,6 +170,28 @@ fn linearise(
     r.view_mut((0, 0), (kept, n)).copy_from(&triangle.view((0, 0), (kept, n)));
     q.rows_mut(0, kept).copy_from(&triangle.view((0, n), (kept, 1)));
     (r.iter().chain(q.iter()).all(|x| x.is_finite())).then_some(Linear { r, q })
+}
+
+/// The derivative by one of theta from a difference, if there is a finite response on either side, and the evaluations spent.
+fn difference(
+    problem: &impl Response,
+    theta: &[f64],
+    here: &[f64],
+    bounds: &Bounds,
+    i: usize,
+) -> (Option<Vec<f64>>, u64) {
+    let mut moved = theta.to_vec();
+    let mut there = vec![0.0; here.len()];
+    // Inwards from a bound, else forwards.
+    let forwards = theta[i] + DIFFERENCE <= bounds.upper[i];
+    for (spent, step) in (1..).zip(if forwards { [DIFFERENCE, -DIFFERENCE] } else { [-DIFFERENCE, DIFFERENCE] }) {
+        moved[i] = theta[i] + step;
+        let by = moved[i] - theta[i];
+        if problem.residuals(&moved, &mut there) {
+            return (Some(there.iter().zip(here).map(|(a, b)| (a - b) / by).collect()), spent);
+        }
+    }
+    (None, 2)
 }
 
 fn held(theta: &[f64], linear: &Linear, bounds: &Bounds) -> Vec<bool> {

@@ -182,7 +182,8 @@ impl TwoPassFilter {
         values[1] = start;
         for value in &mut values[2..] {
             let x = *value;
-            let y = a0 * x + a1 * x1 + a2 * x2 + b1 * y1 + b2 * y2;
+            // The last output last: the next sample waits for it.
+            let y = (a0 * x + a1 * x1 + a2 * x2 + b2 * y2) + b1 * y1;
             (x2, x1) = (x1, x);
             (y2, y1) = (y1, y);
             *value = y;

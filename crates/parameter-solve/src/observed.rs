@@ -30,6 +30,9 @@ pub struct Observed {
 /// 1e-8 s. It stands in for no error of the sensor: those are propagated.
 pub const RESOLUTION_M: f64 = 1e-7;
 
+/// A misfit below this share of the largest displacement is the exact model.
+const EXACT: f64 = 1e-10;
+
 /// Fewest samples judged.
 const FEWEST: usize = 12;
 
@@ -218,6 +221,10 @@ pub(crate) fn with_parameters(template: &Model, values: &std::collections::BTree
 impl Response for Problem<'_> {
     fn rows(&self) -> usize {
         self.observed.displacement_m.len()
+    }
+
+    fn exact(&self) -> f64 {
+        EXACT * EXACT * self.rows() as f64
     }
 
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
