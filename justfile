@@ -115,6 +115,7 @@ golden-update: build
     #!/usr/bin/env bash
     set -euo pipefail
     for fixture in fixtures/*/; do
+        rm -rf "$fixture/golden"
         just flags=-q out="$fixture/golden" run "$fixture/crash.csv"
         rm -f "$fixture/golden/report.html"
         # The simulated waveforms are the bulk; one fixture keeps them, the others their figures in summary.json.
