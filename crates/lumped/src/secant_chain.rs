@@ -63,7 +63,7 @@ impl SecantChain {
 
     /// Motion, forces and energies at `k dt`, k = 0 .. `samples`.
     ///
-    /// A linear chain by one matrix exponential, any other by Taylor series of order 16 from knot to knot, about `1e-15` of the
+    /// A linear chain by one matrix exponential, any other by Taylor series of order 20 from knot to knot, about `1e-15` of the
     /// largest motion a step; heat and work term by term on the same series. Errors: a force on a mass that is not there, a step
     /// or drive that is not finite, a motion that leaves the range of numbers or needs more than 200,000 steps.
     pub fn respond(&self, drive: &Drive, dt_s: f64, samples: usize) -> Result<ChainResponse, LumpedError> {

@@ -4,7 +4,7 @@ use crate::curve::{BEYOND, Curve, Piece};
 use crate::{CrushEvents, LumpedError, ModelKind, Motion, State};
 
 /// Terms of the Taylor series.
-pub(crate) const ORDER: usize = 16;
+pub(crate) const ORDER: usize = 20;
 /// Rest of the series after a step, relative to the motion.
 const REST: f64 = 1e-17;
 /// Steps after which the search for an event or the motion gives up.
@@ -22,12 +22,14 @@ pub(crate) struct SecantMotion {
     pub damper: Curve,
 }
 
-/// One step: the Taylor coefficients of `x` about its start, valid for `length`.
+/// One step: the Taylor coefficients of the motion about its start, valid for `length`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Step {
     pub start_s: f64,
     pub length_s: f64,
     pub x: [f64; ORDER + 1],
+    /// Those of its velocity.
+    pub v: [f64; ORDER + 1],
     pub law: Law,
     /// Pieces of the two curves it lies on, and the signs there.
     pub spring_piece: usize,
@@ -50,9 +52,9 @@ impl Step {
     #[inline]
     pub fn at(&self, tau: f64) -> State {
         let (mut x, mut v) = (0.0, 0.0);
-        for k in (0..=ORDER).rev() {
-            v = v * tau + x;
-            x = x * tau + self.x[k];
+        for (of_x, of_v) in self.x.iter().zip(&self.v).rev() {
+            x = x * tau + of_x;
+            v = v * tau + of_v;
         }
         State { displacement_m: x, velocity_m_per_s: v, acceleration_m_per_s2: self.law.acceleration(x, v) }
     }
@@ -61,12 +63,11 @@ impl Step {
 impl Step {
     /// Series of the damper's power per unit of mass, `(c0 + c1 sv v) v²`.
     fn power(&self) -> [f64; ORDER + 1] {
-        let v: [f64; ORDER + 1] = std::array::from_fn(|k| self.x.get(k + 1).map_or(0.0, |next| (k + 1) as f64 * next));
         let product = |a: &[f64; ORDER + 1], b: &[f64; ORDER + 1]| -> [f64; ORDER + 1] {
             std::array::from_fn(|k| (0..=k).map(|i| a[i] * b[k - i]).sum())
         };
-        let coefficient = std::array::from_fn(|k| self.law.c1 * v[k] + if k == 0 { self.law.c0 } else { 0.0 });
-        product(&coefficient, &product(&v, &v))
+        let coefficient = std::array::from_fn(|k| self.law.c1 * self.v[k] + if k == 0 { self.law.c0 } else { 0.0 });
+        product(&coefficient, &product(&self.v, &self.v))
     }
 
     /// The motion at `first dt`, `(first + 1) dt` and so on, as many as the slices hold: several instants at a time, which
@@ -94,10 +95,10 @@ impl Step {
     #[inline]
     pub fn waves(&self, tau: [f64; LANES]) -> ([f64; LANES], [f64; LANES], [f64; LANES]) {
         let (mut x, mut v) = ([0.0; LANES], [0.0; LANES]);
-        for coefficient in self.x.iter().rev() {
+        for (of_x, of_v) in self.x.iter().zip(&self.v).rev() {
             for lane in 0..LANES {
-                v[lane] = v[lane] * tau[lane] + x[lane];
-                x[lane] = x[lane] * tau[lane] + coefficient;
+                x[lane] = x[lane] * tau[lane] + of_x;
+                v[lane] = v[lane] * tau[lane] + of_v;
             }
         }
         (x, v, std::array::from_fn(|lane| self.law.acceleration(x[lane], v[lane])))
@@ -115,7 +116,7 @@ impl SecantMotion {
     /// Walks from contact to `end_s`, step by step; `visit` returns whether to go on.
     ///
     /// Inside one piece of both coefficients the equation is a polynomial of degree two, so its Taylor coefficients
-    /// follow by recurrence and a step of order 16 is as long as its rest allows. A step ends where `|x|` or `|v|` meets
+    /// follow by recurrence and a step of order 20 is as long as its rest allows. A step ends where `|x|` or `|v|` meets
     /// a knot or `v` or `x` changes sign, found by Newton's method on the series; so no step contains a kink.
     pub fn walk(
         &self,
@@ -137,6 +138,7 @@ impl SecantMotion {
                     start_s: t,
                     length_s: end_s - t,
                     x: series,
+                    v: [0.0; ORDER + 1],
                     law,
                     spring_piece: BEYOND,
                     damper_piece: BEYOND,
@@ -192,12 +194,13 @@ impl SecantMotion {
                 c0: by * damper.constant,
                 c1: by * damper.slope * sv,
             };
-            let series = law.series(x, v);
-            let smooth = longest(&series).min(end_s - t);
+            let (of_x, of_v) = law.series(x, v);
+            let smooth = longest(&of_x).min(end_s - t);
             let step = Step {
                 start_s: t,
                 length_s: smooth,
-                x: series,
+                x: of_x,
+                v: of_v,
                 law,
                 spring_piece: spring.index,
                 damper_piece: damper.index,
@@ -215,6 +218,10 @@ impl SecantMotion {
             (within(x, tried.4 * tried.0.x[0], &tried.2), within(v, tried.5 * tried.0.x[1], &tried.3))
         };
         let first = attempt(outwards, faster);
+        let on_knot = |now: f64, piece: &Piece| now == piece.from || now == piece.to;
+        if !on_knot(x * sx, &first.2) && !on_knot(v * sv, &first.3) {
+            return first;
+        }
         match inside(&first) {
             (true, true) => first,
             (spring, damper) => attempt(outwards == spring, faster == damper),
@@ -331,8 +338,8 @@ impl SecantMotion {
 }
 
 impl Law {
-    /// `x[k+1] = v[k]/(k+1)`, `v[k+1] = a[k]/(k+1)`, products by convolution.
-    fn series(&self, x0: f64, v0: f64) -> [f64; ORDER + 1] {
+    /// Series of displacement and velocity: `x[k+1] = v[k]/(k+1)`, `v[k+1] = a[k]/(k+1)`, products by convolution.
+    fn series(&self, x0: f64, v0: f64) -> ([f64; ORDER + 1], [f64; ORDER + 1]) {
         let mut x = [0.0; ORDER + 1];
         let mut v = [0.0; ORDER + 1];
         (x[0], v[0]) = (x0, v0);
@@ -353,7 +360,7 @@ impl Law {
             x[k + 1] = v[k] * by;
             v[k + 1] = a * by;
         }
-        x
+        (x, v)
     }
 }
 
@@ -378,6 +385,9 @@ fn border(step: &Step, length: f64, spring: &Piece, damper: &Piece, sx: f64, sv:
         power *= length;
         reach.0 += size * power;
     }
+    // Points of the step, found once if any end is near.
+    let parts: [f64; LANES] = std::array::from_fn(|part| length * (part + 1) as f64 / LANES as f64);
+    let mut looked = None;
     // Distance inside the piece from each of its ends, positive inside, and its rate.
     for (end, side, is_velocity) in
         [(spring.from, 1.0, false), (spring.to, -1.0, false), (damper.from, 1.0, true), (damper.to, -1.0, true)]
@@ -401,17 +411,27 @@ fn border(step: &Step, length: f64, spring: &Piece, damper: &Piece, sx: f64, sv:
         // found to go inwards.
         let mut low = if here > 0.0 { 0.0 } else { length * INSIDE };
         let mut high = None;
-        let parts: [f64; LANES] = std::array::from_fn(|part| first * (part + 1) as f64 / LANES as f64);
-        let (x, v, _) = step.waves(parts);
-        for (part, tau) in parts.into_iter().enumerate() {
-            if tau <= low {
-                continue;
+        let (x, v) = looked.get_or_insert_with(|| {
+            let (x, v, _) = step.waves(parts);
+            (x, v)
+        });
+        for part in 0..LANES {
+            let tau = parts[part].min(first);
+            if tau > low {
+                let beyond = if tau < parts[part] {
+                    distance(tau).0 < 0.0
+                } else {
+                    side * (if is_velocity { sv * v[part] } else { sx * x[part] } - end) < 0.0
+                };
+                if beyond {
+                    high = Some(tau);
+                    break;
+                }
+                low = tau;
             }
-            if side * (if is_velocity { sv * v[part] } else { sx * x[part] } - end) < 0.0 {
-                high = Some(tau);
+            if tau >= first {
                 break;
             }
-            low = tau;
         }
         let Some(mut high) = high else { continue };
         let mut tau = 0.5 * (low + high);

@@ -50,9 +50,8 @@ impl Series {
     }
 }
 
-/// Products of the step's series with themselves, and the velocity's series.
+/// Products of the step's series with themselves.
 struct Products {
-    v: [f64; ORDER + 1],
     xx: [f64; ORDER + 1],
     vv: [f64; ORDER + 1],
 }
@@ -63,11 +62,9 @@ fn convolve(a: &[f64; ORDER + 1], b: &[f64; ORDER + 1], k: usize) -> f64 {
 
 impl Products {
     fn of(step: &Step) -> Self {
-        let v: [f64; ORDER + 1] = std::array::from_fn(|k| if k < ORDER { (k + 1) as f64 * step.x[k + 1] } else { 0.0 });
         Self {
             xx: std::array::from_fn(|k| convolve(&step.x, &step.x, k)),
-            vv: std::array::from_fn(|k| convolve(&v, &v, k)),
-            v,
+            vv: std::array::from_fn(|k| convolve(&step.v, &step.v, k)),
         }
     }
 
@@ -80,8 +77,8 @@ impl Products {
             let own = now.k0 * found.x[k]
                 + 2.0 * now.k1 * convolve(&step.x, &found.x, k)
                 + now.c0 * found.v[k]
-                + 2.0 * now.c1 * convolve(&self.v, &found.v, k);
-            let forced = law.k0 * step.x[k] + law.k1 * self.xx[k] + law.c0 * self.v[k] + law.c1 * self.vv[k];
+                + 2.0 * now.c1 * convolve(&step.v, &found.v, k);
+            let forced = law.k0 * step.x[k] + law.k1 * self.xx[k] + law.c0 * step.v[k] + law.c1 * self.vv[k];
             let by = 1.0 / (k + 1) as f64;
             found.x[k + 1] = found.v[k] * by;
             found.v[k + 1] = -(own + forced) * by;
