@@ -18,7 +18,7 @@ use crate::input_output::{Record, record};
 use crate::options::Settings;
 use crate::state_space_records::{Task, put};
 
-/// Block rows and lags are for orders up to this where the order is automatic.
+/// The order where it is left to the method, which does not choose one.
 const AUTOMATIC_ORDER: usize = 4;
 
 /// Samples that a thinned record keeps at least, in units of what its factorisation needs.

@@ -46,6 +46,12 @@ pub enum LtiError {
         /// The eigenvalue.
         re: f64,
     },
+    /// A sampled pole at zero.
+    #[error("pole {re:.3e} of the sampled model is a delay: it has no continuous counterpart of any order")]
+    Delay {
+        /// The pole.
+        re: f64,
+    },
     /// An iteration did not settle.
     #[error("{what} did not converge in {iterations} iterations")]
     NotConverged {

@@ -1,7 +1,8 @@
 //! The inner product of two slices.
 
-/// Inner product in eight interleaved sums, an order the compiler can keep in vector registers.
+/// Inner product of slices of one length, in eight interleaved sums, an order the compiler can keep in vector registers.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    debug_assert_eq!(a.len(), b.len(), "an inner product is of slices of one length");
     let mut sums = [0.0; 8];
     let (a_chunks, b_chunks) = (a.chunks_exact(8), b.chunks_exact(8));
     let rest: f64 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(a, b)| a * b).sum();

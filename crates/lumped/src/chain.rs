@@ -222,9 +222,13 @@ impl Chain {
 
     /// First zero of the velocity of every mass after an impact, within `horizon_s`, and of its acceleration after it.
     ///
-    /// Steps of 1/16 of the fastest time constant (at least 1/4000 of the horizon short), then bisection on the exact
-    /// solution. What does not happen until the horizon is none.
+    /// Steps of 1/16 of the fastest time constant, but between 1/4000 and 1/400,000 of the horizon, then bisection on the exact
+    /// solution. What does not happen until the horizon is none; an element faster than the shortest step may swing unseen.
+    /// Errors: a horizon that is not positive.
     pub fn events(&self, impact_speed_m_per_s: f64, horizon_s: f64) -> Result<Vec<CrushEvents>, LumpedError> {
+        if !(horizon_s.is_finite() && horizon_s > 0.0) {
+            return Err(LumpedError::Value { name: "horizon_s", value: horizon_s, expected: "a positive time" });
+        }
         let n = self.masses_kg.len();
         let a = self.matrix(&Drive::Impact(impact_speed_m_per_s)).view((0, 0), (2 * n, 2 * n)).into_owned();
         let fastest = self.poles()?.iter().map(|p| p.norm()).fold(0.0, f64::max);
@@ -242,26 +246,36 @@ impl Chain {
                 break;
             }
             for (i, event) in events.iter_mut().enumerate() {
-                let (row, stopped) = (n + i, event.time_of_dynamic_crush_s.is_some());
-                let (before, after) = if stopped { (rate[row], next_rate[row]) } else { (z[row], next[row]) };
-                if event.time_of_rebound_s.is_some() || before == 0.0 || before * after > 0.0 {
-                    continue;
-                }
-                let (mut low, mut high) = (0.0, h);
-                let mut at = z.clone();
-                for _ in 0..52 {
-                    let middle = 0.5 * (low + high);
-                    at = matrix_exponential(&(&a * middle))? * &z;
-                    let value = if stopped { (&a * &at)[row] } else { at[row] };
-                    if value * before > 0.0 { low = middle } else { high = middle }
-                }
-                let t = k as f64 * h + high;
-                if stopped {
-                    event.time_of_rebound_s = Some(t);
-                    event.rebound_velocity_m_per_s = Some(at[row]);
-                } else {
-                    event.time_of_dynamic_crush_s = Some(t);
-                    event.dynamic_crush_m = Some(at[i]);
+                let row = n + i;
+                // Crush and rebound of a stiff element may lie in one step: the rebound is looked for from the crush on.
+                let (mut from, mut start): (f64, Option<DVector<f64>>) = (0.0, None);
+                while event.time_of_rebound_s.is_none() {
+                    let stopped = event.time_of_dynamic_crush_s.is_some();
+                    let (before, after) = match (&start, stopped) {
+                        (Some(at), _) => (a.row(row).transpose().dot(at), next_rate[row]),
+                        (None, true) => (rate[row], next_rate[row]),
+                        (None, false) => (z[row], next[row]),
+                    };
+                    if before == 0.0 || before * after > 0.0 {
+                        break;
+                    }
+                    let (mut low, mut high) = (from, h);
+                    let mut at = z.clone();
+                    for _ in 0..52 {
+                        let middle = 0.5 * (low + high);
+                        at = matrix_exponential(&(&a * middle))? * &z;
+                        let value = if stopped { (&a * &at)[row] } else { at[row] };
+                        if value * before > 0.0 { low = middle } else { high = middle }
+                    }
+                    let t = k as f64 * h + high;
+                    if stopped {
+                        event.time_of_rebound_s = Some(t);
+                        event.rebound_velocity_m_per_s = Some(at[row]);
+                    } else {
+                        event.time_of_dynamic_crush_s = Some(t);
+                        event.dynamic_crush_m = Some(at[i]);
+                        (from, start) = (high, Some(at));
+                    }
                 }
             }
             (z, rate) = (next, next_rate);

@@ -69,7 +69,7 @@ pub struct Response {
 impl Response {
     /// The motion an accelerometer in the compartment records: that of the last mass.
     pub fn compartment(&self) -> &Motion {
-        // Every constructor puts one or two motions in.
+        // Every constructor puts one motion a mass in, and there is no model without a mass.
         &self.motions[self.motions.len() - 1]
     }
 

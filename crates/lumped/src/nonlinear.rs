@@ -121,6 +121,7 @@ impl Nonlinear1 {
 
     pub(crate) fn law(&self) -> SecantMotion {
         SecantMotion {
+            kind: crate::ModelKind::Nonlinear1,
             mass_kg: self.mass_kg,
             spring: Curve::new([0.0, self.crush_m], [self.k1_n_per_m, self.k2_n_per_m]),
             damper: Curve::new(
@@ -154,6 +155,7 @@ impl Nonlinear2 {
 
     pub(crate) fn law(&self) -> SecantMotion {
         SecantMotion {
+            kind: crate::ModelKind::Nonlinear2,
             mass_kg: self.mass_kg,
             spring: Curve::new([0.0, self.x1_m, self.crush_m], [self.k1_n_per_m, self.k2_n_per_m, self.k3_n_per_m]),
             damper: Curve::new(

@@ -17,6 +17,8 @@ const INSIDE: f64 = 1.0 / 16.0;
 /// `m x'' = -k(|x|) x - c(|v|) v`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SecantMotion {
+    /// The model it is of, for errors.
+    pub kind: ModelKind,
     pub mass_kg: f64,
     pub spring: Curve,
     pub damper: Curve,
@@ -172,10 +174,10 @@ impl SecantMotion {
             }
             a = self.acceleration(x, v);
             if !(x.is_finite() && v.is_finite() && a.is_finite()) {
-                return Err(LumpedError::Diverges { model: ModelKind::Nonlinear2, time_s: t });
+                return Err(LumpedError::Diverges { model: self.kind, time_s: t });
             }
         }
-        Err(LumpedError::Diverges { model: ModelKind::Nonlinear2, time_s: t })
+        Err(LumpedError::Diverges { model: self.kind, time_s: t })
     }
 
     /// The step from a state, on the pieces the motion enters. On a knot the rate says which; where it vanishes or

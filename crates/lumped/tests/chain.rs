@@ -79,3 +79,15 @@ fn refuses_what_is_no_chain() {
     assert!(chain.respond(&Drive::Force { mass: 1, samples: vec![1.0] }, 1e-3, 3).is_err());
     assert!(chain.respond(&Drive::Impact(1.0), 0.0, 3).is_err());
 }
+
+#[test]
+fn crush_and_rebound_within_one_step_are_both_found() {
+    // The horizon bounds the step from below: 100 s / 400,000 = 0.25 ms, 0.6 of a swing of the front mass.
+    let chain = Chain::new(&[1.0, 1000.0], &[2.27e8, 1e6], &[0.0, 0.0]).unwrap();
+    let found = chain.events(10.0, 100.0).unwrap()[0];
+    let swing_s = 2.0 * std::f64::consts::PI * (1.0_f64 / 2.28e8).sqrt();
+    // The compartment moves on and shifts the middle of the swing by less than 1e6/2.28e8 of it.
+    assert!((found.time_of_dynamic_crush_s.unwrap() / (0.25 * swing_s) - 1.0).abs() < 0.01);
+    assert!((found.time_of_rebound_s.unwrap() / (0.5 * swing_s) - 1.0).abs() < 0.01);
+    assert!(chain.events(10.0, 0.0).is_err() && chain.events(10.0, f64::NAN).is_err());
+}

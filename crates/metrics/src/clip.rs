@@ -48,9 +48,11 @@ fn level(resultant: &Signal<Acceleration>, duration_s: f64, time: impl Fn(&[f64]
     }
     let needed = needed.min(span);
     let (mut low, mut high) = a.iter().fold((a[0], a[0]), |(low, high), &a| (low.min(a), high.max(a)));
+    // To the last bits of the largest value: a level near zero has bits down to the smallest number.
+    let enough = 0.25 * f64::EPSILON * low.abs().max(high.abs());
     loop {
         let middle = low + (high - low) / 2.0;
-        if !(middle > low && middle < high) {
+        if !(middle > low && middle < high && high - low > enough) {
             return Ok(low);
         }
         if time(a, middle) >= needed { low = middle } else { high = middle }

@@ -57,11 +57,11 @@ impl CrushStiffness {
     /// `E = (L/5)·{(A/2)(C1 + 2(C2+…+C5) + C6) + (B/6)[C1² + 2(C2²+…+C5²) + C6² + C1C2 + … + C5C6] + 5G}`: exact for crush
     /// linear between stations. CRASH3.
     pub fn energy(&self, width_m: f64, crush_m: &[f64; 6], force_angle_rad: f64) -> Metric {
-        if force_angle_rad.is_nan() || force_angle_rad.abs() > std::f64::consts::FRAC_PI_4 {
+        if !force_angle_rad.is_finite() || force_angle_rad.abs() > std::f64::consts::FRAC_PI_4 {
             return Metric::absent(&CRUSH_ENERGY, "the angle of the principal force is above 45 degrees");
         }
-        if crush_m.iter().any(|c| c.is_nan() || *c < 0.0) || width_m.is_nan() || width_m <= 0.0 {
-            return Metric::absent(&CRUSH_ENERGY, "a crush is negative or the width is not positive");
+        if crush_m.iter().any(|c| !c.is_finite() || *c < 0.0) || !width_m.is_finite() || width_m <= 0.0 {
+            return Metric::absent(&CRUSH_ENERGY, "a crush is negative or not finite, or the width is not positive");
         }
         let linear: f64 = crush_m.windows(2).map(|c| c[0] + c[1]).sum();
         // C1² + 2(C2² + …) + C6² + C1C2 + … is the sum of p² + pq + q² over the five spans.

@@ -132,7 +132,8 @@ pub fn firefly_nonlinear2(
     }
     let mut alpha = search.alpha;
     let delta = 0.5_f64.powf(1.0 / 500.0);
-    let mut best = (f64::INFINITY, [0.5; 10]);
+    let first = costs.iter().zip(&swarm).min_by(|a, b| a.0.total_cmp(b.0));
+    let mut best = first.map_or((f64::INFINITY, [0.5; 10]), |(cost, place)| (*cost, *place));
     for _ in 0..search.generations {
         for i in 0..swarm.len() {
             for j in 0..swarm.len() {

@@ -1,11 +1,15 @@
 //! Solves for the physical parameters of lumped models.
 //!
-//! From the events of a crash (`t_m`, `C`, restitution) by closed forms, and from the compartment's displacement by
-//! a bounded least-squares fit of the double spring-mass-damper. Every candidate says how it was found, what was
-//! assumed, how well its parameters are determined and which other candidate gives the same record. Where a model
-//! has no solution the notes say why: that is an answer, not an error.
+//! From the events of a crash (`t_m`, `C`, restitution) by closed forms; from the displacement, velocity or acceleration of one
+//! or several sensors by bounded least squares of every model, the first nonlinear one also by an interior point, the second
+//! also by firefly, all by L-SHADE; from an identified transfer function, state space or set of modes by coefficient matching;
+//! from four exponentials as the ERA paper does. Every candidate says how it was found, what was assumed, how well its
+//! parameters are determined (covariance, profile, bootstrap, propagation) and which other candidate gives the same record.
+//! Where a model has no solution the notes say why: that is an answer, not an error.
 //!
-//! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model.
+//! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model; transfer
+//! function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two nonlinear models; each
+//! function names its own.
 
 mod amplitude_ratios;
 mod bootstrap;

@@ -36,6 +36,9 @@ fn by(resultant: &Signal<Acceleration>, window_s: f64, search: fn(&[f64], usize)
     if a.len() < 2 {
         return Metric::absent(definition, "the record has fewer than two samples");
     }
+    if !(window_s.is_finite() && window_s > 0.0) {
+        return Metric::absent(definition, "the window is not a positive time");
+    }
     let longest = in_samples(window_s, dt).map_or(0, |(whole, _)| whole).min(a.len() - 1);
     if longest == 0 {
         return Metric::absent(definition, &format!("the window of {window_s} s is shorter than a sampling interval"));
