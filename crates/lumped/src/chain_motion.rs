@@ -1,7 +1,7 @@
 //! Motion of a chain of masses whose springs and dampers have piecewise-linear secant coefficients, by Taylor series.
 
 use crate::piecewise_linear::{PiecewiseLinear, Region};
-use crate::secant_motion::ORDER;
+use crate::secant_step::ORDER;
 use crate::{Drive, LumpedError};
 
 /// Rest of the series after a step, relative to the motion.

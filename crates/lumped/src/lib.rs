@@ -45,6 +45,7 @@ mod piecewise_linear;
 mod secant_chain;
 mod secant_motion;
 mod secant_sensitivity;
+mod secant_step;
 mod second_order;
 mod sensitivity;
 

@@ -3,7 +3,7 @@
 use crate::chain_motion::{ChainMotion, ChainStep, Series, horner, integral};
 use crate::dynamics::of_chain;
 use crate::error::{finite, positive};
-use crate::secant_motion::ORDER;
+use crate::secant_step::ORDER;
 use crate::{Chain, ChainResponse, CrushEvents, Drive, Dynamics, Energy, LumpedError, Motion, PiecewiseLinear, State};
 
 /// Any number of masses in a row as [`Chain`], with secant coefficients that are piecewise linear: the force of element `i` is

@@ -1,7 +1,8 @@
 //! Derivatives of the nonlinear motions: the variational equation along the Taylor series of the motion.
 
 use crate::curve::{Curve, Knot};
-use crate::secant_motion::{LANES, Law, ORDER, SecantMotion, Step};
+use crate::secant_motion::SecantMotion;
+use crate::secant_step::{LANES, Law, ORDER, Step};
 use crate::{Instants, LumpedError, Motion, Sensitivity, State};
 
 /// A small change of the motion, at the start of a step.
