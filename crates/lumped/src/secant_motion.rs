@@ -2,7 +2,7 @@
 
 use crate::curve::{BEYOND, Curve, Piece};
 use crate::secant_step::{LANES, Law, ORDER, REST, Step, longest};
-use crate::{CrushEvents, LumpedError, ModelKind, Motion, State};
+use crate::{CrushEvents, LumpedError, ModelKind, Motion};
 
 /// Steps after which the search for an event or the motion gives up.
 const MAX_STEPS: usize = 20_000;
