@@ -93,7 +93,7 @@ mod tests {
     use nalgebra::DMatrix;
 
     fn spring(name: &'static str, value: f64) -> FreeParameter {
-        FreeParameter { name, value, unit: value, scale: 0.0, logarithmic: true, limit: f64::INFINITY }
+        FreeParameter { name, value, unit: value, scale: 0.0, logarithmic: true, limit: f64::INFINITY, lowest: 0.0 }
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod measured;
 mod models;
 mod options;
 mod pairs;
+mod sensor_waves;
 mod stage;
 mod verdict;
 
