@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 use crumple_lumped::{Instants, Model, Nonlinear1};
 use nalgebra::DMatrix;
 
+use crate::Observed;
 use crate::closed_form_propagation::FollowedEvents;
 use crate::least_squares::{Bounds, Response, descend};
 use crate::observed::SeenWave;
-use crate::Observed;
 use crate::propagation::{InputUncertainty, Propagation, Repetition, by_repetition, perturbed_by};
 
 /// Rounds of the augmented Lagrangian, and what the conditions are met to, of crush and speed.

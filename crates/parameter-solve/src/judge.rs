@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::FitQuantity;
 use crate::bootstrap::{Bootstrap, bootstrap};
 use crate::covariance::{Covariance, covariance_of_blocks};
 use crate::dual_scale::DualScale;
@@ -52,6 +53,7 @@ pub struct Judgement {
     /// What the sentence on the weakest direction is made from.
     free: Vec<FreeParameter>,
     covariance: Covariance,
+    quantity: FitQuantity,
 }
 
 /// Judges a model at the minimum of its misfit.
@@ -100,6 +102,7 @@ pub fn judge(
     }
     let correlation = found.correlation();
     let waves = observed.split(&refined.misfit_m);
+    let quantity = observed.waves.first()?.quantity;
     Some(Judgement {
         parameters: free.iter().map(|p| p.name).collect(),
         standard_deviation,
@@ -107,7 +110,7 @@ pub fn judge(
         correlation: correlation.row_iter().map(|row| row.iter().copied().collect()).collect(),
         condition: Some(found.condition).filter(|c| c.is_finite()),
         rank: found.rank,
-        weakest_direction: weakest_direction(&free, &found),
+        weakest_direction: weakest_direction(&free, &found, quantity),
         residual_autocorrelation: waves.iter().map(|own| lag_1_autocorrelation(own)).sum::<f64>() / waves.len() as f64,
         effective_samples: found.effective_samples,
         profile: if options.profile {
@@ -122,6 +125,7 @@ pub fn judge(
         bootstrap: (options.bootstrap > 0).then(|| bootstrap(refined, observed, options.bootstrap)).flatten(),
         free,
         covariance: found,
+        quantity,
     })
 }
 
@@ -205,7 +209,7 @@ impl Judgement {
             parameters: self.parameters.iter().map(|name| dual.of(name).0).collect(),
             standard_deviation: dual.values(&self.standard_deviation),
             interval: exchange(&self.interval),
-            weakest_direction: weakest_direction(&free, &self.covariance),
+            weakest_direction: weakest_direction(&free, &self.covariance, self.quantity),
             profile: self
                 .profile
                 .iter()

@@ -2,9 +2,9 @@
 
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1};
 use crumple_parameter_solve::{
-    Candidate, FollowedEvents, FreeParameter, InputUncertainty, JudgeOptions, LARGEST_DRAW, MassFit, Measurement, Method,
-    Observed, Propagation, RESOLUTION_M, Refined, free_masses, free_parameters, judge, propagate, propagate_closed_form,
-    propagate_conditioned, propagate_unfiltered, refine,
+    Candidate, FitQuantity, FollowedEvents, FreeParameter, InputUncertainty, JudgeOptions, LARGEST_DRAW, MassFit,
+    Measurement, Method, Observed, Propagation, RESOLUTION_M, Refined, free_masses, free_parameters, judge, propagate,
+    propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine,
 };
 use crumple_signal::{Displacement, Signal};
 use crumple_stage::records::EventsV1;
@@ -128,8 +128,24 @@ pub fn judge_all(
              the displacement had none",
         );
     }
-    let refined: Vec<Option<(Observed, Refined)>> =
-        candidates.par_iter().map(|candidate| scene.refine(candidate)).collect();
+    let mut refined: Vec<Option<(Observed, Refined)>> = candidates
+        .par_iter()
+        .map(|candidate| if candidate.shares_weights() { None } else { scene.refine(candidate, None) })
+        .collect();
+    // Sensors count by how well the best explanation meets them; further ones are seen with the same weights.
+    let later: Vec<(usize, Option<(Observed, Refined)>)> = candidates
+        .par_iter()
+        .enumerate()
+        .filter(|(_, candidate)| candidate.shares_weights())
+        .map(|(k, candidate)| {
+            let best = candidates.iter().position(|other| other.index == 1 && other.is_like(candidate));
+            let best = best.and_then(|best| refined[best].as_ref()).map(|(observed, _)| observed);
+            (k, best.and_then(|best| scene.refine(candidate, Some(best))))
+        })
+        .collect();
+    for (k, found) in later {
+        refined[k] = found;
+    }
     let mut judged: Vec<Option<Judged>> = candidates
         .par_iter()
         .zip(&refined)
@@ -193,11 +209,15 @@ impl Scene<'_> {
         Some(observed)
     }
 
-    fn refine(&self, candidate: &Candidate) -> Option<(Observed, Refined)> {
+    /// Follows the candidate to its minimum; several sensors weighted as `weighted` has them, else by their own misfits.
+    fn refine(&self, candidate: &Candidate, weighted: Option<&Observed>) -> Option<(Observed, Refined)> {
         if candidate.method == Method::CoefficientMatching || candidate.is_second_of_pair() {
             return None;
         }
         let mut observed = self.observed(candidate)?;
+        for (wave, other) in observed.waves.iter_mut().zip(weighted.iter().flat_map(|other| &other.waves)) {
+            wave.weight = other.weight;
+        }
         let with = |model: &Model, observed: &Observed| {
             let mut free = free_parameters(model, self.impact_speed_m_per_s, self.crush_m, true);
             if let (true, MassFit::Shares { lower, upper }) = (candidate.of_sensors(), self.settings.solve.mass_fit) {
@@ -216,7 +236,7 @@ impl Scene<'_> {
             model => with(model, &observed),
         }?;
         // The noise levels of several sensors are those of the misfit through the filter.
-        for _ in 0..WEIGHINGS {
+        for _ in 0..if weighted.is_none() { WEIGHINGS } else { 0 } {
             if !weigh(&mut observed, &found) {
                 break;
             }
@@ -262,10 +282,18 @@ impl Scene<'_> {
     fn judge(&self, candidate: &Candidate, observed: &Observed, refined: &Refined) -> Option<Judged> {
         let asked = &self.settings.judging;
         let here = self.is_minimum(candidate, refined);
-        let options = JudgeOptions { profile: asked.profile && here, bootstrap: if here { asked.bootstrap } else { 0 } };
+        let options =
+            JudgeOptions { profile: asked.profile && here, bootstrap: if here { asked.bootstrap } else { 0 } };
         let given = (!self.gives_way(candidate, refined)).then_some(&candidate.model);
         let mut judgement = judge(refined, given, observed, options)?;
         judgement.interval.extend(held(candidate).map(|name| (name, (None, None))));
+        if candidate.of_sensors()
+            && self.settings.solve.mass_fit != MassFit::Known
+            && let Some(rest) = candidate.model.kind().parameter_names().iter().rfind(|name| name.ends_with("_kg"))
+        {
+            // A mass on a bound leaves the rest of the total without an interval too.
+            judgement.interval.entry(rest).or_insert((None, None));
+        }
         let propagation = self.propagation(candidate, observed, refined);
         Some(Judged { judgement, propagation, through_filter: self.known(candidate) })
     }
@@ -388,6 +416,23 @@ fn adopt(candidate: &mut Candidate, observed: &Observed, refined: &Refined) {
         for ((sensor, rmse), wave) in fit.sensors.iter_mut().zip(&rmse).zip(&observed.waves) {
             sensor.rmse = *rmse;
             sensor.noise = noise / wave.weight;
+        }
+        let errors: Vec<String> = fit
+            .sensors
+            .iter()
+            .map(|sensor| {
+                let (rmse, unit) = match sensor.quantity {
+                    FitQuantity::Displacement => (1e3 * sensor.rmse, "mm"),
+                    other => (sensor.rmse, other.unit()),
+                };
+                format!("{rmse:.4} {unit} at {} (mass {})", sensor.channel, sensor.mass)
+            })
+            .collect();
+        for note in candidate.notes.iter_mut().filter(|note| note.starts_with("root mean square errors ")) {
+            *note = format!(
+                "root mean square errors seen through the filter {}; residuals weighted by the noise level of each sensor",
+                errors.join(", ")
+            );
         }
         fit.iterations += refined.iterations;
         fit.evaluations += refined.evaluations;

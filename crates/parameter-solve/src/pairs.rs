@@ -17,6 +17,10 @@ pub trait FitKind {
     fn is_second_of_pair(&self) -> bool;
     /// Fitted to something else than that displacement: judged by the sensors it was fitted to.
     fn of_sensors(&self) -> bool;
+    /// A further explanation of several sensors, which count as for the first one.
+    fn shares_weights(&self) -> bool;
+    /// Of the same model and method.
+    fn is_like(&self, other: &Self) -> bool;
 }
 
 impl FitKind for Candidate {
@@ -30,6 +34,14 @@ impl FitKind for Candidate {
 
     fn of_sensors(&self) -> bool {
         self.fit.as_ref().is_some_and(|fit| fit.quantity != FitQuantity::Displacement || !fit.sensors.is_empty())
+    }
+
+    fn shares_weights(&self) -> bool {
+        self.index > 1 && self.fit.as_ref().is_some_and(|fit| fit.sensors.len() > 1)
+    }
+
+    fn is_like(&self, other: &Self) -> bool {
+        self.model.kind() == other.model.kind() && self.method == other.method
     }
 }
 

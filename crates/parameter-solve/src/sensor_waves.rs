@@ -36,9 +36,11 @@ impl SensorWaves {
                 }
                 let channel = &key.0;
                 let wave = match sensor.quantity {
-                    FitQuantity::Displacement => {
-                        input.wave(&format!("{channel}/displacement"))?.signal::<Displacement>().refuse()?.into_sampled()
-                    }
+                    FitQuantity::Displacement => input
+                        .wave(&format!("{channel}/displacement"))?
+                        .signal::<Displacement>()
+                        .refuse()?
+                        .into_sampled(),
                     FitQuantity::Velocity => {
                         input.wave(&format!("{channel}/velocity"))?.signal::<Velocity>().refuse()?.into_sampled()
                     }
