@@ -2,7 +2,7 @@
 
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1};
 use crumple_parameter_solve::{
-    Candidate, FitQuantity, FollowedEvents, FreeParameter, InputUncertainty, JudgeOptions, LARGEST_DRAW, MassFit,
+    Candidate, Distribution, FitQuantity, FollowedEvents, FreeParameter, InputUncertainty, JudgeOptions, MassFit,
     Measurement, Method, Observed, Propagation, RESOLUTION_M, Refined, free_masses, free_parameters, judge, propagate,
     propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine,
 };
@@ -27,7 +27,18 @@ pub struct Judging {
     pub speed_uncertainty_m_per_s: f64,
     pub bias_uncertainty_m_per_s2: f64,
     pub time_zero_uncertainty_s: f64,
+    /// Of mass, speed, zero level and time zero.
+    #[serde(serialize_with = "names", skip_serializing_if = "all_normal")]
+    pub distributions: [Distribution; 4],
     pub repetitions: usize,
+}
+
+fn all_normal(distributions: &[Distribution; 4]) -> bool {
+    distributions.iter().all(|distribution| *distribution == Distribution::Normal)
+}
+
+fn names<S: serde::Serializer>(distributions: &[Distribution; 4], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(distributions.iter().map(|distribution| distribution.name()))
 }
 
 impl Judging {
@@ -46,20 +57,25 @@ impl Judging {
 
     /// Refuses uncertainties of which a draw could make the mass or the speed zero.
     fn check(&self, mass_kg: Option<f64>, impact_speed_m_per_s: f64) -> Result<(), Usage> {
-        let reaches = |flag: &str, uncertainty: f64, value: f64, unit: &str| {
-            if LARGEST_DRAW * uncertainty < value {
+        let reaches = |flag: &str, size: f64, distribution: Distribution, value: f64, unit: &str| {
+            let largest = distribution.largest_draw();
+            if largest * size < value {
                 return Ok(());
             }
+            let what = match distribution {
+                Distribution::Normal => "draws of up to 6 standard deviations",
+                Distribution::Uniform => "draws of up to the half width",
+            };
             Err(Usage::new(format!(
-                "{flag} is {uncertainty} {unit} on {value} {unit}: draws of up to {LARGEST_DRAW} standard deviations reach \
-                 zero, expected less than {:.4} {unit}",
-                value / LARGEST_DRAW
+                "{flag} is {size} {unit} on {value} {unit}: {what} reach zero, expected less than {:.4} {unit}",
+                value / largest
             )))
         };
+        let [of_mass, of_speed, ..] = self.distributions;
         if let Some(mass_kg) = mass_kg {
-            reaches("mass-uncertainty", self.mass_uncertainty_kg, mass_kg, "kg")?;
+            reaches("mass-uncertainty", self.mass_uncertainty_kg, of_mass, mass_kg, "kg")?;
         }
-        reaches("speed-uncertainty", self.speed_uncertainty_m_per_s, impact_speed_m_per_s, "m/s")
+        reaches("speed-uncertainty", self.speed_uncertainty_m_per_s, of_speed, impact_speed_m_per_s, "m/s")
     }
 }
 
@@ -306,6 +322,7 @@ impl Scene<'_> {
             impact_speed_m_per_s: asked.speed_uncertainty_m_per_s,
             bias_m_per_s2: asked.bias_uncertainty_m_per_s2,
             time_zero_s: asked.time_zero_uncertainty_s,
+            distributions: asked.distributions,
         };
         if !inputs.any() {
             return None;

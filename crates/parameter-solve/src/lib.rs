@@ -85,7 +85,7 @@ pub use nonlinear_fit::{NonlinearFitOptions, fit_nonlinear1, fit_nonlinear2};
 pub use observed::{FreeParameter, Observed, RESOLUTION_M, SeenWave, free_masses, free_parameters};
 pub use profile::{Profile, RISE_95, profile};
 pub use propagation::{
-    InputUncertainty, LARGEST_DRAW, Propagation, REPETITIONS, Repetition, perturbed, propagate, propagate_unfiltered,
+    Distribution, InputUncertainty, Propagation, REPETITIONS, Repetition, perturbed, propagate, propagate_unfiltered,
     repeat, repetition,
 };
 pub use quantity::FitQuantity;

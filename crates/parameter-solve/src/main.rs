@@ -7,6 +7,7 @@ mod options;
 mod pairs;
 mod sensor_waves;
 mod stage;
+mod uncertain;
 mod verdict;
 
 use std::process::ExitCode;

@@ -13,7 +13,35 @@ use crate::observed::{Observed, Problem, SeenWave, rest_mass, with_parameters};
 use crate::refine::follow;
 use crate::{FitQuantity, FreeParameter, Measurement};
 
-/// Standard deviations of what a test is told and not measured on the pulse; normal, independent.
+/// How an uncertain input is distributed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Distribution {
+    /// Normal; its size is the standard deviation.
+    #[default]
+    Normal,
+    /// Uniform; its size is the half width.
+    Uniform,
+}
+
+impl Distribution {
+    /// The name in options.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Normal => "normal",
+            Self::Uniform => "uniform",
+        }
+    }
+
+    /// Largest error that a repetition can draw, in sizes.
+    pub const fn largest_draw(self) -> f64 {
+        match self {
+            Self::Normal => 6.0,
+            Self::Uniform => 1.0,
+        }
+    }
+}
+
+/// Sizes of the errors of what a test is told and not measured on the pulse; independent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct InputUncertainty {
     /// Of the test mass, kg.
@@ -24,6 +52,8 @@ pub struct InputUncertainty {
     pub bias_m_per_s2: f64,
     /// Of time zero, s.
     pub time_zero_s: f64,
+    /// Their distributions, in this order.
+    pub distributions: [Distribution; 4],
 }
 
 impl InputUncertainty {
@@ -35,8 +65,6 @@ impl InputUncertainty {
 
 /// Repetitions where no other number is asked for.
 pub const REPETITIONS: usize = 200;
-/// Largest error that a repetition can draw, in standard deviations.
-pub const LARGEST_DRAW: f64 = 6.0;
 const SEED: u64 = 2;
 
 /// What the repetitions say.
@@ -59,7 +87,7 @@ pub struct Repetition {
     pub mass_ratio: f64,
 }
 
-/// The inputs of repetition `index`: four normal numbers from its own stream of a fixed seed.
+/// The inputs of repetition `index`: four numbers from its own stream of a fixed seed.
 ///
 /// Another impact speed adds `δv (t - t_start)` to the displacement, another zero level `δb (t - t_start)²/2`, since the
 /// integration starts there; another time zero moves the label of contact, with the displacement made zero again there.
@@ -84,10 +112,18 @@ pub(crate) struct Errors {
 fn drawn(inputs: &InputUncertainty, index: usize, sensors: usize) -> Errors {
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     random.set_stream(index as u64);
-    let mut of = |deviation: f64| deviation * normal(&mut random);
-    let (mass, speed_m_per_s) = (of(inputs.mass_kg), of(inputs.impact_speed_m_per_s));
-    let (bias, late_s) = (of(inputs.bias_m_per_s2), of(inputs.time_zero_s));
-    let others = (1..sensors).map(|_| of(inputs.bias_m_per_s2));
+    let mut of = |size: f64, distribution: Distribution| {
+        size * match distribution {
+            Distribution::Normal => normal(&mut random),
+            Distribution::Uniform => 2.0 * uniform(&mut random) - 1.0,
+        }
+    };
+    let [of_mass, of_speed, of_bias, of_zero] = inputs.distributions;
+    let mass = of(inputs.mass_kg, of_mass);
+    let speed_m_per_s = of(inputs.impact_speed_m_per_s, of_speed);
+    let bias = of(inputs.bias_m_per_s2, of_bias);
+    let late_s = of(inputs.time_zero_s, of_zero);
+    let others = (1..sensors).map(|_| of(inputs.bias_m_per_s2, of_bias));
     let bias_m_per_s2 = std::iter::once(bias).chain(others).collect();
     Errors { mass, speed_m_per_s, late_s, bias_m_per_s2 }
 }
@@ -217,5 +253,10 @@ pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) ->
 
 /// Twelve uniform numbers less six: normal to 2 % up to three deviations, without a logarithm whose last digit depends on the machine.
 fn normal(random: &mut ChaCha8Rng) -> f64 {
-    (0..12).map(|_| (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64).sum::<f64>() - 6.0
+    (0..12).map(|_| uniform(random)).sum::<f64>() - 6.0
+}
+
+/// From 0 to 1.
+fn uniform(random: &mut ChaCha8Rng) -> f64 {
+    (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }

@@ -258,3 +258,13 @@ fn a_flag_without_effect_is_named() {
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(stderr.contains("--profile, --mass-uncertainty without effect on kelvin/closed-form/1"), "{stderr}");
 }
+
+#[test]
+fn a_uniform_uncertainty_is_a_half_width() {
+    let flags = ["--models", "kelvin", "--method", "closed-form", "--mass-uncertainty", "14 kg uniform"];
+    let found = candidate(&flags, "kelvin/closed-form/1");
+    let propagation = found.uncertainty.unwrap().propagation.unwrap();
+    let half = 0.5 * (propagation.high["stiffness_n_per_m"] - propagation.low["stiffness_n_per_m"]);
+    // 5 to 95 % of +-1 % are +-0.9 %; percentiles of 200 uniform draws are known to 3 % of the width, two of that allowed.
+    assert!((half / found.parameters["stiffness_n_per_m"] / 0.009 - 1.0).abs() < 0.06, "{half}");
+}
