@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use crate::measured::measurement;
 use crate::options::StageSettings;
-use crate::pairs::{FitKind, pair_up};
+use crate::pairs::{FitKind, drop_repeated, pair_up};
 use crate::sensor_waves::SensorWaves;
 use crate::verdict::Judged;
 
@@ -182,6 +182,7 @@ pub fn judge_all(
             }
         }
     }
+    drop_repeated(candidates, &mut judged, out);
     if scene.known {
         pair_up(candidates, &mut judged, out);
     }

@@ -45,6 +45,31 @@ impl FitKind for Candidate {
     }
 }
 
+/// Leaves out further explanations of several sensors that, seen through the filters, came to the place of an earlier one.
+pub fn drop_repeated(candidates: &mut Vec<Candidate>, judged: &mut Vec<Option<Judged>>, out: &mut Output) {
+    let mut k = 0;
+    while k < candidates.len() {
+        let own = candidates[k].model.parameters();
+        let near = |other: &Candidate| {
+            other.is_like(&candidates[k])
+                && other.model.parameters().iter().all(|(name, value)| {
+                    let size = value.abs().max(own[name].abs());
+                    (value - own[name]).abs() <= SAME * size
+                })
+        };
+        if !candidates[k].shares_weights() || !candidates[..k].iter().any(near) {
+            k += 1;
+            continue;
+        }
+        let left = candidates.remove(k);
+        judged.remove(k);
+        out.notes().info(format!("{}: left out, seen through the filters it is an earlier one", left.id()));
+        for later in candidates[k..].iter_mut().filter(|later| later.is_like(&left)) {
+            later.index -= 1;
+        }
+    }
+}
+
 /// Gives every double pair its dual again, best pair first; leaves out pairs that came to the same place, and those that the
 /// record tells from the best.
 pub fn pair_up(candidates: &mut Vec<Candidate>, judged: &mut Vec<Option<Judged>>, out: &mut Output) {

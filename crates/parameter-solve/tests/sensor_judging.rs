@@ -124,12 +124,15 @@ fn run(folder: &Path, flags: &[&str]) -> Output {
 const DOUBLE: [&str; 6] =
     ["--models", "double-spring-mass-damper", "--method", "direct-fit", "--sensors", "compartment=comp,front=front"];
 
-fn candidate(flags: &[&str], id: &str) -> CandidateV1 {
+fn solved(flags: &[&str]) -> Artifact {
     let folder = tempfile::tempdir().unwrap();
     let output = run(folder.path(), flags);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
-    artifact.record(&format!("/parameters/{id}")).unwrap().unwrap()
+    Artifact::open(&folder.path().join("5.mcap")).unwrap()
+}
+
+fn candidate(flags: &[&str], id: &str) -> CandidateV1 {
+    solved(flags).record(&format!("/parameters/{id}")).unwrap().unwrap()
 }
 
 /// Values within 0.1 % of the truth, and the truth inside every interval of the names.
@@ -257,6 +260,14 @@ fn a_flag_without_effect_is_named() {
         .unwrap();
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(stderr.contains("--profile, --mass-uncertainty without effect on kelvin/closed-form/1"), "{stderr}");
+}
+
+#[test]
+fn a_dual_that_leads_back_to_the_truth_through_the_filters_is_no_second_candidate() {
+    let artifact = solved(&[&DOUBLE[..], &["--m1", "400kg", "--m2", "1000kg"]].concat());
+    let id = |k: usize| format!("/parameters/double-spring-mass-damper/direct-fit/{k}");
+    assert!(artifact.record::<CandidateV1>(&id(1)).unwrap().is_some());
+    assert!(artifact.record::<CandidateV1>(&id(2)).unwrap().is_none());
 }
 
 #[test]
