@@ -5,7 +5,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
 use crate::judge::Intervals;
-use crate::observed::{Observed, Problem};
+use crate::observed::{Observed, Problem, rest_mass};
 use crate::refine::{Refined, follow};
 use crumple_metrics::autocorrelation_time;
 
@@ -30,46 +30,52 @@ pub struct Bootstrap {
 
 /// Fits the model again to its own response with the misfit laid over it in shuffled blocks, and reads the percentiles.
 ///
-/// Moving blocks on a circle (Politis & Romano 1992), two autocorrelation times long but at most a third of the window, so
+/// Several waves are shuffled in the same blocks of time, so that an error they share stays shared. Moving blocks on a circle (Politis & Romano 1992), two autocorrelation times long but at most a third of the window, so
 /// that what hangs together stays together. Every replicate starts from the minimum and draws from its own stream of a fixed
 /// seed: the result does not depend on threads. Says nothing of other minima, nor of an error that is the same in
 /// the whole record. `None` with fewer than 20 fits, or for a misfit of rounding alone.
 pub fn bootstrap(refined: &Refined, observed: &Observed, replicates: usize) -> Option<Bootstrap> {
-    let n = refined.misfit_m.len();
-    let block = ((BLOCK_TIMES * autocorrelation_time(&refined.misfit_m)).ceil() as usize).clamp(1, n / LARGEST_SHARE);
-    let response: Vec<f64> = observed.displacement_m.iter().zip(&refined.misfit_m).map(|(x, r)| x + r).collect();
+    let misfits = observed.split(&refined.misfit_m);
+    let n = misfits.first()?.len();
+    // In samples of the first wave; the same blocks of time for all.
+    let time = misfits.iter().map(|own| autocorrelation_time(own) * n as f64 / own.len() as f64).fold(0.0, f64::max);
+    let block = ((BLOCK_TIMES * time).ceil() as usize).clamp(1, n / LARGEST_SHARE);
     let found: Vec<Option<Vec<f64>>> = (0..replicates)
         .into_par_iter()
         .map(|index| {
             let mut random = ChaCha8Rng::seed_from_u64(SEED);
             random.set_stream(index as u64);
-            let mut displacement_m = response.clone();
-            let mut k = 0;
-            while k < n {
-                let from = (random.next_u64() % n as u64) as usize;
-                for step in 0..block.min(n - k) {
-                    // The misfit is model minus record.
-                    displacement_m[k + step] -= refined.misfit_m[(from + step) % n];
+            let from: Vec<usize> = (0..n.div_ceil(block)).map(|_| (random.next_u64() % n as u64) as usize).collect();
+            let mut again = observed.clone();
+            for (wave, misfit) in again.waves.iter_mut().zip(&misfits) {
+                let own = misfit.len();
+                for (k, sample) in wave.samples.iter_mut().enumerate() {
+                    let place = k * n / own;
+                    let drawn = ((from[place / block] + place % block) * own / n) % own;
+                    // The misfit is model minus record, times the weight.
+                    *sample += (misfit[k] - misfit[drawn]) / wave.weight;
                 }
-                k += block;
             }
-            let again = Observed { displacement_m, ..observed.clone() };
             let problem = Problem::new(refined.model, refined.free.clone(), &again);
             let optimum = follow(&problem, &problem.start())?;
-            Some(problem.free.iter().zip(&optimum.theta).map(|(p, theta)| p.at(*theta)).collect())
+            let rest = rest_mass(&problem.model(&optimum.theta)?, &problem.free).map(|(_, kg)| kg);
+            Some(problem.free.iter().zip(&optimum.theta).map(|(p, theta)| p.at(*theta)).chain(rest).collect())
         })
         .collect();
     let found: Vec<Vec<f64>> = found.into_iter().flatten().collect();
     if found.len() < 20 {
         return None;
     }
+    let rest = rest_mass(&refined.model, &refined.free).map(|(name, _)| name);
     let interval = refined
         .free
         .iter()
+        .map(|parameter| parameter.name)
+        .chain(rest)
         .enumerate()
-        .map(|(i, parameter)| {
+        .map(|(i, name)| {
             let mut values: Vec<f64> = found.iter().map(|f| f[i]).collect();
-            (parameter.name, (percentile(&mut values, 0.025), percentile(&mut values, 0.975)))
+            (name, (percentile(&mut values, 0.025), percentile(&mut values, 0.975)))
         })
         .collect();
     Some(Bootstrap { replicates: found.len(), block, interval })

@@ -44,8 +44,19 @@ pub struct Covariance {
 /// freedom on the first part, 1.96 on the second. Linear: right while the response is straight over the interval; true
 /// only if the model is. `None` for no parameters, more parameters than samples, or a parameter without any effect.
 pub fn covariance(j_m: &DMatrix<f64>, residuals_m: &[f64], resolution_m: f64) -> Option<Covariance> {
+    covariance_of_blocks(j_m, residuals_m, &[(residuals_m.len(), resolution_m)])
+}
+
+/// The same for residuals of several waves, one after the other, in one unit: `(samples, resolution)` of each. Errors hang
+/// together within a wave, not from one to another; each wave pays for as many parameters as it has part in the fit.
+pub(crate) fn covariance_of_blocks(
+    j_m: &DMatrix<f64>,
+    residuals_m: &[f64],
+    blocks: &[(usize, f64)],
+) -> Option<Covariance> {
     let (n, p) = j_m.shape();
-    if p == 0 || n <= p || residuals_m.len() != n {
+    let whole = blocks.iter().map(|(samples, _)| samples).sum::<usize>() == n && blocks.iter().all(|b| b.0 > 0);
+    if p == 0 || n <= p || residuals_m.len() != n || !whole {
         return None;
     }
     let norms: Vec<f64> = j_m.column_iter().map(|c| c.norm()).collect();
@@ -59,24 +70,38 @@ pub fn covariance(j_m: &DMatrix<f64>, residuals_m: &[f64], resolution_m: f64) ->
     // Left vectors of the whole: orthonormal columns.
     let u = triangle.q() * svd.left.columns(0, rank);
 
-    // A fit takes the slowest noise out of the residuals, which then look faster than they are.
-    let time = autocorrelation_time(residuals_m);
-    let time = time * (1.0 + REMOVED * p as f64 * time / n as f64);
-    let effective_samples = (n as f64 / time).max(1.0);
+    let mut effective_samples = 0.0;
+    let mut noise = DMatrix::zeros(rank, rank);
+    let mut resolution = DMatrix::zeros(rank, rank);
+    // What the autocorrelation times say of the trace of the noise.
+    let mut expected = 0.0;
+    let mut first = 0;
+    for (samples, resolution_m) in blocks.iter().copied() {
+        let residuals = &residuals_m[first..first + samples];
+        let own = u.rows(first, samples).into_owned();
+        first += samples;
+        // Parameters that this wave pays for.
+        let part = if blocks.len() == 1 { 1.0 } else { own.norm_squared() / rank as f64 };
+        // A fit takes the slowest noise out of the residuals, which then look faster than they are.
+        let time = autocorrelation_time(residuals);
+        let time = time * (1.0 + REMOVED * part * p as f64 * time / samples as f64);
+        effective_samples += (samples as f64 / time).max(1.0);
+        let covariance = autocovariance(residuals, samples);
+        let band = (BAND * first_zero_lag(&covariance)).min(samples - 1);
+        let weights: Vec<f64> =
+            covariance[..=band].iter().enumerate().map(|(k, c)| c * (1.0 - k as f64 / (band + 1) as f64)).collect();
+        noise += middle(&own, &weights);
+        expected += part * rank as f64 * covariance[0] * time;
+        let length = (samples / RESOLUTION_SHARE).max(1);
+        let weights: Vec<f64> =
+            (0..length).map(|k| resolution_m * resolution_m * (1.0 - k as f64 / length as f64)).collect();
+        resolution += middle(&own, &weights);
+    }
     let freedom = (effective_samples - p as f64).max(1.0);
-    let covariance = autocovariance(residuals_m, n);
-    let band = (BAND * first_zero_lag(&covariance)).min(n - 1);
-    let weights: Vec<f64> =
-        covariance[..=band].iter().enumerate().map(|(k, c)| c * (1.0 - k as f64 / (band + 1) as f64)).collect();
     let raise = effective_samples.max(freedom + 1.0) / freedom;
-    let noise = middle(&u, &weights);
     // A short band sees too little of slow noise: on average over the directions never less than the autocorrelation time says.
-    let share = rank as f64 * covariance[0] * time / noise.trace();
+    let share = expected / noise.trace();
     let noise = noise * (raise * if share.is_finite() { share.max(1.0) } else { 1.0 });
-    let length = (n / RESOLUTION_SHARE).max(1);
-    let weights: Vec<f64> =
-        (0..length).map(|k| resolution_m * resolution_m * (1.0 - k as f64 / length as f64)).collect();
-    let resolution = middle(&u, &weights);
 
     // (J'J)^-1 J' = D^-1 V S^-1 U'.
     let back = DMatrix::from_fn(p, rank, |i, k| svd.right[(i, k)] / svd.values[k] / norms[i]);

@@ -1,5 +1,6 @@
 //! What a record does not determine, in words.
 
+use crate::FitQuantity;
 use crate::covariance::Covariance;
 use crate::observed::FreeParameter;
 
@@ -10,9 +11,9 @@ const LOOSE: f64 = 0.5;
 
 /// The weakest direction as a sentence: which parameters can move together how far, and what that does to the displacement.
 ///
-/// `half_width`: half of the 95 % interval along the direction, in the coordinates. With two parameters the combination that
+/// `quantity`: what the sensitivities are of, in its SI unit; of several waves that of the first, with the others weighted. With two parameters the combination that
 /// remains determined is named too: moving `k1` by `d1` and `k2` by `d2` changes nothing, so only `k1 - (d1/d2) k2` is known.
-pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance) -> Option<String> {
+pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance, quantity: FitQuantity) -> Option<String> {
     let along = &covariance.weakest;
     if free.len() < 2 || along.len() != free.len() {
         return None;
@@ -35,10 +36,10 @@ pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance) -> Opt
         })
         .collect();
     let moved = format!(
-        "{} {} the displacement by only {} rms",
+        "{} {} the {quantity} by only {} rms",
         named.join(", "),
         if named.len() == 1 { "moves" } else { "together move" },
-        length(unit * covariance.weakest_change_m)
+        size(unit * covariance.weakest_change_m, quantity)
     );
     let known = match parts[..] {
         [_] => format!("{} is the least determined", short(free[lead].name)),
@@ -82,7 +83,11 @@ pub(crate) fn short(name: &str) -> String {
         .replace('_', " ")
 }
 
-fn length(m: f64) -> String {
+fn size(value: f64, quantity: FitQuantity) -> String {
+    if quantity != FitQuantity::Displacement {
+        return format!("{value:.2e} {}", quantity.unit());
+    }
+    let m = value;
     if m >= 1e-4 { format!("{:.2} mm", 1e3 * m) } else { format!("{m:.2e} m") }
 }
 
@@ -93,7 +98,7 @@ mod tests {
     use nalgebra::DMatrix;
 
     fn spring(name: &'static str, value: f64) -> FreeParameter {
-        FreeParameter { name, value, unit: value, scale: 0.0, logarithmic: true, limit: f64::INFINITY }
+        FreeParameter { name, value, unit: value, scale: 0.0, logarithmic: true, limit: f64::INFINITY, lowest: 0.0 }
     }
 
     #[test]
@@ -107,7 +112,9 @@ mod tests {
         });
         let noise: Vec<f64> = (0..100).map(|i| 1e-3 * (f64::from(i * i)).sin()).collect();
         let found = covariance(&j, &noise, 0.0).unwrap();
-        let text = weakest_direction(&[spring("k1_n_per_m", k1), spring("k2_n_per_m", k2)], &found).unwrap();
+        let text =
+            weakest_direction(&[spring("k1_n_per_m", k1), spring("k2_n_per_m", k2)], &found, FitQuantity::Displacement)
+                .unwrap();
         assert!(text.starts_with("only k1 + 0.900 k2 is determined: k1 +1.00 %, k2 -0.56 %"), "{text}");
     }
 }

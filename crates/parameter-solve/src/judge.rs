@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use crate::FitQuantity;
 use crate::bootstrap::{Bootstrap, bootstrap};
-use crate::covariance::{Covariance, covariance};
+use crate::covariance::{Covariance, covariance_of_blocks};
 use crate::dual_scale::DualScale;
 use crate::identifiability::weakest_direction;
-use crate::observed::{FreeParameter, Observed};
+use crate::observed::{FreeParameter, Observed, rest_mass};
 use crate::profile::{Profile, profile};
 use crate::refine::Refined;
 use crumple_lumped::Model;
@@ -52,6 +53,7 @@ pub struct Judgement {
     /// What the sentence on the weakest direction is made from.
     free: Vec<FreeParameter>,
     covariance: Covariance,
+    quantity: FitQuantity,
 }
 
 /// Judges a model at the minimum of its misfit.
@@ -73,7 +75,7 @@ pub fn judge(
     let kept: Vec<usize> = (0..refined.free.len()).filter(judged).collect();
     let free: Vec<FreeParameter> = kept.iter().map(|&i| refined.free[i]).collect();
     let j_m = refined.sensitivity_m.select_columns(&kept);
-    let found = covariance(&j_m, &refined.misfit_m, observed.resolution_m)?;
+    let found = covariance_of_blocks(&j_m, &refined.misfit_m, &observed.blocks())?;
     let values = given.unwrap_or(&refined.model).parameters();
     let mut standard_deviation = BTreeMap::new();
     let mut interval = Intervals::new();
@@ -93,7 +95,14 @@ pub fn judge(
             interval.insert(parameter.name, (None, None));
         }
     }
+    if let Some((rest, value)) = rest_mass(given.unwrap_or(&refined.model), &free) {
+        let (deviation, ends) = of_the_rest(value, &free, &found, &interval);
+        standard_deviation.insert(rest, deviation);
+        interval.insert(rest, ends);
+    }
     let correlation = found.correlation();
+    let waves = observed.split(&refined.misfit_m);
+    let quantity = observed.waves.first()?.quantity;
     Some(Judgement {
         parameters: free.iter().map(|p| p.name).collect(),
         standard_deviation,
@@ -101,19 +110,22 @@ pub fn judge(
         correlation: correlation.row_iter().map(|row| row.iter().copied().collect()).collect(),
         condition: Some(found.condition).filter(|c| c.is_finite()),
         rank: found.rank,
-        weakest_direction: weakest_direction(&free, &found),
-        residual_autocorrelation: lag_1_autocorrelation(&refined.misfit_m),
+        weakest_direction: weakest_direction(&free, &found, quantity),
+        residual_autocorrelation: waves.iter().map(|own| lag_1_autocorrelation(own)).sum::<f64>() / waves.len() as f64,
         effective_samples: found.effective_samples,
         profile: if options.profile {
             let half_width = |i| kept.iter().position(|&k| k == i).map(|k| found.half_width[k]);
             let expected: Vec<Option<f64>> = (0..refined.free.len()).map(half_width).collect();
-            profile(refined, observed, &expected, found.effective_samples)
+            let mut found = profile(refined, observed, &expected, found.effective_samples);
+            found.extend(profile_of_the_rest(refined, &found));
+            found
         } else {
             Vec::new()
         },
         bootstrap: (options.bootstrap > 0).then(|| bootstrap(refined, observed, options.bootstrap)).flatten(),
         free,
         covariance: found,
+        quantity,
     })
 }
 
@@ -126,6 +138,50 @@ fn around(parameter: &FreeParameter, value: f64, half: f64) -> (Option<f64>, Opt
         let half = half * parameter.unit;
         (Some((value - half).max(0.0)), Some(value + half).filter(|high| high.is_finite()))
     }
+}
+
+/// Standard deviation and interval of the mass that is the rest of the total: those of the free mass, mirrored; of two free
+/// masses normal, from the deviation of their sum with the factor of the wider of their intervals.
+fn of_the_rest(
+    value: f64,
+    free: &[FreeParameter],
+    found: &Covariance,
+    interval: &Intervals,
+) -> (f64, (Option<f64>, Option<f64>)) {
+    let masses: Vec<usize> = (0..free.len()).filter(|&i| free[i].name.ends_with("_kg")).collect();
+    let slope = |i: usize| free[i].slope(free[i].coordinate(free[i].value));
+    let pairs = masses.iter().flat_map(|&i| masses.iter().map(move |&j| (i, j)));
+    let variance: f64 = pairs.map(|(i, j)| slope(i) * found.matrix[(i, j)] * slope(j)).sum();
+    let deviation = variance.max(0.0).sqrt();
+    let ends = match masses[..] {
+        [one] => {
+            let (low, high) = interval[free[one].name];
+            let total = value + free[one].value;
+            let rest = |end: Option<f64>| end.map(|kg| (total - kg).max(0.0));
+            (rest(high), rest(low))
+        }
+        _ => {
+            let factor = |i: &usize| found.half_width[*i] / found.matrix[(*i, *i)].sqrt();
+            let half = masses.iter().map(factor).fold(1.96, f64::max) * deviation;
+            if half.is_finite() { (Some((value - half).max(0.0)), Some(value + half)) } else { (None, None) }
+        }
+    };
+    (deviation, ends)
+}
+
+/// The profile of the rest of the total, which is that of the one free mass mirrored; none with two free masses.
+fn profile_of_the_rest(refined: &Refined, profiles: &[Profile]) -> Option<Profile> {
+    let (parameter, value) = rest_mass(&refined.model, &refined.free)?;
+    let mut masses = refined.free.iter().filter(|p| p.name.ends_with("_kg"));
+    let (one, None) = (masses.next()?, masses.next()) else { return None };
+    let of = profiles.iter().find(|p| p.parameter == one.name)?;
+    let total = value + one.value;
+    Some(Profile {
+        parameter,
+        low: of.high.map(|kg| total - kg),
+        high: of.low.map(|kg| total - kg),
+        points: of.points.iter().rev().map(|(kg, rise)| (total - kg, *rise)).collect(),
+    })
 }
 
 impl Judgement {
@@ -153,7 +209,7 @@ impl Judgement {
             parameters: self.parameters.iter().map(|name| dual.of(name).0).collect(),
             standard_deviation: dual.values(&self.standard_deviation),
             interval: exchange(&self.interval),
-            weakest_direction: weakest_direction(&free, &self.covariance),
+            weakest_direction: weakest_direction(&free, &self.covariance, self.quantity),
             profile: self
                 .profile
                 .iter()

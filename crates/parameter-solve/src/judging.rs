@@ -2,18 +2,20 @@
 
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1};
 use crumple_parameter_solve::{
-    Candidate, FreeParameter, InputUncertainty, JudgeOptions, Measurement, Method, Observed, Refined, free_parameters,
-    judge, propagate, refine,
+    Candidate, Distribution, FitQuantity, FollowedEvents, FreeParameter, InputUncertainty, JudgeOptions, MassFit,
+    Measurement, Method, Observed, Propagation, RESOLUTION_M, Refined, free_masses, free_parameters, judge, propagate,
+    propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine,
 };
 use crumple_signal::{Displacement, Signal};
 use crumple_stage::records::EventsV1;
-use crumple_stage::{Inputs, Output, RefuseExt, Wave};
+use crumple_stage::{Inputs, Output, RefuseExt, Usage, Wave};
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::measured::measurement;
 use crate::options::StageSettings;
-use crate::pairs::{FitKind, pair_up};
+use crate::pairs::{FitKind, drop_repeated, pair_up};
+use crate::sensor_waves::SensorWaves;
 use crate::verdict::Judged;
 
 /// What is judged beyond the covariance; part of the settings.
@@ -25,7 +27,56 @@ pub struct Judging {
     pub speed_uncertainty_m_per_s: f64,
     pub bias_uncertainty_m_per_s2: f64,
     pub time_zero_uncertainty_s: f64,
+    /// Of mass, speed, zero level and time zero.
+    #[serde(serialize_with = "names", skip_serializing_if = "all_normal")]
+    pub distributions: [Distribution; 4],
     pub repetitions: usize,
+}
+
+fn all_normal(distributions: &[Distribution; 4]) -> bool {
+    distributions.iter().all(|distribution| *distribution == Distribution::Normal)
+}
+
+fn names<S: serde::Serializer>(distributions: &[Distribution; 4], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(distributions.iter().map(|distribution| distribution.name()))
+}
+
+impl Judging {
+    /// The flags that say how well parameters are known, as far as they are given.
+    pub fn flags(&self) -> Vec<&'static str> {
+        let inputs = [
+            ("--mass-uncertainty", self.mass_uncertainty_kg),
+            ("--speed-uncertainty", self.speed_uncertainty_m_per_s),
+            ("--bias-uncertainty", self.bias_uncertainty_m_per_s2),
+            ("--time-zero-uncertainty", self.time_zero_uncertainty_s),
+        ];
+        let own = [("--profile", self.profile), ("--bootstrap", self.bootstrap > 0)];
+        let own = own.into_iter().filter(|(_, given)| *given).map(|(flag, _)| flag);
+        own.chain(inputs.into_iter().filter(|(_, value)| *value > 0.0).map(|(flag, _)| flag)).collect()
+    }
+
+    /// Refuses uncertainties of which a draw could make the mass or the speed zero.
+    fn check(&self, mass_kg: Option<f64>, impact_speed_m_per_s: f64) -> Result<(), Usage> {
+        let reaches = |flag: &str, size: f64, distribution: Distribution, value: f64, unit: &str| {
+            let largest = distribution.largest_draw();
+            if largest * size < value {
+                return Ok(());
+            }
+            let what = match distribution {
+                Distribution::Normal => "draws of up to 6 standard deviations",
+                Distribution::Uniform => "draws of up to the half width",
+            };
+            Err(Usage::new(format!(
+                "{flag} is {size} {unit} on {value} {unit}: {what} reach zero, expected less than {:.4} {unit}",
+                value / largest
+            )))
+        };
+        let [of_mass, of_speed, ..] = self.distributions;
+        if let Some(mass_kg) = mass_kg {
+            reaches("mass-uncertainty", self.mass_uncertainty_kg, of_mass, mass_kg, "kg")?;
+        }
+        reaches("speed-uncertainty", self.speed_uncertainty_m_per_s, of_speed, impact_speed_m_per_s, "m/s")
+    }
 }
 
 /// Error of a displacement whose filter is not known, m: what CFC 60 does to the jump at contact.
@@ -42,6 +93,9 @@ struct Scene<'a> {
     measurement: Measurement,
     /// Whether the filter of the record is known: only then a fit gives way to the minimum seen through it.
     known: bool,
+    /// Displacement from contact to its end, every sample: where events are read from.
+    whole: Option<Observed>,
+    sensors: &'a SensorWaves,
     mass_kg: Option<f64>,
     impact_speed_m_per_s: f64,
     crush_m: f64,
@@ -66,26 +120,59 @@ pub fn judge_all(
     ) else {
         return Ok(none);
     };
-    let (measurement, known) = measurement(input, events, &displacement)?;
-    let scene = Scene { settings, events, displacement, measurement, known, mass_kg, impact_speed_m_per_s, crush_m };
+    settings.judging.check(mass_kg, impact_speed_m_per_s)?;
+    let (measurement, known) = measurement(input, events, &events.channel, &displacement)?;
+    let end = (0.0, displacement.end_s() - events.time_zero_s);
+    let whole =
+        Observed::new(&displacement, events.time_zero_s, measurement, impact_speed_m_per_s, end, usize::MAX).ok();
+    let sensors = SensorWaves::of(candidates, input, events, mass_kg)?;
+    let scene = Scene {
+        settings,
+        events,
+        displacement,
+        measurement,
+        known,
+        whole,
+        sensors: &sensors,
+        mass_kg,
+        impact_speed_m_per_s,
+        crush_m,
+    };
     if !known {
         out.notes().info(
             "the filter of the record is not known here (give the artifact of crumple-filter too): models are fitted as if \
              the displacement had none",
         );
     }
-    let refined: Vec<Option<(Observed, Refined)>> =
-        candidates.par_iter().map(|candidate| scene.refine(candidate)).collect();
+    let mut refined: Vec<Option<(Observed, Refined)>> = candidates
+        .par_iter()
+        .map(|candidate| if candidate.shares_weights() { None } else { scene.refine(candidate, None) })
+        .collect();
+    // Sensors count by how well the best explanation meets them; further ones are seen with the same weights.
+    let later: Vec<(usize, Option<(Observed, Refined)>)> = candidates
+        .par_iter()
+        .enumerate()
+        .filter(|(_, candidate)| candidate.shares_weights())
+        .map(|(k, candidate)| {
+            let best = candidates.iter().position(|other| other.index == 1 && other.is_like(candidate));
+            let best = best.and_then(|best| refined[best].as_ref()).map(|(observed, _)| observed);
+            (k, best.and_then(|best| scene.refine(candidate, Some(best))))
+        })
+        .collect();
+    for (k, found) in later {
+        refined[k] = found;
+    }
     let mut judged: Vec<Option<Judged>> = candidates
         .par_iter()
         .zip(&refined)
         .map(|(candidate, refined)| refined.as_ref().and_then(|(o, r)| scene.judge(candidate, o, r)))
         .collect();
+    scene.say_what_is_left_out(candidates, &refined, &judged, out);
     for (candidate, found) in candidates.iter_mut().zip(&refined) {
-        if let Some((_, refined)) = found
+        if let Some((observed, refined)) = found
             && scene.gives_way(candidate, refined)
         {
-            adopt(candidate, refined);
+            adopt(candidate, observed, refined);
             if let Model::Elastoplastic(model) = candidate.model {
                 let chosen =
                     if model.release { "leaves the barrier at rebound" } else { "stays attached and swings on" };
@@ -95,6 +182,7 @@ pub fn judge_all(
             }
         }
     }
+    drop_repeated(candidates, &mut judged, out);
     if scene.known {
         pair_up(candidates, &mut judged, out);
     }
@@ -116,47 +204,71 @@ impl Scene<'_> {
         }
     }
 
-    fn refine(&self, candidate: &Candidate) -> Option<(Observed, Refined)> {
-        if candidate.method == Method::CoefficientMatching || candidate.of_sensors() || candidate.is_second_of_pair() {
+    /// Whether the filter of everything that the candidate was fitted to is known.
+    fn known(&self, candidate: &Candidate) -> bool {
+        if candidate.of_sensors() { self.sensors.known(candidate) } else { self.known }
+    }
+
+    fn observed(&self, candidate: &Candidate) -> Option<Observed> {
+        let window = self.window(candidate)?;
+        let samples = self.settings.solve.fit_samples;
+        let (zero, v0) = (self.events.time_zero_s, self.impact_speed_m_per_s);
+        let mut observed = if candidate.of_sensors() {
+            Observed { impact_speed_m_per_s: v0, waves: self.sensors.seen(candidate, zero, window, samples)? }
+        } else {
+            Observed::new(&self.displacement, zero, self.measurement, v0, window, samples).ok()?
+        };
+        if !self.known(candidate) {
+            for wave in &mut observed.waves {
+                wave.resolution *= UNKNOWN_FILTER_M / RESOLUTION_M;
+            }
+        }
+        Some(observed)
+    }
+
+    /// Follows the candidate to its minimum; several sensors weighted as `weighted` has them, else by their own misfits.
+    fn refine(&self, candidate: &Candidate, weighted: Option<&Observed>) -> Option<(Observed, Refined)> {
+        if candidate.method == Method::CoefficientMatching || candidate.is_second_of_pair() {
             return None;
         }
-        let window = self.window(candidate)?;
-        let mut observed = Observed::new(
-            &self.displacement,
-            self.events.time_zero_s,
-            self.measurement,
-            self.impact_speed_m_per_s,
-            window,
-            self.settings.solve.fit_samples,
-        )
-        .ok()?;
-        if !self.known {
-            observed.resolution_m = UNKNOWN_FILTER_M;
+        let mut observed = self.observed(candidate)?;
+        for (wave, other) in observed.waves.iter_mut().zip(weighted.iter().flat_map(|other| &other.waves)) {
+            wave.weight = other.weight;
         }
-        let with = |model: &Model| {
+        let with = |model: &Model, observed: &Observed| {
             let mut free = free_parameters(model, self.impact_speed_m_per_s, self.crush_m, true);
+            if let (true, MassFit::Shares { lower, upper }) = (candidate.of_sensors(), self.settings.solve.mass_fit) {
+                free.extend(free_masses(model, (lower, upper)));
+            }
             free.retain(|parameter| !held(candidate).any(|name| name == parameter.name));
-            refine(model, &free, &observed)
+            refine(model, &free, observed)
         };
-        let found = match &candidate.model {
+        let mut found = match &candidate.model {
             // Whether the vehicle leaves the barrier or swings on: what fits the record better.
-            Model::Elastoplastic(model) => {
-                let both =
-                    [true, false].map(|release| with(&Model::Elastoplastic(Elastoplastic { release, ..*model })));
+            Model::Elastoplastic(model) if !candidate.of_sensors() => {
+                let both = [true, false]
+                    .map(|release| with(&Model::Elastoplastic(Elastoplastic { release, ..*model }), &observed));
                 both.into_iter().flatten().min_by(|a, b| a.rmse_m().total_cmp(&b.rmse_m()))
             }
-            model => with(model),
+            model => with(model, &observed),
         }?;
+        // The noise levels of several sensors are those of the misfit through the filter.
+        for _ in 0..if weighted.is_none() { WEIGHINGS } else { 0 } {
+            if !weigh(&mut observed, &found) {
+                break;
+            }
+            found = refine(&found.model, &found.free, &observed)?;
+        }
         Some((observed, found))
     }
 
     /// Whether the candidate is a fit that the minimum through the filter replaces.
     fn gives_way(&self, candidate: &Candidate, refined: &Refined) -> bool {
-        if !self.known || candidate.method != Method::DirectFit {
+        if !self.known(candidate) || candidate.method != Method::DirectFit {
             return false;
         }
         match &refined.model {
-            Model::Nonlinear1(model) => self.meets_conditions(model),
+            Model::Nonlinear1(model) if !candidate.of_sensors() => self.meets_conditions(model),
             _ => true,
         }
     }
@@ -174,27 +286,135 @@ impl Scene<'_> {
             && time.is_some_and(|(found, wanted)| (found / wanted - 1.0).abs() <= CONDITIONS)
     }
 
+    /// Whether the values judged are those of the minimum that the judgement looks from.
+    fn is_minimum(&self, candidate: &Candidate, refined: &Refined) -> bool {
+        let fitted = match candidate.method {
+            Method::DirectFit => candidate.of_sensors() || !matches!(candidate.model, Model::Nonlinear1(_)),
+            Method::LShade => true,
+            _ => false,
+        };
+        self.gives_way(candidate, refined) || (fitted && !self.known(candidate))
+    }
+
     fn judge(&self, candidate: &Candidate, observed: &Observed, refined: &Refined) -> Option<Judged> {
         let asked = &self.settings.judging;
-        let options = JudgeOptions { profile: asked.profile, bootstrap: asked.bootstrap };
+        let here = self.is_minimum(candidate, refined);
+        let options =
+            JudgeOptions { profile: asked.profile && here, bootstrap: if here { asked.bootstrap } else { 0 } };
         let given = (!self.gives_way(candidate, refined)).then_some(&candidate.model);
         let mut judgement = judge(refined, given, observed, options)?;
         judgement.interval.extend(held(candidate).map(|name| (name, (None, None))));
+        if candidate.of_sensors()
+            && self.settings.solve.mass_fit != MassFit::Known
+            && let Some(rest) = candidate.model.kind().parameter_names().iter().rfind(|name| name.ends_with("_kg"))
+        {
+            // A mass on a bound leaves the rest of the total without an interval too.
+            judgement.interval.entry(rest).or_insert((None, None));
+        }
+        let propagation = self.propagation(candidate, observed, refined);
+        Some(Judged { judgement, propagation, through_filter: self.known(candidate) })
+    }
+
+    /// The estimator that made the values, repeated with uncertain inputs.
+    fn propagation(&self, candidate: &Candidate, observed: &Observed, refined: &Refined) -> Option<Propagation> {
+        let asked = &self.settings.judging;
         let inputs = InputUncertainty {
             mass_kg: asked.mass_uncertainty_kg,
             impact_speed_m_per_s: asked.speed_uncertainty_m_per_s,
             bias_m_per_s2: asked.bias_uncertainty_m_per_s2,
             time_zero_s: asked.time_zero_uncertainty_s,
+            distributions: asked.distributions,
         };
-        let free: Vec<FreeParameter> = refined.free.clone();
-        let propagation = match self.mass_kg {
-            Some(mass_kg) if inputs.any() => {
-                propagate(&refined.model, &free, observed, mass_kg, &inputs, asked.repetitions)
+        if !inputs.any() {
+            return None;
+        }
+        let values = candidate.model.parameters();
+        let own_mass_kg = values.iter().filter(|(name, _)| name.ends_with("_kg")).map(|(_, kg)| kg).sum();
+        let mass_kg = self.mass_kg.unwrap_or(own_mass_kg);
+        let repetitions = asked.repetitions;
+        let events = FollowedEvents {
+            time_of_dynamic_crush_s: self.events.time_of_dynamic_crush_s.unwrap_or(0.0),
+            dynamic_crush_m: self.crush_m,
+            coefficient_of_restitution: self.events.coefficient_of_restitution.unwrap_or(0.0),
+        };
+        match (candidate.method, &candidate.model) {
+            _ if self.gives_way(candidate, refined) => {
+                propagate(&refined.model, &refined.free, observed, mass_kg, &inputs, repetitions)
+            }
+            (Method::ClosedForm, model) => {
+                propagate_closed_form(model, &events, self.whole.as_ref()?, mass_kg, &inputs, repetitions)
+            }
+            (Method::DirectFit | Method::InteriorPoint, Model::Nonlinear1(model)) if !candidate.of_sensors() => {
+                let records = (observed, self.whole.as_ref()?);
+                propagate_conditioned(model, &events, records, mass_kg, &inputs, repetitions)
+            }
+            (Method::DirectFit | Method::LShade, model) => {
+                let own = |p: &FreeParameter| p.described_at(values[p.name]);
+                let free: Vec<FreeParameter> = refined.free.iter().map(own).collect();
+                propagate_unfiltered(model, &free, observed, mass_kg, &inputs, repetitions)
             }
             _ => None,
-        };
-        Some(Judged { judgement, propagation, through_filter: self.known })
+        }
     }
+
+    /// One remark for each thing that was asked for and does not belong to the values of a candidate.
+    fn say_what_is_left_out(
+        &self,
+        candidates: &[Candidate],
+        refined: &[Option<(Observed, Refined)>],
+        judged: &[Option<Judged>],
+        out: &mut Output,
+    ) {
+        let asked = &self.settings.judging;
+        let flags: Vec<&str> =
+            asked.flags().into_iter().filter(|flag| ["--profile", "--bootstrap"].contains(flag)).collect();
+        let all = || candidates.iter().zip(refined).zip(judged);
+        let elsewhere: Vec<String> = all()
+            .filter(|((candidate, refined), judged)| {
+                judged.is_some() && refined.as_ref().is_some_and(|(_, r)| !self.is_minimum(candidate, r))
+            })
+            .map(|((candidate, _), _)| candidate.id())
+            .collect();
+        if !flags.is_empty() && !elsewhere.is_empty() {
+            out.notes().info(format!(
+                "{} left out for {}: they look from the minimum of a fit through the filter, and these values are not there",
+                flags.join(" and "),
+                elsewhere.join(", ")
+            ));
+        }
+        let inputs: Vec<&str> = asked.flags().into_iter().filter(|flag| flag.ends_with("-uncertainty")).collect();
+        for ((candidate, _), judged) in all() {
+            if !inputs.is_empty() && judged.as_ref().is_some_and(|judged| judged.propagation.is_none()) {
+                out.notes().warning(format!(
+                    "{}: {} not propagated, its estimator cannot be repeated from this record",
+                    candidate.id(),
+                    inputs.join(", ")
+                ));
+            }
+        }
+    }
+}
+
+/// Rounds of weighing sensors, the change of a level worth another one, and the least level as a share of the record.
+const WEIGHINGS: usize = 4;
+const LEVEL_MOVED: f64 = 0.01;
+const LEAST_LEVEL: f64 = 1e-6;
+
+/// Weighs the waves by the root mean square misfit of each; whether that changed anything.
+fn weigh(observed: &mut Observed, found: &Refined) -> bool {
+    let levels: Vec<f64> = observed
+        .rmse(&found.misfit_m)
+        .iter()
+        .zip(&observed.waves)
+        .map(|(rmse, wave)| rmse.max(LEAST_LEVEL * wave.size()).max(f64::MIN_POSITIVE))
+        .collect();
+    let mut moved = false;
+    for (wave, level) in observed.waves.iter_mut().zip(&levels).skip(1) {
+        let weight = levels[0] / level;
+        moved |= (weight / wave.weight).ln().abs() > LEVEL_MOVED;
+        wave.weight = weight;
+    }
+    moved
 }
 
 /// Parameters that the search left on a bound, other than zero: that value is the bound's, so it is held and has no interval.
@@ -205,10 +425,33 @@ fn held(candidate: &Candidate) -> impl Iterator<Item = &'static str> {
 }
 
 /// A fit takes the values of the minimum.
-fn adopt(candidate: &mut Candidate, refined: &Refined) {
+fn adopt(candidate: &mut Candidate, observed: &Observed, refined: &Refined) {
     candidate.model = refined.model;
     if let Some(fit) = &mut candidate.fit {
-        fit.rmse = refined.rmse_m();
+        let rmse = observed.rmse(&refined.misfit_m);
+        fit.rmse = rmse.first().copied().unwrap_or(fit.rmse);
+        let noise = rmse.first().copied().unwrap_or(0.0).max(LEAST_LEVEL * observed.waves[0].size());
+        for ((sensor, rmse), wave) in fit.sensors.iter_mut().zip(&rmse).zip(&observed.waves) {
+            sensor.rmse = *rmse;
+            sensor.noise = noise / wave.weight;
+        }
+        let errors: Vec<String> = fit
+            .sensors
+            .iter()
+            .map(|sensor| {
+                let (rmse, unit) = match sensor.quantity {
+                    FitQuantity::Displacement => (1e3 * sensor.rmse, "mm"),
+                    other => (sensor.rmse, other.unit()),
+                };
+                format!("{rmse:.4} {unit} at {} (mass {})", sensor.channel, sensor.mass)
+            })
+            .collect();
+        for note in candidate.notes.iter_mut().filter(|note| note.starts_with("root mean square errors ")) {
+            *note = format!(
+                "root mean square errors seen through the filter {}; residuals weighted by the noise level of each sensor",
+                errors.join(", ")
+            );
+        }
         fit.iterations += refined.iterations;
         fit.evaluations += refined.evaluations;
         fit.stop_reason = refined.stop_reason;

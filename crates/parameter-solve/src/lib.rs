@@ -14,6 +14,8 @@
 mod amplitude_ratios;
 mod bootstrap;
 mod candidate;
+mod closed_form_propagation;
+mod conditioned_propagation;
 mod covariance;
 mod curve_fit;
 mod double_fit;
@@ -60,6 +62,8 @@ mod window;
 pub use amplitude_ratios::{front_from_amplitudes, rear_from_amplitudes};
 pub use bootstrap::{Bootstrap, REPLICATES, bootstrap};
 pub use candidate::{Candidate, Fit, Uncertainty};
+pub use closed_form_propagation::{FollowedEvents, propagate_closed_form};
+pub use conditioned_propagation::propagate_conditioned;
 pub use covariance::{Covariance, covariance};
 pub use curve_fit::curve_fit_of_the_paper;
 pub use double_fit::{DoubleFit, DoubleFitOptions, fit_double};
@@ -82,10 +86,11 @@ pub use maxwell_fit::{fit_maxwell, undetermined_by_the_record};
 pub use measurement::{IntegrationRule, Measurement, TwoPassFilter};
 pub use method::{METHODS, Method};
 pub use nonlinear_fit::{NonlinearFitOptions, fit_nonlinear1, fit_nonlinear2};
-pub use observed::{FreeParameter, Observed, RESOLUTION_M, free_parameters};
+pub use observed::{FreeParameter, Observed, RESOLUTION_M, SeenWave, free_masses, free_parameters};
 pub use profile::{Profile, RISE_95, profile};
 pub use propagation::{
-    InputUncertainty, Propagation, REPETITIONS, Repetition, perturbed, propagate, repeat, repetition,
+    Distribution, InputUncertainty, Propagation, REPETITIONS, Repetition, perturbed, propagate, propagate_unfiltered,
+    repeat, repetition,
 };
 pub use quantity::FitQuantity;
 pub use random_starts::random_start_nonlinear2;

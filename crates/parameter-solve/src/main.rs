@@ -5,7 +5,9 @@ mod measured;
 mod models;
 mod options;
 mod pairs;
+mod sensor_waves;
 mod stage;
+mod uncertain;
 mod verdict;
 
 use std::process::ExitCode;

@@ -1,26 +1,28 @@
 //! What the artifacts say of how the displacement came about.
 
 use crumple_parameter_solve::{IntegrationRule, Measurement, TwoPassFilter};
-use crumple_signal::{Acceleration, Displacement, Signal};
+use crumple_signal::{Acceleration, Sampled};
 use crumple_stage::records::{ChannelFilterV1, EventsV1};
 use crumple_stage::{Inputs, RefuseExt, Wave};
 
-/// The measurement of the displacement, and whether its filter is known.
+/// The measurement of a motion of this channel, and whether its filter is known. Time zero, start and rule are those of the events:
+/// all channels are integrated alike.
 pub fn measurement(
     input: &Inputs,
     events: &EventsV1,
-    displacement: &Signal<Displacement>,
+    channel: &str,
+    motion: &Sampled,
 ) -> anyhow::Result<(Measurement, bool)> {
-    let record: Option<ChannelFilterV1> = input.record_if(&format!("/filter/{}", events.channel))?;
+    let record: Option<ChannelFilterV1> = input.record_if(&format!("/filter/{channel}"))?;
     let acceleration = input
-        .wave_if(&events.channel)
+        .wave_if(channel)
         .map(Wave::signal::<Acceleration>)
         .transpose()
         .refuse()?
-        .filter(|wave| (wave.dt_s() - displacement.dt_s()).abs() <= 1e-9 * wave.dt_s());
+        .filter(|wave| (wave.dt_s() - motion.dt_s()).abs() <= 1e-9 * wave.dt_s());
     let (dt_s, t0_s, samples) = match &acceleration {
         Some(wave) => (wave.dt_s(), wave.t0_s(), wave.len()),
-        None => (displacement.dt_s(), displacement.t0_s(), displacement.len()),
+        None => (motion.dt_s(), motion.t0_s(), motion.len()),
     };
     let rule = match events.rule.as_deref() {
         Some("forward-euler") => IntegrationRule::ForwardEuler,
@@ -33,7 +35,7 @@ pub fn measurement(
             .then_some(TwoPassFilter { coefficients, samples_added: record.samples_added as usize })
     });
     let untouched = record.as_ref().is_some_and(|record| record.coefficients.is_empty() && record.width_s.is_none());
-    let unfiltered = untouched && input.test().ok().and_then(|t| t.channel(&events.channel)?.cfc).is_none();
+    let unfiltered = untouched && input.test().ok().and_then(|t| t.channel(channel)?.cfc).is_none();
     let as_sampled = record.as_ref().is_some_and(|r| r.resampled_to_hz.is_none());
     let known = acceleration.is_some()
         && as_sampled

@@ -2,6 +2,8 @@
 
 use crumple_lumped::{LumpedError, Model};
 
+use crate::FitQuantity;
+
 /// A filter of second order that was run forward and backward, as the filter stage records it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TwoPassFilter {
@@ -65,6 +67,19 @@ impl Measurement {
     /// Between the model's instants (contact and whole intervals after it) its acceleration is taken as linear, which
     /// matters only where contact lies between two samples: an error of `dt² max|a''|/8`. Errors: the model's own.
     pub fn displacement(&self, model: &Model, v0_m_per_s: f64, last: usize) -> Result<Vec<f64>, LumpedError> {
+        self.motion(model, None, FitQuantity::Displacement, v0_m_per_s, last)
+    }
+
+    /// The same for any mass (by its index from the barrier on; `None`: the compartment, also for an index beyond it) and quantity:
+    /// the acceleration is what the filter makes of it, the velocity its first sum.
+    pub fn motion(
+        &self,
+        model: &Model,
+        mass: Option<usize>,
+        quantity: FitQuantity,
+        v0_m_per_s: f64,
+        last: usize,
+    ) -> Result<Vec<f64>, LumpedError> {
         let last = last.min(self.samples.saturating_sub(1));
         let memory = self.filter.as_ref().map_or(0, TwoPassFilter::memory_samples);
         let count = last.saturating_add(memory).saturating_add(1).min(self.samples);
@@ -73,21 +88,27 @@ impl Measurement {
         let mut a = vec![0.0; zero.min(count)];
         if count > zero {
             let response = model.respond(v0_m_per_s, self.dt_s, count - zero + 1)?;
-            let exact = &response.compartment().acceleration_m_per_s2;
+            let motion = mass.and_then(|mass| response.motions.get(mass)).unwrap_or_else(|| response.compartment());
             // The record has the value after a jump at contact.
-            a.extend(exact.windows(2).map(|w| w[0] + gap * (w[1] - w[0])));
+            a.extend(motion.acceleration_m_per_s2.windows(2).map(|w| w[0] + gap * (w[1] - w[0])));
         }
         if let Some(filter) = &self.filter {
             a = filter.run(&a);
         }
         a.truncate(last + 1);
-        Ok(self.integrate(&a, v0_m_per_s, zero, gap))
+        Ok(match quantity {
+            FitQuantity::Acceleration => a,
+            FitQuantity::Velocity => self.integrate(&a, v0_m_per_s, zero, gap).0,
+            FitQuantity::Displacement => self.integrate(&a, v0_m_per_s, zero, gap).1,
+        })
     }
 
-    /// As the integrate stage: from the first sample, shifted to zero at contact; or from contact.
-    fn integrate(&self, a: &[f64], v0: f64, zero: usize, gap: f64) -> Vec<f64> {
+    /// Velocity and displacement as the integrate stage has them: from the first sample, the displacement shifted to zero at
+    /// contact; or from contact.
+    fn integrate(&self, a: &[f64], v0: f64, zero: usize, gap: f64) -> (Vec<f64>, Vec<f64>) {
         let dt = self.dt_s;
         let mut x = vec![0.0; a.len()];
+        let mut speeds = vec![v0; a.len()];
         let step = |v: &mut f64, x: &mut f64, before: f64, after: f64| match self.rule {
             IntegrationRule::Trapezoid => {
                 let next = *v + 0.5 * dt * (before + after);
@@ -112,17 +133,17 @@ impl Measurement {
                 }
             }
             for k in zero..a.len() {
-                x[k] = s;
+                (speeds[k], x[k]) = (v, s);
                 if k + 1 < a.len() {
                     step(&mut v, &mut s, a[k], a[k + 1]);
                 }
             }
-            return x;
+            return (speeds, x);
         }
         let (mut v, mut s) = (v0, 0.0);
         let mut at_contact = (v0, v0);
         for k in 0..a.len() {
-            x[k] = s;
+            (speeds[k], x[k]) = (v, s);
             if k + 1 == zero {
                 at_contact.0 = v;
             } else if k == zero {
@@ -139,7 +160,7 @@ impl Measurement {
             let shift = x[zero] - 0.5 * gap * dt * (after + v_contact);
             x.iter_mut().for_each(|x| *x -= shift);
         }
-        x
+        (speeds, x)
     }
 }
 

@@ -1,26 +1,42 @@
 //! A model seen through a measurement, beside the record: the common description of every fit that is judged.
 
 use crumple_lumped::{Model, ModelKind};
-use crumple_signal::{Displacement, Signal};
+use crumple_signal::{Displacement, Sampled, Signal};
 
 use crate::least_squares::Response;
-use crate::{Measurement, SolveError};
+use crate::{FitQuantity, Measurement, SolveError};
 
-/// A record and where it is compared.
+/// One wave of a record and where it is compared.
 #[derive(Debug, Clone)]
-pub struct Observed {
-    /// How the displacement was measured.
+pub struct SeenWave {
+    /// Index of its mass from the barrier on; `None`: the compartment.
+    pub mass: Option<usize>,
+    /// What it says.
+    pub quantity: FitQuantity,
+    /// How it was measured.
     pub measurement: Measurement,
-    /// Speed at contact, m/s.
-    pub impact_speed_m_per_s: f64,
     /// First index of the window, on the grid of the measurement.
     pub first: usize,
     /// Distance of the samples compared.
     pub stride: usize,
-    /// The displacement at `first`, `first + stride`, ..., m.
-    pub displacement_m: Vec<f64>,
-    /// What the displacement is known to at best, m, see [`RESOLUTION_M`].
-    pub resolution_m: f64,
+    /// The wave at `first`, `first + stride`, ..., in its unit.
+    pub samples: Vec<f64>,
+    /// What the wave is known to at best, in its unit, see [`RESOLUTION_M`].
+    pub resolution: f64,
+    /// Factor of its misfit beside that of the first wave: noise level of the first over its own; 1 for the first.
+    pub weight: f64,
+}
+
+/// A record and where it is compared.
+///
+/// Misfits of several waves stand one after the other, each times its weight: all in the unit of the first wave, which is
+/// called a metre wherever it is a displacement.
+#[derive(Debug, Clone)]
+pub struct Observed {
+    /// Speed at contact, m/s.
+    pub impact_speed_m_per_s: f64,
+    /// The waves; at least one.
+    pub waves: Vec<SeenWave>,
 }
 
 /// Root mean square error that no displacement is believed to be free of, m.
@@ -29,6 +45,8 @@ pub struct Observed {
 /// record tells (anti-aliasing, phase of the sampling). A tenth of a micrometre: at contact speed the distance of
 /// 1e-8 s. It stands in for no error of the sensor: those are propagated.
 pub const RESOLUTION_M: f64 = 1e-7;
+/// The crush of which that is a share: a velocity and an acceleration are believed to the same share of their largest value.
+const USUAL_CRUSH_M: f64 = 0.5;
 
 /// A misfit below this share of the largest displacement is the exact model.
 const EXACT: f64 = 1e-10;
@@ -36,24 +54,24 @@ const EXACT: f64 = 1e-10;
 /// Fewest samples judged.
 const FEWEST: usize = 12;
 
-impl Observed {
-    /// At most `limit` samples from `from_s` to `to_s` after contact. `displacement` is on the grid of the measurement, as
-    /// far as it goes. Errors: a window that leaves the record, or fewer than 12 samples.
+impl SeenWave {
+    /// At most `limit` samples from `from_s` to `to_s` after contact. `wave` is on the grid of the measurement, as far as it goes.
+    /// Weight 1. Errors: a window that leaves the record, or fewer than 12 samples.
     pub fn new(
-        displacement: &Signal<Displacement>,
+        wave: &Sampled,
+        (mass, quantity): (Option<usize>, FitQuantity),
         time_zero_s: f64,
         measurement: Measurement,
-        impact_speed_m_per_s: f64,
         (from_s, to_s): (f64, f64),
         limit: usize,
     ) -> Result<Self, SolveError> {
         let dt = measurement.dt_s;
         let index = |t: f64| (t - measurement.first_s) / dt;
         // The record may start later than the acceleration: integrated from contact.
-        let offset = index(displacement.t0_s() - time_zero_s).round().max(0.0) as usize;
+        let offset = index(wave.t0_s() - time_zero_s).round().max(0.0) as usize;
         let first = (index(from_s) - 1e-6).ceil().max(0.0) as usize;
-        let last_s = displacement.end_s() - time_zero_s;
-        let error = SolveError::Window { from_s, to_s, first_s: displacement.t0_s() - time_zero_s, last_s };
+        let last_s = wave.end_s() - time_zero_s;
+        let error = SolveError::Window { from_s, to_s, first_s: wave.t0_s() - time_zero_s, last_s };
         if !(from_s.is_finite() && to_s.is_finite() && from_s < to_s && to_s <= last_s + 1e-6 * dt) {
             return Err(error);
         }
@@ -67,28 +85,105 @@ impl Observed {
             return Err(SolveError::TooFewSamples { samples: count, from_s, to_s, needed: FEWEST });
         }
         let stride = count.div_ceil(limit.max(FEWEST));
-        let samples = displacement.samples();
-        let end = (last + 1 - offset).min(samples.len());
-        let displacement_m = samples[(first - offset).min(end)..end].iter().copied().step_by(stride).collect();
-        Ok(Self { measurement, impact_speed_m_per_s, first, stride, displacement_m, resolution_m: RESOLUTION_M })
+        let all = wave.samples();
+        let end = (last + 1 - offset).min(all.len());
+        let samples: Vec<f64> = all[(first - offset).min(end)..end].iter().copied().step_by(stride).collect();
+        let resolution = match quantity {
+            FitQuantity::Displacement => RESOLUTION_M,
+            _ => RESOLUTION_M / USUAL_CRUSH_M * largest(&samples),
+        };
+        Ok(Self { mass, quantity, measurement, first, stride, samples, resolution, weight: 1.0 })
     }
 
     /// Index of the last sample on the grid of the measurement.
     pub fn last(&self) -> usize {
-        self.first + self.stride * (self.displacement_m.len() - 1)
+        self.first + self.stride * (self.samples.len() - 1)
     }
 
-    /// Model minus record at every sample of the window, m; `None` without a finite response.
+    /// Time of a sample that is compared, s after contact.
+    pub fn time_s(&self, index: usize) -> f64 {
+        self.measurement.time_s(self.first + index * self.stride)
+    }
+
+    /// Root mean square of the samples.
+    pub fn size(&self) -> f64 {
+        (self.samples.iter().map(|x| x * x).sum::<f64>() / self.samples.len() as f64).sqrt()
+    }
+}
+
+fn largest(samples: &[f64]) -> f64 {
+    samples.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(x.abs()))
+}
+
+impl Observed {
+    /// At most `limit` samples from `from_s` to `to_s` after contact. `displacement` is on the grid of the measurement, as
+    /// far as it goes. Errors: a window that leaves the record, or fewer than 12 samples.
+    pub fn new(
+        displacement: &Signal<Displacement>,
+        time_zero_s: f64,
+        measurement: Measurement,
+        impact_speed_m_per_s: f64,
+        window_s: (f64, f64),
+        limit: usize,
+    ) -> Result<Self, SolveError> {
+        let what = (None, FitQuantity::Displacement);
+        let wave = SeenWave::new(displacement, what, time_zero_s, measurement, window_s, limit)?;
+        Ok(Self { impact_speed_m_per_s, waves: vec![wave] })
+    }
+
+    /// Samples of all waves.
+    pub fn rows(&self) -> usize {
+        self.waves.iter().map(|wave| wave.samples.len()).sum()
+    }
+
+    /// Model minus record at every sample of every wave, times its weight; `None` without a finite response.
     pub fn misfit(&self, model: &Model) -> Option<Vec<f64>> {
-        let x = self.measurement.displacement(model, self.impact_speed_m_per_s, self.last()).ok()?;
-        let picked = x.get(self.first..)?.iter().step_by(self.stride);
-        let misfit: Vec<f64> = picked.zip(&self.displacement_m).map(|(model, record)| model - record).collect();
-        (misfit.len() == self.displacement_m.len() && misfit.iter().all(|r| r.is_finite())).then_some(misfit)
+        let mut misfit = Vec::with_capacity(self.rows());
+        for wave in &self.waves {
+            let v0 = self.impact_speed_m_per_s;
+            let x = wave.measurement.motion(model, wave.mass, wave.quantity, v0, wave.last()).ok()?;
+            let picked = x.get(wave.first..)?.iter().step_by(wave.stride);
+            misfit.extend(picked.zip(&wave.samples).map(|(model, record)| (model - record) * wave.weight));
+        }
+        (misfit.len() == self.rows() && misfit.iter().all(|r| r.is_finite())).then_some(misfit)
     }
 
-    /// Largest displacement of the window, m.
+    /// The part of each wave of what stands one after the other.
+    pub fn split<'a>(&self, rows: &'a [f64]) -> Vec<&'a [f64]> {
+        let mut rest = rows;
+        let of = |wave: &SeenWave| {
+            let (own, others) = rest.split_at(wave.samples.len().min(rest.len()));
+            rest = others;
+            own
+        };
+        self.waves.iter().map(of).collect()
+    }
+
+    /// Root mean square misfit of every wave, in its unit.
+    pub fn rmse(&self, misfit: &[f64]) -> Vec<f64> {
+        let of = |(own, wave): (&[f64], &SeenWave)| {
+            (own.iter().map(|r| r * r).sum::<f64>() / own.len() as f64).sqrt() / wave.weight
+        };
+        self.split(misfit).into_iter().zip(&self.waves).map(of).collect()
+    }
+
+    /// Samples and weighted resolution of every wave.
+    pub(crate) fn blocks(&self) -> Vec<(usize, f64)> {
+        self.waves.iter().map(|wave| (wave.samples.len(), wave.weight * wave.resolution)).collect()
+    }
+
+    /// Largest value of the first wave: a displacement in metres, unless it is another quantity.
     pub fn scale_m(&self) -> f64 {
-        self.displacement_m.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(x.abs()))
+        self.waves.first().map_or(f64::MIN_POSITIVE, |wave| largest(&wave.samples))
+    }
+
+    /// The same record taken as unfiltered and integrated from contact: how fits that know nothing of the filter see it.
+    #[must_use]
+    pub fn unfiltered(mut self) -> Self {
+        for wave in &mut self.waves {
+            wave.measurement = Measurement { filter: None, from_contact: true, ..wave.measurement };
+        }
+        self
     }
 }
 
@@ -107,6 +202,8 @@ pub struct FreeParameter {
     pub logarithmic: bool,
     /// Largest value allowed; speeds and lengths of a curve stay inside it.
     pub limit: f64,
+    /// Smallest value allowed; 0 for all but masses.
+    pub lowest: f64,
 }
 
 /// A spring or damper below this share of the scale of its kind is near zero: its logarithm means nothing.
@@ -134,7 +231,7 @@ impl FreeParameter {
     /// Smallest and largest coordinate.
     pub fn bounds(&self) -> (f64, f64) {
         if self.logarithmic {
-            (-RANGE.ln(), (self.limit / self.unit).ln().min(RANGE.ln()))
+            ((self.lowest / self.unit).ln().max(-RANGE.ln()), (self.limit / self.unit).ln().min(RANGE.ln()))
         } else {
             (0.0, (self.limit / self.unit).min(RANGE))
         }
@@ -173,9 +270,36 @@ pub fn free_parameters(
                 _ if name.ends_with("_m_per_s") => (0.0, knot("v0_m_per_s")),
                 _ => (0.0, knot("crush_m")),
             };
-            FreeParameter { name, value, unit: value, scale, logarithmic: true, limit }.described_at(value)
+            FreeParameter { name, value, unit: value, scale, logarithmic: true, limit, lowest: 0.0 }.described_at(value)
         })
         .collect()
+}
+
+/// The masses but the last of a model whose total is known, each between two shares of what the masses before it leave.
+pub fn free_masses(model: &Model, (lower, upper): (f64, f64)) -> Vec<FreeParameter> {
+    let masses = masses_of(model);
+    let mut left: f64 = masses.iter().map(|(_, kg)| kg).sum();
+    let (_, but_last) = masses.split_last().unwrap_or((&("", 0.0), &[]));
+    but_last
+        .iter()
+        .map(|&(name, value)| {
+            let (limit, lowest) = (upper * left, lower * left);
+            left -= value;
+            FreeParameter { name, value, unit: value, scale: 0.0, logarithmic: true, limit, lowest }
+        })
+        .collect()
+}
+
+/// Masses of a model from the barrier on.
+fn masses_of(model: &Model) -> Vec<(&'static str, f64)> {
+    let values = model.parameters();
+    let names = model.kind().parameter_names().iter();
+    names.filter(|name| name.ends_with("_kg")).map(|name| (*name, values[*name])).collect()
+}
+
+/// The last mass where masses are free: the rest of the total. Its name and its value.
+pub(crate) fn rest_mass(model: &Model, free: &[FreeParameter]) -> Option<(&'static str, f64)> {
+    free.iter().any(|p| p.name.ends_with("_kg")).then(|| masses_of(model).pop()).flatten()
 }
 
 /// A model of which some parameters are free, beside a record. Residuals are in units of the largest displacement.
@@ -199,6 +323,13 @@ impl<'a> Problem<'a> {
         for (parameter, coordinate) in self.free.iter().zip(theta) {
             *values.get_mut(parameter.name)? = parameter.at(*coordinate);
         }
+        if let Some((rest, _)) = rest_mass(&self.template, &self.free) {
+            // The total is known.
+            let masses = masses_of(&self.template);
+            let total: f64 = masses.iter().map(|(_, kg)| kg).sum();
+            let others: f64 = masses.iter().filter(|(name, _)| *name != rest).map(|(name, _)| values[*name]).sum();
+            *values.get_mut(rest)? = total - others;
+        }
         with_parameters(&self.template, &values)
     }
 
@@ -220,7 +351,7 @@ pub(crate) fn with_parameters(template: &Model, values: &std::collections::BTree
 
 impl Response for Problem<'_> {
     fn rows(&self) -> usize {
-        self.observed.displacement_m.len()
+        self.observed.rows()
     }
 
     fn exact(&self) -> f64 {

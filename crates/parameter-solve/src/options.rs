@@ -10,6 +10,7 @@ use crumple_stage::{Usage, nearest};
 use serde::{Deserialize, Serialize};
 
 use crate::judging::Judging;
+use crate::uncertain::Uncertain;
 
 /// Samples fitted at most, and starts of a fit: enough for four parameters, see the fit's documentation.
 const FIT_SAMPLES: usize = 250;
@@ -147,21 +148,22 @@ pub struct Options {
     #[arg(long, value_name = "NUMBER")]
     pub bootstrap: Option<usize>,
 
-    /// Standard uncertainty of the test mass, e.g. 10kg: propagated to the parameters [default: 0 kg]
+    /// Uncertainty of the test mass, "10 kg normal" (standard deviation, also without the word) or "10 kg uniform" (half width):
+    /// propagated to the parameters [default: 0 kg]
     #[arg(long, value_name = "MASS")]
-    pub mass_uncertainty: Option<Mass>,
+    pub mass_uncertainty: Option<Uncertain<Mass>>,
 
-    /// Standard uncertainty of the impact speed, e.g. 0.1km/h: propagated to crush and parameters [default: 0 m/s]
+    /// Uncertainty of the impact speed, e.g. "0.1 km/h uniform": propagated to crush and parameters [default: 0 m/s]
     #[arg(long, value_name = "SPEED")]
-    pub speed_uncertainty: Option<Speed>,
+    pub speed_uncertainty: Option<Uncertain<Speed>>,
 
-    /// Standard uncertainty of the accelerometer's zero level, e.g. 0.05g: propagated likewise [default: 0 m/s^2]
+    /// Uncertainty of the zero level of every accelerometer, e.g. "0.05 g uniform": propagated likewise [default: 0 m/s^2]
     #[arg(long, value_name = "ACCELERATION")]
-    pub bias_uncertainty: Option<Acceleration>,
+    pub bias_uncertainty: Option<Uncertain<Acceleration>>,
 
-    /// Standard uncertainty of time zero, e.g. 0.5ms: propagated likewise [default: 0 s]
+    /// Uncertainty of time zero, e.g. "0.5 ms uniform": propagated likewise [default: 0 s]
     #[arg(long, value_name = "TIME")]
-    pub time_zero_uncertainty: Option<Time>,
+    pub time_zero_uncertainty: Option<Uncertain<Time>>,
 
     /// Repetitions of the propagation of these uncertainties [default: 200]
     #[arg(long, value_name = "NUMBER")]
@@ -278,19 +280,16 @@ impl TryFrom<Options> for StageSettings {
         let judging = Judging {
             profile: options.profile.unwrap_or(false),
             bootstrap: options.bootstrap.unwrap_or(0),
-            mass_uncertainty_kg: not_negative("mass-uncertainty", options.mass_uncertainty.map_or(0.0, Mass::si))?,
-            speed_uncertainty_m_per_s: not_negative(
-                "speed-uncertainty",
-                options.speed_uncertainty.map_or(0.0, Speed::si),
-            )?,
-            bias_uncertainty_m_per_s2: not_negative(
-                "bias-uncertainty",
-                options.bias_uncertainty.map_or(0.0, Acceleration::si),
-            )?,
-            time_zero_uncertainty_s: not_negative(
-                "time-zero-uncertainty",
-                options.time_zero_uncertainty.map_or(0.0, Time::si),
-            )?,
+            mass_uncertainty_kg: options.mass_uncertainty.map_or(0.0, |u| u.size.si()),
+            speed_uncertainty_m_per_s: options.speed_uncertainty.map_or(0.0, |u| u.size.si()),
+            bias_uncertainty_m_per_s2: options.bias_uncertainty.map_or(0.0, |u| u.size.si()),
+            time_zero_uncertainty_s: options.time_zero_uncertainty.map_or(0.0, |u| u.size.si()),
+            distributions: [
+                options.mass_uncertainty.map(|u| u.distribution).unwrap_or_default(),
+                options.speed_uncertainty.map(|u| u.distribution).unwrap_or_default(),
+                options.bias_uncertainty.map(|u| u.distribution).unwrap_or_default(),
+                options.time_zero_uncertainty.map(|u| u.distribution).unwrap_or_default(),
+            ],
             repetitions: options.repetitions.unwrap_or(REPETITIONS),
         };
         Ok(Self {
@@ -326,10 +325,6 @@ impl TryFrom<Options> for StageSettings {
             solve,
         })
     }
-}
-
-fn not_negative(name: &str, value: f64) -> Result<f64, Usage> {
-    if value >= 0.0 { Ok(value) } else { Err(Usage::new(format!("{name} is {value}, expected zero or more"))) }
 }
 
 fn model(name: &str) -> Result<ModelKind, Usage> {
@@ -430,10 +425,10 @@ mod tests {
             Options { l_shade_seed: Some(9), ..Options::default() },
             Options { profile: Some(true), ..Options::default() },
             Options { bootstrap: Some(200), ..Options::default() },
-            Options { mass_uncertainty: Some(Mass::from_si(10.0)), ..Options::default() },
-            Options { speed_uncertainty: Some(Speed::from_si(0.1)), ..Options::default() },
-            Options { bias_uncertainty: Some(Acceleration::from_si(0.5)), ..Options::default() },
-            Options { time_zero_uncertainty: Some(Time::from_si(5e-4)), ..Options::default() },
+            Options { mass_uncertainty: "10 kg".parse().ok(), ..Options::default() },
+            Options { speed_uncertainty: "0.1 m/s".parse().ok(), ..Options::default() },
+            Options { bias_uncertainty: "0.05 g uniform".parse().ok(), ..Options::default() },
+            Options { time_zero_uncertainty: "0.5 ms".parse().ok(), ..Options::default() },
             Options { repetitions: Some(50), ..Options::default() },
         ] {
             assert_ne!(json(options), default);

@@ -15,8 +15,12 @@ pub trait FitKind {
     fn is_double(&self) -> bool;
     /// The second of a pair, which follows from the first.
     fn is_second_of_pair(&self) -> bool;
-    /// Fitted to something else than that displacement: it has its own uncertainty.
+    /// Fitted to something else than that displacement: judged by the sensors it was fitted to.
     fn of_sensors(&self) -> bool;
+    /// A further explanation of several sensors, which count as for the first one.
+    fn shares_weights(&self) -> bool;
+    /// Of the same model and method.
+    fn is_like(&self, other: &Self) -> bool;
 }
 
 impl FitKind for Candidate {
@@ -30,6 +34,39 @@ impl FitKind for Candidate {
 
     fn of_sensors(&self) -> bool {
         self.fit.as_ref().is_some_and(|fit| fit.quantity != FitQuantity::Displacement || !fit.sensors.is_empty())
+    }
+
+    fn shares_weights(&self) -> bool {
+        self.index > 1 && self.fit.as_ref().is_some_and(|fit| fit.sensors.len() > 1)
+    }
+
+    fn is_like(&self, other: &Self) -> bool {
+        self.model.kind() == other.model.kind() && self.method == other.method
+    }
+}
+
+/// Leaves out further explanations of several sensors that, seen through the filters, came to the place of an earlier one.
+pub fn drop_repeated(candidates: &mut Vec<Candidate>, judged: &mut Vec<Option<Judged>>, out: &mut Output) {
+    let mut k = 0;
+    while k < candidates.len() {
+        let own = candidates[k].model.parameters();
+        let near = |other: &Candidate| {
+            other.is_like(&candidates[k])
+                && other.model.parameters().iter().all(|(name, value)| {
+                    let size = value.abs().max(own[name].abs());
+                    (value - own[name]).abs() <= SAME * size
+                })
+        };
+        if !candidates[k].shares_weights() || !candidates[..k].iter().any(near) {
+            k += 1;
+            continue;
+        }
+        let left = candidates.remove(k);
+        judged.remove(k);
+        out.notes().info(format!("{}: left out, seen through the filters it is an earlier one", left.id()));
+        for later in candidates[k..].iter_mut().filter(|later| later.is_like(&left)) {
+            later.index -= 1;
+        }
     }
 }
 

@@ -89,9 +89,9 @@ impl<'a> Side<'a> {
         fixed: usize,
         at: &'a [f64],
     ) -> Self {
-        let n = refined.misfit_m.len() as f64;
         let unit = observed.scale_m();
-        let floor = n * (observed.resolution_m / unit).powi(2);
+        let floor =
+            observed.blocks().iter().map(|(n, resolution)| *n as f64 * (resolution / unit).powi(2)).sum::<f64>();
         let least = refined.misfit_m.iter().map(|r| (r / unit).powi(2)).sum::<f64>() + floor;
         let first_step = (FIRST_SHARE * expected.unwrap_or(1.0)).clamp(STEPS.0, STEPS.1);
         let effective_samples = effective_samples.max(refined.free.len() as f64 + 1.0);

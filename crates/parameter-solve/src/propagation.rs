@@ -9,11 +9,39 @@ use rayon::prelude::*;
 use crumple_lumped::Model;
 
 use crate::bootstrap::percentile;
-use crate::observed::{Observed, Problem, with_parameters};
+use crate::observed::{Observed, Problem, SeenWave, rest_mass, with_parameters};
 use crate::refine::follow;
-use crate::{FreeParameter, Measurement};
+use crate::{FitQuantity, FreeParameter, Measurement};
 
-/// Standard deviations of what a test is told and not measured on the pulse; normal, independent.
+/// How an uncertain input is distributed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Distribution {
+    /// Normal; its size is the standard deviation.
+    #[default]
+    Normal,
+    /// Uniform; its size is the half width.
+    Uniform,
+}
+
+impl Distribution {
+    /// The name in options.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Normal => "normal",
+            Self::Uniform => "uniform",
+        }
+    }
+
+    /// Largest error that a repetition can draw, in sizes.
+    pub const fn largest_draw(self) -> f64 {
+        match self {
+            Self::Normal => 6.0,
+            Self::Uniform => 1.0,
+        }
+    }
+}
+
+/// Sizes of the errors of what a test is told and not measured on the pulse; independent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct InputUncertainty {
     /// Of the test mass, kg.
@@ -24,6 +52,8 @@ pub struct InputUncertainty {
     pub bias_m_per_s2: f64,
     /// Of time zero, s.
     pub time_zero_s: f64,
+    /// Their distributions, in this order.
+    pub distributions: [Distribution; 4],
 }
 
 impl InputUncertainty {
@@ -57,44 +87,83 @@ pub struct Repetition {
     pub mass_ratio: f64,
 }
 
-/// The inputs of repetition `index`: four normal numbers from its own stream of a fixed seed.
+/// The inputs of repetition `index`: four numbers from its own stream of a fixed seed.
 ///
 /// Another impact speed adds `δv (t - t_start)` to the displacement, another zero level `δb (t - t_start)²/2`, since the
 /// integration starts there; another time zero moves the label of contact, with the displacement made zero again there.
 pub fn repetition(observed: &Observed, inputs: &InputUncertainty, index: usize) -> Repetition {
+    perturbed_by(observed, &drawn(inputs, index, observed.waves.len()))
+}
+
+/// The errors of one repetition.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Errors {
+    /// Of the mass, relative.
+    pub mass: f64,
+    /// Of the impact speed, m/s.
+    pub speed_m_per_s: f64,
+    /// Of time zero, s.
+    pub late_s: f64,
+    /// Of the zero level of every sensor, m/s²; the last one holds for further ones.
+    pub bias_m_per_s2: Vec<f64>,
+}
+
+/// What repetition `index` draws; the mass as a share of that which `inputs` are relative to. Every sensor has its own zero level.
+fn drawn(inputs: &InputUncertainty, index: usize, sensors: usize) -> Errors {
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     random.set_stream(index as u64);
-    let mut normal = || normal(&mut random);
-    let draws = [normal(), normal(), normal(), normal()];
-    let mass = inputs.mass_kg * draws[0];
-    let speed = inputs.impact_speed_m_per_s * draws[1];
-    let bias = inputs.bias_m_per_s2 * draws[2];
-    let late = inputs.time_zero_s * draws[3];
-    perturbed(observed, mass, speed, bias, late)
+    let mut of = |size: f64, distribution: Distribution| {
+        size * match distribution {
+            Distribution::Normal => normal(&mut random),
+            Distribution::Uniform => 2.0 * uniform(&mut random) - 1.0,
+        }
+    };
+    let [of_mass, of_speed, of_bias, of_zero] = inputs.distributions;
+    let mass = of(inputs.mass_kg, of_mass);
+    let speed_m_per_s = of(inputs.impact_speed_m_per_s, of_speed);
+    let bias = of(inputs.bias_m_per_s2, of_bias);
+    let late_s = of(inputs.time_zero_s, of_zero);
+    let others = (1..sensors).map(|_| of(inputs.bias_m_per_s2, of_bias));
+    let bias_m_per_s2 = std::iter::once(bias).chain(others).collect();
+    Errors { mass, speed_m_per_s, late_s, bias_m_per_s2 }
 }
 
 /// The record with a mass ratio `1 + mass` (relative), `speed` faster, `bias` higher and its contact `late` later.
 pub fn perturbed(observed: &Observed, mass: f64, speed: f64, bias: f64, late: f64) -> Repetition {
-    let m = observed.measurement;
-    let measurement = Measurement { first_s: m.first_s - late, ..m };
-    let start_s = if m.from_contact { m.time_s(m.contact_index()) } else { m.first_s };
-    let more = |t: f64| speed * (t - start_s) + 0.5 * bias * (t - start_s) * (t - start_s);
-    // Displacement at the new contact on the old axis; nearly the speed times the shift.
-    let x: Vec<f64> = observed.displacement_m.clone();
-    let time = |k: usize| m.time_s(observed.first + k * observed.stride);
-    let at_contact = {
-        let v = (x[1] - x[0]) / (time(1) - time(0));
-        let origin = if late == 0.0 { 0.0 } else { x[0] + v * (late - time(0)) };
-        origin + more(late.max(start_s))
-    };
-    let displacement_m = x.iter().enumerate().map(|(k, x)| x + more(time(k)) - at_contact).collect();
+    perturbed_by(observed, &Errors { mass, speed_m_per_s: speed, late_s: late, bias_m_per_s2: vec![bias] })
+}
+
+/// The record with these errors.
+pub(crate) fn perturbed_by(observed: &Observed, errors: &Errors) -> Repetition {
+    let bias = |k: usize| errors.bias_m_per_s2.get(k).or(errors.bias_m_per_s2.last()).copied().unwrap_or(0.0);
+    let waves = observed.waves.iter().enumerate();
     let observed = Observed {
-        measurement,
-        impact_speed_m_per_s: observed.impact_speed_m_per_s + speed,
-        displacement_m,
-        ..observed.clone()
+        impact_speed_m_per_s: observed.impact_speed_m_per_s + errors.speed_m_per_s,
+        waves: waves.map(|(k, wave)| shifted(wave, errors.speed_m_per_s, bias(k), errors.late_s)).collect(),
     };
-    Repetition { observed, mass_ratio: 1.0 + mass }
+    Repetition { observed, mass_ratio: 1.0 + errors.mass }
+}
+
+/// One wave `speed` faster, `bias` higher, with its contact `late` later.
+fn shifted(wave: &SeenWave, speed: f64, bias: f64, late: f64) -> SeenWave {
+    let m = wave.measurement;
+    let start_s = if m.from_contact { m.time_s(m.contact_index()) } else { m.first_s };
+    let x = &wave.samples;
+    let samples = match wave.quantity {
+        FitQuantity::Acceleration => x.iter().map(|a| a + bias).collect(),
+        FitQuantity::Velocity => {
+            x.iter().enumerate().map(|(k, v)| v + speed + bias * (wave.time_s(k) - start_s)).collect()
+        }
+        FitQuantity::Displacement => {
+            let more = |t: f64| speed * (t - start_s) + 0.5 * bias * (t - start_s) * (t - start_s);
+            // Displacement at the new contact on the old axis; nearly the speed times the shift.
+            let v = (x[1] - x[0]) / (wave.time_s(1) - wave.time_s(0));
+            let origin = if late == 0.0 { 0.0 } else { x[0] + v * (late - wave.time_s(0)) };
+            let at_contact = origin + more(late.max(start_s));
+            x.iter().enumerate().map(|(k, x)| x + more(wave.time_s(k)) - at_contact).collect()
+        }
+    };
+    SeenWave { measurement: Measurement { first_s: m.first_s - late, ..m }, samples, ..wave.clone() }
 }
 
 /// Repeats the fit of `model` with inputs drawn anew, each from the values found, and reads the percentiles.
@@ -109,11 +178,37 @@ pub fn propagate(
     inputs: &InputUncertainty,
     repetitions: usize,
 ) -> Option<Propagation> {
+    by_repetition(mass_kg, inputs, (repetitions, observed.waves.len()), |errors| {
+        repeat(model, free, &perturbed_by(observed, errors))
+    })
+}
+
+/// [`propagate`] for a fit that takes the record as unfiltered: the errors act on the record as it was measured, the model is
+/// compared without the filter.
+pub fn propagate_unfiltered(
+    model: &Model,
+    free: &[FreeParameter],
+    observed: &Observed,
+    mass_kg: f64,
+    inputs: &InputUncertainty,
+    repetitions: usize,
+) -> Option<Propagation> {
+    by_repetition(mass_kg, inputs, (repetitions, observed.waves.len()), |errors| {
+        let Repetition { observed, mass_ratio } = perturbed_by(observed, errors);
+        repeat(model, free, &Repetition { observed: observed.unfiltered(), mass_ratio })
+    })
+}
+
+/// Percentiles of what `one` gives for the errors drawn: of the mass relative to `mass_kg`, the others in their units.
+pub(crate) fn by_repetition(
+    mass_kg: f64,
+    inputs: &InputUncertainty,
+    (repetitions, sensors): (usize, usize),
+    one: impl Fn(&Errors) -> Option<BTreeMap<&'static str, f64>> + Sync,
+) -> Option<Propagation> {
     let relative = InputUncertainty { mass_kg: inputs.mass_kg / mass_kg, ..*inputs };
-    let found: Vec<Option<BTreeMap<&'static str, f64>>> = (0..repetitions)
-        .into_par_iter()
-        .map(|index| repeat(model, free, &repetition(observed, &relative, index)))
-        .collect();
+    let found: Vec<Option<BTreeMap<&'static str, f64>>> =
+        (0..repetitions).into_par_iter().map(|index| one(&drawn(&relative, index, sensors))).collect();
     let found: Vec<_> = found.into_iter().flatten().collect();
     if found.len() < 20 {
         return None;
@@ -144,8 +239,11 @@ pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) ->
     let fitted = problem.model(&optimum.theta)?;
     let mut result: BTreeMap<&'static str, f64> = BTreeMap::new();
     for (parameter, theta) in free.iter().zip(&optimum.theta) {
-        let by_mass = parameter.name.ends_with("_n_per_m") || parameter.name.ends_with("_n_s_per_m");
+        let by_mass = ["_n_per_m", "_n_s_per_m", "_kg"].iter().any(|unit| parameter.name.ends_with(unit));
         result.insert(parameter.name, parameter.at(*theta) * if by_mass { repetition.mass_ratio } else { 1.0 });
+    }
+    if let Some((rest, kg)) = rest_mass(&fitted, free) {
+        result.insert(rest, kg * repetition.mass_ratio);
     }
     if let Some(crush) = fitted.events(v0).ok().and_then(|events| events.dynamic_crush_m) {
         result.insert("dynamic_crush_m", crush);
@@ -155,5 +253,10 @@ pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) ->
 
 /// Twelve uniform numbers less six: normal to 2 % up to three deviations, without a logarithm whose last digit depends on the machine.
 fn normal(random: &mut ChaCha8Rng) -> f64 {
-    (0..12).map(|_| (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64).sum::<f64>() - 6.0
+    (0..12).map(|_| uniform(random)).sum::<f64>() - 6.0
+}
+
+/// From 0 to 1.
+fn uniform(random: &mut ChaCha8Rng) -> f64 {
+    (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }

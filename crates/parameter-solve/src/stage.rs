@@ -73,6 +73,17 @@ impl Stage for ParameterSolve {
         }
         // Those of identified models come last and have none.
         judgements.resize(candidates.len(), None);
+        let flags = settings.judging.flags();
+        let unjudged = candidates.iter().zip(&judgements).filter(|(_, judged)| judged.is_none());
+        let unjudged: Vec<String> = unjudged.map(|(candidate, _)| candidate.id()).collect();
+        if !flags.is_empty() && !unjudged.is_empty() {
+            out.notes().warning(format!(
+                "{} without effect on {}: judged are candidates from events and motion, with the displacement of the pulse up \
+                 to a dynamic crush",
+                flags.join(", "),
+                unjudged.join(", ")
+            ));
+        }
         for (candidate, judged) in candidates.iter().zip(&judgements) {
             out.put(&format!("/parameters/{}", candidate.id()), &record(candidate, judged.as_ref(), &channel))?;
             out.summary(line(candidate));
@@ -177,7 +188,7 @@ fn sensor_waves(
 }
 
 /// The acceleration of a channel from the filter's artifact, else from the force that integrate made of it.
-fn acceleration(input: &Inputs, channel: &str, mass_kg: f64) -> anyhow::Result<Sampled> {
+pub fn acceleration(input: &Inputs, channel: &str, mass_kg: f64) -> anyhow::Result<Sampled> {
     if let Some(wave) = input.wave_if(channel) {
         let hint = "name an accelerometer with --sensors";
         return Ok(wave.signal::<Acceleration>().refuse_with_hint(hint)?.into_sampled());
