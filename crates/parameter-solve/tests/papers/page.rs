@@ -95,6 +95,31 @@ fn cell(text: &str) -> String {
     text.replace('|', "\\|").replace('\n', " ")
 }
 
+/// Every item with its printed values and whether each is ticked, sorted.
+pub fn ticks() -> Result<Vec<(String, Vec<(String, bool)>)>, String> {
+    let table: Value = serde_json::from_str(TABLE).map_err(|e| e.to_string())?;
+    let items = table["items"].as_array().cloned().unwrap_or_default();
+    let text = |value: &Value, name: &str| value[name].as_str().unwrap_or_default().to_owned();
+    let of = |item: &Value| {
+        let id = text(item, "id");
+        let found = evaluate(&text(item, "kind"), &item["inputs"]).map_err(|e| format!("{id}: {e}"))?;
+        let mut ticks: Vec<(String, bool)> = item["printed"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .map(|pair| {
+                let print = text(pair, "printed");
+                let value = at(&found, &text(pair, "of")).and_then(Value::as_f64);
+                let same = value.is_some_and(|x| agrees(&print, x));
+                (print, same)
+            })
+            .collect();
+        ticks.sort();
+        Ok((id, ticks))
+    };
+    items.iter().map(of).collect()
+}
+
 /// The page, and how many printed quantities there are and agree.
 pub fn page() -> Result<String, String> {
     let table: Value = serde_json::from_str(TABLE).map_err(|e| e.to_string())?;
