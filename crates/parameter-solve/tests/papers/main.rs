@@ -62,12 +62,12 @@ fn cases() -> Option<Vec<Value>> {
 /// Whether the page ticks the printed values that the case file says agree. Compared are the sorted pairs of printed value and
 /// tick of an item: lists without an order of their own are numbered differently there.
 fn check_ticks() -> bool {
-    let ticks: BTreeMap<String, Vec<(String, bool)>> = page::ticks().unwrap().into_iter().collect();
+    let ticks = page::ticks().unwrap();
     let mut same = true;
     for item in cases().unwrap_or_default() {
         let (Some(id), Some(printed)) = (item["id"].as_str(), item["printed"].as_object()) else { continue };
         let Some(shown) = ticks.get(id) else { continue };
-        let mut wanted: Vec<(String, bool)> = printed
+        let mut wanted: page::Ticks = printed
             .values()
             .map(|value| (value["printed"].as_str().unwrap().to_owned(), value["agrees"].as_bool().unwrap()))
             .collect();
