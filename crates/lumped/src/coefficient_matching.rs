@@ -52,7 +52,8 @@ pub struct CoefficientMatch {
     pub m1_kg: f64,
     /// Mass of the compartment, kg.
     pub m2_kg: f64,
-    /// Upper bound of `m2/m1` for parameters that are all positive; `None`: no masses give such parameters.
+    /// Upper bound of `m2/m1` for physical parameters, see [`CoefficientMatching::largest_mass_ratio`]; `None`: no masses give
+    /// such parameters.
     pub largest_mass_ratio: Option<f64>,
     /// Roots `zeta = c1 c2/(m1 m2)` of the cubic, 1/s², each with its multiplicity; real ones first.
     pub roots: Vec<MatchRoot>,
@@ -93,7 +94,8 @@ pub struct MatchedSolution {
     pub c2_n_s_per_m: Complex,
     /// Whether all four are real.
     pub real: bool,
-    /// Whether all four are real and positive: a passive structure.
+    /// Whether all four are real, the springs positive and the dampers not negative: a passive structure, as
+    /// [`Model::is_physical`](crate::Model::is_physical) has it.
     pub physical: bool,
     /// How often it counts.
     pub multiplicity: usize,
@@ -156,11 +158,18 @@ impl CoefficientMatching {
         Self::with_masses(self.polynomial, m1_kg, m2_kg, Reading::Binary)
     }
 
-    /// The bound `rho = (t u v - v^2 - t^2 w)/v^2` of `m2/m1`: with a stable polynomial, every real solution is positive
-    /// below it and none at or above it. `None` if no masses give positive parameters: a coefficient or the Routh
-    /// determinant `t u v - v^2 - t^2 w` is not positive, the polynomial is not that of a stable chain.
+    /// The bound `rho = (t u v - v^2 - t^2 w)/v^2` of `m2/m1`: with a stable polynomial, every real solution is physical (springs
+    /// positive, dampers not negative) below it and none above it; at the bound one damper is zero.
+    ///
+    /// Without damping, `t = v = 0`, the bound is `u^2/(4w) - 1`, where the two stiffness sets meet: `k1/m1` solves
+    /// `k^2 - u k + kappa w = 0`. `None` if no masses give physical parameters: a coefficient or the Routh determinant
+    /// `t u v - v^2 - t^2 w` is not positive (nor damping absent altogether), the polynomial is not that of a passive chain.
     pub fn largest_mass_ratio(&self) -> Option<f64> {
         let [t, u, v, w] = self.polynomial;
+        if t == Dd::ZERO && v == Dd::ZERO {
+            let spread = u * u - w.scale(4.0);
+            return (u.hi > 0.0 && w.hi > 0.0 && spread.hi > 0.0).then(|| (spread / w.scale(4.0)).value());
+        }
         let routh = t * u * v - v * v - t * t * w;
         let stable = self.polynomial.iter().all(|x| x.hi > 0.0) && routh.hi > 0.0;
         stable.then(|| (routh / (v * v)).value())
@@ -278,7 +287,7 @@ impl CoefficientMatching {
             c1_n_s_per_m,
             c2_n_s_per_m,
             real,
-            physical: real && values.iter().all(|z| z.re.hi > 0.0),
+            physical: real && [k1, k2].iter().all(|z| z.re.hi > 0.0) && [c1, c2].iter().all(|z| z.re.hi >= 0.0),
             multiplicity: 1,
             dual: 0,
             root: 0,

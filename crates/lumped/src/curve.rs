@@ -15,6 +15,11 @@ impl Curve {
         curve
     }
 
+    /// Its knots with their values.
+    pub fn points(&self) -> Vec<(f64, f64)> {
+        self.knots.iter().copied().zip(self.values.iter().copied()).take(self.len).collect()
+    }
+
     /// The coefficient at `x >= 0`.
     pub fn value(&self, x: f64) -> f64 {
         let piece = self.piece(x, true);

@@ -3,7 +3,11 @@
 use nalgebra::DMatrix;
 
 use crate::driven::{Driven, Instant};
-use crate::{Chain, ChainResponse, Drive, LumpedError, Maxwell, Model, ModelKind, Motion, Response, State};
+use crate::secant_motion::SecantMotion;
+use crate::{
+    Chain, ChainResponse, Drive, LumpedError, Maxwell, Model, ModelKind, Motion, PiecewiseLinear, Response,
+    SecantChain, State,
+};
 
 /// Where the energy is.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -48,22 +52,35 @@ pub struct Dynamics {
 }
 
 impl Dynamics {
-    /// Largest gap of the energy balance over the largest energy brought in; `None` if there was none.
+    /// Largest gap of the energy balance over its largest term at any sample (kinetic, stored, dissipated, brought in); `None`
+    /// where all are zero.
     ///
-    /// Heat and work are integrated by themselves, so this is a check of motion, forces and law together: `1e-11` and
-    /// less for every model.
+    /// Heat and work are integrated by themselves, so this is a check of motion, forces and law together. For a passive structure
+    /// no term is larger than the energy brought in. What is left is rounding: some `1e-16` a sample of the largest term, times the
+    /// ratio of the largest force to that of the motion where a damper is stiff.
     pub fn energy_closure(&self) -> Option<f64> {
-        let largest = self.energy.iter().map(|e| e.input_j.abs()).fold(0.0, f64::max);
+        let terms = |e: &Energy| [e.kinetic_j, e.stored_j, e.dissipated_j, e.input_j].map(f64::abs);
+        let largest = self.energy.iter().flat_map(terms).fold(0.0, f64::max);
         let gap = self.energy.iter().map(|e| e.gap_j().abs()).fold(0.0, f64::max);
         (largest > 0.0).then_some(gap / largest)
     }
+
+    /// Whether the motion grows without end: the kinetic energy at the end is above ten times all that was ever brought in,
+    /// which no passive structure can have more of than once.
+    pub fn diverges(&self) -> bool {
+        let brought_in = self.energy.iter().map(|e| e.input_j.abs()).fold(0.0, f64::max);
+        self.energy.last().is_some_and(|e| e.kinetic_j > GROWN * brought_in)
+    }
 }
+
+/// Kinetic energy over the energy brought in from which a motion is said to grow without end.
+const GROWN: f64 = 10.0;
 
 impl Model {
     /// Motions, forces and energies at `k dt`, k = 0 .. `samples`.
     ///
-    /// After an impact the motions are those of [`Model::respond`]. Force and base motion drive the linear models: Kelvin,
-    /// Maxwell, two and three masses. The elastoplastic model stores what it would give back along the unloading line;
+    /// After an impact the motions are those of [`Model::respond`]. Force and base motion drive all models but the
+    /// elastoplastic one; the nonlinear ones then go as a [`SecantChain`] of one mass. The elastoplastic model stores what it would give back along the unloading line;
     /// the rest of the work on its spring counts as dissipated at once. Errors: as [`Model::respond`], and a drive that
     /// the model cannot be given.
     pub fn dynamics(&self, drive: &Drive, dt_s: f64, samples: usize) -> Result<Dynamics, LumpedError> {
@@ -71,6 +88,8 @@ impl Model {
         let Drive::Impact(speed) = drive else {
             return match self {
                 Self::Maxwell(m) => maxwell(m, drive, dt_s, samples),
+                Self::Nonlinear1(m) => driven_secant(self.kind(), &m.law(), drive, dt_s, samples),
+                Self::Nonlinear2(m) => driven_secant(self.kind(), &m.law(), drive, dt_s, samples),
                 _ => match self.chain()? {
                     Some(chain) => chained(self.kind(), &chain, drive, dt_s, samples),
                     None => Err(LumpedError::Drive { model: self.kind() }),
@@ -128,6 +147,22 @@ impl Model {
             Self::Elastoplastic(_) | Self::Maxwell(_) | Self::Nonlinear1(_) | Self::Nonlinear2(_) => None,
         })
     }
+}
+
+/// One mass with knots under a drive.
+fn driven_secant(
+    model: ModelKind,
+    law: &SecantMotion,
+    drive: &Drive,
+    dt_s: f64,
+    samples: usize,
+) -> Result<Dynamics, LumpedError> {
+    let (spring, damper) = (PiecewiseLinear::new(&law.spring.points())?, PiecewiseLinear::new(&law.damper.points())?);
+    let chain = SecantChain::new(&[law.mass_kg], &[spring], &[damper])?;
+    chain.dynamics(drive, dt_s, samples).map_err(|error| match error {
+        LumpedError::ChainDiverges { time_s } => LumpedError::Diverges { model, time_s },
+        other => other,
+    })
 }
 
 fn chained(model: ModelKind, chain: &Chain, drive: &Drive, dt_s: f64, samples: usize) -> Result<Dynamics, LumpedError> {
@@ -199,12 +234,7 @@ fn maxwell(m: &Maxwell, drive: &Drive, dt_s: f64, samples: usize) -> Result<Dyna
     Ok(Dynamics { response: Response { dt_s, masses_kg: vec![mass], motions: vec![motion] }, forces, energy })
 }
 
-fn secant(
-    law: &crate::secant_motion::SecantMotion,
-    speed: f64,
-    dt_s: f64,
-    response: Response,
-) -> Result<Dynamics, LumpedError> {
+fn secant(law: &SecantMotion, speed: f64, dt_s: f64, response: Response) -> Result<Dynamics, LumpedError> {
     let motion = response.compartment();
     let heat = law.dissipated(speed, dt_s, motion.displacement_m.len())?;
     let (mut spring, mut damper, mut energy) = (Vec::new(), Vec::new(), Vec::new());

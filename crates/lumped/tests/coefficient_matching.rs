@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
-use crumple_lumped::{CoefficientMatching, Complex, DoubleSpringMassDamper, Reading, matching_sensitivity};
+use crumple_lumped::{CoefficientMatching, Complex, DoubleSpringMassDamper, Model, Reading, matching_sensitivity};
 use proptest::prelude::*;
 
 /// The Honda Civic polynomial of the transfer-function paper, with the 35.7 of its equation 5.
@@ -83,7 +83,10 @@ fn a_double_root_loses_no_solution_and_no_digit() {
     let polynomial = [3.0, 4.0, 3.0, 1.0];
     let bound = CoefficientMatching::new(polynomial, 1.0, 1.0, Reading::Binary).unwrap().largest_mass_ratio().unwrap();
     let found = solve(polynomial, 3.0, 3.0 * bound);
-    assert!(found.solutions.iter().all(|s| !s.physical), "{found:?}");
+    // At the bound one damper of the real solutions is zero, and they are physical still.
+    for s in &found.solutions {
+        assert_eq!(s.physical, s.real && s.c1_n_s_per_m.re * s.c2_n_s_per_m.re == 0.0, "{found:?}");
+    }
     assert_eq!(found.solutions.iter().map(|s| s.multiplicity).sum::<usize>(), 6);
     // A self-dual model: its two mirror images coincide, and its zeta is a double root.
     let (m1, m2) = (2.0, 2.0);
@@ -309,5 +312,42 @@ proptest! {
             prop_assert!((dual.k1_n_per_m.re - mu * k2).abs() <= 1e-12 * dual.k1_n_per_m.re.abs());
             prop_assert!((dual.c1_n_s_per_m.re - mu * c2).abs() <= 1e-12 * dual.c1_n_s_per_m.re.abs());
         }
+    }
+}
+
+#[test]
+fn springs_positive_and_dampers_not_negative_are_physical_at_the_bound_and_without_damping() {
+    // Modes -10 four times: the bound is 4, and so is the ratio of the masses, exactly. One damper is zero there.
+    let [t, u, v, w] = [40.0, 600.0, 4000.0, 10_000.0];
+    let matching = CoefficientMatching::new([t, u, v, w], 284.4, 4.0 * 284.4, Reading::Binary).unwrap();
+    assert_eq!(matching.largest_mass_ratio(), Some(4.0));
+    let found = matching.solve();
+    let physical: Vec<_> = found.solutions.iter().filter(|s| s.physical).collect();
+    assert!(!physical.is_empty(), "{found:?}");
+    for s in &found.solutions {
+        assert_eq!(
+            s.physical,
+            s.model(284.4, 4.0 * 284.4).is_some_and(|m| Model::DoubleSpringMassDamper(m).is_physical())
+        );
+    }
+    assert!(physical.iter().all(|s| s.c1_n_s_per_m.re == 0.0 || s.c2_n_s_per_m.re == 0.0), "{physical:?}");
+
+    // No damping: k1 1400, k2 1050 N/m and its dual, whatever the units of the rest.
+    let undamped = CoefficientMatching::new([0.0, 5000.0, 0.0, 3e6], 700.0, 700.0, Reading::Binary).unwrap();
+    // u²/(4w) - 1.
+    assert!((undamped.largest_mass_ratio().unwrap() - 13.0 / 12.0).abs() < 1e-15);
+    let found = undamped.solve();
+    let physical: Vec<_> = found.solutions.iter().filter(|s| s.physical).collect();
+    assert_eq!(physical.len(), 2);
+    for s in physical {
+        assert_eq!((s.c1_n_s_per_m.re, s.c2_n_s_per_m.re), (0.0, 0.0));
+        assert!(s.residual < 1e-15);
+    }
+    let above = undamped.with(700.0, 700.0 * 1.1).unwrap().solve();
+    assert!(above.solutions.iter().all(|s| !s.physical));
+    // Two equal frequencies are those of no chain, and neither is a negative square.
+    for polynomial in [[0.0, 2.0, 0.0, 1.0], [0.0, 5.0, 0.0, -1.0], [0.0, -5.0, 0.0, 1.0]] {
+        let matching = CoefficientMatching::new(polynomial, 1.0, 1.0, Reading::Binary).unwrap();
+        assert_eq!(matching.largest_mass_ratio(), None);
     }
 }

@@ -91,6 +91,9 @@ pub fn match_identified(
         remarks.push(numerator_remark(identified.numerator.as_deref(), solution));
         remarks.push(match matching_sensitivity(&model) {
             Some(gain) => format!("1 % in one coefficient moves a parameter by up to {:.3} %", gain.amax()),
+            None if [model.c1_n_s_per_m, model.c2_n_s_per_m].contains(&0.0) => {
+                "a damper is zero, at the border of what is physical: no share of a coefficient moves it by a share of itself".to_owned()
+            }
             None => "a multiple solution: a change of the coefficients moves it by its square root".to_owned(),
         });
         if solution.dual == place {
@@ -181,15 +184,24 @@ fn verdict(found: &CoefficientMatch) -> String {
     let (real, physical) = (count(&|s| s.real), count(&|s| s.physical));
     let ratio = found.m2_kg / found.m1_kg;
     let bound = match found.largest_mass_ratio {
-        Some(bound) if ratio < bound => format!("m2/m1 = {ratio:.4} is below its bound {bound:.5}"),
+        // Counted, not compared: at the bound itself one damper is zero and the set is still physical.
+        Some(bound) if physical > 0 => format!("m2/m1 = {ratio:.4} is not above its bound {bound:.5}"),
+        Some(bound) if real == 0 => {
+            format!(
+                "m2/m1 = {ratio:.4} is above its bound {bound:.5}, so no parameter set with these masses is physical"
+            )
+        }
         Some(bound) => format!(
-            "m2/m1 = {ratio:.4} is not below its bound {bound:.5}, so no parameter set with these masses is positive: the \
-             {} of the cubic has c1 c2 <= 0",
-            if real > 2 { "real roots" } else { "only real root" }
+            "m2/m1 = {ratio:.4} is above its bound {bound:.5}, so no parameter set with these masses is physical: {}",
+            if real > 2 {
+                "at the real roots of the cubic c1 c2 < 0"
+            } else {
+                "at the only real root of the cubic c1 c2 < 0"
+            }
         ),
         None => "the polynomial is not that of a passive chain of two masses, whatever the masses".to_owned(),
     };
-    format!("6 solutions, {real} real, {physical} with all parameters positive; {bound}")
+    format!("6 solutions, {real} real, {physical} physical (springs positive, dampers not negative); {bound}")
 }
 
 /// Whether the zero of the identified numerator is that of `c2 s + k2`.

@@ -65,6 +65,13 @@ pub const SOLVERS: &[Solver] = {
         solver(K::Elastoplastic, Method::LShade, Motion, false, sensors::fit),
         solver(K::Maxwell, Method::DirectFit, Motion, true, single_mass::maxwell),
         solver(K::Maxwell, Method::LShade, Motion, false, sensors::fit),
+        Solver {
+            model: K::Maxwell,
+            method: Method::ClosedForm,
+            needs: IdentifiedModel,
+            by_default: false,
+            solve: None,
+        },
         solver(K::Nonlinear1, Method::DirectFit, Motion, true, single_mass::nonlinear1),
         solver(K::Nonlinear1, Method::InteriorPoint, Motion, false, single_mass::interior_point),
         solver(K::Nonlinear1, Method::LShade, Motion, false, sensors::fit),

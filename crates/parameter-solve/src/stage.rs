@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 
 use crumple_parameter_solve::{
-    Candidate, Evidence, FitQuantity, MassSplit, Method, Place, Sensor, curve_fit_of_the_paper, masses,
-    match_identified, solve,
+    Candidate, Evidence, FitQuantity, Identified, MassSplit, Method, Place, Quartic, Sensor, curve_fit_of_the_paper,
+    masses, match_identified, solve,
 };
 use crumple_signal::{Acceleration, Displacement, Force, Sampled, TestDescription, Velocity};
 use crumple_stage::records::{CandidateV1, EventsV1, ExponentialSumV1, FitV1, SensorFitV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
 
+use crate::exponents::maxwell_candidates;
 use crate::judging::judge_all;
 use crate::models::{identified_models, matching_record};
 use crate::options::{Options, StageSettings};
@@ -71,6 +72,8 @@ impl Stage for ParameterSolve {
             let given = settings.mass_kg.or(test.as_ref().and_then(|test| test.mass_kg));
             candidates.extend(from_exponentials(settings, input, given, out)?);
         }
+        let given = settings.mass_kg.or(test.as_ref().and_then(|test| test.mass_kg));
+        candidates.extend(maxwell_candidates(settings, input, given, out)?);
         // Those of identified models come last and have none.
         judgements.resize(candidates.len(), None);
         let flags = settings.judging.flags();
@@ -274,19 +277,32 @@ fn from_models(
     let identified = identified_models(input)?;
     if identified.is_empty() {
         return Err(Refused::new("none of the inputs holds a model with four poles")
-            .expected("a transfer function with a denominator of degree 4 below /model/, or four poles below /modes/")
-            .hint("give the artifact of crumple-identify with order 4 too")
+            .expected(
+                "below /model/ a transfer function with a denominator of degree 4, a state space of order 4 or a sum of four \
+                 exponentials, or four poles below /modes/",
+            )
+            .hint("give the artifact of crumple-identify with order 4, or --methods exponentials --terms 4, too")
             .into());
     }
     let mut candidates: Vec<Candidate> = Vec::new();
     for model in &identified {
         let first = candidates.len() + 1;
         let matched =
-            match_identified(model, m1_kg, m2_kg, first, out.notes()).refuse_with_hint("see --m1 and --m2")?;
+            match_identified(model, m1_kg, m2_kg, first, out.notes()).refuse_with_hint(matching_hint(model))?;
         out.put(&format!("/matching/{}", model.id), &matching_record(&matched, model.source))?;
         candidates.extend(matched.candidates);
     }
     Ok(candidates)
+}
+
+/// What to do where matching refuses an identified model. The masses have been checked: it is its poles.
+fn matching_hint(model: &Identified) -> String {
+    match model.quartic {
+        Quartic::Coefficients(_) => format!("look at the denominator of {}: its coefficients must be finite", model.id),
+        Quartic::Poles(_) => {
+            format!("look at {}: its complex poles must come in conjugate pairs, each written down", model.id)
+        }
+    }
 }
 
 fn record(candidate: &Candidate, judged: Option<&Judged>, channel: &str) -> CandidateV1 {

@@ -88,7 +88,7 @@ fn a_missing_mass_is_named_in_the_diagnosis_and_a_flag_supplies_it() {
 fn no_candidate_at_all_is_exit_4_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     write_integrated(&folder.path().join("3.mcap"), Some(873.0), false);
-    let output = run(folder.path(), &["--models", "kelvin,elastoplastic"]);
+    let output = run(folder.path(), &["--models", "kelvin"]);
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(4), "{stderr}");
     assert!(stderr.contains("never reaches zero"), "{stderr}");
@@ -227,6 +227,62 @@ fn a_state_space_of_both_masses_is_transformed_to_physical_coordinates_and_names
         (direct.parameters["m1_kg"] / 300.0 - 1.0).abs() < 1e-9
             && (direct.parameters["k1_n_per_m"] / 4e5 - 1.0).abs() < 1e-9
     );
+}
+
+fn write_exponentials(folder: &Path, exponents: &[(f64, f64)]) {
+    let term = |(re_per_s, im_rad_per_s): &(f64, f64)| ExponentialTermV1 {
+        re_amplitude: 1.0,
+        im_amplitude: 0.0,
+        re_per_s: *re_per_s,
+        im_rad_per_s: *im_rad_per_s,
+    };
+    let sum = ExponentialSumV1 { terms: exponents.iter().map(term).collect(), output: "displacement a, m".to_owned() };
+    let mut builder = ArtifactBuilder::new();
+    builder.put("/model/exponentials-3", &sum).unwrap();
+    let provenance = Provenance::new("identify", "0", "{}".to_owned(), Vec::new());
+    builder.write(&folder.join("3.mcap"), &provenance, Compression::None).unwrap();
+}
+
+#[test]
+fn the_maxwell_closed_form_comes_from_a_sum_of_three_exponentials() {
+    let folder = tempfile::tempdir().unwrap();
+    write_exponentials(folder.path(), &[(1e-4, 0.0), (-20.0, 30.0), (-20.0, -30.0)]);
+    let flags = ["--models", "maxwell", "--method", "closed-form", "--mass", "900kg"];
+    let output = run(folder.path(), &flags);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
+    let found: CandidateV1 = artifact.record("/parameters/maxwell/closed-form/1").unwrap().unwrap();
+    // k = m (a² + b²) = 900 · 1300, c = -k/(2a); a few roundings.
+    assert!((found.parameters["stiffness_n_per_m"] / 1.17e6 - 1.0).abs() < 1e-14 && found.physical);
+    assert!((found.parameters["damping_n_s_per_m"] / 29_250.0 - 1.0).abs() < 1e-14);
+
+    write_exponentials(folder.path(), &[(0.0, 0.0), (4.0, 30.0), (4.0, -30.0)]);
+    let output = run(folder.path(), &flags);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(4), "{stderr}");
+    assert!(stderr.contains("slowest exponent of the fit is 4, expected negative"), "{stderr}");
+}
+
+#[test]
+fn poles_without_their_conjugates_are_pointed_at() {
+    let folder = tempfile::tempdir().unwrap();
+    write_exponentials(folder.path(), &[(-3.0, 0.0), (-5.0, 0.0), (-20.0, 30.0), (-20.0, -31.0)]);
+    let models = ["--models", "double-spring-mass-damper", "--method", "coefficient-matching"];
+    let output = run(folder.path(), &[&models[..], &["--m1", "291kg", "--m2", "582kg"]].concat());
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert!(stderr.contains("its complex poles must come in conjugate pairs") && !stderr.contains("--m1"), "{stderr}");
+}
+
+#[test]
+fn without_a_model_of_four_poles_every_form_that_would_do_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    write_exponentials(folder.path(), &[(-3.0, 0.0)]);
+    let models = ["--models", "double-spring-mass-damper", "--method", "coefficient-matching"];
+    let output = run(folder.path(), &[&models[..], &["--m1", "291kg", "--m2", "582kg"]].concat());
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert!(stderr.contains("a state space of order 4 or a sum of four exponentials"), "{stderr}");
 }
 
 #[test]

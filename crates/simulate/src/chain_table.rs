@@ -138,9 +138,13 @@ impl ChainSettings {
         }
     }
 
-    /// The mass an engine's sensor sits on, from 1: the one named after it, or the one next to the barrier.
-    pub fn engine(&self) -> usize {
-        self.masses.iter().position(|mass| mass.name.to_lowercase().contains("engine")).unwrap_or(0) + 1
+    /// The mass an engine's sensor sits on, from 1: the one named after it, or the one next to the barrier. `None` for a single mass
+    /// of another name: that is the compartment.
+    pub fn engine(&self) -> Option<usize> {
+        match self.masses.iter().position(|mass| mass.name.to_lowercase().contains("engine")) {
+            Some(index) => Some(index + 1),
+            None => (self.masses.len() > 1).then_some(1),
+        }
     }
 
     /// The record that stands beside those of solved candidates.

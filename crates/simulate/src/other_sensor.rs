@@ -31,11 +31,14 @@ pub struct SensorFit {
 }
 
 /// Compares the displacement of the sensor with that of its mass over the window of the simulation: the engine's with the mass
-/// next to the barrier, any other with the compartment. A model of one mass has only that. `None` where the record does not
-/// cover the window.
+/// next to the barrier, any other with the compartment. `None` where the record does not cover the window, and for a model of one
+/// mass beside the engine's sensor: that mass is the compartment, and nothing of such a model moves as an engine does.
 ///
 /// For two dual double models this is the only figure that differs.
 pub fn beside(simulation: &Simulation, sensor: &OtherSensor, time_zero_s: f64, dt_s: f64) -> Option<SensorFit> {
+    if sensor.on_engine && simulation.masses.len() == 1 {
+        return None;
+    }
     beside_mass(simulation, sensor, if sensor.on_engine { 1 } else { simulation.masses.len() }, time_zero_s, dt_s)
 }
 

@@ -39,7 +39,7 @@ pub struct Options {
     /// measured acceleration as a force on the front mass: the transfer-function paper's simulation, circular)
     /// [default: impact]
     ///
-    /// Kelvin, Maxwell, two and three masses can be driven; other models are left out with a note.
+    /// All models but the elastoplastic one can be driven; that is left out with a note.
     #[arg(long, value_name = "NAME")]
     pub drive: Option<String>,
 
@@ -175,7 +175,14 @@ impl Stage for Simulate {
         }
         for (stated, result) in settings.chain.iter().zip(chains) {
             let id = stated.id();
-            let candidate = stated.candidate(stated.chain()?.is_passive());
+            let passive = stated.chain()?.is_passive();
+            if !passive {
+                out.notes().warning(format!(
+                    "{id}: a spring or damper of [simulate.chain.{}] is negative somewhere: no passive structure",
+                    stated.name
+                ));
+            }
+            let candidate = stated.candidate(passive);
             out.put(&format!("/parameters/{id}"), &candidate)?;
             match result {
                 Ok(simulation) => {
@@ -187,7 +194,7 @@ impl Stage for Simulate {
                     let beside = others
                         .iter()
                         .filter_map(|sensor| {
-                            let mass = if sensor.on_engine { stated.engine() } else { simulation.masses.len() };
+                            let mass = if sensor.on_engine { stated.engine()? } else { simulation.masses.len() };
                             beside_mass(&simulation, sensor, mass, events.time_zero_s, displacement.dt_s())
                         })
                         .map(sensor_record)
@@ -234,6 +241,9 @@ fn write(
     }
     if !candidate.physical {
         notes.push("warning: not a passive structure, a spring or damper is negative".to_owned());
+    }
+    if dynamics.as_ref().is_some_and(Dynamics::diverges) {
+        notes.push("warning: diverges, the motion grows without end: a pole is unstable".to_owned());
     }
     let record = SimulationV1 {
         dynamic_crush_m: events.dynamic_crush_m,

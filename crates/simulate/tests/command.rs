@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 
 use crumple_artifact::records::{CandidateV1, EventsV1, SimulationV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
-use crumple_lumped::{DoubleSpringMassDamper, Kelvin, Model};
+use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, Model, Nonlinear1};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
 
 const MODEL: Kelvin = Kelvin { mass_kg: 873.0, stiffness_n_per_m: 330_000.0, damping_n_s_per_m: 2_500.0 };
@@ -296,6 +296,78 @@ fn a_chain_is_moved_by_a_force_on_a_named_mass_or_by_the_barrier() {
         let simulation: SimulationV1 = artifact.record(&format!("/simulation/chain/{id}/1")).unwrap().unwrap();
         assert!(simulation.energy_closure.unwrap() < 1e-11 && simulation.drive.is_some(), "{id}");
     }
+}
+
+#[test]
+fn a_nonlinear_model_is_driven_and_an_elastoplastic_one_left_out_with_a_note() {
+    let folder = tempfile::tempdir().unwrap();
+    let nonlinear = Model::Nonlinear1(Nonlinear1 {
+        mass_kg: 900.0,
+        k1_n_per_m: 2e4,
+        k2_n_per_m: 4e5,
+        c1_n_s_per_m: 5e4,
+        c2_n_s_per_m: 1e4,
+        c3_n_s_per_m: 2e3,
+        v_thresh_m_per_s: 3.0,
+        crush_m: 0.5,
+        v0_m_per_s: 9.7,
+    });
+    let plastic = Model::Elastoplastic(Elastoplastic {
+        mass_kg: 900.0,
+        loading_stiffness_n_per_m: 3e5,
+        unloading_stiffness_n_per_m: 6e6,
+        release: true,
+    });
+    let (id, other) = ("nonlinear-1/direct-fit/1", "elastoplastic/closed-form/1");
+    write(
+        &folder.path().join("5.mcap"),
+        &[
+            (id, candidate("nonlinear-1", nonlinear.parameters())),
+            (other, candidate("elastoplastic", plastic.parameters())),
+        ],
+    );
+    let mut builder = ArtifactBuilder::new();
+    builder.wave("push", QuantityKind::Force, Sampled::new(0.0, 1e-4, vec![5e4; 1002]).unwrap()).unwrap();
+    let second = folder.path().join("drives.mcap");
+    builder.write(&second, &Provenance::new("x", "0", "{}".to_owned(), Vec::new()), Compression::None).unwrap();
+    let output = run_with(folder.path(), &[second.to_str().unwrap(), "--drive", "force", "--drive-wave", "push"]);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    assert!(stderr.contains("elastoplastic/closed-form/1: not simulated"), "{stderr}");
+    let artifact = Artifact::open(&folder.path().join("6.mcap")).unwrap();
+    let wave = |what: &str| artifact.waves()[&format!("{id}/{what}")].sampled.samples().to_vec();
+    // From rest, F/m.
+    assert_eq!((wave("velocity")[0], wave("acceleration")[0]), (0.0, 5e4 / 900.0));
+    let simulation: SimulationV1 = artifact.record(&format!("/simulation/{id}")).unwrap().unwrap();
+    assert!(simulation.energy_closure.unwrap() < 1e-11 && simulation.drive.is_some());
+}
+
+#[test]
+fn a_growing_model_is_said_to_diverge_and_its_energy_closes() {
+    let folder = tempfile::tempdir().unwrap();
+    // A root at +96.5/s: e^19 over the 0.1 s of the record.
+    let growing = Model::Kelvin(Kelvin { mass_kg: 900.0, stiffness_n_per_m: 3e5, damping_n_s_per_m: -9e4 });
+    let id = "kelvin/direct-fit/1";
+    let candidate = CandidateV1 { physical: false, ..candidate("kelvin", growing.parameters()) };
+    write(&folder.path().join("5.mcap"), &[(id, candidate)]);
+    assert_eq!(run(folder.path()).status.code(), Some(0));
+    let artifact = Artifact::open(&folder.path().join("6.mcap")).unwrap();
+    let simulation: SimulationV1 = artifact.record(&format!("/simulation/{id}")).unwrap().unwrap();
+    // 1,000 samples of 1e-15.
+    assert!(simulation.energy_closure.unwrap() < 1e-12, "{:?}", simulation.energy_closure);
+    assert!(simulation.notes.iter().any(|note| note.starts_with("warning: diverges")), "{:?}", simulation.notes);
+}
+
+#[test]
+fn a_chain_that_is_no_passive_structure_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder.path().join("5.mcap"), &[]);
+    let text = "[simulate.chain.odd]\nmasses = [{ mass = '900 kg', stiffness = [['0 mm', '300 kN/m'], ['400 mm', '-50 kN/m']] }]\n";
+    let output = run_pipeline(folder.path(), text);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    let expected = "chain/odd/1: a spring or damper of [simulate.chain.odd] is negative somewhere";
+    assert!(stderr.contains(expected), "{stderr}");
 }
 
 #[test]

@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
-use crumple_lumped::{Elastoplastic, Kelvin, Model};
+use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, Model};
 use crumple_signal::Sampled;
-use crumple_simulate::{Measured, SimulateError, Window, simulate};
+use crumple_simulate::{Measured, OtherSensor, SimulateError, Window, beside, simulate};
 
 const DT: f64 = 1e-4;
 
@@ -136,4 +136,25 @@ fn every_model_kind_is_simulated_from_its_named_parameters() {
         assert_eq!(simulation.motion.displacement_m.len(), 101, "{kind}");
         assert!(simulation.events.dynamic_crush_m.unwrap() > 0.01, "{kind}");
     }
+}
+
+#[test]
+fn the_engines_sensor_says_nothing_of_a_model_of_one_mass() {
+    let x = record(0.0, displacement);
+    let s = simulate(&Model::Kelvin(model()), &measured(&x, None), Window::default()).unwrap();
+    let sensor = |on_engine| OtherSensor { channel: "95".to_owned(), on_engine, displacement: x.clone() };
+    assert_eq!(beside(&s, &sensor(true), 0.0, DT), None);
+    let found = beside(&s, &sensor(false), 0.0, DT).unwrap();
+    // The model's own record: rounding of the time stamps.
+    assert!(found.mass == 1 && found.rmse_m < 1e-14, "{found:?}");
+    let double = DoubleSpringMassDamper {
+        m1_kg: 291.0,
+        m2_kg: 582.0,
+        k1_n_per_m: 3e5,
+        k2_n_per_m: 4e5,
+        c1_n_s_per_m: 4e3,
+        c2_n_s_per_m: 6e3,
+    };
+    let s = simulate(&Model::DoubleSpringMassDamper(double), &measured(&x, None), Window::default()).unwrap();
+    assert_eq!(beside(&s, &sensor(true), 0.0, DT).unwrap().mass, 1);
 }

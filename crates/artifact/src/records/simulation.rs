@@ -49,7 +49,7 @@ pub struct SimulationV1 {
     /// Energy at the start, at dynamic crush and at the end.
     #[serde(default)]
     pub energy: Vec<EnergyV1>,
-    /// Largest gap of the energy balance over the whole response, relative to the energy brought in.
+    /// Largest gap of the energy balance over the whole response, relative to its largest term.
     #[serde(default)]
     pub energy_closure: Option<f64>,
 }

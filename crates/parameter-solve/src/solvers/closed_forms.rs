@@ -3,9 +3,12 @@
 use crumple_lumped::Model;
 use crumple_signal::Notes;
 
-use super::{crush_of, unfitted};
+use super::single_mass::fitted;
+use super::{crush_of, extent_of, unfitted};
 use crate::solver::Task;
-use crate::{Candidate, KelvinBranch, SolveError, elastoplastic_from_events, kelvin_from_events};
+use crate::{
+    Candidate, KelvinBranch, SolveError, elastoplastic_from_events, fit_elastoplastic_loading, kelvin_from_events,
+};
 
 /// The Kelvin model of the events.
 pub(crate) fn kelvin(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
@@ -41,9 +44,21 @@ pub(crate) fn kelvin(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate
     Ok(vec![unfitted(task, Model::Kelvin(solution.model), vec![remark])])
 }
 
-/// The elastoplastic model of the events.
+/// The elastoplastic model of the events; where the record never stops, its loading part.
 pub(crate) fn elastoplastic(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
-    let Some((t_m, crush)) = crush_of(task, notes) else { return Ok(Vec::new()) };
+    let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
+    if !extent.stops {
+        return fitted(task, &extent, notes, |x, options, remarks| {
+            remarks.push(
+                "the loading part only, fitted to the displacement: the record shows no unloading, so unloading_stiffness_n_per_m \
+                 is not determined and set to the loading stiffness, the least it can be"
+                    .to_owned(),
+            );
+            let (model, fit, deviations) = fit_elastoplastic_loading(x, options)?;
+            Ok((Model::Elastoplastic(model), fit, deviations))
+        });
+    }
+    let (t_m, crush) = (extent.time_s, extent.crush_m);
     let evidence = task.evidence;
     let restitution = match evidence.coefficient_of_restitution {
         Some(e) if e > 0.0 => e,

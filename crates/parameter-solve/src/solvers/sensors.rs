@@ -183,6 +183,26 @@ fn given_starts(task: &Task<'_>, family: &Family, to_s: Option<f64>) -> Vec<Vec<
     model.iter().map(|model| family.theta(model)).collect()
 }
 
+/// Which side constraints of the single-mass paper a first nonlinear model breaks: this fit knows bounds only.
+fn broken_side_constraints(model: &Model) -> Option<String> {
+    let Model::Nonlinear1(m) = model else { return None };
+    let broken: Vec<&str> = [
+        (m.k1_n_per_m > m.k2_n_per_m, "k1 <= k2"),
+        (m.c1_n_s_per_m < m.c2_n_s_per_m, "c1 >= c2"),
+        (m.c2_n_s_per_m < m.c3_n_s_per_m, "c2 >= c3"),
+    ]
+    .into_iter()
+    .filter_map(|(broken, constraint)| broken.then_some(constraint))
+    .collect();
+    (!broken.is_empty()).then(|| {
+        format!(
+            "warning: breaks the side constraints of the paper, {}, which this fit does not know: direct-fit and interior-point to the \
+             displacement of the pulse keep them",
+            broken.join(" and ")
+        )
+    })
+}
+
 /// What was found, as candidates.
 struct Report<'a> {
     task: &'a Task<'a>,
@@ -245,6 +265,7 @@ impl Report<'_> {
         if !active_bounds.is_empty() {
             notes.push(format!("on a bound, not determined by the record: {}", active_bounds.join(", ")));
         }
+        notes.extend(broken_side_constraints(&model));
         let of = |((mass, sensor), (observed, rmse)): (&(usize, Sensor<'_>), (&Observed, &f64))| SensorFit {
             channel: sensor.channel.to_owned(),
             mass: mass + 1,
@@ -367,5 +388,30 @@ impl Report<'_> {
             found.extend(pair);
         }
         found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_lumped::Nonlinear1;
+
+    #[test]
+    fn broken_side_constraints_are_named() {
+        let kept = Nonlinear1 {
+            mass_kg: 900.0,
+            k1_n_per_m: 1e5,
+            k2_n_per_m: 3e5,
+            c1_n_s_per_m: 3e4,
+            c2_n_s_per_m: 1e4,
+            c3_n_s_per_m: 1e4,
+            v_thresh_m_per_s: 3.0,
+            crush_m: 0.5,
+            v0_m_per_s: 12.0,
+        };
+        assert_eq!(broken_side_constraints(&Model::Nonlinear1(kept)), None);
+        let broken = Nonlinear1 { k1_n_per_m: 4e5, c3_n_s_per_m: 2e4, ..kept };
+        let text = broken_side_constraints(&Model::Nonlinear1(broken)).unwrap();
+        assert!(text.starts_with("warning: breaks the side constraints of the paper, k1 <= k2 and c2 >= c3"), "{text}");
     }
 }

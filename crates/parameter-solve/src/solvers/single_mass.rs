@@ -3,7 +3,7 @@
 use crumple_lumped::Model;
 use crumple_signal::{Displacement, Notes, Signal};
 
-use super::{crush_of, sensors};
+use super::{Extent, crush_of, extent_of, sensors};
 use crate::solver::Task;
 use crate::{
     Candidate, Fit, NonlinearFitOptions, SolveError, Uncertainty, firefly_nonlinear2, fit_maxwell, fit_nonlinear1,
@@ -17,7 +17,8 @@ pub(crate) fn maxwell(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidat
     if !sensors::is_plain(task) {
         return sensors::fit(task, notes);
     }
-    fitted(task, notes, |x, options, _| {
+    let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
+    fitted(task, &extent, notes, |x, options, _| {
         let (model, fit, deviations) = fit_maxwell(x, options)?;
         Ok((Model::Maxwell(model), fit, deviations))
     })
@@ -28,16 +29,24 @@ pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     if !sensors::is_plain(task) {
         return sensors::fit(task, notes);
     }
-    fitted(task, notes, |x, options, remarks| {
-        remarks.push("constrained to the dynamic crush and its time; k1 <= k2, c1 >= c2 >= c3".to_owned());
-        let (model, fit) = fit_nonlinear1(x, options, true)?;
+    let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
+    fitted(task, &extent, notes, |x, options, remarks| {
+        remarks.push(if extent.stops {
+            "constrained to the dynamic crush and its time; k1 <= k2, c1 >= c2 >= c3".to_owned()
+        } else {
+            "k1 <= k2, c1 >= c2 >= c3; the conditions at dynamic crush are left out, since the record has none"
+                .to_owned()
+        });
+        let (model, fit) = fit_nonlinear1(x, options, extent.stops)?;
         Ok((Model::Nonlinear1(model), fit, None))
     })
 }
 
 /// The same as the paper finds it.
 pub(crate) fn interior_point(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
-    fitted(task, notes, |x, options, remarks| {
+    // Its conditions are those at dynamic crush.
+    let Some((time_s, crush_m)) = crush_of(task, notes) else { return Ok(Vec::new()) };
+    fitted(task, &Extent { crush_m, time_s, stops: true }, notes, |x, options, remarks| {
         remarks.push(
             "the paper's way: interior point with x(t_m) = C, v(t_m) = 0, k1 <= k2, c1 >= c2 >= c3; direct-fit reaches the \
              same point"
@@ -53,7 +62,8 @@ pub(crate) fn nonlinear2(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     if !sensors::is_plain(task) {
         return sensors::fit(task, notes);
     }
-    fitted(task, notes, |x, options, _| {
+    let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
+    fitted(task, &extent, notes, |x, options, _| {
         let (model, fit, deviations) = fit_nonlinear2(x, options)?;
         Ok((Model::Nonlinear2(model), fit, deviations))
     })
@@ -61,7 +71,8 @@ pub(crate) fn nonlinear2(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
 
 /// The same by the firefly search.
 pub(crate) fn firefly(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
-    fitted(task, notes, |x, options, remarks| {
+    let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
+    fitted(task, &extent, notes, |x, options, remarks| {
         let found = firefly_nonlinear2(x, options, &task.settings.firefly)?;
         remarks.push(if found.attraction > 0.0 {
             format!("mean attraction of two fireflies at the start {:.3}", found.attraction)
@@ -73,13 +84,13 @@ pub(crate) fn firefly(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidat
 }
 
 /// What all fits to the displacement of one mass have in common.
-fn fitted(
+pub(super) fn fitted(
     task: &Task<'_>,
+    extent: &Extent,
     notes: &mut Notes,
     fit: impl FnOnce(&Signal<Displacement>, &NonlinearFitOptions, &mut Vec<String>) -> Result<Found, SolveError>,
 ) -> Result<Vec<Candidate>, SolveError> {
     let (kind, evidence, settings) = (task.model, task.evidence, task.settings);
-    let Some((t_m, crush)) = crush_of(task, notes) else { return Ok(Vec::new()) };
     let Some(displacement) = evidence.displacement else {
         notes.warning(format!("{kind}: not fitted, there is no displacement"));
         return Ok(Vec::new());
@@ -87,11 +98,11 @@ fn fitted(
     let options = NonlinearFitOptions {
         mass_kg: evidence.mass_kg,
         impact_speed_m_per_s: evidence.impact_speed_m_per_s,
-        crush_m: crush,
-        time_of_dynamic_crush_s: t_m,
+        crush_m: extent.crush_m,
+        time_of_dynamic_crush_s: extent.time_s,
         time_zero_s: evidence.time_zero_s,
         from_s: settings.fit_from_s,
-        to_s: settings.fit_to_s.or(Some(t_m)),
+        to_s: settings.fit_to_s.or(extent.stops.then_some(extent.time_s)),
         samples: settings.fit_samples,
     };
     let mut remarks = Vec::new();
@@ -105,7 +116,7 @@ fn fitted(
     };
     remarks.insert(0, format!("fitted from {:.2} ms to {:.2} ms after time zero", 1e3 * fit.from_s, 1e3 * fit.to_s));
     if let Model::Maxwell(maxwell) = &model
-        && let Some(finding) = undetermined_by_the_record(maxwell, evidence.impact_speed_m_per_s, crush)
+        && let Some(finding) = undetermined_by_the_record(maxwell, evidence.impact_speed_m_per_s, extent.crush_m)
     {
         notes.warning(format!("{kind}: {finding}"));
         remarks.push(finding);

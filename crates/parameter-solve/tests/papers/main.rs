@@ -27,7 +27,8 @@ fn main() -> ExitCode {
     let page_agrees = check_page();
     let (right, all) = check_cases();
     println!("{right} of {all} items");
-    if page_agrees && right == all { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    let ticks_agree = check_ticks();
+    if page_agrees && ticks_agree && right == all { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// Whether the committed page is what the table and the libraries give.
@@ -49,19 +50,51 @@ fn check_page() -> bool {
     false
 }
 
-/// Cases met and cases there are.
-fn check_cases() -> (usize, usize) {
+/// The items of the case file, none where there is no such file.
+fn cases() -> Option<Vec<Value>> {
     let given = std::env::var_os("CRUMPLE_PAPER_CASES").map(PathBuf::from);
-    let Some(path) = given.or_else(|| crumple_testkit::shared("reference/papers.json")) else { return (0, 0) };
+    let path = given.or_else(|| crumple_testkit::shared("reference/papers.json"))?;
     let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let file: Value = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let items = file["items"].as_array().or_else(|| file.as_array()).cloned().unwrap_or_default();
+    Some(file["items"].as_array().or_else(|| file.as_array()).cloned().unwrap_or_default())
+}
+
+/// Whether the page ticks the printed values that the case file says agree. Compared are the sorted pairs of printed value and
+/// tick of an item: lists without an order of their own are numbered differently there.
+fn check_ticks() -> bool {
+    let ticks = page::ticks().unwrap();
+    let mut same = true;
+    for item in cases().unwrap_or_default() {
+        let (Some(id), Some(printed)) = (item["id"].as_str(), item["printed"].as_object()) else { continue };
+        let Some(shown) = ticks.get(id) else { continue };
+        let mut wanted: page::Ticks = printed
+            .values()
+            .map(|value| (value["printed"].as_str().unwrap().to_owned(), value["agrees"].as_bool().unwrap()))
+            .collect();
+        wanted.sort();
+        if *shown != wanted {
+            same = false;
+            println!("FAILED {id}: the page ticks {shown:?}, the case file {wanted:?}");
+        }
+    }
+    same
+}
+
+/// Cases met and cases there are.
+fn check_cases() -> (usize, usize) {
+    let Some(items) = cases() else { return (0, 0) };
     let mut kinds: BTreeMap<String, (usize, usize)> = BTreeMap::new();
     for item in &items {
         let name = |key: &str| item[key].as_str().unwrap_or("?").to_owned();
         let kind = name("kind");
         let tolerance = item["tolerance_to_recomputed_relative"].as_f64().unwrap_or(1e-9);
-        let fault = match evaluate::evaluate(&kind, &compare::plain(&item["inputs"])) {
+        let mut inputs = compare::plain(&item["inputs"]);
+        // The instants are part of what is expected, not of the model.
+        if let Some(list) = item["expected"]["checkpoints"].as_array() {
+            let times: Vec<Value> = list.iter().map(|point| compare::plain(&point["t"])).collect();
+            inputs[evaluate::CHECKPOINT_TIMES] = Value::Array(times);
+        }
+        let fault = match evaluate::evaluate(&kind, &inputs) {
             Ok(found) => compare::difference(&compare::plain(&item["expected"]), &found, tolerance),
             Err(error) => Some(error),
         };

@@ -1,5 +1,6 @@
 //! The page that shows every printed value beside the recomputed one.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use serde_json::Value;
@@ -95,6 +96,34 @@ fn cell(text: &str) -> String {
     text.replace('|', "\\|").replace('\n', " ")
 }
 
+/// Printed values of an item and whether each is ticked, sorted.
+pub type Ticks = Vec<(String, bool)>;
+
+/// The ticks of every item.
+pub fn ticks() -> Result<BTreeMap<String, Ticks>, String> {
+    let table: Value = serde_json::from_str(TABLE).map_err(|e| e.to_string())?;
+    let items = table["items"].as_array().cloned().unwrap_or_default();
+    let text = |value: &Value, name: &str| value[name].as_str().unwrap_or_default().to_owned();
+    let of = |item: &Value| {
+        let id = text(item, "id");
+        let found = evaluate(&text(item, "kind"), &item["inputs"]).map_err(|e| format!("{id}: {e}"))?;
+        let mut ticks: Ticks = item["printed"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .map(|pair| {
+                let print = text(pair, "printed");
+                let value = at(&found, &text(pair, "of")).and_then(Value::as_f64);
+                let same = value.is_some_and(|x| agrees(&print, x));
+                (print, same)
+            })
+            .collect();
+        ticks.sort();
+        Ok((id, ticks))
+    };
+    items.iter().map(of).collect()
+}
+
 /// The page, and how many printed quantities there are and agree.
 pub fn page() -> Result<String, String> {
     let table: Value = serde_json::from_str(TABLE).map_err(|e| e.to_string())?;
@@ -102,7 +131,7 @@ pub fn page() -> Result<String, String> {
     let items = list(&table, "items");
     let text = |value: &Value, name: &str| value[name].as_str().unwrap_or_default().to_owned();
     let mut body = String::new();
-    let mut counts = std::collections::BTreeMap::<String, usize>::new();
+    let mut counts = BTreeMap::<String, usize>::new();
     let (mut printed_total, mut printed_agree) = (0, 0);
     for paper in list(&table, "papers") {
         let _ = writeln!(body, "## {}\n\n{}\n", text(&paper, "title"), text(&paper, "about"));

@@ -1,7 +1,7 @@
 //! Where the energy of every model is at dynamic crush.
 
 use crate::escape::html;
-use crate::people::{KILO, MILLI, candidate_name, decimals, significant};
+use crate::people::{KILO, MILLI, candidate_name, decimals};
 use crate::{Ranking, Run};
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
@@ -11,7 +11,9 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         .filter_map(|candidate| {
             let simulation = candidate.simulation.as_ref()?;
             let at = |name: &str| simulation.energy.iter().find(|e| e.instant == name);
-            Some((candidate, at("dynamic crush").or_else(|| at("end"))?, simulation.energy_closure))
+            // More kinetic energy at the end than any passive structure can keep.
+            let diverges = at("end").is_some_and(|end| end.kinetic_j > 10.0 * end.input_j.abs());
+            Some((candidate, at("dynamic crush").or_else(|| at("end"))?, closure(simulation.energy_closure, diverges)))
         })
         .collect();
     if rows.is_empty() {
@@ -23,8 +25,8 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
          <th scope=\"col\">Instant</th><th scope=\"col\" class=\"n\">Time, ms</th>\
          <th scope=\"col\" class=\"n\">Brought in, kJ</th><th scope=\"col\" class=\"n\">Kinetic, kJ</th>\
          <th scope=\"col\" class=\"n\">In springs, kJ</th><th scope=\"col\" class=\"n\">Dissipated, kJ</th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Largest gap of the balance over the whole response, relative to the energy \
-         brought in.\">Closure</abbr></th></tr></thead>\n<tbody>\n",
+         <th scope=\"col\" class=\"n\"><abbr title=\"Largest gap of the balance over the whole response, relative to its \
+         largest term.\">Closure</abbr></th></tr></thead>\n<tbody>\n",
     );
     for (candidate, energy, closure) in rows {
         let kilojoule = |joule: f64| decimals(KILO * joule, 2);
@@ -38,12 +40,34 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
             kilojoule(energy.kinetic_j),
             kilojoule(energy.stored_j),
             kilojoule(energy.dissipated_j),
-            // Rounding: its size says something, its digits do not.
-            closure.map_or_else(String::new, |gap| if gap < 1e-9 { "&lt; 10⁻⁹".to_owned() } else { significant(gap, 2) }),
+            closure,
         ));
     }
     out.push_str(
         "</tbody>\n</table></div>\n<p class=\"caption\">Heat and work are integrated apart from the motion, so the closure checks motion, forces \
          and law together. Plastic work of the elastoplastic model counts as dissipated.</p>\n</section>\n",
     );
+}
+
+/// Rounding: its size says something, its digits do not. Of a motion that grows without end only that is said.
+fn closure(gap: Option<f64>, diverges: bool) -> String {
+    match gap {
+        _ if diverges => "diverges".to_owned(),
+        None => String::new(),
+        Some(gap) if gap < 1e-9 => "&lt; 10⁻⁹".to_owned(),
+        Some(gap) => format!("{gap:.1e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_closure_is_its_size_and_a_growing_motion_says_so() {
+        assert_eq!(closure(Some(3e-13), false), "&lt; 10⁻⁹");
+        assert_eq!(closure(Some(1.63e-8), false), "1.6e-8");
+        assert_eq!(closure(Some(1e-12), true), "diverges");
+        assert_eq!(closure(None, false), "");
+    }
 }
