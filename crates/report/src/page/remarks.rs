@@ -123,7 +123,7 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
         limits.push(text);
     }
     let others: std::collections::BTreeSet<&str> =
-        run.candidates.iter().flat_map(|c| c.other_channels()).map(|(channel, _)| channel).collect();
+        run.candidates.iter().flat_map(Candidate::other_channels).map(|(channel, _)| channel).collect();
     let who = if others.is_empty() {
         "Everything here is read from one sensor".to_owned()
     } else {
