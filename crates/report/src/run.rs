@@ -120,14 +120,16 @@ impl Candidate {
     /// Why this record does not determine the parameter; `None`: it does, or nothing is known of its uncertainty.
     ///
     /// Zero on a bound is the limit of what is physical, and an answer. Elsewhere a bound is not the record's, and a standard
-    /// deviation as large as the value says that the value is one of many.
+    /// deviation as large as the value, or an interval open at both ends, says that the value is one of many.
     pub fn doubt(&self, name: &str) -> Option<&'static str> {
         let value = *self.record.parameters.get(name)?;
         if self.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|other| other == name)) {
             return (value != 0.0).then_some("on a bound");
         }
-        let deviation = *self.record.uncertainty.as_ref()?.standard_deviation.get(name)?;
-        (deviation >= value.abs()).then_some("not determined")
+        let known = self.record.uncertainty.as_ref()?;
+        let deviation = *known.standard_deviation.get(name)?;
+        let open = [&known.interval_low, &known.interval_high].iter().all(|end| end.get(name) == Some(&None));
+        (open || deviation >= value.abs()).then_some("not determined")
     }
 
     /// How many of the parameters this record does not determine, and of how many that were asked of it.

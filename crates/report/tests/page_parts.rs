@@ -106,6 +106,12 @@ fn the_card_of_the_best_says_what_the_record_does_not_determine() {
     best.record.fit = Some(fit(&["c_n"], vec![]));
     let deviations = [("k_n_per_m", 1e3), ("x_m", 0.2)].map(|(name, value)| (name.to_owned(), value));
     best.record.uncertainty = Some(UncertaintyV1 { standard_deviation: deviations.into(), ..UncertaintyV1::default() });
+    // Open at both ends is not determined either, whatever its deviation.
+    let mut open = best.clone();
+    let known = open.record.uncertainty.as_mut().unwrap();
+    known.interval_low = BTreeMap::from([("k_n_per_m".to_owned(), None)]);
+    known.interval_high = known.interval_low.clone();
+    assert_eq!((best.undetermined(), open.undetermined()), ((1, 3), (2, 3)));
     run.candidates.push(best);
     let page = page(&run);
     // Zero on a bound is an answer, a mass that is stated was not asked of the record.
