@@ -34,21 +34,58 @@ run input *args: build
     #!/usr/bin/env bash
     set -euo pipefail
     case "$1" in -*) echo "error: the record comes first: just run RECORD [flags of crumple-ingest]" >&2; exit 2;; esac
+    # What ingest prints about itself or the record ends the run.
+    for flag in "${@:2}"; do
+        case "$flag" in -h|--help|-V|--version|--list) exec {{ ingest }} "$@";; esac
+    done
+    there() { command -v -- "$1" >/dev/null || { echo "error: $1: no such program; nothing was run" >&2; exit 2; }; }
+    there {{ ingest }}; there {{ filter }}; there {{ integrate }}; there {{ identify }}
+    there {{ parameter_solve }}; there {{ simulate }}; there {{ report }}
     dir={{ quote(if out == "" { justfile_directory() / "runs" / file_stem(trim_end_matches(input, "/")) / name } else { out }) }}
+    bin={{ quote(bin) }}
     options=(--pipeline {{ quote(justfile_directory() / "pipelines" / name + ".toml") }} {{ flags }})
     results=(1-ingest.mcap 2-filter.mcap 3-integrate.mcap 4-identify.mcap 5-parameter-solve.mcap 6-simulate.mcap report.html summary.json)
-    # A refused input (3): results of an earlier run that this one did not get to would pass for results of this record.
-    give_up() { [ "$1" -ne 3 ] || (cd "$dir" 2>/dev/null && rm -f "${results[@]:$2}") || true; exit "$1"; }
+    known() { "$bin/crumple-$1" --help | grep -qE -- "^ +(-., )?$2( |=|\$)"; }
+    # Flags go to ingest: says whose another one is.
+    whose() {
+        for flag in "$@"; do
+            flag=${flag%%=*}
+            [[ $flag == --* ]] && ! known ingest "$flag" || continue
+            for stage in filter integrate identify parameter-solve simulate; do
+                ! known $stage "$flag" || echo "tip: $flag is an option of crumple-$stage: just ${stage/-/_}=\"$bin/crumple-$stage $flag ...\" run RECORD, or a key of [$stage] in a pipeline" >&2
+            done
+        done
+    }
+    failed() {
+        [ ! -e "$dir/report.html" ] || echo "note: the report in $dir is that of an earlier run" >&2
+        exit "$1"
+    }
+    source_of() { "$bin/crumple-artifact" show --json --topic /test "$1" 2>/dev/null | sed -n 's/.*"source":{"format":"\([^"]*\)","name":"\([^"]*\)","digest":"[^"]*:\(.\{12\}\).*/\2 (\1, content \3)/p'; }
+    # A stage whose output is up to date leaves it alone. Where it wrote, what stands after it is out of date and goes, so that no
+    # failure of a later stage, of whatever kind, leaves results of another record. Until the record is read nothing goes.
     # Exit code 4 (no acceptable result, diagnosis written) does not stop the run: the report shows the diagnosis.
+    started=$(mktemp)
+    trap 'rm -f "$started"' EXIT
     reached=0
-    step() { "$@" || { code=$?; [ "$code" -eq 4 ] || give_up "$code" "$reached"; }; reached=$((reached + 1)); }
-    step {{ ingest }} "$@" "${options[@]}" -o "$dir/1-ingest.mcap"
-    step {{ filter }} "$dir/1-ingest.mcap" "${options[@]}" -o "$dir/2-filter.mcap"
-    step {{ integrate }} "$dir/2-filter.mcap" "${options[@]}" -o "$dir/3-integrate.mcap"
-    step {{ identify }} "$dir/2-filter.mcap" "$dir/3-integrate.mcap" "${options[@]}" -o "$dir/4-identify.mcap"
-    step {{ parameter_solve }} "$dir/2-filter.mcap" "$dir/3-integrate.mcap" "$dir/4-identify.mcap" "${options[@]}" -o "$dir/5-parameter-solve.mcap"
-    step {{ simulate }} "$dir/2-filter.mcap" "$dir/3-integrate.mcap" "$dir/5-parameter-solve.mcap" "${options[@]}" -o "$dir/6-simulate.mcap"
-    {{ report }} "$dir"/[1-6]-*.mcap "${options[@]}" -o "$dir/report.html" || { code=$?; [ "$code" -ne 4 ] || exit 4; give_up "$code" 6; }
+    step() {
+        output="$dir/${results[$reached]}" code=0
+        reached=$((reached + 1))
+        exec 3<&-
+        [ ! -e "$output" ] || exec 3<"$output"
+        "$@" "${options[@]}" -o "$output" 3<&- || code=$?
+        [ "$output" -ef /dev/fd/3 -a ! "$output" -nt "$started" ] || [ ! -e "$output" ] || (cd "$dir" && rm -f "${results[@]:$reached}")
+        [ "$code" -eq 0 ] || [ "$code" -eq 4 ] || return "$code"
+    }
+    step {{ ingest }} "$@" || { code=$?; [ "$code" -ne 2 ] || whose "${@:2}"; failed "$code"; }
+    if [ -e /dev/fd/3 ] && before=$(source_of /dev/fd/3) && [ -n "$before" ] && [ "$before" != "$(source_of "$output")" ]; then
+        echo "note: replaces the run of $before in $dir: another record, or this one before a change (just out=DIR run keeps both)" >&2
+    fi
+    step {{ filter }} "$dir/1-ingest.mcap" || failed $?
+    step {{ integrate }} "$dir/2-filter.mcap" || failed $?
+    step {{ identify }} "$dir/2-filter.mcap" "$dir/3-integrate.mcap" || failed $?
+    step {{ parameter_solve }} "$dir/2-filter.mcap" "$dir/3-integrate.mcap" "$dir/4-identify.mcap" || failed $?
+    step {{ simulate }} "$dir/2-filter.mcap" "$dir/3-integrate.mcap" "$dir/5-parameter-solve.mcap" || failed $?
+    {{ report }} "$dir"/[1-6]-*.mcap "${options[@]}" -o "$dir/report.html" || { code=$?; [ "$code" -ne 4 ] || exit 4; failed "$code"; }
 
 # Semantic comparison of two run folders or artifacts: exit 0 same, 1 different, 2 trouble.
 [group('pipeline')]

@@ -6,6 +6,7 @@
 
 mod artifact;
 mod error;
+mod head;
 mod polynomial;
 mod provenance;
 mod report;
@@ -19,6 +20,7 @@ mod words;
 
 pub use artifact::compare_artifacts;
 pub use error::DiffError;
+pub use head::head;
 pub use report::{Difference, FileReport, Report, Side, TopicReport};
 pub use text::{TextOptions, write_text};
 pub use tolerance::{Base, Tolerance, Tolerances};

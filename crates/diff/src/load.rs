@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use crumple_artifact::Artifact;
-use crumple_diff::{DiffError, FileReport, Settings, Side, compare_artifacts, compare_json};
+use crumple_diff::{DiffError, FileReport, Settings, Side, compare_artifacts, compare_json, head};
 
 const SUMMARY: &str = "summary.json";
 
@@ -46,6 +46,18 @@ pub fn compare_paths(a: &Path, b: &Path, settings: &Settings) -> Result<Vec<File
     match kind_a {
         Kind::Folder => compare_folders(a, b, settings),
         _ => compare_files(&name(a), a, b, settings).map(|report| vec![report]),
+    }
+}
+
+/// What people want to know first of two runs that differ; empty where there are no two summaries.
+pub fn head_of(a: &Path, b: &Path) -> Vec<String> {
+    let summary = |path: &Path| {
+        let path = if path.is_dir() { path.join(SUMMARY) } else { path.to_owned() };
+        path.extension().is_some_and(|extension| extension == "json").then(|| read_json(&path).ok())?
+    };
+    match (summary(a), summary(b)) {
+        (Some(a), Some(b)) => head(&a, &b),
+        _ => Vec::new(),
     }
 }
 

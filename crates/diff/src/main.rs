@@ -67,7 +67,14 @@ fn main() -> ExitCode {
 }
 
 fn trouble(error: anyhow::Error) -> anyhow::Error {
-    let usage = Usage::new(format!("{error:#}"));
+    // An error that tells its cause in its own words does not tell it twice.
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.ends_with(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    let usage = Usage::new(text);
     match error.downcast_ref::<DiffError>() {
         Some(known) => usage.hint(known.hint()).into(),
         None => usage.into(),
@@ -95,6 +102,11 @@ fn print(args: &Args, report: &Report) -> io::Result<()> {
         serde_json::to_writer_pretty(&mut stdout, report)?;
         writeln!(stdout)
     } else {
+        if !report.same {
+            for line in load::head_of(&args.a, &args.b) {
+                writeln!(stdout, "{line}")?;
+            }
+        }
         write_text(report, TextOptions { all: args.all }, &mut stdout)
     }
 }

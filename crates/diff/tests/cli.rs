@@ -269,6 +269,7 @@ fn damage_and_absence_are_trouble_not_difference() {
             assert_eq!(found.code, 2, "{file}");
             assert!(found.stderr.starts_with("error: ") && found.stderr.contains(says), "{}", found.stderr);
             assert!(found.stderr.contains("\n  hint: "), "{}", found.stderr);
+            assert!(found.stderr.matches("os error").count() <= 1, "the cause is told twice: {}", found.stderr);
             assert_eq!(found.stdout, "");
         }
     }
@@ -307,6 +308,7 @@ fn run_folders_are_compared_file_by_file() {
     let found = diff(root.path(), &["one", "two"]);
     assert_eq!(found.code, 1);
     insta::assert_snapshot!(found.stdout, @"
+    dynamic crush: 750.0 mm -> 751.0 mm
     2-filter.mcap: only in one
     3-integrate.mcap: /wave/93, sample 3 (t = -0.009700 s): -42.5  0.0  (abs 42.5, rel 0.85), the only one of 200 samples
     summary.json, events.dynamic_crush_m: 0.75  0.751  (abs 0.001, rel 0.001332)

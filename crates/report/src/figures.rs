@@ -7,6 +7,7 @@ mod models;
 mod motion;
 mod poles;
 mod responses;
+mod sensors;
 mod singular_values;
 mod stabilisation;
 
@@ -20,6 +21,7 @@ pub fn all(run: &Run, ranking: &Ranking) -> Vec<Figure> {
     let mut figures: Vec<Figure> = [
         motion::figure(run),
         models::figure(run, ranking),
+        sensors::figure(run, ranking),
         force::figure(run, ranking),
         elements::figure(run, ranking),
         poles::figure(run),

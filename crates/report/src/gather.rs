@@ -11,7 +11,7 @@ use crumple_signal::{Note, Sampled, Severity, TestDescription};
 use crumple_stage::{Inputs, RefuseExt, Refused};
 
 use crate::ranking::by_id;
-use crate::run::{Candidate, Element, Measured, Model, Run, StageNote, StageRecord};
+use crate::run::{Candidate, Element, Measured, Model, OtherSensor, Run, StageNote, StageRecord};
 
 /// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
 ///
@@ -29,6 +29,7 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
     if let Some(id) = run.channel_id().map(str::to_owned) {
         run.filter = inputs.record_if::<ChannelFilterV1>(&format!("/filter/{id}"))?;
         run.measured = measured(inputs, &id, time_zero_s);
+        run.other_sensors = other_sensors(inputs, &run.test, &id, time_zero_s);
     }
     run.models = models(inputs)?;
     let stabilizations = inputs.records::<StabilizationV1>("/stabilisation/")?;
@@ -81,7 +82,23 @@ fn measured(inputs: &Inputs, id: &str, time_zero_s: f64) -> Measured {
         velocity: of_motion("velocity"),
         displacement: of_motion("displacement"),
         force: of_motion("force"),
+        barrier_force: inputs.wave_if("barrier/force").map(|wave| after(&wave.sampled, time_zero_s)),
     }
+}
+
+/// Channels of the test beside the pulse that were integrated.
+fn other_sensors(inputs: &Inputs, test: &TestDescription, pulse: &str, time_zero_s: f64) -> Vec<OtherSensor> {
+    let wave = |id: String| inputs.wave_if(&id).map(|wave| after(&wave.sampled, time_zero_s));
+    let others = test.channels.iter().filter(|channel| channel.id != pulse);
+    others
+        .filter_map(|channel| {
+            Some(OtherSensor {
+                channel: channel.id.clone(),
+                velocity: wave(format!("{}/velocity", channel.id)),
+                displacement: wave(format!("{}/displacement", channel.id))?,
+            })
+        })
+        .collect()
 }
 
 fn models(inputs: &Inputs) -> anyhow::Result<Vec<Model>> {
@@ -134,6 +151,9 @@ fn candidates(
             velocity: wave(&id, "velocity"),
             acceleration: wave(&id, "acceleration"),
             elements: elements(inputs, &id, time_zero_s),
+            masses: (1..)
+                .map_while(|i| Some((wave(&id, &format!("m{i}/displacement"))?, wave(&id, &format!("m{i}/velocity")))))
+                .collect(),
             id,
             record,
         })
@@ -222,6 +242,14 @@ fn collect_notes(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
 
 fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
     let mut missing = std::mem::take(&mut run.missing);
+    if run.is_generic() {
+        missing.push(
+            "what belongs to a crash (motion, events, physical parameters): the test names no crash pulse (crumple-ingest --channel does)"
+                .to_owned(),
+        );
+        run.missing = missing;
+        return;
+    }
     let mut add = |absent: bool, what: &str| {
         if absent {
             missing.push(what.to_owned());

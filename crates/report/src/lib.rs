@@ -17,5 +17,5 @@ pub mod tool;
 pub use gather::gather;
 pub use page::Page;
 pub use ranking::{Ranking, pairs_of_equals};
-pub use run::{Candidate, Element, Measured, Model, Run, StageNote, StageRecord};
+pub use run::{Candidate, Element, Measured, Model, OtherSensor, Run, StageNote, StageRecord};
 pub use summary::{Summary, summary};

@@ -7,6 +7,7 @@ mod header;
 mod models;
 mod numbers;
 mod remarks;
+mod uncertainty;
 
 use std::io::{self, Write};
 

@@ -106,6 +106,26 @@ pub fn range(low: f64, high: f64, si: &str) -> String {
     if unit.is_empty() { format!("{low} to {high}") } else { format!("{low} to {high}{NBSP}{unit}") }
 }
 
+/// A longer stretch of time than this is told in s, a shorter one in ms.
+pub const LONG_S: f64 = 2.0;
+
+/// `0.0 to 120.0 ms`, or in s where that is the fitting unit.
+pub fn times(from_s: f64, to_s: f64) -> String {
+    let (factor, unit) = if to_s - from_s > LONG_S { (1.0, "s") } else { (MILLI, "ms") };
+    format!("{} to {} {unit}", decimals(factor * from_s, 1), decimals(factor * to_s, 1))
+}
+
+/// An input or output as identify names it (`acceleration of channel 93, m/s^2`): the words and the unit, if it has one.
+pub fn words_and_unit(text: &str) -> (&str, Option<String>) {
+    let text = text.trim();
+    let (words, unit) = match text.rsplit_once(", ") {
+        Some((words, unit)) => (words, Some(unit)),
+        None => (text, None),
+    };
+    let unit = unit.filter(|unit| !["", "1"].contains(unit)).map(|unit| unit.replace("^2", "²").replace('*', "·"));
+    (words.strip_prefix("other ").unwrap_or(words), unit)
+}
+
 /// Masses, then stiffnesses, then dampings, then the rest, each by name: the order people write them in.
 pub fn parameter_order(name: &str) -> (usize, &str) {
     const KINDS: [&str; 3] = ["_kg", "_n_per_m", "_n_s_per_m"];
@@ -198,6 +218,19 @@ mod tests {
         let mut names = ["c1_n_s_per_m", "k1_n_per_m", "m2_kg", "x1_m", "m1_kg"];
         names.sort_by_key(|name| parameter_order(name));
         assert_eq!(names, ["m1_kg", "m2_kg", "k1_n_per_m", "c1_n_s_per_m", "x1_m"]);
+    }
+
+    #[test]
+    fn a_quantity_that_is_not_known_has_no_unit() {
+        assert_eq!(words_and_unit("other column_2, 1"), ("column_2", None));
+        let (words, unit) = words_and_unit("acceleration of channel 93, m/s^2");
+        assert_eq!((words, unit.as_deref()), ("acceleration of channel 93", Some("m/s²")));
+    }
+
+    #[test]
+    fn a_long_record_is_told_in_seconds() {
+        assert_eq!(times(0.0, 0.0741), "0.0 to 74.1 ms");
+        assert_eq!(times(0.0, 79.92), "0.0 to 79.9 s");
     }
 
     #[test]

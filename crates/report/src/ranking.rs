@@ -164,6 +164,7 @@ mod tests {
             velocity: None,
             acceleration: None,
             elements: Vec::new(),
+            masses: Vec::new(),
         }
     }
 

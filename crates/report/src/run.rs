@@ -15,6 +15,8 @@ pub struct Run {
     pub test: TestDescription,
     /// The waves of the channel the crash was read from.
     pub measured: Measured,
+    /// Other sensors whose motion is at hand, in the order of their ids.
+    pub other_sensors: Vec<OtherSensor>,
     /// How that channel was filtered.
     pub filter: Option<ChannelFilterV1>,
     /// The events of the crash.
@@ -48,8 +50,21 @@ pub struct Measured {
     pub velocity: Option<Sampled>,
     /// Displacement: the crush.
     pub displacement: Option<Sampled>,
-    /// Force on the barrier, positive in compression.
+    /// Force on the barrier, positive in compression: the test mass times the deceleration.
     pub force: Option<Sampled>,
+    /// Force on the barrier as its load cells measured it, positive in compression.
+    pub barrier_force: Option<Sampled>,
+}
+
+/// The motion that another sensor on the vehicle saw.
+#[derive(Debug, Clone)]
+pub struct OtherSensor {
+    /// Its channel.
+    pub channel: String,
+    /// Velocity, where there is one.
+    pub velocity: Option<Sampled>,
+    /// Displacement.
+    pub displacement: Sampled,
 }
 
 /// One identified model.
@@ -84,6 +99,48 @@ pub struct Candidate {
     pub acceleration: Option<Sampled>,
     /// Its springs and dampers at work, from the barrier on.
     pub elements: Vec<Element>,
+    /// Displacement and velocity of its masses but the compartment, from the barrier on.
+    pub masses: Vec<(Sampled, Option<Sampled>)>,
+}
+
+impl Candidate {
+    /// Whether it is a chain that a person stated.
+    pub fn is_chain(&self) -> bool {
+        self.record.model == "chain"
+    }
+
+    /// Channels it was fitted to beside the pulse, with the mass that each sits on, from 1 at the barrier.
+    pub fn other_channels(&self) -> impl Iterator<Item = (&str, u32)> {
+        let fit = self.record.fit.as_ref();
+        let sensors = fit.map(|fit| fit.sensors.as_slice()).unwrap_or_default();
+        let pulse = fit.map(|fit| fit.channel.as_str());
+        sensors.iter().filter(move |s| Some(s.channel.as_str()) != pulse).map(|s| (s.channel.as_str(), s.mass))
+    }
+
+    /// Why this record does not determine the parameter; `None`: it does, or nothing is known of its uncertainty.
+    ///
+    /// Zero on a bound is the limit of what is physical, and an answer. Elsewhere a bound is not the record's, and a standard
+    /// deviation as large as the value, or an interval open at both ends, says that the value is one of many.
+    pub fn doubt(&self, name: &str) -> Option<&'static str> {
+        let value = *self.record.parameters.get(name)?;
+        if self.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|other| other == name)) {
+            return (value != 0.0).then_some("on a bound");
+        }
+        let known = self.record.uncertainty.as_ref()?;
+        let deviation = *known.standard_deviation.get(name)?;
+        let open = [&known.interval_low, &known.interval_high].iter().all(|end| end.get(name) == Some(&None));
+        (open || deviation >= value.abs()).then_some("not determined")
+    }
+
+    /// How many of the parameters this record does not determine, and of how many that were asked of it.
+    pub fn undetermined(&self) -> (usize, usize) {
+        let of_fit = |name: &&String| {
+            let known = self.record.uncertainty.as_ref().is_some_and(|u| u.standard_deviation.contains_key(*name));
+            known || self.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.contains(name))
+        };
+        let asked: Vec<&String> = self.record.parameters.keys().filter(of_fit).collect();
+        (asked.iter().filter(|name| self.doubt(name).is_some()).count(), asked.len())
+    }
 }
 
 /// A spring or damper at work.
@@ -149,6 +206,11 @@ impl Run {
     pub fn metric(&self, name: &str) -> Option<&MetricV1> {
         let of_name = || self.metrics.iter().filter(|metric| metric.name == name);
         of_name().find(|metric| Some(metric.channel.as_str()) == self.channel_id()).or_else(|| of_name().next())
+    }
+
+    /// Whether the models are of inputs and outputs and nothing speaks of a crash.
+    pub fn is_generic(&self) -> bool {
+        self.channel_id().is_none() && self.candidates.is_empty() && !self.models.is_empty()
     }
 
     /// The candidate of this id.

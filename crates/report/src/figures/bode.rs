@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::escape::html;
 use crate::figure::{Figure, axis, base_layout, colour, compact, room_above, set, short, with};
-use crate::people::significant;
+use crate::people::{significant, words_and_unit};
 use crate::{Model, Run};
 
 const POINTS: usize = 400;
@@ -83,10 +83,12 @@ pub fn figure(run: &Run) -> Option<Figure> {
             );
         }
     }
+    let ((in_words, _), (out_words, out_unit)) = (words_and_unit(&first.input), words_and_unit(&first.output));
     let mut caption = format!(
-        "From {} to {}, SI units. Phase is unwrapped; natural frequencies of oscillating poles are marked.",
-        words(&first.input, "the input"),
-        words(&first.output, "the output")
+        "From {} to {}{}. Phase is unwrapped; natural frequencies of oscillating poles are marked.",
+        words(in_words, "the input"),
+        words(out_words, "the output"),
+        if out_unit.is_some() { ", SI units" } else { "" }
     );
     for (model, band) in models.iter().filter_map(|(model, curve)| Some((model, curve.band.as_ref()?))) {
         caption.push_str(&format!(" Band of {}: {band}.", model.id));

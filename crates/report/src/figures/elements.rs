@@ -34,12 +34,13 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
                    "hovertemplate": "%{y:.1f} kN at %{x:.1f} mm"}),
         ));
     }
+    let one_mass = candidate.masses.is_empty();
     let mut layout = base_layout();
     set(
         &mut layout,
         json!({
             "hovermode": "closest",
-            "xaxis": axis("compression between the masses, mm", json!({})),
+            "xaxis": axis(if one_mass { "compression of the front, mm" } else { "compression between the masses, mm" }, json!({})),
             "yaxis": axis("force, kN", json!({})),
         }),
     );
@@ -47,9 +48,10 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         id: "elements",
         title: "Springs and dampers at work",
         caption: format!(
-            "Force in each spring and damper of {}, against how far the masses at its ends have come together, over the compared \
+            "Force in each spring and damper of {}, against {}, over the compared \
              window. The area below a curve is the work the element takes up.",
-            html(&candidate_name(&candidate.id))
+            html(&candidate_name(&candidate.id)),
+            if one_mass { "the compression of the front" } else { "how far the masses at its ends have come together" }
         ),
         height_px: 420,
         half_width: false,

@@ -91,6 +91,19 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
             ));
         }
     }
+    // The load cells saw all masses, each with its own deceleration.
+    if let Some(cells) = run.measured.barrier_force.as_ref().filter(|_| drawn.unit == "kN") {
+        let last = t_end.min(displacement.end_s());
+        let (x, y): (Vec<f64>, Vec<f64>) = (displacement.index_at_or_after(0.0)..displacement.len())
+            .map(|k| (displacement.time_s(k), displacement.samples()[k]))
+            .take_while(|(t, _)| *t <= last)
+            .filter_map(|(t, x)| Some((MILLI * x, KILO * cells.at(t)?)))
+            .unzip();
+        traces.push(with(
+            over(&x, &y, MEASURED_POINTS),
+            json!({"name": "barrier load cells", "line": {"color": colour::MEASURED, "width": 1.6}, "hovertemplate": hover}),
+        ));
+    }
     let mut labels = Vec::new();
     if let Some(crush) = crush {
         labels.push(json!({
@@ -104,6 +117,11 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     } else {
         "Deceleration takes the place of force, since no force record or mass is at hand."
     });
+    if run.measured.barrier_force.is_some() && drawn.unit == "kN" {
+        caption.push_str(
+            " The load cells measured it at the barrier: where the two part, the engine and other masses move otherwise than this sensor.",
+        );
+    }
     let reach = |of: fn(f64, f64) -> f64| loading.x.iter().chain(&unloading.x).copied().fold(0.0, of);
     let (low, high) = (reach(f64::min), reach(f64::max));
     let view = [MILLI * (low - 0.02 * (high - low)), MILLI * (high + 0.05 * (high - low))];

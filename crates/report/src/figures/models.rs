@@ -15,6 +15,11 @@ use crate::{Candidate, Ranking, Run, pairs_of_equals};
 /// Candidates that are shown at first; the others wait in the legend.
 const SHOWN: usize = 4;
 
+/// The best, and what a person stated.
+fn shown(place: usize, candidate: &Candidate) -> bool {
+    place < SHOWN || candidate.is_chain()
+}
+
 /// Test and candidates; `None` without a simulated displacement.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let stands_for = pairs_of_equals(&run.candidates);
@@ -46,12 +51,14 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
             ));
         }
     }
+    let window = drawn.iter().find_map(|(_, candidate, _)| candidate.simulation.as_ref()).map(|s| (s.from_s, s.to_s));
     let mut equals = 0;
+    let mut largest_mm = 0.0_f64;
     for (place, (index, candidate, displacement)) in drawn.iter().enumerate() {
         let others = stands_for.iter().enumerate().filter(|(i, of)| **of == *index && i != index).count();
         equals += others;
         let style = json!({
-            "legendgroup": candidate.id, "visible": if place < SHOWN { json!(true) } else { json!("legendonly") },
+            "legendgroup": candidate.id, "visible": if shown(place, candidate) { json!(true) } else { json!("legendonly") },
             "line": {"color": colour::SERIES[place % colour::SERIES.len()], "width": 1.9,
                      "dash": colour::DASHES[place % colour::DASHES.len()]},
         });
@@ -66,6 +73,9 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         push(displacement, MILLI, "y", "%{y:.1f} mm");
         if let Some(residual) = measured.displacement.as_ref().and_then(|test| residual(test, displacement)) {
             push(&residual, MILLI, "y2", "%{y:.2f} mm");
+            if shown(place, candidate) {
+                largest_mm = largest_mm.max(MILLI * largest_within(&residual, window));
+            }
         }
         if let Some(velocity) = &candidate.velocity {
             push(velocity, KM_PER_H_PER_M_PER_S, "y3", "%{y:.2f} km/h");
@@ -82,7 +92,6 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         shapes.push(line);
         labels.push(label);
     }
-    let window = drawn.iter().find_map(|(_, candidate, _)| candidate.simulation.as_ref()).map(|s| (s.from_s, s.to_s));
     if let Some((from, to)) = window {
         shapes.push(json!({
             "type": "rect", "xref": "x", "yref": "paper", "x0": short(MILLI * from), "x1": short(MILLI * to),
@@ -90,6 +99,9 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         }));
     }
 
+    // By what lies inside the compared window: what a model does after it would flatten the rest.
+    let residual_range =
+        if largest_mm > 0.0 { json!([short(-1.15 * largest_mm), short(1.15 * largest_mm)]) } else { Value::Null };
     // The first view is that of the test up to twice its time of crush: a linear model ends with the loading phase.
     let view = match (time_view_ms(run), run.time_of_crush_s()) {
         (Some([_, to]), Some(t_m)) => json!([0, short(to.min(2.0 * MILLI * t_m))]),
@@ -103,7 +115,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
             "hovermode": "x unified", "hoversubplots": "axis",
             "xaxis": axis("time after time zero, ms", json!({"anchor": "y4", "range": view, "hoverformat": ".2f"})),
             "yaxis": axis("displacement, mm", json!({"domain": [0.65, 1.0], "range": range_of(measured.displacement.as_ref(), MILLI)})),
-            "yaxis2": axis("residual, mm", json!({"domain": [0.45, 0.62], "range": residual_range(run)})),
+            "yaxis2": axis("residual, mm", json!({"domain": [0.45, 0.62], "range": residual_range})),
             "yaxis3": axis("velocity, km/h", json!({"domain": [0.225, 0.42], "range": range_of(measured.velocity.as_ref(), KM_PER_H_PER_M_PER_S)})),
             "yaxis4": axis("acceleration, g", json!({"domain": [0.0, 0.195]})),
             "shapes": shapes, "annotations": labels,
@@ -116,7 +128,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     Some(Figure {
         id: "models",
         title: "Models over the test",
-        caption: caption(window, equals, drawn.len()),
+        caption: caption(window, equals, drawn.len(), drawn.iter().any(|(_, candidate, _)| candidate.is_chain())),
         height_px,
         half_width: false,
         traces,
@@ -124,7 +136,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     })
 }
 
-fn caption(window: Option<(f64, f64)>, equals: usize, drawn: usize) -> String {
+fn caption(window: Option<(f64, f64)>, equals: usize, drawn: usize, chains: bool) -> String {
     let mut text = String::new();
     if let Some((from, to)) = window {
         text.push_str(&format!(
@@ -137,7 +149,8 @@ fn caption(window: Option<(f64, f64)>, equals: usize, drawn: usize) -> String {
         "The residual is test minus model. Click a name in the legend to show or hide a model in all panels.",
     );
     if drawn > SHOWN {
-        text.push_str(&format!(" The {SHOWN} best are shown at first."));
+        let chains = if chains { " and the chains of your own" } else { "" };
+        text.push_str(&format!(" The {SHOWN} best{chains} are shown at first."));
     }
     if equals > 0 {
         text.push_str(" Parameter sets that give exactly the same record (duals) are drawn once.");
@@ -179,10 +192,21 @@ fn range_of(signal: Option<&Sampled>, factor: f64) -> Value {
     json!([short(factor * (low.min(0.0) - margin / 4.0)), short(factor * (high + margin))])
 }
 
-/// A sixth of the crush either way: what is larger is no model of this test, and can be found by zooming out.
-fn residual_range(run: &Run) -> Value {
-    match run.events.as_ref().and_then(|e| e.dynamic_crush_m) {
-        Some(crush) => json!([short(-MILLI * crush / 6.0), short(MILLI * crush / 6.0)]),
-        None => Value::Null,
+/// Largest magnitude inside the window, or of all where there is none.
+fn largest_within(signal: &Sampled, window: Option<(f64, f64)>) -> f64 {
+    let (from, to) = window.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+    let inside = (0..signal.len()).filter(|&k| (from..=to).contains(&signal.time_s(k)));
+    inside.fold(0.0, |largest, k| largest.max(signal.samples()[k].abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_residual_is_scaled_by_the_compared_window() {
+        let residual = Sampled::new(0.0, 0.01, vec![0.0, 1e-3, -2e-3, 5.0]).unwrap();
+        assert_eq!(largest_within(&residual, Some((0.0, 0.025))), 2e-3);
+        assert_eq!(largest_within(&residual, None), 5.0);
     }
 }

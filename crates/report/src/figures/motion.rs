@@ -55,7 +55,9 @@ pub fn figure(run: &Run) -> Option<Figure> {
 
     let (mut shapes, mut labels) = (Vec::new(), Vec::new());
     let mut mark = |t_s: f64, name: &str, colour: &str, dash: &str| {
-        let (line, label) = event_line(MILLI * t_s, name, colour, dash);
+        let (line, mut label) = event_line(MILLI * t_s, name, colour, dash);
+        // Neighbours take turns in height: in a narrow window they would lie over each other.
+        set(&mut label, json!({"yshift": 1 + 16 * (labels.len() % 2)}));
         shapes.push(line);
         labels.push(label);
     };
@@ -92,7 +94,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
             "shapes": shapes, "annotations": labels,
         }),
     );
-    room_above(&mut layout, HEIGHT_PX, 1, 1);
+    room_above(&mut layout, HEIGHT_PX, 2, 1);
     Some(Figure {
         id: "motion",
         title: "The crash: acceleration, velocity, displacement",

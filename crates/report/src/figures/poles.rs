@@ -82,6 +82,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
             "x": zeros.iter().map(|z| short(z.0)).collect::<Vec<_>>(),
             "y": zeros.iter().map(|z| short(z.1)).collect::<Vec<_>>(),
             "hovertemplate": format!("zero %{{x:.5~g}} %{{y:+.5~g}}i 1/s<extra>{id}</extra>"),
+            // No name in the legend without a mark in the first view.
+            "showlegend": zeros.iter().any(|(re, im)| re.hypot(*im) <= 1.2 * radius),
             "name": format!("{id}, zeros"), "visible": if run.models.len() > 3 { json!("legendonly") } else { json!(true) },
             "marker": {"symbol": "circle-open", "size": 10, "color": colour::SERIES[place % colour::SERIES.len()],
                        "line": {"width": 2}},
@@ -156,7 +158,10 @@ pub fn figure(run: &Run) -> Option<Figure> {
 
 /// Radius of the first view and the number of poles left outside it, from moduli in rising order.
 fn first_view(moduli: &[f64]) -> (f64, usize) {
-    let far = moduli.windows(2).position(|pair| pair[0] > 0.0 && pair[1] > FAR * pair[0]);
+    // The view must hold half of the poles: a single slow one does not push all others out.
+    let half = moduli.len() / 2;
+    let gap = |k: &usize| moduli[*k] > 0.0 && moduli[k + 1] > FAR * moduli[*k];
+    let far = (half.saturating_sub(1)..moduli.len() - 1).find(gap);
     let inside = far.map_or(moduli.len(), |index| index + 1);
     let radius = 1.12 * moduli[inside - 1];
     (if radius > 0.0 { radius } else { 1.0 }, moduli.len() - inside)
@@ -177,6 +182,7 @@ mod tests {
         let (radius, outside) = first_view(&[10.0, 30.0, 32.0, 5000.0]);
         assert_eq!((radius, outside), (1.12 * 32.0, 1));
         assert_eq!(first_view(&[0.0]), (1.0, 0));
+        assert_eq!(first_view(&[0.02, 3.0, 3.5, 9.0]), (1.12 * 9.0, 0));
     }
 
     #[test]

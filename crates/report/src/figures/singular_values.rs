@@ -69,8 +69,17 @@ pub fn figure(run: &Run) -> Option<Figure> {
     }
     caption
         .push_str(" A wide gap speaks for the order before it; a gentle slope says that the record does not decide.");
-    // Whole decades where there are several; inside one or two of them also their parts, or there would be no scale.
-    let tick = if decades > 2.5 { json!(1) } else { json!("D1") };
+    // Whole decades where there are several. Within one or two of them 1, 2, 5 with their full number: plotly's own minor digits
+    // ("2", "5") read as values.
+    let mut values_axis = json!({"type": "log", "exponentformat": "power", "dtick": 1,
+        "minor": {"dtick": "D1", "ticks": "outside", "ticklen": 2, "tickcolor": "#9aa5b1"}});
+    if decades <= 2.5 {
+        let marks = [1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001];
+        set(
+            &mut values_axis,
+            json!({"tickmode": "array", "tickvals": marks, "ticktext": marks.map(|x| x.to_string())}),
+        );
+    }
     let mut layout = base_layout();
     set(
         &mut layout,
@@ -78,7 +87,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
             "showlegend": seen.len() > 1,
             "hovermode": "closest",
             "xaxis": axis("index", json!({"rangemode": "tozero", "zeroline": false})),
-            "yaxis": axis("relative singular value", json!({"type": "log", "exponentformat": "power", "dtick": tick})),
+            "yaxis": axis("relative singular value", values_axis),
             "shapes": shapes, "annotations": labels,
         }),
     );

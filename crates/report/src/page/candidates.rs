@@ -4,6 +4,8 @@ use crate::escape::html;
 use crate::people::{ABSENT, MILLI, NBSP, candidate_name, decimals, parameter, parameter_order, signed, significant};
 use crate::{Candidate, Ranking, Run};
 
+use super::uncertainty;
+
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     if run.candidates.is_empty() {
         return;
@@ -39,14 +41,22 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     out.push_str(match ranking.best {
         Some(_) => {
-            "<p class=\"caption\">Ranked by the fit of the displacement; AICc stands beside it, over the same window, and decides nothing. Highlighted is the best that is physical, has no parameter on a bound of \
-             its search and no more parameters than it needs. A dual gives exactly the same record on this sensor and so the same figures.</p>\n</section>\n"
+            "<p class=\"caption\">Ranked by the fit of the displacement; AICc stands beside it, over the same window, and decides nothing. Highlighted is the best that is physical, has no parameter left on a bound of \
+             its search other than zero, the limit of what is physical, and no more parameters than it needs. A dual gives exactly the same record on this sensor and so the same figures.</p>\n"
         }
         None => {
             "<p class=\"caption\">None is called the best: that takes a physical candidate without a parameter on a bound that explains at least half of \
-             the displacement.</p>\n</section>\n"
+             the displacement; zero is no such bound, but the limit of what is physical.</p>\n"
         }
     });
+    if run.candidates.iter().any(|candidate| candidate.record.uncertainty.is_some()) {
+        out.push_str(
+            "<p class=\"caption\">± is one standard deviation, from the misfit and the sensitivities at the fit; “95 %” is the interval that holds \
+             the value in 95 of 100 such records, “open” where the record does not bound it. Profile, bootstrap and uncertain inputs, where asked for, \
+             are among a candidate's remarks.</p>\n",
+        );
+    }
+    out.push_str("</section>\n");
 }
 
 fn row(out: &mut String, candidate: &Candidate, ranking: &Ranking) {
@@ -72,10 +82,11 @@ fn row(out: &mut String, candidate: &Candidate, ranking: &Ranking) {
             fit.stop_reason.replace('-', " ")
         ));
         if !fit.active_bounds.is_empty() {
-            remarks.push(format!("On a bound: {}.", fit.active_bounds.join(", ")));
+            remarks.push(format!("On a bound of the search: {}.", fit.active_bounds.join(", ")));
         }
     }
     remarks.extend(how_well_known(candidate));
+    remarks.extend(uncertainty::remarks(candidate));
     remarks.extend(simulation.iter().flat_map(|s| s.notes.iter().cloned()));
     if !remarks.is_empty() {
         let items: String = remarks.iter().map(|text| format!("<li>{}</li>", html(text))).collect();
@@ -142,12 +153,11 @@ fn parameters(candidate: &Candidate) -> String {
         .map(|(name, &value)| {
             let (symbol, shown, unit) = parameter(name, value);
             let on_bound = candidate.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.contains(name));
-            let (deviation, doubt) = match deviations.and_then(|d| d.get(name)) {
-                _ if on_bound => (String::new(), " <span class=\"no\">on a bound</span>"),
-                // A standard deviation as large as the value says that the record does not determine it.
-                Some(&d) if d >= value.abs() => (String::new(), " <span class=\"no\">not determined</span>"),
-                Some(&d) => (format!("{NBSP}±{NBSP}{}", significant(parameter(name, d).1, 2)), ""),
-                None => (String::new(), ""),
+            let (deviation, doubt) = match (candidate.doubt(name), deviations.and_then(|d| d.get(name))) {
+                (Some(doubt), _) => (String::new(), format!(" <span class=\"no\">{doubt}</span>")),
+                (None, _) if on_bound => (String::new(), " (the limit of what is physical)".to_owned()),
+                (None, Some(&d)) => (format!("{NBSP}±{NBSP}{}", significant(parameter(name, d).1, 2)), String::new()),
+                (None, None) => (String::new(), String::new()),
             };
             let interval = if on_bound { String::new() } else { interval(candidate, name) };
             format!(

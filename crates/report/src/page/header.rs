@@ -8,10 +8,15 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     let test = &run.test;
     let title = if test.title.is_empty() { "Untitled record" } else { &test.title };
     out.push_str(&format!(
-        "<header>\n<p class=\"brand\">Crumple · crash pulse report</p>\n<h1>{}</h1>\n<dl>\n",
+        "<header>\n<p class=\"brand\">Crumple · {} report</p>\n<h1>{}</h1>\n<dl>\n",
+        if run.is_generic() { "identification" } else { "crash pulse" },
         html(title)
     ));
     let mut fact = |name: &str, value: Option<String>| {
+        // Of a record that is no crash nobody asks for a barrier.
+        if value.is_none() && run.is_generic() {
+            return;
+        }
         let value = value.map_or_else(|| "<span class=\"unknown\">not known</span>".to_owned(), |v| html(&v));
         out.push_str(&format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n"));
     };
@@ -47,12 +52,15 @@ fn channel_words(run: &Run, id: &str) -> String {
 
 fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
     let events = run.events.as_ref();
-    out.push_str("<div class=\"cards\">\n");
+    let mut cards = String::new();
     let mut card = |name: &str, value: Option<f64>, factor: f64, places: usize, unit: &str, remark: Option<String>| {
+        if value.is_none() && remark.is_none() {
+            return;
+        }
         let number = value.map_or_else(|| ABSENT.to_owned(), |v| decimals(factor * v, places));
         let unit = if value.is_some() && !unit.is_empty() { format!(" <small>{unit}</small>") } else { String::new() };
         let remark = remark.map_or_else(String::new, |text| format!("<p>{text}</p>"));
-        out.push_str(&format!(
+        cards.push_str(&format!(
             "<div class=\"card\"><h3>{name}</h3><p class=\"number\">{number}{unit}</p>{remark}</div>\n"
         ));
     };
@@ -93,12 +101,20 @@ fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
     let fit = best.and_then(|b| b.simulation.as_ref()?.fit_percent);
     let remark = match (best, run.candidates.is_empty()) {
-        (Some(best), _) => Some(html(&candidate_name(&best.id))),
+        (Some(best), _) => Some(match best.undetermined() {
+            (0, _) => html(&candidate_name(&best.id)),
+            (n, of) => format!(
+                "{}; <span class=\"no\">{n} of {of} parameters not determined by this record</span>",
+                html(&candidate_name(&best.id))
+            ),
+        }),
         (None, false) => Some("no candidate qualifies".to_owned()),
         (None, true) => None,
     };
     card("Best model, fit", fit, 1.0, 2, "%", remark);
-    out.push_str("</div>\n");
+    if !cards.is_empty() {
+        out.push_str(&format!("<div class=\"cards\">\n{cards}</div>\n"));
+    }
 }
 
 /// Largest deceleration, m/s², positive, and its time: the metric where there is one, else read off the record after

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crumple_artifact::records::ModeV1;
 
 use crate::escape::html;
-use crate::people::{ABSENT, MILLI, decimals, significant};
+use crate::people::{ABSENT, decimals, significant, times};
 use crate::{Model, Run};
 
 /// Pole rows of a model that are open to view; the rest is folded.
@@ -29,7 +29,7 @@ fn write_model(out: &mut String, model: &Model) {
             format!("method {}", i.method),
             format!("order {}", i.order),
             format!("channel {} taken for {}", i.channel, i.treated_as.replace('-', " ")),
-            format!("{} to {} ms, {} samples", decimals(MILLI * i.from_s, 1), decimals(MILLI * i.to_s, 1), i.samples),
+            format!("{}, {} samples", times(i.from_s, i.to_s), i.samples),
         ];
         if let (Some(rows), Some(columns)) = (i.hankel_rows, i.hankel_columns) {
             facts.push(format!("Hankel matrix {rows} × {columns}"));

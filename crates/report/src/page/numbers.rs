@@ -28,32 +28,76 @@ pub(super) fn write(out: &mut String, run: &Run) {
         .metrics
         .iter()
         .filter(|m| {
-            run.events.is_none() || Some(m.channel.as_str()) != channel || !AMONG_EVENTS.contains(&m.name.as_str())
+            let of_pulse = channel.is_none() || Some(m.channel.as_str()) == channel || m.channel.is_empty();
+            of_pulse && (run.events.is_none() || !AMONG_EVENTS.contains(&m.name.as_str()))
         })
         .collect();
     if !rest.is_empty() {
         let rows: Vec<Row> = rest
             .into_iter()
-            .map(|metric| {
-                let mut name = metric.name.replace('_', " ");
-                if Some(metric.channel.as_str()) != channel {
-                    name.push_str(&format!(" ({})", metric.channel));
-                }
-                Row {
-                    name,
-                    value: metric.value,
-                    unit: &metric.unit,
-                    definition: definition(metric),
-                    interval: metric.low.zip(metric.high),
-                    interval_by: metric.interval_by.as_deref(),
-                }
+            .map(|metric| Row {
+                name: metric.name.replace('_', " "),
+                value: metric.value,
+                unit: &metric.unit,
+                definition: definition(metric),
+                interval: metric.low.zip(metric.high),
+                interval_by: metric.interval_by.as_deref(),
             })
             .collect();
         out.push_str("<div>\n<h3>Metrics</h3>\n");
         table(out, &rows);
         out.push_str("<p class=\"caption\">Point at a name for its definition, or the reason why a value is absent; point at an interval for how it was found.</p>\n</div>\n");
     }
-    out.push_str("</div>\n</section>\n");
+    out.push_str("</div>\n");
+    other_channels(out, run);
+    out.push_str("</section>\n");
+}
+
+/// Metrics of the other channels, folded: a column a channel, the pulse first.
+fn other_channels(out: &mut String, run: &Run) {
+    let Some(pulse) = run.channel_id() else { return };
+    let mut channels = vec![pulse];
+    let mut names: Vec<(&str, &MetricV1)> = Vec::new();
+    for metric in run.metrics.iter().filter(|m| m.channel != pulse && !m.channel.is_empty()) {
+        if !channels.contains(&metric.channel.as_str()) {
+            channels.push(&metric.channel);
+        }
+        if !names.iter().any(|(name, _)| *name == metric.name) {
+            names.push((&metric.name, metric));
+        }
+    }
+    if names.is_empty() {
+        return;
+    }
+    let others = channels.len() - 1;
+    out.push_str(&format!(
+        "<details><summary>Metrics of {others} other channel{}, beside the pulse's</summary>\n<div class=\"scroll\"><table>\n\
+         <thead><tr><th scope=\"col\">Metric</th>",
+        if others == 1 { "" } else { "s" }
+    ));
+    for id in &channels {
+        let place = run.test.channel(id).map(|channel| channel.location.as_str()).unwrap_or_default();
+        out.push_str(&format!(
+            "<th scope=\"col\" class=\"n\"><abbr title=\"{}\">{}</abbr></th>",
+            html(place),
+            html(id)
+        ));
+    }
+    out.push_str("</tr></thead>\n<tbody>\n");
+    for (name, first) in names {
+        out.push_str(&format!(
+            "<tr><th scope=\"row\"><abbr title=\"{}\">{}</abbr></th>",
+            html(&first.definition),
+            html(&name.replace('_', " "))
+        ));
+        for id in &channels {
+            let found = run.metrics.iter().find(|m| m.name == name && m.channel == *id);
+            let shown = found.and_then(|m| Some(value(m.value?, &m.unit))).unwrap_or_else(|| ABSENT.to_owned());
+            out.push_str(&format!("<td class=\"n\">{}</td>", html(&shown)));
+        }
+        out.push_str("</tr>\n");
+    }
+    out.push_str("</tbody>\n</table></div>\n</details>\n");
 }
 
 struct Row<'a> {

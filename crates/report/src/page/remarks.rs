@@ -87,7 +87,12 @@ pub(super) fn write_notes(out: &mut String, run: &Run) {
 
 pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     let mut limits = Vec::new();
-    if run.candidates.iter().any(|c| c.record.model == "double-spring-mass-damper" || c.record.equivalent_to.is_some())
+    // A fit that saw a second sensor has decided between the two.
+    let one_sensor = |c: &Candidate| c.other_channels().next().is_none();
+    if run
+        .candidates
+        .iter()
+        .any(|c| one_sensor(c) && (c.record.model == "double-spring-mass-damper" || c.record.equivalent_to.is_some()))
     {
         limits.push(
             "One compartment accelerometer cannot tell a double-mass parameter set from its dual: both give exactly the same \
@@ -97,7 +102,13 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     limits.extend(about_the_best(run, ranking));
     let window = run.candidates.iter().find_map(|c| c.simulation.as_ref()).map(|s| (s.from_s, s.to_s));
-    if !run.candidates.is_empty() || !run.models.is_empty() {
+    if run.is_generic() {
+        limits.push(
+            "A model describes the record it was fitted to, over the amplitudes and frequencies that its input excited; what it foretells \
+             elsewhere is extrapolation."
+                .to_owned(),
+        );
+    } else if !run.candidates.is_empty() || !run.models.is_empty() {
         let mut text =
             "A linear model of a crash is a model of the loading phase: a structure that has been crushed does not \
                         spring back as it came."
@@ -111,12 +122,21 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
         }
         limits.push(text);
     }
-    limits.push(
-        "Everything here is read from one sensor, with the vehicle taken for a body that moves as one. Crush is the \
+    let others: std::collections::BTreeSet<&str> =
+        run.candidates.iter().flat_map(Candidate::other_channels).map(|(channel, _)| channel).collect();
+    let who = if others.is_empty() {
+        "Everything here is read from one sensor".to_owned()
+    } else {
+        let (word, list) = (if others.len() == 1 { "channel" } else { "channels" }, Vec::from_iter(others).join(", "));
+        format!("Crush and events are read from one sensor (models of several masses were fitted to {word} {list} too)")
+    };
+    if !run.is_generic() {
+        limits.push(format!(
+            "{who}, with the vehicle taken for a body that moves as one. Crush is the \
          displacement of that sensor, double-integrated: an error of its zero level grows with the square of time. It is \
          dynamic crush; the crush that remains after the test cannot be had from an accelerometer."
-            .to_owned(),
-    );
+        ));
+    }
     if let Some(ratio) = run.events.as_ref().and_then(|e| Some(e.centroid_time_s? / e.time_of_dynamic_crush_s?))
         && ratio > std::f64::consts::FRAC_2_PI
     {

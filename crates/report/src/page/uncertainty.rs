@@ -1,0 +1,54 @@
+//! What profile likelihood, bootstrap and uncertain inputs say of a candidate's parameters, in words.
+
+use crumple_artifact::records::{ProfileV1, ReplicatesV1};
+
+use crate::Candidate;
+use crate::people::{NBSP, at_most, parameter, parameter_order, significant};
+
+/// A sentence for each method that the candidate was put through.
+pub(super) fn remarks(candidate: &Candidate) -> Vec<String> {
+    let Some(u) = &candidate.record.uncertainty else { return Vec::new() };
+    let mut remarks = Vec::new();
+    if !u.profile.is_empty() {
+        let mut profiles: Vec<&ProfileV1> = u.profile.iter().collect();
+        profiles.sort_by_key(|p| parameter_order(&p.parameter));
+        let parts: Vec<String> = profiles.iter().map(|p| interval(&p.parameter, p.low, p.high)).collect();
+        remarks.push(format!("Profile likelihood, 95{NBSP}%: {}.", parts.join("; ")));
+    }
+    remarks.extend(u.bootstrap.iter().map(|r| replicates("Bootstrap", r)));
+    remarks.extend(u.propagation.iter().map(|r| replicates("Uncertain inputs", r)));
+    remarks
+}
+
+fn replicates(name: &str, r: &ReplicatesV1) -> String {
+    let mut names: Vec<&String> = r.low.keys().filter(|name| r.high.contains_key(*name)).collect();
+    names.sort_by_key(|name| parameter_order(name));
+    let parts: Vec<String> =
+        names.iter().map(|name| interval(name, r.low.get(*name).copied(), r.high.get(*name).copied())).collect();
+    format!(
+        "{name} ({}; {} repetitions), {}{NBSP}%: {}.",
+        r.method,
+        r.replicates,
+        at_most(100.0 * r.coverage, 1),
+        parts.join("; ")
+    )
+}
+
+/// `k1 430.2 to 763.3 kN/m`; an end that does not exist is "open".
+fn interval(name: &str, low: Option<f64>, high: Option<f64>) -> String {
+    let (symbol, _, unit) = parameter(name, 0.0);
+    let end = |end: Option<f64>| end.map_or_else(|| "open".to_owned(), |x| significant(parameter(name, x).1, 4));
+    let unit = if unit.is_empty() { String::new() } else { format!("{NBSP}{unit}") };
+    format!("{symbol} {} to {}{unit}", end(low), end(high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interval_without_an_upper_end_is_open() {
+        assert_eq!(interval("k1_n_per_m", Some(430_204.9), None), "k1 430.2 to open\u{a0}kN/m");
+        assert_eq!(interval("dynamic_crush_m", Some(0.7412), Some(0.7593)), "dynamic crush 741.2 to 759.3\u{a0}mm");
+    }
+}

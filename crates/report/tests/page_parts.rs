@@ -1,0 +1,210 @@
+//! Parts of the page that a plain run with one sensor does not show.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+use std::collections::BTreeMap;
+
+use crumple_artifact::records::{
+    CandidateV1, EventsV1, FitV1, MetricV1, ResponseV1, SensorFitV1, SimulationV1, UncertaintyV1,
+};
+use crumple_report::{Candidate, Model, OtherSensor, Page, Ranking, Run};
+use crumple_signal::Sampled;
+
+fn record<T: serde::de::DeserializeOwned>(json: serde_json::Value) -> T {
+    serde_json::from_value(json).unwrap()
+}
+
+/// A ramp of 1 m over 0.1 s and on to 0.2 s, 1 kHz.
+fn ramp(slope_m_per_s: f64) -> Sampled {
+    Sampled::new(0.0, 1e-3, (0..200).map(|k| slope_m_per_s * 1e-3 * f64::from(k)).collect()).unwrap()
+}
+
+fn simulation(fit_percent: f64) -> SimulationV1 {
+    record(serde_json::json!({
+        "dynamic_crush_m": 0.5, "time_of_dynamic_crush_s": 0.1, "rmse_displacement_m": 1e-3, "fit_percent": fit_percent,
+        "iso18571_score": null, "dynamic_crush_error_m": 0.0, "time_of_dynamic_crush_error_s": 0.0,
+        "max_displacement_error_m": 0.0, "fit_velocity_percent": null, "fit_acceleration_percent": null,
+        "from_s": 0.0, "to_s": 0.1, "aicc": null, "effective_samples": null, "fitted_parameters": null
+    }))
+}
+
+fn candidate(id: &str, parameters: &[(&str, f64)], fit_percent: f64) -> Candidate {
+    let mut parts = id.split('/');
+    Candidate {
+        id: id.to_owned(),
+        record: CandidateV1 {
+            model: parts.next().unwrap().to_owned(),
+            method: parts.next().unwrap().to_owned(),
+            parameters: parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(),
+            physical: true,
+            equivalent_to: None,
+            fit: None,
+            uncertainty: None,
+            notes: vec![],
+        },
+        simulation: Some(simulation(fit_percent)),
+        displacement: Some(ramp(9.0)),
+        velocity: None,
+        acceleration: None,
+        elements: vec![],
+        masses: vec![],
+    }
+}
+
+fn fit(active_bounds: &[&str], sensors: Vec<SensorFitV1>) -> FitV1 {
+    FitV1 {
+        channel: "93".into(),
+        quantity: "displacement".into(),
+        from_s: 0.0,
+        to_s: 0.1,
+        samples: 100,
+        rmse: 1e-3,
+        iterations: 3,
+        evaluations: 9,
+        stop_reason: "cost-converged".into(),
+        active_bounds: active_bounds.iter().map(|name| (*name).to_owned()).collect(),
+        sensors,
+    }
+}
+
+/// A run of one pulse, channel 93, with a displacement and a force.
+fn crash() -> Run {
+    let events: EventsV1 = record(serde_json::json!({
+        "channel": "93", "time_zero_s": 0.0, "time_zero_rule": "given", "dynamic_crush_m": 1.0, "time_of_dynamic_crush_s": 0.1,
+        "centroid_time_s": 0.06, "rebound_velocity_m_per_s": null, "coefficient_of_restitution": null, "delta_v_m_per_s": null
+    }));
+    let mut run = Run { events: Some(events), ..Run::default() };
+    run.test.mass_kg = Some(1000.0);
+    run.measured.displacement = Some(ramp(10.0));
+    run.measured.force = Some(ramp(1e6));
+    run
+}
+
+/// The page without plotly's script.
+fn page(run: &Run) -> String {
+    let mut bytes = Vec::new();
+    Page::new(run, &Ranking::of(&run.candidates)).write_to(&mut bytes).unwrap();
+    let html = String::from_utf8(bytes).unwrap();
+    let start = html.find("/**\n* plotly.js").unwrap();
+    let end = start + html[start..].find("</script>").unwrap();
+    format!("{}{}", &html[..start], &html[end..])
+}
+
+/// The figure's traces by name.
+fn traces(page: &str, figure: &str) -> BTreeMap<String, serde_json::Value> {
+    let data = page.split(&format!("id=\"{figure}-data\">")).nth(1).unwrap().split("</script>").next().unwrap();
+    let figure: serde_json::Value = serde_json::from_str(&data.replace("\\u003c", "<")).unwrap();
+    let traces = figure["data"].as_array().unwrap().iter();
+    traces.map(|trace| (trace["name"].as_str().unwrap_or_default().to_owned(), trace.clone())).collect()
+}
+
+#[test]
+fn the_card_of_the_best_says_what_the_record_does_not_determine() {
+    let mut run = crash();
+    let mut best =
+        candidate("kelvin/direct-fit/1", &[("c_n", 0.0), ("k_n_per_m", 3e5), ("mass_kg", 1e3), ("x_m", 0.1)], 99.0);
+    best.record.fit = Some(fit(&["c_n"], vec![]));
+    let deviations = [("k_n_per_m", 1e3), ("x_m", 0.2)].map(|(name, value)| (name.to_owned(), value));
+    best.record.uncertainty = Some(UncertaintyV1 { standard_deviation: deviations.into(), ..UncertaintyV1::default() });
+    // Open at both ends is not determined either, whatever its deviation.
+    let mut open = best.clone();
+    let known = open.record.uncertainty.as_mut().unwrap();
+    known.interval_low = BTreeMap::from([("k_n_per_m".to_owned(), None)]);
+    known.interval_high = known.interval_low.clone();
+    assert_eq!((best.undetermined(), open.undetermined()), ((1, 3), (2, 3)));
+    run.candidates.push(best);
+    let page = page(&run);
+    // Zero on a bound is an answer, a mass that is stated was not asked of the record.
+    assert!(page.contains("1 of 3 parameters not determined by this record"), "{page}");
+    assert!(page.contains("(the limit of what is physical)") && !page.contains(">on a bound<"));
+    assert!(page.contains("other than zero, the limit of what is physical"));
+    assert!(page.contains("± is one standard deviation"));
+}
+
+#[test]
+fn a_second_sensor_is_drawn_with_the_mass_that_sits_on_it() {
+    let mut run = crash();
+    run.other_sensors = vec![
+        OtherSensor { channel: "95".into(), velocity: Some(ramp(5.0)), displacement: ramp(5.0) },
+        OtherSensor { channel: "94".into(), velocity: None, displacement: ramp(10.0) },
+    ];
+    let sensor = |channel: &str, mass| SensorFitV1 {
+        channel: channel.into(),
+        mass,
+        quantity: "displacement".into(),
+        rmse: 1e-3,
+        noise: 1e-3,
+    };
+    let mut double = candidate("double-spring-mass-damper/direct-fit/1", &[("m1_kg", 250.0)], 99.0);
+    double.record.fit = Some(fit(&[], vec![sensor("93", 2), sensor("95", 1)]));
+    double.masses = vec![(ramp(4.9), None)];
+    run.candidates.push(double);
+    for (channel, value) in [("93", 400.0), ("94", 390.0), ("95", 1000.0)] {
+        run.metrics.push(MetricV1 {
+            name: "peak_acceleration".into(),
+            value: Some(value),
+            unit: "m/s^2".into(),
+            channel: channel.into(),
+            ..MetricV1::default()
+        });
+    }
+    let page = page(&run);
+    let traces = traces(&page, "sensors");
+    assert_eq!(traces["sensor 95"]["visible"], true);
+    assert_eq!(traces["sensor 94"]["visible"], "legendonly");
+    assert!(traces.contains_key("mass 1 of Double spring-mass-damper, direct fit 1"), "{:?}", traces.keys());
+    assert!(page.contains("models of several masses were fitted to channel 95 too"));
+    assert!(
+        !page.contains("Everything here is read from one sensor") && !page.contains("One compartment accelerometer")
+    );
+    assert!(page.contains("<summary>Metrics of 2 other channels, beside the pulse's</summary>"));
+    assert!(!page.contains("peak acceleration (94)"));
+}
+
+#[test]
+fn the_force_of_the_load_cells_stands_beside_that_of_the_sensor() {
+    let mut run = crash();
+    assert!(!traces(&page(&run), "force").contains_key("barrier load cells"));
+    run.measured.barrier_force = Some(ramp(1.1e6));
+    let page = page(&run);
+    assert!(traces(&page, "force").contains_key("barrier load cells"));
+    assert!(page.contains("The load cells measured it at the barrier"));
+}
+
+#[test]
+fn a_chain_of_the_users_own_is_shown_at_first() {
+    let mut run = crash();
+    for k in 0..5 {
+        run.candidates.push(candidate(&format!("kelvin/direct-fit/{k}"), &[("k_n_per_m", 1.0)], 99.0 - f64::from(k)));
+    }
+    run.candidates.push(candidate("chain/mine/1", &[("k1_n_per_m", 1.0)], 60.0));
+    let page = page(&run);
+    let traces = traces(&page, "models");
+    assert_eq!(traces["Kelvin, direct fit 4 (95.0 %)"]["visible"], "legendonly");
+    assert_eq!(traces["Chain, mine 1 (60.0 %)"]["visible"], true);
+}
+
+#[test]
+fn a_record_that_is_no_crash_has_no_empty_cards_and_no_units_of_its_own() {
+    let time_s: Vec<f64> = (0..400).map(|k| 0.2 * f64::from(k)).collect();
+    let response: ResponseV1 = record(serde_json::json!({
+        "input": "other p, 1", "output": "other y, 1", "model": "discrete", "frequency_hz": [0.1, 1.0], "magnitude": [1.0, 0.5],
+        "phase_rad": [0.0, -1.0], "band": null, "magnitude_lower": [], "magnitude_upper": [], "phase_lower_rad": [],
+        "phase_upper_rad": [], "impulse_of": "unit sample", "impulse": time_s.iter().map(|t| (-t).exp()).collect::<Vec<_>>(),
+        "step": time_s.iter().map(|t| 1.0 - (-t).exp()).collect::<Vec<_>>(), "time_s": time_s,
+        "zeros_re_per_s": [], "zeros_im_rad_per_s": []
+    }));
+    let run = Run {
+        models: vec![Model { id: "arx-2".into(), response: Some(response), ..Model::default() }],
+        ..Run::default()
+    };
+    let page = page(&run);
+    for word in
+        ["class=\"card\"", "not known", "SI units", "crash pulse report", "other y", "read from one sensor", ", ms"]
+    {
+        assert!(!page.contains(word), "{word}");
+    }
+    assert!(page.contains("Response of y to a unit sample") && page.contains("time from the start of the window, s\""));
+    // exp(-t) is below 1 % from 4.6 s on, the next sample stands at 4.8 s; the record has 80.
+    assert!(page.contains("\"range\":[0,7.2]"));
+}
