@@ -184,6 +184,28 @@ impl Arx {
         discrete_mode_deviations(&self.a, &covariance, poles, self.sample_time_s)
     }
 
+    /// The output that the model would have had with other equation errors, one a sample from [`ArxOrder::states`] on; the
+    /// samples before are the measured ones. `None`: too few errors, or it grows out of the range of `f64`.
+    pub fn with_errors(&self, data: &IoData, errors: &[f64]) -> Option<Vec<f64>> {
+        let measured = &data.outputs()[0];
+        let first = self.order.states().min(measured.len());
+        if errors.len() < measured.len() - first {
+            return None;
+        }
+        let mut y = measured[..first].to_vec();
+        for (k, error) in (first..measured.len()).zip(errors) {
+            let past: f64 = self.a.iter().enumerate().map(|(i, a)| -a * y[k - 1 - i]).sum();
+            y.push(past + self.driven(data, k) + error);
+        }
+        y.last().is_none_or(|y| y.is_finite()).then_some(y)
+    }
+
+    /// What the inputs contribute to the equation of sample `k`.
+    fn driven(&self, data: &IoData, k: usize) -> f64 {
+        let taps = |b: &[f64], u: &[f64]| b.iter().enumerate().map(|(t, b)| b * u[k - self.order.nk - t]).sum::<f64>();
+        self.b.iter().zip(data.inputs()).map(|(b, u)| taps(b, u)).sum()
+    }
+
     /// One-step predictions of the output; the first `states` samples, which lack their past, are the measured ones.
     pub fn predict(&self, data: &IoData) -> Vec<f64> {
         let y = &data.outputs()[0];
@@ -191,13 +213,7 @@ impl Arx {
         let mut predicted = y[..first].to_vec();
         predicted.extend((first..y.len()).map(|k| {
             let past: f64 = self.a.iter().enumerate().map(|(i, a)| -a * y[k - 1 - i]).sum();
-            let driven: f64 = self
-                .b
-                .iter()
-                .zip(data.inputs())
-                .map(|(b, u)| b.iter().enumerate().map(|(t, b)| b * u[k - self.order.nk - t]).sum::<f64>())
-                .sum();
-            past + driven
+            past + self.driven(data, k)
         }));
         predicted
     }

@@ -90,6 +90,6 @@ pub fn impulse_response(
         ));
     }
     let (m, q) = (data.inputs().len(), data.outputs().len());
-    let parameters = model.order() * (m + q) + m * q;
+    let parameters = model.order() * (m + q + 1) + m * q;
     Ok(Found { singular_values: model.singular_values.clone(), notes, ..Found::new(model.discrete, parameters) })
 }

@@ -15,6 +15,7 @@ use crate::diagram;
 use crate::evidence_options::Stabilisation;
 use crate::hankel_settings::HankelSettings;
 use crate::input_output::{Record, record};
+use crate::judgement::Equation;
 use crate::options::Settings;
 use crate::state_space_records::{Task, put};
 
@@ -27,10 +28,15 @@ const KEPT: usize = 2;
 /// A model of one order and what its method knows about it.
 pub struct Found {
     pub model: StateSpace,
+    /// Numbers that were fitted, the initial state of the simulation among them.
     pub parameters: usize,
     pub singular_values: Vec<f64>,
     /// One-step predictions of every output; empty: none.
     pub predicted: Vec<Vec<f64>>,
+    /// First sample that is predicted; those before are the measured ones.
+    pub predicted_from: usize,
+    /// The equation, where the model is a regression of one output.
+    pub equation: Option<Equation>,
     pub stop_reason: Option<&'static str>,
     /// Standard deviations of frequency and damping of discrete poles, where the method has a covariance.
     pub deviations: Option<Deviations>,
@@ -61,6 +67,8 @@ impl Found {
             parameters,
             singular_values: Vec::new(),
             predicted: Vec::new(),
+            predicted_from: 0,
+            equation: None,
             stop_reason: None,
             deviations: None,
             notes: Vec::new(),
@@ -199,18 +207,29 @@ fn identify(
     match method {
         "arx" if q == 1 => {
             let model = arx(data, ArxOrder { na: order, nb: order + 1, nk: 0 })?;
-            let parameters = order + m * (order + 1);
-            let predicted = vec![model.predict(data)];
-            let found = Found { predicted, ..Found::new(model.state_space()?, parameters) };
+            let coefficients = order + m * (order + 1);
+            let from = model.order.states();
+            let predicted = model.predict(data);
+            let errors = data.outputs()[0].iter().zip(&predicted).map(|(y, yh)| y - yh).skip(from).collect();
+            let (regression, measured) = (model.clone(), data.clone());
+            let record = Box::new(move |errors: &[f64]| regression.with_errors(&measured, errors));
+            let found = Found {
+                predicted: vec![predicted],
+                predicted_from: from,
+                equation: Some(Equation { errors, coefficients, record }),
+                // The initial state is fitted for the simulation.
+                ..Found::new(model.state_space()?, coefficients + from)
+            };
             Ok(Found { deviations: Some(Box::new(move |poles| model.mode_deviations(poles))), ..found })
         }
         "arx" => {
             let lags = order.div_ceil(q);
             let model = vector_arx(data, ArxOrder { na: lags, nb: lags + 1, nk: 0 })?;
             let note = format!("{lags} lags of {q} outputs make {} states", lags * q);
-            let parameters = q * (lags * q + (lags + 1) * m);
+            let parameters = q * (lags * q + (lags + 1) * m) + lags * q;
             let predicted = model.predict(data);
-            Ok(Found { predicted, notes: vec![note], ..Found::new(model.state_space()?, parameters) })
+            let found = Found::new(model.state_space()?, parameters);
+            Ok(Found { predicted, predicted_from: lags, notes: vec![note], ..found })
         }
         "output-error" => {
             let options = OutputErrorOptions {

@@ -1,6 +1,8 @@
 //! Evidence common to the methods beside `era`, as records.
 
-use crumple_identify::{InformationCriteria, effective_samples, fit_measures, mode_notes, residual_tests};
+use crumple_identify::{
+    InformationCriteria, ResidualTests, effective_samples, fit_measures, mode_notes, residual_tests,
+};
 use crumple_lti::{Complex, Mode};
 use crumple_signal::Notes;
 use crumple_stage::Output;
@@ -61,6 +63,15 @@ pub fn evidence(input: Option<&Cut>, output: &Cut, simulated: &[f64], parameters
         validation_from_s: None,
         paper: None,
     }
+}
+
+/// Tests of one-step prediction errors from sample `from` on, against every input: the largest correlation counts.
+pub fn prediction_tests(inputs: &[Vec<f64>], errors: &[f64], from: usize) -> Option<ResidualTests> {
+    let errors = errors.get(from..)?;
+    let mut tests = residual_tests(errors, None, LAGS)?;
+    tests.input_correlation =
+        inputs.iter().filter_map(|u| residual_tests(errors, u.get(from..), LAGS)?.input_correlation).reduce(f64::max);
+    Some(tests)
 }
 
 /// Puts the fit of the kept samples into the evidence: `foretold` are all samples by the model. Nothing without kept ones.

@@ -1,6 +1,6 @@
 //! What every model is judged by beyond its fit: responses to look at, and their spread.
 
-use crumple_identify::{Bootstrap, BootstrapOptions, Sample, Spread, bootstrap};
+use crumple_identify::{Bootstrap, BootstrapOptions, Sample, Spread, bootstrap, bootstrap_equation_errors};
 use crumple_lti::{
     Complex, StateSpace, discretize_zero_order_hold, free_response, frequency_response, impulse_response,
     step_response, to_transfer_function,
@@ -180,6 +180,19 @@ impl Judged<'_> {
     }
 }
 
+/// The equation of a regression: what the bootstrap draws from.
+pub struct Equation {
+    /// One-step prediction errors.
+    pub errors: Vec<f64>,
+    /// Coefficients that were fitted.
+    pub coefficients: usize,
+    /// The output with other errors.
+    pub record: WithErrors,
+}
+
+/// An output from equation errors.
+pub type WithErrors = Box<dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync>;
+
 /// Says what a model of other than one input and one output goes without.
 pub fn limits(id: &str, (inputs, outputs): (usize, usize), bootstrap: Option<&BootstrapSettings>, notes: &mut Notes) {
     if inputs > 1 || outputs > 1 {
@@ -199,14 +212,38 @@ pub fn spread(
     notes: &mut Notes,
     refit: impl Fn(&[f64]) -> Option<Sample> + Sync,
 ) -> Option<Bootstrap> {
+    let residual: Vec<f64> = record.iter().zip(simulated).map(|(y, yh)| y - yh).collect();
+    spread_by(settings, (id, sample), notes, |options| {
+        bootstrap(sample, simulated, &residual, parameters, options, refit)
+    })
+}
+
+/// The same of a regression, by its equation errors.
+pub fn spread_of_equation(
+    settings: Option<&BootstrapSettings>,
+    (id, sample): (&str, &Sample),
+    equation: &Equation,
+    notes: &mut Notes,
+    refit: impl Fn(&[f64]) -> Option<Sample> + Sync,
+) -> Option<Bootstrap> {
+    let Equation { errors, coefficients, record } = equation;
+    spread_by(settings, (id, sample), notes, |options| {
+        bootstrap_equation_errors(sample, errors, *coefficients, options, record, refit)
+    })
+}
+
+fn spread_by(
+    settings: Option<&BootstrapSettings>,
+    (id, sample): (&str, &Sample),
+    notes: &mut Notes,
+    draw: impl FnOnce(BootstrapOptions) -> Option<Bootstrap>,
+) -> Option<Bootstrap> {
     let settings = settings?;
-    let options = BootstrapOptions {
+    let found = draw(BootstrapOptions {
         replicates: settings.replicates,
         seed: settings.seed.into(),
         resampling: settings.resampling(),
-    };
-    let residual: Vec<f64> = record.iter().zip(simulated).map(|(y, yh)| y - yh).collect();
-    let found = bootstrap(sample, simulated, &residual, parameters, options, refit);
+    });
     match &found {
         Some(found) => judge(id, sample, found, notes),
         None => notes.warning(format!("{id}: fewer than half of the bootstrap fits led to a model: no spread")),

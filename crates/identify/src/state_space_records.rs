@@ -7,11 +7,12 @@ use crumple_stage::Output;
 use crate::by_state_space::Found;
 use crate::comparison::Comparison;
 use crate::evidence::{
-    foretold, modes, notes_on_modes, of_record, percent, put_evidence, put_transfer_functions, validate_all,
+    foretold, modes, notes_on_modes, of_record, percent, prediction_tests, put_evidence, put_transfer_functions,
+    validate_all,
 };
 use crate::evidence_options::BootstrapSettings;
 use crate::input_output::{Cut, Record};
-use crate::judgement::{Band, Judged, limits, put_spreads, spread, zeros_of};
+use crate::judgement::{Band, Judged, limits, put_spreads, spread, spread_of_equation, zeros_of};
 use crate::to_records::state_space;
 
 /// Transfer functions of more states are not written: their coefficients say nothing.
@@ -77,9 +78,22 @@ pub fn put(
             .get(k)
             .and_then(|predicted| fit_measures(&record.data.outputs()[k], predicted))
             .and_then(|fit| fit.fit_percent);
+        if let Some(predicted) = found.predicted.get(k) {
+            let errors: Vec<f64> = record.data.outputs()[k].iter().zip(predicted).map(|(y, yh)| y - yh).collect();
+            let tests = prediction_tests(task.data.inputs(), &errors, found.predicted_from);
+            support.whiteness = tests.map(|t| t.whiteness);
+            support.whiteness_limit = tests.map(|t| t.whiteness_limit);
+            support.input_correlation = tests.and_then(|t| t.input_correlation);
+        }
         support.stop_reason = found.stop_reason.map(str::to_owned);
         support.frequency_deviations = deviations.iter().map(|d| d.map(|d| d.0)).collect();
         support.damping_deviations = deviations.iter().map(|d| d.map(|d| d.1)).collect();
+    }
+    if !found.predicted.is_empty() {
+        notes.push(
+            "whiteness and correlation with the input are those of the one-step prediction errors, all else of the simulation"
+                .to_owned(),
+        );
     }
     if !first.kept.is_empty() {
         match continued(&found.model, task.data, task.whole, None) {
@@ -93,11 +107,16 @@ pub fn put(
         let grid = judged.grid_hz();
         let signals = (first.sampled.samples(), &simulated[..]);
         let sample = judged.sample(&grid);
-        let spreads = spread(task.bootstrap, (&id, &sample), signals, found.parameters, &mut remarks, |y| {
+        let refit = |y: &[f64]| {
             let model = (task.refit)(y)?;
             let continuous = to_continuous(&model, kind).ok().map(|found| found.model);
             Some(self::judged(&model, continuous.as_ref(), first).ok()?.sample(&grid))
-        });
+        };
+        let of = (&id[..], &sample);
+        let spreads = match &found.equation {
+            Some(equation) => spread_of_equation(task.bootstrap, of, equation, &mut remarks, refit),
+            None => spread(task.bootstrap, of, signals, found.parameters, &mut remarks, refit),
+        };
         if let Some(spreads) = &spreads {
             put_spreads(spreads, support);
             band = Some(Band::from_bootstrap(spreads));

@@ -57,8 +57,13 @@ fn artifact_with(folder: &Path, cfc: Option<u16>, lead: f64) -> PathBuf {
             v += h / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4);
         }
     }
+    write(folder, &test, a, s)
+}
+
+/// The artifact of a pulse and what counts as its displacement.
+fn write(folder: &Path, test: &TestDescription, a: Vec<f64>, s: Vec<f64>) -> PathBuf {
     let mut builder = ArtifactBuilder::new();
-    builder.put("/test", &TestV1::from(&test)).unwrap();
+    builder.put("/test", &TestV1::from(test)).unwrap();
     for (id, quantity, samples) in
         [("93", QuantityKind::Acceleration, a), ("93/displacement", QuantityKind::Displacement, s)]
     {
@@ -132,6 +137,34 @@ fn bootstrap_gives_every_method_its_spreads_and_the_truth_lies_within_them() {
     // The linearised deviation says the same, within the uncertainty of 40 replicates (11 %) three times.
     let linear = evidence.frequency_deviations[0].unwrap();
     assert!((spread.deviation / linear - 1.0).abs() < 0.4, "{spread:?} {linear}");
+}
+
+#[test]
+fn an_exact_regression_passes_its_tests_and_counts_what_it_fitted() {
+    let folder = tempfile::tempdir().unwrap();
+    let channel = Channel::new("93", QuantityKind::Acceleration);
+    let test = TestDescription { title: "made".to_owned(), channels: vec![channel], ..TestDescription::default() };
+    let u: Vec<f64> = (0..800).map(|k| 10.0 * noise(k)).collect();
+    let mut y = vec![0.0; 800];
+    for k in 2..800 {
+        y[k] =
+            1.6 * y[k - 1] - 0.8 * y[k - 2] + 0.03 * u[k] + 0.05 * u[k - 1] + 0.02 * u[k - 2] + 0.2 * noise(k + 9_000);
+    }
+    let input = write(folder.path(), &test, u, y);
+    let flags = ["--methods=arx,output-error", "--orders=2", "--bootstrap=40"];
+    let result = done(&input, &folder.path().join("4.mcap"), &flags);
+    let [arx, output_error]: [EvidenceV1; 2] =
+        ["arx-2", "output-error-2"].map(|id| result.record(&format!("/evidence/{id}")).unwrap().unwrap());
+    // Two poles, three numerator coefficients, two initial states.
+    assert_eq!((arx.parameters, output_error.parameters), (7, 7));
+    // One record of white errors; the simulation error is as coloured as 1/A.
+    assert!(arx.whiteness < arx.whiteness_limit, "{:?} {:?}", arx.whiteness, arx.whiteness_limit);
+    // 21 lags: the largest of as many normal numbers is seldom above 3.4 deviations.
+    assert!(arx.input_correlation.unwrap() < 1.75, "{:?}", arx.input_correlation);
+    assert!(output_error.whiteness > output_error.whiteness_limit);
+    assert!(arx.bootstrap_noise.unwrap().ends_with("through 1/A"));
+    let how: IdentificationV1 = result.record("/identification/arx-2").unwrap().unwrap();
+    assert!(how.notes.iter().any(|note| note.contains("one-step prediction errors")), "{:?}", how.notes);
 }
 
 #[test]
