@@ -118,9 +118,9 @@ impl Criteria<'_> {
             }
             return Ok(records);
         }
-        let vehicle = self.from_time_zero(&self.acceleration(self.pulse)?);
+        let vehicle = self.since_time_zero(&self.acceleration(self.pulse)?);
         for chest in chests {
-            let occupant = self.from_time_zero(&self.acceleration(chest)?);
+            let occupant = self.since_time_zero(&self.acceleration(chest)?);
             match ride_down(&vehicle, &occupant, v0) {
                 Ok(found) => {
                     let remarks = [format!("vehicle: channel {}", self.pulse.id)];
@@ -137,7 +137,7 @@ impl Criteria<'_> {
         Ok(records)
     }
 
-    fn from_time_zero(&self, signal: &Signal<Acceleration>) -> Signal<Acceleration> {
+    fn since_time_zero(&self, signal: &Signal<Acceleration>) -> Signal<Acceleration> {
         signal.slice(signal.index_at_or_after(self.time_zero_s), signal.len()).into()
     }
 
@@ -180,7 +180,7 @@ impl Criteria<'_> {
         let mut spatial = planar.clone();
         spatial.extend(z);
         let space = FlailSpace::default();
-        let (x_flight, y_flight) = (self.from_time_zero(&ax), self.from_time_zero(&ay));
+        let (x_flight, y_flight) = (self.since_time_zero(&ax), self.since_time_zero(&ay));
         let mut found: Vec<(&[&Channel], Metric)> = Vec::new();
         let limits = AsiLimits::default();
         let severity = [AsiMethod::ButterworthPerPass].map(|method| asi([&ax, &ay, &az], limits, method));

@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crumple_artifact::records::{EventsV1, MetricV1, MetricsV1, NotesV1, TestV1};
+use crumple_artifact::records::{ChannelFilterV1, EventsV1, MetricV1, MetricsV1, NotesV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_signal::{Axis, Channel, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Sampled, TestDescription};
 use crumple_testkit::program::Program;
@@ -232,7 +232,7 @@ fn a_pulse_of_the_wrong_sign_is_said_first_and_has_no_crush() {
 }
 
 #[test]
-fn every_metric_of_the_project_s_records_has_an_id_and_a_window() {
+fn every_metric_has_an_id_and_every_value_a_window() {
     // What the stage makes of a drift, several channels and a barrier.
     let folder = tempfile::tempdir().unwrap();
     let mut waves = occupants();
@@ -246,4 +246,33 @@ fn every_metric_of_the_project_s_records_has_an_id_and_a_window() {
         assert!(found.iter().any(|metric| metric.name == name && metric.value.is_some()), "{name}");
     }
     complete(&found);
+}
+
+#[test]
+fn the_barrier_as_read_has_the_zero_level_that_the_filter_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let force = Channel { quantity: QuantityKind::Force, ..channel("b", "barrier, load cell A", Axis::X, 60) };
+    let waves = [(channel("p", "vehicle", Axis::X, 60), square(-200.0, 0.1)), (force, square(-300_000.0, 0.1))];
+    let input = filtered(folder.path(), &waves, Some(20.0));
+    let without = metrics(&result(&input, &[]));
+    assert_eq!(
+        find(&without, "barrier", "barrier_delta_v_as_read").value,
+        find(&without, "barrier", "barrier_delta_v").value
+    );
+    let mut builder = ArtifactBuilder::new();
+    let filter = serde_json::json!({
+        "cfc": 60, "mode": "iso6487", "samples_added": 0, "coefficients": [], "zero_level_removed": 600.0, "notes": []
+    });
+    let read = Artifact::open(&input).unwrap();
+    builder.put("/test", &read.record::<TestV1>("/test").unwrap().unwrap()).unwrap();
+    builder.put("/filter/b", &serde_json::from_value::<ChannelFilterV1>(filter).unwrap()).unwrap();
+    for (id, wave) in read.waves() {
+        builder.wave(id, wave.quantity, wave.sampled.clone()).unwrap();
+    }
+    builder.write(&input, &Provenance::new("filter", "0", "{}".to_owned(), vec![]), Compression::None).unwrap();
+    let found = metrics(&result(&input, &["--force"]));
+    let gap = find(&found, "barrier", "barrier_delta_v").value.unwrap()
+        - find(&found, "barrier", "barrier_delta_v_as_read").value.unwrap();
+    // 600 N for the 250 ms after time zero, against the sign of compression, over 1500 kg.
+    assert!((gap - 600.0 * 0.25 / 1500.0).abs() < 1e-9, "{gap}");
 }
