@@ -1,7 +1,7 @@
 use crumple_metrics::{CrashEvents, centroid_time_by_moment, centroid_time_from_crush};
 use crumple_signal::Notes;
 
-use crate::{Motion, UsedStart};
+use crate::{Motion, UsedStart, WRONG_SIGN, wrong_sign};
 
 /// Relative gap of the two centroid times above which something does not fit.
 const CENTROID_GAP: f64 = 1e-3;
@@ -9,12 +9,25 @@ const CENTROID_GAP: f64 = 1e-3;
 /// What a reader of the motion should know, in words: what the record does not show, and what does not fit together.
 pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_speed_m_per_s: f64) -> Notes {
     let mut notes = Notes::new();
+    if wrong_sign(&motion.velocity, time_zero_s, impact_speed_m_per_s) {
+        notes.warning(format!(
+            "{WRONG_SIGN}; the velocity rises from {impact_speed_m_per_s:.3} m/s to twice that, no events are written"
+        ));
+        return notes;
+    }
     if motion.start == UsedStart::RecordStart {
         notes.info(format!(
             "integrated from the start of the record ({:.1} ms) with the impact speed, \
              because a low-pass filter spreads the contact to both sides of time zero",
             1e3 * motion.velocity.t0_s()
         ));
+    }
+    if impact_speed_m_per_s == 0.0 {
+        notes.info(format!(
+            "integrated from rest: the velocity is the change of velocity, {:.3} m/s at the end; no crash events",
+            events.end_velocity_m_per_s
+        ));
+        return notes;
     }
     if events.end_velocity_m_per_s > impact_speed_m_per_s {
         notes.warning(format!(

@@ -1,7 +1,7 @@
 //! From acceleration to velocity, displacement and barrier force, and what the motion says about the crash.
 //!
-//! [`integrate`] makes the motion, [`integrate_without_drift`] one that meets a known velocity, [`findings`] puts its
-//! events into words. [`threshold_crossing`], [`edr_start`] and [`contact_edge`] find time zero, [`sum_of_cells`] the
+//! [`integrate`] makes the motion, [`integrate_without_drift`] one that meets a known velocity, [`events_of`] finds its
+//! events, [`findings`] puts them into words. [`threshold_crossing`], [`edr_start`] and [`contact_edge`] find time zero, [`sum_of_cells`] the
 //! force on a barrier; [`propagate`] says how far the uncertainty of the inputs moves everything. The numbers themselves (events, metrics) are in `crumple-metrics`.
 
 mod barrier;
@@ -10,6 +10,7 @@ mod findings;
 mod force;
 mod motion;
 mod rule;
+mod sign;
 mod start;
 mod time_zero;
 mod uncertainty;
@@ -20,6 +21,7 @@ pub use findings::findings;
 pub use force::barrier_force;
 pub use motion::{Motion, Settings, integrate, integrate_reporting};
 pub use rule::{Rule, integrate_twice, integrate_twice_into};
+pub use sign::{WRONG_SIGN, events_of, wrong_sign};
 pub use start::{Start, UsedStart};
 pub use time_zero::{FoundZero, contact_edge, edr_start, threshold_crossing};
 
@@ -33,7 +35,7 @@ use crumple_signal::SignalError;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IntegrateError {
     /// The impact speed is no speed.
-    #[error("impact speed {0} m/s is not a positive number")]
+    #[error("impact speed {0} m/s is negative or no number")]
     ImpactSpeed(f64),
     /// The mass is no mass.
     #[error("mass {0} kg is not a positive number")]

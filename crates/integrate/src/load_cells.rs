@@ -1,11 +1,16 @@
 //! The force on a load-cell barrier, and its impulse against the change of momentum.
 
 use crumple_integrate::{CellSum, Motion, impulse_n_s, sum_of_cells};
+use crumple_metrics::definitions::{
+    BARRIER_DELTA_V, BARRIER_DELTA_V_AS_READ, BARRIER_IMPULSE, BARRIER_PEAK, MOMENTUM_RATIO,
+};
+use crumple_metrics::{Definition, Metric};
 use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, Sampled, TestDescription};
-use crumple_stage::records::MetricV1;
+use crumple_stage::records::{ChannelFilterV1, MetricV1};
 use crumple_stage::{Inputs, Output, RefuseExt};
 
 use crate::options::BarrierCells;
+use crate::to_records::metric_record;
 
 /// Channel name of what is about the barrier as a whole.
 const BARRIER: &str = "barrier";
@@ -63,7 +68,8 @@ pub fn barrier(
             some(&ids)
         ));
     }
-    let metrics = momentum(&sum, test.mass_kg, pulse, out);
+    let as_read = as_read(input, &waves(input, listed.iter()), pulse.time_zero_s)?;
+    let metrics = momentum(&sum, as_read, test.mass_kg, pulse, out);
     out.wave("barrier/force", QuantityKind::Force, sum.force.into_sampled())?;
     Ok(metrics)
 }
@@ -78,16 +84,39 @@ fn waves<'a>(input: &'a Inputs, channels: impl Iterator<Item = &'a &'a Channel>)
     channels.filter_map(|channel| Some((channel.id.as_str(), &input.wave_if(&channel.id)?.sampled))).collect()
 }
 
-/// Up to separation the barrier is what changes the momentum; after it the tyres are, which no cell feels.
-fn momentum(sum: &CellSum, mass_kg: Option<f64>, pulse: &Pulse<'_>, out: &mut Output) -> Vec<MetricV1> {
-    let metric = |name: &str, value: Option<f64>, unit: &str, definition: &str| MetricV1 {
-        name: name.to_owned(),
-        value,
-        unit: unit.to_owned(),
-        channel: BARRIER.to_owned(),
-        definition: definition.to_owned(),
-        ..MetricV1::default()
+/// What all cells with data gave before anything was taken out.
+struct AsRead {
+    cells: usize,
+    impulse_n_s: f64,
+}
+
+/// Impulse from time zero on of all cells with data, the zero level that the filter removed from each put back.
+///
+/// A low-pass of class 60 and above leaves the impulse but for its ends. Cells on another grid are left out, as from the sum.
+fn as_read(input: &Inputs, cells: &[(&str, &Sampled)], time_zero_s: f64) -> anyhow::Result<Option<AsRead>> {
+    let Some(sum) = sum_of_cells(cells).refuse_with_hint("--barrier-cells none leaves the barrier out")? else {
+        return Ok(None);
     };
+    let mut zero_level_n = 0.0;
+    for (id, _) in cells.iter().filter(|(id, _)| !sum.off_grid.iter().any(|off| off == id)) {
+        let filter: Option<ChannelFilterV1> = input.record_if(&format!("/filter/{id}"))?;
+        zero_level_n += filter.map_or(0.0, |filter| filter.zero_level_removed);
+    }
+    let sign = if sum.turned { -1.0 } else { 1.0 };
+    let inside = sum.force.len().saturating_sub(sum.force.index_at_or_after(time_zero_s) + 1) as f64;
+    let of_zero_level = sign * zero_level_n * inside * sum.force.dt_s();
+    let impulse = impulse_n_s(&sum.force, time_zero_s, sum.force.end_s());
+    Ok(impulse.map(|impulse| AsRead { cells: sum.cells, impulse_n_s: impulse + of_zero_level }))
+}
+
+/// Up to separation the barrier is what changes the momentum; after it the tyres are, which no cell feels.
+fn momentum(
+    sum: &CellSum,
+    all: Option<AsRead>,
+    mass_kg: Option<f64>,
+    pulse: &Pulse<'_>,
+    out: &mut Output,
+) -> Vec<MetricV1> {
     let &Pulse { id, motion, time_zero_s, separation_s } = pulse;
     let over_mass = |impulse: Option<f64>| impulse.zip(mass_kg).map(|(impulse, mass)| impulse / mass);
     let last_s = sum.force.end_s().min(motion.velocity.end_s());
@@ -95,11 +124,20 @@ fn momentum(sum: &CellSum, mass_kg: Option<f64>, pulse: &Pulse<'_>, out: &mut Ou
     let impulse = impulse_n_s(&sum.force, time_zero_s, sum.force.end_s());
     let whole = over_mass(impulse);
     let of_barrier = over_mass(impulse_n_s(&sum.force, time_zero_s, end_s));
+    let as_read = over_mass(all.as_ref().map(|all| all.impulse_n_s));
     let of_sensor = motion.velocity.at(time_zero_s).zip(motion.velocity.at(end_s)).map(|(start, end)| start - end);
-    let highest = sum.force.samples().iter().copied().reduce(|a, b| if b.abs() > a.abs() { b } else { a });
+    let peak = sum.force.samples().iter().copied().enumerate().reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a });
+    let (highest, peak_s) = (peak.map(|(_, force)| force), peak.map_or(time_zero_s, |(k, _)| sum.force.time_s(k)));
 
     let turned = if sum.turned { ", sign turned so that compression is positive" } else { "" };
     out.notes().info(format!("barrier force: sum of {} load cells along x{turned}", sum.cells));
+    if let Some((all, as_read)) = all.zip(as_read) {
+        out.notes().info(format!(
+            "barrier as read: all {} load cells with data, zero levels not removed, give {:.2} km/h over the mass for the whole record",
+            all.cells,
+            3.6 * as_read
+        ));
+    }
     if let Some(((barrier, whole), sensor)) = of_barrier.zip(whole).zip(of_sensor) {
         let gap = barrier / sensor - 1.0;
         let text = format!(
@@ -118,33 +156,22 @@ fn momentum(sum: &CellSum, mass_kg: Option<f64>, pulse: &Pulse<'_>, out: &mut Ou
             out.notes().warning(text);
         }
     }
-    let no_mass = "absent: the mass is not known";
-    let by_mass = if mass_kg.is_some() { "barrier_impulse over the mass" } else { no_mass };
-    vec![
-        metric(
-            "barrier_peak_force",
-            highest,
-            "N",
-            "sample of the sum of the load cells along x with the largest magnitude, positive in compression",
-        ),
-        metric(
-            "barrier_impulse",
-            impulse,
-            "N*s",
-            "integral of the sum of the load cells from time zero to the end of the record, by trapezoid",
-        ),
-        metric("barrier_delta_v", whole, "m/s", by_mass),
-        metric(
-            "momentum_ratio",
-            of_barrier.zip(of_sensor).map(|(barrier, sensor)| barrier / sensor).filter(|ratio| ratio.is_finite()),
-            "1",
-            if mass_kg.is_some() {
-                "impulse of the barrier up to separation over the mass and the change of velocity of the pulse; 1 if both are right"
-            } else {
-                no_mass
-            },
-        ),
+    let by_mass = |definition: &Definition, value: Option<f64>| {
+        let reason = if mass_kg.is_none() { "the mass is not known" } else { "the record shows no impulse" };
+        Metric::of(definition, value, reason)
+    };
+    let whole_end_s = sum.force.end_s();
+    let ratio = of_barrier.zip(of_sensor).map(|(barrier, sensor)| barrier / sensor).filter(|ratio| ratio.is_finite());
+    [
+        Metric::of(&BARRIER_PEAK, highest, "the record has no samples").over(peak_s, peak_s),
+        Metric::of(&BARRIER_IMPULSE, impulse, "the record has fewer than two samples").over(time_zero_s, whole_end_s),
+        by_mass(&BARRIER_DELTA_V, whole).over(time_zero_s, whole_end_s),
+        by_mass(&BARRIER_DELTA_V_AS_READ, as_read).over(time_zero_s, whole_end_s),
+        by_mass(&MOMENTUM_RATIO, ratio).over(time_zero_s, end_s),
     ]
+    .into_iter()
+    .map(|metric| metric_record(BARRIER, &metric.counted_from(time_zero_s)))
+    .collect()
 }
 
 fn count(cells: usize) -> String {

@@ -1,7 +1,9 @@
 //! `crumple-integrate`: velocity, displacement, crash events and metrics of the pulse.
 
+mod body;
 mod contact;
 mod further;
+mod injury;
 mod load_cells;
 mod options;
 mod redundant;

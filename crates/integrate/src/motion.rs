@@ -14,7 +14,7 @@ pub struct Settings {
     pub start: Start,
     /// Time zero on the record's axis, s.
     pub time_zero_s: f64,
-    /// Impact speed v0, m/s, positive.
+    /// Impact speed v0, m/s; 0 for a motion from rest.
     pub impact_speed_m_per_s: f64,
     /// Whether the acceleration went through a low-pass filter; decides what [`Start::Auto`] means.
     pub low_pass_filtered: bool,
@@ -75,7 +75,7 @@ pub(crate) fn integrate_from(
     report: impl FnMut(u64),
 ) -> Result<Motion, IntegrateError> {
     let &Settings { rule, time_zero_s, impact_speed_m_per_s: v0, .. } = settings;
-    if !(v0.is_finite() && v0 > 0.0) {
+    if !(v0.is_finite() && v0 >= 0.0) {
         return Err(IntegrateError::ImpactSpeed(v0));
     }
     let dt_s = acceleration.dt_s();
@@ -192,8 +192,15 @@ mod tests {
     }
 
     #[test]
+    fn a_motion_from_rest_is_its_change_of_velocity() {
+        let from_rest = Settings { impact_speed_m_per_s: 0.0, ..settings(Start::TimeZero, 0.0) };
+        let motion = integrate(&constant(-1.0), &from_rest).unwrap();
+        assert_eq!(motion.velocity.samples(), [0.0, -1.0, -2.0, -3.0]);
+    }
+
+    #[test]
     fn refuses_an_impact_speed_that_is_none() {
-        for v0 in [0.0, -4.0, f64::NAN, f64::INFINITY] {
+        for v0 in [-4.0, f64::NAN, f64::INFINITY] {
             let settings = Settings { impact_speed_m_per_s: v0, ..settings(Start::Auto, 0.0) };
             assert!(matches!(integrate(&constant(-1.0), &settings), Err(IntegrateError::ImpactSpeed(_))));
         }

@@ -4,7 +4,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use crumple_integrate::{DriftShape, EndCondition, Rule, Start, Uncertainty};
-use crumple_signal::value::{Level, Share, Speed, Time};
+use crumple_metrics::NO_DAMAGE_SPEED_M_PER_S;
+use crumple_signal::value::{Length, Level, Share, Speed, Time};
 use crumple_stage::Usage;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
@@ -83,6 +84,42 @@ pub struct Options {
     /// Load cells of the barrier in the sum of its force [default: valid]
     #[arg(long, value_enum)]
     pub barrier_cells: Option<BarrierCells>,
+
+    /// Metrics of occupants and roadside hardware beside those of the pulse, by group [default: auto]
+    #[arg(long, value_enum, value_name = "GROUP", value_delimiter = ',')]
+    pub metrics: Vec<MetricGroup>,
+
+    /// Width of the damage, e.g. 1.6m: with the residual crush, CRASH3 stiffness A, B and G [default: not stated]
+    #[arg(long, value_name = "LENGTH")]
+    pub damage_width: Option<Length>,
+
+    /// Residual crush measured on the vehicle, e.g. 520mm, for CRASH3 [default: not stated]
+    #[arg(long, value_name = "LENGTH")]
+    pub residual_crush: Option<Length>,
+
+    /// Speed of no damage b0 for CRASH3 [default: 2.2352 m/s, 5 mph]
+    #[arg(long, value_name = "SPEED")]
+    pub no_damage_speed: Option<Speed>,
+}
+
+/// Groups of metrics of occupants and of roadside hardware.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum MetricGroup {
+    /// Every group whose channels the test has.
+    #[default]
+    Auto,
+    /// Head accelerations: HIC15, HIC36, 3 ms clips; HIC(d) of a free-motion headform.
+    Head,
+    /// Chest accelerations: 3 ms clips.
+    Chest,
+    /// Vehicle x and y at the centre of gravity: ASI, OIV, ORA; with the yaw rate THIV and PHD. Asked for by name, the
+    /// pulse stands in for a missing x, and a missing y is 0.
+    Roadside,
+    /// Chest x against the pulse: ride-down.
+    RideDown,
+    /// None of them.
+    None,
 }
 
 /// Which load cells are summed.
@@ -199,9 +236,23 @@ pub struct StageSettings {
     pub end_condition: Option<EndCondition>,
     #[serde(skip_serializing_if = "is_default")]
     pub barrier_cells: BarrierCells,
+    /// Empty: auto.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub metrics: Vec<MetricGroup>,
+    /// `None`: no CRASH3 stiffness.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damage: Option<Damage>,
     /// `None`: no intervals.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<Uncertainty>,
+}
+
+/// The damage of a barrier test, for the stiffness of CRASH3.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Damage {
+    pub width_m: f64,
+    pub residual_crush_m: f64,
+    pub no_damage_speed_m_per_s: f64,
 }
 
 /// Options that are not used stay out of the provenance, so that results from before they existed stay up to date.
@@ -224,6 +275,23 @@ impl TryFrom<Options> for StageSettings {
             }
         }
         let uncertainty = uncertainty(&options)?;
+        let metrics: Vec<MetricGroup> =
+            options.metrics.iter().copied().filter(|group| *group != MetricGroup::Auto).collect();
+        if metrics.contains(&MetricGroup::None) && metrics.len() > 1 {
+            return Err(Usage::new("metrics none stands beside other groups").hint("leave out either"));
+        }
+        let damage = match (options.damage_width, options.residual_crush) {
+            (Some(width), Some(crush)) => Some(Damage {
+                width_m: width.si(),
+                residual_crush_m: crush.si(),
+                no_damage_speed_m_per_s: options.no_damage_speed.map_or(NO_DAMAGE_SPEED_M_PER_S, Speed::si),
+            }),
+            (None, None) if options.no_damage_speed.is_none() => None,
+            _ => {
+                return Err(Usage::new("damage-width and residual-crush belong together")
+                    .hint("give both, e.g. --damage-width 1.6m --residual-crush 520mm"));
+            }
+        };
         Ok(Self {
             uncertainty,
             rule: options.rule.unwrap_or_default(),
@@ -239,6 +307,8 @@ impl TryFrom<Options> for StageSettings {
                 shape: options.drift.unwrap_or_default(),
             }),
             barrier_cells: options.barrier_cells.unwrap_or_default(),
+            metrics,
+            damage,
         })
     }
 }

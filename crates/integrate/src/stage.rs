@@ -4,18 +4,20 @@ use std::cell::RefCell;
 use std::path::PathBuf;
 
 use crumple_integrate::{
-    Drift, Intervals, MOST_SAMPLES, Motion, Settings, barrier_force, findings, integrate_reporting,
-    integrate_without_drift, propagate,
+    Drift, IntegrateError, Intervals, MOST_SAMPLES, Motion, Settings, WRONG_SIGN, barrier_force, events_of, findings,
+    integrate_reporting, integrate_without_drift, propagate, wrong_sign,
 };
-use crumple_metrics::{CrashEvents, Interval, Metric, Pulse, crash_events, pulse_metrics};
+use crumple_metrics::{CrashEvents, Interval, Metric, Pulse, pulse_metrics};
 use crumple_signal::{
     Acceleration, Channel, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Severity, Signal, TestDescription,
 };
 use crumple_stage::records::{ChannelFilterV1, MetricsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
+use crate::body::part_of;
 use crate::contact::time_zero;
 use crate::further::further;
+use crate::injury::Criteria;
 use crate::load_cells;
 use crate::options::{Options, StageSettings};
 use crate::redundant::Redundant;
@@ -60,6 +62,19 @@ impl Stage for Integrate {
         if settings.impact_speed_m_per_s.or(test.impact_speed_m_per_s).is_none() {
             // No fault of the artifact: ingest was told to go on without a speed, and models can still be identified.
             out.put("/test", &TestV1::from(&test))?;
+            let criteria = Criteria {
+                settings,
+                input,
+                test: &test,
+                pulse: &channel,
+                time_zero_s: settings.time_zero_s.unwrap_or(0.0),
+                impact_speed_m_per_s: None,
+            };
+            // A head has its criteria whatever the vehicle did.
+            let metrics = criteria.records(out.notes())?;
+            if !metrics.is_empty() {
+                out.put("/metrics", &MetricsV1(metrics))?;
+            }
             return Ok(Outcome::NoAcceptableResult(
                 "the test has no impact speed, which no accelerometer can tell: --impact-speed 35km/h here or at \
                  crumple-ingest"
@@ -74,16 +89,24 @@ impl Stage for Integrate {
         let zero = time_zero(settings, input, &channel, &acceleration, impact_speed_m_per_s, out.notes())?;
         let task = Task { settings, input, test: &test, impact_speed_m_per_s, time_zero_s: zero.time_s };
         let pulse = task.motion(&channel, &acceleration, out)?;
-        out.notes().extend(findings(&pulse.motion, &pulse.events, zero.time_s, impact_speed_m_per_s));
+        let found = findings(&pulse.motion, &pulse.events, zero.time_s, impact_speed_m_per_s);
+        if wrong_sign(&pulse.motion.velocity, zero.time_s, impact_speed_m_per_s) {
+            // First, because most of what else is said follows from it.
+            let before = std::mem::replace(out.notes(), found);
+            out.notes().extend(before);
+        } else {
+            out.notes().extend(found);
+        }
+        not_of_the_vehicle(&channel, out.notes());
         if let Some(uncertainty) = &settings.uncertainty {
             out.notes().info(uncertainty_note(uncertainty, pulse.motion.start));
         }
-        let mut metrics = metric_records(&channel.id, &pulse);
+        let mut metrics = metric_records(&channel.id, &pulse, zero.time_s);
         let mut redundant = Redundant::new(&channel, &pulse, zero.time_s);
 
         out.put("/test", &TestV1::from(&test))?;
         out.put("/events", &events_record(&channel.id, settings, &zero, &pulse, impact_speed_m_per_s))?;
-        out.summary(summary(&channel.id, &pulse));
+        out.summary(summary(&channel.id, &pulse, zero.time_s, impact_speed_m_per_s));
 
         for other in further(&settings.channels, &test, &channel.id, input, out.notes())? {
             let motion = task.motion(other, &self::acceleration(input, other)?, out)?;
@@ -92,7 +115,8 @@ impl Stage for Integrate {
                     out.notes().warning(format!("channel {}: {}", other.id, note.text));
                 }
             }
-            metrics.extend(metric_records(&other.id, &motion));
+            metrics.extend(metric_records(&other.id, &motion, zero.time_s));
+            not_of_the_vehicle(other, out.notes());
             redundant.compare(other, &motion, out.notes());
             task.write(&other.id, motion, out)?;
         }
@@ -104,6 +128,15 @@ impl Stage for Integrate {
             separation_s: pulse.events.rebound.map(|rebound| zero.time_s + rebound.time_s),
         };
         metrics.extend(load_cells::barrier(settings.barrier_cells, input, &test, &against, out)?);
+        let criteria = Criteria {
+            settings,
+            input,
+            test: &test,
+            pulse: &channel,
+            time_zero_s: zero.time_s,
+            impact_speed_m_per_s: Some(impact_speed_m_per_s),
+        };
+        metrics.extend(criteria.records(out.notes())?);
         out.put("/metrics", &MetricsV1(metrics))?;
         if test.mass_kg.is_none() {
             out.notes().info("the mass is not known: no force, stiffness and energy (give it to ingest with --mass)");
@@ -146,12 +179,13 @@ impl Task<'_> {
             impact_speed_m_per_s: self.impact_speed_m_per_s,
             low_pass_filtered: channel.cfc.is_some() || smoothed(self.input, &channel.id)?,
         };
-        let hint = "--time-zero says where on the record's time axis first contact is";
         let (motion, drift) = match self.settings.end_condition {
             None => {
                 let progress = RefCell::new(out.progress("integrating", acceleration.len() as u64));
                 let report = |amount| progress.borrow_mut().advance(amount);
-                (integrate_reporting(acceleration, &settings, report).refuse_with_hint(hint)?, None)
+                let motion = integrate_reporting(acceleration, &settings, report);
+                let hint = motion.as_ref().err().map_or("", hint);
+                (motion.refuse_with_hint(hint)?, None)
             }
             Some(end) => {
                 let (motion, drift) = integrate_without_drift(acceleration, &settings, end)
@@ -160,7 +194,7 @@ impl Task<'_> {
                 (motion, Some(drift))
             }
         };
-        let events = crash_events(&motion.velocity, &motion.displacement, self.time_zero_s)?;
+        let events = events_of(&motion, self.time_zero_s, self.impact_speed_m_per_s)?;
         let mut metrics = pulse_metrics(&Pulse {
             acceleration: &motion.acceleration,
             velocity: &motion.velocity,
@@ -209,6 +243,26 @@ impl Task<'_> {
         }
         out.wave(&format!("{id}/velocity"), QuantityKind::Velocity, of.motion.velocity.into_sampled())?;
         out.wave(&format!("{id}/displacement"), QuantityKind::Displacement, of.motion.displacement.into_sampled())
+    }
+}
+
+/// The one thing to do about a channel that cannot be integrated.
+fn hint(error: &IntegrateError) -> &'static str {
+    match error {
+        IntegrateError::ImpactSpeed(_) => "--impact-speed is a speed, 0m/s for a motion from rest",
+        _ => "--time-zero says where on the record's time axis first contact is",
+    }
+}
+
+/// Warns of vehicle metrics of what is no part of the vehicle.
+fn not_of_the_vehicle(channel: &Channel, notes: &mut Notes) {
+    if !channel.may_be_on_vehicle() || part_of(channel).is_some() {
+        let location = if channel.location.is_empty() { "an occupant" } else { &channel.location };
+        notes.warning(format!(
+            "channel {} is not of the vehicle ({location}): its dynamic crush, restitution, energies and pulse indices are \
+             those of the sensor, not of the vehicle",
+            channel.id
+        ));
     }
 }
 
@@ -273,7 +327,14 @@ fn impact_speed(
     Ok(speed)
 }
 
-fn summary(channel: &str, pulse: &Integrated) -> String {
+fn summary(channel: &str, pulse: &Integrated, time_zero_s: f64, impact_speed_m_per_s: f64) -> String {
+    if impact_speed_m_per_s == 0.0 {
+        let change = pulse.events.end_velocity_m_per_s;
+        return format!("pulse {channel}: from rest, change of velocity {change:.3} m/s at the end, no crash events");
+    }
+    if wrong_sign(&pulse.motion.velocity, time_zero_s, impact_speed_m_per_s) {
+        return format!("pulse {channel}: no crash events, {WRONG_SIGN}");
+    }
     match (pulse.events.crush, pulse.events.rebound) {
         (Some(crush), Some(rebound)) => {
             let interval = pulse.event_intervals.first().copied().flatten();

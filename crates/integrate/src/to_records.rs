@@ -1,7 +1,7 @@
 //! Events and metrics as they stand in the artifact.
 
 use crumple_integrate::EVENT_NAMES;
-use crumple_metrics::{Metric, centroid_time_from_crush};
+use crumple_metrics::{Metric, centroid_time_from_crush, definitions};
 use crumple_stage::records::{EventIntervalV1, EventsV1, MetricV1};
 
 use crate::contact::TimeZero;
@@ -43,21 +43,14 @@ pub fn events_record(
 }
 
 /// The metrics of a channel, and the drift taken out of it.
-pub fn metric_records(channel: &str, of: &Integrated) -> Vec<MetricV1> {
+pub fn metric_records(channel: &str, of: &Integrated, time_zero_s: f64) -> Vec<MetricV1> {
     let mut records: Vec<MetricV1> = of.metrics.iter().map(|metric| metric_record(channel, metric)).collect();
     if let Some(drift) = of.drift {
-        records.push(MetricV1 {
-            name: "drift_correction".to_owned(),
-            value: Some(drift.acceleration_m_per_s2),
-            unit: "m/s^2".to_owned(),
-            channel: channel.to_owned(),
-            definition: format!(
-                "acceleration subtracted ({}) so that the stated velocity is met at {:.6} s of the record",
-                drift.shape.name(),
-                drift.time_s
-            ),
-            ..MetricV1::default()
-        });
+        let from_s = of.motion.velocity.t0_s() - time_zero_s;
+        let metric = Metric::found(&definitions::DRIFT, drift.acceleration_m_per_s2)
+            .over(from_s, drift.time_s - time_zero_s)
+            .remarked(&format!("{}, met at {:.6} s of the record", drift.shape.name(), drift.time_s));
+        records.push(metric_record(channel, &metric));
     }
     records
 }

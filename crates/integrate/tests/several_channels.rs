@@ -150,6 +150,11 @@ fn the_barrier_force_is_the_sum_of_its_living_cells_and_its_impulse_is_the_chang
     let all = result(&input, &["--barrier-cells", "all"]);
     assert!((metric(&all, "barrier", "momentum_ratio").unwrap() - 1.1).abs() < 1e-9);
     assert!(notes(&all).iter().any(|note| note.starts_with("warning: momentum check")));
+    // All cells with data, the dead one among them, whichever are summed: 1.1 of 18 m/s.
+    for artifact in [&artifact, &all] {
+        assert!((metric(artifact, "barrier", "barrier_delta_v_as_read").unwrap() - 19.8).abs() < 1e-9);
+        assert!(notes(artifact).iter().any(|note| note.starts_with("barrier as read: all 3 load cells with data")));
+    }
     let none = result(&input, &["--barrier-cells", "none"]);
     assert!(!none.waves().contains_key("barrier/force"));
 }

@@ -206,6 +206,18 @@ catalogue! {
         "duration of the longest stay outside the corridor" "definition";
     CORRIDOR_EXIT = "corridor-exit" "corridor_first_exit" "s" Checked
         "time at which the signal first leaves the corridor" "definition";
+    DRIFT = "drift-correction" "drift_correction" "m/s^2" Checked
+        "acceleration subtracted so that the stated velocity is met" "definition";
+    BARRIER_PEAK = "barrier-peak" "barrier_peak_force" "N" Checked
+        "sample of the sum of the load cells along x with the largest magnitude, positive in compression" "definition";
+    BARRIER_IMPULSE = "barrier-impulse" "barrier_impulse" "N*s" Checked
+        "integral of the sum of the load cells from time zero to the end of the record, by trapezoid" "definition";
+    BARRIER_DELTA_V = "barrier-delta-v" "barrier_delta_v" "m/s" Checked
+        "barrier_impulse over the mass" "definition";
+    BARRIER_DELTA_V_AS_READ = "barrier-delta-v-as-read" "barrier_delta_v_as_read" "m/s" Checked
+        "impulse over the mass of all load cells with data, those not marked valid among them, with the zero levels that were removed before filtering put back" "definition";
+    MOMENTUM_RATIO = "momentum-ratio" "momentum_ratio" "1" Checked
+        "impulse of the barrier up to separation over the mass and the change of velocity of the pulse; 1 if both are right" "definition";
     TIME_ZERO_THRESHOLD = "time-zero-threshold" "time_zero" "s" Checked
         "first crossing of the threshold that holds, interpolated" "threshold rule";
     TIME_ZERO_EDR = "time-zero-edr" "time_zero" "s" FromMemory

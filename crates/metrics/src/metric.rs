@@ -120,7 +120,7 @@ impl Metric {
     }
 
     /// The same window with times counted from `time_zero_s`.
-    pub(crate) fn counted_from(mut self, time_zero_s: f64) -> Self {
+    pub fn counted_from(mut self, time_zero_s: f64) -> Self {
         self.window = self.window.map(|w| Window { from_s: w.from_s - time_zero_s, to_s: w.to_s - time_zero_s });
         self
     }

@@ -43,7 +43,11 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
     let peak = peak(pulse.acceleration);
     let work = crush.map(|c| loading_work_per_kg(pulse.acceleration, pulse.displacement, &c)).transpose()?;
 
-    let no_crush = format!("the record ends at v = {:.3} m/s", pulse.events.end_velocity_m_per_s);
+    let no_crush = if v0 == 0.0 {
+        "the motion starts from rest".to_owned()
+    } else {
+        format!("the record ends at v = {:.3} m/s", pulse.events.end_velocity_m_per_s)
+    };
     let metric = |definition: &Definition, value: Option<f64>| {
         let reason = match crush {
             _ if matches!(definition.unit, "J" | "N/m") && mass.is_none() => "the mass is not known",
@@ -59,24 +63,30 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         Some(r) => m.over(0.0, r.time_s),
         None => m,
     };
+    let at_crush = |m: Metric| crush.map_or(m.clone(), |c| m.over(c.time_s, c.time_s));
     let (lower, upper) = ("lower bound: still separating at the end", "upper bound: still separating at the end");
 
     let at_peak = peak.map(|p| p.time_s - zero_s);
-    let peak_metric = metric(&PEAK, peak.map(|p| p.acceleration_m_per_s2.abs()));
+    let moment = |m: Metric| at_peak.map_or(m.clone(), |t| m.over(t, t));
     let returned = rebound.zip(mass).map(|(r, m)| kinetic_energy(m, r.velocity_m_per_s));
     let absorbed = rebound.zip(mass).map(|(r, m)| absorbed_energy(m, v0, r.velocity_m_per_s));
     // Equal to sqrt(2·E_abs/m), which needs no mass.
     let equivalent = rebound.map(|r| energy_equivalent_speed(1.0, absorbed_energy(1.0, v0, r.velocity_m_per_s)));
+    let recovered = metric(&REBOUND_DISPLACEMENT, crush.zip(rebound).map(|(c, r)| c.displacement_m - r.displacement_m));
+    let recovered = match crush.zip(rebound) {
+        Some((c, r)) => recovered.over(c.time_s, r.time_s),
+        None => recovered,
+    };
     let drift = match rebound {
         Some(r) => acceleration_after_separation(pulse.velocity, zero_s + r.time_s).counted_from(zero_s),
         None => Metric::absent(&SEPARATION, &no_crush),
     };
 
     Ok(vec![
-        at_peak.map_or(peak_metric.clone(), |t| peak_metric.over(t, t)),
-        metric(&TIME_OF_PEAK, at_peak),
-        metric(&DYNAMIC_CRUSH, crush.map(|c| c.displacement_m)),
-        metric(&TIME_OF_CRUSH, crush.map(|c| c.time_s)),
+        moment(metric(&PEAK, peak.map(|p| p.acceleration_m_per_s2.abs()))),
+        moment(metric(&TIME_OF_PEAK, at_peak)),
+        at_crush(metric(&DYNAMIC_CRUSH, crush.map(|c| c.displacement_m))),
+        at_crush(metric(&TIME_OF_CRUSH, crush.map(|c| c.time_s))),
         loading(metric(&CENTROID, crush.map(|c| centroid_time_from_crush(c.displacement_m, v0)))),
         loading(metric(
             &CENTROID_MOMENT,
@@ -85,7 +95,7 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         loading(metric(&CENTROID_RATIO, crush.map(|c| centroid_time_from_crush(c.displacement_m, v0) / c.time_s))),
         bound(metric(&DELTA_V, pulse.events.delta_v_m_per_s(v0)), lower),
         bound(metric(&RESTITUTION, pulse.events.restitution(v0)), lower),
-        metric(&REBOUND_DISPLACEMENT, crush.zip(rebound).map(|(c, r)| c.displacement_m - r.displacement_m)),
+        recovered,
         loading(metric(&ESW, crush.map(|c| equivalent_square_wave(v0, c.displacement_m)))),
         loading(metric(&ASW, crush.map(|c| average_square_wave(v0, c.time_s)))),
         loading(metric(&X_MEAN, crush.and_then(|c| mean_deceleration(pulse.velocity, zero_s, zero_s + c.time_s)))),
@@ -93,7 +103,7 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         olc(pulse.velocity, pulse.displacement, v0, zero_s, OlcOptions::default())?,
         vpi(pulse.acceleration, zero_s, VpiOptions::default()),
         loading(metric(&AVERAGE_STIFFNESS, crush.zip(mass).map(|(c, m)| average_stiffness(m, v0, c.displacement_m)))),
-        metric(&IMPACT_ENERGY, mass.map(|m| kinetic_energy(m, v0))),
+        metric(&IMPACT_ENERGY, mass.map(|m| kinetic_energy(m, v0))).over(0.0, 0.0),
         bound(metric(&ABSORBED_ENERGY, absorbed), upper),
         bound(metric(&RETURNED_ENERGY, returned), lower),
         bound(metric(&LOSS_RATIO, pulse.events.restitution(v0).map(|e| 1.0 - e * e)), upper),
@@ -136,6 +146,15 @@ mod tests {
         let crush = find(&metrics, "dynamic_crush");
         assert_eq!((crush.value, crush.definition.as_str()), (None, "absent: the record ends at v = 2.000 m/s"));
         assert_eq!(find(&metrics, "peak_acceleration").value, Some(2.0));
+    }
+
+    #[test]
+    fn every_value_has_a_window_and_a_motion_from_rest_says_that_it_is_one() {
+        let metrics = metrics_of(Some(900.0), (0..=80).map(|k| 4.0 - 0.1 * f64::from(k)).collect(), 0.5);
+        assert!(metrics.iter().any(|m| m.name == "rebound_displacement" && m.value.is_some()));
+        for metric in metrics {
+            assert_eq!(metric.value.is_some(), metric.window.is_some(), "{metric:?}");
+        }
     }
 
     #[test]

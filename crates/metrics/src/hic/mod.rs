@@ -47,7 +47,9 @@ fn by(resultant: &Signal<Acceleration>, window_s: f64, search: fn(&[f64], usize)
     // The search works in m/s² and samples.
     let value = dt * best.value / STANDARD_GRAVITY_M_PER_S2.powf(2.5);
     if best.value == 0.0 {
-        return Metric::found(definition, 0.0).remarked("no window has a positive mean");
+        return Metric::found(definition, 0.0)
+            .over(resultant.t0_s(), resultant.end_s())
+            .remarked("no window has a positive mean");
     }
     Metric::found(definition, value).over(resultant.time_s(best.start), resultant.time_s(best.end))
 }

@@ -1,0 +1,274 @@
+//! Criteria of occupants and of roadside hardware, from the channels a test has for them.
+
+use crumple_metrics::{
+    AsiLimits, AsiMethod, CLIP_3MS_S, CrushStiffness, FlailSpace, HIC15_WINDOW_S, HIC36_WINDOW_S, Metric, asi,
+    clip_contiguous, clip_cumulative, definitions, hic, hic_d, oiv_ora, resultant, ride_down, thiv_phd,
+};
+use crumple_signal::{Acceleration, Axis, Channel, ChannelStatus, Notes, QuantityKind, Signal, TestDescription};
+use crumple_stage::records::MetricV1;
+use crumple_stage::{Inputs, RefuseExt};
+
+use crate::body::{Part, Site, part_of, sites};
+use crate::options::{MetricGroup, StageSettings};
+use crate::to_records::metric_record;
+
+/// Class that the criteria of the head ask for (FMVSS 208, SAE J211-1).
+const HEAD_CFC: u16 = 1000;
+/// Class that the criteria of the chest and of roadside hardware ask for.
+const CHEST_CFC: u16 = 180;
+
+/// What the criteria of a test are made from.
+pub struct Criteria<'a> {
+    pub settings: &'a StageSettings,
+    pub input: &'a Inputs,
+    pub test: &'a TestDescription,
+    pub pulse: &'a Channel,
+    pub time_zero_s: f64,
+    /// `None`: not known.
+    pub impact_speed_m_per_s: Option<f64>,
+}
+
+impl Criteria<'_> {
+    /// All criteria asked for; with `auto` those whose channels the test has.
+    pub fn records(&self, notes: &mut Notes) -> anyhow::Result<Vec<MetricV1>> {
+        let mut records = Vec::new();
+        let sites = sites(self.test, self.input);
+        for (group, parts) in
+            [(MetricGroup::Head, &[Part::Head, Part::Headform][..]), (MetricGroup::Chest, &[Part::Chest])]
+        {
+            let of_group = || sites.iter().filter(|(part, _)| parts.contains(part));
+            if self.asked(group) && of_group().count() == 0 {
+                notes.warning(format!("{}: no accelerometer of it has data in the inputs", name(group)));
+            }
+            for (part, site) in of_group().filter(|_| self.takes(group)) {
+                records.extend(self.of_body(*part, site, notes)?);
+            }
+        }
+        if self.takes(MetricGroup::RideDown) {
+            records.extend(self.ride_down(&sites, notes)?);
+        }
+        if self.takes(MetricGroup::Roadside) {
+            records.extend(self.roadside(notes)?);
+        }
+        records.extend(self.crush_stiffness(notes));
+        Ok(records)
+    }
+
+    fn asked(&self, group: MetricGroup) -> bool {
+        self.settings.metrics.contains(&group)
+    }
+
+    fn takes(&self, group: MetricGroup) -> bool {
+        self.settings.metrics.is_empty() || self.asked(group)
+    }
+
+    fn acceleration(&self, channel: &Channel) -> anyhow::Result<Signal<Acceleration>> {
+        self.input
+            .wave(&channel.id)?
+            .signal::<Acceleration>()
+            .refuse_with_hint("--metrics none leaves the criteria of occupants and roadside hardware out")
+    }
+
+    /// The record of a criterion under the ids of its channels together, with what is to be said of their class and axes.
+    fn record(&self, channels: &[&Channel], metric: Metric, remarks: &[String]) -> MetricV1 {
+        let ids: Vec<&str> = channels.iter().map(|channel| channel.id.as_str()).collect();
+        let metric =
+            remarks.iter().fold(metric.counted_from(self.time_zero_s), |metric, remark| metric.remarked(remark));
+        metric_record(&ids.join("+"), &metric)
+    }
+
+    fn of_body(&self, part: Part, site: &Site<'_>, notes: &mut Notes) -> anyhow::Result<Vec<MetricV1>> {
+        let axes: Vec<&Channel> = site.axes.iter().flatten().copied().collect();
+        let channels = match site.whole {
+            Some(whole) if axes.len() < 3 => vec![whole],
+            _ => axes,
+        };
+        let place = |channels: &[&Channel]| channels.first().map_or_else(String::new, |channel| title(channel));
+        let signals: Vec<_> = channels.iter().map(|channel| self.acceleration(channel)).collect::<Result<_, _>>()?;
+        let Ok(resultant) = resultant(&signals.iter().collect::<Vec<_>>()) else {
+            notes.warning(format!("{}: its axes are on different time grids, no criteria", place(&channels)));
+            return Ok(Vec::new());
+        };
+        let mut remarks: Vec<String> = Vec::new();
+        let partial = channels.len() < 3 && channels.iter().all(|channel| channel.axis != Some(Axis::Resultant));
+        if partial {
+            let axes: Vec<String> = channels.iter().filter_map(|c| c.axis).map(|axis| axis.to_string()).collect();
+            let of = if axes.is_empty() { "one axis".to_owned() } else { axes.join(" and ") };
+            remarks.push(format!("lower bound: resultant of {of} alone"));
+            notes.warning(format!("{}: resultant of {of} alone, its criteria are lower bounds", place(&channels)));
+        }
+        remarks.extend(class_remark(&channels, if part == Part::Chest { CHEST_CFC } else { HEAD_CFC }, notes));
+        let mut metrics = match part {
+            Part::Head => vec![hic(&resultant, HIC15_WINDOW_S), hic(&resultant, HIC36_WINDOW_S)],
+            Part::Headform => vec![hic(&resultant, HIC36_WINDOW_S), hic_d(&resultant)],
+            Part::Chest => Vec::new(),
+        };
+        metrics.extend([clip_contiguous(&resultant, CLIP_3MS_S), clip_cumulative(&resultant, CLIP_3MS_S)]);
+        Ok(metrics.into_iter().map(|metric| self.record(&channels, metric, &remarks)).collect())
+    }
+
+    /// Ride-down of every chest along x against the pulse, both from time zero.
+    fn ride_down(&self, sites: &[(Part, Site<'_>)], notes: &mut Notes) -> anyhow::Result<Vec<MetricV1>> {
+        let mut records = Vec::new();
+        let chests = sites.iter().filter(|(part, _)| *part == Part::Chest).filter_map(|(_, site)| site.axes[0]);
+        let Some(v0) = self.impact_speed_m_per_s.filter(|v0| *v0 > 0.0) else { return Ok(records) };
+        if !self.pulse.may_be_on_vehicle() || part_of(self.pulse).is_some() {
+            if self.asked(MetricGroup::RideDown) {
+                notes.warning("ride-down: the pulse is no accelerometer of the vehicle");
+            }
+            return Ok(records);
+        }
+        let vehicle = self.since_time_zero(&self.acceleration(self.pulse)?);
+        for chest in chests {
+            let occupant = self.since_time_zero(&self.acceleration(chest)?);
+            match ride_down(&vehicle, &occupant, v0) {
+                Ok(found) => {
+                    let remarks = [format!("vehicle: channel {}", self.pulse.id)];
+                    for metric in [found.efficiency, found.restraint, found.largest_travel] {
+                        records.push(self.record(&[chest], metric, &remarks));
+                    }
+                }
+                Err(error) => notes.warning(format!("ride-down of channel {}: {error}", chest.id)),
+            }
+        }
+        if records.is_empty() && self.asked(MetricGroup::RideDown) {
+            notes.warning("ride-down: no chest acceleration along x has data in the inputs");
+        }
+        Ok(records)
+    }
+
+    fn since_time_zero(&self, signal: &Signal<Acceleration>) -> Signal<Acceleration> {
+        signal.slice(signal.index_at_or_after(self.time_zero_s), signal.len()).into()
+    }
+
+    /// ASI over the whole record; the flights of head and occupant begin at time zero.
+    fn roadside(&self, notes: &mut Notes) -> anyhow::Result<Vec<MetricV1>> {
+        let asked = self.asked(MetricGroup::Roadside);
+        let on_axis = |axis: Axis| {
+            self.vehicle(QuantityKind::Acceleration, axis).into_iter().find(|channel| at_centre_of_gravity(channel))
+        };
+        let mut remarks = Vec::new();
+        let (x, y) = match (on_axis(Axis::X), on_axis(Axis::Y)) {
+            (Some(x), Some(y)) => (x, Some(y)),
+            _ if !asked => return Ok(Vec::new()),
+            (x, y) => {
+                if x.is_none() {
+                    remarks.push(format!("x of the pulse {}, not known to be at the centre of gravity", self.pulse.id));
+                }
+                if y.is_none() {
+                    remarks.push("y is not measured at the centre of gravity and taken as 0".to_owned());
+                }
+                (x.unwrap_or(self.pulse), y)
+            }
+        };
+        let z = on_axis(Axis::Z);
+        if z.is_none() {
+            remarks.push("z is not measured at the centre of gravity and taken as 0".to_owned());
+        }
+        for remark in &remarks {
+            notes.info(format!("roadside metrics: {remark}"));
+        }
+        let yaw = self.vehicle(QuantityKind::AngularVelocity, Axis::Z).into_iter().next();
+        let mut planar = vec![x];
+        planar.extend(y);
+        remarks.extend(class_remark(&planar, CHEST_CFC, notes));
+
+        let ax = self.acceleration(x)?;
+        let nothing = || ax.with_samples(vec![0.0; ax.len()]).refuse_with_hint("--metrics none leaves it out");
+        let along = |channel: Option<&Channel>| channel.map_or_else(nothing, |channel| self.acceleration(channel));
+        let (ay, az) = (along(y)?, along(z)?);
+        let mut spatial = planar.clone();
+        spatial.extend(z);
+        let space = FlailSpace::default();
+        let (x_flight, y_flight) = (self.since_time_zero(&ax), self.since_time_zero(&ay));
+        let mut found: Vec<(&[&Channel], Metric)> = Vec::new();
+        let limits = AsiLimits::default();
+        let severity = [AsiMethod::ButterworthPerPass].map(|method| asi([&ax, &ay, &az], limits, method));
+        let flight = oiv_ora(&x_flight, &y_flight, space);
+        let ([Ok(severity)], Ok(flight)) = (severity, flight) else {
+            notes.warning("roadside metrics: x, y and z are on different time grids, none computed");
+            return Ok(Vec::new());
+        };
+        found.push((&spatial, severity));
+        found.extend(flight.into_iter().map(|metric| (&planar[..], metric)));
+        let mut with_yaw = planar.clone();
+        with_yaw.extend(yaw);
+        match yaw {
+            Some(yaw) => {
+                let rate = &self.input.wave(&yaw.id)?.sampled;
+                let rate = rate.slice(rate.index_at_or_after(self.time_zero_s), rate.len());
+                match thiv_phd(&x_flight, &y_flight, &rate, space) {
+                    Ok((thiv, phd)) => found.extend([(&with_yaw[..], thiv), (&with_yaw[..], phd)]),
+                    Err(error) => notes.warning(format!("thiv: {error}")),
+                }
+            }
+            None => {
+                let reason = "no yaw rate of the vehicle is measured";
+                found.extend([&definitions::THIV, &definitions::PHD].map(|d| (&planar[..], Metric::absent(d, reason))));
+            }
+        }
+        Ok(found.into_iter().map(|(channels, metric)| self.record(channels, metric, &remarks)).collect())
+    }
+
+    /// Channels of the vehicle that measure a quantity along an axis, with samples in the inputs.
+    fn vehicle(&self, quantity: QuantityKind, axis: Axis) -> Vec<&Channel> {
+        let fits = |channel: &&Channel| {
+            channel.quantity == quantity
+                && channel.axis == Some(axis)
+                && channel.status != ChannelStatus::Failed
+                && channel.may_be_on_vehicle()
+                && !channel.location.to_lowercase().contains("head")
+                && self.input.wave_if(&channel.id).is_some()
+        };
+        self.test.channels.iter().filter(fits).collect()
+    }
+
+    fn crush_stiffness(&self, notes: &mut Notes) -> Vec<MetricV1> {
+        let Some(damage) = self.settings.damage else { return Vec::new() };
+        let (Some(mass_kg), Some(v0)) = (self.test.mass_kg, self.impact_speed_m_per_s) else {
+            notes.warning("crush stiffness: the mass is not known (give it to ingest with --mass)");
+            return Vec::new();
+        };
+        let b0 = damage.no_damage_speed_m_per_s;
+        let found = CrushStiffness::from_barrier_test(mass_kg, damage.width_m, v0, damage.residual_crush_m, b0);
+        let Some(found) = found else {
+            notes.warning(format!(
+                "crush stiffness: width, residual crush and impact speed above {b0} m/s must be positive, none computed"
+            ));
+            return Vec::new();
+        };
+        let remark = format!(
+            "width {} m, residual crush {} m, b0 = {b0} m/s; from the impact speed and what was measured afterwards",
+            damage.width_m, damage.residual_crush_m
+        );
+        let at_impact = |metric: Metric| metric.over(self.time_zero_s, self.time_zero_s);
+        let record = |metric: Metric| self.record(&[self.pulse], at_impact(metric), std::slice::from_ref(&remark));
+        found.metrics().into_iter().map(record).collect()
+    }
+}
+
+fn name(group: MetricGroup) -> &'static str {
+    if group == MetricGroup::Chest { "chest" } else { "head" }
+}
+
+fn title(channel: &Channel) -> String {
+    if channel.location.is_empty() { format!("channel {}", channel.id) } else { channel.location.clone() }
+}
+
+/// What is to be said where the class of the input is not the one the definition asks for; a warning too.
+fn class_remark(channels: &[&Channel], asked: u16, notes: &mut Notes) -> Option<String> {
+    let other = channels.iter().find(|channel| channel.cfc != Some(asked))?;
+    let class = other.cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("cfc {cfc}"));
+    let remark = format!("channel {} is of {class}, the definition asks for cfc {asked}", other.id);
+    notes.warning(format!("{}: {remark} (crumple-filter --cfc {asked})", title(other)));
+    Some(remark)
+}
+
+/// Whether a sensor of the vehicle is said to sit at the centre of gravity, by code or in words.
+fn at_centre_of_gravity(channel: &Channel) -> bool {
+    let location = channel.location.to_lowercase();
+    let by_code = channel.code.as_deref().is_some_and(|code| code.get(2..8).is_some_and(|part| part == "VEHCCG"));
+    by_code
+        || ["centre of gravity", "center of gravity", "c.g."].iter().any(|words| location.contains(words))
+        || location.split(|c: char| !c.is_alphanumeric()).any(|word| word == "cg" || word == "cofg")
+}
