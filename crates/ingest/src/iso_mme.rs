@@ -7,6 +7,7 @@ mod header;
 mod place;
 mod test_file;
 
+pub(crate) use channel::by_code;
 pub(crate) use place::fitness as fitness_of_code;
 
 use std::collections::{BTreeMap, BTreeSet};

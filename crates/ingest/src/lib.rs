@@ -9,6 +9,7 @@
 mod archive;
 mod bundle;
 mod checks;
+mod code_name;
 mod compartment;
 mod details;
 mod diadem;

@@ -11,7 +11,7 @@ use crumple_signal::{Channel, Notes, QuantityKind, Sampled};
 
 use crate::recording::{Fitness, Found};
 use crate::table::header;
-use crate::{IngestError, Place, Settings, unused};
+use crate::{IngestError, Place, Settings, code_name, unused};
 use clock::Clocks;
 use units::Label;
 
@@ -138,6 +138,7 @@ pub fn channels(
         let mut channel = Channel::new(id.clone(), quantity);
         channel.axis = header::axis(&label.title);
         channel.cfc = header::cfc(&label.title).filter(|_| acceleration);
+        code_name::describe(&mut channel, &label.name, notes);
         channel.comment = comment;
         let fitness =
             acceleration.then_some(Fitness { redundant: false, place: 0, why: "the only acceleration channel" });

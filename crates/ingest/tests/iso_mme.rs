@@ -240,3 +240,15 @@ fn header_counts_allocate_nothing() {
         notes(&read(folder.path(), &Settings::default()).unwrap()).contains("states 4000000000 channels and lists 4")
     );
 }
+
+#[test]
+fn a_unit_may_have_brackets_of_its_own() {
+    for unit in ["m/(s*s)", "[m/(s*s)]", "m/(s^2)"] {
+        let text = channel("10SECMLERE00ACXP", "", 30.0).replace("Unit                        :g", &format!("Unit :{unit}"));
+        let ingested = lone(&text).unwrap();
+        let pulse = ingested.pulse().unwrap();
+        assert_eq!(pulse.quantity, QuantityKind::Acceleration, "{unit}");
+        // In m/s^2 as written: sample 650 is 45 ms, the top of the half sine.
+        assert!((pulse.samples.samples()[650] + 30.0).abs() < 1e-6, "{unit}");
+    }
+}

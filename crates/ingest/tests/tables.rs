@@ -276,3 +276,28 @@ fn a_pattern_means_one_column_or_is_refused() {
     let error = named("*_g").unwrap_err();
     assert!(error.to_string().contains("--channel *_g means 2 columns: left_g, right_g"), "{error}");
 }
+
+#[test]
+fn columns_named_by_channel_codes_are_decoded_and_the_pulse_is_found_by_place() {
+    let header = "time_s,10ENGN000000ACXP (g),10VEHCCG0000ACXD (g),10SECMLERE00AC1P (g)\n";
+    let rows: String = (0..400)
+        .map(|k| {
+            let a = if k < 200 { 0.0 } else { -20.0 * (f64::from(k - 200) * 0.01).sin() };
+            format!("{:.4},{a:.4},{a:.4},{a:.4}\n", f64::from(k - 200) * 1e-4)
+        })
+        .collect();
+    let ingested = from_text(&(header.to_owned() + &rows), &stated()).unwrap();
+    let channel = |id: &str| ingested.test.channel(id).unwrap().clone();
+    let body = channel("10VEHCCG0000ACXD");
+    assert_eq!((body.cfc, body.location.as_str()), (Some(60), "vehicle, centre of gravity"));
+    assert_eq!(body.code.as_deref(), Some("10VEHCCG0000ACXD"));
+    assert_eq!(ingested.test.pulse.as_deref(), Some("10SECMLERE00AC1P"));
+    assert!(channel("10SECMLERE00AC1P").polarity.is_some());
+    // Without units: both are accelerations by their codes, and the flag is for them.
+    let bare = header.replace(" (g)", "");
+    let error = from_text(&(bare.clone() + &rows), &stated()).unwrap_err();
+    assert!(error.to_string().contains("no unit is stated"), "{error}");
+    let settings = Settings { unit: Some("g".to_owned()), ..stated() };
+    let ingested = from_text(&(bare + &rows), &settings).unwrap();
+    assert!(ingested.test.channels.iter().all(|c| c.quantity == QuantityKind::Acceleration));
+}

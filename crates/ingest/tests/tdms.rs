@@ -650,3 +650,24 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_channel_named_by_its_code_is_what_the_code_says() {
+    let mut metadata = Writer::new(false);
+    metadata
+        .object("/'R'/'10VEHC0000__ACXD_NoName1'", Some((10, 60)), &accelerometer())
+        .object("/'R'/'11HEADCG00H3ACXA (g)'", Some((10, 60)), &waveform())
+        .object("/'R'/'Acc (m/(s*s))'", Some((10, 60)), &waveform());
+    let mut raw = Writer::new(false);
+    raw.doubles((0..180).map(f64::from));
+    let recording = read(segment(NEW_LIST | RAW, 3, &metadata, &raw.bytes)).unwrap();
+    let [body, head, plain] = recording.channels.as_slice() else { panic!("{:?}", recording.channels) };
+    assert_eq!(body.channel.code.as_deref(), Some("10VEHC0000__ACXD"));
+    assert_eq!((body.channel.axis, body.channel.cfc), (Some(Axis::X), Some(60)));
+    assert_eq!(body.channel.location, "vehicle");
+    assert_eq!(body.channel.filter_state.as_deref(), Some("CFC 60"));
+    assert_eq!((head.channel.axis, head.channel.cfc), (Some(Axis::X), Some(1000)));
+    assert!(head.channel.location.starts_with("occupant front left, head"), "{}", head.channel.location);
+    assert_eq!((plain.channel.quantity, plain.channel.code.as_deref()), (QuantityKind::Acceleration, None));
+    assert_eq!(samples(plain)[1], 121.0);
+}

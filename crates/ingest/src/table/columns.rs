@@ -11,7 +11,7 @@ use super::rows::Rows;
 use super::time_axis::TimeAxis;
 use crate::recording::{Fitness, Found, Stated};
 use crate::selection::is_pattern;
-use crate::{IngestError, Place, Profile, Settings, unused};
+use crate::{IngestError, Place, Profile, Settings, code_name, unused};
 
 const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
 
@@ -78,6 +78,7 @@ pub fn channels(
         let mut channel = Channel::new(id, quantity);
         channel.axis = axis(title);
         channel.cfc = cfc(title).filter(|_| acceleration);
+        code_name::describe(&mut channel, name, notes);
         channels.push(Found {
             channel,
             wave: Some(wave),

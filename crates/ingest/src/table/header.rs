@@ -6,6 +6,7 @@ use crumple_signal::{Axis, QuantityKind};
 use super::layout::{Delimiter, Layout};
 use super::numbers::unquoted;
 use super::text::{Line, decode};
+use crate::code_name;
 
 /// What a column is said to hold.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,7 +117,7 @@ fn is_unit_line(cells: &[String]) -> bool {
 /// A cell of the units line: `g`, `[m/s^2]`, `time - seconds (computed after test)`.
 fn unit_cell(cell: &str, title: &str) -> Unit {
     let cell = cell.trim();
-    let whole = symbol(cell.trim_matches(|c| matches!(c, '[' | ']' | '(' | ')' | ' ')), title);
+    let whole = symbol(unit::without_brackets(cell), title);
     if !matches!(whole, Unit::Unstated | Unit::Unknown(_)) {
         return whole;
     }
@@ -135,15 +136,22 @@ fn unit_cell(cell: &str, title: &str) -> Unit {
 /// without the bracket, and the unit.
 pub fn split_unit(title: &str) -> (String, Unit) {
     let title = title.trim();
-    for (open, close) in [('[', ']'), ('(', ')'), ('{', '}')] {
-        if let Some(body) = title.strip_suffix(close)
-            && let Some(start) = body.rfind(open)
-        {
-            let name = title[..start].trim();
-            let name = if name.is_empty() { title } else { name };
-            return (name.trim_end_matches([',', '_', '-', '/']).trim().to_owned(), symbol(&body[start + 1..], title));
+    if let Some(start) = unit::opening_bracket(title) {
+        let unit = symbol(&title[start + 1..title.len() - 1], title);
+        // `Acc in m/(s*s)`: the bracket belongs to the unit.
+        let within = title[..start].ends_with('/').then(|| unbracketed(title));
+        if let Some(found @ (_, Unit::Time(_) | Unit::Signal(..))) = within {
+            return found;
         }
+        let name = title[..start].trim();
+        let name = if name.is_empty() { title } else { name };
+        return (name.trim_end_matches([',', '_', '-', '/']).trim().to_owned(), unit);
     }
+    unbracketed(title)
+}
+
+/// The name and the unit of a title that does not end in a unit in brackets.
+fn unbracketed(title: &str) -> (String, Unit) {
     for separator in [" in ", " / ", " - ", ", "] {
         if let Some((name, rest)) = title.rsplit_once(separator) {
             let unit = symbol(rest, title);
@@ -205,13 +213,14 @@ fn is_kg(text: &str) -> bool {
     text.trim().eq_ignore_ascii_case("kg")
 }
 
-/// Whether words speak of acceleration: `accel_g`, `Deceleration`, `deacceleration`, `Beschleunigung`, `Verzögerung`, `a`.
+/// Whether words speak of acceleration: `accel_g`, `Deceleration`, `deacceleration`, `Beschleunigung`, `Verzögerung`, `a`, or a
+/// channel code.
 pub fn names_acceleration(text: &str) -> bool {
     let lower = text.to_lowercase();
     ["acc", "decel", "beschl", "verzög", "verzoeg"].iter().any(|part| lower.contains(part)) || {
         let mut words = lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
         matches!(words.next(), Some("a" | "ax" | "ay" | "az"))
-    }
+    } || code_name::is_acceleration(text)
 }
 
 /// Whether a header cell names time: `time_s`, `Zeit`, `temps`, `t`, `t [ms]`, `t(s)`.
@@ -267,6 +276,7 @@ mod tests {
     #[test]
     fn units_stand_in_brackets_suffixes_and_words() {
         let metre = Unit::Signal(QuantityKind::Acceleration, 1.0);
+        let metre_again = metre.clone();
         for (name, unit) in [
             ("accel_g", G),
             ("a (g)", G),
@@ -281,6 +291,10 @@ mod tests {
             ("time_s", Unit::Time(1.0)),
             ("t [ms]", Unit::Time(1e-3)),
             ("Time ms", Unit::Time(1e-3)),
+            ("Acc (m/(s*s))", metre_again.clone()),
+            ("Acc [m/(s^2)]", metre_again.clone()),
+            ("Acc in m/(s*s)", metre_again.clone()),
+            ("Acc m/(s*s)", metre_again),
             ("accel", Unit::Unstated),
             ("x [furlong]", Unit::Unknown("furlong".to_owned())),
         ] {
@@ -291,6 +305,7 @@ mod tests {
     #[test]
     fn a_second_line_may_hold_the_units() {
         assert_eq!(units("t,a\ns,g\n0,1\n1,2\n"), [Unit::Time(1.0), G]);
+        assert_eq!(units("t;a\n[ms];m/(s*s)\n0;1\n1;2\n")[1], Unit::Signal(QuantityKind::Acceleration, 1.0));
         assert_eq!(units("t;a\n[ms];[g]\n0;1\n1;2\n"), [Unit::Time(1e-3), G]);
     }
 

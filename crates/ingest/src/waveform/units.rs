@@ -37,7 +37,7 @@ pub fn label(title: &str, stated: &str) -> Label {
 
 /// A unit by its symbol, or by the word that LabVIEW writes for it.
 fn known(symbol: &str) -> Unit {
-    let symbol = symbol.trim().trim_matches(['[', ']', '(', ')']).trim().replace('\\', "/");
+    let symbol = unit::without_brackets(symbol).replace('\\', "/");
     let of = |symbol: &str| match unit::factor(symbol, Dimension::Time) {
         Some(factor) => Some(Unit::Time(factor)),
         None => unit::signal_unit(symbol).map(|(kind, factor)| Unit::Signal(kind, factor)),
@@ -165,6 +165,10 @@ mod tests {
             ("Femur (Good)", "", "Femur (Good)", Unit::Unknown("Good".to_owned())),
             ("Acceleration_0", "", "Acceleration_0", Unit::Unstated),
             ("10VEHC0000__ACXD", "", "10VEHC0000__ACXD", Unit::Unstated),
+            ("Acc (m/(s*s))", "", "Acc", Unit::Signal(Acceleration, 1.0)),
+            ("Acc [m\\(s^2)]", "", "Acc", Unit::Signal(Acceleration, 1.0)),
+            ("Acc", "m/(s*s)", "Acc", Unit::Signal(Acceleration, 1.0)),
+            ("Acc", "[m/(s^2)]", "Acc", Unit::Signal(Acceleration, 1.0)),
             ("x", "furlong", "x", Unit::Unknown("furlong".to_owned())),
         ] {
             let found = label(title, stated);
