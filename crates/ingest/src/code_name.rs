@@ -52,7 +52,8 @@ pub fn is_acceleration(name: &str) -> bool {
 pub fn describe(channel: &mut Channel, name: &str, notes: &mut Notes) {
     let Some((code, remarks)) = of_name(name) else { return };
     remarks.into_iter().for_each(|remark| notes.info(remark));
-    if let Some(of_code) = code.quantity().0.filter(|q| *q != channel.quantity && channel.quantity != QuantityKind::Other)
+    if let Some(of_code) =
+        code.quantity().0.filter(|q| *q != channel.quantity && channel.quantity != QuantityKind::Other)
     {
         notes.warning(format!(
             "channel {}: the code says {of_code}, the unit is one of {}: the unit is taken",
@@ -65,7 +66,8 @@ pub fn describe(channel: &mut Channel, name: &str, notes: &mut Notes) {
 /// How the pulse is found among channels of which some are named by codes: as in an ISO-MME test if all accelerations that may
 /// be the pulse are and one sits at a usual place, else there must be only one.
 pub fn pulse_rule(channels: &mut [Found], settings: &Settings, notes: &mut Notes) -> PulseRule {
-    let code_of = |found: &Found| found.channel.code.as_deref().and_then(|code| IsoCode::parse(code).ok()).map(|(c, _)| c);
+    let code_of =
+        |found: &Found| found.channel.code.as_deref().and_then(|code| IsoCode::parse(code).ok()).map(|(c, _)| c);
     if settings.vehicle_number.is_some() && !channels.iter().any(|found| code_of(found).is_some()) {
         unused::note("--vehicle-number", "no channel is named by a channel code", notes);
     }

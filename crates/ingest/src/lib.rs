@@ -39,6 +39,7 @@ mod tdm;
 mod tdms;
 mod time_zero;
 mod twins;
+mod uneven;
 mod unused;
 mod waveform;
 

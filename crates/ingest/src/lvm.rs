@@ -33,7 +33,7 @@ impl Reader for Lvm {
     }
 
     fn heeds(&self) -> &'static [&'static str] {
-        &["--unit", "--time-unit", "--vehicle-number"]
+        &["--unit", "--time-unit", "--vehicle-number", "--resample"]
     }
 
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {

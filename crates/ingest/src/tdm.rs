@@ -38,7 +38,7 @@ impl Reader for Tdm {
     }
 
     fn heeds(&self) -> &'static [&'static str] {
-        &["--unit", "--time-unit", "--vehicle-number"]
+        &["--unit", "--time-unit", "--vehicle-number", "--resample"]
     }
 
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {

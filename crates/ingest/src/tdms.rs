@@ -35,7 +35,7 @@ impl Reader for Tdms {
     }
 
     fn heeds(&self) -> &'static [&'static str] {
-        &["--unit", "--time-unit", "--vehicle-number"]
+        &["--unit", "--time-unit", "--vehicle-number", "--resample"]
     }
 
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
@@ -80,11 +80,8 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, 
             found
         })
         .collect();
-    let pulse_rule = if is_nhtsa {
-        PulseRule::Fittest
-    } else {
-        code_name::pulse_rule(&mut channels, settings, &mut notes)
-    };
+    let pulse_rule =
+        if is_nhtsa { PulseRule::Fittest } else { code_name::pulse_rule(&mut channels, settings, &mut notes) };
     Ok(Recording { details, channels, pulse_rule, contact_at_zero: is_nhtsa, notes })
 }
 

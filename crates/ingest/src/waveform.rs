@@ -109,6 +109,10 @@ pub fn channels(
     if settings.time_unit.is_some() && waveforms.iter().enumerate().all(own_steps) {
         unused::note("--time-unit", "every channel states its step in seconds", notes);
     }
+    if settings.resample.is_some() && !clocks.resamples() {
+        let why = "every channel states a uniform step; crumple-filter --resample brings channels to another rate";
+        unused::note("--resample", why, notes);
+    }
     let kinds = units::kinds(file, &waveforms, &labels, &clocks, wanted, settings, notes)?;
 
     let mut channels = Vec::new();

@@ -301,3 +301,35 @@ fn columns_named_by_channel_codes_are_decoded_and_the_pulse_is_found_by_place() 
     let ingested = from_text(&(bare + &rows), &settings).unwrap();
     assert!(ingested.test.channels.iter().all(|c| c.quantity == QuantityKind::Acceleration));
 }
+
+#[test]
+fn a_unit_by_flag_serves_all_columns_named_as_accelerations() {
+    let rows: String = (0..400).map(|k| format!("{:.4},{},{},{}\n", f64::from(k) * 1e-4, -k, -2 * k, 3 * k)).collect();
+    let settings = Settings { unit: Some("g".to_owned()), channel: Some("acc_left".to_owned()), ..stated() };
+    let ingested = from_text(&format!("time_s,acc_left,acc_right,force\n{rows}"), &settings).unwrap();
+    let quantities: Vec<QuantityKind> = ingested.waves.iter().map(|wave| wave.quantity).collect();
+    assert_eq!(quantities, [QuantityKind::Acceleration, QuantityKind::Acceleration, QuantityKind::Other]);
+    assert_eq!(ingested.waves[1].samples.samples()[1], -2.0 * G);
+}
+
+#[test]
+fn the_sign_is_turned_by_auto_only_where_it_is_certainly_wrong() {
+    // 30 g half sine over 90 ms: a change of 16.9 m/s.
+    let text = |peak: f64| -> String {
+        let at = |t: f64| if (0.0..0.09).contains(&t) { peak * (std::f64::consts::PI * t / 0.09).sin() } else { 0.0 };
+        let rows = (0..2000).map(|k| (f64::from(k) - 500.0) * 1e-4).map(|t| format!("{t:.4},{:.6}\n", at(t)));
+        format!("time_s,accel_g\n{}", rows.collect::<String>())
+    };
+    let run = |peak: f64, speed: &str| {
+        let settings = Settings { impact_speed: Some(speed.parse().unwrap()), sign: Some(Sign::Auto), ..stated() };
+        let ingested = from_text(&text(peak), &settings).unwrap();
+        (ingested.pulse().unwrap().samples.samples()[950] < 0.0, notes(&ingested))
+    };
+    let (negative, said) = run(30.0, "15m/s");
+    assert!(negative && said.contains("sign turned, as --sign auto has it") && !said.contains("--sign flip"), "{said}");
+    let (negative, said) = run(-30.0, "15m/s");
+    assert!(negative && said.contains("sign kept: "), "{said}");
+    // A gain of a third of the speed proves nothing.
+    let (negative, said) = run(30.0, "50m/s");
+    assert!(!negative && said.contains("not certain"), "{said}");
+}

@@ -307,7 +307,12 @@ fn explicit(name: &str, file: &ChannelFile, all: &[(&str, ChannelFile)]) -> Resu
 
 fn remarks(name: &str, file: &ChannelFile, notes: &mut Notes) {
     let count = file.samples.len() + file.gaps_before + file.gaps_after;
-    if let Some(stated) = file.header.number("number of samples").filter(|n| *n != count as f64) {
+    if file.surplus > 0 {
+        notes.warning(format!(
+            "{name}: the header states {count} samples, the file has {}: the first {count} are used",
+            count + file.surplus
+        ));
+    } else if let Some(stated) = file.header.number("number of samples").filter(|n| *n != count as f64) {
         notes.warning(format!("{name}: the header states {stated} samples, the file has {count}: those are used"));
     }
     if file.gaps_before + file.gaps_after > 0 {

@@ -61,8 +61,11 @@ pub fn read(layout: &Layout) -> Header {
             lines.push((comment.number, names));
         }
     }
-    let units =
-        (lines.len() >= 2 && lines.last().is_some_and(|(_, cells)| is_unit_line(cells))).then(|| lines.pop()).flatten();
+    let has_units = match lines.as_slice() {
+        [.., (_, above), (_, last)] => is_unit_line(last) && !is_header_below_a_title(last, above, count),
+        _ => false,
+    };
+    let units = has_units.then(|| lines.pop()).flatten();
     let names = lines.pop();
     let named = names.is_some();
     let names = names.map(|(_, cells)| cells).unwrap_or_default();
@@ -103,6 +106,18 @@ fn cells(line: &Line, delimiter: Delimiter, count: usize) -> Vec<String> {
         .map(|byte| clean(Delimiter::Byte(byte).split(line.bytes)).into_iter().filter(|c| !c.is_empty()).collect())
         .find(|cells: &Vec<String>| cells.len() == count)
         .unwrap_or(own)
+}
+
+/// Whether the last line before the rows has the names, and the line above it is a title: as many cells as there are columns, each
+/// with a name and a unit or one of them named for time, and no such names above.
+fn is_header_below_a_title(last: &[String], above: &[String], count: usize) -> bool {
+    let filled = last.iter().rposition(|cell| !cell.is_empty()).map_or(0, |end| end + 1);
+    let above_is_names = above.len() >= count && above.iter().any(|cell| is_time_name(cell));
+    let has_both = |cell: &String| {
+        let (name, unit) = split_unit(cell);
+        name != *cell && matches!(unit, Unit::Time(_) | Unit::Signal(..))
+    };
+    filled == count && !above_is_names && (last.iter().all(has_both) || last.iter().any(|cell| is_time_name(cell)))
 }
 
 /// A line under the names is one of units if some cell is a unit and no cell is a bare name.
@@ -217,10 +232,12 @@ fn is_kg(text: &str) -> bool {
 /// channel code.
 pub fn names_acceleration(text: &str) -> bool {
     let lower = text.to_lowercase();
-    ["acc", "decel", "beschl", "verzög", "verzoeg"].iter().any(|part| lower.contains(part)) || {
-        let mut words = lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
-        matches!(words.next(), Some("a" | "ax" | "ay" | "az"))
-    } || code_name::is_acceleration(text)
+    ["acc", "decel", "beschl", "verzög", "verzoeg"].iter().any(|part| lower.contains(part))
+        || {
+            let mut words = lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+            matches!(words.next(), Some("a" | "ax" | "ay" | "az"))
+        }
+        || code_name::is_acceleration(text)
 }
 
 /// Whether a header cell names time: `time_s`, `Zeit`, `temps`, `t`, `t [ms]`, `t(s)`.
@@ -307,6 +324,23 @@ mod tests {
         assert_eq!(units("t,a\ns,g\n0,1\n1,2\n"), [Unit::Time(1.0), G]);
         assert_eq!(units("t;a\n[ms];m/(s*s)\n0;1\n1;2\n")[1], Unit::Signal(QuantityKind::Acceleration, 1.0));
         assert_eq!(units("t;a\n[ms];[g]\n0;1\n1;2\n"), [Unit::Time(1e-3), G]);
+    }
+
+    #[test]
+    fn a_title_above_the_names_is_no_header() {
+        let rows = "0,0;1,5;50,0\n0,1;2,5;49,9\n0,2;2,5;49,8\n";
+        let header = header(&format!(
+            "Versuch Nr. 12; Müller\nZeit [ms];Längsbeschleunigung B-Säule [g];Geschwindigkeit (km/h)\n{rows}"
+        ));
+        let names: Vec<&str> = header.columns.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names, ["Zeit", "Längsbeschleunigung B-Säule", "Geschwindigkeit"]);
+        assert_eq!(header.columns[1].unit, G);
+        assert_eq!(header.ignored_lines, [1]);
+        // Names without units of their own, a title of as many words, and units below names.
+        assert_eq!(self::header(&format!("Test 5\nZeit;a [g];v [km/h]\n{rows}")).columns[0].name, "Zeit");
+        assert_eq!(self::header(&format!("Test;5;x\nt [ms];a [g];v [km/h]\n{rows}")).columns[1].name, "a");
+        assert_eq!(self::header(&format!("t;a;v\n[ms];[g];[km/h]\n{rows}")).columns[1].name, "a");
+        assert_eq!(self::header(&format!("Titel\nt;a;v\nms;g;km/h\n{rows}")).columns[1].name, "a");
     }
 
     #[test]
