@@ -109,10 +109,6 @@ pub fn channels(
     if settings.time_unit.is_some() && waveforms.iter().enumerate().all(own_steps) {
         unused::note("--time-unit", "every channel states its step in seconds", notes);
     }
-    if settings.resample.is_some() && !clocks.resamples() {
-        let why = "every channel states a uniform step; crumple-filter --resample brings channels to another rate";
-        unused::note("--resample", why, notes);
-    }
     let kinds = units::kinds(file, &waveforms, &labels, &clocks, wanted, settings, notes)?;
 
     let mut channels = Vec::new();
@@ -158,6 +154,10 @@ pub fn channels(
                 "check that the recording was saved, not its description only",
             )
         }));
+    }
+    if settings.resample.is_some() && !clocks.resamples() {
+        let why = "every channel states a uniform step; crumple-filter --resample brings channels to another rate";
+        unused::note("--resample", why, notes);
     }
     clocks.notes(notes);
     remarks.notes(notes);

@@ -162,7 +162,7 @@ fn flags_that_say_nothing_to_a_format_are_named() {
         let found = flags(&open(&tdms, &Settings { channel: Some("IIWPG Acceleration".to_owned()), ..all.clone() }));
         assert_eq!(
             found,
-            ["--time-unit", "--vehicle-number", "--sample-time", "--profile", "--skip-to", "--field", "--resample"]
+            ["--time-unit", "--resample", "--vehicle-number", "--sample-time", "--profile", "--skip-to", "--field"]
         );
     }
     if let Some(lvm) = shared("data/shock-table-lvm/Test_002.lvm") {

@@ -547,7 +547,8 @@ fn different_start_times_are_told_and_not_aligned() {
 /// A crash test as the NHTSA database describes it: 16-character codes, EV5 fields as properties.
 fn nhtsa() -> Vec<u8> {
     let of = |place: &'static str, comment: &'static str, status: &'static str| {
-        let mut properties = waveform();
+        // 30 ms before contact.
+        let mut properties = vec![("wf_increment", Value::Double(1e-4)), ("wf_start_offset", Value::Double(-0.03))];
         properties.extend([
             ("INST_VEHNO", Value::Text("1")),
             ("INST_CURNO", Value::Text("93")),
@@ -568,13 +569,18 @@ fn nhtsa() -> Vec<u8> {
         properties
     };
     let mut metadata = Writer::new(false);
-    metadata.object("/'d'/'10ENGN000000AC1P'", Some((10, 300)), &of("ENGN", "TOP OF ENGINE X", "CF")).object(
+    metadata.object("/'d'/'10ENGN000000AC1P'", Some((10, 600)), &of("ENGN", "TOP OF ENGINE X", "CF")).object(
         "/'d'/'10FORALERE00AC1P'",
-        Some((10, 300)),
+        Some((10, 600)),
         &of("FLLR", "LEFT REAR SEAT CROSSMEMBER X", "AM"),
     );
     let mut raw = Writer::new(false);
-    raw.doubles([1.0; 300]).doubles((0..300).map(|k| if k < 20 { 0.0 } else { pulse(k) }));
+    let at = |k: usize| match k {
+        0..20 => 0.0,
+        20..300 => 0.1,
+        _ => pulse(k),
+    };
+    raw.doubles([1.0; 600]).doubles((0..600).map(at));
     segment(NEW_LIST | RAW, 2, &metadata, &raw.bytes)
 }
 
@@ -590,8 +596,10 @@ fn nhtsa_properties_give_mass_speed_and_the_pulse() {
     assert_eq!((pulse.axis, pulse.quantity), (Some(Axis::X), QuantityKind::Acceleration));
     assert_eq!(pulse.initial_velocity_m_per_s, Some(57.09 / 3.6));
     assert_eq!(test.channel("d.10ENGN000000AC1P").unwrap().status, ChannelStatus::Questionable);
+    let before = ingested.pulse().unwrap().quality.pre_event.unwrap();
+    assert!((before.zero_level - 0.1 * G).abs() < 1e-12, "the muted start is not counted");
     let notes = ingested.notes.to_texts();
-    for words in ["the first 20 samples of channel d.10FORALERE00AC1P are exactly 0", "TOP OF ENGINE X"] {
+    for words in ["the first 20 samples of the pulse are exactly 0", "TOP OF ENGINE X"] {
         assert!(notes.iter().any(|n| n.contains(words)), "{words}: {notes:#?}");
     }
 }

@@ -20,11 +20,20 @@ struct Clock {
     samples: usize,
     grid: Result<Grid, IngestError>,
     /// Where its channels are brought to a uniform rate.
-    resampling: Option<Interpolation>,
+    resampling: Option<Resampling>,
     /// Channels with another number of samples, by that number.
     cut: BTreeMap<usize, Vec<String>>,
     /// Channels that have steps of their own which differ.
     differ: Vec<String>,
+}
+
+/// A uniform rate for the channels of a clock.
+struct Resampling {
+    interpolation: Interpolation,
+    /// Rate and jitter in words.
+    words: String,
+    /// A channel was brought to it.
+    used: bool,
 }
 
 /// The channels of times of a file, by group.
@@ -111,15 +120,16 @@ impl Clocks {
             clock.cut.entry(values.len()).or_default().push(id.to_owned());
             values.truncate(clock.samples);
         }
-        if let Some(resampling) = &clock.resampling {
-            *values = resampling.apply(values.len(), |k| values[k]);
+        if let Some(resampling) = &mut clock.resampling {
+            resampling.used = true;
+            *values = resampling.interpolation.apply(values.len(), |k| values[k]);
         }
         clock.grid.clone()
     }
 
-    /// Whether any channels are brought to a uniform rate.
+    /// Whether any channels were brought to a uniform rate.
     pub fn resamples(&self) -> bool {
-        self.by_group.values().any(|clock| clock.resampling.is_some())
+        self.by_group.values().any(|clock| clock.resampling.as_ref().is_some_and(|r| r.used))
     }
 
     /// What became of the channels of times.
@@ -132,6 +142,9 @@ impl Clocks {
                     clock.samples,
                     list(ids)
                 ));
+            }
+            if let Some(Resampling { words, used: true, .. }) = &clock.resampling {
+                notes.warning(format!("channels timed by {} are resampled {words}", clock.title));
             }
             if !clock.differ.is_empty() {
                 notes.warning(format!(
@@ -162,7 +175,7 @@ fn grid_of(
     values: &[f64],
     settings: &Settings,
     notes: &mut Notes,
-) -> Result<(Grid, Option<Interpolation>), IngestError> {
+) -> Result<(Grid, Option<Resampling>), IngestError> {
     let place = || Place::file(file).in_column(label.title.clone());
     let unit = match (&settings.time_unit, &label.unit) {
         (Some(symbol), _) => factor(symbol, Dimension::Time).ok_or_else(|| {
@@ -209,13 +222,11 @@ fn grid_of(
                 format!("give --resample {}Hz", uneven::rate_to_type(grid::median_step(&times))),
             )
         })?;
-        notes.warning(format!(
-            "channels timed by {} (jitter {:.3}, max|dt - median|/median) are resampled to {rate} by linear interpolation, as asked",
-            label.title,
-            uneven::step_jitter(&times, grid::median_step(&times))
-        ));
+        let jitter = uneven::step_jitter(&times, grid::median_step(&times));
+        let words =
+            format!("to {rate} by linear interpolation, as asked (jitter {jitter:.3}, max|dt - median|/median)");
         let grid = Grid { t0_s: times[0], dt_s: 1.0 / rate.si(), jitter: uneven::jitter(&times) };
-        return Ok((grid, Some(interpolation)));
+        return Ok((grid, Some(Resampling { interpolation, words, used: false })));
     }
     let fitted = grid::fit(&times, single_precision(values) * unit).map_err(|error| {
         let found = match error {
