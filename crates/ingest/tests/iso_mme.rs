@@ -281,17 +281,3 @@ fn a_test_file_without_its_edition_is_read_and_a_bare_speed_is_named() {
     assert!(error.to_string().contains("velocity test object 1 is 50 without a unit"), "{error}");
     assert!(!error.expected().unwrap().contains("header lines"), "{error:?}");
 }
-
-#[test]
-fn a_damaged_file_is_named_with_its_line() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut files = files();
-    files.truncate(3);
-    files[2].1.push_str("x\n");
-    write(folder.path(), &files);
-    let error = read(folder.path(), &Settings::default()).unwrap_err();
-    assert!(
-        error.to_string().contains("channel files can be read") || error.to_string().contains("t7.001, line"),
-        "{error}"
-    );
-}
