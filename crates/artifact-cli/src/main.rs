@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use anyhow::Context;
 use crumple_artifact::{Artifact, Compression, ReadError};
 use crumple_artifact_cli::{ShowOptions, Wanted, check, write_json, write_text};
-use crumple_stage::{ExitStatus, Refused, tool_main};
+use crumple_stage::{ExitStatus, Refused, say, tool_main};
 
 /// Looks into artifacts (the *.mcap files of a run), checks them, takes them apart into plain files and puts them
 /// together again.
@@ -134,7 +134,7 @@ fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
         for fault in faults {
             // Errors of the reader name the file themselves.
             let fault = if fault.contains(&name) { fault } else { format!("{name}: {fault}") };
-            eprintln!("error: {fault}");
+            say(format_args!("error: {fault}"));
         }
     }
     Ok(status)
@@ -145,7 +145,7 @@ fn unpack(path: &Path, target: &Path, force: bool, quiet: bool) -> anyhow::Resul
     folder::write(&artifact, target, force)?;
     if !quiet {
         let (records, waves) = (artifact.records().len(), artifact.waves().len());
-        eprintln!("{records} records, {waves} waves -> {}", target.display());
+        say(format_args!("{records} records, {waves} waves -> {}", target.display()));
     }
     Ok(ExitStatus::Done)
 }
@@ -155,7 +155,7 @@ fn pack(source: &Path, path: &Path, zstd: bool, quiet: bool) -> anyhow::Result<E
     let compression = if zstd { Compression::Zstd } else { Compression::None };
     let digest = builder.write(path, &provenance, compression)?;
     if !quiet {
-        eprintln!("{} -> {}, digest {digest}", source.display(), path.display());
+        say(format_args!("{} -> {}, digest {digest}", source.display(), path.display()));
     }
     Ok(ExitStatus::Done)
 }

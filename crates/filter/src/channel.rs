@@ -208,7 +208,15 @@ fn run_instead(
 fn zero_level(samples: &Sampled, rule: ZeroLevel, notes: &mut Notes) -> Result<f64, FilterError> {
     let ZeroLevel::PreEvent(window) = rule else { return Ok(0.0) };
     match pre_event(samples, window)? {
-        Some(found) => Ok(found.zero_level),
+        Some(found) => {
+            if found.muted > 0 {
+                notes.info(format!(
+                    "the first {} samples are exactly 0, the recorder was muted: not counted in the zero level",
+                    found.muted
+                ));
+            }
+            Ok(found.zero_level)
+        }
         None => {
             notes.warning(format!(
                 "zero level not removed: less than 10 ms of data between {:.1} ms and {:.1} ms",
@@ -317,6 +325,18 @@ mod tests {
         assert_eq!(
             result.notes.to_texts(),
             ["warning: zero level not removed: less than 10 ms of data between -50.0 ms and -10.0 ms"]
+        );
+    }
+
+    #[test]
+    fn a_muted_start_is_left_out_of_the_zero_level_and_said() {
+        let at = |k: usize| if k < 200 { 0.0 } else { 2.5 };
+        let raw = Sampled::new(-0.05, 1e-4, (0..3500).map(at).collect()).unwrap();
+        let result = filter(&raw, None, &Settings { class: Class::None, ..Settings::default() }).unwrap();
+        assert_eq!(result.zero_level_removed, 2.5);
+        assert_eq!(
+            result.notes.to_texts(),
+            ["the first 200 samples are exactly 0, the recorder was muted: not counted in the zero level"]
         );
     }
 

@@ -32,7 +32,7 @@ pub use mode::Mode;
 pub use moving_average::{moving_average, moving_average_gain, samples_of_width};
 pub use resample::{Interpolation, Resampling, resample};
 pub use sections::{run_sections, sections_extension};
-pub use selection::{SelectionError, is_barrier_force, select};
+pub use selection::{SelectionError, id_meant, ids_meant, is_barrier_force, select};
 pub use zero_level::{ZeroLevel, pre_event};
 pub use zero_phase::{Report, filter_both_ways, filter_both_ways_into, samples_added};
 

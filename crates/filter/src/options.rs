@@ -58,12 +58,12 @@ pub struct Options {
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub zero_level_to: Option<Time>,
 
-    /// Channels to filter, by id, whatever they measure [default: every acceleration channel on the vehicle structure,
+    /// Channels to filter, by id, code or pattern such as '1?VEHC*X?', whatever they measure [default: every acceleration channel on the vehicle structure,
     /// and the load cells of the barrier]
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     pub channels: Vec<String>,
 
-    /// Channels to hand on as they are, by id, e.g. a contact switch
+    /// Channels to hand on as they are, by id, code or pattern, e.g. a contact switch
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     pub pass: Vec<String>,
 
@@ -111,9 +111,9 @@ pub enum ZeroLevelRule {
 pub struct StageSettings {
     #[serde(flatten)]
     pub filter: Settings,
-    /// Ids asked for; empty: those on the vehicle structure and the barrier.
+    /// Ids, codes or patterns asked for; empty: those on the vehicle structure and the barrier.
     pub channels: Vec<String>,
-    /// Ids handed on as they are.
+    /// Ids, codes or patterns of those handed on as they are.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pass: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -19,29 +19,59 @@ pub enum SelectionError {
         /// Why there is none.
         status: ChannelStatus,
     },
+    /// One channel is needed, and the name means several.
+    #[error("{wanted:?} means several channels: {meant}")]
+    Several {
+        /// What was asked for.
+        wanted: String,
+        /// Those it means.
+        meant: String,
+    },
     /// Nothing to filter.
     #[error("the test has no acceleration channel on the vehicle structure with data that is not marked failed")]
     None,
 }
 
+/// The ids that names, codes and patterns such as `1?VEHC*X?` mean, each once. A pattern leaves out channels without data.
+pub fn ids_meant(test: &TestDescription, asked: &[String]) -> Result<Vec<String>, SelectionError> {
+    let mut ids: Vec<String> = Vec::new();
+    for wanted in asked {
+        let meant = test.channels_meant(wanted);
+        let Some(first) = meant.first() else {
+            return Err(SelectionError::Unknown { id: wanted.clone(), known: known(test) });
+        };
+        let with_data: Vec<&&Channel> = meant.iter().filter(|channel| channel.status.has_data()).collect();
+        if with_data.is_empty() {
+            return Err(SelectionError::NoData { id: first.id.clone(), status: first.status });
+        }
+        for channel in with_data {
+            if !ids.contains(&channel.id) {
+                ids.push(channel.id.clone());
+            }
+        }
+    }
+    Ok(ids)
+}
+
+/// The one id that a name, a code or a pattern means.
+pub fn id_meant(test: &TestDescription, wanted: &str) -> Result<String, SelectionError> {
+    let mut ids = ids_meant(test, &[wanted.to_owned()])?;
+    match ids.as_slice() {
+        [_] => Ok(ids.swap_remove(0)),
+        several => Err(SelectionError::Several { wanted: wanted.to_owned(), meant: several.join(", ") }),
+    }
+}
+
 /// The channels to filter, in the order of the test.
 ///
-/// With `asked`, exactly those, whatever they measure. Without: every acceleration channel with data that is not
+/// With `asked`, exactly those ([`ids_meant`]), whatever they measure. Without: every acceleration channel with data that is not
 /// marked failed and whose location does not begin with an occupant or the barrier ("driver, head"; an unknown
 /// location counts as structure); the pulse in any case; and the load cells of the barrier ([`is_barrier_force`]),
 /// failed ones too, because whoever sums them has to name what is left out.
 pub fn select<'a>(test: &'a TestDescription, asked: &[String]) -> Result<Vec<&'a Channel>, SelectionError> {
-    for id in asked {
-        match test.channel(id) {
-            None => return Err(SelectionError::Unknown { id: id.clone(), known: known(test) }),
-            Some(channel) if !channel.status.has_data() => {
-                return Err(SelectionError::NoData { id: id.clone(), status: channel.status });
-            }
-            Some(_) => {}
-        }
-    }
+    let asked = ids_meant(test, asked)?;
     let pulse = test.pulse_channel().ok().map(|channel| channel.id.as_str());
-    let taken = |channel: &&Channel| match asked {
+    let taken = |channel: &&Channel| match asked.as_slice() {
         [] => {
             let usable = channel.quantity == QuantityKind::Acceleration && channel.status.has_data();
             (usable && (Some(channel.id.as_str()) == pulse || on_structure(channel))) || is_barrier_force(channel)
@@ -151,6 +181,9 @@ mod tests {
         let error = |id: &str| select(&camry(), &[id.to_owned()]).unwrap_err().to_string();
         assert_eq!(error("94"), "the test has no channel \"94\", it has 001, 045, 093, 095, 096, 347, 348, 349");
         assert_eq!(error("045"), "channel \"045\" has no data: not installed");
+        assert_eq!(ids_meant(&camry(), &["09?".to_owned(), "093".to_owned()]).unwrap(), ["093", "095", "096"]);
+        assert_eq!(ids_meant(&camry(), &["0*5".to_owned()]).unwrap(), ["095"], "045 has no data");
+        assert_eq!(id_meant(&camry(), "09?").unwrap_err().to_string(), "\"09?\" means several channels: 093, 095, 096");
         assert_eq!(select(&test_with(&[]), &[]), Err(SelectionError::None));
     }
 }

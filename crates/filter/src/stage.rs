@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use crumple_filter::{
-    Applied, Cfc, Class, FilterError, Filtered, Pass, Settings, filter_reporting, is_barrier_force, resample, select,
+    Applied, Cfc, Class, FilterError, Filtered, Pass, Settings, filter_reporting, id_meant, ids_meant,
+    is_barrier_force, resample, select,
 };
 use crumple_signal::{Note, QuantityKind, Severity, TestDescription};
 use crumple_stage::records::TestV1;
@@ -12,7 +13,7 @@ use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, 
 use rayon::prelude::*;
 
 use crate::align::align;
-use crate::options::{Options, StageSettings};
+use crate::options::{Align, Options, StageSettings};
 use crate::record::{Extra, pulse_line, record};
 use crate::remarks::{Remarks, first_of};
 
@@ -38,7 +39,9 @@ impl Stage for Filter {
     fn run(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let mut test = input.test()?;
         let pulse = test.pulse_channel().ok().map(|channel| channel.id.clone());
-        let jobs = jobs(settings, input, &test)?;
+        const HINT: &str = "crumple-artifact show lists the channels of an artifact";
+        let pass = ids_meant(&test, &settings.pass).refuse_with_hint(HINT)?;
+        let jobs = jobs(settings, &pass, input, &test)?;
         let mut remarks = Remarks::default();
         let mut done = Vec::new();
         for (job, result) in jobs.iter().zip(filter_all(&jobs, out)) {
@@ -67,7 +70,8 @@ impl Stage for Filter {
         }
         drop(jobs);
         if let Some(asked) = &settings.align {
-            align(&mut done, asked, &mut remarks)?;
+            let to = id_meant(&test, &asked.to).refuse_with_hint(HINT)?;
+            align(&mut done, &Align { to, ..*asked }, &mut remarks)?;
         }
         if let Some(to) = settings.resample {
             for done in &mut done {
@@ -100,7 +104,7 @@ impl Stage for Filter {
             out.put(&format!("/filter/{id}"), &record(&filtered, &extra))?;
             out.wave(&id, quantity, filtered.samples)?;
         }
-        for id in settings.pass.iter().filter(|id| !ids.contains(id)) {
+        for id in pass.iter().filter(|id| !ids.contains(id)) {
             let wave = input.wave(id)?;
             out.wave(id, wave.quantity, wave.sampled.clone())?;
             remarks.info(id, "handed on as it is");
@@ -130,10 +134,15 @@ pub struct Done {
     pub extra: Extra,
 }
 
-fn jobs<'a>(settings: &StageSettings, input: &'a Inputs, test: &TestDescription) -> anyhow::Result<Vec<Job<'a>>> {
+fn jobs<'a>(
+    settings: &StageSettings,
+    pass: &[String],
+    input: &'a Inputs,
+    test: &TestDescription,
+) -> anyhow::Result<Vec<Job<'a>>> {
     let selected = select(test, &settings.channels).refuse_with_hint("name the channels to filter with --channels")?;
     let mut jobs = Vec::new();
-    for channel in selected.into_iter().filter(|channel| !settings.pass.contains(&channel.id)) {
+    for channel in selected.into_iter().filter(|channel| !pass.contains(&channel.id)) {
         let mut of_channel = settings.filter;
         // SAE J211-1 Table 1: barrier force is CFC 60, whatever the structure is filtered to.
         if is_barrier_force(channel) && settings.channels.is_empty() && of_channel.class != Class::None {

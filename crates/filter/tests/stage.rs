@@ -251,3 +251,22 @@ fn a_class_that_does_not_exist_is_a_usage_error() {
     }
     assert_eq!(run(&input, &["--zero-level", "none", "--zero-level-to", "-5ms"]).status.code(), Some(2));
 }
+
+#[test]
+fn channels_may_be_named_by_code_or_pattern() {
+    let folder = tempfile::tempdir().unwrap();
+    let coded = |id: &str, code: &str| Channel { code: Some(code.to_owned()), ..channel(id, "vehicle", None) };
+    let raw = pulse(10_000.0);
+    let input = ingested(
+        folder.path(),
+        &[
+            (coded("93", "10FORALERE00ACXP"), raw.clone()),
+            (coded("94", "10FORARIRE00ACXP"), raw.clone()),
+            (coded("95", "10ENGN000000ACXP"), raw.clone()),
+        ],
+    );
+    let artifact = result(&input, &["--channels", "1?FORA*X?", "--pass", "10ENGN000000ACXP"]);
+    assert_eq!(artifact.waves().keys().collect::<Vec<_>>(), ["93", "94", "95"]);
+    assert_eq!(artifact.waves()["95"].sampled, raw);
+    assert_eq!(run(&input, &["--channels", "1?SECM*"]).status.code(), Some(3));
+}

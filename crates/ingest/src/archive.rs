@@ -154,6 +154,14 @@ fn choose<'a>(file: &str, entries: &'a [Entry]) -> Result<&'a Entry, IngestError
         [] => return Err(damaged(file, "the archive is empty")),
         _ => {}
     }
+    if let Some(inner) = entries.iter().find(|e| e.extension() == "zip") {
+        return Err(IngestError::Path {
+            path: file.to_owned(),
+            found: format!("an archive inside the archive: {}", inner.name),
+            expected: "an archive with one .EV5 file, one ISO-MME test or one table".to_owned(),
+            hint: format!("unpack it and give {}", inner.name),
+        });
+    }
     let curves = entries.iter().filter(|e| e.extension().bytes().all(|b| b.is_ascii_digit()) && e.name.contains('.'));
     let (curves, example) = (curves.clone().count(), curves.map(|e| stem(&e.name)).next());
     Err(match example {

@@ -3,6 +3,7 @@
 //! | check | figure | said when |
 //! |---|---|---|
 //! | zero level | mean from -50 to -10 ms | less than 10 ms of it is there |
+//! | muted start | exact zeros at the start of the record | more than ten before the end of the window |
 //! | noise before the event | standard deviation of the same window | above 1 g |
 //! | polarity | change of velocity in 150 ms | positive and more than 5 % of the impact speed |
 //! | clipping | equal samples in a row at an extreme | 3 and more |
@@ -44,6 +45,11 @@ pub fn notes(waves: &[Wave], pulse_id: Option<&str>, speed_m_per_s: Option<f64>,
     }
     let others = || waves.iter().filter(|w| Some(w.id.as_str()) != pulse_id);
     let accelerations = || others().filter(|w| w.quantity == QuantityKind::Acceleration);
+    shared(
+        accelerations().filter(|w| muted(w).is_some()),
+        "a muted start (exact zeros), not counted in the zero level,",
+        notes,
+    );
     shared(others().filter(|w| clipped(w)), "equal samples in a row at an extreme (clipped?)", notes);
     shared(accelerations().filter(|w| slow(w)), "less than 600 samples a second, too few for CFC 60,", notes);
     shared(accelerations().filter(|w| noise(w).is_some()), "noise before the event above 1 g", notes);
@@ -66,6 +72,11 @@ fn of_the_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, notes: &mut Notes) {
         notes.warning(
             "the pulse has less than 10 ms of data between -50 ms and -10 ms: its zero level and noise floor are not known",
         );
+    }
+    if let Some(muted) = muted(pulse) {
+        notes.info(format!(
+            "the first {muted} samples of the pulse are exactly 0: the recorder was muted, its zero level is that of the rest"
+        ));
     }
     polarity::check(&pulse.samples, zero_level, speed_m_per_s, notes);
     time_zero::check(&pulse.samples, zero_level, notes);
@@ -124,6 +135,10 @@ fn other_grids(waves: &[Wave], pulse: &Wave, notes: &mut Notes) {
         );
         shared(waves.into_iter(), &what, notes);
     }
+}
+
+fn muted(wave: &Wave) -> Option<usize> {
+    wave.quality.pre_event.map(|p| p.muted).filter(|muted| *muted > 0)
 }
 
 fn slow(wave: &Wave) -> bool {

@@ -106,7 +106,15 @@ pub fn apply(details: &mut Details, settings: &Settings, from: &str, notes: &mut
 }
 
 /// Checks that mass and impact speed are stated and sensible. `allow_missing` lets them be unknown, not wrong.
-pub fn require(file: &str, details: &Details, allow_missing: bool, notes: &mut Notes) -> Result<(), IngestError> {
+///
+/// `comments`: the format has comment lines in which they can be stated.
+pub fn require(
+    file: &str,
+    details: &Details,
+    comments: bool,
+    allow_missing: bool,
+    notes: &mut Notes,
+) -> Result<(), IngestError> {
     let mass = details.mass_kg.as_ref();
     let speed = details.impact_speed_m_per_s.as_ref();
     for (what, stated) in [("mass", mass), ("impact speed", speed)] {
@@ -135,10 +143,15 @@ pub fn require(file: &str, details: &Details, allow_missing: bool, notes: &mut N
         ));
         return Ok(());
     }
+    let what = match &details.speed_not_taken {
+        Some(found) if speed.is_none() => format!("{what} usably: {found}"),
+        _ => what.to_owned(),
+    };
+    let lines = if comments { format!("header lines {lines}, or ") } else { String::new() };
     Err(IngestError::NotStated {
         file: file.to_owned(),
-        what: what.to_owned(),
-        expected: format!("header lines {lines}, or a sidecar {file}.toml, or flags"),
+        what,
+        expected: format!("{lines}flags, or a sidecar {file}.toml"),
         hint: format!("add {flags} (or --allow-missing, to identify a linear model only)"),
     })
 }
@@ -176,11 +189,14 @@ mod tests {
 
     #[test]
     fn what_is_missing_is_named() {
-        let error = require("a.csv", &Details::default(), false, &mut Notes::new()).unwrap_err();
+        let error = require("a.csv", &Details::default(), true, false, &mut Notes::new()).unwrap_err();
         assert_eq!(error.to_string(), "a.csv does not state the mass of the vehicle and the impact speed");
         assert!(error.hint().contains("--mass 1500kg --impact-speed 50km/h"));
+        assert!(error.expected().unwrap().contains("# mass: 1500 kg"));
+        let error = require("a.tdms", &Details::default(), false, false, &mut Notes::new()).unwrap_err();
+        assert_eq!(error.expected().unwrap(), "flags, or a sidecar a.tdms.toml");
         let mut notes = Notes::new();
-        require("a.csv", &Details::default(), true, &mut notes).unwrap();
+        require("a.csv", &Details::default(), true, true, &mut notes).unwrap();
         assert!(notes.to_texts()[0].starts_with("warning: "));
     }
 

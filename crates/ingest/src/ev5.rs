@@ -114,6 +114,8 @@ fn channel_notes(channels: &[Found], notes: &mut Notes) {
         channels.iter().filter(|f| f.channel.status == status).filter_map(|f| f.channel.id.parse().ok()).collect()
     };
     let (absent, not_installed) = (with(ChannelStatus::Absent), with(ChannelStatus::NotInstalled));
+    let unread = |id: &u32| channels.iter().any(|f| f.channel.id == id.to_string() && f.unread().is_some());
+    let absent: Vec<u32> = absent.into_iter().filter(|id| !unread(id)).collect();
     if !absent.is_empty() {
         notes.info(format!(
             "{} of {} listed channels have no file here: {}",
@@ -185,6 +187,7 @@ pub(crate) fn details(test: &Test, barrier: Option<&Barrier>, vehicle: &Vehicle)
         mass_kg: vehicle.test_mass_kg.map(|value| Stated { value, from: "VEHTWT".to_owned() }),
         impact_speed_m_per_s: speed.map(|(v, from)| Stated { value: v / 3.6, from: from.to_owned() }),
         time_zero_s: None,
+        speed_not_taken: None,
         no_pulse: false,
         facts: facts(test, vehicle),
     }

@@ -57,6 +57,12 @@ const FORMATS: &[Foreign] = &[
         instead: TABLE,
         matches: |b| text(b).starts_with(b"-1") && universal(b),
     },
+    // A zip archive that is given is opened before this; what comes here was in one.
+    Foreign {
+        what: "a zip archive inside an archive",
+        instead: "unpack the outer one and give the inner one",
+        matches: |b| b.starts_with(b"PK\x03\x04"),
+    },
     Foreign { what: "a gzip archive", instead: UNPACK, matches: |b| b.starts_with(b"\x1F\x8B") },
     Foreign { what: "a 7z archive", instead: UNPACK, matches: |b| b.starts_with(b"7z\xBC\xAF\x27\x1C") },
     Foreign { what: "an xz archive", instead: UNPACK, matches: |b| b.starts_with(b"\xFD7zXZ") },
@@ -88,6 +94,11 @@ const BY_ENDING: &[(&[&str], &str, &str)] = &[
         &["uds"],
         "an NHTSA UDS-1992 file",
         "take the \"EV5 ASCII X-Y\" download of the same NHTSA test, its ISO-MME or its TDMS files",
+    ),
+    (
+        &["tdx"],
+        "the file of samples of a DIAdem TDM record (TDX)",
+        "give the .TDM file of the same name, beside it: it says what the samples are",
     ),
     (&["tlf", "bin"], "a DTS TDAS file, perhaps", DTS),
     (&["dts", "chn"], "a DTS SLICE file, perhaps", DTS),

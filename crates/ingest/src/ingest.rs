@@ -64,12 +64,26 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
         details::apply(&mut recording.details, &beside, &sidecar.name, &mut notes);
     }
     details::apply(&mut recording.details, flags, "flag", &mut notes);
-    details::require(file, &recording.details, allow_missing, &mut notes)?;
+    let comments = format == "csv";
+    details::require(file, &recording.details, comments, allow_missing, &mut notes)?;
 
     set_time_zero(file, &mut recording, pulse, &mut notes)?;
-    if choices.sign == Some(Sign::Flip) {
+    let turned = match choices.sign.unwrap_or_default() {
+        Sign::Keep => None,
+        Sign::Flip => Some("sign of acceleration turned, as asked".to_owned()),
+        Sign::Auto => {
+            let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
+            let wave = pulse.and_then(|k| recording.channels[k].wave.as_ref());
+            let (wrong, why) = polarity::certainly_wrong(wave, speed);
+            if !wrong {
+                notes.info(why.clone());
+            }
+            wrong.then_some(why)
+        }
+    };
+    if let Some(why) = turned {
         let flipped = polarity::flip(&mut recording.channels).map_err(|error| overflow(file, &error.to_string()))?;
-        notes.info(format!("sign of acceleration turned, as asked: {flipped} channels"));
+        notes.info(format!("{why}: {flipped} channels"));
     }
     let pulse_id = pulse.map(|k| recording.channels[k].channel.id.clone());
     let same_place: Vec<String> =

@@ -7,6 +7,7 @@ mod header;
 mod place;
 mod test_file;
 
+pub(crate) use channel::by_code;
 pub(crate) use place::fitness as fitness_of_code;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -16,10 +17,11 @@ use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind};
 
 use crate::bundle::{Bundle, stem};
 use crate::recognise::Reader;
-use crate::recording::{Details, Fitness, Found, PulseRule, Recording};
+use crate::recording::{Details, Fitness, Found, NOT_READ, PulseRule, Recording};
 use crate::{IngestError, Place, Settings, unused};
 use channel_file::ChannelFile;
 use header::Header;
+pub(crate) use header::has_keyword_lines;
 
 /// Reader of ISO-MME tests and single channel files.
 pub struct IsoMme;
@@ -77,6 +79,12 @@ fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> 
             .map(|(name, bytes)| (*name, *bytes))
     };
     let details = match part(".mme") {
+        Some((name, bytes)) if !header::recognises(bytes) => {
+            notes.warning(format!(
+                "{name} lacks the line \"Data format edition number\": read as ISO-MME by its name and its keyword lines"
+            ));
+            test_file::details(name, &Header::parse(name, bytes)?, settings, &mut notes)
+        }
         Some((name, bytes)) => test_file::details(name, &Header::parse(name, bytes)?, settings, &mut notes),
         None => Details::default(),
     };
@@ -141,7 +149,7 @@ fn left_out(name: &str, error: &IngestError, notes: &mut Notes) -> Found {
     let id = name.rsplit_once('.').map_or(name, |(_, number)| number);
     let mut channel = Channel::new(format!("file-{id}"), QuantityKind::Other);
     channel.status = ChannelStatus::Absent;
-    channel.comment = Some(error.to_string());
+    channel.comment = Some(format!("{NOT_READ}{error}"));
     Found { channel, wave: None, jitter: 0.0, fitness: None, aliases: vec![id.to_owned()] }
 }
 

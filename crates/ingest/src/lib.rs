@@ -9,6 +9,7 @@
 mod archive;
 mod bundle;
 mod checks;
+mod code_name;
 mod compartment;
 mod details;
 mod diadem;
@@ -38,6 +39,7 @@ mod tdm;
 mod tdms;
 mod time_zero;
 mod twins;
+mod uneven;
 mod unused;
 mod waveform;
 

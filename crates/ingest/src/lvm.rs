@@ -10,10 +10,10 @@ use crumple_signal::Notes;
 
 use crate::bundle::Bundle;
 use crate::recognise::Reader;
-use crate::recording::{Details, PulseRule, Recording, Stated};
+use crate::recording::{Details, Found, Recording, Stated};
 use crate::table::without_mark;
 use crate::waveform::{self, Waveform};
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, Place, Settings, code_name};
 use header::{FileHeader, SegmentHeader};
 use lines::Lines;
 
@@ -33,7 +33,7 @@ impl Reader for Lvm {
     }
 
     fn heeds(&self) -> &'static [&'static str] {
-        &["--unit", "--time-unit"]
+        &["--unit", "--time-unit", "--vehicle-number", "--resample"]
     }
 
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
@@ -92,8 +92,9 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, 
         waveforms.extend(segment.waveforms(&group, &file_header, &mut notes));
     }
     let channels = waveform::channels(file, waveforms, settings, &mut notes)?;
-    let channels = channels.into_iter().map(|(_, found)| found).collect();
-    Ok(Recording { details, channels, pulse_rule: PulseRule::OnlyOne, contact_at_zero: false, notes })
+    let mut channels: Vec<Found> = channels.into_iter().map(|(_, found)| found).collect();
+    let pulse_rule = code_name::pulse_rule(&mut channels, settings, &mut notes);
+    Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
 }
 
 impl Segment {

@@ -371,6 +371,7 @@ fn of_artifact(file: &str, bytes: &[u8]) -> Result<Recording, IngestError> {
         mass_kg: test.mass_kg.map(stated),
         impact_speed_m_per_s: test.impact_speed_m_per_s.map(stated),
         time_zero_s: None,
+        speed_not_taken: None,
         no_pulse: false,
         facts,
     };

@@ -10,10 +10,8 @@ use crumple_signal::{Axis, Channel, Notes, QuantityKind, Sampled};
 
 use crate::grid::{self, GridError};
 use crate::recording::{Details, Fitness, Found, PulseRule, Recording};
+use crate::uneven::{Interpolation, jitter, resample};
 use crate::{IngestError, Place, Settings};
-
-/// Most samples that resampling may make.
-const RESAMPLED_LIMIT: f64 = 1e8;
 
 /// What a message of one topic gives: its stamp, and the values of its components.
 #[derive(Debug, Clone, PartialEq)]
@@ -272,7 +270,7 @@ fn of_track(
             return Err(at(index, found, &hint));
         }
         (_, Some(rate)) => {
-            let (positions, parts) = resampled(rate).ok_or_else(|| {
+            let interpolation = resampled(rate).ok_or_else(|| {
                 at(
                     0,
                     format!("--resample {rate} gives no usable number of samples"),
@@ -283,9 +281,9 @@ fn of_track(
             notes.warning(format!(
                 "topic {topic}: {} messages are resampled to {rate} by linear interpolation, as asked: {} samples",
                 times.len(),
-                positions.len()
+                interpolation.len()
             ));
-            (grid::Grid { t0_s: times[0], dt_s, jitter: jitter(&times) }, Some((positions, parts)))
+            (grid::Grid { t0_s: times[0], dt_s, jitter: jitter(&times) }, Some(interpolation))
         }
     };
     let stem: String = topic.trim_matches('/').chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
@@ -300,9 +298,7 @@ fn of_track(
             let read = |k: usize| track.samples[k].values[c] * component.factor;
             let samples: Vec<f64> = match &columns {
                 None => (0..track.samples.len()).map(read).collect(),
-                Some((positions, parts)) => {
-                    positions.iter().zip(parts).map(|(k, part)| read(*k) + part * (read(k + 1) - read(*k))).collect()
-                }
+                Some(interpolation) => interpolation.apply(track.samples.len(), read),
             };
             let wave = Sampled::new(grid.t0_s, grid.dt_s, samples)
                 .map_err(|error| at(0, format!("{}: {error}", component.name), "cut the recording before it"))?;
@@ -321,36 +317,6 @@ fn of_track(
             Ok(Found { channel, wave: Some(wave), jitter: grid.jitter, fitness, aliases })
         })
         .collect()
-}
-
-/// Largest distance of a stamp from the grid of its mean step, in steps.
-fn jitter(times: &[f64]) -> f64 {
-    let n = times.len();
-    let dt = (times[n - 1] - times[0]) / (n - 1) as f64;
-    times.iter().enumerate().map(|(k, t)| (t - times[0] - k as f64 * dt).abs() / dt).fold(0.0, f64::max)
-}
-
-/// Indices and parts of [`resample`].
-type Interpolation = (Vec<usize>, Vec<f64>);
-
-/// For each instant of a uniform grid from the first stamp on: the message before it, and the part of the way to the next.
-fn resample(times: &[f64], rate_hz: f64) -> Option<Interpolation> {
-    let span = times[times.len() - 1] - times[0];
-    let count = (span * rate_hz + 1e-9).floor() + 1.0;
-    if !(rate_hz > 0.0 && (2.0..=RESAMPLED_LIMIT).contains(&count)) {
-        return None;
-    }
-    let (mut positions, mut parts) = (Vec::new(), Vec::new());
-    let mut k = 0;
-    for i in 0..count as usize {
-        let t = times[0] + i as f64 / rate_hz;
-        while k + 2 < times.len() && times[k + 1] <= t {
-            k += 1;
-        }
-        positions.push(k);
-        parts.push(((t - times[k]) / (times[k + 1] - times[k])).clamp(0.0, 1.0));
-    }
-    Some((positions, parts))
 }
 
 #[cfg(test)]
@@ -401,15 +367,5 @@ pub mod tests {
         assert_eq!(json_number(&message, "imu.all.1"), Some(2.0));
         assert_eq!((json_number(&message, "imu.none"), json_number(&message, "t")), (None, None));
         assert_eq!(json_stamp_ns(&message), Some(3_000_000_005));
-    }
-
-    #[test]
-    fn resampling_is_linear_and_keeps_the_ends() {
-        let times = [0.0, 0.9, 2.1, 3.0];
-        let (positions, parts) = resample(&times, 1.0).unwrap();
-        let at = |k: usize| times[positions[k]] + parts[k] * (times[positions[k] + 1] - times[positions[k]]);
-        // A straight line comes back exactly but for rounding.
-        assert!((0..4).all(|k| (at(k) - k as f64).abs() < 1e-15));
-        assert_eq!((positions.len(), resample(&times, 0.0), resample(&times, 1e30)), (4, None, None));
     }
 }

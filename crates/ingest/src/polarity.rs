@@ -1,6 +1,6 @@
 //! Polarity of the pulse: a frontal impact decelerates, so SAE J211 has it negative. Reported, flipped only if asked.
 
-use crumple_signal::{Axis, Notes, QuantityKind, Sampled, SignalError};
+use crumple_signal::{Axis, Notes, PreEventWindow, QuantityKind, Sampled, SignalError, pre_event};
 
 use crate::recording::Found;
 
@@ -11,11 +11,39 @@ const CLEAR_CHANGE_M_PER_S: f64 = 0.25;
 /// The same as a part of the impact speed.
 const CLEAR_PART: f64 = 0.05;
 
+/// Gain of speed over impact speed that only a pulse of the wrong sign shows: a frontal impact loses 1.0 to 1.35 times the impact
+/// speed, and a record may end early. More than the upper limit speaks of a wrong unit.
+const CERTAIN: std::ops::RangeInclusive<f64> = 0.6..=1.6;
+
+/// Whether the sign of the pulse is certainly wrong, and what `--sign auto` says of it.
+pub fn certainly_wrong(pulse: Option<&Sampled>, impact_speed_m_per_s: Option<f64>) -> (bool, String) {
+    let (Some(pulse), Some(speed)) = (pulse, impact_speed_m_per_s.filter(|speed| *speed > 0.0)) else {
+        return (false, "sign kept: without a pulse and its impact speed its polarity is not certain".to_owned());
+    };
+    let zero = pre_event(pulse, PreEventWindow::default()).map_or(0.0, |before| before.zero_level);
+    let ratio = change(pulse, zero) / speed;
+    let gains = format!(
+        "over the first {:.0} ms the pulse changes the speed by {ratio:+.2} times the impact speed",
+        1e3 * pulse.end_s().min(WINDOW_S)
+    );
+    if CERTAIN.contains(&ratio) {
+        (true, format!("sign turned, as --sign auto has it: {gains}, a frontal impact loses it"))
+    } else if ratio <= 0.0 {
+        (false, format!("sign kept: {gains}"))
+    } else {
+        (false, format!("sign kept, since its polarity is not certain: {gains}"))
+    }
+}
+
+/// Change of velocity over the first 150 ms, m/s.
+fn change(pulse: &Sampled, zero: f64) -> f64 {
+    let (from, to) = (pulse.index_at_or_after(0.0), pulse.index_at_or_after(WINDOW_S));
+    pulse.samples()[from..to.max(from)].iter().map(|a| (a - zero) * pulse.dt_s()).sum()
+}
+
 /// Warns if the pulse, zero level removed, gains speed over the first 150 ms.
 pub fn check(pulse: &Sampled, zero_level: Option<f64>, impact_speed_m_per_s: Option<f64>, notes: &mut Notes) {
-    let zero = zero_level.unwrap_or(0.0);
-    let (from, to) = (pulse.index_at_or_after(0.0), pulse.index_at_or_after(WINDOW_S));
-    let change: f64 = pulse.samples()[from..to.max(from)].iter().map(|a| (a - zero) * pulse.dt_s()).sum();
+    let change = change(pulse, zero_level.unwrap_or(0.0));
     let clear = impact_speed_m_per_s.map_or(CLEAR_CHANGE_M_PER_S, |v| CLEAR_PART * v);
     if change > clear {
         notes.warning(format!(

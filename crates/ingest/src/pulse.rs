@@ -2,7 +2,7 @@
 
 use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind};
 
-use crate::recording::{Found, PulseRule, Recording};
+use crate::recording::{Found, NOT_READ, PulseRule, Recording};
 use crate::selection::select;
 use crate::table::MINIMUM_SAMPLES;
 use crate::{IngestError, compartment};
@@ -61,6 +61,17 @@ fn by_rule(file: &str, recording: &Recording, candidates: &[usize]) -> Result<us
                 .iter()
                 .filter(|f| f.wave.is_some() && f.channel.quantity == QuantityKind::Acceleration)
                 .collect();
+            let unread: Vec<&str> = recording.channels.iter().filter_map(Found::unread).collect();
+            if let Some(first) = unread.first() {
+                let more = unread.len() - 1;
+                let more = if more > 0 { format!("; and {more} more cannot be read") } else { String::new() };
+                return Err(IngestError::channel(
+                    file,
+                    format!("no accelerometer along x at a usual place of the compartment can be read: {first}{more}"),
+                    "a readable file of rear-seat crossmember, rear floor, sill, B-pillar or centre of gravity",
+                    "download the test again, or name another channel by --channel",
+                ));
+            }
             Err(IngestError::channel(
                 file,
                 format!(
@@ -121,6 +132,9 @@ fn asked_for(file: &str, recording: &Recording, wanted: &str, candidates: &[usiz
             ChannelStatus::NotInstalled => {
                 let comment = channel.comment.as_deref().map_or_else(String::new, |c| format!(" ({c})"));
                 format!("channel {id}: not installed{comment}: it has no data, and no file is missing")
+            }
+            _ if recording.channels[index].unread().is_some() => {
+                format!("channel {id}: {NOT_READ}{}", recording.channels[index].unread().unwrap_or_default())
             }
             _ => match &channel.comment {
                 Some(comment) if id.parse::<u32>().is_err() => format!("channel {id} has no data: {comment}"),

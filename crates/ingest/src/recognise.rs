@@ -63,6 +63,10 @@ pub fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader, Ingest
         return Err(IngestError::Foreign { file: file.to_owned(), what: what.to_owned(), instead: instead.to_owned() });
     }
     let head = &bytes[..bytes.len().min(8192)];
+    let is_mme = file.rsplit_once('.').is_some_and(|(_, ending)| ending.eq_ignore_ascii_case("mme"));
+    if is_mme && !iso_mme::IsoMme.recognises(head) && iso_mme::has_keyword_lines(head) {
+        return Ok(&iso_mme::IsoMme);
+    }
     READERS.iter().copied().find(|reader| reader.recognises(head)).ok_or_else(|| {
         if let Some((what, instead)) = foreign::by_ending(file) {
             return IngestError::Foreign { file: file.to_owned(), what: what.to_owned(), instead: instead.to_owned() };

@@ -2,6 +2,9 @@
 
 use crumple_signal::{Channel, Notes, Sampled};
 
+/// Begins the comment of a channel whose file is here and cannot be read.
+pub const NOT_READ: &str = "its file is not read: ";
+
 /// A channel and its samples.
 #[derive(Debug, Clone)]
 pub struct Found {
@@ -15,6 +18,13 @@ pub struct Found {
     pub fitness: Option<Fitness>,
     /// Other names under which the channel may be asked for.
     pub aliases: Vec<String>,
+}
+
+impl Found {
+    /// Why its file could not be read, with file and line, if it is here.
+    pub fn unread(&self) -> Option<&str> {
+        self.channel.comment.as_deref().filter(|_| self.wave.is_none())?.strip_prefix(NOT_READ)
+    }
 }
 
 /// Order among candidates for the pulse: smaller is better; equal ones are settled by the order of channels.
@@ -52,6 +62,8 @@ pub struct Details {
     pub impact_speed_m_per_s: Option<Stated<f64>>,
     /// Time of first contact on the file's axis, s.
     pub time_zero_s: Option<Stated<f64>>,
+    /// What the record says of the impact speed and is not taken, and why, in words.
+    pub speed_not_taken: Option<String>,
     /// The record is of a kind that has no crash pulse (an event data recorder's velocity change, say): mass, speed and pulse
     /// may be missing.
     pub no_pulse: bool,

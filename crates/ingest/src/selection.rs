@@ -1,43 +1,21 @@
 //! Channels by the name a person gives: an id, another name, a pattern.
 
-use crumple_signal::iso13499::wildcard;
+use crumple_signal::{Channel, channels_meant};
 
 use crate::recording::Found;
 
-/// Whether a name is a pattern: it has `*` or `?` in it.
-pub fn is_pattern(wanted: &str) -> bool {
-    wanted.contains(['*', '?'])
-}
+pub use crumple_signal::is_pattern;
 
-/// The channels meant, as indices: the one with this id; else those with this id or other name in any case; else, if it is a
-/// pattern, all whose id, code or other name fits. None, one or several.
+/// The channels meant, as indices, see [`channels_meant`].
 pub fn select(channels: &[Found], wanted: &str) -> Vec<usize> {
-    let wanted = wanted.trim();
-    if let Some(index) = channels.iter().position(|f| f.channel.id == wanted) {
-        return vec![index];
-    }
-    let fold = wanted.to_lowercase();
-    let all = |fits: &dyn Fn(&str) -> bool, aliases: bool| -> Vec<usize> {
-        let named = |f: &Found| {
-            let others = f.aliases.iter().chain(&f.channel.code).map(String::as_str);
-            fits(&f.channel.id) || (aliases && others.into_iter().any(fits))
-        };
-        (0..channels.len()).filter(|k| named(&channels[*k])).collect()
-    };
-    let same = |name: &str| name.to_lowercase() == fold;
-    for aliases in [false, true] {
-        let found = all(&same, aliases);
-        if !found.is_empty() {
-            return found;
-        }
-    }
-    if is_pattern(wanted) { all(&|name| wildcard(wanted, name), true) } else { Vec::new() }
+    let named: Vec<(&Channel, &[String])> = channels.iter().map(|f| (&f.channel, f.aliases.as_slice())).collect();
+    channels_meant(&named, wanted)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crumple_signal::{Channel, QuantityKind};
+    use crumple_signal::QuantityKind;
 
     fn found(id: &str, aliases: &[&str]) -> Found {
         Found {

@@ -12,6 +12,8 @@ pub enum Sign {
     Keep,
     /// Multiplied by -1.
     Flip,
+    /// Multiplied by -1 where the pulse is certain to be of the wrong sign, as in the file otherwise.
+    Auto,
 }
 
 /// A kind of table with rules of its own.
@@ -48,7 +50,8 @@ pub struct Settings {
     /// t = 0. Default: the file's t = 0.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub time_zero: Option<Time>,
-    /// Polarity of acceleration along x: keep, or flip where the file has deceleration positive. Default: keep.
+    /// Polarity of acceleration along x: keep; flip where the file has deceleration positive; auto flips only where the pulse gains
+    /// 0.6 to 1.6 times the impact speed in 150 ms, and says so. Default: keep.
     #[arg(long, value_enum, value_name = "SIGN")]
     pub sign: Option<Sign>,
     /// Sampling interval of a table without a time column, with its unit: 0.08s, 100us. The first row is at 0 s.
@@ -64,8 +67,8 @@ pub struct Settings {
     /// imu.acceleration.x. Its unit is that of --unit.
     #[arg(long, value_name = "PATH")]
     pub field: Option<String>,
-    /// Rate to which messages with uneven stamps are resampled by linear interpolation, with its unit: 100Hz. Default: they
-    /// are refused.
+    /// Rate to which messages, or rows of a table with uneven times, are resampled by linear interpolation, with its unit: 10kHz.
+    /// Default: uneven times are refused.
     #[arg(long, value_name = "RATE")]
     pub resample: Option<Frequency>,
     /// Vehicle whose structure carries the pulse in an NHTSA test with two: 1 or 2. Default: 1.

@@ -19,8 +19,8 @@ use crumple_signal::Notes;
 use crate::bundle::Bundle;
 use crate::details::from_comments;
 use crate::recognise::Reader;
-use crate::recording::{Details, Found, PulseRule, Recording};
-use crate::{IngestError, Place, Profile, Settings, unused};
+use crate::recording::{Details, Found, Recording};
+use crate::{IngestError, Place, Profile, Settings, code_name, unused};
 
 pub(crate) use text::{Line, decode, line_at, without_mark};
 
@@ -50,7 +50,7 @@ impl Reader for Table {
     }
 
     fn heeds(&self) -> &'static [&'static str] {
-        &["--unit", "--time-unit", "--sample-time", "--profile", "--skip-to"]
+        &["--unit", "--time-unit", "--sample-time", "--profile", "--skip-to", "--vehicle-number", "--resample"]
     }
 
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
@@ -115,12 +115,13 @@ fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &Settings) -> Resul
         }
         None => time_axis::find(file, &header, &mut rows, settings, facts.time_unit.as_ref(), &mut notes)?,
     };
-    let channels = columns::channels(file, &header, rows, &time, settings, facts.unit.as_ref(), &mut notes)?;
+    let mut channels = columns::channels(file, &header, rows, &time, settings, facts.unit.as_ref(), &mut notes)?;
     let mut details = facts.details;
     if edr {
         edr_notes(&channels, &mut details, &mut notes);
     }
-    Ok(Recording { details, channels, pulse_rule: PulseRule::OnlyOne, contact_at_zero: false, notes })
+    let pulse_rule = code_name::pulse_rule(&mut channels, settings, &mut notes);
+    Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
 }
 
 /// What an event data recorder's table is good for.

@@ -6,11 +6,11 @@ use crumple_signal::Notes;
 
 use crate::bundle::{Bundle, stem};
 use crate::recognise::Reader;
-use crate::recording::{PulseRule, Recording};
+use crate::recording::{Found, Recording};
 use crate::table::{decode, without_mark};
 use crate::tdms::samples::{Strided, numbers};
 use crate::waveform::{self, Waveform};
-use crate::{IngestError, Place, Settings, diadem};
+use crate::{IngestError, Place, Settings, code_name, diadem};
 use header::{Block, Header, TdmChannel};
 
 /// Largest header, bytes.
@@ -38,7 +38,7 @@ impl Reader for Tdm {
     }
 
     fn heeds(&self) -> &'static [&'static str] {
-        &["--unit", "--time-unit"]
+        &["--unit", "--time-unit", "--vehicle-number", "--resample"]
     }
 
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
@@ -82,9 +82,10 @@ fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> 
         waveforms.push(waveform(channel, tdx_name, tdx, header.big_endian));
     }
     let channels = waveform::channels(file, waveforms, settings, &mut notes)?;
-    let channels = channels.into_iter().map(|(_, found)| found).collect();
+    let mut channels: Vec<Found> = channels.into_iter().map(|(_, found)| found).collect();
+    let pulse_rule = code_name::pulse_rule(&mut channels, settings, &mut notes);
     let details = diadem::details(&header.root);
-    Ok(Recording { details, channels, pulse_rule: PulseRule::OnlyOne, contact_at_zero: false, notes })
+    Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
 }
 
 /// The binary file: that of the header's name in any case, else the one that is named like the header.

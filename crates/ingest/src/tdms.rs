@@ -16,9 +16,9 @@ use crumple_signal::Notes;
 
 use crate::bundle::Bundle;
 use crate::recognise::Reader;
-use crate::recording::{PulseRule, Recording};
+use crate::recording::{Found, PulseRule, Recording};
 use crate::waveform::{self, Waveform};
-use crate::{IngestError, Place, Settings, diadem};
+use crate::{IngestError, Place, Settings, code_name, diadem};
 use metadata::{Properties, Property, names};
 use segments::{Content, Object, SegmentError};
 
@@ -35,7 +35,7 @@ impl Reader for Tdms {
     }
 
     fn heeds(&self) -> &'static [&'static str] {
-        &["--unit", "--time-unit", "--vehicle-number"]
+        &["--unit", "--time-unit", "--vehicle-number", "--resample"]
     }
 
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
@@ -71,7 +71,7 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, 
         waveforms.push(waveform(object, group, name, scales));
     }
     let channels = waveform::channels(file, waveforms, settings, &mut notes)?;
-    let channels = channels
+    let mut channels: Vec<Found> = channels
         .into_iter()
         .map(|(k, mut found)| {
             if let Some(curve) = &records[k] {
@@ -80,7 +80,8 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, 
             found
         })
         .collect();
-    let pulse_rule = if is_nhtsa { PulseRule::Fittest } else { PulseRule::OnlyOne };
+    let pulse_rule =
+        if is_nhtsa { PulseRule::Fittest } else { code_name::pulse_rule(&mut channels, settings, &mut notes) };
     Ok(Recording { details, channels, pulse_rule, contact_at_zero: is_nhtsa, notes })
 }
 

@@ -11,7 +11,7 @@ use crumple_signal::{Channel, Notes, QuantityKind, Sampled};
 
 use crate::recording::{Fitness, Found};
 use crate::table::header;
-use crate::{IngestError, Place, Settings, unused};
+use crate::{IngestError, Place, Settings, code_name, unused};
 use clock::Clocks;
 use units::Label;
 
@@ -138,6 +138,7 @@ pub fn channels(
         let mut channel = Channel::new(id.clone(), quantity);
         channel.axis = header::axis(&label.title);
         channel.cfc = header::cfc(&label.title).filter(|_| acceleration);
+        code_name::describe(&mut channel, &label.name, notes);
         channel.comment = comment;
         let fitness =
             acceleration.then_some(Fitness { redundant: false, place: 0, why: "the only acceleration channel" });
@@ -153,6 +154,10 @@ pub fn channels(
                 "check that the recording was saved, not its description only",
             )
         }));
+    }
+    if settings.resample.is_some() && !clocks.resamples() {
+        let why = "every channel states a uniform step; crumple-filter --resample brings channels to another rate";
+        unused::note("--resample", why, notes);
     }
     clocks.notes(notes);
     remarks.notes(notes);

@@ -143,11 +143,10 @@ fn flags_that_say_nothing_to_a_format_are_named() {
     let table = |header: &str, settings: Settings| flags(&read("a.csv", &table(header), &settings).unwrap());
     let some = |flag: &str| match flag {
         "--field" => Settings { field: all.field.clone(), ..lenient() },
-        "--resample" => Settings { resample: all.resample, ..lenient() },
         "--vehicle-number" => Settings { vehicle_number: all.vehicle_number, ..lenient() },
         _ => lenient(),
     };
-    for flag in ["--field", "--resample", "--vehicle-number"] {
+    for flag in ["--field", "--vehicle-number"] {
         assert_eq!(table("time_s,accel_g", some(flag)), [flag]);
     }
     assert_eq!(table("time_s,accel_g", lenient()), [""; 0]);
@@ -161,7 +160,10 @@ fn flags_that_say_nothing_to_a_format_are_named() {
     }
     if let Some(tdms) = shared("data/iihs-diadem-tdms/Target Pulse.tdms") {
         let found = flags(&open(&tdms, &Settings { channel: Some("IIWPG Acceleration".to_owned()), ..all.clone() }));
-        assert_eq!(found, ["--time-unit", "--sample-time", "--profile", "--skip-to", "--field", "--resample"]);
+        assert_eq!(
+            found,
+            ["--time-unit", "--resample", "--vehicle-number", "--sample-time", "--profile", "--skip-to", "--field"]
+        );
     }
     if let Some(lvm) = shared("data/shock-table-lvm/Test_002.lvm") {
         let found = flags(&open(&lvm, &all));

@@ -240,3 +240,44 @@ fn header_counts_allocate_nothing() {
         notes(&read(folder.path(), &Settings::default()).unwrap()).contains("states 4000000000 channels and lists 4")
     );
 }
+
+#[test]
+fn a_unit_may_have_brackets_of_its_own() {
+    for unit in ["m/(s*s)", "[m/(s*s)]", "m/(s^2)"] {
+        let text =
+            channel("10SECMLERE00ACXP", "", 30.0).replace("Unit                        :g", &format!("Unit :{unit}"));
+        let ingested = lone(&text).unwrap();
+        let pulse = ingested.pulse().unwrap();
+        assert_eq!(pulse.quantity, QuantityKind::Acceleration, "{unit}");
+        // In m/s^2 as written: sample 650 is 45 ms, the top of the half sine.
+        assert!((pulse.samples.samples()[650] + 30.0).abs() < 1e-6, "{unit}");
+    }
+}
+
+#[test]
+fn samples_beyond_the_announced_number_are_left_off() {
+    let text = channel("10SECMLERE00ACXP", "", 30.0).replace("samples           :1700", "samples           :1698");
+    let ingested = lone(&text).unwrap();
+    assert_eq!(ingested.pulse().unwrap().samples.len(), 1698);
+    let notes = ingested.notes.to_texts();
+    let said = "warning: a.001: the header states 1698 samples, the file has 1700: the first 1698 are used";
+    assert!(notes.iter().any(|note| note == said), "{notes:?}");
+}
+
+#[test]
+fn a_test_file_without_its_edition_is_read_and_a_bare_speed_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = files();
+    files[0].1 = files[0].1.replace("Data format edition number  :1.6\r\n", "");
+    write(folder.path(), &files);
+    let ingested = read(folder.path(), &Settings::default()).unwrap();
+    assert_eq!(ingested.test.mass_kg, Some(1500.0));
+    let notes = ingested.notes.to_texts().join("\n");
+    assert!(notes.contains("lacks the line \"Data format edition number\""), "{notes}");
+
+    files[0].1 = files[0].1.replace("50 km/h", "50");
+    write(folder.path(), &files);
+    let error = read(folder.path(), &Settings::default()).unwrap_err();
+    assert!(error.to_string().contains("velocity test object 1 is 50 without a unit"), "{error}");
+    assert!(!error.expected().unwrap().contains("header lines"), "{error:?}");
+}

@@ -188,3 +188,20 @@ fn a_damaged_signal_file_costs_its_channel_only_unless_it_is_asked_for() {
     let error = read(temporary.path().join("v10146.EV5"), Some("93")).unwrap_err().to_string();
     assert!(error.starts_with("v10146.093, line 2"), "{error}");
 }
+
+#[test]
+fn a_damaged_signal_file_is_named_with_its_line() {
+    let Some(folder) = folder() else { return };
+    let copy = tempfile::tempdir().unwrap();
+    fs::copy(folder.join("v10146.EV5"), copy.path().join("v10146.EV5")).unwrap();
+    let text = fs::read_to_string(folder.join("v10146.093")).unwrap();
+    let damaged: String =
+        text.lines().enumerate().map(|(k, l)| if k == 3 { "x\n".to_owned() } else { format!("{l}\n") }).collect();
+    fs::write(copy.path().join("v10146.093"), damaged).unwrap();
+    let path = copy.path().join("v10146.EV5");
+    let error = read(path.clone(), None).unwrap_err();
+    assert!(error.to_string().contains("can be read: v10146.093, line 4"), "{error}");
+    let lines = crumple_ingest::list(&Bundle::open(&path).unwrap(), &Settings::default()).unwrap();
+    let line = lines.iter().find(|line| line.id == "93").unwrap();
+    assert!(line.comment.as_deref().unwrap().starts_with("its file is not read: v10146.093, line 4"), "{line:?}");
+}

@@ -188,3 +188,51 @@ fn a_sidecar_with_a_slip() {
         "{text}"
     );
 }
+
+#[test]
+fn a_closed_stderr_changes_nothing() {
+    use std::process::{Command, Stdio};
+    let mut child = Command::new(env!("CARGO_BIN_EXE_crumple-ingest"))
+        .args(["no-such-file.csv", "-o", "no-such-output.mcap"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The process has yet to start when its reader goes.
+    drop(child.stderr.take());
+    assert_eq!(child.wait().unwrap().code(), Some(3));
+}
+
+#[test]
+fn uneven_times_are_refused_with_their_jitter_and_resampled_on_request() {
+    // Every tenth step is a fifth longer.
+    let text: String = (0..400)
+        .map(|k| format!("{:.6},{:.3}\n", k as f64 * 1e-4 + f64::from(u8::from(k % 10 == 5)) * 2e-5, -0.1 * k as f64))
+        .collect();
+    let text = format!("time_s,accel_g\n{text}");
+    refused("a.csv", &text, &STATED, &["jitter", ": 0.200)", "--resample 10000Hz"]);
+    let (code, said) = run("a.csv", text.as_bytes(), &[&STATED[..], &["--resample", "10kHz"]].concat());
+    assert_eq!(code, 0, "{said}");
+    assert!(
+        said.contains("resampled to 10000 Hz by linear interpolation") || said.contains("are resampled to"),
+        "{said}"
+    );
+}
+
+#[test]
+fn what_cannot_be_read_is_called_by_its_name() {
+    let comments = format!("{}time_s,accel_g\n{}", "# x\n".repeat(10_001), rows(300));
+    refused("a.csv", comments, &STATED, &["line 10001", "10000 lines of comments and blanks"]);
+    refused("a.tdx", [0_u8, 0, 1, 200, 3, 0, 0, 63].repeat(20), &[], &["TDX", ".TDM"]);
+
+    use std::io::{Cursor, Write};
+    let zipped = |name: &str, content: &[u8]| {
+        let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        for name in [name, "other.bin"] {
+            zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+            zip.write_all(content).unwrap();
+        }
+        zip.finish().unwrap().into_inner()
+    };
+    let outer = zipped("inner.zip", &zipped("a.csv", b"0,1\n"));
+    refused("a.zip", outer, &[], &["an archive inside the archive: inner.zip"]);
+}

@@ -276,3 +276,60 @@ fn a_pattern_means_one_column_or_is_refused() {
     let error = named("*_g").unwrap_err();
     assert!(error.to_string().contains("--channel *_g means 2 columns: left_g, right_g"), "{error}");
 }
+
+#[test]
+fn columns_named_by_channel_codes_are_decoded_and_the_pulse_is_found_by_place() {
+    let header = "time_s,10ENGN000000ACXP (g),10VEHCCG0000ACXD (g),10SECMLERE00AC1P (g)\n";
+    let rows: String = (0..400)
+        .map(|k| {
+            let a = if k < 200 { 0.0 } else { -20.0 * (f64::from(k - 200) * 0.01).sin() };
+            format!("{:.4},{a:.4},{a:.4},{a:.4}\n", f64::from(k - 200) * 1e-4)
+        })
+        .collect();
+    let ingested = from_text(&(header.to_owned() + &rows), &stated()).unwrap();
+    let channel = |id: &str| ingested.test.channel(id).unwrap().clone();
+    let body = channel("10VEHCCG0000ACXD");
+    assert_eq!((body.cfc, body.location.as_str()), (Some(60), "vehicle, centre of gravity"));
+    assert_eq!(body.code.as_deref(), Some("10VEHCCG0000ACXD"));
+    assert_eq!(ingested.test.pulse.as_deref(), Some("10SECMLERE00AC1P"));
+    assert!(channel("10SECMLERE00AC1P").polarity.is_some());
+    // Without units: both are accelerations by their codes, and the flag is for them.
+    let bare = header.replace(" (g)", "");
+    let error = from_text(&(bare.clone() + &rows), &stated()).unwrap_err();
+    assert!(error.to_string().contains("no unit is stated"), "{error}");
+    let settings = Settings { unit: Some("g".to_owned()), ..stated() };
+    let ingested = from_text(&(bare + &rows), &settings).unwrap();
+    assert!(ingested.test.channels.iter().all(|c| c.quantity == QuantityKind::Acceleration));
+}
+
+#[test]
+fn a_unit_by_flag_serves_all_columns_named_as_accelerations() {
+    let rows: String = (0..400).map(|k| format!("{:.4},{},{},{}\n", f64::from(k) * 1e-4, -k, -2 * k, 3 * k)).collect();
+    let settings = Settings { unit: Some("g".to_owned()), channel: Some("acc_left".to_owned()), ..stated() };
+    let ingested = from_text(&format!("time_s,acc_left,acc_right,force\n{rows}"), &settings).unwrap();
+    let quantities: Vec<QuantityKind> = ingested.waves.iter().map(|wave| wave.quantity).collect();
+    assert_eq!(quantities, [QuantityKind::Acceleration, QuantityKind::Acceleration, QuantityKind::Other]);
+    assert_eq!(ingested.waves[1].samples.samples()[1], -2.0 * G);
+}
+
+#[test]
+fn the_sign_is_turned_by_auto_only_where_it_is_certainly_wrong() {
+    // 30 g half sine over 90 ms: a change of 16.9 m/s.
+    let text = |peak: f64| -> String {
+        let at = |t: f64| if (0.0..0.09).contains(&t) { peak * (std::f64::consts::PI * t / 0.09).sin() } else { 0.0 };
+        let rows = (0..2000).map(|k| (f64::from(k) - 500.0) * 1e-4).map(|t| format!("{t:.4},{:.6}\n", at(t)));
+        format!("time_s,accel_g\n{}", rows.collect::<String>())
+    };
+    let run = |peak: f64, speed: &str| {
+        let settings = Settings { impact_speed: Some(speed.parse().unwrap()), sign: Some(Sign::Auto), ..stated() };
+        let ingested = from_text(&text(peak), &settings).unwrap();
+        (ingested.pulse().unwrap().samples.samples()[950] < 0.0, notes(&ingested))
+    };
+    let (negative, said) = run(30.0, "15m/s");
+    assert!(negative && said.contains("sign turned, as --sign auto has it") && !said.contains("--sign flip"), "{said}");
+    let (negative, said) = run(-30.0, "15m/s");
+    assert!(negative && said.contains("sign kept: "), "{said}");
+    // A gain of a third of the speed proves nothing.
+    let (negative, said) = run(30.0, "50m/s");
+    assert!(!negative && said.contains("not certain"), "{said}");
+}

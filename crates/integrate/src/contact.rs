@@ -7,6 +7,9 @@ use crumple_stage::{Inputs, Refused};
 
 use crate::options::{StageSettings, ZeroRule};
 
+/// Threshold crossings this much later than the file's t = 0 are worth a warning, s.
+const LATE_S: f64 = 0.005;
+
 /// First contact on the record's axis, and the rule in the words of the artifact.
 pub struct TimeZero {
     pub time_s: f64,
@@ -17,6 +20,7 @@ pub struct TimeZero {
 pub fn time_zero(
     settings: &StageSettings,
     input: &Inputs,
+    format: &str,
     channel: &Channel,
     pulse: &Signal<Acceleration>,
     impact_speed_m_per_s: f64,
@@ -26,6 +30,7 @@ pub fn time_zero(
         return Ok(TimeZero { time_s, rule: "flag".to_owned() });
     }
     let Some(rule) = &settings.time_zero_rule else {
+        late_contact(format, channel, pulse, impact_speed_m_per_s, notes);
         return Ok(TimeZero { time_s: 0.0, rule: ZeroRule::File.to_string() });
     };
     let found = match rule {
@@ -50,6 +55,23 @@ pub fn time_zero(
         notes.info(format!("the event ends at {:.2} ms by the same rule", 1e3 * (end_s - found.time_s)));
     }
     Ok(TimeZero { time_s: found.time_s, rule: rule.to_string() })
+}
+
+/// Warns of a pulse that begins long after the file's t = 0 where nothing says that this is first contact: an NHTSA or ISO-MME test
+/// defines it so, a table does not, and its axis may begin with the recording.
+fn late_contact(format: &str, channel: &Channel, pulse: &Signal<Acceleration>, speed_m_per_s: f64, notes: &mut Notes) {
+    if matches!(format, "nhtsa-ev5" | "iso-mme") {
+        return;
+    }
+    let Some(found) = threshold_crossing(pulse).filter(|found| found.time_s > LATE_S) else { return };
+    let late_ms = 1e3 * found.time_s;
+    notes.warning(format!(
+        "channel {} first exceeds 0.5 g for 3 ms at {late_ms:.1} ms, and nothing says that contact is at the file's t = 0: \
+         the vehicle is taken to move on at the impact speed until then, up to {:.3} m that may be no crush: if contact is there, \
+         --time-zero {late_ms:.1}ms --start time-zero; if it is at 0, --time-zero 0s",
+        channel.id,
+        found.time_s * speed_m_per_s
+    ));
 }
 
 fn nothing_found(rule: &ZeroRule, pulse: &str) -> String {

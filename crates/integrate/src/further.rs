@@ -15,18 +15,23 @@ pub fn further<'a>(
     input: &Inputs,
     notes: &mut Notes,
 ) -> anyhow::Result<Vec<&'a Channel>> {
-    if asked.iter().any(|id| id == "all") {
+    let everything = asked.iter().any(|id| id == "all");
+    let mut ids: Vec<String> = Vec::new();
+    for name in asked.iter().filter(|name| *name != "all") {
+        ids.extend(meant(test, name, input)?);
+    }
+    ids.retain(|id| id != pulse);
+    if everything {
         let candidates = test.channels.iter().filter(|channel| {
             channel.id != pulse
                 && channel.quantity == QuantityKind::Acceleration
                 && channel.axis.is_none_or(|axis| axis == Axis::X)
                 && input.wave_if(&channel.id).is_some()
         });
-        for id in asked.iter().filter(|id| *id != "all" && *id != pulse) {
-            known(test, id)?;
+        for id in &ids {
             input.wave(id)?;
         }
-        let named = |channel: &Channel| asked.contains(&channel.id);
+        let named = |channel: &Channel| ids.contains(&channel.id);
         let (taken, left): (Vec<&Channel>, Vec<&Channel>) =
             candidates.partition(|channel| of_compartment(channel) || named(channel));
         if !left.is_empty() {
@@ -38,20 +43,29 @@ pub fn further<'a>(
         }
         return Ok(taken);
     }
-    let mut channels = Vec::new();
-    for id in asked.iter().filter(|id| *id != pulse) {
-        let channel = known(test, id)?;
+    let mut channels: Vec<&Channel> = Vec::new();
+    for id in &ids {
         input.wave(id)?;
-        channels.push(channel);
+        channels.extend(test.channel(id).filter(|channel| !channels.iter().any(|other| other.id == channel.id)));
     }
     Ok(channels)
 }
 
-fn known<'a>(test: &'a TestDescription, id: &str) -> anyhow::Result<&'a Channel> {
-    Ok(test.channel(id).ok_or_else(|| {
-        Refused::new(format!("the test has no channel {id:?}"))
+/// The ids that a name, a code or a pattern means. A pattern leaves out what cannot be integrated: other quantities, and channels
+/// that are not in the inputs.
+pub fn meant(test: &TestDescription, name: &str, input: &Inputs) -> anyhow::Result<Vec<String>> {
+    let all = test.channels_meant(name);
+    if all.is_empty() {
+        return Err(Refused::new(format!("the test has no channel {name:?}"))
             .hint("crumple-artifact show lists the channels of an artifact")
-    })?)
+            .into());
+    }
+    let usable =
+        |channel: &&&Channel| channel.quantity == QuantityKind::Acceleration && input.wave_if(&channel.id).is_some();
+    let ids = |channels: Vec<&Channel>| channels.into_iter().map(|channel| channel.id.clone()).collect::<Vec<_>>();
+    let fit: Vec<&Channel> = all.iter().filter(usable).copied().collect();
+    // One that was named says itself what it lacks.
+    Ok(if all.len() == 1 || fit.is_empty() { ids(all) } else { ids(fit) })
 }
 
 /// Whether a channel moves with the compartment, as far as status and location say.

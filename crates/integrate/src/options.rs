@@ -23,11 +23,11 @@ pub struct Options {
     #[arg(long, value_enum)]
     pub start: Option<Start>,
 
-    /// Channel to take as the crash pulse, by id [default: the pulse of the test]
+    /// Channel to take as the crash pulse, by id, code or a pattern that means one [default: the pulse of the test]
     #[arg(long, value_name = "ID")]
     pub channel: Option<String>,
 
-    /// Further accelerometers to integrate, by id; all stands for every x acceleration of the compartment [default: none]
+    /// Further accelerometers to integrate, by id, code or pattern such as '1?VEHC*X?'; all stands for every x acceleration of the compartment [default: none]
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     pub channels: Vec<String>,
 

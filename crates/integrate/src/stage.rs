@@ -16,7 +16,7 @@ use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
 use crate::body::part_of;
 use crate::contact::time_zero;
-use crate::further::further;
+use crate::further::{further, meant};
 use crate::injury::Criteria;
 use crate::load_cells;
 use crate::options::{Options, StageSettings};
@@ -51,12 +51,16 @@ impl Stage for Integrate {
     fn run(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let mut test = input.test()?;
         if let Some(id) = &settings.channel {
-            if test.channel(id).is_none() {
-                return Err(Refused::new(format!("the test has no channel {id:?}"))
-                    .hint("crumple-artifact show lists the channels of an artifact")
-                    .into());
-            }
-            test.pulse = Some(id.clone());
+            let pulse = match meant(&test, id, input)?.as_slice() {
+                [one] => one.clone(),
+                several => {
+                    return Err(Refused::new(format!("channel {id:?} means several channels: {}", several.join(", ")))
+                        .expected("one channel as the crash pulse")
+                        .hint("give the id of one of them")
+                        .into());
+                }
+            };
+            test.pulse = Some(pulse);
         }
         let channel = test.pulse_channel().refuse_with_hint("name the pulse with --channel")?.clone();
         if settings.impact_speed_m_per_s.or(test.impact_speed_m_per_s).is_none() {
@@ -86,7 +90,15 @@ impl Stage for Integrate {
         test.impact_speed_m_per_s = Some(impact_speed_m_per_s);
 
         let acceleration = acceleration(input, &channel)?;
-        let zero = time_zero(settings, input, &channel, &acceleration, impact_speed_m_per_s, out.notes())?;
+        let zero = time_zero(
+            settings,
+            input,
+            &test.source.format,
+            &channel,
+            &acceleration,
+            impact_speed_m_per_s,
+            out.notes(),
+        )?;
         let task = Task { settings, input, test: &test, impact_speed_m_per_s, time_zero_s: zero.time_s };
         let pulse = task.motion(&channel, &acceleration, out)?;
         let found = findings(&pulse.motion, &pulse.events, zero.time_s, impact_speed_m_per_s);

@@ -197,3 +197,44 @@ fn the_bytes_do_not_depend_on_the_number_of_threads() {
     };
     assert_eq!(written("1"), written("3"));
 }
+
+#[test]
+fn a_pulse_that_begins_long_after_an_unstated_zero_is_warned_about_with_the_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = |name: &str, format: &str| {
+        let mut test = constant(Some(14.0), None, None);
+        test.source.format = format.to_owned();
+        // At rest for 60 ms, then the pulse.
+        let samples = (0..3000).map(|k| if k < 600 { 0.0 } else { -200.0 }).collect();
+        let mut builder = ArtifactBuilder::new();
+        builder.put("/test", &TestV1::from(&test)).unwrap();
+        builder.wave("a", QuantityKind::Acceleration, Sampled::new(0.0, 1e-4, samples).unwrap()).unwrap();
+        let path = folder.path().join(name);
+        builder.write(&path, &Provenance::new("filter", "0", "{}".to_owned(), vec![]), Compression::None).unwrap();
+        path
+    };
+    let notes = |input: &Path, flags: &[&str]| {
+        result(input, flags).record::<NotesV1>("/notes").unwrap().map_or(String::new(), |notes| notes.notes.join("\n"))
+    };
+    let table = input("table.mcap", "csv");
+    // The crossing is interpolated between the last sample at rest, 59.9 ms, and the first of the pulse.
+    let found = notes(&table, &[]);
+    assert!(found.contains("warning: channel a first exceeds 0.5 g for 3 ms at 59.9 ms"), "{found}");
+    assert!(found.contains("0.839 m") && found.contains("--time-zero 59.9ms --start time-zero"), "{found}");
+    for flags in [["--time-zero", "0s"], ["--time-zero", "60ms"]] {
+        assert!(!notes(&table, &flags).contains("first exceeds"), "{flags:?}");
+    }
+    assert!(!notes(&input("test.mcap", "nhtsa-ev5"), &[]).contains("first exceeds"));
+}
+
+#[test]
+fn the_pulse_may_be_named_by_code_or_pattern() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut test = constant(Some(20.0), None, None);
+    test.channels[0].code = Some("10VEHCCG0000ACXP".to_owned());
+    let input = filtered(folder.path(), &test);
+    for name in ["a", "10VEHCCG0000ACXP", "1?VEHC*X?"] {
+        assert_eq!(events(&result(&input, &["--channel", name])).channel, "a", "{name}");
+    }
+    assert_eq!(run(&input, &["--channel", "1?ENGN*"]).status.code(), Some(3));
+}

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use crumple_artifact::write_atomically;
 use crumple_signal::Severity;
-use crumple_stage::{ExitStatus, Usage, be_quiet, check_pipeline, load_artifacts};
+use crumple_stage::{ExitStatus, Usage, be_quiet, check_pipeline, load_artifacts, say};
 
 use crate::people::{KM_PER_H_PER_M_PER_S, MILLI, candidate_name, decimals};
 use crate::{Page, Ranking, Run, gather, summary};
@@ -98,12 +98,12 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     }
     if !cli.quiet {
         for line in lines(&run, &ranking) {
-            eprintln!("{:<16} {line}", "report");
+            say(format_args!("{:<16} {line}", "report"));
         }
-        eprintln!("{:<16} {}", "report", cli.output.display());
+        say(format_args!("{:<16} {}", "report", cli.output.display()));
     }
     if run.no_candidate_simulated() {
-        eprintln!("{:<16} no acceptable result: not one candidate could be simulated", "report");
+        say(format_args!("{:<16} no acceptable result: not one candidate could be simulated", "report"));
         return Ok(ExitStatus::NoAcceptableResult);
     }
     Ok(ExitStatus::Done)

@@ -182,6 +182,11 @@ impl IsoCode {
         self.part(2, 6)
     }
 
+    /// Whether the main location is in the table of words.
+    pub fn has_known_location(&self) -> bool {
+        main_location_words(self.main_location()).is_some()
+    }
+
     /// 7-8, 9-10 and 11-12: the fine locations.
     pub fn fine_locations(&self) -> [&str; 3] {
         [self.part(6, 8), self.part(8, 10), self.part(10, 12)]

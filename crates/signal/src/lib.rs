@@ -11,6 +11,7 @@ pub mod iso13499;
 mod note;
 mod pre_event;
 mod quantity;
+mod selection;
 mod signal;
 mod test_description;
 pub mod unit;
@@ -20,6 +21,7 @@ pub use channel::{Axis, Channel, ChannelStatus};
 pub use note::{Note, Notes, Severity};
 pub use pre_event::{PreEvent, PreEventWindow, pre_event};
 pub use quantity::{Acceleration, Displacement, Force, Quantity, QuantityKind, Velocity};
+pub use selection::{channels_meant, is_pattern};
 pub use signal::{Sampled, Signal, SignalError};
 pub use test_description::{PulseError, Source, TestDescription};
 

@@ -6,6 +6,8 @@ use crate::Sampled;
 
 /// Shortest stretch of pre-event data that gives a zero level, s.
 const SHORTEST_S: f64 = 0.01;
+/// Runs of exact zeros at the start of a record up to this long are samples like others; longer ones are a muted recorder.
+const FEW_ZEROS: usize = 10;
 /// Slack for time stamps that are sums of a decimal interval, s.
 const SLACK_S: f64 = 1e-9;
 
@@ -38,6 +40,8 @@ pub struct PreEvent {
     pub to_s: f64,
     /// How many they are.
     pub samples: usize,
+    /// Samples in front of them that are exactly 0 and not counted: the recorder was muted.
+    pub muted: usize,
 }
 
 /// Mean and standard deviation in the part of the window that the record covers; `None` if that is shorter than 10 ms.
@@ -45,11 +49,17 @@ pub struct PreEvent {
 /// The mean is wrong by about the noise floor over the square root of the number of samples. A wrong zero level δ adds
 /// δ·t to the velocity and δ·t²/2 to the displacement: 0.1 g over 100 ms is 0.098 m/s and 4.9 mm. Never the mean of the
 /// whole record: a crash pulse has one.
+///
+/// A record that begins with more than ten samples of exactly 0 was muted until then (NHTSA's TDMS files): that run is not counted.
+/// A window of nothing but such zeros is taken as it is, as computed records have it.
 pub fn pre_event(samples: &Sampled, window: PreEventWindow) -> Option<PreEvent> {
     let from = samples.index_at_or_after(window.from_s - SLACK_S);
     let to = samples.index_at_or_after(window.to_s + SLACK_S);
     // A sample inside the slack belongs to the window; `index_at_or_after` has a slack of its own, in intervals.
     let to = if to < samples.len() && samples.time_s(to) <= window.to_s + SLACK_S { to + 1 } else { to };
+    let muted = samples.samples().iter().take(to).take_while(|x| **x == 0.0).count();
+    let muted = if (FEW_ZEROS + 1..to).contains(&muted) { muted } else { 0 };
+    let from = from.max(muted);
     let inside = samples.samples().get(from..to).filter(|inside| !inside.is_empty())?;
     let (from_s, to_s) = (samples.time_s(from), samples.time_s(to - 1));
     if to_s - from_s < SHORTEST_S - SLACK_S {
@@ -58,7 +68,7 @@ pub fn pre_event(samples: &Sampled, window: PreEventWindow) -> Option<PreEvent> 
     let n = inside.len() as f64;
     let zero_level = inside.iter().sum::<f64>() / n;
     let noise_floor = (inside.iter().map(|x| (x - zero_level).powi(2)).sum::<f64>() / n).sqrt();
-    let found = PreEvent { zero_level, noise_floor, from_s, to_s, samples: inside.len() };
+    let found = PreEvent { zero_level, noise_floor, from_s, to_s, samples: inside.len(), muted };
     // Samples near the end of the range of numbers have squares beyond it.
     (zero_level.is_finite() && noise_floor.is_finite()).then_some(found)
 }
@@ -80,6 +90,25 @@ mod tests {
         // -50.0 to -10.0 ms at 10 kHz: samples 0 to 400.
         let found = pre_event(&ramp(-0.05, 1e-4, 3500), PreEventWindow::default()).unwrap();
         assert_eq!((found.samples, found.zero_level), (401, 200.0));
+    }
+
+    #[test]
+    fn a_muted_start_is_not_counted() {
+        let record = |muted: usize| {
+            let at = |k: usize| if k < muted { 0.0 } else { 2.0 };
+            Sampled::new(-0.05, 1e-4, (0..3500).map(at).collect()).unwrap()
+        };
+        let of =
+            |muted| pre_event(&record(muted), PreEventWindow::default()).map(|f| (f.zero_level, f.muted, f.samples));
+        assert_eq!(of(0), Some((2.0, 0, 401)));
+        assert_eq!(of(200), Some((2.0, 200, 201)));
+        // Ten zeros may be measured ones.
+        assert_eq!(of(10).map(|(_, muted, samples)| (muted, samples)), Some((0, 401)));
+        // Less than 10 ms are left.
+        assert_eq!(of(350), None);
+        // Nothing but zeros: a computed record.
+        assert_eq!(of(500), Some((0.0, 0, 401)));
+        assert_eq!(of(3500), Some((0.0, 0, 401)));
     }
 
     #[test]

@@ -142,6 +142,61 @@ pub fn factor(symbol: &str, dimension: Dimension) -> Option<f64> {
         .map(|(_, _, factor)| *factor)
 }
 
+/// A symbol without the brackets around it: `[g]` is `g`, `(m/s^2` is `m/s^2`; `m/(s*s)` stays, its bracket belongs to the unit.
+pub fn without_brackets(symbol: &str) -> &str {
+    let mut symbol = symbol.trim();
+    loop {
+        let opens = symbol.starts_with(['[', '(', '{']);
+        let closes = symbol.ends_with([']', ')', '}']);
+        let depth = |text: &str| {
+            text.chars().fold(0_i32, |depth, c| match c {
+                '[' | '(' | '{' => depth + 1,
+                ']' | ')' | '}' => depth - 1,
+                _ => depth,
+            })
+        };
+        // Brackets are one byte long.
+        symbol = if opens && closes && opening_bracket(symbol) == Some(0) {
+            symbol[1..symbol.len() - 1].trim()
+        } else if opens && depth(symbol) > 0 {
+            symbol[1..].trim()
+        } else if closes && depth(symbol) < 0 {
+            symbol[..symbol.len() - 1].trim()
+        } else {
+            return symbol;
+        };
+    }
+}
+
+/// Where the bracket stands that the last character of a text closes; `None` if it closes none.
+///
+/// ```
+/// use crumple_signal::unit::opening_bracket;
+/// assert_eq!(opening_bracket("Acc (m/(s*s))"), Some(4));
+/// assert_eq!(opening_bracket("Acc"), None);
+/// ```
+pub fn opening_bracket(text: &str) -> Option<usize> {
+    let close = text.chars().next_back()?;
+    let open = match close {
+        ']' => '[',
+        ')' => '(',
+        '}' => '{',
+        _ => return None,
+    };
+    let mut depth = 0_usize;
+    for (at, c) in text.char_indices().rev() {
+        if c == close {
+            depth += 1;
+        } else if c == open {
+            depth -= 1;
+            if depth == 0 {
+                return Some(at);
+            }
+        }
+    }
+    None
+}
+
 /// The signal quantity and factor of a unit found in a file, e.g. `G'S` or `km/h`.
 pub fn signal_unit(symbol: &str) -> Option<(QuantityKind, f64)> {
     let symbol = squeeze(symbol);
@@ -260,6 +315,25 @@ mod tests {
         assert_eq!(parse_value("20 kN s/m", Damping), Ok(20e3));
         assert_eq!(parse_value("8 N*s/mm", Damping), Ok(8e3));
         assert!(matches!(parse_value("20 kN/m", Damping), Err(UnitError::Unit { .. })));
+    }
+
+    #[test]
+    fn brackets_around_a_symbol_go_and_its_own_stay() {
+        for (written, symbol) in [
+            ("[g]", "g"),
+            (" ( m/s^2 ) ", "m/s^2"),
+            ("m/(s*s)", "m/(s*s)"),
+            ("(m/(s*s))", "m/(s*s)"),
+            ("[m/(s^2)]", "m/(s^2)"),
+            ("[g", "g"),
+            ("g)", "g"),
+            ("(a)/(b)", "(a)/(b)"),
+            ("[]", ""),
+            ("", ""),
+        ] {
+            assert_eq!(without_brackets(written), symbol, "{written}");
+        }
+        assert_eq!(opening_bracket("a) b)"), None);
     }
 
     #[test]

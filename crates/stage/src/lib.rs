@@ -12,6 +12,7 @@ mod output;
 mod pipeline;
 mod progress;
 mod run;
+mod say;
 mod stages;
 mod tool;
 
@@ -23,6 +24,7 @@ pub use output::Output;
 pub use pipeline::{check_pipeline, unknown_name};
 pub use progress::{Progress, Watched, be_quiet};
 pub use run::{Outcome, Stage, main};
+pub use say::say;
 pub use stages::{STAGES, stage_order, writer_of};
 pub use tool::tool_main;
 

@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::say::say;
+
 /// Silence before the first sign; most work is over by then.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Time between log lines.
@@ -68,7 +70,7 @@ impl Progress {
             });
         } else if self.last_line.is_none_or(|line| line.elapsed() >= LOG_EVERY) {
             self.last_line = Some(Instant::now());
-            eprintln!("{}: {} %", self.what, 100 * self.done / self.total.max(1));
+            say(format_args!("{}: {} %", self.what, 100 * self.done / self.total.max(1)));
         }
     }
 }

@@ -20,6 +20,7 @@ use crate::inputs::{Loaded, MissingTopic, open};
 use crate::output::Output;
 use crate::pipeline::{canonical_json, merge};
 use crate::progress::be_quiet;
+use crate::say::say;
 use crate::tool::{finish, parse};
 
 /// How a computation ended that did not fail.
@@ -83,7 +84,7 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
         && let Some(existing) = up_to_date(&common.output, &provenance)
     {
         if !common.quiet {
-            eprintln!("{:<16} up to date: {}", S::NAME, common.output.display());
+            say(format_args!("{:<16} up to date: {}", S::NAME, common.output.display()));
             let notes = existing.record::<NotesV1>("/notes").ok().flatten().map_or(Vec::new(), |record| record.notes);
             print_notes(S::NAME, notes.iter().map(|text| Note::parse(text)), &common.output);
         }
@@ -127,7 +128,7 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
     drop(progress);
     if !common.quiet {
         for line in &out.summary {
-            eprintln!("{:<16} {line}", S::NAME);
+            say(format_args!("{:<16} {line}", S::NAME));
         }
         print_notes(S::NAME, out.notes.iter().cloned(), &common.output);
     }
@@ -182,7 +183,7 @@ fn up_to_date(output: &Path, provenance: &Provenance) -> Option<Artifact> {
 }
 
 fn no_acceptable_result(stage: &str, reason: &str) -> ExitStatus {
-    eprintln!("{stage:<16} no acceptable result: {reason}");
+    say(format_args!("{stage:<16} no acceptable result: {reason}"));
     ExitStatus::NoAcceptableResult
 }
 
@@ -190,12 +191,12 @@ fn no_acceptable_result(stage: &str, reason: &str) -> ExitStatus {
 fn print_notes(stage: &str, notes: impl Iterator<Item = Note>, output: &Path) {
     let (warnings, others): (Vec<Note>, Vec<Note>) = notes.partition(|note| note.severity == Severity::Warning);
     for warning in warnings {
-        eprintln!("{stage:<16} {warning}");
+        say(format_args!("{stage:<16} {warning}"));
     }
     match others.len() {
         0 => {}
-        1 => eprintln!("{stage:<16} 1 note: crumple-artifact show {}", output.display()),
-        more => eprintln!("{stage:<16} {more} notes: crumple-artifact show {}", output.display()),
+        1 => say(format_args!("{stage:<16} 1 note: crumple-artifact show {}", output.display())),
+        more => say(format_args!("{stage:<16} {more} notes: crumple-artifact show {}", output.display())),
     }
 }
 

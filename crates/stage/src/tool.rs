@@ -1,5 +1,6 @@
 //! The shell of programs that read artifacts and write something else: report, diff, artifact.
 
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::builder::PossibleValuesParser;
@@ -7,6 +8,7 @@ use clap::error::ErrorKind;
 use clap::{Arg, Command, CommandFactory, FromArgMatches};
 
 use crate::error::{ExitStatus, render, status_of};
+use crate::say::say;
 
 /// Parses the command line, runs the program, prints its error with cause and hint, and returns its exit code.
 pub fn tool_main<C: CommandFactory + FromArgMatches>(run: impl FnOnce(C) -> anyhow::Result<ExitStatus>) -> ExitCode {
@@ -43,15 +45,17 @@ pub(crate) fn parse<C: FromArgMatches>(command: Command) -> Result<(C, clap::Arg
 /// Prints the completion script of a shell, or the man page.
 fn generate(mut command: Command, kind: &str) -> ExitStatus {
     let name = command.get_bin_name().unwrap_or_else(|| command.get_name()).to_owned();
-    let mut stdout = std::io::stdout().lock();
+    let mut text = Vec::new();
     match SHELLS.iter().find(|(shell, _)| *shell == kind) {
-        Some((_, shell)) => clap_complete::generate(*shell, &mut command, name, &mut stdout),
+        Some((_, shell)) => clap_complete::generate(*shell, &mut command, name, &mut text),
         None => {
-            if clap_mangen::Man::new(command.name(name.leak() as &str)).render(&mut stdout).is_err() {
+            if clap_mangen::Man::new(command.name(name.leak() as &str)).render(&mut text).is_err() {
                 return ExitStatus::Failure;
             }
         }
     }
+    // A reader that has seen enough closes the pipe; that is not an error.
+    let _ = std::io::stdout().lock().write_all(&text);
     ExitStatus::Done
 }
 
@@ -59,7 +63,7 @@ pub(crate) fn finish(result: Result<ExitStatus, Result<ExitStatus, anyhow::Error
     match result {
         Ok(status) | Err(Ok(status)) => status.into(),
         Err(Err(error)) => {
-            eprintln!("{}", render(&error));
+            say(render(&error));
             status_of(&error).into()
         }
     }

@@ -8,7 +8,7 @@ use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind, Sampled};
 use super::records::Curve;
 use super::{code, sensor, signal_file};
 use crate::grid::{self, Grid, GridError};
-use crate::recording::Found;
+use crate::recording::{Found, NOT_READ};
 use crate::{IngestError, Place};
 
 /// A curve as a channel, with its samples if `files` has them.
@@ -54,6 +54,8 @@ pub fn channel(
             Err(error) => {
                 notes.warning(format!("channel {id} is left out: {error}"));
                 channel.status = ChannelStatus::Absent;
+                let remark = channel.comment.take().map_or_else(String::new, |comment| format!("; {comment}"));
+                channel.comment = Some(format!("{NOT_READ}{error}{remark}"));
             }
         },
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crumple_signal::iso13499::IsoCode;
-use crumple_signal::unit::signal_unit;
+use crumple_signal::unit::{signal_unit, without_brackets};
 use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, Sampled};
 
 use super::channel_file::ChannelFile;
@@ -96,6 +96,12 @@ pub fn found(
 pub fn of_code(code: &IsoCode, id: String) -> Channel {
     let (quantity, _) = code.quantity();
     let mut channel = Channel::new(id, quantity.unwrap_or(QuantityKind::Other));
+    by_code(&mut channel, code);
+    channel
+}
+
+/// Puts what a code says into a channel, its quantity aside.
+pub fn by_code(channel: &mut Channel, code: &IsoCode) {
     channel.location = code.location();
     channel.axis = code.axis();
     channel.redundant = code.redundant();
@@ -103,7 +109,6 @@ pub fn of_code(code: &IsoCode, id: String) -> Channel {
     channel.filter_state = Some(code.filter_class().to_string());
     channel.code = Some(code.to_string());
     channel.polarity = code.polarity_remark();
-    channel
 }
 
 /// An id fit for a topic, each once.
@@ -212,7 +217,7 @@ fn unit(
 
 /// The symbol in the line `Unit`.
 fn stated_unit(header: &Header) -> Option<String> {
-    header.text("unit").map(|u| u.trim_matches(['[', ']', '(', ')', ' ']).to_owned())
+    header.text("unit").map(|u| without_brackets(u).to_owned())
 }
 
 /// Whether the header states a unit, and it is one known here.
@@ -302,7 +307,12 @@ fn explicit(name: &str, file: &ChannelFile, all: &[(&str, ChannelFile)]) -> Resu
 
 fn remarks(name: &str, file: &ChannelFile, notes: &mut Notes) {
     let count = file.samples.len() + file.gaps_before + file.gaps_after;
-    if let Some(stated) = file.header.number("number of samples").filter(|n| *n != count as f64) {
+    if file.surplus > 0 {
+        notes.warning(format!(
+            "{name}: the header states {count} samples, the file has {}: the first {count} are used",
+            count + file.surplus
+        ));
+    } else if let Some(stated) = file.header.number("number of samples").filter(|n| *n != count as f64) {
         notes.warning(format!("{name}: the header states {stated} samples, the file has {count}: those are used"));
     }
     if file.gaps_before + file.gaps_after > 0 {

@@ -18,6 +18,8 @@ pub struct ChannelFile {
     pub gaps_after: usize,
     /// Header lines that are neither keyword nor number.
     pub odd_lines: Vec<usize>,
+    /// Samples after those that the header announces, left off.
+    pub surplus: usize,
     /// Line of the first number with a decimal comma.
     pub decimal_comma: Option<usize>,
 }
@@ -83,7 +85,23 @@ impl ChannelFile {
                 "the channel holds no data: choose another, or export the test again",
             ));
         }
+        parsed.keep_announced();
         Ok(parsed)
+    }
+
+    /// Leaves off what comes after the announced number of samples, gaps included.
+    fn keep_announced(&mut self) {
+        let count = self.gaps_before + self.samples.len() + self.gaps_after;
+        let Some(announced) = self.header.number("number of samples").filter(|n| *n >= 1.0 && n.fract() == 0.0) else {
+            return;
+        };
+        // A count inside the gaps before the first sample would leave nothing.
+        if announced < count as f64 && announced as usize > self.gaps_before {
+            self.surplus = count - announced as usize;
+            let of_samples = self.surplus.saturating_sub(self.gaps_after);
+            self.gaps_after = self.gaps_after.saturating_sub(self.surplus);
+            self.samples.truncate(self.samples.len() - of_samples);
+        }
     }
 }
 

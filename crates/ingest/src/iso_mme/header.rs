@@ -29,6 +29,18 @@ pub fn recognises(head: &[u8]) -> bool {
     })
 }
 
+/// Whether the start of a file is a text of lines `keyword :value`: three at least, and half of those that say something.
+pub fn has_keyword_lines(head: &[u8]) -> bool {
+    if head.contains(&0) {
+        return false;
+    }
+    let lines = || head.split(|b| *b == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty());
+    let keywords = lines()
+        .filter(|line| line.iter().position(|b| *b == b':').is_some_and(|at| at > 0 && line[0].is_ascii_alphabetic()));
+    let keywords = keywords.count();
+    keywords >= 3 && 2 * keywords >= lines().count()
+}
+
 /// One line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Entry {

@@ -22,9 +22,12 @@ pub fn details(file: &str, header: &Header, settings: &Settings, notes: &mut Not
     let mass_kg = quantity(file, header, object, &["mass", "weight"], Dimension::Mass, notes);
     let speed =
         quantity(file, header, object, &["velocity", "speed"], Dimension::Signal(QuantityKind::Velocity), notes);
+    let mut speed_not_taken = None;
     let impact_speed_m_per_s = speed.filter(|stated| {
         let taken = stated.value.abs() <= FASTEST_BARE_M_PER_S;
         if !taken {
+            speed_not_taken =
+                Some(format!("{} is {} without a unit, in m/s faster than a crash test", stated.from, stated.value));
             notes.warning(format!(
                 "{} is {} m/s, faster than a crash test: not taken, state --impact-speed",
                 stated.from, stated.value
@@ -45,6 +48,7 @@ pub fn details(file: &str, header: &Header, settings: &Settings, notes: &mut Not
         mass_kg,
         impact_speed_m_per_s,
         time_zero_s: None,
+        speed_not_taken,
         no_pulse: false,
         facts,
     }

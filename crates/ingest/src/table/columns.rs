@@ -11,7 +11,7 @@ use super::rows::Rows;
 use super::time_axis::TimeAxis;
 use crate::recording::{Fitness, Found, Stated};
 use crate::selection::is_pattern;
-use crate::{IngestError, Place, Profile, Settings, unused};
+use crate::{IngestError, Place, Profile, Settings, code_name, unused};
 
 const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
 
@@ -78,6 +78,7 @@ pub fn channels(
         let mut channel = Channel::new(id, quantity);
         channel.axis = axis(title);
         channel.cfc = cfc(title).filter(|_| acceleration);
+        code_name::describe(&mut channel, name, notes);
         channels.push(Found {
             channel,
             wave: Some(wave),
@@ -108,8 +109,9 @@ fn kinds(
     let mut unknown = Vec::new();
     for &k in data {
         let Column { title, unit, .. } = &header.columns[k];
-        let sole = data.len() == 1 || !header.named || names_acceleration(title);
-        let is_target = selected.map_or(sole, |s| s == k);
+        // The flag is for the column asked for, and for all that are named as accelerations.
+        let is_target =
+            header.named && names_acceleration(title) || selected.map_or(data.len() == 1 || !header.named, |s| s == k);
         let kind = match (unit, stated) {
             (Unit::Signal(QuantityKind::Acceleration, f), Some((over, true)))
                 if *f != over && (selected == Some(k) || accelerations == 1) =>

@@ -6,6 +6,7 @@ use crumple_signal::{Axis, QuantityKind};
 use super::layout::{Delimiter, Layout};
 use super::numbers::unquoted;
 use super::text::{Line, decode};
+use crate::code_name;
 
 /// What a column is said to hold.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,8 +61,11 @@ pub fn read(layout: &Layout) -> Header {
             lines.push((comment.number, names));
         }
     }
-    let units =
-        (lines.len() >= 2 && lines.last().is_some_and(|(_, cells)| is_unit_line(cells))).then(|| lines.pop()).flatten();
+    let has_units = match lines.as_slice() {
+        [.., (_, above), (_, last)] => is_unit_line(last) && !is_header_below_a_title(last, above, count),
+        _ => false,
+    };
+    let units = has_units.then(|| lines.pop()).flatten();
     let names = lines.pop();
     let named = names.is_some();
     let names = names.map(|(_, cells)| cells).unwrap_or_default();
@@ -104,6 +108,18 @@ fn cells(line: &Line, delimiter: Delimiter, count: usize) -> Vec<String> {
         .unwrap_or(own)
 }
 
+/// Whether the last line before the rows has the names, and the line above it is a title: as many cells as there are columns, each
+/// with a name and a unit or one of them named for time, and no such names above.
+fn is_header_below_a_title(last: &[String], above: &[String], count: usize) -> bool {
+    let filled = last.iter().rposition(|cell| !cell.is_empty()).map_or(0, |end| end + 1);
+    let above_is_names = above.len() >= count && above.iter().any(|cell| is_time_name(cell));
+    let has_both = |cell: &String| {
+        let (name, unit) = split_unit(cell);
+        name != *cell && matches!(unit, Unit::Time(_) | Unit::Signal(..))
+    };
+    filled == count && !above_is_names && (last.iter().all(has_both) || last.iter().any(|cell| is_time_name(cell)))
+}
+
 /// A line under the names is one of units if some cell is a unit and no cell is a bare name.
 fn is_unit_line(cells: &[String]) -> bool {
     let kinds: Vec<Unit> = cells.iter().map(|cell| unit_cell(cell, "")).collect();
@@ -116,7 +132,7 @@ fn is_unit_line(cells: &[String]) -> bool {
 /// A cell of the units line: `g`, `[m/s^2]`, `time - seconds (computed after test)`.
 fn unit_cell(cell: &str, title: &str) -> Unit {
     let cell = cell.trim();
-    let whole = symbol(cell.trim_matches(|c| matches!(c, '[' | ']' | '(' | ')' | ' ')), title);
+    let whole = symbol(unit::without_brackets(cell), title);
     if !matches!(whole, Unit::Unstated | Unit::Unknown(_)) {
         return whole;
     }
@@ -135,15 +151,22 @@ fn unit_cell(cell: &str, title: &str) -> Unit {
 /// without the bracket, and the unit.
 pub fn split_unit(title: &str) -> (String, Unit) {
     let title = title.trim();
-    for (open, close) in [('[', ']'), ('(', ')'), ('{', '}')] {
-        if let Some(body) = title.strip_suffix(close)
-            && let Some(start) = body.rfind(open)
-        {
-            let name = title[..start].trim();
-            let name = if name.is_empty() { title } else { name };
-            return (name.trim_end_matches([',', '_', '-', '/']).trim().to_owned(), symbol(&body[start + 1..], title));
+    if let Some(start) = unit::opening_bracket(title) {
+        let unit = symbol(&title[start + 1..title.len() - 1], title);
+        // `Acc in m/(s*s)`: the bracket belongs to the unit.
+        let within = title[..start].ends_with('/').then(|| unbracketed(title));
+        if let Some(found @ (_, Unit::Time(_) | Unit::Signal(..))) = within {
+            return found;
         }
+        let name = title[..start].trim();
+        let name = if name.is_empty() { title } else { name };
+        return (name.trim_end_matches([',', '_', '-', '/']).trim().to_owned(), unit);
     }
+    unbracketed(title)
+}
+
+/// The name and the unit of a title that does not end in a unit in brackets.
+fn unbracketed(title: &str) -> (String, Unit) {
     for separator in [" in ", " / ", " - ", ", "] {
         if let Some((name, rest)) = title.rsplit_once(separator) {
             let unit = symbol(rest, title);
@@ -205,13 +228,16 @@ fn is_kg(text: &str) -> bool {
     text.trim().eq_ignore_ascii_case("kg")
 }
 
-/// Whether words speak of acceleration: `accel_g`, `Deceleration`, `deacceleration`, `Beschleunigung`, `Verzögerung`, `a`.
+/// Whether words speak of acceleration: `accel_g`, `Deceleration`, `deacceleration`, `Beschleunigung`, `Verzögerung`, `a`, or a
+/// channel code.
 pub fn names_acceleration(text: &str) -> bool {
     let lower = text.to_lowercase();
-    ["acc", "decel", "beschl", "verzög", "verzoeg"].iter().any(|part| lower.contains(part)) || {
-        let mut words = lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
-        matches!(words.next(), Some("a" | "ax" | "ay" | "az"))
-    }
+    ["acc", "decel", "beschl", "verzög", "verzoeg"].iter().any(|part| lower.contains(part))
+        || {
+            let mut words = lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+            matches!(words.next(), Some("a" | "ax" | "ay" | "az"))
+        }
+        || code_name::is_acceleration(text)
 }
 
 /// Whether a header cell names time: `time_s`, `Zeit`, `temps`, `t`, `t [ms]`, `t(s)`.
@@ -267,6 +293,7 @@ mod tests {
     #[test]
     fn units_stand_in_brackets_suffixes_and_words() {
         let metre = Unit::Signal(QuantityKind::Acceleration, 1.0);
+        let metre_again = metre.clone();
         for (name, unit) in [
             ("accel_g", G),
             ("a (g)", G),
@@ -281,6 +308,10 @@ mod tests {
             ("time_s", Unit::Time(1.0)),
             ("t [ms]", Unit::Time(1e-3)),
             ("Time ms", Unit::Time(1e-3)),
+            ("Acc (m/(s*s))", metre_again.clone()),
+            ("Acc [m/(s^2)]", metre_again.clone()),
+            ("Acc in m/(s*s)", metre_again.clone()),
+            ("Acc m/(s*s)", metre_again),
             ("accel", Unit::Unstated),
             ("x [furlong]", Unit::Unknown("furlong".to_owned())),
         ] {
@@ -291,7 +322,25 @@ mod tests {
     #[test]
     fn a_second_line_may_hold_the_units() {
         assert_eq!(units("t,a\ns,g\n0,1\n1,2\n"), [Unit::Time(1.0), G]);
+        assert_eq!(units("t;a\n[ms];m/(s*s)\n0;1\n1;2\n")[1], Unit::Signal(QuantityKind::Acceleration, 1.0));
         assert_eq!(units("t;a\n[ms];[g]\n0;1\n1;2\n"), [Unit::Time(1e-3), G]);
+    }
+
+    #[test]
+    fn a_title_above_the_names_is_no_header() {
+        let rows = "0,0;1,5;50,0\n0,1;2,5;49,9\n0,2;2,5;49,8\n";
+        let header = header(&format!(
+            "Versuch Nr. 12; Müller\nZeit [ms];Längsbeschleunigung B-Säule [g];Geschwindigkeit (km/h)\n{rows}"
+        ));
+        let names: Vec<&str> = header.columns.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names, ["Zeit", "Längsbeschleunigung B-Säule", "Geschwindigkeit"]);
+        assert_eq!(header.columns[1].unit, G);
+        assert_eq!(header.ignored_lines, [1]);
+        // Names without units of their own, a title of as many words, and units below names.
+        assert_eq!(self::header(&format!("Test 5\nZeit;a [g];v [km/h]\n{rows}")).columns[0].name, "Zeit");
+        assert_eq!(self::header(&format!("Test;5;x\nt [ms];a [g];v [km/h]\n{rows}")).columns[1].name, "a");
+        assert_eq!(self::header(&format!("t;a;v\n[ms];[g];[km/h]\n{rows}")).columns[1].name, "a");
+        assert_eq!(self::header(&format!("Titel\nt;a;v\nms;g;km/h\n{rows}")).columns[1].name, "a");
     }
 
     #[test]

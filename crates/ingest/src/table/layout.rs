@@ -6,6 +6,8 @@ use crate::{IngestError, Place};
 
 /// Lines looked at, comments and blank lines aside.
 const SAMPLE_LINES: usize = 120;
+/// Lines looked at in all.
+const LINES_LOOKED_AT: usize = 10_000;
 /// Rows after the first that must agree with it.
 const AGREEING_ROWS: usize = 3;
 /// More columns than this are taken for a mistake.
@@ -109,7 +111,7 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
     let mut comments: Vec<(usize, Line<'a>)> = Vec::new();
     let mut lines: Vec<Line<'a>> = Vec::new();
     let (mut offset, mut number) = (0, 1);
-    while offset < text.len() && lines.len() < SAMPLE_LINES && number < 10_000 {
+    while offset < text.len() && lines.len() < SAMPLE_LINES && number <= LINES_LOOKED_AT {
         let (line, next) = line_at(text, offset, number, file)?;
         if let Some(words) = comment(line.bytes) {
             comments.push((lines.len(), Line { bytes: words, ..line }));
@@ -155,6 +157,13 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
         };
         refuse_broken_decimal_commas(&layout, &lines[first..], file)?;
         return Ok(layout);
+    }
+    if lines.is_empty() && offset < text.len() {
+        return Err(IngestError::TooLarge {
+            place: Place::line(file, number),
+            found: format!("{LINES_LOOKED_AT} lines of comments and blanks, and no row yet"),
+            limit: format!("the first row within the first {LINES_LOOKED_AT} lines: leave comment lines out"),
+        });
     }
     Err(no_rows(&lines, single_column, file))
 }

@@ -2,12 +2,13 @@
 
 use crumple_signal::Notes;
 use crumple_signal::unit::{Dimension, choices, factor};
+use crumple_signal::value::Frequency;
 
 use super::header::{Header, Unit, is_time_name};
 use super::rows::Rows;
 use crate::grid::{self, Grid, GridError};
 use crate::recording::Stated;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, Place, Settings, uneven};
 
 /// The time column and its grid.
 #[derive(Debug, Clone)]
@@ -57,18 +58,60 @@ pub fn find(
     let largest = times[0].abs().max(times[times.len() - 1].abs());
     let resolution = 10_f64.powf(largest.log10().floor() - f64::from(rows.digits[column].max(1)) + 1.0) * unit;
     scale(&mut times, unit);
+    if let Some(rate) = settings.resample {
+        let grid = resampled(&place(0), &times, rate, rows, column, notes)?;
+        return Ok(TimeAxis { column, grid });
+    }
     let grid = grid::fit(&times, resolution).map_err(|error| match error {
         GridError::Repeated { index } | GridError::Backwards { index } => {
             order(place(index), is_named, times[index - 1], times[index], rows.lines.of(index - 1))
         }
         GridError::Uneven { index, step_s, dt_s } => IngestError::content(
             place(index),
-            format!("a step of {step_s:.9} s, where the others are {dt_s:.9} s"),
+            format!(
+                "a step of {step_s:.9} s, where the median is {dt_s:.9} s (jitter, max|dt - median|/median: {:.3})",
+                uneven::step_jitter(&times, dt_s)
+            ),
             format!("equal steps within {} of the interval", grid::STEP_TOLERANCE),
-            "the record has a gap or uneven sampling: resample it to a uniform rate first, nothing is resampled here",
+            format!(
+                "a gap is better exported again; for uneven sampling --resample {}Hz brings it to a uniform rate by linear interpolation",
+                uneven::rate_to_type(dt_s)
+            ),
         ),
     })?;
     Ok(TimeAxis { column, grid })
+}
+
+/// The data columns on a uniform grid from the first time on, by linear interpolation.
+fn resampled(
+    place: &Place,
+    times: &[f64],
+    rate: Frequency,
+    rows: &mut Rows,
+    column: usize,
+    notes: &mut Notes,
+) -> Result<Grid, IngestError> {
+    let interpolation = uneven::resample(times, rate.si()).ok_or_else(|| {
+        IngestError::content(
+            place.clone(),
+            format!("--resample {rate} gives no usable number of samples"),
+            "a rate near that of the rows",
+            format!("give --resample {}Hz", uneven::rate_to_type(grid::median_step(times))),
+        )
+    })?;
+    let median_s = grid::median_step(times);
+    for (_, samples) in rows.columns.iter_mut().enumerate().filter(|(k, _)| *k != column) {
+        *samples = interpolation.apply(samples.len(), |k| samples[k]);
+    }
+    notes.warning(format!(
+        "{} rows with a jitter of {:.3} (max|dt - median|/median, median {:.6} s) are resampled to {rate} by linear interpolation, \
+         as asked: {} samples",
+        times.len(),
+        uneven::step_jitter(times, median_s),
+        median_s,
+        interpolation.len()
+    ));
+    Ok(Grid { t0_s: times[0], dt_s: 1.0 / rate.si(), jitter: uneven::jitter(times) })
 }
 
 /// `x * factor`, by division where that is exact: 20 ms are 0.02 s to the last bit.

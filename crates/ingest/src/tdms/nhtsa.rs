@@ -90,13 +90,6 @@ pub fn describe(found: &mut Found, curve: &Curve, vehicle: u32, notes: &mut Note
         let comment = channel.comment.as_deref().unwrap_or("without a comment");
         notes.warning(format!("channel {} is {} by its laboratory: {comment}", channel.id, channel.status));
     }
-    let muted = found.wave.as_ref().map_or(0, |w| w.samples().iter().take_while(|x| **x == 0.0).count());
-    if muted >= 10 {
-        notes.info(format!(
-            "the first {muted} samples of channel {} are exactly 0: the recorder was muted, its zero level is that of the rest",
-            channel.id
-        ));
-    }
 }
 
 /// What the properties say of test and vehicle; `None` if they say nothing.

@@ -9,6 +9,7 @@ use super::units::Label;
 use super::{Waveform, list};
 use crate::grid::{self, Grid, GridError};
 use crate::table::header::{Unit, is_time_name};
+use crate::uneven::{self, Interpolation};
 use crate::{IngestError, Place, Settings};
 
 /// The channel of times of a group.
@@ -18,10 +19,21 @@ struct Clock {
     title: String,
     samples: usize,
     grid: Result<Grid, IngestError>,
+    /// Where its channels are brought to a uniform rate.
+    resampling: Option<Resampling>,
     /// Channels with another number of samples, by that number.
     cut: BTreeMap<usize, Vec<String>>,
     /// Channels that have steps of their own which differ.
     differ: Vec<String>,
+}
+
+/// A uniform rate for the channels of a clock.
+struct Resampling {
+    interpolation: Interpolation,
+    /// Rate and jitter in words.
+    words: String,
+    /// A channel was brought to it.
+    used: bool,
 }
 
 /// The channels of times of a file, by group.
@@ -50,12 +62,17 @@ impl Clocks {
             if clocks.by_group.contains_key(&waveform.group) {
                 continue;
             }
-            let grid = grid_of(file, label, values, settings, notes);
+            let fitted = grid_of(file, label, values, settings, notes);
+            let (grid, resampling) = match fitted {
+                Ok((grid, resampling)) => (Ok(grid), resampling),
+                Err(error) => (Err(error), None),
+            };
             let clock = Clock {
                 index: k,
                 title: label.title.clone(),
                 samples: values.len(),
                 grid,
+                resampling,
                 cut: BTreeMap::new(),
                 differ: Vec::new(),
             };
@@ -103,7 +120,16 @@ impl Clocks {
             clock.cut.entry(values.len()).or_default().push(id.to_owned());
             values.truncate(clock.samples);
         }
+        if let Some(resampling) = &mut clock.resampling {
+            resampling.used = true;
+            *values = resampling.interpolation.apply(values.len(), |k| values[k]);
+        }
         clock.grid.clone()
+    }
+
+    /// Whether any channels were brought to a uniform rate.
+    pub fn resamples(&self) -> bool {
+        self.by_group.values().any(|clock| clock.resampling.as_ref().is_some_and(|r| r.used))
     }
 
     /// What became of the channels of times.
@@ -116,6 +142,9 @@ impl Clocks {
                     clock.samples,
                     list(ids)
                 ));
+            }
+            if let Some(Resampling { words, used: true, .. }) = &clock.resampling {
+                notes.warning(format!("channels timed by {} are resampled {words}", clock.title));
             }
             if !clock.differ.is_empty() {
                 notes.warning(format!(
@@ -146,7 +175,7 @@ fn grid_of(
     values: &[f64],
     settings: &Settings,
     notes: &mut Notes,
-) -> Result<Grid, IngestError> {
+) -> Result<(Grid, Option<Resampling>), IngestError> {
     let place = || Place::file(file).in_column(label.title.clone());
     let unit = match (&settings.time_unit, &label.unit) {
         (Some(symbol), _) => factor(symbol, Dimension::Time).ok_or_else(|| {
@@ -184,21 +213,44 @@ fn grid_of(
     if times.iter().any(|t| !t.is_finite()) {
         return Err(IngestError::content(place(), "a time that is not finite", "finite times", "export it again"));
     }
-    grid::fit(&times, single_precision(values) * unit).map_err(|error| {
+    if let Some(rate) = settings.resample {
+        let interpolation = uneven::resample(&times, rate.si()).ok_or_else(|| {
+            IngestError::content(
+                place(),
+                format!("--resample {rate} gives no usable number of samples"),
+                "a rate near that of the samples",
+                format!("give --resample {}Hz", uneven::rate_to_type(grid::median_step(&times))),
+            )
+        })?;
+        let jitter = uneven::step_jitter(&times, grid::median_step(&times));
+        let words =
+            format!("to {rate} by linear interpolation, as asked (jitter {jitter:.3}, max|dt - median|/median)");
+        let grid = Grid { t0_s: times[0], dt_s: 1.0 / rate.si(), jitter: uneven::jitter(&times) };
+        return Ok((grid, Some(Resampling { interpolation, words, used: false })));
+    }
+    let fitted = grid::fit(&times, single_precision(values) * unit).map_err(|error| {
         let found = match error {
             GridError::Repeated { index } => format!("sample {index} repeats a time"),
             GridError::Backwards { index } => format!("time runs backwards at sample {index}"),
             GridError::Uneven { index, step_s, dt_s } => {
-                format!("a step of {step_s:.9} s before sample {index}, where the others are {dt_s:.9} s")
+                format!(
+                    "a step of {step_s:.9} s before sample {index}, where the median is {dt_s:.9} s (jitter, \
+                     max|dt - median|/median: {:.3})",
+                    uneven::step_jitter(&times, dt_s)
+                )
             }
         };
         IngestError::content(
             place(),
             found,
             format!("equal steps within {} of the interval", grid::STEP_TOLERANCE),
-            "the record has a gap or uneven sampling: resample it to a uniform rate first, nothing is resampled here",
+            format!(
+                "a gap is better exported again; for uneven sampling --resample {}Hz brings it to a uniform rate by linear interpolation",
+                uneven::rate_to_type(grid::median_step(&times))
+            ),
         )
-    })
+    })?;
+    Ok((fitted, None))
 }
 
 /// Resolution of times that were stored in single precision; 0 if they were not.

@@ -37,7 +37,7 @@ pub fn label(title: &str, stated: &str) -> Label {
 
 /// A unit by its symbol, or by the word that LabVIEW writes for it.
 fn known(symbol: &str) -> Unit {
-    let symbol = symbol.trim().trim_matches(['[', ']', '(', ')']).trim().replace('\\', "/");
+    let symbol = unit::without_brackets(symbol).replace('\\', "/");
     let of = |symbol: &str| match unit::factor(symbol, Dimension::Time) {
         Some(factor) => Some(Unit::Time(factor)),
         None => unit::signal_unit(symbol).map(|(kind, factor)| Unit::Signal(kind, factor)),
@@ -56,7 +56,7 @@ fn known(symbol: &str) -> Unit {
 
 /// Quantity and factor to SI of every waveform; [`QuantityKind::Other`] and 1 where no unit is known.
 ///
-/// `--unit` is for the channel asked for, else for those named for acceleration, or the only one.
+/// `--unit` is for the channel asked for and for those named for acceleration, or for the only one.
 pub fn kinds(
     file: &str,
     waveforms: &[Waveform],
@@ -70,10 +70,8 @@ pub fn kinds(
     let data: Vec<usize> = (0..waveforms.len()).filter(|k| !clocks.is_clock(*k)).collect();
     let is_acceleration = |k: usize| matches!(labels[k].unit, Unit::Signal(QuantityKind::Acceleration, _));
     let accelerations = data.iter().filter(|k| is_acceleration(**k)).count();
-    let is_target = |k: usize| match wanted {
-        Some(wanted) => wanted == k,
-        None => data.len() == 1 || speaks_of_acceleration(&labels[k].title),
-    };
+    let is_target =
+        |k: usize| speaks_of_acceleration(&labels[k].title) || wanted.map_or(data.len() == 1, |wanted| wanted == k);
     let mut kinds = vec![(QuantityKind::Other, 1.0); waveforms.len()];
     for &k in &data {
         kinds[k] = match (&labels[k].unit, stated) {
@@ -165,6 +163,10 @@ mod tests {
             ("Femur (Good)", "", "Femur (Good)", Unit::Unknown("Good".to_owned())),
             ("Acceleration_0", "", "Acceleration_0", Unit::Unstated),
             ("10VEHC0000__ACXD", "", "10VEHC0000__ACXD", Unit::Unstated),
+            ("Acc (m/(s*s))", "", "Acc", Unit::Signal(Acceleration, 1.0)),
+            ("Acc [m\\(s^2)]", "", "Acc", Unit::Signal(Acceleration, 1.0)),
+            ("Acc", "m/(s*s)", "Acc", Unit::Signal(Acceleration, 1.0)),
+            ("Acc", "[m/(s^2)]", "Acc", Unit::Signal(Acceleration, 1.0)),
             ("x", "furlong", "x", Unit::Unknown("furlong".to_owned())),
         ] {
             let found = label(title, stated);
