@@ -43,7 +43,7 @@ fn stderr(output: &Output) -> String {
 fn run(input: &Path, flags: &[&str]) -> Artifact {
     let run = identify(input, flags);
     assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
-    Artifact::open(input.with_file_name("4.mcap")).unwrap()
+    Artifact::open(&input.with_file_name("4.mcap")).unwrap()
 }
 
 fn random(k: usize) -> f64 {
@@ -111,12 +111,13 @@ fn the_mean_is_removed_when_asked_and_both_figures_of_unseen_samples_are_written
         let evidence: EvidenceV1 = result.record(&format!("/evidence/{id}")).unwrap().unwrap();
         let on = evidence.validation_fit_percent.unwrap();
         let restarted = evidence.validation_restarted_fit_percent.unwrap();
-        // Clean but for the difference of the two means that no linear model without a constant follows: 3 % were seen.
-        assert!(on > 90.0 && restarted > 90.0 && on != restarted, "{id}: {on} {restarted}");
+        // The mean of an output lags behind that of its input by the 20 samples of its memory, of 400: a constant of a
+        // tenth of its size is left over.
+        assert!(on > 85.0 && restarted > on && on != restarted, "{id}: {on} {restarted}");
     }
 }
 
-/// An oscillation of 50 Hz, the unknown of its record.
+/// A free oscillation of 20 Hz.
 fn oscillation() -> Vec<(&'static str, QuantityKind, Vec<f64>)> {
     let y = (0..200).map(|k| f64::from(k) * DT_S).map(|t| 50.0 * (-3.0 * t).exp() * (TAU * 20.0 * t).cos()).collect();
     vec![("93", QuantityKind::Acceleration, y)]
