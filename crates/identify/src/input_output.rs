@@ -180,10 +180,25 @@ fn outputs(
 fn cuts(ids: Vec<String>, settings: &Settings, test: &TestDescription, inputs: &Inputs) -> anyhow::Result<Vec<Cut>> {
     ids.into_iter()
         .map(|id| {
-            let wave = inputs.wave(&id)?;
+            let wave = wave(&id, test, inputs)?;
             Cut::new(id, wave, settings, test, inputs)
         })
         .collect()
+}
+
+/// A waveform by its id. Where no channel of the test has that name, the error lists the waveforms that there are.
+fn wave<'a>(id: &str, test: &TestDescription, inputs: &'a Inputs) -> anyhow::Result<&'a Wave> {
+    let channel = id.split('/').next().unwrap_or(id);
+    match inputs.wave_if(id) {
+        Some(wave) => Ok(wave),
+        // A known channel whose waveform another stage writes.
+        None if test.channel(channel).is_some() || inputs.waves().next().is_none() => inputs.wave(id),
+        None => {
+            let names: Vec<&str> = inputs.waves().map(|(id, _)| id).collect();
+            let found = format!("there is no waveform {id:?}, the inputs hold: {}", names.join(", "));
+            Err(Refused::new(found).hint("name one of them with --inputs or --outputs").into())
+        }
+    }
 }
 
 /// Inputs and outputs, sampled together.

@@ -124,6 +124,16 @@ fn oscillation() -> Vec<(&'static str, QuantityKind, Vec<f64>)> {
 }
 
 #[test]
+fn a_waveform_that_is_not_there_is_answered_by_those_that_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = artifact(folder.path(), &lagged(0, 0.0), None);
+    let run = identify(&input, &["--methods=arx", "--inputs=1", "--outputs=y"]);
+    let told = stderr(&run);
+    assert_eq!(run.status.code(), Some(3), "{told}");
+    assert!(told.contains("there is no waveform \"1\", the inputs hold: u, y") && told.contains("--inputs"), "{told}");
+}
+
+#[test]
 fn a_mode_at_the_edge_of_any_filter_is_told_of() {
     let none = ChannelFilterV1 {
         cfc: None,
