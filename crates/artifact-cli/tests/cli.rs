@@ -286,6 +286,7 @@ fn check_finds_what_the_container_cannot() {
         sample_time_s: 1e-4,
         input: "force".into(),
         output: "acceleration".into(),
+        delay_s: None,
     };
     let wrong_shape = check(&|b| b.put("/model/era-2/discrete", &model).unwrap());
     insta::assert_snapshot!([wrong_type, no_pulse, other_quantity, wrong_shape].concat(), @r#"

@@ -148,12 +148,14 @@ fn the_layout_of_every_record_type_is_frozen() {
         sample_time_s: 1e-4,
         input: "u".into(),
         output: "y".into(),
+        delay_s: Some(2e-4),
     });
     freeze(&TransferFunctionV1 {
         numerator: vec![-76.5, 449.0],
         denominator: vec![1.0, 35.7],
         input: "deceleration".into(),
         output: "displacement".into(),
+        delay_s: None,
     });
     freeze(&ExponentialSumV1 {
         terms: vec![ExponentialTermV1 { re_amplitude: 1.0, im_amplitude: -2.0, re_per_s: -33.4, im_rad_per_s: 39.0 }],
@@ -184,6 +186,7 @@ fn the_layout_of_every_record_type_is_frozen() {
         rmse: None,
         notes: vec![],
         output_fits_percent: vec![],
+        delay_s: Some(1e-3),
     });
     freeze(&EvidenceV1 {
         input: Some("93".into()),
@@ -226,6 +229,7 @@ fn the_layout_of_every_record_type_is_frozen() {
         validation_fit_percent: Some(97.5),
         validation_from_s: Some(0.1),
         paper: Some("tfest".into()),
+        validation_restarted_fit_percent: Some(98.0),
     });
     freeze(&StabilizationV1 {
         method: "era".into(),

@@ -5,7 +5,7 @@ use crumple_lti::Complex;
 use crumple_signal::Notes;
 use crumple_stage::Output;
 
-use crate::by_transfer_function::{Task, condition_note, validate_continuous};
+use crate::by_transfer_function::{Task, condition_note, preparation, validate_continuous};
 use crate::comparison::Comparison;
 use crate::evidence::{foretold, modes, notes_on_modes, of_record, percent, put_evidence, put_transfer_functions};
 use crate::judgement::limits;
@@ -20,6 +20,7 @@ pub fn put_array(
     out: &mut Output,
 ) -> anyhow::Result<()> {
     let Task { id, settings, beyond, record, .. } = *task;
+    notes.extend(preparation(id, record));
     let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
     notes.extend(notes_on_modes(id, &poles, &record.cuts()));
     notes.info(format!("{id}: one denominator for all paths, a numerator for each"));
@@ -33,7 +34,10 @@ pub fn put_array(
         (tf.numerator().to_vec(), tf.denominator().to_vec())
     };
     put_transfer_functions(id, record, entry, out)?;
-    out.put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &record.input(), &record.output()))?;
+    out.put(
+        &format!("/model/{id}/continuous"),
+        &state_space(&fit.state_space, &record.input(), &record.output(), record.delay_s),
+    )?;
     out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
     let (whole, mut supports) =
         of_record("tfest", beyond.poles, record, &fit.simulated, fit.parameters, notes.to_texts());

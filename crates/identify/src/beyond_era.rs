@@ -46,6 +46,9 @@ pub struct BeyondEra {
     pub block_rows: Option<usize>,
     /// Thinning of the subspace methods, if given.
     pub thin: Option<usize>,
+    /// Whether the mean is removed from inputs and outputs.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub remove_mean: bool,
 }
 
 impl BeyondEra {
@@ -108,6 +111,7 @@ impl BeyondEra {
             conditions: options.conditions.len(),
             block_rows: options.block_rows.map(|n| n as usize),
             thin: options.thin.map(|n| n as usize),
+            remove_mean: options.remove_mean.unwrap_or(false),
         })
     }
 

@@ -8,7 +8,7 @@ use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 
 use crate::comparison::Comparison;
 use crate::hankel_settings::HankelSettings;
-use crate::input_output::Cut;
+use crate::input_output::{Cut, filter_edges};
 use crate::options::Settings;
 use crate::to_records::{Pass, put_model};
 use crate::{channel, diagram, paper};
@@ -96,7 +96,7 @@ fn by_paper(task: &Task<'_>, comparison: &mut Comparison, out: &mut Output) -> a
                 quantity: cut.quantity,
                 sampled: cut.sampled.slice(0, samples),
                 kept: Vec::new(),
-                cfc: cut.cfc,
+                edges: cut.edges.clone(),
             })
             .collect();
         let found = shorter[0].sampled.len();
@@ -130,7 +130,6 @@ fn realize_all(
             result.refuse_with_hint("widen the window (--from, --to, --samples), or lower --rows and --columns")?
         }
     };
-    let cfc = cuts.iter().find_map(|cut| cut.cfc);
     let mut written: Vec<usize> = Vec::new();
     let mut first_failure = None;
     for &order in orders {
@@ -146,7 +145,7 @@ fn realize_all(
             continue;
         }
         written.push(model.order());
-        let mut notes = caveats(&model, cfc);
+        let mut notes = caveats(&model, filter_edges(cuts));
         out.notes().extend(notes.clone());
         remarks.iter().for_each(|remark| notes.info(*remark));
         let found = Order::Given(model.order());

@@ -1,7 +1,7 @@
 //! The method `tfest`: continuous transfer functions from waveforms to others.
 
 use crumple_identify::{
-    Hold, InitialConditions, IoData, Stop, TransferFunctionFit, TransferFunctionOptions, continued,
+    Hold, InitialConditions, IoData, Stop, TransferFunctionFit, TransferFunctionOptions, compare, continued,
     response_deviations, sampled, transfer_function_array, transfer_function_fit,
 };
 use crumple_lti::{Complex, StateSpace};
@@ -82,6 +82,7 @@ pub fn run(
         let hint = "widen the window (--from, --to), lower --poles, or name other waveforms";
         if record.single() {
             let fit = transfer_function_fit(&record.data, &options).refuse_with_hint(hint)?;
+            notes.extend(preparation(&id, &record));
             notes.extend(remarks(&id, &fit, &record.drives[0], &record.answers[0]));
             put(&task, &fit, &mut notes, comparison, out)?;
         } else {
@@ -91,6 +92,18 @@ pub fn run(
         out.notes().extend(notes);
     }
     Ok(Outcome::Done)
+}
+
+/// What was done to the waveforms before the fit.
+pub fn preparation(id: &str, record: &Record) -> Notes {
+    let mut notes = Notes::new();
+    record.remarks.iter().for_each(|remark| notes.info(format!("{id}: {remark}")));
+    if let Some(delay_s) = record.delay_s {
+        notes.info(format!(
+            "{id}: the input acts {delay_s:.6} s late: the coefficients have no delay in them, delay_s and the responses have"
+        ));
+    }
+    notes
 }
 
 /// What a reader should know before believing the coefficients.
@@ -167,6 +180,11 @@ pub fn validate_continuous(
     let start = rest * DVector::from_iterator(first.inputs().len(), first.inputs().iter().map(|u| u[0]));
     let foretold = continued(&model, &first, &whole, (!initial_estimated).then_some(start.as_slice()))?;
     validate_all(record, &foretold, supports);
+    // The protocol of published comparisons: the initial state is fitted to the kept samples.
+    let restarted = compare(&model, &whole.slice(first.samples(), whole.samples())?)?;
+    for (support, fit) in supports.iter_mut().zip(restarted) {
+        support.validation_restarted_fit_percent = fit.and_then(|fit| fit.fit_percent);
+    }
     Ok(())
 }
 
@@ -182,7 +200,7 @@ fn put(
     let (input, output) = (drive.describe(), answer.describe());
     let tf = &fit.transfer_function;
     put_transfer_functions(id, record, |_, _| (tf.numerator().to_vec(), tf.denominator().to_vec()), out)?;
-    out.put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &input, &output))?;
+    out.put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &input, &output, record.delay_s))?;
     out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
     let finite = |values: &[f64]| if values.iter().all(|x| x.is_finite()) { values.to_vec() } else { Vec::new() };
     let mut support = evidence(Some(drive), answer, &fit.simulated, fit.criteria.parameters);
@@ -205,7 +223,7 @@ fn put(
     support.paper = settings.paper.clone();
     validate_continuous(task, &fit.state_space, fit.initial_estimated, std::slice::from_mut(&mut support))?;
 
-    let judged = judged(fit, answer);
+    let judged = judged(fit, answer, options.delay);
     let grid = judged.grid_hz();
     let initial = if fit.initial_estimated { InitialConditions::Estimate } else { InitialConditions::Zero };
     let poles = vec![judged.poles.clone()];
@@ -218,7 +236,7 @@ fn put(
         notes,
         |y| {
             let data = IoData::single(data.inputs()[0].clone(), y.to_vec(), data.sample_time_s()).ok()?;
-            Some(self::judged(&transfer_function_fit(&data, &again).ok()?, answer).sample(&grid))
+            Some(self::judged(&transfer_function_fit(&data, &again).ok()?, answer, options.delay).sample(&grid))
         },
     );
     if let Some(found) = &found {
@@ -234,12 +252,13 @@ fn put(
         }
         (None, None) => None,
     };
-    if let Some(record) = judged.response(&input, &output, band.as_ref()) {
-        out.put(&format!("/response/{id}"), &record)?;
+    if let Some(response) = judged.response(&input, &output, band.as_ref()) {
+        out.put(&format!("/response/{id}"), &response)?;
     }
-    let record = identification("tfest", beyond.poles, "input-output", answer, &fit.simulated, notes.to_texts());
-    let percent = percent(record.fit_percent);
-    out.put(&format!("/identification/{id}"), &record)?;
+    let mut whole = identification("tfest", beyond.poles, "input-output", answer, &fit.simulated, notes.to_texts());
+    whole.delay_s = record.delay_s;
+    let percent = percent(whole.fit_percent);
+    out.put(&format!("/identification/{id}"), &whole)?;
     out.put(&format!("/evidence/{id}"), &support)?;
     let supports = std::slice::from_ref(&support);
     comparison.enter(id, answer.sampled.len(), supports);
@@ -254,7 +273,7 @@ fn put(
     Ok(())
 }
 
-fn judged<'a>(fit: &'a TransferFunctionFit, answer: &Cut) -> Judged<'a> {
+fn judged<'a>(fit: &'a TransferFunctionFit, answer: &Cut, delay: usize) -> Judged<'a> {
     Judged {
         continuous: Some(&fit.state_space),
         discrete: None,
@@ -262,5 +281,6 @@ fn judged<'a>(fit: &'a TransferFunctionFit, answer: &Cut) -> Judged<'a> {
         zeros: fit.zeros.clone(),
         dt_s: answer.sampled.dt_s(),
         samples: answer.sampled.len(),
+        delay,
     }
 }

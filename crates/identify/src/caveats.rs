@@ -16,14 +16,28 @@ const NEAR_NYQUIST: f64 = 0.95;
 /// A gap between singular values below this ratio does not single out an order.
 const WEAK_GAP: f64 = 3.0;
 
-/// Edge of a channel frequency class, Hz: the corner of SAE J211-1 lies at `CFC/0.6` (CFC 60: 100 Hz).
-pub fn filter_edge_hz(cfc: u16) -> f64 {
-    f64::from(cfc) / 0.6
+/// Growth of a pole over the whole record below which it is rounding: an integrator's pole is never exactly zero.
+const GROWTH: f64 = 1e-6;
+
+/// A frequency at which a filter that the signals went through leaves 1/√2 of the amplitude (-3 dB).
+#[derive(Debug, Clone, PartialEq)]
+pub struct FilterEdge {
+    /// The frequency, Hz.
+    pub hz: f64,
+    /// The filter in words, e.g. `CFC 60 filter`.
+    pub filter: String,
+}
+
+impl FilterEdge {
+    /// Edge of a channel frequency class: the corner of SAE J211-1 lies at `CFC/0.6` (CFC 60: 100 Hz).
+    pub fn of_class(cfc: u16) -> Self {
+        Self { hz: f64::from(cfc) / 0.6, filter: format!("CFC {cfc} filter") }
+    }
 }
 
 /// Notes on a realisation, one per mode (conjugates once): growth, artefacts of sampling, and frequencies that may
-/// belong to the filter of class `cfc` rather than to the car; and on a weakly founded order.
-pub fn caveats(model: &Realization, cfc: Option<u16>) -> Notes {
+/// belong to the filter with these `edges` rather than to the car; and on a weakly founded order.
+pub fn caveats(model: &Realization, edges: &[FilterEdge]) -> Notes {
     let mut notes = Notes::new();
     let order = model.order();
     if let Some(gap) = model.chosen {
@@ -39,28 +53,37 @@ pub fn caveats(model: &Realization, cfc: Option<u16>) -> Notes {
         notes.warning(format!("order {order} has no continuous model: {reason}"));
     }
     let name = format!("order {order}");
+    let dt_s = model.discrete.sample_time_s;
+    let duration_s = dt_s.unwrap_or(0.0) * (model.rows + model.columns) as f64;
     for identified in model.modes.iter().filter(|m| m.discrete_pole.im >= 0.0) {
         match identified.mode {
-            Some(mode) => mode_caveats(&name, &mode, model.discrete.sample_time_s, cfc, &mut notes),
+            Some(mode) => mode_caveats(&name, &mode, (dt_s, duration_s), edges, &mut notes),
             None => notes.warning(format!("{name}: a pole at z = 0 is a pure delay and has no frequency")),
         }
     }
     notes
 }
 
-/// Notes on single modes of a model of any method: growth, artefacts of sampling at `dt_s`, and frequencies near the edge
-/// of the filter of class `cfc` that the signals went through. Of a conjugate pair the upper one speaks.
-pub fn mode_notes(name: &str, modes: &[Mode], dt_s: Option<f64>, cfc: Option<u16>) -> Notes {
+/// Notes on single modes of a model of any method: growth over a record of `duration_s` by more than rounding, artefacts of
+/// sampling at `dt_s`, and frequencies near the `edges` of the filter that the signals went through. Of a conjugate pair
+/// the upper one speaks.
+pub fn mode_notes(name: &str, modes: &[Mode], (dt_s, duration_s): (Option<f64>, f64), edges: &[FilterEdge]) -> Notes {
     let mut notes = Notes::new();
     for mode in modes.iter().filter(|mode| mode.pole.im >= 0.0) {
-        mode_caveats(name, mode, dt_s, cfc, &mut notes);
+        mode_caveats(name, mode, (dt_s, duration_s), edges, &mut notes);
     }
     notes
 }
 
-fn mode_caveats(model: &str, mode: &Mode, dt_s: Option<f64>, cfc: Option<u16>, notes: &mut Notes) {
+fn mode_caveats(
+    model: &str,
+    mode: &Mode,
+    (dt_s, duration_s): (Option<f64>, f64),
+    edges: &[FilterEdge],
+    notes: &mut Notes,
+) {
     let name = describe(mode);
-    if mode.pole.re > 0.0 {
+    if mode.pole.re * duration_s > GROWTH {
         notes.warning(format!("{model}: the mode {name} grows; no structure that absorbs a crash does"));
     }
     let nyquist_rad_per_s = dt_s.map_or(f64::INFINITY, |dt| PI / dt);
@@ -69,12 +92,11 @@ fn mode_caveats(model: &str, mode: &Mode, dt_s: Option<f64>, cfc: Option<u16>, n
             "{model}: the mode {name} alternates from sample to sample: an artefact of sampling or of too high an order"
         ));
     }
-    if let Some(cfc) = cfc {
-        let edge = filter_edge_hz(cfc);
+    for FilterEdge { hz: edge, filter } in edges {
         let ratio = mode.natural_frequency_hz() / edge;
         if (1.0 / EDGE_FACTOR..=EDGE_FACTOR).contains(&ratio) {
             notes.warning(format!(
-                "{model}: the mode {name} lies near the {edge:.0} Hz edge of the CFC {cfc} filter; it may belong to the filter, not to the car"
+                "{model}: the mode {name} lies near the {edge:.0} Hz edge of the {filter}; it may belong to the filter, not to the car"
             ));
         }
     }
@@ -83,7 +105,11 @@ fn mode_caveats(model: &str, mode: &Mode, dt_s: Option<f64>, cfc: Option<u16>, n
 /// `at 13.1 Hz (damping ratio 0.48)`, or the rate of a real pole.
 fn describe(mode: &Mode) -> String {
     match mode.damping_ratio {
-        Some(_) if mode.pole.im == 0.0 => format!("with the real pole {:.4} 1/s", mode.pole.re),
+        Some(_) if mode.pole.im == 0.0 => {
+            // Rounding is no sign: -0.0000 is 0.
+            let re = if mode.pole.re.abs() < 5e-5 { 0.0 } else { mode.pole.re };
+            format!("with the real pole {re:.4} 1/s")
+        }
         Some(damping) => format!("at {:.2} Hz (damping ratio {damping:.4})", mode.natural_frequency_hz()),
         None => "at 0 Hz".to_owned(),
     }

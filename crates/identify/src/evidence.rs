@@ -8,7 +8,7 @@ use crumple_signal::Notes;
 use crumple_stage::Output;
 use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeV1, ModesV1, TransferFunctionV1};
 
-use crate::input_output::{Cut, Record};
+use crate::input_output::{Cut, Record, filter_edges};
 
 /// Lags of the whiteness test.
 const LAGS: usize = 20;
@@ -62,6 +62,7 @@ pub fn evidence(input: Option<&Cut>, output: &Cut, simulated: &[f64], parameters
         validation_fit_percent: None,
         validation_from_s: None,
         paper: None,
+        validation_restarted_fit_percent: None,
     }
 }
 
@@ -94,13 +95,17 @@ pub fn validate_all(record: &Record, foretold: &[Vec<f64>], supports: &mut [Evid
 pub fn notes_on_modes(id: &str, poles: &[Complex], cuts: &[&Cut]) -> Notes {
     let modes: Vec<Mode> = poles.iter().copied().map(Mode::continuous).collect();
     let dt_s = cuts.first().map(|cut| cut.sampled.dt_s());
-    mode_notes(id, &modes, dt_s, cuts.iter().find_map(|cut| cut.cfc))
+    let duration_s = cuts.first().map_or(0.0, |cut| cut.sampled.dt_s() * cut.sampled.len() as f64);
+    mode_notes(id, &modes, (dt_s, duration_s), filter_edges(cuts.iter().copied()))
 }
 
 /// `; 98.30 % of the samples after it`, where samples were kept; of several outputs the smallest.
 pub fn foretold(supports: &[EvidenceV1]) -> String {
-    match supports.iter().filter_map(|support| support.validation_fit_percent).reduce(f64::min) {
-        Some(fit) => format!("; {fit:.2} % of the samples after it"),
+    let least = |of: fn(&EvidenceV1) -> Option<f64>| supports.iter().filter_map(of).reduce(f64::min);
+    let restarted = least(|support| support.validation_restarted_fit_percent)
+        .map_or(String::new(), |fit| format!(" ({fit:.2} % with the state fitted to them)"));
+    match least(|support| support.validation_fit_percent) {
+        Some(fit) => format!("; {fit:.2} % of the samples after it{restarted}"),
         None => String::new(),
     }
 }
@@ -130,6 +135,7 @@ pub fn identification(
         rmse: fit.map(|fit| fit.rmse),
         notes,
         output_fits_percent: Vec::new(),
+        delay_s: None,
     }
 }
 
@@ -145,6 +151,7 @@ pub fn of_record(
 ) -> (IdentificationV1, Vec<EvidenceV1>) {
     let treated_as = if record.drives.is_empty() { "free-decay" } else { "input-output" };
     let mut whole = identification(method, order, treated_as, &record.answers[0], &simulated[0], notes);
+    whole.delay_s = record.delay_s;
     let names = |cuts: &[Cut]| cuts.iter().map(|cut| cut.id.clone()).collect::<Vec<_>>().join(", ");
     if record.answers.len() > 1 {
         whole.channel = names(&record.answers);
@@ -200,7 +207,13 @@ pub fn put_transfer_functions(
             let place = if record.single() { String::new() } else { format!("{}-{}/", i + 1, j + 1) };
             out.put(
                 &format!("/model/{id}/{place}transfer-function"),
-                &TransferFunctionV1 { numerator, denominator, input: drive.describe(), output: answer.describe() },
+                &TransferFunctionV1 {
+                    numerator,
+                    denominator,
+                    input: drive.describe(),
+                    output: answer.describe(),
+                    delay_s: record.delay_s,
+                },
             )?;
         }
     }
@@ -212,8 +225,9 @@ pub fn modes(modes: impl Iterator<Item = (Mode, Option<Complex>)>) -> ModesV1 {
     ModesV1(
         modes
             .map(|(mode, discrete)| ModeV1 {
-                re_per_s: mode.pole.re,
-                im_rad_per_s: mode.pole.im,
+                // Adding zero takes the sign from a zero.
+                re_per_s: mode.pole.re + 0.0,
+                im_rad_per_s: mode.pole.im + 0.0,
                 natural_frequency_rad_per_s: mode.natural_frequency_rad_per_s,
                 damping_ratio: mode.damping_ratio,
                 modal_amplitude_coherence: None,

@@ -1,7 +1,8 @@
 //! The driving and the answering waveforms of a stage run, cut to one window.
 
-use crumple_identify::IoData;
+use crumple_identify::{FilterEdge, IoData};
 use crumple_signal::{QuantityKind, Sampled, TestDescription};
+use crumple_stage::records::ChannelFilterV1;
 use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
 
 use crate::beyond_era::BeyondEra;
@@ -10,6 +11,9 @@ use crate::{Window, window};
 
 /// What a user may do about waveforms that do not fit.
 const HINT: &str = "name other waveforms with --inputs and --outputs";
+
+/// Frequency times width at which a moving average leaves 1/√2: root of `sin(πx)/(πx) = 1/√2`.
+const MOVING_AVERAGE_EDGE: f64 = 0.442_946;
 
 /// One waveform of the window.
 pub struct Cut {
@@ -21,8 +25,8 @@ pub struct Cut {
     pub sampled: Sampled,
     /// Samples after the window that are kept for validation.
     pub kept: Vec<f64>,
-    /// Class of the filter it went through, if known: that of the channel it was made from.
-    pub cfc: Option<u16>,
+    /// Edges of the filter it went through, if known: that of the channel it was made from.
+    pub edges: Vec<FilterEdge>,
 }
 
 impl Cut {
@@ -36,8 +40,14 @@ impl Cut {
     ) -> anyhow::Result<Self> {
         let Window { used, kept } = window(&wave.sampled, settings, inputs)?;
         let channel = id.split('/').next().unwrap_or(&id);
+        let edges = match inputs.record_if::<ChannelFilterV1>(&format!("/filter/{channel}"))? {
+            Some(record) => edges_of(&record),
+            None => Vec::new(),
+        };
         let cfc = test.channel(&id).or_else(|| test.channel(channel)).and_then(|c| c.cfc);
-        Ok(Self { quantity: wave.quantity, sampled: used, kept, cfc, id })
+        // Without a filter of ours, the class that the record came with.
+        let edges = if edges.is_empty() { cfc.into_iter().map(FilterEdge::of_class).collect() } else { edges };
+        Ok(Self { quantity: wave.quantity, sampled: used, kept, edges, id })
     }
 
     /// All samples, those kept for validation too.
@@ -53,6 +63,19 @@ impl Cut {
     /// `displacement of channel 93/displacement, m`.
     pub fn describe(&self) -> String {
         format!("{} {}, {}", self.quantity.name(), self.id, self.quantity.si_unit())
+    }
+
+    /// Subtracts the mean over the samples that a model is identified from, also from those kept; says which.
+    pub fn remove_mean(&mut self) -> anyhow::Result<String> {
+        let mean = self.sampled.samples().iter().sum::<f64>() / self.sampled.len().max(1) as f64;
+        let centred = self.sampled.samples().iter().map(|x| x - mean).collect();
+        self.sampled = Sampled::new(self.sampled.t0_s(), self.sampled.dt_s(), centred)?;
+        self.kept.iter_mut().for_each(|x| *x -= mean);
+        Ok(format!(
+            "the mean of the samples identified from, {mean:.6e} {}, was removed from {}",
+            self.quantity.si_unit(),
+            self.id
+        ))
     }
 
     /// Errors unless the other has the same times; `hint` says what to do.
@@ -77,6 +100,23 @@ impl Cut {
     }
 }
 
+/// Edges of the filter that the first waveform with a filter went through.
+pub fn filter_edges<'a>(cuts: impl IntoIterator<Item = &'a Cut>) -> &'a [FilterEdge] {
+    cuts.into_iter().map(|cut| &cut.edges[..]).find(|edges| !edges.is_empty()).unwrap_or_default()
+}
+
+/// Edges (-3 dB) of the filter of a channel: of a class, of a Butterworth filter as it was run, or of a moving average.
+fn edges_of(record: &ChannelFilterV1) -> Vec<FilterEdge> {
+    let butterworth = |hz: &f64| FilterEdge { hz: *hz, filter: format!("{} filter", record.mode) };
+    let class = record.cfc.map(FilterEdge::of_class);
+    let average = record.width_s.map(|width_s| FilterEdge {
+        hz: MOVING_AVERAGE_EDGE / width_s,
+        filter: format!("moving average over {width_s} s"),
+    });
+    let all = record.cutoff_hz.iter().map(butterworth).chain(class).chain(average);
+    all.filter(|edge| edge.hz.is_finite() && edge.hz > 0.0).collect()
+}
+
 /// Waveforms sampled together.
 pub struct Record {
     /// What drives; empty: nothing does.
@@ -87,6 +127,10 @@ pub struct Record {
     pub data: IoData,
     /// The same with those after it that are kept for validation.
     pub whole: IoData,
+    /// Time by which the inputs act late, s, if they do.
+    pub delay_s: Option<f64>,
+    /// What was done to the samples, for the notes of every model.
+    pub remarks: Vec<String>,
 }
 
 impl Record {
@@ -136,10 +180,25 @@ fn outputs(
 fn cuts(ids: Vec<String>, settings: &Settings, test: &TestDescription, inputs: &Inputs) -> anyhow::Result<Vec<Cut>> {
     ids.into_iter()
         .map(|id| {
-            let wave = inputs.wave(&id)?;
+            let wave = wave(&id, test, inputs)?;
             Cut::new(id, wave, settings, test, inputs)
         })
         .collect()
+}
+
+/// A waveform by its id. Where no channel of the test has that name, the error lists the waveforms that there are.
+fn wave<'a>(id: &str, test: &TestDescription, inputs: &'a Inputs) -> anyhow::Result<&'a Wave> {
+    let channel = id.split('/').next().unwrap_or(id);
+    match inputs.wave_if(id) {
+        Some(wave) => Ok(wave),
+        // A known channel whose waveform another stage writes.
+        None if test.channel(channel).is_some() || inputs.waves().next().is_none() => inputs.wave(id),
+        None => {
+            let names: Vec<&str> = inputs.waves().map(|(id, _)| id).collect();
+            let found = format!("there is no waveform {id:?}, the inputs hold: {}", names.join(", "));
+            Err(Refused::new(found).hint("name one of them with --inputs or --outputs").into())
+        }
+    }
 }
 
 /// Inputs and outputs, sampled together.
@@ -149,13 +208,19 @@ pub fn record(
     test: &TestDescription,
     inputs: &Inputs,
 ) -> anyhow::Result<Record> {
-    let answers = outputs(settings, beyond, test, inputs)?;
+    let mut answers = outputs(settings, beyond, test, inputs)?;
     let ids = match &beyond.inputs[..] {
         [] => vec![crate::channel(settings, test)?.to_owned()],
         [none] if none == "none" => Vec::new(),
         several => several.to_vec(),
     };
-    let drives = cuts(ids, settings, test, inputs)?;
+    let mut drives = cuts(ids, settings, test, inputs)?;
+    let mut remarks = Vec::new();
+    if beyond.remove_mean {
+        for cut in answers.iter_mut().chain(&mut drives) {
+            remarks.push(cut.remove_mean()?);
+        }
+    }
     let first = &answers[0];
     for other in drives.iter().chain(&answers[1..]) {
         let hint = "name waveforms of one time base with --inputs and --outputs, or a window that all have";
@@ -166,5 +231,6 @@ pub fn record(
         IoData::new(of(&drives), of(&answers), first.sampled.dt_s()).refuse_with_hint(HINT)
     };
     let (used, whole) = (data(&|cut| cut.sampled.samples().to_vec())?, data(&Cut::whole)?);
-    Ok(Record { drives, answers, data: used, whole })
+    let delay_s = (beyond.delay > 0 && !drives.is_empty()).then(|| beyond.delay as f64 * first.sampled.dt_s());
+    Ok(Record { drives, answers, data: used, whole, delay_s, remarks })
 }

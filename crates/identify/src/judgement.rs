@@ -38,6 +38,8 @@ pub struct Judged<'a> {
     pub dt_s: f64,
     /// Its samples.
     pub samples: usize,
+    /// Samples by which the input acts late, which neither form holds.
+    pub delay: usize,
 }
 
 /// A band around a frequency response: lower and upper modulus and phase change (rad) at every point.
@@ -108,7 +110,7 @@ impl Judged<'_> {
         grid
     }
 
-    /// What a replicate is compared by.
+    /// What a replicate is compared by; the delay, the same for all, is left out.
     pub fn sample(&self, grid_hz: &[f64]) -> Sample {
         let rad_per_s: Vec<f64> = grid_hz.iter().map(|f| TAU * f).collect();
         let response = self.shown().and_then(|model| frequency_response(model, &rad_per_s).ok()).unwrap_or_default();
@@ -129,6 +131,9 @@ impl Judged<'_> {
             last = phase - TAU * ((phase - last) / TAU).round();
             phase_rad.push(last);
         }
+        // A delay turns the phase in proportion to the frequency; unwrapped without it, no step exceeds half a turn.
+        let delay_s = self.delay as f64 * self.dt_s;
+        phase_rad.iter_mut().zip(&grid).for_each(|(phase, hz)| *phase -= TAU * hz * delay_s);
         let edge = |k: usize| -> Vec<Option<f64>> {
             let points = band.map(|band| &band.points[..]).unwrap_or_default();
             let moved =
@@ -159,12 +164,29 @@ impl Judged<'_> {
         })
     }
 
-    /// Times, impulse and step response, every so many samples.
+    /// Every so many samples of a response that begins after the delay.
+    fn late(&self, response: Vec<f64>, stride: usize) -> Vec<f64> {
+        let silence = std::iter::repeat_n(0.0, self.delay.min(response.len()));
+        silence.chain(response).take(self.samples).step_by(stride).collect()
+    }
+
+    /// Times, impulse and step response, every so many samples, late by the delay.
     fn in_time(&self) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
         let stride = self.samples.div_ceil(TIMES).max(1);
         let (impulse, step): (Vec<f64>, Vec<f64>) = if let Some(model) = self.discrete {
-            let thin = |y: Vec<f64>| y.into_iter().step_by(stride).collect();
-            (thin(impulse_response(model, self.samples).ok()?), thin(step_response(model, self.samples).ok()?))
+            (
+                self.late(impulse_response(model, self.samples).ok()?, stride),
+                self.late(step_response(model, self.samples).ok()?, stride),
+            )
+        } else if self.delay > 0 {
+            // A late step falls between thinned times: all samples are computed first.
+            let model = self.continuous?;
+            let held = discretize_zero_order_hold(model, self.dt_s).ok()?;
+            let start = model.b.column(0).into_owned();
+            (
+                self.late(free_response(&held, &start, self.samples).ok()?, stride),
+                self.late(step_response(&held, self.samples).ok()?, stride),
+            )
         } else {
             // At the thinned times a held model is exact: its step is a step, its impulse a state.
             let model = self.continuous?;

@@ -57,7 +57,7 @@ mod vector_arx;
 
 pub use arx::{Arx, ArxOrder, arx, arx_scan};
 pub use bootstrap::{BandPoint, Bootstrap, BootstrapOptions, Sample, Spread, bootstrap, bootstrap_equation_errors};
-pub use caveats::{caveats, filter_edge_hz, mode_notes};
+pub use caveats::{FilterEdge, caveats, mode_notes};
 pub use clusters::{PoleCluster, Quartiles};
 pub use compare::{FitMeasures, compare, fit_measures, simulate_fitted};
 pub use continuation::{continued, sampled};

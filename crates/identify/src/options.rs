@@ -124,6 +124,10 @@ pub struct Options {
     /// Samples by which the input acts late. Default: 0.
     #[arg(long)]
     pub delay: Option<u32>,
+    /// Remove the mean over the samples identified from, from inputs and outputs of methods with both (also from the samples
+    /// kept by --validate-from). Default: false.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    pub remove_mean: Option<bool>,
     /// Number of exponential terms; a damped wave counts as two. Default: 4.
     #[arg(long)]
     pub terms: Option<u32>,
@@ -158,7 +162,8 @@ pub struct Options {
     /// Seed of that noise. Default: 1.
     #[arg(long)]
     pub bootstrap_seed: Option<u32>,
-    /// Identify from the samples before this time only, and tell how well the model foretells the rest, e.g. 100ms.
+    /// Identify from the samples before this time only, and tell how well the model foretells the rest, e.g. 100ms: run on
+    /// from its own state, and with the initial state fitted to the rest.
     /// Default: no validation.
     #[arg(long)]
     pub validate_from: Option<Time>,

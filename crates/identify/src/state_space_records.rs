@@ -1,6 +1,6 @@
 //! A sampled model between waveforms, and the evidence for it, as records.
 
-use crumple_identify::{IdentifyError, IoData, continued, fit_measures};
+use crumple_identify::{IdentifyError, IoData, compare, continued, fit_measures};
 use crumple_lti::{Complex, InputHold, Mode, StateSpace, to_continuous, to_transfer_function};
 use crumple_stage::Output;
 
@@ -50,21 +50,23 @@ pub fn put(
     let id = format!("{method}-{order}");
     let (input, output) = (record.input(), record.output());
     let kind = if hold == "zero-order" { InputHold::Zero } else { InputHold::First };
-    let mut notes = found.notes.clone();
+    let mut notes = record.remarks.clone();
+    notes.extend(found.notes.iter().cloned());
     for text in notes.iter().filter_map(|note| note.strip_prefix("warning: ")) {
         out.notes().warning(format!("{id}: {text}"));
     }
-    out.put(&format!("/model/{id}/discrete"), &state_space(&found.model, &input, &output))?;
+    out.put(&format!("/model/{id}/discrete"), &state_space(&found.model, &input, &output, record.delay_s))?;
     let continuous = put_continuous(&id, &found.model, (record, kind), &mut notes, out)?;
     for (name, model) in &found.beside {
         let inputs = format!("{input}; {output}");
-        out.put(&format!("/model/{id}/{name}"), &state_space(model, &inputs, &output))?;
+        out.put(&format!("/model/{id}/{name}"), &state_space(model, &inputs, &output, record.delay_s))?;
     }
     let dt = record.data.sample_time_s();
     let pairs: Vec<_> =
         found.model.poles()?.into_iter().filter_map(|z| Some((Mode::discrete(z, dt)?, Some(z)))).collect();
     let first = &record.answers[0];
-    let judged = judged(&found.model, continuous.as_ref(), first)?;
+    let delay = record.delay_s.map_or(0, |delay| (delay / dt).round() as usize);
+    let judged = judged(&found.model, continuous.as_ref(), first, delay)?;
     let mut remarks = notes_on_modes(&id, &judged.poles, &record.cuts());
     out.put(&format!("/modes/{id}"), &modes(pairs.iter().copied()))?;
 
@@ -97,7 +99,14 @@ pub fn put(
     }
     if !first.kept.is_empty() {
         match continued(&found.model, task.data, task.whole, None) {
-            Ok(foretold) => validate_all(record, &foretold, &mut supports),
+            Ok(foretold) => {
+                validate_all(record, &foretold, &mut supports);
+                // The protocol of published comparisons: the initial state is fitted to the kept samples.
+                let rest = task.whole.slice(task.data.samples(), task.whole.samples())?;
+                for (support, fit) in supports.iter_mut().zip(compare(&found.model, &rest)?) {
+                    support.validation_restarted_fit_percent = fit.and_then(|fit| fit.fit_percent);
+                }
+            }
             Err(error) => remarks.warning(format!("{id}: no validation: {error}")),
         }
     }
@@ -110,7 +119,7 @@ pub fn put(
         let refit = |y: &[f64]| {
             let model = (task.refit)(y)?;
             let continuous = to_continuous(&model, kind).ok().map(|found| found.model);
-            Some(self::judged(&model, continuous.as_ref(), first).ok()?.sample(&grid))
+            Some(self::judged(&model, continuous.as_ref(), first, delay).ok()?.sample(&grid))
         };
         let of = (&id[..], &sample);
         let spreads = match &found.equation {
@@ -140,6 +149,7 @@ fn judged<'a>(
     model: &'a StateSpace,
     continuous: Option<&'a StateSpace>,
     answer: &Cut,
+    delay: usize,
 ) -> Result<Judged<'a>, IdentifyError> {
     let dt_s = answer.sampled.dt_s();
     Ok(Judged {
@@ -149,6 +159,7 @@ fn judged<'a>(
         zeros: continuous.map(zeros_of).unwrap_or_default(),
         dt_s,
         samples: answer.sampled.len(),
+        delay,
     })
 }
 
@@ -173,7 +184,10 @@ fn put_continuous(
         ));
     }
     let continuous = found.model;
-    out.put(&format!("/model/{id}/continuous"), &state_space(&continuous, &record.input(), &record.output()))?;
+    out.put(
+        &format!("/model/{id}/continuous"),
+        &state_space(&continuous, &record.input(), &record.output(), record.delay_s),
+    )?;
     if continuous.order() > MOST_COEFFICIENTS {
         return Ok(Some(continuous));
     }

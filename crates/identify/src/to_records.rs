@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 use crate::comparison::Comparison;
 use crate::evidence::{evidence, foretold, validate};
 use crate::evidence_options::BootstrapSettings;
-use crate::input_output::Cut;
+use crate::input_output::{Cut, filter_edges};
 use crate::judgement::{Band, Judged, limits, put_spreads, spread, zeros_of};
 
 /// What a reader of the model must know of its input.
@@ -60,9 +60,9 @@ pub fn put_model(
     let plural = if single { "" } else { "s" };
     let output = format!("acceleration of channel{plural} {}, m/s^2", pass.names().join(", "));
     let mut notes = notes.to_texts();
-    out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output))?;
+    out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output, None))?;
     if let Ok(continuous) = &model.continuous {
-        out.put(&format!("/model/{id}/continuous"), &state_space(continuous, INPUT, &output))?;
+        out.put(&format!("/model/{id}/continuous"), &state_space(continuous, INPUT, &output, None))?;
         match transfer_function(continuous, &output) {
             _ if !single => {}
             Ok(record) => out.put(&format!("/model/{id}/transfer-function"), &record)?,
@@ -133,7 +133,7 @@ fn joined(cuts: &[Cut]) -> anyhow::Result<Cut> {
         quantity: QuantityKind::Acceleration,
         sampled: Sampled::new(first.t0_s(), first.dt_s(), samples)?,
         kept: cuts.iter().flat_map(|cut| &cut.kept).copied().collect(),
-        cfc: cuts.iter().find_map(|cut| cut.cfc),
+        edges: filter_edges(cuts).to_vec(),
     })
 }
 
@@ -146,6 +146,7 @@ fn judged<'a>(model: &'a Realization, cut: &Cut) -> Judged<'a> {
         zeros: continuous.map(zeros_of).unwrap_or_default(),
         dt_s: cut.sampled.dt_s(),
         samples: cut.sampled.len(),
+        delay: 0,
     }
 }
 
@@ -153,7 +154,7 @@ fn judged_sample(model: &Realization, cut: &Cut, grid_hz: &[f64]) -> Sample {
     judged(model, cut).sample(grid_hz)
 }
 
-pub fn state_space(model: &StateSpace, input: &str, output: &str) -> StateSpaceV1 {
+pub fn state_space(model: &StateSpace, input: &str, output: &str, delay_s: Option<f64>) -> StateSpaceV1 {
     StateSpaceV1 {
         a: rows(&model.a),
         b: rows(&model.b),
@@ -162,6 +163,7 @@ pub fn state_space(model: &StateSpace, input: &str, output: &str) -> StateSpaceV
         sample_time_s: model.sample_time_s.unwrap_or(0.0),
         input: input.to_owned(),
         output: output.to_owned(),
+        delay_s,
     }
 }
 
@@ -176,6 +178,7 @@ fn transfer_function(model: &StateSpace, output: &str) -> Result<TransferFunctio
         denominator: tf.denominator().to_vec(),
         input: INPUT.to_owned(),
         output: output.to_owned(),
+        delay_s: None,
     })
 }
 
@@ -184,8 +187,9 @@ fn modes(model: &Realization) -> ModesV1 {
     let entries = model.modes.iter().filter_map(|identified| {
         let mode = identified.mode?;
         Some(ModeV1 {
-            re_per_s: mode.pole.re,
-            im_rad_per_s: mode.pole.im,
+            // Adding zero takes the sign from a zero.
+            re_per_s: mode.pole.re + 0.0,
+            im_rad_per_s: mode.pole.im + 0.0,
             natural_frequency_rad_per_s: mode.natural_frequency_rad_per_s,
             damping_ratio: mode.damping_ratio,
             modal_amplitude_coherence: identified.modal_amplitude_coherence,
@@ -235,6 +239,7 @@ fn identification(model: &Realization, pass: &Pass<'_>, notes: Vec<String>) -> I
         rmse: model.rmse,
         notes,
         output_fits_percent: Vec::new(),
+        delay_s: None,
     }
 }
 
@@ -248,7 +253,8 @@ fn summary(id: &str, model: &Realization, samples: usize) -> String {
         .filter(|mode| mode.pole.im >= 0.0)
         .map(|mode| {
             if mode.pole.im == 0.0 {
-                format!("real pole {:.4} 1/s", mode.pole.re)
+                let re = if mode.pole.re.abs() < 5e-5 { 0.0 } else { mode.pole.re };
+                format!("real pole {re:.4} 1/s")
             } else {
                 let damping = mode.damping_ratio.unwrap_or(0.0);
                 format!("{:.3} Hz (damping ratio {damping:.3})", mode.natural_frequency_hz())

@@ -152,6 +152,7 @@ fn a_typed_transfer_function_is_matched_with_every_solution_and_no_test_is_neede
         denominator: vec![1.0, 35.7, 6024.0, 185_000.0, 414_600.0],
         input: "force".to_owned(),
         output: "displacement".to_owned(),
+        delay_s: None,
     };
     builder.put("/model/civic", &model).unwrap();
     let provenance = Provenance::new("by hand", "0", "{}".to_owned(), Vec::new());
@@ -200,6 +201,7 @@ fn a_state_space_of_both_masses_is_transformed_to_physical_coordinates_and_names
         sample_time_s: 0.0,
         input: "unit impulse".to_owned(),
         output: "acceleration of engine and compartment, m/s^2".to_owned(),
+        delay_s: None,
     };
     builder.put("/model/both", &model).unwrap();
     let provenance = Provenance::new("identify", "0", "{}".to_owned(), Vec::new());

@@ -84,6 +84,9 @@ pub struct EvidenceV1 {
     pub validation_from_s: Option<f64>,
     /// The paper whose procedure this is, as printed: `era` or `tfest`.
     pub paper: Option<String>,
+    /// Fit of the samples kept for validation with the initial state fitted on them, percent; `validation_fit_percent` runs
+    /// on with the state that the model has at the end of the samples it was identified from.
+    pub validation_restarted_fit_percent: Option<f64>,
 }
 
 /// Spread of a number over the replicates of a bootstrap.

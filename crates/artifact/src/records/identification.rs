@@ -33,4 +33,6 @@ pub struct IdentificationV1 {
     /// Fit of every output where there are several, in the order of `channel`; `fit_percent` is then the smallest.
     #[serde(default)]
     pub output_fits_percent: Vec<Option<f64>>,
+    /// Time by which the input acts late, s; `null`: no delay.
+    pub delay_s: Option<f64>,
 }

@@ -219,6 +219,7 @@ mod tests {
             denominator: vec![1.0, 2.0 * zeta * omega, omega * omega],
             input: String::new(),
             output: String::new(),
+            delay_s: None,
         };
         let (magnitude_db, phase_deg) = response(&tf, &[5.0]);
         let expected = -20.0 * (2.0 * zeta * omega * omega).log10();
@@ -235,6 +236,7 @@ mod tests {
             denominator: vec![1.0, 3.0, 3.0, 1.0],
             input: String::new(),
             output: String::new(),
+            delay_s: None,
         };
         let frequencies: Vec<f64> = (0..200).map(|k| 1e-3 * 10_f64.powf(f64::from(k) / 33.0)).collect();
         let (_, phase_deg) = response(&tf, &frequencies);

@@ -181,6 +181,7 @@ fn identification(order: u32) -> IdentificationV1 {
         rmse: Some(1.2),
         notes: vec!["the record is treated as an impulse response".to_owned()],
         output_fits_percent: Vec::new(),
+        delay_s: None,
     }
 }
 
@@ -425,6 +426,7 @@ pub fn write_artifacts(folder: &Path, simulated: bool) -> Vec<PathBuf> {
         denominator: vec![1.0, 2.0 * sigma, sigma * sigma + omega * omega],
         input: "impulse".to_owned(),
         output: "acceleration".to_owned(),
+        delay_s: None,
     };
     identify.builder.put("/model/era-2/transfer-function", &tf).unwrap();
     identify.builder.put("/response/era-2", &response()).unwrap();
