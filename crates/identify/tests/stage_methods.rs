@@ -177,7 +177,7 @@ fn what_cannot_be_done_is_said() {
         (vec!["--methods=tfest", "--zeros=5"], 3, "5 zeros and 4 poles"),
         (vec!["--methods=tfest", "--hold=second"], 2, "unknown hold \"second\""),
         (vec!["--methods=tfest", "--starts=svff"], 2, "did you mean \"svf\"?"),
-        (vec!["--methods=tfest", "--output-channel=94/displacement"], 3, "topic /wave/94/displacement"),
+        (vec!["--methods=tfest", "--output-channel=94/displacement"], 3, "there is no waveform \"94/displacement\""),
         (vec!["--methods=exponentials", "--conditions=velocity"], 2, "stands before \"position\""),
         (vec!["--methods=n4sid", "--samples=30"], 3, "n4sid needs"),
     ] {
