@@ -203,6 +203,11 @@ pub struct StageSettings {
     pub solve: SolveSettings,
 }
 
+/// Named twice is meant once.
+fn once<T: Copy + PartialEq>(named: &[T]) -> Vec<T> {
+    named.iter().enumerate().filter(|(k, one)| !named[..*k].contains(one)).map(|(_, one)| *one).collect()
+}
+
 impl TryFrom<Options> for StageSettings {
     type Error = Usage;
 
@@ -211,10 +216,9 @@ impl TryFrom<Options> for StageSettings {
             DEFAULT_MODELS.to_vec()
         } else {
             let named = options.models.iter().map(|name| model(name)).collect::<Result<Vec<_>, _>>()?;
-            // Named twice is meant once.
-            named.iter().enumerate().filter(|(k, kind)| !named[..*k].contains(kind)).map(|(_, kind)| *kind).collect()
+            once(&named)
         };
-        let methods = options.method.iter().map(|name| method(name)).collect::<Result<Vec<_>, _>>()?;
+        let methods = once(&options.method.iter().map(|name| method(name)).collect::<Result<Vec<_>, _>>()?);
         let fraction = options.front_mass_fraction;
         if let Some(fraction) = fraction
             && !(fraction > 0.0 && fraction < 1.0)

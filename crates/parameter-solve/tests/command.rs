@@ -311,3 +311,11 @@ fn the_curve_fit_of_the_paper_comes_from_a_sum_of_exponentials_and_is_labelled()
     // The right way beside it: the two physical sets with these exponents.
     assert!(record("double-spring-mass-damper/coefficient-matching/1").unwrap().physical);
 }
+
+#[test]
+fn a_method_named_twice_is_meant_once() {
+    let folder = tempfile::tempdir().unwrap();
+    write_integrated(&folder.path().join("3.mcap"), Some(873.0), true);
+    let done = run(folder.path(), &["--models", "maxwell,maxwell", "--method", "direct-fit,direct-fit"]);
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+}
