@@ -32,7 +32,7 @@ pub fn further<'a>(
             input.wave(id)?;
         }
         let named = |channel: &Channel| ids.contains(&channel.id);
-        let (taken, left): (Vec<&Channel>, Vec<&Channel>) =
+        let (mut taken, left): (Vec<&Channel>, Vec<&Channel>) =
             candidates.partition(|channel| of_compartment(channel) || named(channel));
         if !left.is_empty() {
             let ids: Vec<&str> = left.iter().map(|channel| channel.id.as_str()).collect();
@@ -40,6 +40,10 @@ pub fn further<'a>(
                 "not integrated, because failed or not of the compartment: channels {} (name them with --channels)",
                 ids.join(", ")
             ));
+        }
+        // What was named is integrated, along whatever axis.
+        for id in &ids {
+            taken.extend(test.channel(id).filter(|channel| !taken.iter().any(|other| other.id == channel.id)));
         }
         return Ok(taken);
     }

@@ -39,6 +39,7 @@ fn test_folder(folder: &Path) -> PathBuf {
         (channel("6", "barrier, load cell A", Force), force(0.6)),
         (channel("7", "barrier, load cell B", Force), force(0.4)),
         (channel("8", "barrier, load cell C", Force), force(0.1)),
+        (Channel { axis: Some(Axis::Y), ..channel("9", "vehicle, left sill", Acceleration) }, braking(120.0, 0.0)),
     ];
     waves[7].0.status = ChannelStatus::Questionable;
     let test = TestDescription {
@@ -101,7 +102,10 @@ fn all_means_the_compartment_and_the_events_stay_those_of_the_pulse() {
 
     let artifact = result(&input, &["--channels", "4"]);
     assert!(artifact.waves().contains_key("4/displacement"));
-    assert_eq!(run(&input, &["--channels", "9"]).status.code(), Some(3));
+    // A name twice is once; what is named beside all is taken along whatever axis.
+    let artifact = result(&input, &["--channels", "all,4,9,9"]);
+    assert!(["2", "3", "4", "9"].iter().all(|id| artifact.waves().contains_key(&format!("{id}/displacement"))));
+    assert_eq!(run(&input, &["--channels", "10"]).status.code(), Some(3));
     assert_eq!(run(&input, &["--channels", "6"]).status.code(), Some(3));
 }
 
