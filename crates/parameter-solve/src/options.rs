@@ -203,6 +203,14 @@ pub struct StageSettings {
     pub solve: SolveSettings,
 }
 
+/// Replicates of an interval: none, or as many as have a 2.5 % quantile and the memory holds.
+fn replicates(name: &str, count: usize) -> Result<usize, Usage> {
+    if count == 0 || (20..=100_000).contains(&count) {
+        return Ok(count);
+    }
+    Err(Usage::new(format!("{name} is {count}, expected 0 or a number from 20 to 100000")))
+}
+
 /// Named twice is meant once.
 fn once<T: Copy + PartialEq>(named: &[T]) -> Vec<T> {
     named.iter().enumerate().filter(|(k, one)| !named[..*k].contains(one)).map(|(_, one)| *one).collect()
@@ -283,7 +291,7 @@ impl TryFrom<Options> for StageSettings {
         };
         let judging = Judging {
             profile: options.profile.unwrap_or(false),
-            bootstrap: options.bootstrap.unwrap_or(0),
+            bootstrap: replicates("bootstrap", options.bootstrap.unwrap_or(0))?,
             mass_uncertainty_kg: options.mass_uncertainty.map_or(0.0, |u| u.size.si()),
             speed_uncertainty_m_per_s: options.speed_uncertainty.map_or(0.0, |u| u.size.si()),
             bias_uncertainty_m_per_s2: options.bias_uncertainty.map_or(0.0, |u| u.size.si()),
@@ -294,7 +302,7 @@ impl TryFrom<Options> for StageSettings {
                 options.bias_uncertainty.map(|u| u.distribution).unwrap_or_default(),
                 options.time_zero_uncertainty.map(|u| u.distribution).unwrap_or_default(),
             ],
-            repetitions: options.repetitions.unwrap_or(REPETITIONS),
+            repetitions: replicates("repetitions", options.repetitions.unwrap_or(REPETITIONS))?,
         };
         Ok(Self {
             models: solve.models.iter().map(|m| m.name()).collect(),

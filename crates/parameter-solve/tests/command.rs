@@ -319,3 +319,15 @@ fn a_method_named_twice_is_meant_once() {
     let done = run(folder.path(), &["--models", "maxwell,maxwell", "--method", "direct-fit,direct-fit"]);
     assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
 }
+
+#[test]
+fn numbers_of_replicates_without_an_interval_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    write_integrated(&folder.path().join("3.mcap"), Some(873.0), true);
+    for flags in [["--bootstrap", "19"], ["--bootstrap", "100001"], ["--repetitions", "10"]] {
+        let done = run(folder.path(), &flags);
+        assert_eq!(done.status.code(), Some(2), "{flags:?}");
+        assert!(String::from_utf8_lossy(&done.stderr).contains("from 20 to 100000"), "{flags:?}");
+    }
+    assert!(!folder.path().join("5.mcap").exists());
+}
