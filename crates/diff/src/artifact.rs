@@ -72,7 +72,7 @@ fn topics(a: &Artifact, b: &Artifact, settings: &Settings) -> Result<Vec<TopicRe
     let names: BTreeSet<&String> = left.keys().chain(right.keys()).collect();
     let mut reports = Vec::new();
     for topic in names {
-        if settings.tolerances.of(topic, "", None).is_any() {
+        if settings.tolerances.of(topic, "", None, None).is_any() {
             continue;
         }
         reports.push(match (left.get(topic), right.get(topic)) {

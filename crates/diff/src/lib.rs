@@ -5,6 +5,7 @@
 //! `docs/diff.md`. Everything here works on values in memory; reading files is the business of the binary.
 
 mod artifact;
+mod candidate;
 mod error;
 mod head;
 mod polynomial;

@@ -2,6 +2,7 @@
 
 use crumple_artifact::topic_matches;
 
+use crate::candidate::Candidate;
 use crate::tolerance_file::Rule;
 use crate::unit::Unit;
 
@@ -23,6 +24,18 @@ impl Tolerance {
     pub const ZERO: Self = Self { abs: 0.0, rel: 0.0 };
     /// Not compared at all.
     pub const ANY: Self = Self { abs: f64::INFINITY, rel: 0.0 };
+
+    /// What an engineer calls the same: 0.1 ms, 1 mm, 0.01 m/s, else 0.5 %.
+    pub(crate) fn engineering(place: &str, unit: Option<Unit>) -> Self {
+        match unit {
+            // A sampling interval is not a time of an event.
+            Some(Unit::Second) if place.ends_with("sample_time_s") => tolerance(0.0, 1e-9),
+            Some(Unit::Second) => tolerance(1e-4, 0.0),
+            Some(Unit::Metre) => tolerance(1e-3, 0.0),
+            Some(Unit::MetrePerSecond) => tolerance(1e-2, 0.0),
+            None => tolerance(1e-9, 5e-3),
+        }
+    }
 
     /// Whether nothing is compared.
     pub fn is_any(self) -> bool {
@@ -82,28 +95,38 @@ const ASIDE: [Row; 5] = [
 /// parameters by up to 7e-7, since an iteration stops where its own criterion is met, not at the last bit. The table
 /// leaves room beyond that; a standard deviation comes from an inverse and gets more.
 /// The absolute floors are for what is zero but for rounding: 1e-12 of an SI unit, 1e-9 for errors of fits.
-const COMPUTATION: [Row; 12] = [
+const COMPUTATION: [Row; 17] = [
     // Responses of fitted candidates: /wave/<model>/<method>/<index>/<quantity>.
-    ("/wave/*/*/*/*", "*", tolerance(0.0, 1e-6)),
+    ("/wave/*/*/*/*", "*", tolerance(0.0, 1e-5)),
     ("/wave/*", "*", tolerance(0.0, 1e-9)),
     // Jitter and noise of perfect records are rounding errors, in sampling intervals and SI units.
     ("/quality/*", "*", tolerance(1e-9, 1e-9)),
     ("/model/*", "*", tolerance(1e-12, 1e-6)),
     ("/modes/*", "*", tolerance(1e-9, 1e-6)),
     ("/identification/*", "*", tolerance(1e-9, 1e-6)),
-    ("/parameters/*", "uncertainty.*", tolerance(0.0, 1e-3)),
+    // Whiteness and information criteria come from residuals, which are small differences.
+    ("/evidence/*", "*", tolerance(1e-9, 1e-6)),
+    // How sure a parameter is, is not known to more than this; of perfect records the residuals are rounding errors.
+    ("/parameters/*", "uncertainty.*", tolerance(0.0, 0.1)),
     ("/parameters/*", "*", tolerance(1e-9, 1e-5)),
-    ("/simulation/*", "*", tolerance(1e-6, 1e-6)),
+    ("/simulation/*", "effective_samples", tolerance(0.0, 0.1)),
+    // Models whose criteria are less than 2 apart are equally supported (Burnham and Anderson 2002, section 2.6).
+    ("/simulation/*", "aicc", tolerance(0.2, 0.0)),
+    ("/simulation/*", "*", tolerance(1e-6, 1e-5)),
     // The report's summary repeats all of the above; each number is judged where it comes from.
-    ("summary.json", "candidates*uncertainty*", tolerance(0.0, 1e-3)),
+    ("summary.json", "candidates*uncertainty*", tolerance(0.0, 0.1)),
+    ("summary.json", "candidates*effective_samples", tolerance(0.0, 0.1)),
+    ("summary.json", "candidates*aicc", tolerance(0.2, 0.0)),
     ("summary.json", "*", tolerance(1e-6, 1e-5)),
     ("*", "*", tolerance(1e-12, 1e-9)),
 ];
 
 impl Tolerances {
     /// The tolerance of a number, or of a whole topic where `place` is empty.
-    pub(crate) fn of(&self, topic: &str, place: &str, unit: Option<Unit>) -> Tolerance {
-        let mut found = self.base_of(topic, place, unit);
+    pub(crate) fn of(&self, topic: &str, place: &str, unit: Option<Unit>, candidate: Option<&Candidate>) -> Tolerance {
+        let table = self.base_of(topic, place, unit);
+        let of_candidate = candidate.filter(|_| self.base != Base::Exact && !table.is_any());
+        let mut found = of_candidate.and_then(|known| known.tolerance(place, unit, table)).unwrap_or(table);
         if !found.is_any() {
             found.abs = self.abs.unwrap_or(found.abs);
             found.rel = self.rel.unwrap_or(found.rel);
@@ -130,19 +153,8 @@ impl Tolerances {
         match self.base {
             Base::Exact => Tolerance::ZERO,
             Base::Computation => row(&ASIDE).or_else(|| row(&COMPUTATION)).unwrap_or(Tolerance::ZERO),
-            Base::Engineering => row(&ASIDE).unwrap_or_else(|| engineering(place, unit)),
+            Base::Engineering => row(&ASIDE).unwrap_or_else(|| Tolerance::engineering(place, unit)),
         }
-    }
-}
-
-fn engineering(place: &str, unit: Option<Unit>) -> Tolerance {
-    match unit {
-        // A sampling interval is not a time of an event.
-        Some(Unit::Second) if place.ends_with("sample_time_s") => tolerance(0.0, 1e-9),
-        Some(Unit::Second) => tolerance(1e-4, 0.0),
-        Some(Unit::Metre) => tolerance(1e-3, 0.0),
-        Some(Unit::MetrePerSecond) => tolerance(1e-2, 0.0),
-        None => tolerance(1e-9, 5e-3),
     }
 }
 
@@ -154,27 +166,27 @@ mod tests {
     #[test]
     fn rules_of_the_user_go_before_flags_and_flags_before_the_table() {
         let mut tolerances = Tolerances::default();
-        assert_eq!(tolerances.of("/wave/93", "", None), tolerance(0.0, 1e-9));
-        assert_eq!(tolerances.of("/wave/kelvin/closed-form/1/velocity", "", None), tolerance(0.0, 1e-6));
+        assert_eq!(tolerances.of("/wave/93", "", None, None), tolerance(0.0, 1e-9));
+        assert_eq!(tolerances.of("/wave/kelvin/closed-form/1/velocity", "", None, None), tolerance(0.0, 1e-5));
         tolerances.rel = Some(1e-3);
-        assert_eq!(tolerances.of("/wave/93", "", None), tolerance(0.0, 1e-3));
-        assert!(tolerances.of("/parameters/kelvin/fit/1", "fit.iterations", None).is_any());
-        assert!(tolerances.of("summary.json", "candidates[kelvin/fit/1].fit.iterations", None).is_any());
+        assert_eq!(tolerances.of("/wave/93", "", None, None), tolerance(0.0, 1e-3));
+        assert!(tolerances.of("/parameters/kelvin/fit/1", "fit.iterations", None, None).is_any());
+        assert!(tolerances.of("summary.json", "candidates[kelvin/fit/1].fit.iterations", None, None).is_any());
         tolerances.rules = parse_rules(
             "\"/wave/*\" = { abs = 2.0 }\n\"/wave/93\" = { rel = 0.0 }\n\"#*_m\" = { abs = 5.0 }\n\"/notes\" = { ignore = true }",
         )
         .unwrap();
-        assert_eq!(tolerances.of("/wave/94", "", None), tolerance(2.0, 1e-3));
-        assert_eq!(tolerances.of("/wave/93", "", None), tolerance(0.0, 0.0), "the longest pattern counts alone");
-        assert_eq!(tolerances.of("/events", "dynamic_crush_m", None).abs, 5.0);
-        assert!(tolerances.of("/notes", "notes[0]", None).is_any());
+        assert_eq!(tolerances.of("/wave/94", "", None, None), tolerance(2.0, 1e-3));
+        assert_eq!(tolerances.of("/wave/93", "", None, None), tolerance(0.0, 0.0), "the longest pattern counts alone");
+        assert_eq!(tolerances.of("/events", "dynamic_crush_m", None, None).abs, 5.0);
+        assert!(tolerances.of("/notes", "notes[0]", None, None).is_any());
     }
 
     #[test]
     fn engineers_have_a_tolerance_by_unit() {
         let tolerances = Tolerances { base: Base::Engineering, ..Tolerances::default() };
-        assert_eq!(tolerances.of("/events", "dynamic_crush_m", Some(Unit::Metre)).abs, 1e-3);
-        assert_eq!(tolerances.of("/events", "coefficient_of_restitution", None).rel, 5e-3);
-        assert_eq!(tolerances.of("/model/era-4/discrete", "sample_time_s", Some(Unit::Second)).abs, 0.0);
+        assert_eq!(tolerances.of("/events", "dynamic_crush_m", Some(Unit::Metre), None).abs, 1e-3);
+        assert_eq!(tolerances.of("/events", "coefficient_of_restitution", None, None).rel, 5e-3);
+        assert_eq!(tolerances.of("/model/era-4/discrete", "sample_time_s", Some(Unit::Second), None).abs, 0.0);
     }
 }

@@ -4,17 +4,18 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Map, Value};
 
+use crate::candidate::{Candidate, same_ranking};
 use crate::polynomial;
 use crate::report::{Difference, TopicReport};
 use crate::unit::Unit;
 use crate::words::same_words;
-use crate::{Settings, Tolerance};
+use crate::{Base, Settings, Tolerance};
 
 /// Compares two values: numbers by tolerance (also decimal numbers inside texts), texts exactly, maps by key.
 ///
 /// Lists whose elements have a unique `id` or `name` are paired by it, whatever their order; other lists by index.
 pub fn compare_json(topic: &str, a: &Value, b: &Value, settings: &Settings) -> TopicReport {
-    let mut walk = Walk { settings, report: TopicReport::new(topic) };
+    let mut walk = Walk { settings, report: TopicReport::new(topic), candidate: None };
     walk.value(At { place: String::new(), unit: None, scale: None, root_modulus: None }, a, b);
     walk.report
 }
@@ -22,6 +23,8 @@ pub fn compare_json(topic: &str, a: &Value, b: &Value, settings: &Settings) -> T
 struct Walk<'a> {
     settings: &'a Settings,
     report: TopicReport,
+    /// The candidate that the walk is in.
+    candidate: Option<Candidate>,
 }
 
 /// Where the walk stands.
@@ -50,15 +53,27 @@ impl Walk<'_> {
     }
 
     fn object(&mut self, at: &At, a: &Map<String, Value>, b: &Map<String, Value>) {
+        let candidate = Candidate::of(&at.place, a, b);
+        let entered = candidate.is_some();
+        self.candidate = candidate.or(self.candidate.take());
         let moduli = complex_moduli(a, b);
+        let energy = largest_energy(a, b);
         let keys: BTreeSet<&String> = a.keys().chain(b.keys()).collect();
         for key in keys {
+            if self.settings.tolerances.base != Base::Exact && same_ranking(key, a, b) {
+                self.report.values += 1;
+                continue;
+            }
             let place = if at.place.is_empty() { key.clone() } else { format!("{}.{key}", at.place) };
             let unit = Unit::of_field(key, a.get("unit")).or(at.unit);
-            let scale = complex_group(key).and_then(|group| moduli.get(&group).copied());
+            let energy = energy.filter(|_| is_energy(key));
+            let scale = complex_group(key).and_then(|group| moduli.get(&group).copied()).or(energy);
             let root_modulus =
                 if matches!(key.as_str(), "numerator" | "denominator") { polynomial::root_modulus(a, b) } else { None };
             self.pair(At { place, unit, scale, root_modulus }, a.get(key), b.get(key));
+        }
+        if entered {
+            self.candidate = None;
         }
     }
 
@@ -153,7 +168,7 @@ impl Walk<'_> {
     }
 
     fn tolerance(&self, at: &At) -> Tolerance {
-        self.settings.tolerances.of(&self.report.topic, &at.place, at.unit)
+        self.settings.tolerances.of(&self.report.topic, &at.place, at.unit, self.candidate.as_ref())
     }
 }
 
@@ -199,12 +214,22 @@ fn complex_moduli(a: &Map<String, Value>, b: &Map<String, Value>) -> BTreeMap<St
     moduli
 }
 
+fn is_energy(key: &str) -> bool {
+    key.ends_with("_j")
+}
+
+/// The largest energy of an instant: what is left of the others at the turning point is their difference.
+fn largest_energy(a: &Map<String, Value>, b: &Map<String, Value>) -> Option<f64> {
+    let energies = a.iter().chain(b).filter(|(key, _)| is_energy(key)).filter_map(|(_, value)| value.as_f64());
+    energies.map(f64::abs).reduce(f64::max)
+}
+
 #[cfg(test)]
 mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::{Base, Tolerances};
+    use crate::Tolerances;
 
     fn compare(a: &Value, b: &Value) -> TopicReport {
         compare_json("/events", a, b, &Settings::default())
