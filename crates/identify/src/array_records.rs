@@ -5,6 +5,7 @@ use crumple_lti::Complex;
 use crumple_signal::Notes;
 use crumple_stage::Output;
 
+use crate::acceptable::note_on_fit;
 use crate::by_transfer_function::{Task, condition_note, preparation, validate_continuous};
 use crate::comparison::Comparison;
 use crate::evidence::{foretold, modes, notes_on_modes, of_record, percent, put_evidence, put_transfer_functions};
@@ -25,6 +26,9 @@ pub fn put_array(
     notes.extend(notes_on_modes(id, &poles, &record.cuts()));
     notes.info(format!("{id}: one denominator for all paths, a numerator for each"));
     condition_note(id, fit.condition, notes);
+    for measures in fit.fits.iter().flatten() {
+        note_on_fit(id, measures.fit_percent, notes);
+    }
     limits(id, (record.drives.len(), record.answers.len()), settings.bootstrap.as_ref(), notes);
     if settings.bootstrap.is_some() && record.answers.len() == 1 {
         notes.warning(format!("{id}: no bootstrap: of transfer functions it is made for one input and one output"));

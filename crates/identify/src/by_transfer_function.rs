@@ -11,6 +11,7 @@ use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 use nalgebra::DVector;
 use std::f64::consts::TAU;
 
+use crate::acceptable::note_on_fit;
 use crate::array_records::put_array;
 use crate::beyond_era::BeyondEra;
 use crate::comparison::Comparison;
@@ -152,6 +153,7 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> No
         }
     }
     condition_note(id, fit.condition, &mut notes);
+    note_on_fit(id, fit.fit.and_then(|fit| fit.fit_percent), &mut notes);
     notes
 }
 
