@@ -22,8 +22,8 @@ pub fn steady(found: Found, data: &IoData) -> Result<Found, IdentifyError> {
 
 /// Simulates a model on the record it was identified from.
 ///
-/// Errors: a simulation that misses the record by more than its mean does twice over (fit below -100 %) and by more than
-/// silence does. Where silence is no better, the level of the record is what is missed, and a note says so.
+/// Errors: a simulation that misses the record by more than twice what its mean does (fit below -100 %) and accounts for none
+/// of its variance. Where it accounts for some, the level of the record is what is missed, and a note says so.
 pub fn simulated(mut found: Found, data: &IoData) -> Result<(Vec<Vec<f64>>, Found), IdentifyError> {
     let simulated = simulate_fitted(&found.model, data)?.0;
     for (measured, model) in data.outputs().iter().zip(&simulated) {
@@ -31,9 +31,8 @@ pub fn simulated(mut found: Found, data: &IoData) -> Result<(Vec<Vec<f64>>, Foun
             Some(fit) => fit,
             None => return Err(misses(f64::NEG_INFINITY, &found.model)),
         };
-        let size = (measured.iter().map(|y| y * y).sum::<f64>() / measured.len() as f64).sqrt();
         match fit.fit_percent.filter(|fit| *fit < LEAST_FIT_PERCENT) {
-            Some(percent) if fit.rmse > size => return Err(misses(percent, &found.model)),
+            Some(percent) if fit.vaf_percent.is_none_or(|vaf| vaf <= 0.0) => return Err(misses(percent, &found.model)),
             Some(percent) => found.notes.push(format!("warning: {}", level(percent))),
             None => {}
         }
@@ -57,7 +56,7 @@ fn level(percent: f64) -> String {
     )
 }
 
-/// The same note for a model whose fit cannot be worse than silence.
+/// The same note for a model that was fitted to the simulation itself, so that it is no worse than silence.
 pub fn note_on_fit(id: &str, fit_percent: Option<f64>, notes: &mut Notes) {
     if let Some(percent) = fit_percent.filter(|fit| *fit < LEAST_FIT_PERCENT) {
         notes.warning(format!("{id}: {}", level(percent)));

@@ -138,7 +138,9 @@ pub(crate) fn search(data: &IoData, options: &TransferFunctionOptions, free: boo
             let bounds = problem.bounds();
             let mut theta = problem.unknowns(&sections_of(&poles, false))?;
             theta.iter_mut().zip(&bounds).for_each(|(x, (low, high))| *x = x.clamp(*low, *high));
-            Some((evaluate(&problem, &theta)?.cost, start, theta))
+            // So few that all are refined need no ranking.
+            let cost = if tried <= REFINED_OF_A_KIND { 0.0 } else { evaluate(&problem, &theta)?.cost };
+            Some((cost, start, theta))
         })
         .collect();
     scored.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -83,7 +83,7 @@ pub struct EvidenceV1 {
     pub validation_fit_percent: Option<f64>,
     /// First of these samples, s on the record's time axis.
     pub validation_from_s: Option<f64>,
-    /// The paper whose procedure this is, as printed: `era` or `tfest`.
+    /// The paper whose procedure this is, as printed: `era`, `curve-fit` or `tfest`.
     pub paper: Option<String>,
     /// Fit of the samples kept for validation with the initial state fitted on them, percent; `validation_fit_percent` runs
     /// on with the state that the model has at the end of the samples it was identified from.
