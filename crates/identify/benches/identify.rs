@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use crumple_identify::{
     ArxOrder, Criterion, Era, EraDcOptions, EraOptions, FirOptions, IoData, Kernel, Lags, MarkovParameters, Okid,
-    OkidOptions, OkidRealization, Order, OutputErrorOptions, Start, Stop, Subspace, SubspaceOptions, TransferFunctionOptions, Weighting, arx,
-    era_dc, fir, output_error, transfer_function_fit,
+    OkidOptions, OkidRealization, Order, OutputErrorOptions, Start, Stop, Subspace, SubspaceOptions,
+    TransferFunctionOptions, Weighting, arx, era_dc, fir, output_error, transfer_function_fit,
 };
 use crumple_lti::{StateSpace, discretize_first_order_hold};
 use nalgebra::{DMatrix, DVector};
@@ -256,9 +256,8 @@ fn naive_iteration(data: &IoData, model: &StateSpace) {
     };
     let time = shortest(5, || {
         let rest = simulate(0, 0.0);
-        let columns: Vec<Vec<f64>> = (0..10)
-            .map(|k| simulate(k, 1e-6).iter().zip(&rest).map(|(a, b)| (a - b) / 1e-6).collect())
-            .collect();
+        let columns: Vec<Vec<f64>> =
+            (0..10).map(|k| simulate(k, 1e-6).iter().zip(&rest).map(|(a, b)| (a - b) / 1e-6).collect()).collect();
         let jacobian = DMatrix::from_fn(y.len(), columns.len(), |i, j| columns[j][i]);
         let target = DVector::from_iterator(y.len(), y.iter().zip(&rest).map(|(y, yh)| y - yh));
         black_box(jacobian.svd(true, true).solve(&target, 1e-12)).ok();

@@ -20,6 +20,7 @@ mod input_output;
 mod judgement;
 mod options;
 mod paper;
+mod search_evidence;
 mod state_space_records;
 mod to_records;
 mod window_start;
