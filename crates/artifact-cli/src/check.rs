@@ -24,7 +24,7 @@ pub struct Checked {
 }
 
 /// Topic, or its start where it ends in `/`, and what may stand there.
-const STATED: [(&str, &[&str]); 19] = [
+const STATED: [(&str, &[&str]); 20] = [
     ("/test", &[TestV1::SCHEMA]),
     ("/wave/", &[WaveBlockV1::SCHEMA]),
     ("/quality/", &[QualityV1::SCHEMA]),

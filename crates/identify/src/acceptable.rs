@@ -1,7 +1,6 @@
 //! Which fits may pass as results.
 
 use crumple_identify::{IdentifyError, IoData, fit_measures, mirrored_poles, simulate_fitted};
-use crumple_lti::StateSpace;
 use crumple_signal::Notes;
 
 use crate::by_state_space::Found;
@@ -9,13 +8,16 @@ use crate::by_state_space::Found;
 /// Fits below this, percent, do not pass without a word.
 const LEAST_FIT_PERCENT: f64 = -100.0;
 
+/// What stands in the notes of a model that was made steady.
+const MIRRORED: &str = "growing poles, mirrored at the unit circle";
+
 /// A model of an estimated impulse response with its growing poles mirrored at the unit circle, which a note tells; without
 /// the models beside it then, which belong to the poles as they were.
 pub fn steady(found: Found, data: &IoData) -> Result<Found, IdentifyError> {
     let Some((model, mirrored)) = mirrored_poles(&found.model, data)? else { return Ok(found) };
     let Found { parameters, singular_values, mut notes, chosen, .. } = found;
     notes.push(format!(
-        "warning: {mirrored} growing poles were mirrored at the unit circle, inputs and initial state fitted again: the impulse response does not hold these modes"
+        "warning: {mirrored} {MIRRORED}, inputs and initial state fitted again: the impulse response does not hold these modes"
     ));
     Ok(Found { singular_values, notes, chosen, ..Found::new(model, parameters) })
 }
@@ -29,10 +31,10 @@ pub fn simulated(mut found: Found, data: &IoData) -> Result<(Vec<Vec<f64>>, Foun
     for (measured, model) in data.outputs().iter().zip(&simulated) {
         let fit = match fit_measures(measured, model) {
             Some(fit) => fit,
-            None => return Err(misses(f64::NEG_INFINITY, &found.model)),
+            None => return Err(misses(f64::NEG_INFINITY, &found)),
         };
         match fit.fit_percent.filter(|fit| *fit < LEAST_FIT_PERCENT) {
-            Some(percent) if fit.vaf_percent.is_none_or(|vaf| vaf <= 0.0) => return Err(misses(percent, &found.model)),
+            Some(percent) if fit.vaf_percent.is_none_or(|vaf| vaf <= 0.0) => return Err(misses(percent, &found)),
             Some(percent) => found.notes.push(format!("warning: {}", level(percent))),
             None => {}
         }
@@ -40,10 +42,12 @@ pub fn simulated(mut found: Found, data: &IoData) -> Result<(Vec<Vec<f64>>, Foun
     Ok((simulated, found))
 }
 
-fn misses(fit_percent: f64, model: &StateSpace) -> IdentifyError {
-    let largest = model.poles().unwrap_or_default().iter().map(|z| z.norm()).fold(0.0, f64::max);
+fn misses(fit_percent: f64, found: &Found) -> IdentifyError {
+    let largest = found.model.poles().unwrap_or_default().iter().map(|z| z.norm()).fold(0.0, f64::max);
     let why = if largest > 1.0 {
         format!("a pole grows by a factor {largest:.6} a sample")
+    } else if found.notes.iter().any(|note| note.contains(MIRRORED)) {
+        format!("it has {MIRRORED}, and is nothing without them")
     } else {
         "none of its poles grows".to_owned()
     };

@@ -214,8 +214,9 @@ fn put_correlations(fit: &ExponentialSumFit, support: &mut EvidenceV1) {
     let numbers = fit.numbers();
     let deviations: Vec<f64> = covariance.diagonal().iter().map(|x| x.max(0.0).sqrt()).collect();
     let correlation = |i: usize, k: usize| match deviations[i] * deviations[k] {
+        _ if i == k => 1.0,
         // What does not vary varies with nothing.
-        0.0 => f64::from(u8::from(i == k)),
+        0.0 => 0.0,
         product => (covariance[(i, k)] / product).clamp(-1.0, 1.0),
     };
     support.parameter_correlations =

@@ -221,7 +221,7 @@ pub fn exponential_sum(
     let of_numbers = described.as_ref().map(|all| all.view((2 * n, 2 * n), (all.nrows() - 2 * n, all.nrows() - 2 * n)));
     Ok(ExponentialSumFit {
         mode_deviations: mode_deviations.collect(),
-        covariance: of_numbers.map(|part| part.into_owned()).filter(|part| part.iter().all(|x| x.is_finite())),
+        covariance: of_numbers.filter(|part| part.iter().all(|x| x.is_finite())).map(nalgebra::Matrix::into_owned),
         terms: found,
         fit: fit_measures(record, &simulated),
         simulated,
