@@ -10,7 +10,7 @@ pub struct EvidenceV1 {
     pub output: String,
     /// Input between samples: `first-order` or `zero-order` hold; `null` without an input.
     pub hold: Option<String>,
-    /// Initial conditions: `estimated` or `zero`.
+    /// Initial conditions: `estimated`, `zero`, or `held: ` and what is held with its values.
     pub initial_conditions: String,
     /// Kind of the start that led to the model.
     pub start: Option<String>,
