@@ -1,7 +1,7 @@
 //! Whether an artifact says what the format demands, beyond being intact.
 
 use crumple_artifact::records::{
-    CandidateV1, ChannelFilterV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1, IdentificationV1, MatchingV1,
+    ArxScanV1, CandidateV1, ChannelFilterV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1, IdentificationV1, MatchingV1,
     MetricsV1, ModesV1, NotesV1, QualityV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1, StabilizationV1,
     StateSpaceV1, TestV1, TransferFunctionV1, WaveBlockV1,
 };
@@ -24,7 +24,7 @@ pub struct Checked {
 }
 
 /// Topic, or its start where it ends in `/`, and what may stand there.
-const STATED: [(&str, &[&str]); 19] = [
+const STATED: [(&str, &[&str]); 20] = [
     ("/test", &[TestV1::SCHEMA]),
     ("/wave/", &[WaveBlockV1::SCHEMA]),
     ("/quality/", &[QualityV1::SCHEMA]),
@@ -39,6 +39,7 @@ const STATED: [(&str, &[&str]); 19] = [
     ("/stabilisation/", &[StabilizationV1::SCHEMA]),
     ("/response/", &[ResponseV1::SCHEMA]),
     ("/selection/", &[SelectionV1::SCHEMA]),
+    ("/scan/", &[ArxScanV1::SCHEMA]),
     ("/matching/", &[MatchingV1::SCHEMA]),
     ("/parameters/", &[CandidateV1::SCHEMA]),
     ("/simulation/", &[SimulationV1::SCHEMA]),

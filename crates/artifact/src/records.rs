@@ -5,6 +5,7 @@
 //! encodings: no tagged enums, no `flatten`, no skipped fields, no free-form values; unknown is `null` (`Option`);
 //! numbers are finite.
 
+mod arx_scan;
 mod candidate;
 mod channel_filter;
 mod diagnosis;
@@ -24,6 +25,7 @@ mod stabilization;
 mod test;
 mod wave;
 
+pub use arx_scan::{ArxScanModelV1, ArxScanV1};
 pub use candidate::{CandidateV1, FitV1, ProfileV1, ReplicatesV1, SensorFitV1, UncertaintyV1};
 pub use channel_filter::{ChannelFilterV1, CorridorPointV1};
 pub use diagnosis::DiagnosisV1;
@@ -76,6 +78,7 @@ macro_rules! record {
 }
 
 record! {
+    ArxScanV1 => "crumple.ArxScan.v1",
     CandidateV1 => "crumple.Candidate.v1",
     ChannelFilterV1 => "crumple.ChannelFilter.v1",
     DiagnosisV1 => "crumple.Diagnosis.v1",

@@ -230,6 +230,33 @@ fn the_layout_of_every_record_type_is_frozen() {
         validation_from_s: Some(0.1),
         paper: Some("tfest".into()),
         validation_restarted_fit_percent: Some(98.0),
+        aic: Some(-301.0),
+        minimum_description_length: Some(3e-6),
+        vaf_percent: Some(99.9),
+        no_deviations: Some("the method has no covariance".into()),
+        parameter_names: vec!["re_amplitude_1".into(), "re_per_s_1".into()],
+        parameter_values: vec![0.5, -7.5],
+        parameter_deviations: vec![0.125, 2.0],
+        parameter_correlations: vec![vec![1.0, -0.5], vec![-0.5, 1.0]],
+    });
+    freeze(&ArxScanV1 {
+        input: "heater".into(),
+        output: "inside".into(),
+        samples: 490,
+        models: vec![ArxScanModelV1 {
+            past_outputs: 2,
+            inputs: 2,
+            delay: 3,
+            parameters: 4,
+            loss: Some(1e-6),
+            aicc: Some(-300.0),
+            bic: Some(-290.0),
+            mdl: Some(2e-6),
+            fit_percent: Some(85.5),
+            failure: None,
+        }],
+        best_by_bic: Some("arx-2-2-3".into()),
+        best_by_aicc: None,
     });
     freeze(&StabilizationV1 {
         method: "era".into(),

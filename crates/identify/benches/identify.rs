@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use crumple_identify::{
     ArxOrder, Criterion, Era, EraDcOptions, EraOptions, FirOptions, IoData, Kernel, Lags, MarkovParameters, Okid,
-    OkidOptions, OkidRealization, Order, Start, Subspace, SubspaceOptions, TransferFunctionOptions, Weighting, arx,
-    era_dc, fir, transfer_function_fit,
+    OkidOptions, OkidRealization, Order, OutputErrorOptions, Start, Stop, Subspace, SubspaceOptions,
+    TransferFunctionOptions, Weighting, arx, era_dc, fir, output_error, transfer_function_fit,
 };
 use crumple_lti::{StateSpace, discretize_first_order_hold};
 use nalgebra::{DMatrix, DVector};
@@ -231,6 +231,7 @@ fn transfer_function_times() {
         time,
         &data.outputs()[0],
     );
+    naive_iteration(&data, &fit.state_space);
     for start in [Start::Svf, Start::Iv, Start::N4sid] {
         let one = TransferFunctionOptions { starts: vec![start], ..options.clone() };
         let time = shortest(5, || {
@@ -240,16 +241,60 @@ fn transfer_function_times() {
     }
 }
 
+/// One Gauss-Newton step the plain way: all ten unknowns by differences, each of a whole simulation, and a dense SVD.
+fn naive_iteration(data: &IoData, model: &StateSpace) {
+    let (u, y, dt) = (&data.inputs()[0], &data.outputs()[0], data.sample_time_s());
+    let simulate = |change: usize, by: f64| {
+        let mut model = model.clone();
+        let mut start = DVector::zeros(4);
+        match change {
+            0..4 => start[change] = by,
+            4..6 => model.c[change - 4] += by,
+            k => model.a[(k - 6, 0)] += by,
+        }
+        discretize_first_order_hold(&model, dt).and_then(|held| held.response(u, &start)).unwrap_or_default()
+    };
+    let time = shortest(5, || {
+        let rest = simulate(0, 0.0);
+        let columns: Vec<Vec<f64>> =
+            (0..10).map(|k| simulate(k, 1e-6).iter().zip(&rest).map(|(a, b)| (a - b) / 1e-6).collect()).collect();
+        let jacobian = DMatrix::from_fn(y.len(), columns.len(), |i, j| columns[j][i]);
+        let target = DVector::from_iterator(y.len(), y.iter().zip(&rest).map(|(y, yh)| y - yh));
+        black_box(jacobian.svd(true, true).solve(&target, 1e-12)).ok();
+    });
+    line("    naive: one step, ten unknowns by differences, SVD", "", time, y);
+}
+
+fn output_error_times() {
+    let data = arx_data(1000);
+    let whole = OutputErrorOptions::new(4);
+    let time = shortest(3, || {
+        black_box(output_error(&data, whole)).ok();
+    });
+    line("output error order 4, 1000 samples, all starts", "", time, &data.outputs()[0]);
+    // The continuous starts of output error are those of tfest by refined instrumental variables.
+    let options = TransferFunctionOptions {
+        starts: vec![Start::Iv],
+        stop: Stop { max_iterations: 0, ..Stop::default() },
+        ..TransferFunctionOptions::new(4, 4)
+    };
+    let time = shortest(3, || {
+        black_box(transfer_function_fit(&data, &options)).ok();
+    });
+    line("    of it: starts by refined instrumental variables", "", time, &data.outputs()[0]);
+}
+
 fn main() {
     // `cargo bench -p crumple-identify -- era` runs the groups whose name contains the word.
     let only = std::env::args().skip(1).find(|word| !word.starts_with('-')).unwrap_or_default();
-    let groups: [(&str, fn()); 6] = [
+    let groups: [(&str, fn()); 7] = [
         ("era", era_times),
         ("era-dc", era_dc_times),
         ("okid", okid_times),
         ("arx", arx_times),
         ("subspace", subspace_times),
         ("tfest", transfer_function_times),
+        ("output-error", output_error_times),
     ];
     for (_, group) in groups.iter().filter(|(name, _)| name.contains(&only)) {
         group();

@@ -5,10 +5,12 @@ use crumple_lti::Complex;
 use crumple_signal::Notes;
 use crumple_stage::Output;
 
+use crate::acceptable::note_on_fit;
 use crate::by_transfer_function::{Task, condition_note, preparation, validate_continuous};
 use crate::comparison::Comparison;
 use crate::evidence::{foretold, modes, notes_on_modes, of_record, percent, put_evidence, put_transfer_functions};
 use crate::judgement::limits;
+use crate::search_evidence::{Searched, known};
 use crate::to_records::state_space;
 
 /// Writes the records of one array and a summary line.
@@ -25,6 +27,9 @@ pub fn put_array(
     notes.extend(notes_on_modes(id, &poles, &record.cuts()));
     notes.info(format!("{id}: one denominator for all paths, a numerator for each"));
     condition_note(id, fit.condition, notes);
+    for measures in fit.fits.iter().flatten() {
+        note_on_fit(id, measures.fit_percent, notes);
+    }
     limits(id, (record.drives.len(), record.answers.len()), settings.bootstrap.as_ref(), notes);
     if settings.bootstrap.is_some() && record.answers.len() == 1 {
         notes.warning(format!("{id}: no bootstrap: of transfer functions it is made for one input and one output"));
@@ -41,22 +46,21 @@ pub fn put_array(
     out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
     let (whole, mut supports) =
         of_record("tfest", beyond.poles, record, &fit.simulated, fit.parameters, notes.to_texts());
-    let finite = |values: &[f64]| if values.iter().all(|x| x.is_finite()) { values.to_vec() } else { Vec::new() };
-    for (i, support) in supports.iter_mut().enumerate() {
-        support.hold = Some(beyond.hold.clone());
-        support.initial_conditions = if fit.initial_estimated { "estimated" } else { "zero" }.to_owned();
-        support.start = Some(fit.start.name().to_owned());
-        support.stop_reason = Some(fit.termination.name().to_owned());
-        support.iterations = u32::try_from(fit.iterations).ok();
-        support.evaluations = Some(fit.evaluations as u64);
-        support.losses = fit.losses.clone();
-        support.condition = Some(fit.condition).filter(|c| c.is_finite());
+    let searched = Searched {
+        hold: &beyond.hold,
+        initial_estimated: fit.initial_estimated,
+        best: (fit.start, fit.iterations, fit.termination),
+        evaluations: fit.evaluations,
+        losses: &fit.losses,
+        condition: fit.condition,
+        denominator_deviations: &fit.denominator_deviations,
+        mode_deviations: &fit.mode_deviations,
+        paper: settings.paper.as_deref(),
+    };
+    for (support, deviations) in supports.iter_mut().zip(&fit.numerator_deviations) {
+        searched.put(support);
         // Of every input, one after the other.
-        support.numerator_deviations = finite(&fit.numerator_deviations[i].concat());
-        support.denominator_deviations = finite(&fit.denominator_deviations);
-        support.frequency_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.0)).collect();
-        support.damping_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
-        support.paper = settings.paper.clone();
+        support.numerator_deviations = known(&deviations.concat());
     }
     validate_continuous(task, &fit.state_space, fit.initial_estimated, &mut supports)?;
     let percent = percent(whole.fit_percent);

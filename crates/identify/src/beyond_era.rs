@@ -1,9 +1,11 @@
 //! Settings of the methods other than ERA.
 
 use crumple_identify::Start;
+use crumple_signal::value::{Acceleration, Speed};
 use crumple_stage::Usage;
 use serde::Serialize;
 
+use crate::arx_structure::{ArxRanges, ArxStructure};
 use crate::options::{Options, unknown};
 
 /// Ways to starting points by name, default first to last.
@@ -11,7 +13,7 @@ const STARTS: [Start; 7] =
     [Start::Svf, Start::Gpmf, Start::Iv, Start::N4sid, Start::Integrators, Start::Exponentials, Start::Random];
 
 /// Conditions of a sum of exponentials at the start of the window.
-const CONDITIONS: [&str; 3] = ["position", "velocity", "acceleration"];
+pub const CONDITIONS: [&str; 3] = ["position", "velocity", "acceleration"];
 
 /// Settings of the methods other than `era`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -46,6 +48,18 @@ pub struct BeyondEra {
     pub block_rows: Option<usize>,
     /// Thinning of the subspace methods, if given.
     pub thin: Option<usize>,
+    /// Structures of arx, if given.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub arx_orders: Vec<ArxStructure>,
+    /// Structures that arx scans, if it does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub arx_scan: Option<ArxRanges>,
+    /// Velocity that a sum of exponentials has at the start, m/s, if not that of the record.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_velocity_m_per_s: Option<f64>,
+    /// Acceleration there, m/s², if not zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_acceleration_m_per_s2: Option<f64>,
     /// Whether the mean is removed from inputs and outputs.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub remove_mean: bool,
@@ -75,6 +89,18 @@ impl BeyondEra {
             if condition != expected {
                 return Err(Usage::new(format!("condition {condition:?} stands before {expected:?}"))
                     .hint("each condition needs the ones before: position, then velocity, then acceleration"));
+            }
+        }
+        for (name, given, needed) in [
+            ("start_velocity", options.start_velocity.is_some(), 2),
+            ("start_acceleration", options.start_acceleration.is_some(), 3),
+        ] {
+            if given && options.conditions.len() < needed {
+                return Err(Usage::new(format!(
+                    "{name} is given, but {} is not among conditions",
+                    CONDITIONS[needed - 1]
+                ))
+                .hint(format!("give conditions = {}", CONDITIONS[..needed].join(","))));
             }
         }
         if options.conditions.len() > CONDITIONS.len() {
@@ -111,6 +137,10 @@ impl BeyondEra {
             conditions: options.conditions.len(),
             block_rows: options.block_rows.map(|n| n as usize),
             thin: options.thin.map(|n| n as usize),
+            arx_orders: once(&options.arx_orders),
+            arx_scan: options.arx_scan,
+            start_velocity_m_per_s: options.start_velocity.map(Speed::si),
+            start_acceleration_m_per_s2: options.start_acceleration.map(Acceleration::si),
             remove_mean: options.remove_mean.unwrap_or(false),
         })
     }
@@ -119,6 +149,17 @@ impl BeyondEra {
     pub fn start_kinds(&self) -> Vec<Start> {
         STARTS.into_iter().filter(|start| self.starts.iter().any(|name| name == start.name())).collect()
     }
+}
+
+/// Every structure once.
+fn once(structures: &[ArxStructure]) -> Vec<ArxStructure> {
+    let mut found: Vec<ArxStructure> = Vec::new();
+    for structure in structures {
+        if !found.contains(structure) {
+            found.push(*structure);
+        }
+    }
+    found
 }
 
 /// Waveforms named by the option of one or by that of several; each once.

@@ -1,13 +1,14 @@
 //! The discrete methods with an input: subspace, ARX, output error, and through Markov parameters OKID and FIR.
 
 use crumple_identify::{
-    ArxOrder, IdentifyError, IoData, Order, OutputErrorOptions, Stop, Subspace, SubspaceOptions, Weighting, arx,
-    automatic_thinning, output_error, simulate_fitted, subspace_order_scan, thinned, vector_arx,
+    IdentifyError, IoData, Order, Subspace, SubspaceOptions, Weighting, automatic_thinning, subspace_order_scan,
+    thinned,
 };
 use crumple_lti::{Complex, StateSpace};
 use crumple_signal::TestDescription;
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 
+use crate::acceptable::{simulated, steady};
 use crate::beyond_era::BeyondEra;
 use crate::by_markov::{impulse_response, okid};
 use crate::comparison::Comparison;
@@ -18,6 +19,7 @@ use crate::input_output::{Record, record};
 use crate::judgement::Equation;
 use crate::options::Settings;
 use crate::state_space_records::{Task, put};
+use crate::{by_arx, by_output_error};
 
 /// The order where it is left to the method, which does not choose one.
 const AUTOMATIC_ORDER: usize = 4;
@@ -38,6 +40,10 @@ pub struct Found {
     /// The equation, where the model is a regression of one output.
     pub equation: Option<Equation>,
     pub stop_reason: Option<&'static str>,
+    /// Condition number of the sensitivities of an iterative fit.
+    pub condition: Option<f64>,
+    /// Loss of every refined start of one, best first, outputs divided by their root mean squares.
+    pub losses: Vec<f64>,
     /// Standard deviations of frequency and damping of discrete poles, where the method has a covariance.
     pub deviations: Option<Deviations>,
     pub notes: Vec<String>,
@@ -70,6 +76,8 @@ impl Found {
             predicted_from: 0,
             equation: None,
             stop_reason: None,
+            condition: None,
+            losses: Vec::new(),
             deviations: None,
             notes: Vec::new(),
             beside: Vec::new(),
@@ -105,8 +113,7 @@ pub fn run(
             }
         };
         let hankel = settings.hankel.as_ref();
-        let found = identify(method, order, &data, beyond, hankel)
-            .and_then(|found| Ok((simulate_fitted(&found.model, &data)?.0, found)));
+        let found = identify(method, order, &data, beyond, hankel).and_then(|found| simulated(found, &data));
         match found {
             Ok((simulated, mut found)) => {
                 if beyond.delay > 0 {
@@ -122,6 +129,7 @@ pub fn run(
                     Some(identify(method, order, &again, &beyond_again, hankel_again.as_ref()).ok()?.model)
                 };
                 let task = Task {
+                    id: &format!("{method}-{order}"),
                     method,
                     order,
                     record: &record,
@@ -142,7 +150,9 @@ pub fn run(
     }
     match failure.filter(|_| written == 0) {
         // Nothing is passed on, but what was found is written: it is a result.
-        Some(error @ IdentifyError::Diverged { .. }) => Ok(Outcome::NoAcceptableResult(error.to_string())),
+        Some(error @ (IdentifyError::Diverged { .. } | IdentifyError::Misses { .. })) => {
+            Ok(Outcome::NoAcceptableResult(error.to_string()))
+        }
         Some(error) => {
             Err(error).refuse_with_hint("lower --orders, widen the window (--from, --to), or name other waveforms")
         }
@@ -200,48 +210,15 @@ fn identify(
 ) -> Result<Found, IdentifyError> {
     match (method, hankel) {
         ("okid", Some(hankel)) => return okid(order, data, hankel),
-        ("fir", Some(hankel)) => return impulse_response(order, data, hankel, beyond.initial == "zero"),
+        ("fir", Some(hankel)) => {
+            return steady(impulse_response(order, data, hankel, beyond.initial == "zero")?, data);
+        }
         _ => {}
     }
     let (m, q) = (data.inputs().len(), data.outputs().len());
     match method {
-        "arx" if q == 1 => {
-            let model = arx(data, ArxOrder { na: order, nb: order + 1, nk: 0 })?;
-            let coefficients = order + m * (order + 1);
-            let from = model.order.states();
-            let predicted = model.predict(data);
-            let errors = data.outputs()[0].iter().zip(&predicted).map(|(y, yh)| y - yh).skip(from).collect();
-            let (regression, measured) = (model.clone(), data.clone());
-            let record = Box::new(move |errors: &[f64]| regression.with_errors(&measured, errors));
-            let found = Found {
-                predicted: vec![predicted],
-                predicted_from: from,
-                equation: Some(Equation { errors, coefficients, record }),
-                // The initial state is fitted for the simulation.
-                ..Found::new(model.state_space()?, coefficients + from)
-            };
-            Ok(Found { deviations: Some(Box::new(move |poles| model.mode_deviations(poles))), ..found })
-        }
-        "arx" => {
-            let lags = order.div_ceil(q);
-            let model = vector_arx(data, ArxOrder { na: lags, nb: lags + 1, nk: 0 })?;
-            let note = format!("{lags} lags of {q} outputs make {} states", lags * q);
-            let parameters = q * (lags * q + (lags + 1) * m) + lags * q;
-            let predicted = model.predict(data);
-            let found = Found::new(model.state_space()?, parameters);
-            Ok(Found { predicted, predicted_from: lags, notes: vec![note], ..found })
-        }
-        "output-error" => {
-            let options = OutputErrorOptions {
-                stop: Stop { max_iterations: beyond.most_iterations(), ..Stop::default() },
-                ..OutputErrorOptions::new(order)
-            };
-            let found = output_error(data, options)?;
-            Ok(Found {
-                stop_reason: Some(found.termination.name()),
-                ..Found::new(found.model, found.criteria.parameters)
-            })
-        }
+        "arx" => by_arx::of_order(order, data),
+        "output-error" => by_output_error::of_order(order, data, beyond),
         name => {
             let weighting = weighting(name).unwrap_or(Weighting::N4sid);
             let block_rows = beyond.block_rows.unwrap_or((2 * order).max(10));

@@ -11,6 +11,7 @@ use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 use nalgebra::DVector;
 use std::f64::consts::TAU;
 
+use crate::acceptable::note_on_fit;
 use crate::array_records::put_array;
 use crate::beyond_era::BeyondEra;
 use crate::comparison::Comparison;
@@ -21,6 +22,7 @@ use crate::input_output::{Cut, Record, record};
 use crate::judgement::{Band, Judged, put_spreads, spread};
 use crate::options::Settings;
 use crate::paper;
+use crate::search_evidence::{Searched, known};
 use crate::to_records::state_space;
 
 /// Poles within this of zero, times the length of the record, are integrators.
@@ -152,6 +154,7 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> No
         }
     }
     condition_note(id, fit.condition, &mut notes);
+    note_on_fit(id, fit.fit.and_then(|fit| fit.fit_percent), &mut notes);
     notes
 }
 
@@ -202,25 +205,24 @@ fn put(
     put_transfer_functions(id, record, |_, _| (tf.numerator().to_vec(), tf.denominator().to_vec()), out)?;
     out.put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &input, &output, record.delay_s))?;
     out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
-    let finite = |values: &[f64]| if values.iter().all(|x| x.is_finite()) { values.to_vec() } else { Vec::new() };
     let mut support = evidence(Some(drive), answer, &fit.simulated, fit.criteria.parameters);
-    support.hold = Some(beyond.hold.clone());
-    support.initial_conditions = if fit.initial_estimated { "estimated" } else { "zero" }.to_owned();
-    support.start = Some(fit.start.name().to_owned());
-    support.stop_reason = Some(fit.termination.name().to_owned());
-    support.iterations = u32::try_from(fit.iterations).ok();
-    support.evaluations = Some(fit.evaluations as u64);
-    support.losses = fit.losses.clone();
-    support.condition = Some(fit.condition).filter(|c| c.is_finite());
-    support.numerator_deviations = finite(&fit.numerator_deviations);
-    support.denominator_deviations = finite(&fit.denominator_deviations);
-    support.frequency_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.0)).collect();
-    support.damping_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
+    let searched = Searched {
+        hold: &beyond.hold,
+        initial_estimated: fit.initial_estimated,
+        best: (fit.start, fit.iterations, fit.termination),
+        evaluations: fit.evaluations,
+        losses: &fit.losses,
+        condition: fit.condition,
+        denominator_deviations: &fit.denominator_deviations,
+        mode_deviations: &fit.mode_deviations,
+        paper: settings.paper.as_deref(),
+    };
+    searched.put(&mut support);
+    support.numerator_deviations = known(&fit.numerator_deviations);
     support.zeros_re_per_s = fit.zeros.iter().map(|zero| zero.re).collect();
     support.zeros_im_rad_per_s = fit.zeros.iter().map(|zero| zero.im).collect();
     support.zero_re_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.0)).collect();
     support.zero_im_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.1)).collect();
-    support.paper = settings.paper.clone();
     validate_continuous(task, &fit.state_space, fit.initial_estimated, std::slice::from_mut(&mut support))?;
 
     let judged = judged(fit, answer, options.delay);

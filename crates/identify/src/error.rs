@@ -92,6 +92,14 @@ pub enum IdentifyError {
         /// Number of poles.
         poles: usize,
     },
+    /// More conditions at the start than the terms can meet.
+    #[error("{conditions} conditions at the start, a sum of {terms} exponentials can meet {terms} at most")]
+    Conditions {
+        /// Number of conditions.
+        conditions: usize,
+        /// Number of terms.
+        terms: usize,
+    },
     /// No starting point gave a finite response.
     #[error("none of the {starts} starting points of {method} gave a finite response")]
     NoStart {
@@ -109,6 +117,16 @@ pub enum IdentifyError {
         growth: f64,
         /// Number of lags.
         lags: usize,
+    },
+    /// A model that follows the record worse than its mean does by far.
+    #[error("the simulation misses the record by far (fit {fit_percent:.3e} %, above {limit} % is accepted): {why}")]
+    Misses {
+        /// Fit of the simulated output with the best initial state; of several the smallest.
+        fit_percent: f64,
+        /// The least that is accepted.
+        limit: f64,
+        /// What is known of the model, e.g. its fastest growth.
+        why: String,
     },
     /// The Hankel matrix of estimated Markov parameters gives no model.
     #[error(transparent)]

@@ -63,6 +63,14 @@ pub fn evidence(input: Option<&Cut>, output: &Cut, simulated: &[f64], parameters
         validation_from_s: None,
         paper: None,
         validation_restarted_fit_percent: None,
+        aic: criteria.and_then(|c| finite(c.aic)),
+        minimum_description_length: criteria.and_then(|c| finite(c.mdl)),
+        vaf_percent: fit_measures(output.sampled.samples(), simulated).and_then(|fit| fit.vaf_percent),
+        no_deviations: None,
+        parameter_names: Vec::new(),
+        parameter_values: Vec::new(),
+        parameter_deviations: Vec::new(),
+        parameter_correlations: Vec::new(),
     }
 }
 

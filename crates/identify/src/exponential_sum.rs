@@ -1,14 +1,17 @@
 //! Sums of exponentials fitted to a record.
 
 use crumple_lti::Complex;
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use crate::chain_in_seconds::unscaled;
+use crate::covariance::{propagated, unknowns_covariance};
 use crate::pole_problem::{PoleProblem, scaled_poles};
 use crate::random::uniform;
 use crate::residual::effective_samples;
 use crate::section_chain::{SectionChain, sections_of};
-use crate::separable::{Separable, SeparableFit, Stop, Termination, minimize};
-use crate::transfer_function_fit::{unknowns_covariance, unscaled};
+use crate::separable::{Separable, SeparableFit, minimize};
+use crate::termination::{Stop, Termination};
 use crate::transfer_starts::{exponential_poles, random_poles};
 use crate::{FitMeasures, Hold, IdentifyError, InformationCriteria, fit_measures};
 
@@ -85,6 +88,11 @@ pub struct ExponentialSumFit {
     pub loss: f64,
     /// Criteria with the effective number of samples.
     pub criteria: InformationCriteria,
+    /// Standard deviations of natural frequency (rad/s) and damping ratio of every term; `None` where not determined.
+    pub mode_deviations: Vec<Option<(f64, f64)>>,
+    /// Covariance of what [`ExponentialSumFit::numbers`] lists, linearised and inflated for correlated residuals; `None`
+    /// where exponents coincide or the sensitivities do not determine it.
+    pub covariance: Option<DMatrix<f64>>,
     /// Condition number of the column-scaled sensitivities of all unknowns. Above 1e8 the curve is known but its terms
     /// are not.
     pub condition: f64,
@@ -187,10 +195,34 @@ pub fn exponential_sum(
     let simulated: Vec<f64> = record.iter().zip(&best.residual).map(|(y, e)| y - e * scale).collect();
     let effective = effective_samples(&best.residual);
     let c: Vec<f64> = best.coefficients.column(0).iter().copied().collect();
-    let (_, free) = problem.state_coefficients(&best.theta, &c);
-    let (_, condition) = unknowns_covariance(&problem, &best, effective);
+    let (covariance, condition) = unknowns_covariance(&problem, &best, effective);
+    let terms_of = |unknowns: &[f64]| {
+        let (theta, c) = unknowns.split_at(best.theta.len());
+        terms(&problem.chain(theta), &problem.state_coefficients(theta, c).1, duration, scale)
+    };
+    let unknowns: Vec<f64> = best.theta.iter().chain(&c).copied().collect();
+    let found = terms_of(&unknowns);
+    let parts = parts(&found);
+    // Frequency and damping of every term, then the numbers of the terms.
+    let describe = |unknowns: &[f64]| -> Vec<f64> {
+        let terms = terms_of(unknowns);
+        let frequencies = terms.iter().map(|term| term.exponent.norm());
+        let dampings = terms.iter().map(|term| -term.exponent.re / term.exponent.norm());
+        frequencies.chain(dampings).chain(values(&parts, &terms)).collect()
+    };
+    let described = covariance.map(|covariance| propagated(&describe, &unknowns, &covariance));
+    let mode_deviations = (0..n).map(|i| {
+        let deviation = |k: usize| {
+            let variance = described.as_ref()?[(k, k)];
+            variance.is_finite().then(|| variance.max(0.0).sqrt())
+        };
+        deviation(i).zip(deviation(n + i))
+    });
+    let of_numbers = described.as_ref().map(|all| all.view((2 * n, 2 * n), (all.nrows() - 2 * n, all.nrows() - 2 * n)));
     Ok(ExponentialSumFit {
-        terms: terms(&problem.chain(&best.theta), &free, duration, scale),
+        mode_deviations: mode_deviations.collect(),
+        covariance: of_numbers.filter(|part| part.iter().all(|x| x.is_finite())).map(nalgebra::Matrix::into_owned),
+        terms: found,
         fit: fit_measures(record, &simulated),
         simulated,
         loss: best.cost * unit,
@@ -201,6 +233,59 @@ pub fn exponential_sum(
         termination: best.termination,
         losses,
     })
+}
+
+impl ExponentialSumFit {
+    /// Amplitudes and exponents, named by the terms from 1 on, conjugates once: `re_amplitude_1, im_amplitude_1, re_per_s_1,
+    /// im_rad_per_s_1` of an oscillating term, without the imaginary parts of a real one.
+    pub fn numbers(&self) -> Vec<(String, f64)> {
+        let parts = parts(&self.terms);
+        let name = |(term, part): &(usize, Part)| format!("{}_{}", part.name(), term + 1);
+        parts.iter().map(name).zip(values(&parts, &self.terms)).collect()
+    }
+}
+
+/// One number of a term.
+#[derive(Debug, Clone, Copy)]
+enum Part {
+    ReAmplitude,
+    ImAmplitude,
+    RePerS,
+    ImRadPerS,
+}
+
+impl Part {
+    fn name(self) -> &'static str {
+        match self {
+            Self::ReAmplitude => "re_amplitude",
+            Self::ImAmplitude => "im_amplitude",
+            Self::RePerS => "re_per_s",
+            Self::ImRadPerS => "im_rad_per_s",
+        }
+    }
+
+    fn of(self, term: &ExponentialTerm) -> f64 {
+        match self {
+            Self::ReAmplitude => term.amplitude.re,
+            Self::ImAmplitude => term.amplitude.im,
+            Self::RePerS => term.exponent.re,
+            Self::ImRadPerS => term.exponent.im,
+        }
+    }
+}
+
+/// The numbers that terms of their kind have, conjugates once.
+fn parts(terms: &[ExponentialTerm]) -> Vec<(usize, Part)> {
+    let of = |exponent: Complex| match exponent.im {
+        0.0 => &[Part::ReAmplitude, Part::RePerS][..],
+        im if im > 0.0 => &[Part::ReAmplitude, Part::ImAmplitude, Part::RePerS, Part::ImRadPerS][..],
+        _ => &[],
+    };
+    terms.iter().enumerate().flat_map(|(i, term)| of(term.exponent).iter().map(move |part| (i, *part))).collect()
+}
+
+fn values(parts: &[(usize, Part)], terms: &[ExponentialTerm]) -> Vec<f64> {
+    parts.iter().map(|(term, part)| part.of(&terms[*term])).collect()
 }
 
 /// Exponents for curves that are slow against the sampling, in scaled time: around one decay each, and, where random
@@ -231,13 +316,16 @@ fn check(record: &[f64], dt_s: f64, options: &ExponentialOptions) -> Result<f64,
     if options.terms == 0 {
         return Err(IdentifyError::OrderZero);
     }
+    if options.start.len() > options.terms {
+        return Err(IdentifyError::Conditions { conditions: options.start.len(), terms: options.terms });
+    }
     let needed = 4 * options.terms;
-    if record.len() < needed || options.start.len() > options.terms {
+    if record.len() < needed {
         return Err(IdentifyError::TooShort {
             method: "exponentials",
             samples: record.len(),
             needed,
-            why: format!("{} terms with {} conditions at the start", options.terms, options.start.len()),
+            why: format!("four for each of {} terms", options.terms),
         });
     }
     if record.iter().all(|y| *y == 0.0) {

@@ -98,7 +98,7 @@ impl IoData {
     }
 
     /// Root mean square of every output; 1 for a silent one.
-    pub(crate) fn output_scales(&self) -> Vec<f64> {
+    pub fn output_scales(&self) -> Vec<f64> {
         self.outputs.iter().map(|y| scale(y)).collect()
     }
 }

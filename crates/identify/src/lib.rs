@@ -6,12 +6,15 @@
 mod arx;
 mod balanced_truncation;
 mod bootstrap;
+mod cascade_filter;
 mod caveats;
+mod chain_in_seconds;
 mod clusters;
 mod common_fit;
 mod compare;
 mod continuation;
 mod correlations;
+mod covariance;
 mod era;
 mod era_dc;
 mod error;
@@ -29,12 +32,14 @@ mod io_data;
 mod lagged_regression;
 mod least_squares;
 mod markov;
+mod mirrored_poles;
 mod modal;
 mod mode_shape;
 mod okid;
 mod order;
 mod order_scan;
 mod output_error;
+mod output_error_starts;
 mod pole_problem;
 mod propagation;
 mod random;
@@ -49,9 +54,12 @@ mod shift_pair;
 mod stabilization;
 mod statistics;
 mod subspace;
+mod termination;
 mod thinning;
 mod transfer_function_array;
 mod transfer_function_fit;
+mod transfer_function_options;
+mod transfer_function_search;
 mod transfer_starts;
 mod vector_arx;
 
@@ -72,6 +80,7 @@ pub use information::InformationCriteria;
 pub use io_data::IoData;
 pub use least_squares::CONDITION_LIMIT;
 pub use markov::{MarkovParameters, markov_parameters};
+pub use mirrored_poles::mirrored_poles;
 pub use modal::IdentifiedMode;
 pub use mode_shape::{modal_assurance, phase_collinearity};
 pub use okid::{Criterion, Lags, Okid, OkidModel, OkidOptions, OkidRealization};
@@ -83,17 +92,16 @@ pub use regularised_fir::{Fir, FirOptions, Hyperparameters, fir};
 pub use residual::{ResidualTests, effective_samples, residual_tests};
 pub use residual_noise::{Resampling, ResidualNoise};
 pub use selection::{Contender, Ranked, Selection, select};
-pub use separable::{Stop, Termination};
 pub use shift_form::ShiftForm;
 pub use stabilization::{
     DiagramPole, OrderPoles, Stability, StabilizationDiagram, StabilizationOptions, stabilization,
 };
 pub use subspace::{Subspace, SubspaceModel, SubspaceOptions, Weighting};
+pub use termination::{Stop, Termination};
 pub use thinning::{automatic_thinning, thinned};
 pub use transfer_function_array::{TransferFunctionArray, transfer_function_array};
-pub use transfer_function_fit::{
-    Hold, InitialConditions, TransferFunctionFit, TransferFunctionOptions, transfer_function_fit,
-};
+pub use transfer_function_fit::{TransferFunctionFit, transfer_function_fit};
+pub use transfer_function_options::{Hold, InitialConditions, TransferFunctionOptions};
 pub use transfer_starts::Start;
 pub use vector_arx::{VectorArx, vector_arx};
 

@@ -1,10 +1,14 @@
 //! `crumple-identify`: linear models from a crash pulse.
 
+mod acceptable;
 mod array_records;
+mod arx_structure;
 mod beyond_era;
+mod by_arx;
 mod by_era;
 mod by_exponentials;
 mod by_markov;
+mod by_output_error;
 mod by_state_space;
 mod by_transfer_function;
 mod comparison;
@@ -16,6 +20,7 @@ mod input_output;
 mod judgement;
 mod options;
 mod paper;
+mod search_evidence;
 mod state_space_records;
 mod to_records;
 mod window_start;
@@ -65,6 +70,7 @@ impl Stage for Identify {
             let outcome = match method.as_str() {
                 "era" | "era-dc" => by_era::run(method, settings, &test, inputs, &mut comparison, out),
                 "tfest" => by_transfer_function::run(settings, &test, inputs, &mut comparison, out),
+                "arx" if settings.has_arx_structures() => by_arx::run(settings, &test, inputs, &mut comparison, out),
                 "exponentials" => by_exponentials::run(settings, &test, inputs, &mut comparison, out),
                 name => by_state_space::run(name, settings, &test, inputs, &mut comparison, out),
             };

@@ -4,10 +4,11 @@ use std::fmt;
 use std::str::FromStr;
 
 use crumple_identify::Order;
-use crumple_signal::value::Time;
+use crumple_signal::value::{Acceleration, Speed, Time};
 use crumple_stage::{Usage, nearest};
 use serde::{Deserialize, Serialize};
 
+use crate::arx_structure::{ArxRanges, ArxStructure};
 use crate::beyond_era::BeyondEra;
 use crate::evidence_options::{self, BootstrapSettings, Stabilisation};
 use crate::hankel_settings::HankelSettings;
@@ -135,9 +136,24 @@ pub struct Options {
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     pub real: Option<bool>,
     /// What a sum of exponentials must have at the start of the window: position (that of the record), velocity (that of
-    /// the record), acceleration (zero). Each needs the ones before. Default: none.
+    /// the record, or --start-velocity), acceleration (zero, or --start-acceleration). Each needs the ones before.
+    /// Default: none.
     #[arg(long, value_delimiter = ',')]
     pub conditions: Vec<String>,
+    /// Velocity for --conditions position,velocity, e.g. 35km/h. Default: that of the record.
+    #[arg(long, allow_hyphen_values = true)]
+    pub start_velocity: Option<Speed>,
+    /// Acceleration for --conditions position,velocity,acceleration, e.g. -3g. Default: zero.
+    #[arg(long, allow_hyphen_values = true)]
+    pub start_acceleration: Option<Acceleration>,
+    /// Models of arx by numbers of past outputs, of inputs, and samples before an input acts, e.g. 2,2,3; several separated
+    /// by semicolons, 2,2,3;4,4,1. Instead of --orders, which means n,n+1,0.
+    #[arg(long, value_delimiter = ';')]
+    pub arx_orders: Vec<ArxStructure>,
+    /// Try arx models of ranges of these numbers on the same samples, write the table of their criteria, and take the one
+    /// with the smallest BIC of its one-step prediction. Default: no scan; without ranges 1-4,1-4,0-6.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "1-4,1-4,0-6")]
+    pub arx_scan: Option<ArxRanges>,
     /// Block rows of the subspace methods. Default: twice the order, 10 at least.
     #[arg(long)]
     pub block_rows: Option<u32>,
@@ -168,7 +184,7 @@ pub struct Options {
     #[arg(long)]
     pub validate_from: Option<Time>,
     /// Follow the procedure of a paper as printed, labelled so: era (crash pulse as an impulse response, 2 states from 100
-    /// and from 50 samples, 4 from 60 and from 2501) or tfest (4 poles, 1 zero, 20 iterations, at rest before the record).
+    /// and from 50 samples, 4 from 60 and from 2501), curve-fit (of the same paper: 4 real exponentials) or tfest (4 poles, 1 zero, 20 iterations, at rest before the record).
     /// It sets --methods and what belongs to the procedure. Default: none.
     #[arg(long)]
     pub paper: Option<String>,
@@ -245,6 +261,11 @@ pub fn unknown(what: &str, found: &str, choices: &[&str]) -> Usage {
 }
 
 impl Settings {
+    /// Whether arx has structures of its own instead of orders.
+    pub fn has_arx_structures(&self) -> bool {
+        self.beyond_era.as_ref().is_some_and(|beyond| !beyond.arx_orders.is_empty() || beyond.arx_scan.is_some())
+    }
+
     /// Fills in the defaults. Errors: an unknown method, an order of zero, an empty window.
     pub fn resolve(mut options: Options) -> Result<Self, Usage> {
         paper::follow(&mut options)?;

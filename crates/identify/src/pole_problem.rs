@@ -244,11 +244,17 @@ impl Separable for PoleProblem {
     fn sensitivities(&self, theta: &[f64], coefficients: &DMatrix<f64>) -> Option<Vec<Vec<f64>>> {
         let chain = self.chain(theta);
         let samples = self.output[0].len();
-        let mut result = vec![vec![0.0; samples * self.output.len()]; theta.len()];
+        let zeros = || vec![vec![0.0; samples * self.output.len()]; theta.len()];
+        let mut result: States = if self.output.len() == 1 { Vec::new() } else { zeros() };
         for output in 0..self.output.len() {
             let c: Vec<f64> = coefficients.column(output).iter().copied().collect();
             let (forced, free) = self.state_coefficients(theta, &c);
             let mut add = |signals: States| {
+                if result.is_empty() {
+                    // The first part of a single output needs no sum.
+                    result = signals;
+                    return;
+                }
                 for (result, signal) in result.iter_mut().zip(signals) {
                     for (result, x) in result[output * samples..].iter_mut().zip(signal) {
                         *result += x;
@@ -261,6 +267,10 @@ impl Separable for PoleProblem {
             if self.free {
                 add(chain.sensitivities(&free, Drive::Free(samples), self.dt()).ok()?);
             }
+        }
+        if result.is_empty() {
+            // Nothing moves the model.
+            result = zeros();
         }
         // By asinh of a coefficient instead of the coefficient.
         for (result, theta) in result.iter_mut().zip(theta) {

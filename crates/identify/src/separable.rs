@@ -4,6 +4,7 @@ use crumple_lti::dot;
 use nalgebra::{DMatrix, DVector};
 
 use crate::least_squares::TriangularFactor;
+use crate::termination::{Stop, Termination};
 
 /// A column that is this much shorter after what others explain is removed is taken for dependent on them.
 const DEPENDENT: f64 = 1e-11;
@@ -37,52 +38,6 @@ pub(crate) struct Basis {
     pub(crate) columns: Vec<Vec<f64>>,
     /// Part without free coefficients, per output; empty: none.
     pub(crate) known: Vec<Vec<f64>>,
-}
-
-/// Why an iterative fit stopped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Termination {
-    /// `|J' e|` fell below the tolerance times `|J| |e|`: a stationary point.
-    GradientConverged,
-    /// The linear model promises a decrease below 1e-13 of the loss.
-    CostConverged,
-    /// The model follows the data to rounding.
-    PerfectFit,
-    /// No step lowers the loss any more: stationary as far as `f64` can tell.
-    NoImprovement,
-    /// The limit of iterations was reached; the parameters are the best seen.
-    IterationLimit,
-    /// Stationary, with a parameter on its bound.
-    OnBound,
-}
-
-impl Termination {
-    /// In the words of the artifact.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::GradientConverged => "gradient-converged",
-            Self::CostConverged => "cost-converged",
-            Self::PerfectFit => "perfect-fit",
-            Self::NoImprovement => "no-improvement",
-            Self::IterationLimit => "iteration-limit",
-            Self::OnBound => "on-bound",
-        }
-    }
-}
-
-/// When to stop.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stop {
-    /// Iterations at most.
-    pub max_iterations: usize,
-    /// Tolerance of the gradient test, the largest cosine between a sensitivity and the residual.
-    pub gradient: f64,
-}
-
-impl Default for Stop {
-    fn default() -> Self {
-        Self { max_iterations: 200, gradient: 1e-8 }
-    }
 }
 
 /// A stationary point, or the best seen.
@@ -195,7 +150,7 @@ pub(crate) fn evaluate(problem: &impl Separable, theta: &[f64]) -> Option<Point>
 
 /// The Jacobian of the residual after Kaufman: `-(I - Q Q') d(known + basis c)/dtheta`, one signal per parameter. Its
 /// product with the residual is the exact gradient.
-fn projected_jacobian(problem: &impl Separable, theta: &[f64], point: &Point) -> Option<Vec<Vec<f64>>> {
+pub(crate) fn projected_jacobian(problem: &impl Separable, theta: &[f64], point: &Point) -> Option<Vec<Vec<f64>>> {
     let mut jacobian = problem.sensitivities(theta, &point.coefficients)?;
     let samples = problem.targets()[0].len();
     for column in &mut jacobian {

@@ -20,6 +20,8 @@ const MOST_COEFFICIENTS: usize = 10;
 
 /// What a model is for and from.
 pub struct Task<'a> {
+    /// Id of the model.
+    pub id: &'a str,
     /// Name of the method.
     pub method: &'a str,
     /// States asked for.
@@ -38,7 +40,7 @@ pub struct Task<'a> {
     pub refit: &'a (dyn Fn(&[f64]) -> Option<StateSpace> + Sync),
 }
 
-/// Writes the records of one model under its id, `<method>-<order>`, and a summary line.
+/// Writes the records of one model under its id and a summary line.
 pub fn put(
     task: &Task<'_>,
     found: &Found,
@@ -46,8 +48,7 @@ pub fn put(
     comparison: &mut Comparison,
     out: &mut Output,
 ) -> anyhow::Result<()> {
-    let Task { method, order, record, hold, .. } = *task;
-    let id = format!("{method}-{order}");
+    let Task { id, method, order, record, hold, .. } = *task;
     let (input, output) = (record.input(), record.output());
     let kind = if hold == "zero-order" { InputHold::Zero } else { InputHold::First };
     let mut notes = record.remarks.clone();
@@ -56,7 +57,7 @@ pub fn put(
         out.notes().warning(format!("{id}: {text}"));
     }
     out.put(&format!("/model/{id}/discrete"), &state_space(&found.model, &input, &output, record.delay_s))?;
-    let continuous = put_continuous(&id, &found.model, (record, kind), &mut notes, out)?;
+    let continuous = put_continuous(id, &found.model, (record, kind), &mut notes, out)?;
     for (name, model) in &found.beside {
         let inputs = format!("{input}; {output}");
         out.put(&format!("/model/{id}/{name}"), &state_space(model, &inputs, &output, record.delay_s))?;
@@ -67,12 +68,23 @@ pub fn put(
     let first = &record.answers[0];
     let delay = record.delay_s.map_or(0, |delay| (delay / dt).round() as usize);
     let judged = judged(&found.model, continuous.as_ref(), first, delay)?;
-    let mut remarks = notes_on_modes(&id, &judged.poles, &record.cuts());
+    let mut remarks = notes_on_modes(id, &judged.poles, &record.cuts());
     out.put(&format!("/modes/{id}"), &modes(pairs.iter().copied()))?;
 
     let (mut whole, mut supports) = of_record(method, order, record, simulated, found.parameters, Vec::new());
     let discrete: Vec<Complex> = pairs.iter().filter_map(|(_, z)| *z).collect();
     let deviations = found.deviations.as_ref().map(|deviations| deviations(&discrete)).unwrap_or_default();
+    let no_deviations = found.deviations.is_none().then(|| {
+        format!(
+            "{method} has no covariance of its poles that is known; --bootstrap 200 gives their spread (one output)"
+        )
+    });
+    notes.extend(
+        no_deviations.iter().filter(|_| task.bootstrap.is_none()).map(|why| format!("no standard deviations: {why}")),
+    );
+    // In units of the output if there is one.
+    let unit = if let [scale] = record.data.output_scales()[..] { scale * scale } else { 1.0 };
+    let losses: Vec<f64> = found.losses.iter().map(|loss| loss * unit).collect();
     for (k, support) in supports.iter_mut().enumerate() {
         support.hold = (!record.drives.is_empty()).then(|| hold.to_owned());
         support.prediction_fit_percent = found
@@ -88,6 +100,9 @@ pub fn put(
             support.input_correlation = tests.and_then(|t| t.input_correlation);
         }
         support.stop_reason = found.stop_reason.map(str::to_owned);
+        support.condition = found.condition;
+        support.losses = losses.clone();
+        support.no_deviations = no_deviations.clone();
         support.frequency_deviations = deviations.iter().map(|d| d.map(|d| d.0)).collect();
         support.damping_deviations = deviations.iter().map(|d| d.map(|d| d.1)).collect();
     }
@@ -110,7 +125,7 @@ pub fn put(
             Err(error) => remarks.warning(format!("{id}: no validation: {error}")),
         }
     }
-    limits(&id, (record.drives.len(), record.answers.len()), task.bootstrap, &mut remarks);
+    limits(id, (record.drives.len(), record.answers.len()), task.bootstrap, &mut remarks);
     let mut band = None;
     if let ([support], [simulated]) = (&mut supports[..], simulated) {
         let grid = judged.grid_hz();
@@ -121,7 +136,7 @@ pub fn put(
             let continuous = to_continuous(&model, kind).ok().map(|found| found.model);
             Some(self::judged(&model, continuous.as_ref(), first, delay).ok()?.sample(&grid))
         };
-        let of = (&id[..], &sample);
+        let of = (id, &sample);
         let spreads = match &found.equation {
             Some(equation) => spread_of_equation(task.bootstrap, of, equation, &mut remarks, refit),
             None => spread(task.bootstrap, of, signals, found.parameters, &mut remarks, refit),
@@ -141,8 +156,8 @@ pub fn put(
     let samples = record.data.samples();
     out.summary(format!("{id}: {} of {samples} samples{}", percent(whole.fit_percent), foretold(&supports)));
     out.put(&format!("/identification/{id}"), &whole)?;
-    comparison.enter(&id, samples, &supports);
-    put_evidence(&id, &supports, out)
+    comparison.enter(id, samples, &supports);
+    put_evidence(id, &supports, out)
 }
 
 fn judged<'a>(

@@ -322,7 +322,7 @@ fn pseudo_inverse_times(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Option<DMatrix<f6
 
 /// Mirrors poles outside the unit circle (`z -> 1/conj z`) when the model would grow over `samples`, in modal
 /// coordinates. Errors: an eigenvector basis that does not span the space.
-fn stabilized(
+pub(crate) fn stabilized(
     a: DMatrix<f64>,
     c: DMatrix<f64>,
     samples: usize,

@@ -7,6 +7,7 @@ use crumple_stage::Output;
 use crumple_stage::records::{IdentificationV1, ModeV1, ModesV1, ShapeV1, ShapesV1, StateSpaceV1, TransferFunctionV1};
 use nalgebra::DMatrix;
 
+use crate::acceptable::note_on_fit;
 use crate::comparison::Comparison;
 use crate::evidence::{evidence, foretold, validate};
 use crate::evidence_options::BootstrapSettings;
@@ -99,6 +100,7 @@ pub fn put_model(
 
     let mut remarks = Notes::new();
     limits(&id, (1, pass.cuts.len()), pass.bootstrap, &mut remarks);
+    note_on_fit(&id, model.fit_percent, &mut remarks);
     if single {
         let judged = judged(model, &cut);
         let grid = judged.grid_hz();

@@ -3,10 +3,13 @@
 use crumple_lti::{Mode, StateSpace, TransferFunction, dot};
 use nalgebra::DMatrix;
 
+use crate::chain_in_seconds::{state_powers, unscaled};
+use crate::covariance::{propagated, unknowns_covariance};
 use crate::residual::effective_samples;
 use crate::section_chain::SectionChain;
-use crate::separable::{SeparableFit, Stop, Termination, minimize};
-use crate::transfer_function_fit::{Search, best_search, propagated, state_powers, unknowns_covariance, unscaled};
+use crate::separable::{SeparableFit, minimize};
+use crate::termination::{Stop, Termination};
+use crate::transfer_function_search::{Search, best_search};
 use crate::transfer_starts::Start;
 use crate::{FitMeasures, IdentifyError, IoData, TransferFunctionOptions, fit_measures};
 

@@ -10,7 +10,7 @@ pub struct EvidenceV1 {
     pub output: String,
     /// Input between samples: `first-order` or `zero-order` hold; `null` without an input.
     pub hold: Option<String>,
-    /// Initial conditions: `estimated` or `zero`.
+    /// Initial conditions: `estimated`, `zero`, or `held: ` and what is held with its values.
     pub initial_conditions: String,
     /// Kind of the start that led to the model.
     pub start: Option<String>,
@@ -36,13 +36,14 @@ pub struct EvidenceV1 {
     pub bic: Option<f64>,
     /// Akaike's final prediction error, likewise, square of the output's unit.
     pub final_prediction_error: Option<f64>,
-    /// Autocorrelation of the residuals at lag one.
+    /// Autocorrelation of the simulation errors at lag one.
     pub residual_lag_one: Option<f64>,
-    /// Box-Pierce statistic of the residuals over 20 lags.
+    /// Box-Pierce statistic over 20 lags: of the one-step prediction errors where the method has a predictor, else of the
+    /// simulation errors; the notes of `/identification/<id>` say which.
     pub whiteness: Option<f64>,
     /// Its 95 % point.
     pub whiteness_limit: Option<f64>,
-    /// Largest correlation of residuals with the input, in units of its 95 % limit.
+    /// Largest correlation of the same errors with the input, in units of its 95 % limit.
     pub input_correlation: Option<f64>,
     /// Condition number of the column-scaled sensitivities; above 1e8 single parameters mean little.
     pub condition: Option<f64>,
@@ -82,11 +83,27 @@ pub struct EvidenceV1 {
     pub validation_fit_percent: Option<f64>,
     /// First of these samples, s on the record's time axis.
     pub validation_from_s: Option<f64>,
-    /// The paper whose procedure this is, as printed: `era` or `tfest`.
+    /// The paper whose procedure this is, as printed: `era`, `curve-fit` or `tfest`.
     pub paper: Option<String>,
     /// Fit of the samples kept for validation with the initial state fitted on them, percent; `validation_fit_percent` runs
     /// on with the state that the model has at the end of the samples it was identified from.
     pub validation_restarted_fit_percent: Option<f64>,
+    /// Akaike's criterion, with the effective number of samples.
+    pub aic: Option<f64>,
+    /// Minimum description length, likewise, square of the output's unit.
+    pub minimum_description_length: Option<f64>,
+    /// Variance of the output that the simulation accounts for, percent.
+    pub vaf_percent: Option<f64>,
+    /// Why there are no standard deviations of frequencies and damping ratios; `null` where there are.
+    pub no_deviations: Option<String>,
+    /// Names of numbers of the model whose correlations are known, e.g. `re_per_s_1`.
+    pub parameter_names: Vec<String>,
+    /// Their values.
+    pub parameter_values: Vec<f64>,
+    /// Their standard deviations, from the linearised fit, inflated for correlated residuals.
+    pub parameter_deviations: Vec<f64>,
+    /// Their correlations, row after row.
+    pub parameter_correlations: Vec<Vec<f64>>,
 }
 
 /// Spread of a number over the replicates of a bootstrap.

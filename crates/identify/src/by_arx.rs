@@ -1,0 +1,194 @@
+//! The method `arx`: of an order, of a structure, or of the best structure of a scan.
+
+use crumple_identify::{
+    Arx, ArxOrder, IdentifyError, IoData, arx, arx_scan, fit_measures, simulate_fitted, vector_arx,
+};
+use crumple_signal::TestDescription;
+use crumple_stage::records::{ArxScanModelV1, ArxScanV1};
+use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Refused};
+
+use crate::acceptable::simulated;
+use crate::arx_structure::ArxRanges;
+use crate::by_state_space::Found;
+use crate::comparison::Comparison;
+use crate::input_output::{Record, record};
+use crate::judgement::Equation;
+use crate::options::Settings;
+use crate::state_space_records::{Task, put};
+
+/// What to do about a regression that does not work.
+const HINT: &str =
+    "lower the numbers of --arx-orders or --arx-scan, widen the window (--from, --to), or name other waveforms";
+
+/// ARX of an order `n`: `n` past outputs, `n + 1` inputs from the same sample on; of several outputs as many lags of all
+/// as make `n` states.
+pub fn of_order(order: usize, data: &IoData) -> Result<Found, IdentifyError> {
+    let outputs = data.outputs().len();
+    let lags = order.div_ceil(outputs);
+    let mut found = of_structure(ArxOrder { na: lags, nb: lags + 1, nk: 0 }, data)?;
+    if outputs > 1 {
+        found.notes.push(format!("{lags} lags of {outputs} outputs make {} states", lags * outputs));
+    }
+    Ok(found)
+}
+
+/// ARX of a structure.
+fn of_structure(order: ArxOrder, data: &IoData) -> Result<Found, IdentifyError> {
+    let (m, q) = (data.inputs().len(), data.outputs().len());
+    let ArxOrder { na, nb, .. } = order;
+    if q > 1 {
+        let model = vector_arx(data, order)?;
+        let states = model.state_space()?;
+        let predicted = model.predict(data);
+        let parameters = q * (na * q + nb * m) + states.order();
+        return Ok(Found { predicted, predicted_from: order.states(), ..Found::new(states, parameters) });
+    }
+    let model = arx(data, order)?;
+    let coefficients = na + m * nb;
+    let from = order.states();
+    let predicted = model.predict(data);
+    let errors = data.outputs()[0].iter().zip(&predicted).map(|(y, yh)| y - yh).skip(from).collect();
+    let (regression, measured) = (model.clone(), data.clone());
+    let record = Box::new(move |errors: &[f64]| regression.with_errors(&measured, errors));
+    let found = Found {
+        predicted: vec![predicted],
+        predicted_from: from,
+        equation: Some(Equation { errors, coefficients, record }),
+        // The initial state is fitted for the simulation.
+        ..Found::new(model.state_space()?, coefficients + from)
+    };
+    Ok(Found { deviations: Some(Box::new(move |poles| model.mode_deviations(poles))), ..found })
+}
+
+/// The structures asked for, and the best of the scan. What one structure does not allow is a warning; an error only if
+/// there is no model at all.
+pub fn run(
+    settings: &Settings,
+    test: &TestDescription,
+    inputs: &Inputs,
+    comparison: &mut Comparison,
+    out: &mut Output,
+) -> anyhow::Result<Outcome> {
+    let Some(beyond) = &settings.beyond_era else { return Ok(Outcome::Done) };
+    let record = record(settings, beyond, test, inputs)?;
+    let (data, whole) = (record.data.delayed(beyond.delay), record.whole.delayed(beyond.delay));
+    let mut structures: Vec<ArxOrder> = beyond.arx_orders.iter().map(|structure| structure.0).collect();
+    let mut remark = None;
+    if let Some(ranges) = &beyond.arx_scan {
+        let best = scan(ranges, &record, &data, out)?;
+        remark = Some((
+            best,
+            format!("the smallest BIC of the one-step prediction over the structures {ranges}, see /scan"),
+        ));
+        if !structures.contains(&best) {
+            structures.push(best);
+        }
+    }
+    let (mut written, mut failure) = (0, None);
+    for order in structures {
+        let id = format!("arx-{}-{}-{}", order.na, order.nb, order.nk);
+        match of_structure(order, &data).and_then(|found| simulated(found, &data)) {
+            Ok((simulated, mut found)) => {
+                found.notes.extend(remark.iter().filter(|(best, _)| *best == order).map(|(_, text)| text.clone()));
+                let refit = |y: &[f64]| {
+                    let again = IoData::new(data.inputs().to_vec(), vec![y.to_vec()], data.sample_time_s()).ok()?;
+                    Some(of_structure(order, &again).ok()?.model)
+                };
+                let task = Task {
+                    id: &id,
+                    method: "arx",
+                    order: order.states(),
+                    record: &record,
+                    hold: &beyond.hold,
+                    data: &data,
+                    whole: &whole,
+                    bootstrap: settings.bootstrap.as_ref(),
+                    refit: &refit,
+                };
+                put(&task, &found, &simulated, comparison, out)?;
+                written += 1;
+            }
+            Err(error) => {
+                out.notes().warning(format!("{id}: {error}"));
+                failure.get_or_insert(error);
+            }
+        }
+    }
+    match failure.filter(|_| written == 0) {
+        Some(error @ IdentifyError::Misses { .. }) => Ok(Outcome::NoAcceptableResult(error.to_string())),
+        Some(error) => Err(error).refuse_with_hint(HINT),
+        None => Ok(Outcome::Done),
+    }
+}
+
+/// Writes the table of a scan and returns the structure with the smallest BIC.
+fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) -> anyhow::Result<ArxOrder> {
+    if data.outputs().len() != 1 {
+        return Err(Refused::new(format!(
+            "a scan of arx structures has one output, {} are named",
+            data.outputs().len()
+        ))
+        .hint("name one of --outputs, or give --arx-orders")
+        .into());
+    }
+    let orders = ranges.all();
+    let found = arx_scan(data, &orders);
+    let rows = found.iter().flatten().map(|(model, _)| model.rows).next();
+    let models: Vec<ArxScanModelV1> = orders
+        .iter()
+        .zip(&found)
+        .map(|(order, result)| {
+            let finite = |x: f64| x.is_finite().then_some(x);
+            let criteria = result.as_ref().ok().map(|(_, criteria)| criteria);
+            ArxScanModelV1 {
+                past_outputs: order.na as u64,
+                inputs: order.nb as u64,
+                delay: order.nk as u64,
+                parameters: (order.na + order.nb * data.inputs().len()) as u64,
+                loss: criteria.and_then(|c| finite(c.loss)),
+                aicc: criteria.and_then(|c| finite(c.aicc)),
+                bic: criteria.and_then(|c| finite(c.bic)),
+                mdl: criteria.and_then(|c| finite(c.mdl)),
+                fit_percent: result.as_ref().ok().and_then(|(model, _)| simulation_fit(model, data)),
+                failure: result.as_ref().err().map(ToString::to_string),
+            }
+        })
+        .collect();
+    let smallest = |of: fn(&ArxScanModelV1) -> Option<f64>| {
+        let known = models.iter().enumerate().filter_map(|(k, model)| Some((k, of(model)?)));
+        known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
+    };
+    let name = |k: usize| format!("arx-{}-{}-{}", orders[k].na, orders[k].nb, orders[k].nk);
+    let (by_bic, by_aicc) = (smallest(|model| model.bic), smallest(|model| model.aicc));
+    let output = record.answers[0].id.clone();
+    out.put(
+        &format!("/scan/{output}"),
+        &ArxScanV1 {
+            input: record.drives.iter().map(|cut| cut.id.clone()).collect::<Vec<_>>().join(", "),
+            output,
+            samples: rows.unwrap_or(0) as u64,
+            models,
+            best_by_bic: by_bic.map(name),
+            best_by_aicc: by_aicc.map(name),
+        },
+    )?;
+    match (by_bic, found.into_iter().find_map(Result::err)) {
+        (Some(best), _) => {
+            out.summary(format!(
+                "arx scan of {} structures: {} by BIC, {} by AICc",
+                orders.len(),
+                name(best),
+                by_aicc.map_or("none".to_owned(), name)
+            ));
+            Ok(orders[best])
+        }
+        (None, Some(error)) => Err(error).refuse_with_hint(HINT),
+        (None, None) => Err(Refused::new("the scan of arx structures is empty").hint(HINT).into()),
+    }
+}
+
+/// Fit of the simulated output, percent; `None` for a model that cannot be simulated.
+fn simulation_fit(model: &Arx, data: &IoData) -> Option<f64> {
+    let simulated = simulate_fitted(&model.state_space().ok()?, data).ok()?.0;
+    fit_measures(&data.outputs()[0], &simulated[0])?.fit_percent
+}

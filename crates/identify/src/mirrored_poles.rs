@@ -1,0 +1,50 @@
+//! A sampled model whose growing poles are mirrored.
+
+use crumple_lti::StateSpace;
+
+use crate::input_matrices::input_matrices;
+use crate::subspace::stabilized;
+use crate::{IdentifyError, IoData};
+
+/// The model with its poles outside the unit circle mirrored (`z -> 1/conj z`) and `B`, `D` and the initial state fitted
+/// again to the simulated output, and how many were mirrored; `None` where it does not grow over the record.
+///
+/// For models that were not found by simulating: a realisation of an estimated impulse response may have a pole that grows,
+/// and a simulation over a record longer than that response then follows nothing. A pole that was mirrored is not that
+/// of the system. Errors: poles so close that the modes do not span the states.
+pub fn mirrored_poles(model: &StateSpace, data: &IoData) -> Result<Option<(StateSpace, usize)>, IdentifyError> {
+    let (a, c, mirrored) = stabilized(model.a.clone(), model.c.clone(), data.samples())?;
+    if mirrored == 0 {
+        return Ok(None);
+    }
+    let (model, _) = input_matrices(&a, &c, data, true)?;
+    Ok(Some((model, mirrored)))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+    use super::*;
+    use crate::random::uniform;
+    use crumple_lti::simulate;
+
+    #[test]
+    fn a_growing_pole_is_mirrored_and_the_rest_fitted_again() {
+        let truth = |slow: f64| {
+            let a = nalgebra::dmatrix![0.9, 0.3, 0.0; -0.3, 0.9, 0.0; 0.0, 0.0, slow];
+            let b = nalgebra::dmatrix![1.0; 0.5; 0.2];
+            StateSpace::new(a, b, nalgebra::dmatrix![1.0, 0.0, 0.3], nalgebra::dmatrix![0.1], Some(0.01)).unwrap()
+        };
+        let u: Vec<f64> = (0..400).map(|k| uniform(3, k) - 0.5).collect();
+        let y = simulate(&truth(0.8), std::slice::from_ref(&u), &[0.0; 3]).unwrap().swap_remove(0);
+        let data = IoData::single(u, y, 0.01).unwrap();
+        assert_eq!(mirrored_poles(&truth(0.8), &data).unwrap(), None);
+        // 1.25 and 0.8 are each other's mirror image: the model comes back.
+        let (model, count) = mirrored_poles(&truth(1.25), &data).unwrap().unwrap();
+        assert_eq!(count, 1);
+        let fit = crate::compare(&model, &data).unwrap()[0].unwrap();
+        // Rounding of a well-conditioned fit.
+        assert!(fit.fit_percent.unwrap() > 100.0 - 1e-8, "{fit:?}");
+    }
+}
