@@ -230,6 +230,7 @@ fn the_layout_of_every_record_type_is_frozen() {
         validation_from_s: Some(0.1),
         paper: Some("tfest".into()),
         validation_restarted_fit_percent: Some(98.0),
+        denominator_covariance: vec![vec![4.0, -1.0], vec![-1.0, 9.0]],
     });
     freeze(&StabilizationV1 {
         method: "era".into(),

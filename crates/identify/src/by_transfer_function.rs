@@ -214,6 +214,7 @@ fn put(
     support.condition = Some(fit.condition).filter(|c| c.is_finite());
     support.numerator_deviations = finite(&fit.numerator_deviations);
     support.denominator_deviations = finite(&fit.denominator_deviations);
+    support.denominator_covariance = fit.denominator_covariance();
     support.frequency_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.0)).collect();
     support.damping_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
     support.zeros_re_per_s = fit.zeros.iter().map(|zero| zero.re).collect();

@@ -63,6 +63,7 @@ pub fn evidence(input: Option<&Cut>, output: &Cut, simulated: &[f64], parameters
         validation_from_s: None,
         paper: None,
         validation_restarted_fit_percent: None,
+        denominator_covariance: Vec::new(),
     }
 }
 

@@ -3,8 +3,8 @@
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1};
 use crumple_parameter_solve::{
     Candidate, Distribution, FitQuantity, FollowedEvents, FreeParameter, InputUncertainty, JudgeOptions, MassFit,
-    Measurement, Method, Observed, Propagation, RESOLUTION_M, Refined, free_masses, free_parameters, judge, propagate,
-    propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine,
+    Measurement, Method, Observed, Propagation, RESOLUTION_M, Refined, bounds_remark, free_masses, free_parameters,
+    judge, propagate, propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine,
 };
 use crumple_signal::{Displacement, Signal};
 use crumple_stage::records::EventsV1;
@@ -114,12 +114,21 @@ pub fn judge_all(
     let none = vec![None; candidates.len()];
     let wave = input.wave_if(&format!("{}/displacement", events.channel));
     let Some(displacement) = wave.map(Wave::signal::<Displacement>).transpose().refuse()? else { return Ok(none) };
-    let (Some(crush_m), Some(impact_speed_m_per_s)) = (
-        events.dynamic_crush_m,
-        events.impact_speed_m_per_s.or(input.test().ok().and_then(|test| test.impact_speed_m_per_s)),
-    ) else {
+    let test_speed = || input.test().ok().and_then(|test| test.impact_speed_m_per_s);
+    let Some(impact_speed_m_per_s) = events.impact_speed_m_per_s.or_else(test_speed) else { return Ok(none) };
+    // Of a vehicle that never stops the scale of the crush is the largest displacement.
+    let largest = || displacement.samples().iter().copied().fold(0.0, f64::max);
+    let crush_m = events.dynamic_crush_m.unwrap_or_else(largest);
+    if crush_m <= 0.0 {
         return Ok(none);
-    };
+    }
+    if events.dynamic_crush_m.is_none() {
+        out.notes().info(format!(
+            "the vehicle does not stop within the record: its models are judged over the window they were fitted to, up to \
+             {:.1} mm and not to a dynamic crush; what unloads is not seen",
+            1e3 * crush_m
+        ));
+    }
     settings.judging.check(mass_kg, impact_speed_m_per_s)?;
     let (measurement, known) = measurement(input, events, &events.channel, &displacement)?;
     let end = (0.0, displacement.end_s() - events.time_zero_s);
@@ -281,6 +290,9 @@ impl Scene<'_> {
         let ordered = model.k1_n_per_m <= model.k2_n_per_m
             && model.c1_n_s_per_m >= model.c2_n_s_per_m
             && model.c2_n_s_per_m >= model.c3_n_s_per_m;
+        if self.events.dynamic_crush_m.is_none() {
+            return ordered;
+        }
         ordered
             && crush.is_some_and(|crush| (crush / self.crush_m - 1.0).abs() <= CONDITIONS)
             && time.is_some_and(|(found, wanted)| (found / wanted - 1.0).abs() <= CONDITIONS)
@@ -312,7 +324,9 @@ impl Scene<'_> {
             judgement.interval.entry(rest).or_insert((None, None));
         }
         let propagation = self.propagation(candidate, observed, refined);
-        Some(Judged { judgement, propagation, through_filter: self.known(candidate) })
+        let repeated =
+            if candidate.method == Method::ClosedForm && candidate.fit.is_none() { "closed form" } else { "fit" };
+        Some(Judged { judgement, propagation, repeated, through_filter: self.known(candidate) })
     }
 
     /// The estimator that made the values, repeated with uncertain inputs.
@@ -344,6 +358,7 @@ impl Scene<'_> {
             (Method::ClosedForm, model) => {
                 propagate_closed_form(model, &events, self.whole.as_ref()?, mass_kg, &inputs, repetitions)
             }
+            (_, Model::Nonlinear1(_)) if !candidate.of_sensors() && self.events.dynamic_crush_m.is_none() => None,
             (Method::DirectFit | Method::InteriorPoint, Model::Nonlinear1(model)) if !candidate.of_sensors() => {
                 let records = (observed, self.whole.as_ref()?);
                 propagate_conditioned(model, &events, records, mass_kg, &inputs, repetitions)
@@ -426,7 +441,7 @@ fn held(candidate: &Candidate) -> impl Iterator<Item = &'static str> {
 
 /// A fit takes the values of the minimum.
 fn adopt(candidate: &mut Candidate, observed: &Observed, refined: &Refined) {
-    candidate.model = refined.model;
+    let unrefined = std::mem::replace(&mut candidate.model, refined.model);
     if let Some(fit) = &mut candidate.fit {
         let rmse = observed.rmse(&refined.misfit_m);
         fit.rmse = rmse.first().copied().unwrap_or(fit.rmse);
@@ -455,9 +470,12 @@ fn adopt(candidate: &mut Candidate, observed: &Observed, refined: &Refined) {
         fit.iterations += refined.iterations;
         fit.evaluations += refined.evaluations;
         fit.stop_reason = refined.stop_reason;
+        let before = bounds_remark(&unrefined, &fit.active_bounds);
         // What was held stays named; a zero may have been left.
         fit.active_bounds.retain(|name| refined.free.iter().all(|p| p.name != *name));
         let stopped = refined.free.iter().zip(&refined.on_bound).filter(|(_, held)| **held).map(|(p, _)| p.name);
         fit.active_bounds.extend(stopped);
+        candidate.notes.retain(|note| Some(note) != before.as_ref());
+        candidate.notes.extend(bounds_remark(&candidate.model, &fit.active_bounds));
     }
 }

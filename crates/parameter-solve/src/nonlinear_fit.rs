@@ -136,14 +136,16 @@ struct Displacements<'a, F> {
     conditions: Option<(f64, [f64; 2])>,
 }
 
-impl<F: Fn(&[f64]) -> Option<Model> + Sync> Displacements<'_, F> {
-    /// `x(t_m)/C - 1` and `v(t_m)/v0`.
-    fn at_crush(&self, model: &Model) -> Option<[f64; 2]> {
-        let (v0, t) = (self.options.impact_speed_m_per_s, self.options.time_of_dynamic_crush_s);
-        let motion = model.respond(v0, t, 2).ok()?;
-        let compartment = motion.compartment();
-        Some([compartment.displacement_m[1] / self.options.crush_m - 1.0, compartment.velocity_m_per_s[1] / v0])
-    }
+/// `x(t_m)/C - 1` and `v(t_m)/v0`: what the side conditions at dynamic crush leave. `None` without a response.
+pub fn conditions_at_crush(model: &Nonlinear1, options: &NonlinearFitOptions) -> Option<[f64; 2]> {
+    at_crush(&Model::Nonlinear1(*model), options)
+}
+
+fn at_crush(model: &Model, options: &NonlinearFitOptions) -> Option<[f64; 2]> {
+    let (v0, t) = (options.impact_speed_m_per_s, options.time_of_dynamic_crush_s);
+    let motion = model.respond(v0, t, 2).ok()?;
+    let compartment = motion.compartment();
+    Some([compartment.displacement_m[1] / options.crush_m - 1.0, compartment.velocity_m_per_s[1] / v0])
 }
 
 impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
@@ -168,7 +170,7 @@ impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
             *x = (*x - s) / self.options.crush_m;
         }
         if let Some((weight, multipliers)) = self.conditions {
-            let Some(conditions) = self.at_crush(&model) else { return false };
+            let Some(conditions) = at_crush(&model, self.options) else { return false };
             for j in 0..2 {
                 out[n + j] = weight.sqrt() * (conditions[j] + multipliers[j] / weight);
             }
@@ -467,7 +469,7 @@ pub fn fit_nonlinear1(
             let Some(next) = descend(&problem, &best.theta, &bounds) else { break };
             evaluations += next.evaluations;
             best = next;
-            let Some(conditions) = build(&best.theta).and_then(|m| problem.at_crush(&Model::Nonlinear1(m))) else {
+            let Some(conditions) = build(&best.theta).and_then(|m| conditions_at_crush(&m, options)) else {
                 break;
             };
             for j in 0..2 {

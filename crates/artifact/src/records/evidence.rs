@@ -87,6 +87,8 @@ pub struct EvidenceV1 {
     /// Fit of the samples kept for validation with the initial state fitted on them, percent; `validation_fit_percent` runs
     /// on with the state that the model has at the end of the samples it was identified from.
     pub validation_restarted_fit_percent: Option<f64>,
+    /// Covariance of the denominator's coefficients after the leading 1, rows in their order. Empty where it is not known.
+    pub denominator_covariance: Vec<Vec<f64>>,
 }
 
 /// Spread of a number over the replicates of a bootstrap.
