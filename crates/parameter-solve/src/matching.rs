@@ -106,7 +106,7 @@ pub fn match_identified(
                 remarks.push(format!("standard deviations: {}; for the given masses, in first order", found.method));
             }
             (None, Some(_)) => {
-                remarks.push("no standard deviations: in first order they have no bound here".to_owned())
+                remarks.push("no standard deviations: in first order they have no bound here".to_owned());
             }
             (None, None) => {}
         }

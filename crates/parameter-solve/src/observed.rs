@@ -56,9 +56,9 @@ impl WholeWave {
     }
 
     /// Samples `first`, `first + stride`, ... up to `last`, counted on the grid of `measurement`; the first index there is one of.
-    pub fn picked(&self, measurement: &Measurement, first: i64, last: usize, stride: usize) -> (usize, Vec<f64>) {
+    pub fn picked(&self, measurement: &Measurement, first: f64, last: usize, stride: usize) -> (usize, Vec<f64>) {
         let offset = ((self.first_s - measurement.first_s) / measurement.dt_s).round().max(0.0) as usize;
-        let first = usize::try_from(first).unwrap_or(0).max(offset);
+        let first = (first.max(0.0) as usize).max(offset);
         let end = (last + 1).saturating_sub(offset).min(self.samples.len());
         (first, self.samples[(first - offset).min(end)..end].iter().copied().step_by(stride).collect())
     }

@@ -156,7 +156,7 @@ fn shifted(wave: &SeenWave, v0: f64, errors: &Errors, bias: f64) -> SeenWave {
     let (first, x) = if late == 0.0 {
         (wave.first, wave.samples.clone())
     } else {
-        let first = wave.first as i64 + (late / m.dt_s - 1e-6).ceil() as i64;
+        let first = wave.first as f64 + (late / m.dt_s - 1e-6).ceil();
         wave.record.picked(&m, first, wave.last(), wave.stride)
     };
     let start_s = match (m.from_contact, late == 0.0) {

@@ -122,9 +122,9 @@ const LATE: InputUncertainty = InputUncertainty {
 const DRAWS: usize = 40;
 
 /// The time zero of each repetition.
-fn drawn(seen: &Observed) -> Vec<f64> {
+fn drawn(seen: &Observed, inputs: &InputUncertainty) -> Vec<f64> {
     let first_s = seen.waves[0].measurement.first_s;
-    (0..DRAWS).map(|k| first_s - repetition(seen, &LATE, k).observed.waves[0].measurement.first_s).collect()
+    (0..DRAWS).map(|k| first_s - repetition(seen, inputs, k).observed.waves[0].measurement.first_s).collect()
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn an_uncertain_time_zero_spreads_a_late_window_as_the_whole_way_does() {
     let model = Model::Kelvin(KELVIN);
     let free = free_parameters(&model, V0, 0.6, true);
     let seen = observed(&a, 0.0, false, (0.03, 0.08));
-    let whole: Vec<_> = drawn(&seen)
+    let whole: Vec<_> = drawn(&seen, &LATE)
         .into_iter()
         .map(|late_s| {
             let observed = observed(&a, late_s, false, (0.03, 0.08 - late_s));
@@ -159,7 +159,7 @@ fn an_uncertain_time_zero_spreads_a_closed_form_as_the_whole_way_does() {
         let solved = |e: &FollowedEvents| {
             kelvin_from_events(1200.0, V0, e.time_of_dynamic_crush_s, e.dynamic_crush_m).unwrap().model
         };
-        let whole: Vec<_> = drawn(&seen)
+        let whole: Vec<_> = drawn(&seen, &LATE)
             .into_iter()
             .map(|late_s| {
                 let e = FollowedEvents::of(&observed(&a, late_s, from_contact, (0.0, end(late_s)))).unwrap();
@@ -184,6 +184,8 @@ fn an_uncertain_time_zero_spreads_a_closed_form_as_the_whole_way_does() {
 #[test]
 fn an_uncertain_time_zero_spreads_a_fit_under_conditions_as_the_whole_way_does() {
     let a = acceleration(&Model::Nonlinear1(CAR));
+    // Beyond 0.25 ms another of the many starts wins; a repetition stays with the minimum that it started from.
+    let small = InputUncertainty { time_zero_s: 2e-4, ..LATE };
     for from_s in [0.0, 0.02] {
         let fit = |late_s: f64| {
             let (x, _) = displacement(&a, late_s, false);
@@ -205,14 +207,14 @@ fn an_uncertain_time_zero_spreads_a_fit_under_conditions_as_the_whole_way_does()
         let window = (from_s, events.time_of_dynamic_crush_s);
         let (x, measurement) = displacement(&a, 0.0, false);
         let seen = Observed::new(&x, 0.0, measurement, V0, window, 250).unwrap();
-        let again: Vec<_> = drawn(&seen)
+        let again: Vec<_> = drawn(&seen, &small)
             .into_iter()
             .map(|late_s| {
                 let model = fit(late_s).0;
                 BTreeMap::from([("k2_n_per_m", model.k2_n_per_m), ("c2_n_s_per_m", model.c2_n_s_per_m)])
             })
             .collect();
-        let found = propagate_conditioned(&model, &events, (&seen, &whole), 1200.0, &LATE, DRAWS).unwrap();
+        let found = propagate_conditioned(&model, &events, (&seen, &whole), 1200.0, &small, DRAWS).unwrap();
         for (name, wanted) in spread(&again) {
             let of = found.standard_deviation[name];
             eprintln!("{name} from {from_s} s: {of:.4e}, the whole way {wanted:.4e}");

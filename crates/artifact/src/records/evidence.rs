@@ -88,6 +88,7 @@ pub struct EvidenceV1 {
     /// on with the state that the model has at the end of the samples it was identified from.
     pub validation_restarted_fit_percent: Option<f64>,
     /// Covariance of the denominator's coefficients after the leading 1, rows in their order. Empty where it is not known.
+    #[serde(default)]
     pub denominator_covariance: Vec<Vec<f64>>,
 }
 
