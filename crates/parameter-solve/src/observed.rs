@@ -5,6 +5,8 @@ use std::sync::Arc;
 use crumple_lumped::{Model, ModelKind};
 use crumple_signal::{Displacement, Sampled, Signal};
 
+use nalgebra::DMatrix;
+
 use crate::least_squares::Response;
 use crate::{FitQuantity, Measurement, SolveError};
 
@@ -403,5 +405,32 @@ impl Response for Problem<'_> {
             *out = misfit / self.unit_m;
         }
         true
+    }
+
+    fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
+        let model = self.model(theta)?;
+        let names = model.kind().parameter_names();
+        let place = |name: &str| names.iter().position(|other| *other == name);
+        let mut places = self.free.iter().map(|p| place(p.name)).collect::<Option<Vec<usize>>>()?;
+        // A mass that is free is taken from the last one.
+        let rest = rest_mass(&self.template, &self.free).and_then(|(name, _)| place(name));
+        places.extend(rest);
+        let v0 = self.observed.impact_speed_m_per_s;
+        let mut row = 0;
+        for wave in &self.observed.waves {
+            let what = (wave.mass, wave.quantity);
+            let found = wave.measurement.derivatives(&model, what, v0, wave.last(), &places).ok()?;
+            for (j, (parameter, theta)) in self.free.iter().zip(theta).enumerate() {
+                let scale = parameter.slope(*theta) * wave.weight / self.unit_m;
+                let taken = rest.filter(|_| parameter.name.ends_with("_kg")).and_then(|_| found.last());
+                for (k, row) in (row..row + wave.samples.len()).enumerate() {
+                    let at = wave.first + k * wave.stride;
+                    let own = found[j].get(at)? - taken.map_or(Some(0.0), |of| of.get(at).copied())?;
+                    out[(row, j)] = scale * own;
+                }
+            }
+            row += wave.samples.len();
+        }
+        out.columns(0, self.free.len()).iter().all(|x| x.is_finite()).then_some(true)
     }
 }
