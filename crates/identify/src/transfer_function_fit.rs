@@ -142,7 +142,7 @@ pub struct TransferFunctionFit {
 
 impl TransferFunctionFit {
     /// Covariance of the denominator's coefficients after the leading 1, by rows; empty where it is not finite.
-    pub(crate) fn denominator_covariance(&self) -> Vec<Vec<f64>> {
+    pub fn denominator_covariance(&self) -> Vec<Vec<f64>> {
         let n = self.denominator_deviations.len();
         let Some(all) = &self.coefficient_covariance else { return Vec::new() };
         let own = all.view((all.nrows() - n, all.ncols() - n), (n, n));
