@@ -2,9 +2,9 @@
 
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1};
 use crumple_parameter_solve::{
-    Candidate, Distribution, FitQuantity, FollowedEvents, FreeParameter, InputUncertainty, JudgeOptions, MassFit,
-    Measurement, Method, Observed, Propagation, RESOLUTION_M, Refined, bounds_remark, free_masses, free_parameters,
-    judge, propagate, propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine,
+    Candidate, Distribution, FollowedEvents, FreeParameter, InputUncertainty, JudgeOptions, MassFit, Measurement,
+    Method, Observed, Propagation, RESOLUTION_M, Refined, free_masses, free_parameters, judge, propagate,
+    propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine,
 };
 use crumple_signal::{Displacement, Signal};
 use crumple_stage::records::EventsV1;
@@ -12,6 +12,7 @@ use crumple_stage::{Inputs, Output, RefuseExt, Usage, Wave};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::adoption::{WEIGHINGS, adopt, held, weigh};
 use crate::measured::measurement;
 use crate::options::StageSettings;
 use crate::pairs::{FitKind, drop_repeated, pair_up};
@@ -407,75 +408,5 @@ impl Scene<'_> {
                 ));
             }
         }
-    }
-}
-
-/// Rounds of weighing sensors, the change of a level worth another one, and the least level as a share of the record.
-const WEIGHINGS: usize = 4;
-const LEVEL_MOVED: f64 = 0.01;
-const LEAST_LEVEL: f64 = 1e-6;
-
-/// Weighs the waves by the root mean square misfit of each; whether that changed anything.
-fn weigh(observed: &mut Observed, found: &Refined) -> bool {
-    let levels: Vec<f64> = observed
-        .rmse(&found.misfit_m)
-        .iter()
-        .zip(&observed.waves)
-        .map(|(rmse, wave)| rmse.max(LEAST_LEVEL * wave.size()).max(f64::MIN_POSITIVE))
-        .collect();
-    let mut moved = false;
-    for (wave, level) in observed.waves.iter_mut().zip(&levels).skip(1) {
-        let weight = levels[0] / level;
-        moved |= (weight / wave.weight).ln().abs() > LEVEL_MOVED;
-        wave.weight = weight;
-    }
-    moved
-}
-
-/// Parameters that the search left on a bound, other than zero: that value is the bound's, so it is held and has no interval.
-fn held(candidate: &Candidate) -> impl Iterator<Item = &'static str> {
-    let values = candidate.model.parameters();
-    let names = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
-    names.iter().copied().filter(move |name| values.get(*name).is_some_and(|value| *value != 0.0))
-}
-
-/// A fit takes the values of the minimum.
-fn adopt(candidate: &mut Candidate, observed: &Observed, refined: &Refined) {
-    let unrefined = std::mem::replace(&mut candidate.model, refined.model);
-    if let Some(fit) = &mut candidate.fit {
-        let rmse = observed.rmse(&refined.misfit_m);
-        fit.rmse = rmse.first().copied().unwrap_or(fit.rmse);
-        let noise = rmse.first().copied().unwrap_or(0.0).max(LEAST_LEVEL * observed.waves[0].size());
-        for ((sensor, rmse), wave) in fit.sensors.iter_mut().zip(&rmse).zip(&observed.waves) {
-            sensor.rmse = *rmse;
-            sensor.noise = noise / wave.weight;
-        }
-        let errors: Vec<String> = fit
-            .sensors
-            .iter()
-            .map(|sensor| {
-                let (rmse, unit) = match sensor.quantity {
-                    FitQuantity::Displacement => (1e3 * sensor.rmse, "mm"),
-                    other => (sensor.rmse, other.unit()),
-                };
-                format!("{rmse:.4} {unit} at {} (mass {})", sensor.channel, sensor.mass)
-            })
-            .collect();
-        for note in candidate.notes.iter_mut().filter(|note| note.starts_with("root mean square errors ")) {
-            *note = format!(
-                "root mean square errors seen through the filter {}; residuals weighted by the noise level of each sensor",
-                errors.join(", ")
-            );
-        }
-        fit.iterations += refined.iterations;
-        fit.evaluations += refined.evaluations;
-        fit.stop_reason = refined.stop_reason;
-        let before = bounds_remark(&unrefined, &fit.active_bounds);
-        // What was held stays named; a zero may have been left.
-        fit.active_bounds.retain(|name| refined.free.iter().all(|p| p.name != *name));
-        let stopped = refined.free.iter().zip(&refined.on_bound).filter(|(_, held)| **held).map(|(p, _)| p.name);
-        fit.active_bounds.extend(stopped);
-        candidate.notes.retain(|note| Some(note) != before.as_ref());
-        candidate.notes.extend(bounds_remark(&candidate.model, &fit.active_bounds));
     }
 }

@@ -42,6 +42,7 @@ mod maxwell_fit;
 mod maxwell_sum;
 mod measurement;
 mod method;
+mod momentum;
 mod nonlinear_fit;
 mod nonnegative;
 mod observed;
