@@ -1,9 +1,9 @@
 //! Whether an artifact says what the format demands, beyond being intact.
 
 use crumple_artifact::records::{
-    ArxScanV1, CandidateV1, ChannelFilterV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1, IdentificationV1, MatchingV1,
-    MetricsV1, ModesV1, NotesV1, QualityV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1, StabilizationV1,
-    StateSpaceV1, TestV1, TransferFunctionV1, WaveBlockV1,
+    ArxScanV1, CandidateV1, ChannelFilterV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1, IdentificationV1,
+    MatchingV1, MetricsV1, ModesV1, NotesV1, QualityV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1,
+    StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1, WaveBlockV1,
 };
 use crumple_artifact::{Artifact, JsonForm, RawRecord, Record};
 use crumple_signal::TestDescription;

@@ -238,6 +238,7 @@ fn the_layout_of_every_record_type_is_frozen() {
         parameter_values: vec![0.5, -7.5],
         parameter_deviations: vec![0.125, 2.0],
         parameter_correlations: vec![vec![1.0, -0.5], vec![-0.5, 1.0]],
+        denominator_covariance: vec![vec![4.0, -1.0], vec![-1.0, 9.0]],
     });
     freeze(&ArxScanV1 {
         input: "heater".into(),

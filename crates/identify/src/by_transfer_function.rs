@@ -219,6 +219,7 @@ fn put(
     };
     searched.put(&mut support);
     support.numerator_deviations = known(&fit.numerator_deviations);
+    support.denominator_covariance = fit.denominator_covariance();
     support.zeros_re_per_s = fit.zeros.iter().map(|zero| zero.re).collect();
     support.zeros_im_rad_per_s = fit.zeros.iter().map(|zero| zero.im).collect();
     support.zero_re_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.0)).collect();

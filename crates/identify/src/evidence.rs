@@ -71,6 +71,7 @@ pub fn evidence(input: Option<&Cut>, output: &Cut, simulated: &[f64], parameters
         parameter_values: Vec::new(),
         parameter_deviations: Vec::new(),
         parameter_correlations: Vec::new(),
+        denominator_covariance: Vec::new(),
     }
 }
 

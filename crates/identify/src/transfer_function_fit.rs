@@ -63,6 +63,19 @@ pub struct TransferFunctionFit {
     pub losses: Vec<f64>,
 }
 
+impl TransferFunctionFit {
+    /// Covariance of the denominator's coefficients after the leading 1, by rows; empty where it is not finite.
+    pub fn denominator_covariance(&self) -> Vec<Vec<f64>> {
+        let n = self.denominator_deviations.len();
+        let Some(all) = &self.coefficient_covariance else { return Vec::new() };
+        let own = all.view((all.nrows() - n, all.ncols() - n), (n, n));
+        if own.iter().any(|x| !x.is_finite()) {
+            return Vec::new();
+        }
+        own.row_iter().map(|row| row.iter().copied().collect()).collect()
+    }
+}
+
 /// Finds the continuous transfer function with given numbers of poles and zeros whose simulated output is nearest to
 /// the measured one.
 ///

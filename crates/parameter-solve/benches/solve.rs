@@ -6,12 +6,13 @@
 
 use std::hint::black_box;
 
-use crumple_lumped::{CoefficientMatching, Model, Nonlinear2, Reading};
+use crumple_lumped::{CoefficientMatching, Model, Reading};
 use crumple_parameter_solve::{
     FireflyOptions, FireflyUnits, NonlinearFitOptions, firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2,
 };
 use crumple_signal::Signal;
 use crumple_testkit::stopwatch::best_us;
+use crumple_testkit::table_5;
 
 /// Shortest of repeated runs, µs: what else runs on the machine only adds.
 fn time(name: &str, aim: &str, run: impl FnMut()) {
@@ -30,21 +31,7 @@ fn main() {
     time("  the same, numbers read as decimals", "10", || {
         black_box(CoefficientMatching::new(black_box(civic), 284.4, 1137.6, Reading::Decimal).unwrap().solve());
     });
-    let truth = Model::Nonlinear2(Nonlinear2 {
-        mass_kg: 873.0,
-        k1_n_per_m: 82357.0,
-        k2_n_per_m: 4.0,
-        k3_n_per_m: 197_519.0,
-        x1_m: 0.472,
-        c1_n_s_per_m: 86585.0,
-        c2_n_s_per_m: 80056.0,
-        c3_n_s_per_m: 18721.0,
-        c4_n_s_per_m: 81.0,
-        v1_m_per_s: 2.55,
-        v2_m_per_s: 7.23,
-        crush_m: 0.5063,
-        v0_m_per_s: 9.7222,
-    });
+    let truth = Model::Nonlinear2(table_5());
     let response = truth.respond(9.7222, 1e-4, 1501).unwrap();
     let x = Signal::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap();
     let options = NonlinearFitOptions {

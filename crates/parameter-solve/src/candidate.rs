@@ -23,6 +23,9 @@ pub struct Candidate {
     pub notes: Vec<String>,
 }
 
+/// What the uncertainty of a fit by iteration is made from.
+pub(crate) const LINEARISED: &str = "linearised, autocorrelated residuals";
+
 impl Candidate {
     /// `<model>/<method>/<index>`.
     pub fn id(&self) -> String {
@@ -67,10 +70,45 @@ pub struct Fit {
 /// Linearised uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
+    /// What it was made from, in words.
+    pub method: &'static str,
     /// Standard deviation by parameter, in its unit; a parameter on a bound has none.
     pub standard_deviation: BTreeMap<&'static str, f64>,
     /// Condition number of the sensitivity matrix, columns scaled to one length.
     pub condition: f64,
-    /// Lag-1 autocorrelation of the residuals that entered.
+    /// Lag-1 autocorrelation of the residuals that entered; 0 where none did.
     pub residual_autocorrelation: f64,
+}
+
+/// What is said of the parameters that stopped on a bound; `None` where none did. Zero is the limit of what is physical, and an
+/// answer; any other bound is that of the search.
+pub fn bounds_remark(model: &Model, active_bounds: &[&'static str]) -> Option<String> {
+    let values = model.parameters();
+    let (zero, other): (Vec<&str>, Vec<&str>) =
+        active_bounds.iter().partition(|name| values.get(**name).is_some_and(|value| *value == 0.0));
+    let zero = (!zero.is_empty()).then(|| format!("zero, the least there is: {}", zero.join(", ")));
+    let other = (!other.is_empty()).then(|| format!("on a bound, not determined by the record: {}", other.join(", ")));
+    match (zero, other) {
+        (Some(zero), Some(other)) => Some(format!("{zero}; {other}")),
+        (zero, other) => zero.or(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crumple_lumped::Kelvin;
+
+    use super::*;
+
+    #[test]
+    fn zero_is_an_answer_and_another_bound_is_not() {
+        let model = Model::Kelvin(Kelvin { mass_kg: 1.0, stiffness_n_per_m: 2.0, damping_n_s_per_m: 0.0 });
+        let said = |names: &[&'static str]| bounds_remark(&model, names);
+        assert_eq!(said(&[]), None);
+        assert_eq!(said(&["damping_n_s_per_m"]).as_deref(), Some("zero, the least there is: damping_n_s_per_m"));
+        let both = said(&["stiffness_n_per_m", "damping_n_s_per_m"]);
+        let text =
+            "zero, the least there is: damping_n_s_per_m; on a bound, not determined by the record: stiffness_n_per_m";
+        assert_eq!(both.as_deref(), Some(text));
+    }
 }

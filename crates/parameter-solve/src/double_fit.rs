@@ -156,7 +156,12 @@ fn pair(fine: &DoubleResiduals<'_>, best: &Minimum, evaluations: u64) -> DoubleF
         let p = [pair[i].k1_n_per_m, pair[i].k2_n_per_m, pair[i].c1_n_s_per_m, pair[i].c2_n_s_per_m];
         let standard_deviation: BTreeMap<_, _> =
             (0..4).filter_map(|j| relative[j].map(|d| (NAMES[j], d * p[j]))).collect();
-        Some(Uncertainty { standard_deviation, condition, residual_autocorrelation: correlation })
+        Some(Uncertainty {
+            method: crate::candidate::LINEARISED,
+            standard_deviation,
+            condition,
+            residual_autocorrelation: correlation,
+        })
     });
     DoubleFit {
         models: pair,

@@ -21,7 +21,7 @@ pub enum SolveError {
         ratio: f64,
     },
     /// The window holds too little.
-    #[error("{samples} samples between {from_s} s and {to_s} s, a fit of four parameters needs at least {needed}")]
+    #[error("{samples} samples between {from_s} s and {to_s} s, a fit needs at least {needed}")]
     TooFewSamples {
         /// Samples found.
         samples: usize,

@@ -2,8 +2,8 @@
 
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1};
 use crumple_parameter_solve::{
-    Candidate, Distribution, FitQuantity, FollowedEvents, FreeParameter, InputUncertainty, JudgeOptions, MassFit,
-    Measurement, Method, Observed, Propagation, RESOLUTION_M, Refined, free_masses, free_parameters, judge, propagate,
+    Candidate, Distribution, FollowedEvents, FreeParameter, InputUncertainty, JudgeOptions, MassFit, Measurement,
+    Method, Observed, Propagation, RESOLUTION_M, Refined, free_masses, free_parameters, judge, propagate,
     propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine,
 };
 use crumple_signal::{Displacement, Signal};
@@ -12,6 +12,7 @@ use crumple_stage::{Inputs, Output, RefuseExt, Usage, Wave};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::adoption::{WEIGHINGS, adopt, held, weigh};
 use crate::measured::measurement;
 use crate::options::StageSettings;
 use crate::pairs::{FitKind, drop_repeated, pair_up};
@@ -114,12 +115,21 @@ pub fn judge_all(
     let none = vec![None; candidates.len()];
     let wave = input.wave_if(&format!("{}/displacement", events.channel));
     let Some(displacement) = wave.map(Wave::signal::<Displacement>).transpose().refuse()? else { return Ok(none) };
-    let (Some(crush_m), Some(impact_speed_m_per_s)) = (
-        events.dynamic_crush_m,
-        events.impact_speed_m_per_s.or(input.test().ok().and_then(|test| test.impact_speed_m_per_s)),
-    ) else {
+    let test_speed = || input.test().ok().and_then(|test| test.impact_speed_m_per_s);
+    let Some(impact_speed_m_per_s) = events.impact_speed_m_per_s.or_else(test_speed) else { return Ok(none) };
+    // Of a vehicle that never stops the scale of the crush is the largest displacement.
+    let largest = || displacement.samples().iter().copied().fold(0.0, f64::max);
+    let crush_m = events.dynamic_crush_m.unwrap_or_else(largest);
+    if crush_m <= 0.0 {
         return Ok(none);
-    };
+    }
+    if events.dynamic_crush_m.is_none() {
+        out.notes().info(format!(
+            "the vehicle does not stop within the record: its models are judged over the window they were fitted to, up to \
+             {:.1} mm and not to a dynamic crush; what unloads is not seen",
+            1e3 * crush_m
+        ));
+    }
     settings.judging.check(mass_kg, impact_speed_m_per_s)?;
     let (measurement, known) = measurement(input, events, &events.channel, &displacement)?;
     let end = (0.0, displacement.end_s() - events.time_zero_s);
@@ -281,6 +291,9 @@ impl Scene<'_> {
         let ordered = model.k1_n_per_m <= model.k2_n_per_m
             && model.c1_n_s_per_m >= model.c2_n_s_per_m
             && model.c2_n_s_per_m >= model.c3_n_s_per_m;
+        if self.events.dynamic_crush_m.is_none() {
+            return ordered;
+        }
         ordered
             && crush.is_some_and(|crush| (crush / self.crush_m - 1.0).abs() <= CONDITIONS)
             && time.is_some_and(|(found, wanted)| (found / wanted - 1.0).abs() <= CONDITIONS)
@@ -312,7 +325,9 @@ impl Scene<'_> {
             judgement.interval.entry(rest).or_insert((None, None));
         }
         let propagation = self.propagation(candidate, observed, refined);
-        Some(Judged { judgement, propagation, through_filter: self.known(candidate) })
+        let repeated =
+            if candidate.method == Method::ClosedForm && candidate.fit.is_none() { "closed form" } else { "fit" };
+        Some(Judged { judgement, propagation, repeated, through_filter: self.known(candidate) })
     }
 
     /// The estimator that made the values, repeated with uncertain inputs.
@@ -344,6 +359,7 @@ impl Scene<'_> {
             (Method::ClosedForm, model) => {
                 propagate_closed_form(model, &events, self.whole.as_ref()?, mass_kg, &inputs, repetitions)
             }
+            (_, Model::Nonlinear1(_)) if !candidate.of_sensors() && self.events.dynamic_crush_m.is_none() => None,
             (Method::DirectFit | Method::InteriorPoint, Model::Nonlinear1(model)) if !candidate.of_sensors() => {
                 let records = (observed, self.whole.as_ref()?);
                 propagate_conditioned(model, &events, records, mass_kg, &inputs, repetitions)
@@ -392,72 +408,5 @@ impl Scene<'_> {
                 ));
             }
         }
-    }
-}
-
-/// Rounds of weighing sensors, the change of a level worth another one, and the least level as a share of the record.
-const WEIGHINGS: usize = 4;
-const LEVEL_MOVED: f64 = 0.01;
-const LEAST_LEVEL: f64 = 1e-6;
-
-/// Weighs the waves by the root mean square misfit of each; whether that changed anything.
-fn weigh(observed: &mut Observed, found: &Refined) -> bool {
-    let levels: Vec<f64> = observed
-        .rmse(&found.misfit_m)
-        .iter()
-        .zip(&observed.waves)
-        .map(|(rmse, wave)| rmse.max(LEAST_LEVEL * wave.size()).max(f64::MIN_POSITIVE))
-        .collect();
-    let mut moved = false;
-    for (wave, level) in observed.waves.iter_mut().zip(&levels).skip(1) {
-        let weight = levels[0] / level;
-        moved |= (weight / wave.weight).ln().abs() > LEVEL_MOVED;
-        wave.weight = weight;
-    }
-    moved
-}
-
-/// Parameters that the search left on a bound, other than zero: that value is the bound's, so it is held and has no interval.
-fn held(candidate: &Candidate) -> impl Iterator<Item = &'static str> {
-    let values = candidate.model.parameters();
-    let names = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
-    names.iter().copied().filter(move |name| values.get(*name).is_some_and(|value| *value != 0.0))
-}
-
-/// A fit takes the values of the minimum.
-fn adopt(candidate: &mut Candidate, observed: &Observed, refined: &Refined) {
-    candidate.model = refined.model;
-    if let Some(fit) = &mut candidate.fit {
-        let rmse = observed.rmse(&refined.misfit_m);
-        fit.rmse = rmse.first().copied().unwrap_or(fit.rmse);
-        let noise = rmse.first().copied().unwrap_or(0.0).max(LEAST_LEVEL * observed.waves[0].size());
-        for ((sensor, rmse), wave) in fit.sensors.iter_mut().zip(&rmse).zip(&observed.waves) {
-            sensor.rmse = *rmse;
-            sensor.noise = noise / wave.weight;
-        }
-        let errors: Vec<String> = fit
-            .sensors
-            .iter()
-            .map(|sensor| {
-                let (rmse, unit) = match sensor.quantity {
-                    FitQuantity::Displacement => (1e3 * sensor.rmse, "mm"),
-                    other => (sensor.rmse, other.unit()),
-                };
-                format!("{rmse:.4} {unit} at {} (mass {})", sensor.channel, sensor.mass)
-            })
-            .collect();
-        for note in candidate.notes.iter_mut().filter(|note| note.starts_with("root mean square errors ")) {
-            *note = format!(
-                "root mean square errors seen through the filter {}; residuals weighted by the noise level of each sensor",
-                errors.join(", ")
-            );
-        }
-        fit.iterations += refined.iterations;
-        fit.evaluations += refined.evaluations;
-        fit.stop_reason = refined.stop_reason;
-        // What was held stays named; a zero may have been left.
-        fit.active_bounds.retain(|name| refined.free.iter().all(|p| p.name != *name));
-        let stopped = refined.free.iter().zip(&refined.on_bound).filter(|(_, held)| **held).map(|(p, _)| p.name);
-        fit.active_bounds.extend(stopped);
     }
 }

@@ -278,6 +278,7 @@ pub(crate) fn uncertainty(
         })
         .collect();
     standard_deviation.values().all(|d| d.is_finite()).then_some(Uncertainty {
+        method: crate::candidate::LINEARISED,
         standard_deviation,
         condition: largest / smallest,
         residual_autocorrelation: rho,

@@ -1,5 +1,6 @@
 //! `crumple-parameter-solve`: finds springs and dampers of lumped models from the events and motion of a test.
 
+mod adoption;
 mod exponents;
 mod judging;
 mod measured;

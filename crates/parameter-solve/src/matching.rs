@@ -6,7 +6,7 @@ use crumple_lumped::{
 };
 use crumple_signal::Notes;
 
-use crate::{Candidate, Method, SolveError};
+use crate::{Candidate, CoefficientSpread, Method, SolveError};
 
 /// Divisions of the mass in a sweep.
 const SWEEP: usize = 49;
@@ -33,6 +33,10 @@ pub struct Identified {
     pub source: &'static str,
     /// Its state space, where there is one whose output is a motion.
     pub realised: Option<RealisedModel>,
+    /// How well its coefficients are known; `None` where nothing says so.
+    pub spread: Option<CoefficientSpread>,
+    /// Time by which its input acts late, s; 0 without a delay.
+    pub delay_s: f64,
 }
 
 /// What matching found.
@@ -96,6 +100,16 @@ pub fn match_identified(
             }
             None => "a multiple solution: a change of the coefficients moves it by its square root".to_owned(),
         });
+        let uncertainty = identified.spread.as_ref().and_then(|spread| spread.of_match(&model));
+        match (&uncertainty, &identified.spread) {
+            (Some(found), _) => {
+                remarks.push(format!("standard deviations: {}; for the given masses, in first order", found.method));
+            }
+            (None, Some(_)) => {
+                remarks.push("no standard deviations: in first order they have no bound here".to_owned());
+            }
+            (None, None) => {}
+        }
         if solution.dual == place {
             remarks.push(format!(
                 "its own dual, listed once: {} of the six solutions coincide here",
@@ -116,11 +130,20 @@ pub fn match_identified(
             index: index(place),
             equivalent_to: (solution.dual != place).then(|| index(solution.dual)),
             fit: None,
-            uncertainty: None,
+            uncertainty,
             notes: remarks,
         });
     }
     let mut remarks = vec![verdict, format!("used: the {} {}", identified.source, identified.id)];
+    if identified.delay_s != 0.0 {
+        let text = format!(
+            "its input acts {:.3} ms late: poles do not know of that, so neither do springs and dampers, and a simulation of them \
+             starts at contact",
+            1e3 * identified.delay_s
+        );
+        notes.info(format!("{}: {text}", identified.id));
+        remarks.push(text);
+    }
     if let Some(zeta) = zeta_of_the_start {
         remarks.push(start_remark(zeta, &found));
     }

@@ -1,6 +1,6 @@
 //! How a motion becomes the displacement in an artifact: sampling, channel filter, integration.
 
-use crumple_lumped::{LumpedError, Model};
+use crumple_lumped::{Instants, LumpedError, Model, Motion};
 
 use crate::FitQuantity;
 
@@ -80,27 +80,63 @@ impl Measurement {
         v0_m_per_s: f64,
         last: usize,
     ) -> Result<Vec<f64>, LumpedError> {
-        let last = last.min(self.samples.saturating_sub(1));
+        let Some(samples) = self.samples_of_the_model(last) else {
+            return Ok(self.seen(&[], quantity, v0_m_per_s, last));
+        };
+        let response = model.respond(v0_m_per_s, self.dt_s, samples)?;
+        let motion = mass.and_then(|mass| response.motions.get(mass)).unwrap_or_else(|| response.compartment());
+        Ok(self.seen(&motion.acceleration_m_per_s2, quantity, v0_m_per_s, last))
+    }
+
+    /// Derivatives of that by the parameters at these places of the model's names: a measurement is linear, so they are the
+    /// derivatives of the acceleration measured without an impact speed.
+    pub(crate) fn derivatives(
+        &self,
+        model: &Model,
+        (mass, quantity): (Option<usize>, FitQuantity),
+        v0_m_per_s: f64,
+        last: usize,
+        places: &[usize],
+    ) -> Result<Vec<Vec<f64>>, LumpedError> {
+        let Some(samples) = self.samples_of_the_model(last) else {
+            return Ok(places.iter().map(|_| self.seen(&[], quantity, 0.0, last)).collect());
+        };
+        let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples };
+        let found = model.sensitivity(v0_m_per_s, &at, places)?;
+        let of = |motions: &Vec<Motion>| {
+            let motion = mass.and_then(|mass| motions.get(mass)).or(motions.last());
+            self.seen(motion.map_or(&[][..], |motion| &motion.acceleration_m_per_s2), quantity, 0.0, last)
+        };
+        Ok(found.derivatives.iter().map(of).collect())
+    }
+
+    /// Samples of the acceleration that sample `last` of the record depends on.
+    fn reach(&self, last: usize) -> usize {
         let memory = self.filter.as_ref().map_or(0, TwoPassFilter::memory_samples);
-        let count = last.saturating_add(memory).saturating_add(1).min(self.samples);
-        let zero = self.contact_index();
+        last.min(self.samples.saturating_sub(1)).saturating_add(memory).saturating_add(1).min(self.samples)
+    }
+
+    /// Instants of the model from contact on that these samples lie between; `None` if all of them are before contact.
+    fn samples_of_the_model(&self, last: usize) -> Option<usize> {
+        self.reach(last).checked_sub(self.contact_index()).filter(|n| *n > 0).map(|n| n + 1)
+    }
+
+    /// What is recorded of an acceleration that is given at contact and whole intervals after it.
+    fn seen(&self, acceleration: &[f64], quantity: FitQuantity, v0_m_per_s: f64, last: usize) -> Vec<f64> {
+        let (zero, count) = (self.contact_index(), self.reach(last));
         let gap = (self.time_s(zero) / self.dt_s).max(0.0);
         let mut a = vec![0.0; zero.min(count)];
-        if count > zero {
-            let response = model.respond(v0_m_per_s, self.dt_s, count - zero + 1)?;
-            let motion = mass.and_then(|mass| response.motions.get(mass)).unwrap_or_else(|| response.compartment());
-            // The record has the value after a jump at contact.
-            a.extend(motion.acceleration_m_per_s2.windows(2).map(|w| w[0] + gap * (w[1] - w[0])));
-        }
+        // The record has the value after a jump at contact.
+        a.extend(acceleration.windows(2).map(|w| w[0] + gap * (w[1] - w[0])));
         if let Some(filter) = &self.filter {
             a = filter.run(&a);
         }
-        a.truncate(last + 1);
-        Ok(match quantity {
+        a.truncate(last.min(self.samples.saturating_sub(1)) + 1);
+        match quantity {
             FitQuantity::Acceleration => a,
             FitQuantity::Velocity => self.integrate(&a, v0_m_per_s, zero, gap).0,
             FitQuantity::Displacement => self.integrate(&a, v0_m_per_s, zero, gap).1,
-        })
+        }
     }
 
     /// Velocity and displacement as the integrate stage has them: from the first sample, the displacement shifted to zero at

@@ -2,11 +2,11 @@
 
 use crumple_lti::{eigenvalues, matrix_logarithm};
 use crumple_lumped::{Complex, RealisedModel};
-use crumple_parameter_solve::{Candidate, Identified, Matched, Quartic};
+use crumple_parameter_solve::{Candidate, CoefficientSpread, Identified, Matched, Quartic};
 use crumple_stage::Inputs;
 use crumple_stage::records::{
-    ExponentialSumV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, ModesV1, PhysicalCoordinatesV1,
-    StateSpaceV1, TransferFunctionV1,
+    EvidenceV1, ExponentialSumV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, ModesV1,
+    PhysicalCoordinatesV1, StateSpaceV1, TransferFunctionV1,
 };
 use nalgebra::{DMatrix, Matrix4, RowVector4, Vector4};
 
@@ -21,7 +21,10 @@ pub fn identified_models(input: &Inputs) -> anyhow::Result<Vec<Identified>> {
         {
             let quartic = Quartic::Coefficients([t, u, v, w].map(|c| c / leading));
             let source = "denominator of the transfer function";
-            found.push(Identified { id, quartic, numerator: Some(model.numerator), source, realised: None });
+            let spread = spread(input, &id)?;
+            let delay_s = model.delay_s.unwrap_or(0.0);
+            let numerator = Some(model.numerator);
+            found.push(Identified { id, quartic, numerator, source, realised: None, spread, delay_s });
         }
     }
     let spaces = input.records::<StateSpaceV1>("/model/")?;
@@ -46,6 +49,8 @@ pub fn identified_models(input: &Inputs) -> anyhow::Result<Vec<Identified>> {
                 numerator: None,
                 source,
                 realised,
+                spread: None,
+                delay_s: model.delay_s.unwrap_or(0.0),
             });
         }
     }
@@ -53,7 +58,15 @@ pub fn identified_models(input: &Inputs) -> anyhow::Result<Vec<Identified>> {
         if let [a, b, c, d] = &sum.terms[..] {
             let poles = [a, b, c, d].map(|term| Complex::new(term.re_per_s, term.im_rad_per_s));
             let source = "exponents of the sum";
-            found.push(Identified { id, quartic: Quartic::Poles(poles), numerator: None, source, realised: None });
+            found.push(Identified {
+                id,
+                quartic: Quartic::Poles(poles),
+                numerator: None,
+                source,
+                realised: None,
+                spread: None,
+                delay_s: 0.0,
+            });
         }
     }
     for (id, modes) in input.records::<ModesV1>("/modes/")? {
@@ -62,10 +75,27 @@ pub fn identified_models(input: &Inputs) -> anyhow::Result<Vec<Identified>> {
         {
             let poles = [a, b, c, d].map(|mode| Complex::new(mode.re_per_s, mode.im_rad_per_s));
             let source = "poles of the modes of";
-            found.push(Identified { id, quartic: Quartic::Poles(poles), numerator: None, source, realised: None });
+            found.push(Identified {
+                id,
+                quartic: Quartic::Poles(poles),
+                numerator: None,
+                source,
+                realised: None,
+                spread: None,
+                delay_s: 0.0,
+            });
         }
     }
     Ok(found)
+}
+
+/// How well the coefficients of a transfer function are known, by the evidence that its identification left.
+fn spread(input: &Inputs, id: &str) -> anyhow::Result<Option<CoefficientSpread>> {
+    let evidence: Option<EvidenceV1> = input.record_if(&format!("/evidence/{}", base_of(id)))?;
+    Ok(evidence.and_then(|evidence| {
+        CoefficientSpread::of_covariance(&evidence.denominator_covariance)
+            .or_else(|| CoefficientSpread::of_deviations(&evidence.denominator_deviations))
+    }))
 }
 
 /// `era-4` of `era-4/continuous`.

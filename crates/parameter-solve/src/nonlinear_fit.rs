@@ -2,12 +2,12 @@
 
 use crumple_lumped::{Instants, Model, Nonlinear1, Nonlinear2};
 use crumple_signal::{Displacement, Signal};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::error::positive;
 use crate::least_squares::{Bounds, Optimum, Response, descend, uncertainty};
-use crate::nonnegative::nonnegative_least_squares;
+use crate::momentum::{Momentum, Start};
 use crate::window::Window;
 use crate::{Fit, FitQuantity, SolveError, Uncertainty};
 
@@ -40,88 +40,6 @@ const DAMPER_KNOTS: [f64; 9] = [0.012, 0.05, 0.11, 0.2, 0.31, 0.44, 0.6, 0.75, 0
 const REFINED: usize = 8;
 const FOLLOWED: usize = 2;
 
-/// A knot vector of both coefficients and the values there.
-#[derive(Debug, Clone)]
-struct Start {
-    knots: Vec<f64>,
-    values: Vec<f64>,
-    cost: f64,
-}
-
-/// The record as the integral form sees it.
-struct Momentum {
-    dt_s: f64,
-    /// Displacement and speed over their scales.
-    x: Vec<f64>,
-    v: Vec<f64>,
-    /// `v0 - v` over `v0`.
-    lost: Vec<f64>,
-}
-
-impl Momentum {
-    /// Speed from central differences of the displacement: only starting values depend on it.
-    fn of(window: &Window, options: &NonlinearFitOptions) -> Self {
-        let (crush, v0) = (options.crush_m, options.impact_speed_m_per_s);
-        let n = window.samples.len();
-        let s = &window.samples;
-        let speed = |k: usize| match k {
-            0 => (s[1] - s[0]) / window.dt_s,
-            k if k + 1 == n => (s[k] - s[k - 1]) / window.dt_s,
-            k => (s[k + 1] - s[k - 1]) / (2.0 * window.dt_s),
-        };
-        let v: Vec<f64> = (0..n).map(|k| speed(k) / v0).collect();
-        let first = v[0];
-        Self {
-            dt_s: window.dt_s,
-            x: s.iter().map(|x| x / crush).collect(),
-            lost: v.iter().map(|v| first - v).collect(),
-            v,
-        }
-    }
-
-    /// Integrals of `hat_j(|y|) y` for the hats of these knots.
-    fn columns(&self, y: &[f64], knots: &[f64]) -> Vec<Vec<f64>> {
-        (0..knots.len())
-            .map(|j| {
-                let hat = |y: f64| {
-                    let at = y.abs();
-                    let rising =
-                        if j == 0 { 1.0 } else { ((at - knots[j - 1]) / (knots[j] - knots[j - 1])).clamp(0.0, 1.0) };
-                    let falling = if j + 1 == knots.len() {
-                        1.0
-                    } else {
-                        ((knots[j + 1] - at) / (knots[j + 1] - knots[j])).clamp(0.0, 1.0)
-                    };
-                    rising.min(falling) * y
-                };
-                let mut sum = 0.0;
-                let mut before = hat(y[0]);
-                y.iter()
-                    .map(|&y| {
-                        let now = hat(y);
-                        sum += 0.5 * self.dt_s * (before + now);
-                        before = now;
-                        sum
-                    })
-                    .collect()
-            })
-            .collect()
-    }
-
-    /// The best values at given knots: non-negative least squares of `lost = sum of value_j column_j`.
-    fn solve(&self, spring: &[Vec<f64>], damper: &[Vec<f64>]) -> (Vec<f64>, f64) {
-        let columns: Vec<&Vec<f64>> = spring.iter().chain(damper).collect();
-        let n = columns.len();
-        let dot = |a: &[f64], b: &[f64]| crumple_lti::dot(a, b);
-        let norms: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt().max(f64::MIN_POSITIVE)).collect();
-        let gram = DMatrix::from_fn(n, n, |i, j| dot(columns[i], columns[j]) / (norms[i] * norms[j]));
-        let b = DVector::from_fn(n, |i, _| dot(columns[i], &self.lost) / norms[i]);
-        let x = nonnegative_least_squares(&gram, &b);
-        let cost = (&gram * &x).dot(&x) - 2.0 * b.dot(&x) + dot(&self.lost, &self.lost);
-        ((0..n).map(|i| x[i] / norms[i]).collect(), cost)
-    }
-}
-
 /// For each of theta the places of the parameters it moves, and how far.
 type Chain = Vec<Vec<(usize, f64)>>;
 
@@ -136,14 +54,16 @@ struct Displacements<'a, F> {
     conditions: Option<(f64, [f64; 2])>,
 }
 
-impl<F: Fn(&[f64]) -> Option<Model> + Sync> Displacements<'_, F> {
-    /// `x(t_m)/C - 1` and `v(t_m)/v0`.
-    fn at_crush(&self, model: &Model) -> Option<[f64; 2]> {
-        let (v0, t) = (self.options.impact_speed_m_per_s, self.options.time_of_dynamic_crush_s);
-        let motion = model.respond(v0, t, 2).ok()?;
-        let compartment = motion.compartment();
-        Some([compartment.displacement_m[1] / self.options.crush_m - 1.0, compartment.velocity_m_per_s[1] / v0])
-    }
+/// `x(t_m)/C - 1` and `v(t_m)/v0`: what the side conditions at dynamic crush leave. `None` without a response.
+pub fn conditions_at_crush(model: &Nonlinear1, options: &NonlinearFitOptions) -> Option<[f64; 2]> {
+    at_crush(&Model::Nonlinear1(*model), options)
+}
+
+fn at_crush(model: &Model, options: &NonlinearFitOptions) -> Option<[f64; 2]> {
+    let (v0, t) = (options.impact_speed_m_per_s, options.time_of_dynamic_crush_s);
+    let motion = model.respond(v0, t, 2).ok()?;
+    let compartment = motion.compartment();
+    Some([compartment.displacement_m[1] / options.crush_m - 1.0, compartment.velocity_m_per_s[1] / v0])
 }
 
 impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
@@ -168,7 +88,7 @@ impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
             *x = (*x - s) / self.options.crush_m;
         }
         if let Some((weight, multipliers)) = self.conditions {
-            let Some(conditions) = self.at_crush(&model) else { return false };
+            let Some(conditions) = at_crush(&model, self.options) else { return false };
             for j in 0..2 {
                 out[n + j] = weight.sqrt() * (conditions[j] + multipliers[j] / weight);
             }
@@ -467,7 +387,7 @@ pub fn fit_nonlinear1(
             let Some(next) = descend(&problem, &best.theta, &bounds) else { break };
             evaluations += next.evaluations;
             best = next;
-            let Some(conditions) = build(&best.theta).and_then(|m| problem.at_crush(&Model::Nonlinear1(m))) else {
+            let Some(conditions) = build(&best.theta).and_then(|m| conditions_at_crush(&m, options)) else {
                 break;
             };
             for j in 0..2 {

@@ -1,7 +1,11 @@
 //! A model seen through a measurement, beside the record: the common description of every fit that is judged.
 
+use std::sync::Arc;
+
 use crumple_lumped::{Model, ModelKind};
 use crumple_signal::{Displacement, Sampled, Signal};
+
+use nalgebra::DMatrix;
 
 use crate::least_squares::Response;
 use crate::{FitQuantity, Measurement, SolveError};
@@ -25,6 +29,41 @@ pub struct SeenWave {
     pub resolution: f64,
     /// Factor of its misfit beside that of the first wave: noise level of the first over its own; 1 for the first.
     pub weight: f64,
+    /// The wave as it was measured, window or not: where another time zero finds the motion at contact.
+    pub(crate) record: Arc<WholeWave>,
+}
+
+/// A whole wave on its own axis.
+#[derive(Debug, PartialEq)]
+pub(crate) struct WholeWave {
+    first_s: f64,
+    dt_s: f64,
+    samples: Vec<f64>,
+}
+
+impl WholeWave {
+    /// Value and slope `t_s` after contact, from the parabola through the three nearest samples: off by `dt^3/16` and `dt^2/4`
+    /// times the largest third derivative. `None` before the first sample; the last parabola goes on after the last.
+    pub fn at(&self, t_s: f64) -> Option<(f64, f64)> {
+        let place = (t_s - self.first_s) / self.dt_s;
+        let last = self.samples.len().checked_sub(3)?;
+        if !(place >= -1e-6 && place.is_finite()) {
+            return None;
+        }
+        let k = ((place - 0.5).floor().max(0.0) as usize).min(last);
+        let [a, b, c] = [self.samples[k], self.samples[k + 1], self.samples[k + 2]];
+        let s = place - (k + 1) as f64;
+        let (slope, bend) = (0.5 * (c - a), c - 2.0 * b + a);
+        Some((b + s * slope + 0.5 * s * s * bend, (slope + s * bend) / self.dt_s))
+    }
+
+    /// Samples `first`, `first + stride`, ... up to `last`, counted on the grid of `measurement`; the first index there is one of.
+    pub fn picked(&self, measurement: &Measurement, first: f64, last: usize, stride: usize) -> (usize, Vec<f64>) {
+        let offset = ((self.first_s - measurement.first_s) / measurement.dt_s).round().max(0.0) as usize;
+        let first = (first.max(0.0) as usize).max(offset);
+        let end = (last + 1).saturating_sub(offset).min(self.samples.len());
+        (first, self.samples[(first - offset).min(end)..end].iter().copied().step_by(stride).collect())
+    }
 }
 
 /// A record and where it is compared.
@@ -92,7 +131,9 @@ impl SeenWave {
             FitQuantity::Displacement => RESOLUTION_M,
             _ => RESOLUTION_M / USUAL_CRUSH_M * largest(&samples),
         };
-        Ok(Self { mass, quantity, measurement, first, stride, samples, resolution, weight: 1.0 })
+        let first_s = wave.t0_s() - time_zero_s;
+        let record = Arc::new(WholeWave { first_s, dt_s: wave.dt_s(), samples: all.to_vec() });
+        Ok(Self { mass, quantity, measurement, first, stride, samples, resolution, weight: 1.0, record })
     }
 
     /// Index of the last sample on the grid of the measurement.
@@ -364,5 +405,32 @@ impl Response for Problem<'_> {
             *out = misfit / self.unit_m;
         }
         true
+    }
+
+    fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
+        let model = self.model(theta)?;
+        let names = model.kind().parameter_names();
+        let place = |name: &str| names.iter().position(|other| *other == name);
+        let mut places = self.free.iter().map(|p| place(p.name)).collect::<Option<Vec<usize>>>()?;
+        // A mass that is free is taken from the last one.
+        let rest = rest_mass(&self.template, &self.free).and_then(|(name, _)| place(name));
+        places.extend(rest);
+        let v0 = self.observed.impact_speed_m_per_s;
+        let mut row = 0;
+        for wave in &self.observed.waves {
+            let what = (wave.mass, wave.quantity);
+            let found = wave.measurement.derivatives(&model, what, v0, wave.last(), &places).ok()?;
+            for (j, (parameter, theta)) in self.free.iter().zip(theta).enumerate() {
+                let scale = parameter.slope(*theta) * wave.weight / self.unit_m;
+                let taken = rest.filter(|_| parameter.name.ends_with("_kg")).and_then(|_| found.last());
+                for (k, row) in (row..row + wave.samples.len()).enumerate() {
+                    let at = wave.first + k * wave.stride;
+                    let own = found[j].get(at)? - taken.map_or(Some(0.0), |of| of.get(at).copied())?;
+                    out[(row, j)] = scale * own;
+                }
+            }
+            row += wave.samples.len();
+        }
+        out.columns(0, self.free.len()).iter().all(|x| x.is_finite()).then_some(true)
     }
 }

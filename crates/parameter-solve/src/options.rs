@@ -165,6 +165,11 @@ pub struct Options {
     #[arg(long, value_name = "TIME")]
     pub time_zero_uncertainty: Option<Uncertain<Time>>,
 
+    /// Add the solutions that a paper lists, from its own printed numbers and as it typed them, labelled: tfest (both splits of
+    /// the mass; 284.6 kg for 284.4 kg in one equation) [default: none]
+    #[arg(long, value_name = "PAPER")]
+    pub paper: Option<String>,
+
     /// Repetitions of the propagation of these uncertainties [default: 200]
     #[arg(long, value_name = "NUMBER")]
     pub repetitions: Option<usize>,
@@ -195,6 +200,9 @@ pub struct StageSettings {
     fit_masses: Option<(f64, f64)>,
     triple_masses_kg: Option<[f64; 3]>,
     stay_attached: bool,
+    /// The paper whose printed solutions are added.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub paper: Option<&'static str>,
     #[serde(skip)]
     pub places: Vec<(Place, String)>,
     #[serde(flatten)]
@@ -260,6 +268,11 @@ impl TryFrom<Options> for StageSettings {
             Some(name) => {
                 name.parse().map_err(|_: String| unknown("quantity", name, &FitQuantity::ALL.map(FitQuantity::name)))?
             }
+        };
+        let paper = match options.paper.as_deref() {
+            None => None,
+            Some("tfest") => Some("tfest"),
+            Some(other) => return Err(unknown("paper", other, &["tfest"])),
         };
         let places = options.sensors.iter().map(|text| sensor(text)).collect::<Result<Vec<_>, _>>()?;
         let mass_fit = mass_fit(options.fit_masses.as_deref())?;
@@ -332,6 +345,7 @@ impl TryFrom<Options> for StageSettings {
             },
             triple_masses_kg: triple,
             stay_attached: !solve.release,
+            paper,
             places,
             judging,
             solve,

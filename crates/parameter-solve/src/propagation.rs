@@ -90,7 +90,8 @@ pub struct Repetition {
 /// The inputs of repetition `index`: four numbers from its own stream of a fixed seed.
 ///
 /// Another impact speed adds `δv (t - t_start)` to the displacement, another zero level `δb (t - t_start)²/2`, since the
-/// integration starts there; another time zero moves the label of contact, with the displacement made zero again there.
+/// integration starts there; another time zero moves the label of contact, with the displacement made zero again there and, where
+/// the integration starts at contact, the velocity made the impact speed.
 pub fn repetition(observed: &Observed, inputs: &InputUncertainty, index: usize) -> Repetition {
     perturbed_by(observed, &drawn(inputs, index, observed.waves.len()))
 }
@@ -139,31 +140,51 @@ pub(crate) fn perturbed_by(observed: &Observed, errors: &Errors) -> Repetition {
     let waves = observed.waves.iter().enumerate();
     let observed = Observed {
         impact_speed_m_per_s: observed.impact_speed_m_per_s + errors.speed_m_per_s,
-        waves: waves.map(|(k, wave)| shifted(wave, errors.speed_m_per_s, bias(k), errors.late_s)).collect(),
+        waves: waves.map(|(k, wave)| shifted(wave, observed.impact_speed_m_per_s, errors, bias(k))).collect(),
     };
     Repetition { observed, mass_ratio: 1.0 + errors.mass }
 }
 
-/// One wave `speed` faster, `bias` higher, with its contact `late` later.
-fn shifted(wave: &SeenWave, speed: f64, bias: f64, late: f64) -> SeenWave {
+/// One wave with these errors and its own zero level `bias` higher.
+///
+/// The new contact is looked up in the whole record, wherever the window starts: a displacement is zero there, and one that is
+/// integrated from contact has the impact speed there too. Before the record's first sample nothing has slowed the vehicle. The
+/// window starts as long after the new contact as it did after the old one, and ends with the same sample.
+fn shifted(wave: &SeenWave, v0: f64, errors: &Errors, bias: f64) -> SeenWave {
+    let (speed, late) = (errors.speed_m_per_s, errors.late_s);
     let m = wave.measurement;
-    let start_s = if m.from_contact { m.time_s(m.contact_index()) } else { m.first_s };
-    let x = &wave.samples;
+    let (first, x) = if late == 0.0 {
+        (wave.first, wave.samples.clone())
+    } else {
+        let first = wave.first as f64 + (late / m.dt_s - 1e-6).ceil();
+        wave.record.picked(&m, first, wave.last(), wave.stride)
+    };
+    let start_s = match (m.from_contact, late == 0.0) {
+        (true, true) => m.time_s(m.contact_index()),
+        (true, false) => late,
+        (false, _) => m.first_s,
+    };
+    // Value and slope of what is integrated at the new contact, on the old axis.
+    let at_contact = |before: (f64, f64)| match late {
+        0.0 => before,
+        late => wave.record.at(late).unwrap_or((before.0 + late * before.1, before.1)),
+    };
+    let timed = x.iter().enumerate().map(|(k, x)| (m.time_s(first + k * wave.stride), *x));
     let samples = match wave.quantity {
         FitQuantity::Acceleration => x.iter().map(|a| a + bias).collect(),
         FitQuantity::Velocity => {
-            x.iter().enumerate().map(|(k, v)| v + speed + bias * (wave.time_s(k) - start_s)).collect()
+            let lost = if m.from_contact { at_contact((v0, 0.0)).0 - v0 } else { 0.0 };
+            timed.map(|(t, v)| v - lost + speed + bias * (t - start_s)).collect()
         }
         FitQuantity::Displacement => {
             let more = |t: f64| speed * (t - start_s) + 0.5 * bias * (t - start_s) * (t - start_s);
-            // Displacement at the new contact on the old axis; nearly the speed times the shift.
-            let v = (x[1] - x[0]) / (wave.time_s(1) - wave.time_s(0));
-            let origin = if late == 0.0 { 0.0 } else { x[0] + v * (late - wave.time_s(0)) };
+            let (origin, velocity) = at_contact((0.0, v0));
+            let lost = if m.from_contact { velocity - v0 } else { 0.0 };
             let at_contact = origin + more(late.max(start_s));
-            x.iter().enumerate().map(|(k, x)| x + more(wave.time_s(k)) - at_contact).collect()
+            timed.map(|(t, x)| x + more(t) - at_contact - lost * (t - late)).collect()
         }
     };
-    SeenWave { measurement: Measurement { first_s: m.first_s - late, ..m }, samples, ..wave.clone() }
+    SeenWave { measurement: Measurement { first_s: m.first_s - late, ..m }, first, samples, ..wave.clone() }
 }
 
 /// Repeats the fit of `model` with inputs drawn anew, each from the values found, and reads the percentiles.

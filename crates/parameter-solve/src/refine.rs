@@ -119,22 +119,10 @@ fn finish(problem: &Problem<'_>, best: Optimum, evaluations: u64) -> Option<Refi
     let model = problem.model(&best.theta)?;
     let misfit_m = problem.observed.misfit(&model)?;
     let mut sensitivity_m = DMatrix::zeros(misfit_m.len(), n);
-    let mut theta = best.theta.clone();
-    let limits = bounds(&problem.free);
-    for j in 0..n {
-        // One-sided at a bound.
-        let up = (theta[j] + DIFFERENCE).min(limits.upper[j]);
-        let down = (theta[j] - DIFFERENCE).max(limits.lower[j]);
-        let at = |coordinate: f64, theta: &mut Vec<f64>| {
-            let before = std::mem::replace(&mut theta[j], coordinate);
-            let found = problem.model(theta).and_then(|model| problem.observed.misfit(&model));
-            theta[j] = before;
-            found
-        };
-        let (above, below) = (at(up, &mut theta)?, at(down, &mut theta)?);
-        for (k, (a, b)) in above.iter().zip(&below).enumerate() {
-            sensitivity_m[(k, j)] = (a - b) / (up - down);
-        }
+    if problem.sensitivities(&best.theta, &mut sensitivity_m) == Some(true) {
+        sensitivity_m *= problem.unit_m;
+    } else {
+        sensitivity_m = differences(problem, &best.theta, misfit_m.len())?;
     }
     let values = model.parameters();
     let free = problem.free.iter().map(|p| FreeParameter { value: values[p.name], ..*p }).collect();
@@ -149,4 +137,112 @@ fn finish(problem: &Problem<'_>, best: Optimum, evaluations: u64) -> Option<Refi
         iterations: best.iterations,
         stop_reason: best.stop,
     })
+}
+
+/// The same by differences, where the model has no derivatives of its own at the minimum.
+fn differences(problem: &Problem<'_>, theta: &[f64], rows: usize) -> Option<DMatrix<f64>> {
+    let mut found = DMatrix::zeros(rows, theta.len());
+    let mut moved = theta.to_vec();
+    let limits = bounds(&problem.free);
+    for j in 0..theta.len() {
+        // One-sided at a bound.
+        let up = (theta[j] + DIFFERENCE).min(limits.upper[j]);
+        let down = (theta[j] - DIFFERENCE).max(limits.lower[j]);
+        let mut at = |coordinate: f64| {
+            let before = std::mem::replace(&mut moved[j], coordinate);
+            let misfit = problem.model(&moved).and_then(|model| problem.observed.misfit(&model));
+            moved[j] = before;
+            misfit
+        };
+        let (above, below) = (at(up)?, at(down)?);
+        for (k, (a, b)) in above.iter().zip(&below).enumerate() {
+            found[(k, j)] = (a - b) / (up - down);
+        }
+    }
+    Some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Nonlinear2};
+    use crumple_signal::{Displacement, Signal};
+
+    use super::*;
+    use crate::observed::free_masses;
+    use crate::{IntegrationRule, Measurement, TwoPassFilter, free_parameters};
+
+    /// CFC 60 at 10 kHz.
+    const FILTER: TwoPassFilter = TwoPassFilter {
+        coefficients: [0.001_460_3, 0.002_920_6, 0.001_460_3, 1.889_033_6, -0.894_874_8],
+        samples_added: 100,
+    };
+
+    #[test]
+    fn derivatives_seen_through_the_filter_are_the_limits_of_differences() {
+        let models = [
+            Model::DoubleSpringMassDamper(DoubleSpringMassDamper {
+                m1_kg: 300.0,
+                m2_kg: 900.0,
+                k1_n_per_m: 5e5,
+                k2_n_per_m: 8e5,
+                c1_n_s_per_m: 9e3,
+                c2_n_s_per_m: 5e3,
+            }),
+            Model::Elastoplastic(Elastoplastic {
+                mass_kg: 1200.0,
+                loading_stiffness_n_per_m: 5e5,
+                unloading_stiffness_n_per_m: 2e7,
+                release: true,
+            }),
+            Model::Nonlinear2(Nonlinear2 {
+                mass_kg: 1200.0,
+                k1_n_per_m: 8e4,
+                k2_n_per_m: 1e5,
+                k3_n_per_m: 2.5e5,
+                x1_m: 0.5,
+                c1_n_s_per_m: 8e4,
+                c2_n_s_per_m: 6e4,
+                c3_n_s_per_m: 2e4,
+                c4_n_s_per_m: 2e3,
+                v1_m_per_s: 3.0,
+                v2_m_per_s: 7.0,
+                crush_m: 0.7,
+                v0_m_per_s: 13.0,
+            }),
+        ];
+        for (from_contact, model) in models.iter().flat_map(|model| [(false, model), (true, model)]) {
+            let measurement = Measurement {
+                dt_s: 1e-4,
+                // Contact between two samples.
+                first_s: -0.010_03,
+                samples: 1200,
+                filter: Some(FILTER),
+                from_contact,
+                rule: IntegrationRule::Trapezoid,
+            };
+            let x = measurement.displacement(model, 13.0, 1199).unwrap();
+            let x = Signal::<Displacement>::new(-0.010_03, 1e-4, x.iter().map(|x| 1.01 * x).collect()).unwrap();
+            let observed = Observed::new(&x, 0.0, measurement, 13.0, (0.0, 0.09), 250).unwrap();
+            let mut free = free_parameters(model, 13.0, 0.7, true);
+            if matches!(model, Model::DoubleSpringMassDamper(_)) {
+                free.extend(free_masses(model, (0.05, 0.6)));
+            }
+            let problem = Problem::new(*model, free, &observed);
+            let theta = problem.start();
+            let mut own = DMatrix::zeros(observed.rows(), theta.len());
+            assert_eq!(problem.sensitivities(&theta, &mut own), Some(true));
+            let by_differences = differences(&problem, &theta, observed.rows()).unwrap() / problem.unit_m;
+            for (j, (a, b)) in own.column_iter().zip(by_differences.column_iter()).enumerate() {
+                // Square of the step times the third derivative, rounding over the step, and samples that a kink of the
+                // acceleration crosses within the step.
+                assert!(
+                    (a - b).norm() <= 1e-5 * b.norm(),
+                    "{} {j}: {:e} of {:e}",
+                    model.kind(),
+                    (a - b).norm(),
+                    b.norm()
+                );
+            }
+        }
+    }
 }

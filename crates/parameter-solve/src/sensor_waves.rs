@@ -80,8 +80,9 @@ impl SensorWaves {
         let one = |sensor: &SensorFit| {
             let (wave, measured, _) = self.waves.get(&self.key(sensor))?;
             let what = (sensor.mass.checked_sub(1), sensor.quantity);
-            let seen = SeenWave::new(wave, what, time_zero_s, *measured, window_s, samples).ok()?;
-            Some(SeenWave { weight: first / sensor.noise, ..seen })
+            let mut seen = SeenWave::new(wave, what, time_zero_s, *measured, window_s, samples).ok()?;
+            seen.weight = first / sensor.noise;
+            Some(seen)
         };
         let seen: Option<Vec<SeenWave>> = sensors.iter().map(one).collect();
         seen.filter(|waves| waves.iter().all(|wave| wave.weight.is_finite() && wave.weight > 0.0))

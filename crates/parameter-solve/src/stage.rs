@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crumple_parameter_solve::{
     Candidate, Evidence, FitQuantity, Identified, MassSplit, Method, Place, Quartic, Sensor, curve_fit_of_the_paper,
-    masses, match_identified, solve,
+    masses, match_as_the_paper_typed, match_identified, solve,
 };
 use crumple_signal::{Acceleration, Displacement, Force, Sampled, TestDescription, Velocity};
 use crumple_stage::records::{CandidateV1, EventsV1, ExponentialSumV1, FitV1, SensorFitV1, TestV1};
@@ -68,6 +68,16 @@ impl Stage for ParameterSolve {
             let given = settings.mass_kg.or(test.as_ref().and_then(|test| test.mass_kg));
             candidates.extend(from_models(settings, input, given, out)?);
         }
+        if settings.paper.is_some() {
+            let matched = |c: &&Candidate| c.method == Method::CoefficientMatching;
+            let first = candidates.iter().filter(matched).count() + 1;
+            let ids = ["one-fifth-in-front", "four-fifths-in-front"];
+            for (id, matched) in ids.into_iter().zip(match_as_the_paper_typed(first, out.notes())?) {
+                let source = "printed denominator of the transfer-function paper";
+                out.put(&format!("/matching/tfest-paper/{id}"), &matching_record(&matched, source))?;
+                candidates.extend(matched.candidates);
+            }
+        }
         if settings.solve.uses(Method::CurveFit) {
             let given = settings.mass_kg.or(test.as_ref().and_then(|test| test.mass_kg));
             candidates.extend(from_exponentials(settings, input, given, out)?);
@@ -81,8 +91,8 @@ impl Stage for ParameterSolve {
         let unjudged: Vec<String> = unjudged.map(|(candidate, _)| candidate.id()).collect();
         if !flags.is_empty() && !unjudged.is_empty() {
             out.notes().warning(format!(
-                "{} without effect on {}: judged are candidates from events and motion, with the displacement of the pulse up \
-                 to a dynamic crush",
+                "{} without effect on {}: judged are candidates from events and motion, over the window of the displacement of \
+                 the pulse that they follow",
                 flags.join(", "),
                 unjudged.join(", ")
             ));
@@ -273,8 +283,11 @@ fn from_models(
     mass_kg: Option<f64>,
     out: &mut Output,
 ) -> anyhow::Result<Vec<Candidate>> {
-    let (m1_kg, m2_kg) = given_masses(settings, mass_kg, out)?;
     let identified = identified_models(input)?;
+    if identified.is_empty() && settings.paper.is_some() {
+        return Ok(Vec::new());
+    }
+    let (m1_kg, m2_kg) = given_masses(settings, mass_kg, out)?;
     if identified.is_empty() {
         return Err(Refused::new("none of the inputs holds a model with four poles")
             .expected(

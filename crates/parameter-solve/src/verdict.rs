@@ -13,6 +13,8 @@ type Ends = (Option<f64>, Option<f64>);
 pub struct Judged {
     pub judgement: Judgement,
     pub propagation: Option<Propagation>,
+    /// What the propagation repeated: a fit or a closed form.
+    pub repeated: &'static str,
     /// Whether the model was followed through the filter of the record.
     pub through_filter: bool,
 }
@@ -23,6 +25,7 @@ impl Judged {
         Self {
             judgement: self.judgement.of_dual(dual),
             propagation: self.propagation.as_ref().map(|p| dual.propagation(p)),
+            repeated: self.repeated,
             through_filter: self.through_filter,
         }
     }
@@ -75,7 +78,10 @@ impl Judged {
                 }
             }),
             propagation: self.propagation.as_ref().map(|p| ReplicatesV1 {
-                method: "fit repeated with mass, impact speed, zero level and time zero drawn anew".to_owned(),
+                method: format!(
+                    "{} repeated with mass, impact speed, zero level and time zero drawn anew",
+                    self.repeated
+                ),
                 replicates: p.repetitions as u64,
                 coverage: 0.9,
                 low: p.interval_90.iter().map(|(name, (low, _))| (own(name), *low)).collect(),
@@ -106,7 +112,7 @@ impl Judged {
     }
 }
 
-/// The uncertainty that a fit to several sensors brings along, with 95 % intervals from its standard deviations: log-normal, so
+/// The uncertainty that a fit to several sensors or a matching brings along, with 95 % intervals from its standard deviations: log-normal, so
 /// that a spring stays positive, 1.96 relative deviations wide; open beyond a factor of `e^9`, and for what is on a bound.
 pub fn of_its_own(uncertainty: &Uncertainty, parameters: &BTreeMap<String, f64>) -> UncertaintyV1 {
     let ends = |side: f64| {
@@ -121,7 +127,7 @@ pub fn of_its_own(uncertainty: &Uncertainty, parameters: &BTreeMap<String, f64>)
             .collect()
     };
     UncertaintyV1 {
-        method: "linearised, autocorrelated residuals".to_owned(),
+        method: uncertainty.method.to_owned(),
         standard_deviation: uncertainty.standard_deviation.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect(),
         condition: Some(uncertainty.condition),
         interval_low: ends(-1.0),

@@ -2,12 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
-use crumple_lumped::{Maxwell, Model, Nonlinear1, Nonlinear2};
+use crumple_lumped::{Maxwell, Model, ModelKind, Nonlinear1};
 use crumple_parameter_solve::{
-    FireflyOptions, FireflyUnits, NonlinearFitOptions, firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2,
-    interior_point_nonlinear1,
+    Evidence, FireflyOptions, FireflyUnits, NonlinearFitOptions, SolveSettings, conditions_at_crush,
+    firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2, interior_point_nonlinear1, solve,
 };
-use crumple_signal::{Displacement, Signal};
+use crumple_signal::{Displacement, Notes, Signal};
+use crumple_testkit::table_5;
 
 fn record(model: &Model, v0: f64) -> Signal<Displacement> {
     let response = model.respond(v0, 1e-4, 1501).unwrap();
@@ -25,25 +26,6 @@ fn options(model: &Model, v0: f64, crush_m: f64, to_s: Option<f64>) -> Nonlinear
         from_s: 0.0,
         to_s,
         samples: 250,
-    }
-}
-
-/// Table 5 of the single-mass paper.
-fn table_5() -> Nonlinear2 {
-    Nonlinear2 {
-        mass_kg: 873.0,
-        k1_n_per_m: 82357.0,
-        k2_n_per_m: 4.0,
-        k3_n_per_m: 197_519.0,
-        x1_m: 0.472,
-        c1_n_s_per_m: 86585.0,
-        c2_n_s_per_m: 80056.0,
-        c3_n_s_per_m: 18721.0,
-        c4_n_s_per_m: 81.0,
-        v1_m_per_s: 2.55,
-        v2_m_per_s: 7.23,
-        crush_m: 0.5063,
-        v0_m_per_s: 9.7222,
     }
 }
 
@@ -175,4 +157,41 @@ fn the_interior_point_reaches_the_point_of_the_augmented_lagrangian() {
         // where the misfit is nothing (a root), far less where it is.
         assert!((fit_a.rmse - fit_b.rmse).abs() < 5e-7, "{} {}", fit_a.rmse, fit_b.rmse);
     }
+}
+
+#[test]
+fn side_conditions_that_cannot_be_met_are_named() {
+    let x = record(&Model::Nonlinear2(table_5()), 9.7222);
+    // Half a metre in 20 ms at 9.7 m/s: nothing on wheels gets there.
+    let evidence = Evidence {
+        mass_kg: 873.0,
+        impact_speed_m_per_s: 9.7222,
+        time_of_dynamic_crush_s: Some(0.02),
+        dynamic_crush_m: Some(0.5),
+        coefficient_of_restitution: None,
+        time_zero_s: 0.0,
+        time_of_rebound_s: None,
+        displacement: Some(&x),
+        sensors: &[],
+    };
+    let settings =
+        SolveSettings { models: vec![ModelKind::Nonlinear1], fit_to_s: Some(0.06), ..SolveSettings::default() };
+    let mut notes = Notes::new();
+    let found = solve(&evidence, &settings, &mut notes).unwrap();
+    let Model::Nonlinear1(model) = found[0].model else { unreachable!() };
+    let options = NonlinearFitOptions {
+        mass_kg: 873.0,
+        impact_speed_m_per_s: 9.7222,
+        crush_m: 0.5,
+        time_of_dynamic_crush_s: 0.02,
+        time_zero_s: 0.0,
+        from_s: 0.0,
+        to_s: Some(0.06),
+        samples: 250,
+    };
+    let left = conditions_at_crush(&model, &options).unwrap();
+    assert!(left.iter().any(|condition| condition.abs() > 0.1), "{left:?}");
+    let said = |text: &String| text.contains("the conditions at dynamic crush are not met");
+    assert!(found[0].notes.iter().any(said), "{:?}", found[0].notes);
+    assert!(format!("{notes:?}").contains("the conditions at dynamic crush are not met"));
 }

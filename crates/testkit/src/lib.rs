@@ -6,10 +6,12 @@ pub mod pipeline;
 pub mod program;
 pub mod reference_signals;
 pub mod stopwatch;
+mod table_5;
 
 use std::path::PathBuf;
 
 pub use known_truth::{KnownTruth, known_truths, known_truths_in, other_records, write_known_truth};
+pub use table_5::table_5;
 
 /// A file or folder of the shared reference material, if it is here.
 ///

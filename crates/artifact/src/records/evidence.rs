@@ -104,6 +104,8 @@ pub struct EvidenceV1 {
     pub parameter_deviations: Vec<f64>,
     /// Their correlations, row after row.
     pub parameter_correlations: Vec<Vec<f64>>,
+    /// Covariance of the denominator's coefficients after the leading 1, rows in their order. Empty where it is not known.
+    pub denominator_covariance: Vec<Vec<f64>>,
 }
 
 /// Spread of a number over the replicates of a bootstrap.

@@ -11,7 +11,8 @@ use crate::solver::Task;
 use crate::window::Window;
 use crate::{
     Candidate, Fit, FitQuantity, MassFit, Method, NonlinearFitOptions, Place, Sensor, SensorFit, SolveError,
-    elastoplastic_from_events, fit_nonlinear1, fit_nonlinear2, kelvin_from_events, masses, triple_masses,
+    bounds_remark, elastoplastic_from_events, fit_nonlinear1, fit_nonlinear2, kelvin_from_events, masses,
+    triple_masses,
 };
 
 /// Sets that are reported at most.
@@ -262,9 +263,7 @@ impl Report<'_> {
                 self.errors(&minimum.theta)?
             ));
         }
-        if !active_bounds.is_empty() {
-            notes.push(format!("on a bound, not determined by the record: {}", active_bounds.join(", ")));
-        }
+        notes.extend(bounds_remark(&model, &active_bounds));
         notes.extend(broken_side_constraints(&model));
         let of = |((mass, sensor), (observed, rmse)): (&(usize, Sensor<'_>), (&Observed, &f64))| SensorFit {
             channel: sensor.channel.to_owned(),

@@ -6,8 +6,9 @@ use crumple_signal::{Displacement, Notes, Signal};
 use super::{Extent, crush_of, extent_of, sensors};
 use crate::solver::Task;
 use crate::{
-    Candidate, Fit, NonlinearFitOptions, SolveError, Uncertainty, firefly_nonlinear2, fit_maxwell, fit_nonlinear1,
-    fit_nonlinear2, interior_point_nonlinear1, undetermined_by_the_record,
+    Candidate, Fit, NonlinearFitOptions, SolveError, Uncertainty, bounds_remark, conditions_at_crush,
+    firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2, interior_point_nonlinear1,
+    undetermined_by_the_record,
 };
 
 type Found = (Model, Fit, Option<Uncertainty>);
@@ -30,7 +31,8 @@ pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
         return sensors::fit(task, notes);
     }
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
-    fitted(task, &extent, notes, |x, options, remarks| {
+    let mut missed = None;
+    let found = fitted(task, &extent, notes, |x, options, remarks| {
         remarks.push(if extent.stops {
             "constrained to the dynamic crush and its time; k1 <= k2, c1 >= c2 >= c3".to_owned()
         } else {
@@ -38,8 +40,25 @@ pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
                 .to_owned()
         });
         let (model, fit) = fit_nonlinear1(x, options, extent.stops)?;
+        if let Some([crush, speed]) = conditions_at_crush(&model, options).filter(|found| extent.stops && !met(found)) {
+            missed = Some(format!(
+                "the conditions at dynamic crush are not met: crush {:.3} % off, speed {:.3} % of that at impact left",
+                100.0 * crush,
+                100.0 * speed
+            ));
+            remarks.extend(missed.clone());
+        }
         Ok((Model::Nonlinear1(model), fit, None))
-    })
+    });
+    if let Some(missed) = missed {
+        notes.warning(format!("{}: {missed}", task.model));
+    }
+    found
+}
+
+/// Whether the conditions at dynamic crush are met to what a fit under them is asked for.
+fn met(found: &[f64; 2]) -> bool {
+    found.iter().all(|condition| condition.abs() <= 1e-6)
 }
 
 /// The same as the paper finds it.
@@ -121,9 +140,7 @@ pub(super) fn fitted(
         notes.warning(format!("{kind}: {finding}"));
         remarks.push(finding);
     }
-    if !fit.active_bounds.is_empty() {
-        remarks.push(format!("on a bound, not determined by the record: {}", fit.active_bounds.join(", ")));
-    }
+    remarks.extend(bounds_remark(&model, &fit.active_bounds));
     Ok(vec![Candidate {
         model,
         method: task.method,
