@@ -117,8 +117,8 @@ pub fn run(
                 let Chosen { thin, lags } = found.chosen;
                 let beyond_again = BeyondEra { thin: thin.or(beyond.thin), ..beyond.clone() };
                 let hankel_again = hankel.map(|hankel| HankelSettings { lags: lags.or(hankel.lags), ..hankel.clone() });
-                let refit = |y: &[f64]| {
-                    let again = IoData::new(data.inputs().to_vec(), vec![y.to_vec()], data.sample_time_s()).ok()?;
+                let refit = |y: &[Vec<f64>]| {
+                    let again = IoData::new(data.inputs().to_vec(), y.to_vec(), data.sample_time_s()).ok()?;
                     Some(identify(method, order, &again, &beyond_again, hankel_again.as_ref()).ok()?.model)
                 };
                 let task = Task {

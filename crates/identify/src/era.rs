@@ -8,7 +8,7 @@ use crate::common_fit::{common_fit_percent, common_rmse};
 use crate::factors::{Decomposition, Factors, RANK_TOLERANCE, factorize};
 use crate::hankel::Hankel;
 use crate::markov::{MarkovParameters, markov_parameters};
-use crate::modal::{IdentifiedMode, modes};
+use crate::modal::{IdentifiedMode, modes, normalized};
 use crate::order::{GapOrder, order_by_gap};
 use crate::shift_form::{ShiftForm, state_matrix};
 use crate::shift_pair::{Shift, ShiftPair};
@@ -204,6 +204,27 @@ impl Realization {
     /// Number of states.
     pub fn order(&self) -> usize {
         self.discrete.order()
+    }
+
+    /// The same model of outputs in other units: each times its factor. Singular values stay those of the sequences that
+    /// were decomposed; there is no common root mean square error.
+    pub fn with_outputs_times(mut self, factors: &[f64]) -> Self {
+        let scale = |model: &mut StateSpace| {
+            for (i, factor) in factors.iter().enumerate().take(model.c.nrows()) {
+                model.c.row_mut(i).scale_mut(*factor);
+                model.d.row_mut(i).scale_mut(*factor);
+            }
+        };
+        scale(&mut self.discrete);
+        if let Ok(continuous) = &mut self.continuous {
+            scale(continuous);
+        }
+        for shape in &mut self.mode_shapes {
+            let entries = shape.take();
+            *shape = entries.and_then(|s| normalized(s.iter().zip(factors).map(|(x, factor)| x * *factor).collect()));
+        }
+        self.rmse = None;
+        self
     }
 }
 

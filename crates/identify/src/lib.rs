@@ -56,7 +56,9 @@ mod transfer_starts;
 mod vector_arx;
 
 pub use arx::{Arx, ArxOrder, arx, arx_scan};
-pub use bootstrap::{BandPoint, Bootstrap, BootstrapOptions, Sample, Spread, bootstrap, bootstrap_equation_errors};
+pub use bootstrap::{
+    BandPoint, Bootstrap, BootstrapOptions, Sample, Spread, bootstrap, bootstrap_equation_errors, bootstrap_outputs,
+};
 pub use caveats::{FilterEdge, caveats, mode_notes};
 pub use clusters::{PoleCluster, Quartiles};
 pub use compare::{FitMeasures, compare, fit_measures, simulate_fitted};
@@ -72,11 +74,11 @@ pub use information::InformationCriteria;
 pub use io_data::IoData;
 pub use least_squares::CONDITION_LIMIT;
 pub use markov::{MarkovParameters, markov_parameters};
-pub use modal::IdentifiedMode;
+pub use modal::{IdentifiedMode, mode_shapes};
 pub use mode_shape::{modal_assurance, phase_collinearity};
 pub use okid::{Criterion, Lags, Okid, OkidModel, OkidOptions, OkidRealization};
 pub use order::{GapOrder, order_by_gap};
-pub use order_scan::{era_order_scan, subspace_order_scan};
+pub use order_scan::{era_order_scan, era_order_scan_of, subspace_order_scan};
 pub use output_error::{OutputError, OutputErrorOptions, output_error};
 pub use propagation::response_deviations;
 pub use regularised_fir::{Fir, FirOptions, Hyperparameters, fir};

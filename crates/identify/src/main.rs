@@ -92,11 +92,11 @@ impl Stage for Identify {
     }
 }
 
-/// The channel asked for, else the crash pulse.
-fn channel<'a>(settings: &'a Settings, test: &'a TestDescription) -> anyhow::Result<&'a str> {
+/// The channel asked for, else the crash pulse; `hint` tells what to name where there is none.
+fn channel<'a>(settings: &'a Settings, test: &'a TestDescription, hint: &str) -> anyhow::Result<&'a str> {
     match &settings.channel {
         Some(id) => Ok(id),
-        None => Ok(&test.pulse_channel().refuse_with_hint("name one with --channel")?.id),
+        None => Ok(&test.pulse_channel().refuse_with_hint(hint)?.id),
     }
 }
 

@@ -42,11 +42,11 @@ pub struct Options {
     /// Number of samples to use, from the start of the window. Default: all.
     #[arg(long)]
     pub samples: Option<u32>,
-    /// Channel to identify from. Default: the crash pulse.
+    /// Waveform to identify from, of any quantity. Default: the crash pulse.
     #[arg(long)]
     pub channel: Option<String>,
-    /// Channels whose free motion is identified together by era and era-dc, separated by commas: one model with a shape
-    /// of every mode. Default: one channel.
+    /// Waveforms whose free motion is identified together by era and era-dc, separated by commas: one model with a shape
+    /// of every mode. Default: those of --outputs, else one channel.
     #[arg(long, value_delimiter = ',')]
     pub channels: Vec<String>,
     /// Start where the contact force has ended: "separation" (the time of the rebound velocity) or a share of the peak of
@@ -93,7 +93,8 @@ pub struct Options {
     /// Default: the crash pulse (deceleration).
     #[arg(long = "inputs", alias = "input-channels", value_delimiter = ',')]
     pub input_channels: Vec<String>,
-    /// Waveforms it answers with, e.g. 93/velocity; "exponentials" takes the first. Default: displacement of the crash pulse.
+    /// Waveforms it answers with, e.g. 93/velocity; "exponentials" takes the first. Default: displacement of the crash pulse
+    /// (era and era-dc: the crash pulse).
     #[arg(long = "outputs", alias = "output-channels", value_delimiter = ',')]
     pub output_channels: Vec<String>,
     /// Number of poles of a transfer function. Default: 4.
