@@ -428,7 +428,7 @@ pub(crate) fn decompose(
 
 /// Rows and columns: as given, else half of the parameters each; an odd one is left out, for a square matrix is
 /// symmetric.
-fn shape(parameters: usize, rows: Option<usize>, columns: Option<usize>) -> (usize, usize) {
+pub(crate) fn shape(parameters: usize, rows: Option<usize>, columns: Option<usize>) -> (usize, usize) {
     match (rows, columns) {
         (Some(rows), Some(columns)) => (rows, columns),
         (Some(rows), None) => (rows, parameters.saturating_sub(rows)),

@@ -139,7 +139,8 @@ pub struct Options {
     /// the record), acceleration (zero). Each needs the ones before. Default: none.
     #[arg(long, value_delimiter = ',')]
     pub conditions: Vec<String>,
-    /// Block rows of the subspace methods. Default: twice the order, 10 at least.
+    /// Block rows of the subspace methods, their horizon. Default: twice the lags that a regression on the past needs by
+    /// AICc (40 at most), twice the order and 10 at least.
     #[arg(long)]
     pub block_rows: Option<u32>,
     /// The subspace methods find poles from every n-th sample behind a low-pass filter; 1: from all. Default: as many as the

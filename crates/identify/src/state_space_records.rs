@@ -150,6 +150,8 @@ pub fn put(
     out.notes().extend(remarks);
     whole.notes = notes;
     whole.singular_values = found.singular_values.clone();
+    let rows = |block_rows: usize| u32::try_from(block_rows * record.answers.len()).ok();
+    whole.hankel_rows = found.chosen.block_rows.and_then(rows);
     let samples = record.data.samples();
     out.summary(format!("{id}: {} of {samples} samples{}", percent(whole.fit_percent), foretold(&supports)));
     out.put(&format!("/identification/{id}"), &whole)?;
