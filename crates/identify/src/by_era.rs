@@ -11,6 +11,7 @@ use crate::comparison::Comparison;
 use crate::hankel_settings::HankelSettings;
 use crate::input_output::{Cut, cuts, filter_edges};
 use crate::options::Settings;
+use crate::records_together::RecordsTogether;
 use crate::to_records::{Pass, put_model};
 use crate::{channel, diagram, paper};
 
@@ -85,7 +86,7 @@ fn together(
 /// Poles of all orders, for the stabilisation diagram.
 fn order_scan(task: &Task<'_>) -> Result<Vec<OrderPoles>, EraError> {
     let Task { method, settings, cuts, .. } = *task;
-    let records = Records::new(cuts);
+    let records = RecordsTogether::new(cuts);
     let highest = settings.max_order;
     if method == "era" {
         return era_order_scan_of(records.markov()?, highest, settings.rows, settings.columns);
@@ -107,53 +108,6 @@ fn order_scan(task: &Task<'_>) -> Result<Vec<OrderPoles>, EraError> {
             strengths: Vec::new(),
         })
         .collect())
-}
-
-/// The samples of waveforms as ERA is given them: of different quantities each divided by its root mean square, for
-/// sequences count by their size.
-struct Records<'a> {
-    cuts: &'a [Cut],
-    /// Divisors and the divided samples; empty where the quantity is one.
-    scales: Vec<f64>,
-    scaled: Vec<Vec<f64>>,
-}
-
-impl<'a> Records<'a> {
-    fn new(cuts: &'a [Cut]) -> Self {
-        if cuts.iter().all(|cut| cut.quantity == cuts[0].quantity) {
-            return Self { cuts, scales: Vec::new(), scaled: Vec::new() };
-        }
-        let scales: Vec<f64> = cuts.iter().map(|cut| root_mean_square(cut.sampled.samples())).collect();
-        let divided = |(cut, scale): (&Cut, &f64)| cut.sampled.samples().iter().map(|x| x / scale).collect();
-        let scaled = cuts.iter().zip(&scales).map(divided).collect();
-        Self { cuts, scales, scaled }
-    }
-
-    fn slices(&self) -> Vec<&[f64]> {
-        if self.scaled.is_empty() {
-            return self.cuts.iter().map(|cut| cut.sampled.samples()).collect();
-        }
-        self.scaled.iter().map(Vec::as_slice).collect()
-    }
-
-    fn markov(&self) -> Result<MarkovParameters<'_>, EraError> {
-        MarkovParameters::new(self.slices(), 1)
-    }
-
-    /// The model of the samples as they are.
-    fn unscaled(&self, model: Realization) -> Realization {
-        if self.scales.is_empty() { model } else { model.with_outputs_times(&self.scales) }
-    }
-}
-
-/// 1 for silence.
-fn root_mean_square(samples: &[f64]) -> f64 {
-    let largest = samples.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    if largest == 0.0 {
-        return 1.0;
-    }
-    let sum: f64 = samples.iter().map(|x| (x / largest).powi(2)).sum();
-    largest * (sum / samples.len() as f64).sqrt()
 }
 
 /// The realisations of the paper: each order from its own number of samples, as far as the record has them.
@@ -197,7 +151,7 @@ fn realize_all(
 ) -> anyhow::Result<Outcome> {
     let Task { method, settings, cuts, treated_as, remarks } = *task;
     let dt_s = cuts[0].sampled.dt_s();
-    let records = Records::new(cuts);
+    let records = RecordsTogether::new(cuts);
     let decomposed = match decompose(method, settings, records.slices(), dt_s, orders) {
         Err(error @ EraError::Silent { .. }) => {
             let names: Vec<&str> = cuts.iter().map(|cut| cut.id.as_str()).collect();
@@ -230,11 +184,7 @@ fn realize_all(
         // A Hankel matrix sized by the order asked for stays as it was.
         let of = if matches!(decomposed, Decomposed::Sized(_)) { order } else { found };
         let refit = |y: &[Vec<f64>]| {
-            let divided: Vec<Vec<f64>> = if records.scales.is_empty() {
-                y.to_vec()
-            } else {
-                y.iter().zip(&records.scales).map(|(y, scale)| y.iter().map(|x| x / scale).collect()).collect()
-            };
+            let divided = records.divided(y);
             let slices = divided.iter().map(Vec::as_slice).collect();
             Some(records.unscaled(decompose(method, settings, slices, dt_s, &[of]).ok()?.realize(found).ok()?))
         };

@@ -4,11 +4,12 @@ use crumple_lti::{LtiError, StateSpace, jacobi_svd};
 use nalgebra::{DMatrix, DVector};
 
 use crate::correlations::{CorrelationSize, Correlations};
-use crate::era::{Known, decompose, realization, shape};
+use crate::era::{decompose, shape};
 use crate::factors::Factors;
 use crate::input_matrices::grows;
 use crate::input_matrix::input_matrix_of;
 use crate::order::order_by_gap;
+use crate::realization::{Known, realization};
 use crate::shift_form::state_matrix;
 use crate::shift_pair::{Shift, ShiftPair};
 use crate::{EraError, EraOptions, MarkovParameters, Order, Realization};

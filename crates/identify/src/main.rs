@@ -16,6 +16,7 @@ mod input_output;
 mod judgement;
 mod options;
 mod paper;
+mod records_together;
 mod state_space_records;
 mod to_records;
 mod window_start;

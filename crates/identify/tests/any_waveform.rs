@@ -223,6 +223,26 @@ fn models_of_several_outputs_have_shapes_and_standard_deviations() {
 }
 
 #[test]
+fn the_horizon_of_a_subspace_model_is_chosen_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = artifact(folder.path(), &driven());
+    let of = |flags: &[&str]| {
+        let mut all = vec!["--methods=n4sid", "--inputs=u", "--outputs=11,12", "--orders=4"];
+        all.extend(flags);
+        let found: IdentificationV1 = run(&input, &all).record("/identification/n4sid-4").unwrap().unwrap();
+        found
+    };
+    let chosen = of(&[]);
+    let rows = chosen.hankel_rows.unwrap() / 2;
+    assert!(rows >= 10, "{chosen:?}");
+    let told = format!("horizon of {rows} block rows");
+    assert!(chosen.notes.iter().any(|note| note.contains(&told)), "{chosen:?}");
+    let given = of(&["--block-rows=17"]);
+    assert_eq!(given.hankel_rows, Some(34));
+    assert!(!given.notes.iter().any(|note| note.contains("horizon of")), "{given:?}");
+}
+
+#[test]
 fn missing_standard_deviations_have_a_reason() {
     let folder = tempfile::tempdir().unwrap();
     let input = artifact(folder.path(), &driven());
