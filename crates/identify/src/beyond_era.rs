@@ -122,8 +122,8 @@ impl BeyondEra {
             return Err(Usage::new("thin is 0, a positive number is needed"));
         }
         Ok(Self {
-            inputs: named("input", &options.input_channel, &options.input_channels)?,
-            outputs: named("output", &options.output_channel, &options.output_channels)?,
+            inputs: waveforms("input", &options.input_channel, &options.input_channels)?,
+            outputs: waveforms("output", &options.output_channel, &options.output_channels)?,
             poles: size(options.poles, 4),
             zeros: size(options.zeros, 1),
             hold: choice("hold", &options.hold, &["first-order", "zero-order"])?,
@@ -163,7 +163,7 @@ fn once(structures: &[ArxStructure]) -> Vec<ArxStructure> {
 }
 
 /// Waveforms named by the option of one or by that of several; each once.
-fn named(kind: &str, one: &Option<String>, several: &[String]) -> Result<Vec<String>, Usage> {
+pub fn waveforms(kind: &str, one: &Option<String>, several: &[String]) -> Result<Vec<String>, Usage> {
     if one.is_some() && !several.is_empty() {
         return Err(
             Usage::new(format!("{kind}_channel and {kind}_channels both name waveforms")).hint("keep one of them")

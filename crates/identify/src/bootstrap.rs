@@ -112,12 +112,26 @@ pub fn bootstrap(
     options: BootstrapOptions,
     refit: impl Fn(&[f64]) -> Option<Sample> + Sync,
 ) -> Option<Bootstrap> {
-    let noise = ResidualNoise::new(residual, parameters, options.resampling, options.seed);
+    bootstrap_outputs(model, &[simulated.to_vec()], &[residual.to_vec()], parameters, options, |y| refit(&y[0]))
+}
+
+/// The same for several outputs: their noise is drawn together, so that what residuals have in common stays common.
+pub fn bootstrap_outputs(
+    model: &Sample,
+    simulated: &[Vec<f64>],
+    residuals: &[Vec<f64>],
+    parameters: usize,
+    options: BootstrapOptions,
+    refit: impl Fn(&[Vec<f64>]) -> Option<Sample> + Sync,
+) -> Option<Bootstrap> {
+    let noises = ResidualNoise::together(residuals, parameters, options.resampling, options.seed);
     let samples: Vec<Sample> = (0..options.replicates)
         .into_par_iter()
         .map(|index| {
-            let output: Vec<f64> = simulated.iter().zip(noise.replicate(index)).map(|(y, e)| y + e).collect();
-            refit(&output)
+            let with_noise = |(simulated, noise): (&Vec<f64>, &ResidualNoise)| {
+                simulated.iter().zip(noise.replicate(index)).map(|(y, e)| y + e).collect()
+            };
+            refit(&simulated.iter().zip(&noises).map(with_noise).collect::<Vec<Vec<f64>>>())
         })
         .collect::<Vec<_>>()
         .into_iter()
@@ -140,7 +154,7 @@ pub fn bootstrap(
     Some(Bootstrap {
         replicates: samples.len(),
         failed: options.replicates - samples.len(),
-        noise: noise.describe(),
+        noise: noises.first()?.describe(),
         frequency: spread(&poles, p, &|s| Some(s.norm())),
         damping: spread(&poles, p, &|s| Mode::continuous(s).damping_ratio),
         zero_re: spread(&zeros, z, &|s| Some(s.re)),

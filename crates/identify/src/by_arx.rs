@@ -90,8 +90,8 @@ pub fn run(
         match of_structure(order, &data).and_then(|found| simulated(found, &data)) {
             Ok((simulated, mut found)) => {
                 found.notes.extend(remark.iter().filter(|(best, _)| *best == order).map(|(_, text)| text.clone()));
-                let refit = |y: &[f64]| {
-                    let again = IoData::new(data.inputs().to_vec(), vec![y.to_vec()], data.sample_time_s()).ok()?;
+                let refit = |y: &[Vec<f64>]| {
+                    let again = IoData::new(data.inputs().to_vec(), y.to_vec(), data.sample_time_s()).ok()?;
                     Some(of_structure(order, &again).ok()?.model)
                 };
                 let task = Task {

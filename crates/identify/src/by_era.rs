@@ -1,15 +1,17 @@
 //! The methods `era` and `era-dc`: records taken for impulse responses.
 
 use crumple_identify::{
-    Era, EraDc, EraDcOptions, EraError, EraOptions, MarkovParameters, Order, Realization, caveats, era_order_scan,
+    Era, EraDc, EraDcOptions, EraError, EraOptions, MarkovParameters, Order, OrderPoles, Realization, caveats,
+    era_order_scan_of,
 };
-use crumple_signal::{Acceleration, TestDescription};
+use crumple_signal::{QuantityKind, TestDescription};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 
 use crate::comparison::Comparison;
 use crate::hankel_settings::HankelSettings;
-use crate::input_output::{Cut, filter_edges};
+use crate::input_output::{Cut, cuts, filter_edges};
 use crate::options::Settings;
+use crate::records_together::RecordsTogether;
 use crate::to_records::{Pass, put_model};
 use crate::{channel, diagram, paper};
 
@@ -33,16 +35,23 @@ pub fn run(
     comparison: &mut Comparison,
     out: &mut Output,
 ) -> anyhow::Result<Outcome> {
-    let several = settings.hankel.as_ref().map_or(&[][..], |hankel| &hankel.channels);
-    let channels: Vec<&str> =
-        if several.is_empty() { vec![channel(settings, test)?] } else { several.iter().map(String::as_str).collect() };
-    let cuts = cuts(&channels, settings, test, inputs)?;
+    let channels = match &settings.hankel {
+        Some(hankel) if !hankel.channels.is_empty() => hankel.channels.clone(),
+        _ => vec![channel(settings, test, "name the waveform with --outputs")?.to_owned()],
+    };
     let names = channels.join(", ");
+    let cuts = together(channels, settings, test, inputs)?;
     let free = settings.hankel.as_ref().is_some_and(|hankel| hankel.free_decay_share.is_some());
     let treated_as = if free { "free-decay" } else { "impulse-response" };
     if !free {
+        let pulse = cuts.iter().any(|cut| cut.quantity == QuantityKind::Acceleration);
         out.notes().info(format!(
-            "{method}: the record of {names} is taken for an impulse response; of a crash pulse the strongest poles are often those of its filter and of its shape, not of the car"
+            "{method}: the record of {names} is taken for an impulse response{}",
+            if pulse {
+                "; of a crash pulse the strongest poles are often those of its filter and of its shape, not of the car"
+            } else {
+                ""
+            }
         ));
     }
     let task = Task { method, settings, cuts: &cuts, treated_as, remarks: &[] };
@@ -50,36 +59,55 @@ pub fn run(
         return by_paper(&task, comparison, out);
     }
     if let Some(wanted) = &settings.stabilisation {
-        match &cuts[..] {
-            [cut] if method == "era" => {
-                match era_order_scan(cut.sampled.samples(), settings.max_order, settings.rows, settings.columns) {
-                    Ok(models) => diagram::put(method, &names, &models, cut.sampled.dt_s(), wanted, out)?,
-                    Err(error) => out.notes().warning(format!("{method}: no stabilisation diagram: {error}")),
-                }
-            }
-            _ => out.notes().info(format!(
-                "{method}: no stabilisation diagram: it is drawn for era of one channel and for the subspace methods"
-            )),
+        match order_scan(&task) {
+            Ok(models) => diagram::put(method, &names, &models, cuts[0].sampled.dt_s(), wanted, out)?,
+            Err(error) => out.notes().warning(format!("{method}: no stabilisation diagram: {error}")),
         }
     }
     let orders: Vec<Order> = settings.orders.iter().map(|order| order.0).collect();
-    realize_all(&task, &orders, comparison, out)
+    realize_all(&task, &orders, &mut Vec::new(), comparison, out)
 }
 
-/// The window of every channel. Errors: not accelerations, not sampled together.
-fn cuts(channels: &[&str], settings: &Settings, test: &TestDescription, inputs: &Inputs) -> anyhow::Result<Vec<Cut>> {
-    let mut cuts: Vec<Cut> = Vec::with_capacity(channels.len());
-    for channel in channels {
-        let wave = inputs.wave(channel)?;
-        wave.signal::<Acceleration>().refuse_with_hint("name an accelerometer with --channel")?;
-        let next = Cut::new((*channel).to_owned(), wave, settings, test, inputs)?;
-        if let Some(first) = cuts.first() {
-            let hint = "name channels of one time base with --channels, or a window that all have";
-            first.together_with(&next, hint)?;
-        }
-        cuts.push(next);
+/// The window of every waveform. Errors: not sampled together.
+fn together(
+    ids: Vec<String>,
+    settings: &Settings,
+    test: &TestDescription,
+    inputs: &Inputs,
+) -> anyhow::Result<Vec<Cut>> {
+    let cuts = cuts(ids, settings, test, inputs)?;
+    for next in &cuts[1..] {
+        let hint = "name channels of one time base with --channels, or a window that all have";
+        cuts[0].together_with(next, hint)?;
     }
     Ok(cuts)
+}
+
+/// Poles of all orders, for the stabilisation diagram.
+fn order_scan(task: &Task<'_>) -> Result<Vec<OrderPoles>, EraError> {
+    let Task { method, settings, cuts, .. } = *task;
+    let records = RecordsTogether::new(cuts);
+    let highest = settings.max_order;
+    if method == "era" {
+        return era_order_scan_of(records.markov()?, highest, settings.rows, settings.columns);
+    }
+    let orders = [Order::Given(highest)];
+    let era = decompose(method, settings, records.slices(), cuts[0].sampled.dt_s(), &orders)?;
+    let several = cuts.len() > 1;
+    // What one order does not allow, no higher one does.
+    let models = (2..=highest).step_by(2).map_while(|order| era.realize(Order::Given(order)).ok());
+    Ok(models
+        .map(|model| OrderPoles {
+            order: model.order(),
+            poles: model.modes.iter().map(|mode| mode.discrete_pole).collect(),
+            shapes: if several {
+                model.mode_shapes.into_iter().map(Option::unwrap_or_default).collect()
+            } else {
+                Vec::new()
+            },
+            strengths: Vec::new(),
+        })
+        .collect())
 }
 
 /// The realisations of the paper: each order from its own number of samples, as far as the record has them.
@@ -87,6 +115,8 @@ fn by_paper(task: &Task<'_>, comparison: &mut Comparison, out: &mut Output) -> a
     let remarks = paper::remarks("era");
     remarks.iter().for_each(|remark| out.notes().info(*remark));
     let mut outcome = Outcome::Done;
+    // A window shorter than the samples of two runs makes one of them.
+    let mut written = Vec::new();
     for (order, samples) in paper::ERA_RUNS {
         let shorter: Vec<Cut> = task
             .cuts
@@ -103,7 +133,7 @@ fn by_paper(task: &Task<'_>, comparison: &mut Comparison, out: &mut Output) -> a
         if found < samples {
             out.notes().info(format!("paper era: the window has {found} samples, not {samples}"));
         }
-        match realize_all(&Task { cuts: &shorter, remarks, ..*task }, &[order], comparison, out)? {
+        match realize_all(&Task { cuts: &shorter, remarks, ..*task }, &[order], &mut written, comparison, out)? {
             Outcome::Done => {}
             other => outcome = other,
         }
@@ -111,17 +141,18 @@ fn by_paper(task: &Task<'_>, comparison: &mut Comparison, out: &mut Output) -> a
     Ok(outcome)
 }
 
-/// Models of several orders from one decomposition.
+/// Models of several orders from one decomposition; `written` are orders and samples of those that are there already.
 fn realize_all(
     task: &Task<'_>,
     orders: &[Order],
+    written: &mut Vec<(usize, usize)>,
     comparison: &mut Comparison,
     out: &mut Output,
 ) -> anyhow::Result<Outcome> {
     let Task { method, settings, cuts, treated_as, remarks } = *task;
     let dt_s = cuts[0].sampled.dt_s();
-    let samples: Vec<&[f64]> = cuts.iter().map(|cut| cut.sampled.samples()).collect();
-    let decomposed = match decompose(method, settings, samples, dt_s, orders) {
+    let records = RecordsTogether::new(cuts);
+    let decomposed = match decompose(method, settings, records.slices(), dt_s, orders) {
         Err(error @ EraError::Silent { .. }) => {
             let names: Vec<&str> = cuts.iter().map(|cut| cut.id.as_str()).collect();
             return Ok(Outcome::NoAcceptableResult(format!("channel {}: {error}", names.join(", "))));
@@ -130,28 +161,33 @@ fn realize_all(
             result.refuse_with_hint("widen the window (--from, --to, --samples), or lower --rows and --columns")?
         }
     };
-    let mut written: Vec<usize> = Vec::new();
+    let before = written.len();
     let mut first_failure = None;
     for &order in orders {
         let model = match realize(&decomposed, order, out) {
-            Ok(model) => model,
+            Ok(model) => records.unscaled(model),
             Err(error) => {
                 out.notes().warning(error.to_string());
                 first_failure.get_or_insert(error);
                 continue;
             }
         };
-        if written.contains(&model.order()) {
+        let made = (model.order(), cuts[0].sampled.len());
+        if written.contains(&made) {
             continue;
         }
-        written.push(model.order());
+        written.push(made);
         let mut notes = caveats(&model, filter_edges(cuts));
         out.notes().extend(notes.clone());
         remarks.iter().for_each(|remark| notes.info(*remark));
         let found = Order::Given(model.order());
         // A Hankel matrix sized by the order asked for stays as it was.
         let of = if matches!(decomposed, Decomposed::Sized(_)) { order } else { found };
-        let refit = |y: &[f64]| decompose(method, settings, vec![y], dt_s, &[of]).ok()?.realize(found).ok();
+        let refit = |y: &[Vec<f64>]| {
+            let divided = records.divided(y);
+            let slices = divided.iter().map(Vec::as_slice).collect();
+            Some(records.unscaled(decompose(method, settings, slices, dt_s, &[of]).ok()?.realize(found).ok()?))
+        };
         let pass = Pass {
             method,
             cuts,
@@ -162,7 +198,7 @@ fn realize_all(
         };
         put_model(&model, &pass, &notes, comparison, out)?;
     }
-    if let Some(error) = first_failure.filter(|_| written.is_empty()) {
+    if let Some(error) = first_failure.filter(|_| written.len() == before) {
         return Err(error).refuse_with_hint("lower --orders, or widen the window (--from, --to, --samples)");
     }
     Ok(Outcome::Done)

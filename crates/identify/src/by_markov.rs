@@ -51,7 +51,7 @@ pub fn okid(order: usize, data: &IoData, settings: &HankelSettings) -> Result<Fo
         singular_values: found.singular_values.iter().map(|(s, _)| *s).collect(),
         notes,
         beside: vec![("predictor", predictor)],
-        chosen: Chosen { thin: None, lags: Some(okid.lags) },
+        chosen: Chosen { lags: Some(okid.lags), ..Chosen::default() },
         ..Found::new(found.model, order * (width + 1) + data.inputs().len() * data.outputs().len())
     })
 }

@@ -1,8 +1,8 @@
 //! The discrete methods with an input: subspace, ARX, output error, and through Markov parameters OKID and FIR.
 
 use crumple_identify::{
-    IdentifyError, IoData, Order, Subspace, SubspaceOptions, Weighting, automatic_thinning, subspace_order_scan,
-    thinned,
+    Horizons, IdentifyError, IoData, Order, Subspace, SubspaceModel, SubspaceOptions, Weighting, automatic_thinning,
+    horizons, simulate_fitted, subspace_order_scan, thinned,
 };
 use crumple_lti::{Complex, StateSpace};
 use crumple_signal::TestDescription;
@@ -23,6 +23,9 @@ use crate::{by_arx, by_output_error};
 
 /// The order where it is left to the method, which does not choose one.
 const AUTOMATIC_ORDER: usize = 4;
+
+/// Block rows of past and future, at least.
+const SHORTEST_HORIZON: usize = 10;
 
 /// Samples that a thinned record keeps at least, in units of what its factorisation needs.
 const KEPT: usize = 2;
@@ -63,6 +66,8 @@ pub struct Chosen {
     pub thin: Option<usize>,
     /// Past samples that the observer sees.
     pub lags: Option<usize>,
+    /// Block rows of the subspace methods.
+    pub block_rows: Option<usize>,
 }
 
 impl Found {
@@ -121,11 +126,12 @@ pub fn run(
                         .notes
                         .push(format!("the input acts {} samples late; the model itself has no delay", beyond.delay));
                 }
-                let Chosen { thin, lags } = found.chosen;
-                let beyond_again = BeyondEra { thin: thin.or(beyond.thin), ..beyond.clone() };
+                let Chosen { thin, lags, block_rows } = found.chosen;
+                let block_rows = block_rows.or(beyond.block_rows);
+                let beyond_again = BeyondEra { thin: thin.or(beyond.thin), block_rows, ..beyond.clone() };
                 let hankel_again = hankel.map(|hankel| HankelSettings { lags: lags.or(hankel.lags), ..hankel.clone() });
-                let refit = |y: &[f64]| {
-                    let again = IoData::new(data.inputs().to_vec(), vec![y.to_vec()], data.sample_time_s()).ok()?;
+                let refit = |y: &[Vec<f64>]| {
+                    let again = IoData::new(data.inputs().to_vec(), y.to_vec(), data.sample_time_s()).ok()?;
                     Some(identify(method, order, &again, &beyond_again, hankel_again.as_ref()).ok()?.model)
                 };
                 let task = Task {
@@ -184,10 +190,12 @@ fn put_diagram(
     wanted: &Stabilisation,
     out: &mut Output,
 ) -> anyhow::Result<()> {
-    let block_rows = beyond.block_rows.unwrap_or(max_order + 2);
-    let every = thinning(beyond, block_rows, data);
+    let shortest = max_order + 2;
+    let every = thinning(beyond, beyond.block_rows.unwrap_or(shortest), data);
     let thin = if every > 1 { thinned(data, every) } else { Ok(data.clone()) };
     let models = thin.and_then(|thin| {
+        let block_rows =
+            beyond.block_rows.or_else(|| horizons(&thin, shortest).block_rows.last().copied()).unwrap_or(shortest);
         let subspace = Subspace::new(&thin, SubspaceOptions { weighting, block_rows, direct: true })?;
         Ok((subspace_order_scan(&subspace, max_order), thin.sample_time_s()))
     });
@@ -221,41 +229,85 @@ fn identify(
         "output-error" => by_output_error::of_order(order, data, beyond),
         name => {
             let weighting = weighting(name).unwrap_or(Weighting::N4sid);
-            let block_rows = beyond.block_rows.unwrap_or((2 * order).max(10));
-            let every = thinning(beyond, block_rows, data);
+            let shortest = (2 * order).max(SHORTEST_HORIZON);
+            let every = thinning(beyond, beyond.block_rows.unwrap_or(shortest), data);
+            let thin = if every > 1 { Some(thinned(data, every)?) } else { None };
             let mut notes = Vec::new();
-            let options = SubspaceOptions { weighting, block_rows, direct: true };
-            let mut warn = |subspace: &Subspace<'_>| {
-                let (excited, full) = subspace.excitation();
-                if excited < full {
-                    notes.push(format!(
-                        "warning: the input is worth {excited} of {full} independent ones: it follows from its own past, so driven and free motion cannot be told apart and the poles mean little; take tfest, or --inputs none for a free motion"
-                    ));
-                }
-                subspace.singular_values().to_vec()
+            let Horizons { block_rows: candidates, lags } = match beyond.block_rows {
+                Some(given) => Horizons { block_rows: vec![given], lags: None },
+                None => horizons(thin.as_ref().unwrap_or(data), shortest),
             };
-            let (singular_values, found) = if every > 1 {
-                let thin = thinned(data, every)?;
-                let subspace = Subspace::new(&thin, options)?;
-                let result = (warn(&subspace), subspace.realize_on(order, data)?);
+            let mut results = Vec::with_capacity(candidates.len());
+            for &block_rows in &candidates {
+                let options = SubspaceOptions { weighting, block_rows, direct: true };
+                results.push(of_horizon(options, order, data, thin.as_ref()));
+            }
+            let results = results.into_iter();
+            // The shortest of several that simulate alike; if none leads to a model, why the shortest does not.
+            let best = results.reduce(|best, next| if losses(&next) < losses(&best) { next } else { best });
+            let OfHorizon { block_rows, subspace: (singular_values, (excited, full)), found, .. } =
+                best.ok_or(IdentifyError::OrderZero)??;
+            if beyond.block_rows.is_none() {
+                notes.push(match lags {
+                    Some(lags) => format!(
+                        "horizon of {block_rows} block rows: of {candidates:?} the one whose model simulates best; a regression on the past needs {lags} lags by BIC"
+                    ),
+                    None => format!("horizon of {block_rows} block rows: twice the order, {SHORTEST_HORIZON} at least"),
+                });
+            }
+            if excited < full {
                 notes.push(format!(
-                    "poles from every {every}th sample behind a low-pass filter ({} samples of {:.4e} s), inputs and initial state from all: {block_rows} block rows of the whole record are too short a horizon",
+                    "warning: the input is worth {excited} of {full} independent ones: it follows from its own past, so driven and free motion cannot be told apart and the poles mean little; take tfest, or --inputs none for a free motion"
+                ));
+            }
+            if let Some(thin) = &thin {
+                notes.push(format!(
+                    "poles from every {every}th sample behind a low-pass filter ({} samples of {:.4e} s), inputs and initial state from all: as many block rows of the whole record are too short a horizon",
                     thin.samples(),
                     thin.sample_time_s()
                 ));
-                result
-            } else {
-                let subspace = Subspace::new(data, options)?;
-                (warn(&subspace), subspace.realize(order)?)
-            };
+            }
             if found.reflected_poles > 0 {
                 notes.push(format!(
                     "warning: {} growing poles were mirrored at the unit circle so that the model can be simulated",
                     found.reflected_poles
                 ));
             }
-            let chosen = Chosen { thin: Some(every), lags: None };
+            let chosen = Chosen { thin: Some(every), lags: None, block_rows: Some(block_rows) };
             Ok(Found { singular_values, notes, chosen, ..Found::new(found.model, order * (m + q + 1) + m * q) })
         }
     }
+}
+
+/// A subspace model of one horizon.
+struct OfHorizon {
+    block_rows: usize,
+    /// Singular values, and of how many independent inputs the record has how many.
+    subspace: (Vec<f64>, (usize, usize)),
+    found: SubspaceModel,
+    /// Squares of the simulation errors over those of the outputs, summed over outputs.
+    loss: f64,
+}
+
+fn of_horizon(
+    options: SubspaceOptions,
+    order: usize,
+    data: &IoData,
+    thin: Option<&IoData>,
+) -> Result<OfHorizon, IdentifyError> {
+    let subspace = Subspace::new(thin.unwrap_or(data), options)?;
+    let found = if thin.is_some() { subspace.realize_on(order, data)? } else { subspace.realize(order)? };
+    let (simulated, _) = simulate_fitted(&found.model, data)?;
+    let relative = |(y, yh): (&Vec<f64>, &Vec<f64>)| {
+        let error: f64 = y.iter().zip(yh).map(|(y, yh)| (y - yh).powi(2)).sum();
+        error / y.iter().map(|y| y * y).sum::<f64>().max(f64::MIN_POSITIVE)
+    };
+    let loss = data.outputs().iter().zip(&simulated).map(relative).sum();
+    let known = (subspace.singular_values().to_vec(), subspace.excitation());
+    Ok(OfHorizon { block_rows: options.block_rows, subspace: known, found, loss })
+}
+
+/// Infinite without a model.
+fn losses(result: &Result<OfHorizon, IdentifyError>) -> f64 {
+    result.as_ref().map_or(f64::INFINITY, |found| found.loss)
 }

@@ -1,15 +1,14 @@
 //! The eigensystem realization algorithm.
 
-use crumple_lti::{Complex, LtiError, StateSpace, undo_zero_order_hold};
-use crumple_metrics::fit_percent;
+use crumple_lti::{LtiError, StateSpace};
 use nalgebra::{DMatrix, DVector};
 
-use crate::common_fit::{common_fit_percent, common_rmse};
-use crate::factors::{Decomposition, Factors, RANK_TOLERANCE, factorize};
+use crate::EraError;
+use crate::factors::{Factors, factorize};
 use crate::hankel::Hankel;
-use crate::markov::{MarkovParameters, markov_parameters};
-use crate::modal::{IdentifiedMode, modes};
+use crate::markov::MarkovParameters;
 use crate::order::{GapOrder, order_by_gap};
+use crate::realization::{Known, Realization, realization};
 use crate::shift_form::{ShiftForm, state_matrix};
 use crate::shift_pair::{Shift, ShiftPair};
 
@@ -60,150 +59,6 @@ impl EraOptions {
     pub fn twice_the_order(self, order: usize) -> Self {
         let size = Some(order.saturating_mul(2));
         Self { order: Order::Given(order), rows: size, columns: size, ..self }
-    }
-}
-
-/// Why there is no model.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum EraError {
-    /// Sequences that do not pair outputs with inputs.
-    #[error("{sequences} sequences of Markov parameters are not those of {inputs} inputs")]
-    Sequences {
-        /// How many.
-        sequences: usize,
-        /// Number of inputs.
-        inputs: usize,
-    },
-    /// Sequences of different lengths.
-    #[error("sequence {} has {found} samples, the first has {expected}", number + 1)]
-    Lengths {
-        /// Which, from 0.
-        number: usize,
-        /// Its length.
-        found: usize,
-        /// Length of the first.
-        expected: usize,
-    },
-    /// A sample is NaN or infinite.
-    #[error("sample {index} is not a finite number")]
-    NotFinite {
-        /// Its index.
-        index: usize,
-    },
-    /// Everything after the first sample is zero.
-    #[error("all {samples} samples after the first are zero: there is no motion to identify")]
-    Silent {
-        /// How many.
-        samples: usize,
-    },
-    /// Fewer Markov parameters than the Hankel pair holds.
-    #[error("{parameters} Markov parameters, but a {rows}x{columns} Hankel pair needs {}", rows + columns)]
-    TooShort {
-        /// Samples after the first.
-        parameters: usize,
-        /// Rows of the Hankel matrix.
-        rows: usize,
-        /// Columns.
-        columns: usize,
-    },
-    /// Fewer Markov parameters than the correlations take.
-    #[error(
-        "{parameters} Markov parameters, but correlations of {rows}x{columns} Hankel matrices over {lags} lags need {}",
-        rows + (*columns).max(1) + lags
-    )]
-    TooShortForCorrelations {
-        /// Samples after the first.
-        parameters: usize,
-        /// Rows of the Hankel matrices.
-        rows: usize,
-        /// Columns.
-        columns: usize,
-        /// The offset and twice the lag blocks.
-        lags: usize,
-    },
-    /// More states than rows or columns.
-    #[error("order {order} needs at least {order} rows and columns, the Hankel matrix is {rows}x{columns}")]
-    OrderAboveSize {
-        /// The order asked for.
-        order: usize,
-        /// Rows.
-        rows: usize,
-        /// Columns.
-        columns: usize,
-    },
-    /// More states than the record shows.
-    #[error("order {order} exceeds the numerical rank {rank} (σ[{rank}]/σ[0] < {RANK_TOLERANCE:.0e})")]
-    OrderAboveRank {
-        /// The order asked for.
-        order: usize,
-        /// Number of singular values above rounding.
-        rank: usize,
-    },
-    /// A model without states.
-    #[error("order 0 is no model")]
-    OrderZero,
-    /// The singular value decomposition did not settle.
-    #[error(
-        "the singular values of the {rows}x{columns} Hankel matrix did not converge in {steps} steps; use a lower order, or fewer rows and columns"
-    )]
-    NotConverged {
-        /// Rows.
-        rows: usize,
-        /// Columns.
-        columns: usize,
-        /// Steps taken.
-        steps: usize,
-    },
-    /// The shift of the observability matrix determines no state matrix.
-    #[error("the {form} form determines no state matrix of order {order}; lower the order, or use the form {}", ShiftForm::Hankel.name())]
-    NoShift {
-        /// The order asked for.
-        order: usize,
-        /// Name of the form.
-        form: &'static str,
-    },
-    /// The realised matrices cannot be analysed.
-    #[error(transparent)]
-    System(#[from] LtiError),
-}
-
-/// A model realised from a record, with the evidence for it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Realization {
-    /// Sampled model, balanced: `|b| = |c|` for a symmetric Hankel matrix. `d` is the first sample.
-    pub discrete: StateSpace,
-    /// The continuous model that it samples with a zero-order hold; or why there is none (a negative real pole has no
-    /// continuous counterpart: the order is too high, or the record is noise).
-    pub continuous: Result<StateSpace, LtiError>,
-    /// Poles sorted by `|Im|`, then `Re`, with their evidence.
-    pub modes: Vec<IdentifiedMode>,
-    /// Shape of each mode: what every output shows of it, the largest entry 1; `None` if the model has multiple poles.
-    pub mode_shapes: Vec<Option<Vec<Complex>>>,
-    /// Leading singular values of `H0`, largest first. More exist unless the decomposition was dense.
-    pub singular_values: Vec<f64>,
-    /// Bound of the error of each: rounding for those that converged, up to 3 % of themselves for the last.
-    pub singular_value_errors: Vec<f64>,
-    /// How they were computed.
-    pub decomposition: Decomposition,
-    /// Rows of the Hankel matrix.
-    pub rows: usize,
-    /// Its columns.
-    pub columns: usize,
-    /// Fit of the impulse response to all samples of all sequences; `None` for constant records or an overflowing
-    /// response.
-    pub fit_percent: Option<f64>,
-    /// The same for every sequence alone.
-    pub sequence_fits_percent: Vec<Option<f64>>,
-    /// Root mean square error of the impulse response, unit of the record; `None` if it overflows.
-    pub rmse: Option<f64>,
-    /// Where the order came from; `None`: it was given.
-    pub chosen: Option<GapOrder>,
-}
-
-impl Realization {
-    /// Number of states.
-    pub fn order(&self) -> usize {
-        self.discrete.order()
     }
 }
 
@@ -339,48 +194,6 @@ impl<'a> Era<'a> {
     }
 }
 
-/// What a decomposition knows before there is a model.
-pub(crate) struct Known {
-    /// With bounds of their errors.
-    pub(crate) singular_values: Vec<(f64, f64)>,
-    pub(crate) decomposition: Decomposition,
-    pub(crate) rows: usize,
-    pub(crate) columns: usize,
-    pub(crate) chosen: Option<GapOrder>,
-}
-
-/// Analyses a realised model: modes with their evidence, the continuous model, the fit to the parameters it came from.
-pub(crate) fn realization(
-    discrete: StateSpace,
-    markov: &MarkovParameters<'_>,
-    controllability: &DMatrix<f64>,
-    terms: usize,
-    known: Known,
-) -> Result<Realization, EraError> {
-    let poles = discrete.poles()?;
-    let dt = discrete.sample_time_s.unwrap_or(1.0);
-    let (modes, mode_shapes) = modes(&discrete, &poles, dt, controllability, terms);
-    let response = markov_parameters(&discrete, markov.samples());
-    let pairs: Vec<(&[f64], &[f64])> =
-        markov.sequences().iter().zip(&response).map(|(y, model)| (*y, model.as_slice())).collect();
-    let (singular_values, singular_value_errors) = known.singular_values.into_iter().unzip();
-    Ok(Realization {
-        continuous: undo_zero_order_hold(&discrete),
-        modes,
-        mode_shapes,
-        singular_values,
-        singular_value_errors,
-        decomposition: known.decomposition,
-        rows: known.rows,
-        columns: known.columns,
-        fit_percent: common_fit_percent(&pairs),
-        sequence_fits_percent: pairs.iter().map(|(y, model)| fit_percent(y, model)).collect(),
-        rmse: common_rmse(&pairs),
-        chosen: known.chosen,
-        discrete,
-    })
-}
-
 /// Leading singular triplets of the first of the pair, and `U' H1 V`: for orders up to `given`, and up to the order by
 /// the gap rule if a highest order for that is stated.
 pub(crate) fn decompose(
@@ -407,7 +220,7 @@ pub(crate) fn decompose(
 
 /// Rows and columns: as given, else half of the parameters each; an odd one is left out, for a square matrix is
 /// symmetric.
-fn shape(parameters: usize, rows: Option<usize>, columns: Option<usize>) -> (usize, usize) {
+pub(crate) fn shape(parameters: usize, rows: Option<usize>, columns: Option<usize>) -> (usize, usize) {
     match (rows, columns) {
         (Some(rows), Some(columns)) => (rows, columns),
         (Some(rows), None) => (rows, parameters.saturating_sub(rows)),

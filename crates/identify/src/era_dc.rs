@@ -4,11 +4,12 @@ use crumple_lti::{LtiError, StateSpace, jacobi_svd};
 use nalgebra::{DMatrix, DVector};
 
 use crate::correlations::{CorrelationSize, Correlations};
-use crate::era::{Known, decompose, realization};
+use crate::era::{decompose, shape};
 use crate::factors::Factors;
 use crate::input_matrices::grows;
 use crate::input_matrix::input_matrix_of;
 use crate::order::order_by_gap;
+use crate::realization::{Known, realization};
 use crate::shift_form::state_matrix;
 use crate::shift_pair::{Shift, ShiftPair};
 use crate::{EraError, EraOptions, MarkovParameters, Order, Realization};
@@ -16,8 +17,9 @@ use crate::{EraError, EraOptions, MarkovParameters, Order, Realization};
 /// Settings of [`EraDc`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EraDcOptions {
-    /// Settings shared with [`Era`](crate::Era). `rows` are those of the Hankel matrices that are correlated, by default a
-    /// tenth of the record, 50 at most; `columns`, over which the correlations sum, by default what is left.
+    /// Settings shared with [`Era`](crate::Era). `rows` are those of the Hankel matrices that are correlated, `columns` what
+    /// the correlations sum over: by default half each of what the lags leave of the record, as in ERA. In noise fewer
+    /// rows lose much and more columns gain nothing (50 rows of 500 to 3000: two to five times the pole error).
     pub era: EraOptions,
     /// Lag of the first correlation, samples. 0: none is left out. From `rows` on no correlation has white noise in it,
     /// at the price of a decayed signal.
@@ -32,9 +34,6 @@ impl EraDcOptions {
         Self { era: EraOptions::new(sample_time_s), offset: 0, lag_blocks: 10 }
     }
 }
-
-/// Largest default number of rows.
-const DEFAULT_ROWS: usize = 50;
 
 /// A record's correlations, decomposed, from which models of several orders follow at little cost.
 ///
@@ -68,8 +67,7 @@ impl<'a> EraDc<'a> {
         }
         let parameters = markov.samples().saturating_sub(1);
         let lags = options.lag_blocks.saturating_mul(2).saturating_add(options.offset);
-        let rows = opt.rows.unwrap_or((parameters / 10).clamp(1, DEFAULT_ROWS));
-        let columns = opt.columns.unwrap_or(parameters.saturating_sub(rows.saturating_add(lags)));
+        let (rows, columns) = shape(parameters.saturating_sub(lags), opt.rows, opt.columns);
         let size = CorrelationSize { rows, columns, offset: options.offset, lag_blocks: options.lag_blocks };
         let needed = size.parameters();
         if rows == 0 || columns == 0 || needed > parameters {

@@ -4,6 +4,7 @@ use crumple_identify::{Kernel, ShiftForm};
 use crumple_stage::Usage;
 use serde::Serialize;
 
+use crate::beyond_era::waveforms;
 use crate::options::{Options, unknown};
 
 /// Criteria for the number of lags.
@@ -12,7 +13,7 @@ const CRITERIA: [&str; 2] = ["aicc", "bic"];
 /// What `era-dc`, `okid` and `fir` need, and what is unusual about `era`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HankelSettings {
-    /// Free decays on several sensors; empty: one channel.
+    /// Waveforms that `era` and `era-dc` take together; empty: the one of `--channel`, else the pulse.
     pub channels: Vec<String>,
     /// Form of the shift equation.
     pub shift_form: String,
@@ -48,20 +49,15 @@ impl HankelSettings {
         if options.lags == Some(0) || options.taps == Some(0) {
             return Err(Usage::new("lags and taps are counts of samples: a positive number is needed"));
         }
-        let asked = !options.channels.is_empty() || options.shift_form.is_some() || options.hankel_size.is_some();
+        let channels = channels(options)?;
+        let asked = !channels.is_empty() || options.shift_form.is_some() || options.hankel_size.is_some();
         let others = ["era-dc", "okid", "fir"];
         let method = options.methods.iter().any(|m| others.contains(&m.as_str()));
         if !asked && !method && options.free_decay.is_none() {
             return Ok(None);
         }
-        if let Some(twice) = options.channels.iter().enumerate().find(|(i, c)| options.channels[..*i].contains(c)) {
-            return Err(Usage::new(format!("channel {} is named twice", twice.1)));
-        }
-        if !options.channels.is_empty() && options.channel.is_some() {
-            return Err(Usage::new("channel and channels are both given").hint("name all of them with --channels"));
-        }
         Ok(Some(Self {
-            channels: options.channels.clone(),
+            channels,
             shift_form: choice(
                 "form of the shift equation",
                 &options.shift_form,
@@ -89,6 +85,24 @@ impl HankelSettings {
     pub fn kernel(&self) -> Kernel {
         Kernel::ALL.into_iter().find(|kernel| kernel.name() == self.kernel).unwrap_or_default()
     }
+}
+
+/// What ERA takes together: the channels, or the outputs where neither they nor one channel are named.
+fn channels(options: &Options) -> Result<Vec<String>, Usage> {
+    let named = &options.channels;
+    if let Some(twice) = named.iter().enumerate().find(|(i, c)| named[..*i].contains(c)) {
+        return Err(Usage::new(format!("channel {} is named twice", twice.1)));
+    }
+    if !named.is_empty() && options.channel.is_some() {
+        return Err(Usage::new("channel and channels are both given").hint("name all of them with --channels"));
+    }
+    let free = options.methods.is_empty() || options.methods.iter().any(|m| m == "era" || m == "era-dc");
+    // The paper's procedure is one of the pulse, whatever its curve fit takes.
+    let pulse = options.channel.is_some() || options.paper.as_deref() == Some("era");
+    if free && named.is_empty() && !pulse {
+        return waveforms("output", &options.output_channel, &options.output_channels);
+    }
+    Ok(named.clone())
 }
 
 /// `5%` as 0.05, `separation` as 0.

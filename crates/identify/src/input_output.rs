@@ -12,6 +12,9 @@ use crate::{Window, window};
 /// What a user may do about waveforms that do not fit.
 const HINT: &str = "name other waveforms with --inputs and --outputs";
 
+/// What a user may do about a record without a crash pulse.
+const NO_PULSE: &str = "name what drives with --inputs and what answers with --outputs";
+
 /// Frequency times width at which a moving average leaves 1/√2: root of `sin(πx)/(πx) = 1/√2`.
 const MOVING_AVERAGE_EDGE: f64 = 0.442_946;
 
@@ -60,7 +63,7 @@ impl Cut {
         (!self.kept.is_empty()).then(|| self.sampled.time_s(self.sampled.len()))
     }
 
-    /// `displacement of channel 93/displacement, m`.
+    /// `displacement 93/displacement, m`.
     pub fn describe(&self) -> String {
         format!("{} {}, {}", self.quantity.name(), self.id, self.quantity.si_unit())
     }
@@ -172,12 +175,19 @@ fn outputs(
     inputs: &Inputs,
 ) -> anyhow::Result<Vec<Cut>> {
     if beyond.outputs.is_empty() {
-        return cuts(vec![format!("{}/displacement", crate::channel(settings, test)?)], settings, test, inputs);
+        let pulse = crate::channel(settings, test, NO_PULSE)?;
+        return cuts(vec![format!("{pulse}/displacement")], settings, test, inputs);
     }
     cuts(beyond.outputs.clone(), settings, test, inputs)
 }
 
-fn cuts(ids: Vec<String>, settings: &Settings, test: &TestDescription, inputs: &Inputs) -> anyhow::Result<Vec<Cut>> {
+/// The windows of waveforms, any quantity.
+pub fn cuts(
+    ids: Vec<String>,
+    settings: &Settings,
+    test: &TestDescription,
+    inputs: &Inputs,
+) -> anyhow::Result<Vec<Cut>> {
     ids.into_iter()
         .map(|id| {
             let wave = wave(&id, test, inputs)?;
@@ -210,7 +220,7 @@ pub fn record(
 ) -> anyhow::Result<Record> {
     let mut answers = outputs(settings, beyond, test, inputs)?;
     let ids = match &beyond.inputs[..] {
-        [] => vec![crate::channel(settings, test)?.to_owned()],
+        [] => vec![crate::channel(settings, test, NO_PULSE)?.to_owned()],
         [none] if none == "none" => Vec::new(),
         several => several.to_vec(),
     };

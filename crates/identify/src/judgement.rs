@@ -1,6 +1,8 @@
 //! What every model is judged by beyond its fit: responses to look at, and their spread.
 
-use crumple_identify::{Bootstrap, BootstrapOptions, Sample, Spread, bootstrap, bootstrap_equation_errors};
+use crumple_identify::{
+    Bootstrap, BootstrapOptions, Sample, Spread, bootstrap, bootstrap_equation_errors, bootstrap_outputs,
+};
 use crumple_lti::{
     Complex, StateSpace, discretize_zero_order_hold, free_response, frequency_response, impulse_response,
     step_response, to_transfer_function,
@@ -215,7 +217,7 @@ pub struct Equation {
 /// An output from equation errors.
 pub type WithErrors = Box<dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync>;
 
-/// Says what a model of other than one input and one output goes without.
+/// Says what a model of other than one input and one output goes without; `bootstrap` where that is among it.
 pub fn limits(id: &str, (inputs, outputs): (usize, usize), bootstrap: Option<&BootstrapSettings>, notes: &mut Notes) {
     if inputs > 1 || outputs > 1 {
         notes.info(format!("{id}: responses are written for models of one input and one output only"));
@@ -237,6 +239,22 @@ pub fn spread(
     let residual: Vec<f64> = record.iter().zip(simulated).map(|(y, yh)| y - yh).collect();
     spread_by(settings, (id, sample), notes, |options| {
         bootstrap(sample, simulated, &residual, parameters, options, refit)
+    })
+}
+
+/// The same of a model with any number of outputs, by record and simulation of each.
+pub fn spread_of_outputs(
+    settings: Option<&BootstrapSettings>,
+    (id, sample): (&str, &Sample),
+    (record, simulated): (&[Vec<f64>], &[Vec<f64>]),
+    parameters: usize,
+    notes: &mut Notes,
+    refit: impl Fn(&[Vec<f64>]) -> Option<Sample> + Sync,
+) -> Option<Bootstrap> {
+    let residual = |(y, yh): (&Vec<f64>, &Vec<f64>)| y.iter().zip(yh).map(|(y, yh)| y - yh).collect();
+    let residuals: Vec<Vec<f64>> = record.iter().zip(simulated).map(residual).collect();
+    spread_by(settings, (id, sample), notes, |options| {
+        bootstrap_outputs(sample, simulated, &residuals, parameters, options, refit)
     })
 }
 

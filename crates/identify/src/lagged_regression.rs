@@ -4,6 +4,7 @@ use crumple_lti::dot;
 use nalgebra::DMatrix;
 
 use crate::IdentifyError;
+use crate::shifted_products::shifted_products;
 use crate::subspace::triangular_factor;
 
 /// A pivot of the Cholesky factor (column norms 1) below which sums of products are not trusted: columns within 1e-4 of
@@ -71,7 +72,7 @@ impl LaggedRegression<'_> {
     /// `None` where sums of products would lose too many digits.
     fn by_products(&self) -> Option<LaggedSolution> {
         let p = self.regressors();
-        let gram = self.gram();
+        let gram = shifted_products(&self.signals, &self.columns, self.rows);
         let norms: Vec<f64> = (0..gram.nrows()).map(|j| gram[(j, j)].max(0.0).sqrt()).collect();
         if norms.iter().any(|norm| !(*norm > 0.0 && norm.is_finite())) {
             return None;
@@ -139,35 +140,6 @@ impl LaggedRegression<'_> {
             }
         }
         coefficients.iter().all(|x| x.is_finite()).then_some(LaggedSolution { coefficients, rank: p, squares })
-    }
-
-    /// Inner products of all columns. For one pair of signals and one distance of their offsets they are sums over a
-    /// window that slides: the first is summed, the others follow by what enters and leaves.
-    fn gram(&self) -> DMatrix<f64> {
-        let mut order: Vec<usize> = (0..self.columns.len()).collect();
-        // Along a diagonal: the same two signals, the same distance, rising offsets.
-        order.sort_by_key(|j| self.columns[*j]);
-        let mut gram = DMatrix::zeros(order.len(), order.len());
-        let mut last: std::collections::BTreeMap<(usize, usize, usize), (usize, f64)> =
-            std::collections::BTreeMap::new();
-        for (position, &i) in order.iter().enumerate() {
-            let (s, from_i) = self.columns[i];
-            for &j in &order[position..] {
-                let (t, from_j) = self.columns[j];
-                let key = (s, t, from_j.wrapping_sub(from_i));
-                let product = match last.get(&key) {
-                    Some(&(from, sum)) if from + 1 == from_i => {
-                        let (a, b) = (self.signals[s], self.signals[t]);
-                        sum - a[from_i - 1] * b[from_j - 1] + a[from_i - 1 + self.rows] * b[from_j - 1 + self.rows]
-                    }
-                    _ => dot(self.stretch(i), self.stretch(j)),
-                };
-                last.insert(key, (from_i, product));
-                gram[(i, j)] = product;
-                gram[(j, i)] = product;
-            }
-        }
-        gram
     }
 }
 

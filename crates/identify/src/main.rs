@@ -20,6 +20,7 @@ mod input_output;
 mod judgement;
 mod options;
 mod paper;
+mod records_together;
 mod search_evidence;
 mod state_space_records;
 mod to_records;
@@ -98,11 +99,11 @@ impl Stage for Identify {
     }
 }
 
-/// The channel asked for, else the crash pulse.
-fn channel<'a>(settings: &'a Settings, test: &'a TestDescription) -> anyhow::Result<&'a str> {
+/// The channel asked for, else the crash pulse; `hint` tells what to name where there is none.
+fn channel<'a>(settings: &'a Settings, test: &'a TestDescription, hint: &str) -> anyhow::Result<&'a str> {
     match &settings.channel {
         Some(id) => Ok(id),
-        None => Ok(&test.pulse_channel().refuse_with_hint("name one with --channel")?.id),
+        None => Ok(&test.pulse_channel().refuse_with_hint(hint)?.id),
     }
 }
 

@@ -95,8 +95,20 @@ fn modal_evidence(
     Some(evidence.collect())
 }
 
+/// Shape of every pole of a discrete model, scaled and turned so that the largest entry is 1: what each output shows of the
+/// mode. `None` for a pole that no output shows, and for all where eigenvectors do not span the state space.
+pub fn mode_shapes(model: &StateSpace, poles: &[Complex]) -> Vec<Option<Vec<Complex>>> {
+    match eigenvectors(&model.a, poles) {
+        Some(vectors) => {
+            let seen = model.c.map(|x| Complex::new(x, 0.0)) * vectors;
+            seen.column_iter().map(|column| normalized(column.iter().copied().collect())).collect()
+        }
+        None => vec![None; poles.len()],
+    }
+}
+
 /// Divides by the entry of largest modulus (the first such entry on a tie); `None` for a mode that no output shows.
-fn normalized(mut shape: Vec<Complex>) -> Option<Vec<Complex>> {
+pub(crate) fn normalized(mut shape: Vec<Complex>) -> Option<Vec<Complex>> {
     let largest = shape.iter().fold(Complex::new(0.0, 0.0), |m, x| if x.norm() > m.norm() { *x } else { m });
     for entry in &mut shape {
         *entry /= largest;

@@ -4,8 +4,8 @@ use crumple_lti::StateSpace;
 use nalgebra::DMatrix;
 
 use crate::input_matrix::input_matrix_of;
-use crate::lagged_regression::LaggedRegression;
-use crate::{Era, EraOptions, IdentifyError, InformationCriteria, IoData, MarkovParameters, Order};
+use crate::observer_regression::{ObserverRegression, least};
+use crate::{Era, EraOptions, IdentifyError, IoData, MarkovParameters, Order};
 
 /// Growth of Markov parameters beyond the lags that counts as divergence.
 const DIVERGED: f64 = 10.0;
@@ -140,58 +140,16 @@ impl Okid {
         let lags = match options.lags {
             Lags::Given(lags) | Lags::Best { highest: lags, .. } => lags,
         };
-        let direct = if options.direct { m } else { 0 };
-        let regressors = direct.saturating_add(lags.saturating_mul(m + q));
-        let needed = regressors.saturating_mul(2).saturating_add(lags);
-        if lags == 0 || samples <= needed {
-            return Err(IdentifyError::TooShort {
-                method: "okid",
-                samples,
-                needed: needed.max(2) + 1,
-                why: format!("{lags} lags of {m} inputs and {q} outputs"),
-            });
-        }
-        if data.outputs().iter().all(|y| y.iter().all(|x| *x == 0.0)) {
-            return Err(IdentifyError::Silent("outputs"));
-        }
-        let (input_scales, output_scales) = (data.input_scales(), data.output_scales());
-        let signals: Vec<Vec<f64>> = data
-            .inputs()
-            .iter()
-            .zip(&input_scales)
-            .chain(data.outputs().iter().zip(&output_scales))
-            .map(|(signal, scale)| signal.iter().map(|x| x / scale).collect())
-            .collect();
-        let mut columns: Vec<(usize, usize)> = (0..direct).map(|j| (j, lags)).collect();
-        for lag in 1..=lags {
-            columns.extend((0..m + q).map(|s| (s, lags - lag)));
-        }
-        columns.extend((m..m + q).map(|s| (s, lags)));
-        let regression = LaggedRegression {
-            signals: signals.iter().map(Vec::as_slice).collect(),
-            columns,
-            targets: q,
-            rows: samples - lags,
+        let ObserverRegression { solution, regressors, direct, .. } = match options.lags {
+            Lags::Given(lags) => ObserverRegression::new(data, lags, options.direct, options.truncation)?,
+            Lags::Best { highest, criterion } => {
+                let scan = ObserverRegression::new(data, highest, options.direct, options.truncation)?.scan(criterion);
+                let best = least(&scan).map_or(highest, |(lags, _)| lags);
+                let again = Self::unchecked(data, OkidOptions { lags: Lags::Given(best), ..options })?;
+                return Ok(Self { scan, ..again });
+            }
         };
-        let solution = regression.solve(options.truncation)?;
-
-        if let Lags::Best { criterion, .. } = options.lags {
-            let rows = regression.rows as f64;
-            let scan: Vec<(usize, f64)> = (1..=lags)
-                .map(|p| {
-                    let parameters = direct + p * (m + q);
-                    // Outputs taken for independent; criteria of independent fits add up.
-                    let value = solution.squares[parameters].iter().map(|square| {
-                        let criteria = InformationCriteria::new(square / rows, rows, parameters);
-                        if criterion == Criterion::Aicc { criteria.aicc } else { criteria.bic }
-                    });
-                    (p, value.sum())
-                })
-                .collect();
-            let best = scan.iter().fold(scan[0], |best, &next| if next.1 < best.1 { next } else { best });
-            let again = Self::unchecked(data, OkidOptions { lags: Lags::Given(best.0), ..options })?;
-            return Ok(Self { scan, ..again });
-        }
+        let (input_scales, output_scales) = (data.input_scales(), data.output_scales());
 
         let coefficient = |i: usize, lag: usize, s: usize| solution.coefficients[(direct + (lag - 1) * (m + q) + s, i)];
         let outputs = |lag: usize| DMatrix::from_fn(q, q, |i, j| -coefficient(i, lag, m + j));

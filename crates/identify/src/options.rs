@@ -43,11 +43,11 @@ pub struct Options {
     /// Number of samples to use, from the start of the window. Default: all.
     #[arg(long)]
     pub samples: Option<u32>,
-    /// Channel to identify from. Default: the crash pulse.
+    /// Waveform to identify from, of any quantity. Default: the crash pulse.
     #[arg(long)]
     pub channel: Option<String>,
-    /// Channels whose free motion is identified together by era and era-dc, separated by commas: one model with a shape
-    /// of every mode. Default: one channel.
+    /// Waveforms whose free motion is identified together by era and era-dc, separated by commas: one model with a shape
+    /// of every mode. Default: those of --outputs, else one channel.
     #[arg(long, value_delimiter = ',')]
     pub channels: Vec<String>,
     /// Start where the contact force has ended: "separation" (the time of the rebound velocity) or a share of the peak of
@@ -94,7 +94,8 @@ pub struct Options {
     /// Default: the crash pulse (deceleration).
     #[arg(long = "inputs", alias = "input-channels", value_delimiter = ',')]
     pub input_channels: Vec<String>,
-    /// Waveforms it answers with, e.g. 93/velocity; "exponentials" takes the first. Default: displacement of the crash pulse.
+    /// Waveforms it answers with, e.g. 93/velocity; "exponentials" takes the first. Default: displacement of the crash pulse
+    /// (era and era-dc: the crash pulse).
     #[arg(long = "outputs", alias = "output-channels", value_delimiter = ',')]
     pub output_channels: Vec<String>,
     /// Number of poles of a transfer function. Default: 4.
@@ -154,7 +155,8 @@ pub struct Options {
     /// with the smallest BIC of its one-step prediction. Default: no scan; without ranges 1-4,1-4,0-6.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "1-4,1-4,0-6")]
     pub arx_scan: Option<ArxRanges>,
-    /// Block rows of the subspace methods. Default: twice the order, 10 at least.
+    /// Block rows of the subspace methods, their horizon. Default: twice the lags that a regression on the past needs by
+    /// AICc (40 at most), twice the order and 10 at least.
     #[arg(long)]
     pub block_rows: Option<u32>,
     /// The subspace methods find poles from every n-th sample behind a low-pass filter; 1: from all. Default: as many as the

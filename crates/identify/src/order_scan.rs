@@ -8,7 +8,7 @@ use crate::golub_kahan::GolubKahan;
 use crate::hankel::Hankel;
 use crate::residual::effective_samples;
 use crate::shift_pair::{Shift, ShiftPair};
-use crate::{EraError, OrderPoles, Subspace};
+use crate::{EraError, MarkovParameters, OrderPoles, Subspace};
 
 /// Hankel matrices up to this size are decomposed whole.
 const DENSE_UP_TO: usize = 64;
@@ -31,27 +31,35 @@ pub fn era_order_scan(
     rows: Option<usize>,
     columns: Option<usize>,
 ) -> Result<Vec<OrderPoles>, EraError> {
-    if let Some(index) = markov.iter().position(|y| !y.is_finite()) {
-        return Err(EraError::NotFinite { index });
-    }
-    let parameters = markov.len().saturating_sub(1);
+    era_order_scan_of(MarkovParameters::new(vec![markov], 1)?, highest, rows, columns)
+}
+
+/// The same for any number of outputs and inputs, with mode shapes where outputs are several.
+pub fn era_order_scan_of(
+    markov: MarkovParameters<'_>,
+    highest: usize,
+    rows: Option<usize>,
+    columns: Option<usize>,
+) -> Result<Vec<OrderPoles>, EraError> {
+    let (q, m) = (markov.outputs(), markov.inputs());
+    let parameters = markov.samples().saturating_sub(1);
     let half = parameters / 2;
     let rows = rows.unwrap_or_else(|| columns.map_or(half, |columns| parameters.saturating_sub(columns)));
     let columns = columns.unwrap_or_else(|| if rows == half { half } else { parameters.saturating_sub(rows) });
     if rows == 0 || columns == 0 || rows.saturating_add(columns) > parameters {
         return Err(EraError::TooShort { parameters, rows: rows.max(1), columns: columns.max(1) });
     }
-    let used = &markov[1..=rows + columns];
-    if used[..used.len() - 1].iter().all(|y| *y == 0.0) {
-        return Err(EraError::Silent { samples: used.len() });
+    let used = || markov.sequences().iter().map(|y| &y[1..=rows + columns]);
+    if used().all(|y| y[..y.len() - 1].iter().all(|y| *y == 0.0)) {
+        return Err(EraError::Silent { samples: rows + columns });
     }
-    let largest = used.iter().fold(0.0_f64, |m, y| m.max(y.abs()));
-    let scaled: Vec<f64> = used.iter().map(|y| y / largest).collect();
-    let mut hankel = Hankel::new(vec![&scaled], 1, rows, columns);
+    let largest = used().flatten().fold(0.0_f64, |m, y| m.max(y.abs()));
+    let scaled: Vec<Vec<f64>> = used().map(|y| y.iter().map(|y| y / largest).collect()).collect();
+    let mut hankel = Hankel::new(scaled.iter().map(Vec::as_slice).collect(), m, rows, columns);
     let (values, left, right) = triplets(&mut hankel, highest)?;
     let count = values.len();
-    let mut products = DMatrix::zeros(rows, count);
-    let mut product = vec![0.0; rows];
+    let mut products = DMatrix::zeros(hankel.rows(), count);
+    let mut product = vec![0.0; hankel.rows()];
     for i in 0..count {
         hankel.multiply(Shift::One, right.column(i).as_slice(), &mut product);
         products.column_mut(i).copy_from_slice(&product);
@@ -64,42 +72,47 @@ pub fn era_order_scan(
         .map(|order| {
             let a = balanced.view((0, 0), (order, order)).into_owned();
             let poles = eigenvalues(&a)?;
-            let b = DMatrix::from_fn(order, 1, |i, _| roots[i] * right[(0, i)]);
-            let c = DMatrix::from_fn(1, order, |_, i| roots[i] * left[(0, i)]);
-            let strengths = strengths(&a, &b, &c, &poles, &scaled).unwrap_or_default();
-            Ok(OrderPoles { order, poles, shapes: Vec::new(), strengths })
+            let b = DMatrix::from_fn(order, m, |i, j| roots[i] * right[(j, i)]);
+            let c = DMatrix::from_fn(q, order, |j, i| roots[i] * left[(j, i)]);
+            let (shapes, strengths) = evidence(&a, &b, &c, &poles, &scaled).unwrap_or_default();
+            Ok(OrderPoles { order, poles, shapes: if q > 1 { shapes } else { Vec::new() }, strengths })
         })
         .collect()
 }
 
-/// Energy of the wave of every pole in the Markov parameters, over `2 s² (N/Ne) ln Ne`: that of the strongest of all
-/// frequencies in noise of the residual's mean square `s²` and effective number of samples. `None` without a basis of
-/// eigenvectors, or where a wave leaves the range of numbers.
-fn strengths(
+type ShapesAndStrengths = (Vec<Vec<Complex>>, Vec<f64>);
+
+/// What the outputs show of every pole; and energy of its wave in the Markov parameters, over `2 s² (N/Ne) ln Ne`: that of
+/// the strongest of all frequencies in noise of the residual's mean square `s²` and effective number of samples. Sequences
+/// stand one after the other. `None` without a basis of eigenvectors, or where a wave leaves the range of numbers.
+fn evidence(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,
     c: &DMatrix<f64>,
     poles: &[Complex],
-    markov: &[f64],
-) -> Option<Vec<f64>> {
+    markov: &[Vec<f64>],
+) -> Option<ShapesAndStrengths> {
     let complex = |m: &DMatrix<f64>| m.map(|x| Complex::new(x, 0.0));
     let vectors = eigenvectors(a, poles)?;
     let b = vectors.clone().try_inverse()? * complex(b);
     let c = complex(c) * vectors;
-    let mut residual = markov.to_vec();
+    let mut residual = markov.concat();
+    let (inputs, length) = (b.ncols(), markov.first()?.len());
     let mut energies = Vec::with_capacity(poles.len());
     for (i, z) in poles.iter().enumerate() {
-        let mut wave = c[i] * b[i];
         // Of a pair the wave is the real part of both together.
         let both = if z.im == 0.0 { 1.0 } else { 2.0 };
         let mut energy = 0.0;
-        for e in &mut residual {
-            let y = both * wave.re;
-            energy += y * y;
-            if z.im >= 0.0 {
-                *e -= y;
+        for (sequence, residual) in residual.chunks_exact_mut(length).enumerate() {
+            let mut wave = c[(sequence / inputs, i)] * b[(i, sequence % inputs)];
+            for e in residual {
+                let y = both * wave.re;
+                energy += y * y;
+                if z.im >= 0.0 {
+                    *e -= y;
+                }
+                wave *= z;
             }
-            wave *= z;
         }
         energies.push(energy);
     }
@@ -108,7 +121,8 @@ fn strengths(
     let effective = effective_samples(&residual).max(2.0);
     let noise = 2.0 * square * samples / effective * effective.ln();
     let strengths: Vec<f64> = energies.into_iter().map(|energy| energy / noise.max(f64::MIN_POSITIVE)).collect();
-    strengths.iter().all(|x| x.is_finite()).then_some(strengths)
+    let shapes = c.column_iter().map(|column| column.iter().copied().collect()).collect();
+    strengths.iter().all(|x| x.is_finite()).then_some((shapes, strengths))
 }
 
 type Triplets = (Vec<f64>, DMatrix<f64>, DMatrix<f64>);

@@ -38,6 +38,25 @@ enum Kind {
     Autoregression { coefficients: Vec<f64>, innovations: Vec<f64> },
 }
 
+impl Kind {
+    fn autoregression(residual: &[f64], coefficients: Vec<f64>) -> Self {
+        let mut innovations: Vec<f64> = (coefficients.len()..residual.len())
+            .map(|k| residual[k] - coefficients.iter().enumerate().map(|(i, a)| a * residual[k - 1 - i]).sum::<f64>())
+            .collect();
+        let mean = innovations.iter().sum::<f64>() / innovations.len().max(1) as f64;
+        innovations.iter_mut().for_each(|e| *e -= mean);
+        Self::Autoregression { coefficients, innovations }
+    }
+}
+
+fn prepared(residual: &[f64], parameters: usize) -> Vec<f64> {
+    let n = residual.len();
+    let mean = residual.iter().sum::<f64>() / n.max(1) as f64;
+    let free = n.saturating_sub(parameters).max(1) as f64;
+    let factor = (n as f64 / free).sqrt();
+    residual.iter().map(|e| (e - mean) * factor).collect()
+}
+
 impl ResidualNoise {
     /// From the residuals of a fit with a number of parameters.
     ///
@@ -45,27 +64,38 @@ impl ResidualNoise {
     /// autocorrelation time `(1 + rho)/(1 - rho)` (Carlstein, Ann. Stat. 14, 1986), at most a quarter of the record.
     /// Order of the autoregression: by Akaike's criterion up to `10 log10 N` (Yule-Walker).
     pub fn new(residual: &[f64], parameters: usize, resampling: Resampling, seed: u64) -> Self {
-        let n = residual.len();
-        let mean = residual.iter().sum::<f64>() / n.max(1) as f64;
-        let free = n.saturating_sub(parameters).max(1) as f64;
-        let factor = (n as f64 / free).sqrt();
-        let residual: Vec<f64> = residual.iter().map(|e| (e - mean) * factor).collect();
+        let residual = prepared(residual, parameters);
         let kind = match resampling {
             Resampling::Blocks => Kind::Blocks { length: block_length(&residual) },
-            Resampling::Autoregression => {
-                let coefficients = autoregression(&residual);
-                let order = coefficients.len();
-                let mut innovations: Vec<f64> = (order..n)
-                    .map(|k| {
-                        residual[k] - coefficients.iter().enumerate().map(|(i, a)| a * residual[k - 1 - i]).sum::<f64>()
-                    })
-                    .collect();
-                let mean = innovations.iter().sum::<f64>() / innovations.len().max(1) as f64;
-                innovations.iter_mut().for_each(|e| *e -= mean);
-                Kind::Autoregression { coefficients, innovations }
-            }
+            Resampling::Autoregression => Kind::autoregression(&residual, autoregression(&residual)),
         };
         Self { residual, kind, seed }
+    }
+
+    /// From the residuals of several outputs of one model, of one length: replicates of one index are drawn at the same
+    /// places, so that what the outputs have in common stays common. The longest of the outputs' blocks (the highest of
+    /// their orders) is that of all; each output takes its share of the parameters.
+    pub fn together(residuals: &[Vec<f64>], parameters: usize, resampling: Resampling, seed: u64) -> Vec<Self> {
+        let share = parameters.div_ceil(residuals.len().max(1));
+        let residuals: Vec<Vec<f64>> = residuals.iter().map(|e| prepared(e, share)).collect();
+        let length = residuals.iter().map(|e| block_length(e)).max().unwrap_or(1);
+        let mut regressions: Vec<Vec<f64>> = match resampling {
+            Resampling::Blocks => Vec::new(),
+            Resampling::Autoregression => residuals.iter().map(|e| autoregression(e)).collect(),
+        };
+        let order = regressions.iter().map(Vec::len).max().unwrap_or(0);
+        regressions.iter_mut().for_each(|a| a.resize(order, 0.0));
+        let mut regressions = regressions.into_iter();
+        residuals
+            .into_iter()
+            .map(|residual| {
+                let kind = match regressions.next() {
+                    Some(coefficients) => Kind::autoregression(&residual, coefficients),
+                    None => Kind::Blocks { length },
+                };
+                Self { residual, kind, seed }
+            })
+            .collect()
     }
 
     /// How it is drawn, in words.
@@ -217,6 +247,24 @@ mod tests {
         let time = autocorrelation_time(&autoregressive(0.8, 4000));
         assert!((time - 9.0).abs() < 0.6 * 9.0, "{time}");
         assert_eq!(autocorrelation_time(&[0.0; 10]), 1.0);
+    }
+
+    #[test]
+    fn what_outputs_have_in_common_stays_common() {
+        let common = autoregressive(0.7, 2000);
+        let own: Vec<f64> = common.iter().enumerate().map(|(k, e)| 2.0 * e + 0.1 * (uniform(9, k) - 0.5)).collect();
+        let correlation = |a: &[f64], b: &[f64]| dot(a, b) / (dot(a, a) * dot(b, b)).sqrt();
+        let there = correlation(&common, &own);
+        for resampling in [Resampling::Blocks, Resampling::Autoregression] {
+            let noise = ResidualNoise::together(&[common.clone(), own.clone()], 10, resampling, 3);
+            let found = correlation(&noise[0].replicate(2), &noise[1].replicate(2));
+            // Two draws at the same places: as far as 2000 samples know a correlation near one.
+            assert!((found - there).abs() < 0.02, "{resampling:?}: {found} {there}");
+            assert_eq!(
+                ResidualNoise::together(std::slice::from_ref(&common), 10, resampling, 3)[0],
+                ResidualNoise::new(&common, 10, resampling, 3)
+            );
+        }
     }
 
     #[test]

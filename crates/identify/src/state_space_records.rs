@@ -1,6 +1,6 @@
 //! A sampled model between waveforms, and the evidence for it, as records.
 
-use crumple_identify::{IdentifyError, IoData, compare, continued, fit_measures};
+use crumple_identify::{IdentifyError, IoData, compare, continued, fit_measures, mode_shapes};
 use crumple_lti::{Complex, InputHold, Mode, StateSpace, to_continuous, to_transfer_function};
 use crumple_stage::Output;
 
@@ -12,8 +12,8 @@ use crate::evidence::{
 };
 use crate::evidence_options::BootstrapSettings;
 use crate::input_output::{Cut, Record};
-use crate::judgement::{Band, Judged, limits, put_spreads, spread, spread_of_equation, zeros_of};
-use crate::to_records::state_space;
+use crate::judgement::{Band, Judged, limits, put_spreads, spread_of_equation, spread_of_outputs, zeros_of};
+use crate::to_records::{shapes, state_space};
 
 /// Transfer functions of more states are not written: their coefficients say nothing.
 const MOST_COEFFICIENTS: usize = 10;
@@ -36,8 +36,8 @@ pub struct Task<'a> {
     pub whole: &'a IoData,
     /// Bootstrap, if asked for.
     pub bootstrap: Option<&'a BootstrapSettings>,
-    /// The same estimate from another record of one output.
-    pub refit: &'a (dyn Fn(&[f64]) -> Option<StateSpace> + Sync),
+    /// The same estimate from another record of every output.
+    pub refit: &'a (dyn Fn(&[Vec<f64>]) -> Option<StateSpace> + Sync),
 }
 
 /// Writes the records of one model under its id and a summary line.
@@ -70,14 +70,20 @@ pub fn put(
     let judged = judged(&found.model, continuous.as_ref(), first, delay)?;
     let mut remarks = notes_on_modes(id, &judged.poles, &record.cuts());
     out.put(&format!("/modes/{id}"), &modes(pairs.iter().copied()))?;
+    if record.answers.len() > 1 {
+        let poles: Vec<_> = pairs.iter().filter_map(|(mode, z)| Some(((*z)?, Some(*mode)))).collect();
+        let discrete: Vec<Complex> = poles.iter().map(|(z, _)| *z).collect();
+        out.put(&format!("/shapes/{id}"), &shapes(&poles, &mode_shapes(&found.model, &discrete), &record.answers))?;
+    }
 
     let (mut whole, mut supports) = of_record(method, order, record, simulated, found.parameters, Vec::new());
     let discrete: Vec<Complex> = pairs.iter().filter_map(|(_, z)| *z).collect();
     let deviations = found.deviations.as_ref().map(|deviations| deviations(&discrete)).unwrap_or_default();
-    let no_deviations = found.deviations.is_none().then(|| {
-        format!(
-            "{method} has no covariance of its poles that is known; --bootstrap 200 gives their spread (one output)"
-        )
+    let no_deviations = found.deviations.is_none().then(|| match method {
+        "arx" => {
+            "arx of several outputs has neither a covariance of its poles that is known nor a bootstrap".to_owned()
+        }
+        _ => format!("{method} has no covariance of its poles that is known; --bootstrap 200 gives their spread"),
     });
     notes.extend(
         no_deviations.iter().filter(|_| task.bootstrap.is_none()).map(|why| format!("no standard deviations: {why}")),
@@ -125,26 +131,29 @@ pub fn put(
             Err(error) => remarks.warning(format!("{id}: no validation: {error}")),
         }
     }
-    limits(id, (record.drives.len(), record.answers.len()), task.bootstrap, &mut remarks);
-    let mut band = None;
-    if let ([support], [simulated]) = (&mut supports[..], simulated) {
-        let grid = judged.grid_hz();
-        let signals = (first.sampled.samples(), &simulated[..]);
-        let sample = judged.sample(&grid);
-        let refit = |y: &[f64]| {
-            let model = (task.refit)(y)?;
-            let continuous = to_continuous(&model, kind).ok().map(|found| found.model);
-            Some(self::judged(&model, continuous.as_ref(), first, delay).ok()?.sample(&grid))
-        };
-        let of = (id, &sample);
-        let spreads = match &found.equation {
-            Some(equation) => spread_of_equation(task.bootstrap, of, equation, &mut remarks, refit),
-            None => spread(task.bootstrap, of, signals, found.parameters, &mut remarks, refit),
-        };
-        if let Some(spreads) = &spreads {
-            put_spreads(spreads, support);
-            band = Some(Band::from_bootstrap(spreads));
+    // Noise added to the outputs of a regression would bias its replicates.
+    let regression = method == "arx" && found.equation.is_none();
+    let bootstrap = task.bootstrap.filter(|_| !regression);
+    let without = task.bootstrap.filter(|_| regression);
+    limits(id, (record.drives.len(), record.answers.len()), without, &mut remarks);
+    let grid = if record.single() { judged.grid_hz() } else { Vec::new() };
+    let sample = judged.sample(&grid);
+    let refit = |y: &[Vec<f64>]| {
+        let model = (task.refit)(y)?;
+        let continuous = to_continuous(&model, kind).ok().map(|found| found.model);
+        Some(self::judged(&model, continuous.as_ref(), first, delay).ok()?.sample(&grid))
+    };
+    let of = (id, &sample);
+    let spreads = match &found.equation {
+        Some(equation) => spread_of_equation(bootstrap, of, equation, &mut remarks, |y| refit(&[y.to_vec()])),
+        None => {
+            let signals = (record.data.outputs(), simulated);
+            spread_of_outputs(bootstrap, of, signals, found.parameters, &mut remarks, refit)
         }
+    };
+    let band = spreads.as_ref().map(Band::from_bootstrap);
+    if let Some(spreads) = &spreads {
+        supports.iter_mut().for_each(|support| put_spreads(spreads, support));
     }
     if let Some(response) = judged.response(&input, &output, band.as_ref()).filter(|_| record.single()) {
         out.put(&format!("/response/{id}"), &response)?;
@@ -153,6 +162,8 @@ pub fn put(
     out.notes().extend(remarks);
     whole.notes = notes;
     whole.singular_values = found.singular_values.clone();
+    let rows = |block_rows: usize| u32::try_from(block_rows * record.answers.len()).ok();
+    whole.hankel_rows = found.chosen.block_rows.and_then(rows);
     let samples = record.data.samples();
     out.summary(format!("{id}: {} of {samples} samples{}", percent(whole.fit_percent), foretold(&supports)));
     out.put(&format!("/identification/{id}"), &whole)?;

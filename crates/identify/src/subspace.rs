@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::input_matrices::{grows, input_matrices};
 use crate::least_squares::TriangularFactor;
+use crate::shifted_products::triangular_factor_by_products;
 use crate::{IdentifyError, IoData};
 
 /// Singular values below this fraction of the largest are rounding.
@@ -88,6 +89,9 @@ impl<'a> Subspace<'a> {
     /// Factorises `[U_f; W_p; Y_f] = L Q'`, past inputs and outputs `W_p`, and takes the singular values of the weighted
     /// projection of `Y_f` on `W_p` along `U_f`. Signals are divided by their root mean square first.
     ///
+    /// `L` comes from inner products, of which those of shifted copies follow from one another, where no column is near a
+    /// combination of others (to about 1e-12); else from QR.
+    ///
     /// Van Overschee & De Moor, *Subspace Identification for Linear Systems*, 1996, ch. 4 and 6.
     pub fn new(data: &'a IoData, options: SubspaceOptions) -> Result<Self, IdentifyError> {
         let i = options.block_rows;
@@ -113,13 +117,21 @@ impl<'a> Subspace<'a> {
             return Err(IdentifyError::Silent("outputs"));
         }
         // Column order: future inputs, past inputs, past outputs, future outputs.
-        let mut stretches: Vec<(&[f64], usize)> = Vec::with_capacity(width);
-        for (signals, offset) in [(&u, i), (&u, 0), (&y, 0), (&y, i)] {
+        let signals: Vec<&[f64]> = u.iter().chain(&y).map(Vec::as_slice).collect();
+        let mut columns: Vec<(usize, usize)> = Vec::with_capacity(width);
+        for (of, offset) in [(0..m, i), (0..m, 0), (m..m + q, 0), (m..m + q, i)] {
             for k in 0..i {
-                stretches.extend(signals.iter().map(|s| (&s[..], offset + k)));
+                columns.extend(of.clone().map(|s| (s, offset + k)));
             }
         }
-        let r = triangular_factor(&stretches, samples + 1 - 2 * i).matrix();
+        let rows = samples + 1 - 2 * i;
+        let r = match triangular_factor_by_products(&signals, &columns, rows) {
+            Some(r) => r,
+            None => {
+                let stretches: Vec<(&[f64], usize)> = columns.iter().map(|(s, from)| (signals[*s], *from)).collect();
+                triangular_factor(&stretches, rows).matrix()
+            }
+        };
         let inputs = r.view((0, 0), (2 * m * i, 2 * m * i)).into_owned();
         let (future, past) = (m * i, (m + q) * i);
         let outputs = q * i;

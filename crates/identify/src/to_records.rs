@@ -1,18 +1,20 @@
 //! An identified model as the records of the artifact.
 
 use crumple_identify::{Decomposition, Realization, Sample, markov_parameters, modal_assurance, phase_collinearity};
-use crumple_lti::{LtiError, StateSpace, to_transfer_function};
-use crumple_signal::{Notes, QuantityKind, Sampled};
+use crumple_lti::{Complex, LtiError, Mode, StateSpace, to_transfer_function};
+use crumple_signal::{Notes, Sampled};
 use crumple_stage::Output;
-use crumple_stage::records::{IdentificationV1, ModeV1, ModesV1, ShapeV1, ShapesV1, StateSpaceV1, TransferFunctionV1};
+use crumple_stage::records::{
+    EvidenceV1, IdentificationV1, ModeV1, ModesV1, ShapeV1, ShapesV1, StateSpaceV1, TransferFunctionV1,
+};
 use nalgebra::DMatrix;
 
 use crate::acceptable::note_on_fit;
 use crate::comparison::Comparison;
-use crate::evidence::{evidence, foretold, validate};
+use crate::evidence::{evidence, foretold, put_evidence, validate};
 use crate::evidence_options::BootstrapSettings;
 use crate::input_output::{Cut, filter_edges};
-use crate::judgement::{Band, Judged, limits, put_spreads, spread, zeros_of};
+use crate::judgement::{Band, Judged, limits, put_spreads, spread_of_outputs, zeros_of};
 
 /// What a reader of the model must know of its input.
 const INPUT: &str = "unit impulse (the record taken as Markov parameters)";
@@ -29,13 +31,29 @@ pub struct Pass<'a> {
     pub bootstrap: Option<&'a BootstrapSettings>,
     /// Whether this is the procedure of the paper, which the id then says with the number of samples.
     pub paper: bool,
-    /// The same estimate from another record of one channel.
-    pub refit: &'a (dyn Fn(&[f64]) -> Option<Realization> + Sync),
+    /// The same estimate from other samples of every channel.
+    pub refit: &'a (dyn Fn(&[Vec<f64>]) -> Option<Realization> + Sync),
 }
 
 impl Pass<'_> {
     fn names(&self) -> Vec<&str> {
         self.cuts.iter().map(|cut| cut.id.as_str()).collect()
+    }
+
+    /// `acceleration of channels 11, 12, m/s^2`; of several quantities one after the other.
+    fn describe(&self) -> String {
+        let plural = if self.single() { "" } else { "s" };
+        let said = |cut: &Cut, plural: &str, names: &str| {
+            format!("{} of channel{plural} {names}, {}", cut.quantity.name(), cut.quantity.si_unit())
+        };
+        if self.one_quantity() {
+            return said(&self.cuts[0], plural, &self.names().join(", "));
+        }
+        self.cuts.iter().map(|cut| said(cut, "", &cut.id)).collect::<Vec<_>>().join("; ")
+    }
+
+    fn one_quantity(&self) -> bool {
+        self.cuts.iter().all(|cut| cut.quantity == self.cuts[0].quantity)
     }
 
     fn single(&self) -> bool {
@@ -58,8 +76,7 @@ pub fn put_model(
     let (order, samples, single) = (model.order(), pass.samples(), pass.single());
     let paper = if pass.paper { format!("-n{samples}-paper") } else { String::new() };
     let id = format!("{}-{order}{paper}", pass.method);
-    let plural = if single { "" } else { "s" };
-    let output = format!("acceleration of channel{plural} {}, m/s^2", pass.names().join(", "));
+    let output = pass.describe();
     let mut notes = notes.to_texts();
     out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output, None))?;
     if let Ok(continuous) = &model.continuous {
@@ -72,7 +89,8 @@ pub fn put_model(
     }
     out.put(&format!("/modes/{id}"), &modes(model))?;
     if !single {
-        out.put(&format!("/shapes/{id}"), &shapes(model, &pass.names()))?;
+        let poles: Vec<_> = model.modes.iter().map(|mode| (mode.discrete_pole, mode.mode)).collect();
+        out.put(&format!("/shapes/{id}"), &shapes(&poles, &model.mode_shapes, pass.cuts))?;
     }
     if let Decomposition::Lanczos { steps } = model.decomposition {
         let converged = model
@@ -86,44 +104,57 @@ pub fn put_model(
         ));
     }
     let whole = markov_parameters(&model.discrete, samples + pass.cuts[0].kept.len());
-    // Of several channels the residuals stand one after the other.
-    let cut = joined(pass.cuts)?;
-    let part = |samples: std::ops::Range<usize>| whole.iter().flat_map(|y| &y[samples.clone()]).copied().collect();
-    let response: Vec<f64> = part(0..samples);
-    let kept: Vec<f64> = part(samples..samples + pass.cuts[0].kept.len());
     let parameters = (pass.cuts.len() + 1) * order + pass.cuts.len();
-    let mut support = evidence(None, &cut, &response, parameters);
-    support.singular_value_errors = model.singular_value_errors.clone();
-    support.paper = pass.paper.then(|| "era".to_owned());
-    validate(&cut, &[&response[..], &kept].concat(), &mut support);
-    support.validation_from_s = pass.cuts[0].kept_from_s();
+    let response: Vec<Vec<f64>> = whole.iter().map(|y| y[..samples].to_vec()).collect();
+    let mut supports = supports(pass, &whole, parameters)?;
+    for support in &mut supports {
+        support.singular_value_errors = model.singular_value_errors.clone();
+        support.paper = pass.paper.then(|| "era".to_owned());
+        support.validation_from_s = pass.cuts[0].kept_from_s();
+    }
 
     let mut remarks = Notes::new();
-    limits(&id, (1, pass.cuts.len()), pass.bootstrap, &mut remarks);
+    limits(&id, (1, pass.cuts.len()), None, &mut remarks);
     note_on_fit(&id, model.fit_percent, &mut remarks);
-    if single {
-        let judged = judged(model, &cut);
-        let grid = judged.grid_hz();
-        let record = (cut.sampled.samples(), &response[..]);
-        let found = spread(pass.bootstrap, (&id, &judged.sample(&grid)), record, parameters, &mut remarks, |y| {
-            Some(judged_sample(&(pass.refit)(y)?, &cut, &grid))
-        });
-        let band = found.as_ref().map(Band::from_bootstrap);
-        if let Some(found) = &found {
-            put_spreads(found, &mut support);
-        }
-        if let Some(record) = judged.response(INPUT, &output, band.as_ref()) {
-            out.put(&format!("/response/{id}"), &record)?;
-        }
+    let cut = &pass.cuts[0];
+    let judged = judged(model, cut);
+    let grid = if single { judged.grid_hz() } else { Vec::new() };
+    let measured: Vec<Vec<f64>> = pass.cuts.iter().map(|cut| cut.sampled.samples().to_vec()).collect();
+    let of = (&id[..], &judged.sample(&grid));
+    let found = spread_of_outputs(pass.bootstrap, of, (&measured, &response), parameters, &mut remarks, |y| {
+        Some(judged_sample(&(pass.refit)(y)?, cut, &grid))
+    });
+    if let Some(found) = &found {
+        supports.iter_mut().for_each(|support| put_spreads(found, support));
+    }
+    let band = found.as_ref().map(Band::from_bootstrap);
+    if let Some(record) = judged.response(INPUT, &output, band.as_ref()).filter(|_| single) {
+        out.put(&format!("/response/{id}"), &record)?;
     }
     notes.extend(remarks.to_texts());
     out.notes().extend(remarks);
     out.put(&format!("/identification/{id}"), &identification(model, pass, notes))?;
-    out.put(&format!("/evidence/{id}"), &support)?;
-    let supports = std::slice::from_ref(&support);
-    comparison.enter(&id, samples, supports);
-    out.summary(format!("{}{}", summary(&id, model, samples), foretold(supports)));
+    put_evidence(&id, &supports, out)?;
+    comparison.enter(&id, samples, &supports);
+    out.summary(format!("{}{}", summary(&id, model, samples), foretold(&supports)));
     Ok(())
+}
+
+/// Evidence from the response over all samples: one record for channels of one quantity, whose residuals stand one after
+/// the other, else one for each.
+fn supports(pass: &Pass<'_>, whole: &[Vec<f64>], parameters: usize) -> anyhow::Result<Vec<EvidenceV1>> {
+    let samples = pass.samples();
+    let one = |cut: &Cut, response: &[f64], kept: &[f64]| {
+        let mut support = evidence(None, cut, response, parameters);
+        validate(cut, &[response, kept].concat(), &mut support);
+        support
+    };
+    if !pass.one_quantity() {
+        return Ok(pass.cuts.iter().zip(whole).map(|(cut, y)| one(cut, &y[..samples], &y[samples..])).collect());
+    }
+    let part = |from: usize, to: usize| whole.iter().flat_map(|y| &y[from..to]).copied().collect::<Vec<f64>>();
+    let kept = pass.cuts[0].kept.len();
+    Ok(vec![one(&joined(pass.cuts)?, &part(0, samples), &part(samples, samples + kept))])
 }
 
 /// All channels as one, one after the other.
@@ -132,7 +163,7 @@ fn joined(cuts: &[Cut]) -> anyhow::Result<Cut> {
     let samples = cuts.iter().flat_map(|cut| cut.sampled.samples()).copied().collect();
     Ok(Cut {
         id: cuts.iter().map(|cut| cut.id.as_str()).collect::<Vec<_>>().join(", "),
-        quantity: QuantityKind::Acceleration,
+        quantity: cuts[0].quantity,
         sampled: Sampled::new(first.t0_s(), first.dt_s(), samples)?,
         kept: cuts.iter().flat_map(|cut| &cut.kept).copied().collect(),
         edges: filter_edges(cuts).to_vec(),
@@ -204,9 +235,9 @@ fn modes(model: &Realization) -> ModesV1 {
 }
 
 /// Shapes of the modes, conjugates once, and how alike they are.
-fn shapes(model: &Realization, channels: &[&str]) -> ShapesV1 {
-    let modes = model.modes.iter().zip(&model.mode_shapes).filter(|(mode, _)| mode.discrete_pole.im >= 0.0);
-    let known: Vec<_> = modes.filter_map(|(mode, shape)| Some((mode.mode?, shape.as_ref()?))).collect();
+pub fn shapes(poles: &[(Complex, Option<Mode>)], shapes: &[Option<Vec<Complex>>], cuts: &[Cut]) -> ShapesV1 {
+    let modes = poles.iter().zip(shapes).filter(|((z, _), _)| z.im >= 0.0);
+    let known: Vec<_> = modes.filter_map(|((_, mode), shape)| Some(((*mode)?, shape.as_ref()?))).collect();
     let modal_assurance =
         known.iter().map(|(_, p)| known.iter().map(|(_, q)| modal_assurance(p, q).unwrap_or(0.0)).collect()).collect();
     let shapes = known.iter().map(|(mode, shape)| ShapeV1 {
@@ -216,11 +247,7 @@ fn shapes(model: &Realization, channels: &[&str]) -> ShapesV1 {
         im: shape.iter().map(|x| x.im).collect(),
         phase_collinearity: phase_collinearity(shape),
     });
-    ShapesV1 {
-        channels: channels.iter().map(|&channel| channel.to_owned()).collect(),
-        shapes: shapes.collect(),
-        modal_assurance,
-    }
+    ShapesV1 { channels: cuts.iter().map(|cut| cut.id.clone()).collect(), shapes: shapes.collect(), modal_assurance }
 }
 
 fn identification(model: &Realization, pass: &Pass<'_>, notes: Vec<String>) -> IdentificationV1 {
@@ -240,7 +267,7 @@ fn identification(model: &Realization, pass: &Pass<'_>, notes: Vec<String>) -> I
         fit_percent: model.fit_percent,
         rmse: model.rmse,
         notes,
-        output_fits_percent: Vec::new(),
+        output_fits_percent: if pass.single() { Vec::new() } else { model.sequence_fits_percent.clone() },
         delay_s: None,
     }
 }
