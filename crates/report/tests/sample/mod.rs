@@ -493,6 +493,7 @@ pub fn write_artifacts(folder: &Path, simulated: bool) -> Vec<PathBuf> {
             drive: None,
             energy: Vec::new(),
             energy_closure: None,
+            ratings: vec![],
         };
         simulate.builder.put(&format!("/simulation/{}", sketch.id), &simulation).unwrap();
         for (what, quantity, index) in [
