@@ -3,7 +3,7 @@
 use crumple_artifact::records::{MatchingSweepV1, MatchingV1};
 use serde_json::{Value, json};
 
-use crate::figure::{Figure, axis, base_layout, colour, event_line, set, short};
+use crate::figure::{Figure, axis, base_layout, colour, event_line, room_above, set, short};
 use crate::people::{KILO, significant};
 use crate::{Ranking, Run};
 
@@ -56,17 +56,18 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     set(&mut label, json!({"x": short(used.log10())}));
     shapes.push(line);
     let mut layout = base_layout();
-    let log = |domain: [f64; 2]| json!({"type": "log", "domain": domain, "exponentformat": "power", "minor": {"ticks": "outside", "ticklen": 2}});
+    let log = |domain: [f64; 2]| json!({"type": "log", "domain": domain, "exponentformat": "power", "dtick": 1, "minor": {"ticks": "outside", "ticklen": 2}});
     set(
         &mut layout,
         json!({
             "hovermode": "closest", "shapes": shapes, "annotations": [label],
-            "xaxis": axis("mass ratio m2/m1 (compartment over chassis)", json!({"type": "log", "anchor": "y2", "dtick": "D2"})),
+            "xaxis": axis("mass ratio m2/m1 (compartment over chassis)", json!({"type": "log", "anchor": "y2",
+                "tickmode": "array", "tickvals": RATIO_MARKS, "ticktext": RATIO_MARKS.map(|x| x.to_string())})),
             "yaxis": axis("stiffness, kN/m", log([0.53, 1.0])),
             "yaxis2": axis("damping, kN·s/m", log([0.0, 0.47])),
         }),
     );
-    crate::figure::room_above(&mut layout, HEIGHT_PX, 1, 2);
+    room_above(&mut layout, HEIGHT_PX, 1, 2);
     Some(Figure {
         id: "mass-split",
         title: "Which divisions of the mass a double model can have",
@@ -79,6 +80,8 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
 }
 
 const HEIGHT_PX: u32 = 620;
+/// Marks with their full number: plotly's own minor digits ("2", "5") read as values.
+const RATIO_MARKS: [f64; 11] = [0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
 
 /// m2/m1 of a point of the sweep.
 fn ratio(point: &MatchingSweepV1) -> f64 {
