@@ -40,7 +40,7 @@ pub use quality::QualityV1;
 pub use response::ResponseV1;
 pub use selection::{SelectionModelV1, SelectionV1};
 pub use shapes::{ShapeV1, ShapesV1};
-pub use simulation::{EnergyV1, OtherSensorV1, SimulationV1};
+pub use simulation::{EnergyV1, OtherSensorV1, RatingV1, SimulationV1};
 pub use stabilization::{StabilizationClusterV1, StabilizationPoleV1, StabilizationV1};
 pub use test::{ChannelV1, SourceV1, TestV1};
 pub use wave::WaveBlockV1;

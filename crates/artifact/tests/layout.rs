@@ -361,6 +361,16 @@ fn the_layout_of_every_record_type_is_frozen() {
             input_j: 8.0,
         }],
         energy_closure: Some(1e-14),
+        ratings: vec![RatingV1 {
+            name: "cora".to_owned(),
+            quantity: "acceleration".to_owned(),
+            value: Some(0.9),
+            definition_id: "cora".to_owned(),
+            mark: "M".to_owned(),
+            from_s: Some(0.0),
+            to_s: Some(0.0742),
+            note: Some("interval: the compared window".to_owned()),
+        }],
     });
     freeze(&MatchingV1 {
         m1_kg: 284.4,

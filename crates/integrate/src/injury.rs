@@ -190,7 +190,13 @@ impl Criteria<'_> {
             return Ok(Vec::new());
         };
         found.push((&spatial, severity));
-        found.extend(flight.into_iter().map(|metric| (&planar[..], metric)));
+        for metric in flight {
+            // A zero that nothing measured is no result.
+            let unmeasured =
+                [&definitions::OIV_Y, &definitions::ORA_Y].into_iter().find(|d| y.is_none() && d.id == metric.id);
+            let reason = "y is not measured at the centre of gravity";
+            found.push((&planar[..], unmeasured.map_or(metric, |d| Metric::absent(d, reason))));
+        }
         let mut with_yaw = planar.clone();
         with_yaw.extend(yaw);
         match yaw {

@@ -175,6 +175,14 @@ fn x_y_and_yaw_at_the_centre_of_gravity_get_the_roadside_metrics() {
     let asked = result(&input, &["--metrics", "roadside"]);
     let asi = find(&metrics(&asked), "p", "asi").definition.clone();
     assert!(asi.contains("taken as 0") && asi.contains("asks for cfc 180"), "{asi}");
+    for name in ["oiv_y", "ora_y"] {
+        let found = metrics(&asked);
+        let across = find(&found, "p", name);
+        assert_eq!(
+            (across.value, across.definition.as_str()),
+            (None, "absent: y is not measured at the centre of gravity")
+        );
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@ use crumple_lti::{Complex, matrix_exponential, polynomial_roots};
 use nalgebra::{DMatrix, DVector};
 
 use crate::driven::{Driven, Instant};
-use crate::error::{finite, positive};
+use crate::error::{finite, row_of_masses};
 use crate::{CrushEvents, Drive, Energy, LumpedError, ModelKind, Motion, State};
 
 /// Any number of masses in a row: barrier - (k1, c1) - m1 - (k2, c2) - m2 - ... - mN, the compartment last.
@@ -36,17 +36,7 @@ pub struct ChainResponse {
 impl Chain {
     /// A chain. Errors: lists of unequal length or none, masses that are not positive, values that are not finite.
     pub fn new(masses_kg: &[f64], springs_n_per_m: &[f64], dampers_n_s_per_m: &[f64]) -> Result<Self, LumpedError> {
-        let n = masses_kg.len();
-        if n == 0 || springs_n_per_m.len() != n || dampers_n_s_per_m.len() != n {
-            return Err(LumpedError::Value {
-                name: "number of springs and dampers",
-                value: springs_n_per_m.len().min(dampers_n_s_per_m.len()) as f64,
-                expected: "one spring and one damper for each mass, and at least one mass",
-            });
-        }
-        for m in masses_kg {
-            positive("mass_kg", *m)?;
-        }
+        row_of_masses(masses_kg, springs_n_per_m.len(), dampers_n_s_per_m.len())?;
         for (k, c) in springs_n_per_m.iter().zip(dampers_n_s_per_m) {
             finite("stiffness_n_per_m", *k)?;
             finite("damping_n_s_per_m", *c)?;

@@ -1,5 +1,6 @@
 //! Motion of a chain of masses whose springs and dampers have piecewise-linear secant coefficients, by Taylor series.
 
+use crate::falling_zero::falling_zero;
 use crate::piecewise_linear::{PiecewiseLinear, Region};
 use crate::secant_step::ORDER;
 use crate::{Drive, LumpedError};
@@ -308,22 +309,8 @@ fn first_exit(
                 }
                 low = tau;
             }
-            let Some(mut high) = high else { continue };
-            let mut tau = 0.5 * (low + high);
-            for _ in 0..60 {
-                let (d, rate) = distance(tau);
-                if d > 0.0 {
-                    low = tau;
-                } else {
-                    high = tau;
-                }
-                let newton = tau - d / rate;
-                let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-                if (next - tau).abs() <= 2.0 * f64::EPSILON * tau {
-                    break;
-                }
-                tau = next;
-            }
+            let Some(high) = high else { continue };
+            let tau = falling_zero(low, high, distance);
             (first, found) = (tau, Some((tau, c, next)));
         }
     }

@@ -76,3 +76,16 @@ pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), LumpedError
         Err(LumpedError::Value { name, value, expected: "a positive number" })
     }
 }
+
+/// Refuses lists of springs and dampers that do not belong to so many masses, and masses that are not positive.
+pub(crate) fn row_of_masses(masses_kg: &[f64], springs: usize, dampers: usize) -> Result<(), LumpedError> {
+    let n = masses_kg.len();
+    if n == 0 || springs != n || dampers != n {
+        return Err(LumpedError::Value {
+            name: "number of springs and dampers",
+            value: springs.min(dampers) as f64,
+            expected: "one spring and one damper for each mass, and at least one mass",
+        });
+    }
+    masses_kg.iter().try_for_each(|mass| positive("mass_kg", *mass))
+}

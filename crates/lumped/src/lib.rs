@@ -31,6 +31,7 @@ mod elastoplastic;
 mod elastoplastic_sensitivity;
 mod error;
 mod exact_step;
+mod falling_zero;
 mod kelvin;
 mod kind;
 mod linear_motion;

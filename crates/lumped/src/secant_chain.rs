@@ -2,7 +2,7 @@
 
 use crate::chain_motion::{ChainMotion, ChainStep, Series, horner, integral};
 use crate::dynamics::of_chain;
-use crate::error::{finite, positive};
+use crate::error::{finite, positive, row_of_masses};
 use crate::secant_step::ORDER;
 use crate::{Chain, ChainResponse, CrushEvents, Drive, Dynamics, Energy, LumpedError, Motion, PiecewiseLinear, State};
 
@@ -30,17 +30,7 @@ impl SecantChain {
         springs: &[PiecewiseLinear],
         dampers: &[PiecewiseLinear],
     ) -> Result<Self, LumpedError> {
-        let n = masses_kg.len();
-        if n == 0 || springs.len() != n || dampers.len() != n {
-            return Err(LumpedError::Value {
-                name: "number of springs and dampers",
-                value: springs.len().min(dampers.len()) as f64,
-                expected: "one spring and one damper for each mass, and at least one mass",
-            });
-        }
-        for mass in masses_kg {
-            positive("mass_kg", *mass)?;
-        }
+        row_of_masses(masses_kg, springs.len(), dampers.len())?;
         Ok(Self { masses_kg: masses_kg.to_vec(), springs: springs.to_vec(), dampers: dampers.to_vec() })
     }
 

@@ -1,6 +1,7 @@
 //! Exact-to-rounding motion of one mass on a secant spring and a damper with piecewise-linear coefficients.
 
 use crate::curve::{BEYOND, Curve, Piece};
+use crate::falling_zero::falling_zero;
 use crate::secant_step::{LANES, Law, ORDER, REST, Step, longest};
 use crate::{CrushEvents, LumpedError, ModelKind, Motion};
 
@@ -306,23 +307,8 @@ fn border(step: &Step, length: f64, spring: &Piece, damper: &Piece, sx: f64, sv:
                 break;
             }
         }
-        let Some(mut high) = high else { continue };
-        let mut tau = 0.5 * (low + high);
-        for _ in 0..60 {
-            let (d, rate) = distance(tau);
-            if d > 0.0 {
-                low = tau;
-            } else {
-                high = tau;
-            }
-            let newton = tau - d / rate;
-            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            if (next - tau).abs() <= 2.0 * f64::EPSILON * tau {
-                break;
-            }
-            tau = next;
-        }
-        first = tau.min(first);
+        let Some(high) = high else { continue };
+        first = falling_zero(low, high, distance).min(first);
     }
     first.max(1e-15)
 }

@@ -1,5 +1,5 @@
 //! HIC and ISO 18571 beside a plain pass over the same samples. Release, one thread: `cargo bench -p crumple-metrics`.
-//! `--test` or a first argument of `quick` runs the small sizes once.
+//! `--test` or a first argument of `quick` runs the small sizes once; `-- --long` rates curves of 10⁶ samples too (a minute or more).
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -64,8 +64,9 @@ fn report(what: &str, n: usize, seconds: f64, pass: f64) {
 
 fn main() {
     let quick = std::env::args().any(|argument| argument == "--test" || argument == "quick");
-    for n in [1_000, 10_000, 30_000] {
-        if quick && n > 1_000 {
+    let long = std::env::args().any(|argument| argument == "--long");
+    for n in [1_000, 10_000, 100_000, 1_000_000] {
+        if (quick && n > 1_000) || (!long && n > 100_000) {
             break;
         }
         let at = |k: usize, late: f64, height: f64| {
@@ -80,7 +81,19 @@ fn main() {
         let (Ok(test), Ok(model)) = (curve(0.0, 25.0), curve(0.03, 23.0)) else { return };
         let pass = memory_pass(test.samples());
         let options = Iso18571Options::default();
-        report("ISO 18571", n, least(3, || iso18571(black_box(&test), black_box(&model), &options)), pass);
+        let runs = if n > 10_000 { 1 } else { 5 };
+        report("ISO 18571, alike", n, least(runs, || iso18571(black_box(&test), black_box(&model), &options)), pass);
+        // Nothing in noise aligns: hardly a cell of the warping band can be left out.
+        let noise = Sampled::new(0.0, 1e-4, resultant(n).iter().map(|a| (a * 7919.0) % 50.0 - 25.0).collect());
+        let Ok(noise) = noise else { return };
+        if n <= 100_000 {
+            report(
+                "ISO 18571, noise (worst)",
+                n,
+                least(runs, || iso18571(black_box(&test), black_box(&noise), &options)),
+                pass,
+            );
+        }
         if let Some(peak) = peak_memory() {
             println!("    peak memory of the process so far: {peak}");
         }

@@ -3,6 +3,7 @@
 mod bode;
 mod elements;
 mod force;
+mod mass_split;
 mod models;
 mod motion;
 mod poles;
@@ -24,6 +25,7 @@ pub fn all(run: &Run, ranking: &Ranking) -> Vec<Figure> {
         sensors::figure(run, ranking),
         force::figure(run, ranking),
         elements::figure(run, ranking),
+        mass_split::figure(run, ranking),
         poles::figure(run),
         singular_values::figure(run),
         stabilisation::figure(run),

@@ -34,6 +34,7 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
     run.models = models(inputs)?;
     let stabilizations = inputs.records::<StabilizationV1>("/stabilisation/")?;
     run.stabilizations = stabilizations.into_iter().map(|(_, record)| record).collect();
+    run.matchings = inputs.records("/matching/")?;
     let simulations: BTreeMap<String, SimulationV1> = inputs.records("/simulation/")?.into_iter().collect();
     let stage_ran = inputs.artifacts().iter().any(|artifact| artifact.stage() == Some("simulate"));
     run.responses = (stage_ran || !simulations.is_empty()).then_some(simulations.len());

@@ -6,6 +6,7 @@ mod energy;
 mod header;
 mod models;
 mod numbers;
+mod ratings;
 mod remarks;
 mod uncertainty;
 
@@ -67,6 +68,7 @@ impl Page {
             }
         }
         candidates::write(&mut body, run, ranking);
+        ratings::write(&mut body, run, ranking);
         energy::write(&mut body, run, ranking);
         models::write(&mut body, run);
         numbers::write(&mut body, run);

@@ -159,6 +159,7 @@ mod tests {
                 drive: None,
                 energy: Vec::new(),
                 energy_closure: None,
+                ratings: vec![],
             }),
             displacement: None,
             velocity: None,

@@ -1,7 +1,7 @@
 //! What a report is made from, wherever it was read.
 
 use crumple_artifact::records::{
-    CandidateV1, ChannelFilterV1, EventsV1, IdentificationV1, MetricV1, ModeV1, ResponseV1, SimulationV1,
+    CandidateV1, ChannelFilterV1, EventsV1, IdentificationV1, MatchingV1, MetricV1, ModeV1, ResponseV1, SimulationV1,
     StabilizationV1, TransferFunctionV1,
 };
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
@@ -27,6 +27,8 @@ pub struct Run {
     pub models: Vec<Model>,
     /// Stabilisation diagrams, by method.
     pub stabilizations: Vec<StabilizationV1>,
+    /// What coefficient matching found, by the id of the identified model.
+    pub matchings: Vec<(String, MatchingV1)>,
     /// Candidates in id order: by model, method and the number at the end.
     pub candidates: Vec<Candidate>,
     /// Number of responses in the simulate stage's artifact; `None`: there is no such artifact.

@@ -122,6 +122,32 @@ fn the_card_of_the_best_says_what_the_record_does_not_determine() {
 }
 
 #[test]
+fn ratings_stand_in_one_table_with_their_marks_and_what_is_missing_says_why() {
+    let mut run = crash();
+    let mut rated = candidate("kelvin/direct-fit/1", &[("k_n_per_m", 3e5)], 99.0);
+    rated.simulation.as_mut().unwrap().ratings = record(serde_json::json!([
+        {"name": "iso18571", "quantity": "acceleration", "value": null, "definition_id": "iso18571", "mark": "C",
+         "from_s": null, "to_s": null, "note": "absent: sampled at 1000 Hz, the standard wants 10 kHz"},
+        {"name": "cora", "quantity": "acceleration", "value": 0.8125, "definition_id": "cora", "mark": "M",
+         "from_s": 0.0, "to_s": 0.1, "note": "interval: the compared window"},
+        {"name": "sprague_geers_magnitude", "quantity": "acceleration", "value": -0.0625, "definition_id": "sprague-geers-m",
+         "mark": "C", "from_s": 0.0, "to_s": 0.1, "note": null}
+    ]));
+    run.candidates.push(rated);
+    let with = page(&run);
+    assert!(with.contains("<h2>Ratings: model against test</h2>") && with.contains("[cora, mark M]"), "{with}");
+    assert!(
+        with.contains(">0.812<")
+            && with.contains(">−0.062<")
+            && with.contains("CORA (mark M) has interval: the compared window.")
+    );
+    assert!(with.contains("<abbr title=\"absent: sampled at 1000 Hz, the standard wants 10 kHz\">–</abbr>"));
+    assert!(with.contains("Over 0.0 to 100.0 ms after time zero."));
+    run.candidates[0].simulation.as_mut().unwrap().ratings.clear();
+    assert!(!page(&run).contains("Ratings: model against test"));
+}
+
+#[test]
 fn a_second_sensor_is_drawn_with_the_mass_that_sits_on_it() {
     let mut run = crash();
     run.other_sensors = vec![

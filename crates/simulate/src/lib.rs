@@ -7,12 +7,14 @@ mod excitation;
 mod information;
 mod measures;
 mod other_sensor;
+mod ratings;
 mod simulate;
 
 pub use excitation::Excitation;
 pub use information::{Information, information, parameters_of};
 pub use measures::max_abs_error;
 pub use other_sensor::{OtherSensor, SensorFit, beside, beside_mass};
+pub use ratings::{Rating, iso_ratings, ratings};
 pub use simulate::{
     Comparison, Measured, SimulateError, Simulation, Window, simulate, simulate_chain, simulate_driven,
 };

@@ -1,9 +1,10 @@
 use crumple_lumped::{CrushEvents, Drive, Dynamics, LumpedError, Model, Motion, SecantChain};
-use crumple_metrics::{Iso18571Options, fit_percent, iso18571, rmse};
+use crumple_metrics::{fit_percent, rmse};
 use crumple_signal::Sampled;
 
 use crate::excitation::Excitation;
 use crate::measures::max_abs_error;
+use crate::ratings::{Rating, iso_ratings, ratings};
 
 /// Why a candidate cannot be compared.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -74,6 +75,8 @@ pub struct Comparison {
     pub dynamic_crush_error_m: Option<f64>,
     /// Time of dynamic crush of the model minus that of the test, s.
     pub time_of_dynamic_crush_error_s: Option<f64>,
+    /// ISO/TS 18571 of the acceleration; CORA, Sprague-Geers and Theil of acceleration and displacement.
+    pub ratings: Vec<Rating>,
 }
 
 /// The response of a model from time zero to the end of the test's displacement record.
@@ -189,32 +192,45 @@ fn beside_the_test(
     }
     let (motion, masses, events, dynamics) = respond(dt, samples)?;
 
-    // Pairs of test and model inside the window; a record that starts a little late gives fewer.
-    let pairs = |record: &Sampled, modelled: &[f64]| -> (Vec<f64>, Vec<f64>) {
-        (0..compared).filter_map(|k| Some((record.at(zero + k as f64 * dt)?, modelled[k]))).unzip()
+    // Test and model inside the window, on one grid from time zero on; a record that starts a little late gives less.
+    let pairs = |record: &Sampled, modelled: &[f64]| -> Option<(Sampled, Sampled)> {
+        let at = |k: usize| record.at(zero + k as f64 * dt);
+        let first = (0..compared).find(|&k| at(k).is_some())?;
+        let y: Vec<f64> = (first..compared).map_while(at).collect();
+        let yh = modelled[first..first + y.len()].to_vec();
+        let grid = |samples| Sampled::new(first as f64 * dt, dt, samples).ok();
+        Some((grid(y)?, grid(yh)?))
     };
-    let (x, xh) = pairs(test.displacement, &motion.displacement_m);
-    let fit = |record: Option<&Sampled>, modelled: &[f64]| {
-        let (y, yh) = pairs(record?, modelled);
-        fit_percent(&y, &yh)
-    };
-    let iso18571_score = test.acceleration.and_then(|record| {
-        let (a, ah) = pairs(record, &motion.acceleration_m_per_s2);
-        rating(a, ah, dt)
-    });
+    let displacement = pairs(test.displacement, &motion.displacement_m);
+    let (x, xh) = displacement.as_ref().map(|(x, xh)| (x.samples(), xh.samples())).unwrap_or_default();
+    let velocity = test.velocity.and_then(|record| pairs(record, &motion.velocity_m_per_s));
+    let acceleration = test.acceleration.and_then(|record| pairs(record, &motion.acceleration_m_per_s2));
+    let fit =
+        |pair: &Option<(Sampled, Sampled)>| pair.as_ref().and_then(|(y, yh)| fit_percent(y.samples(), yh.samples()));
+    let mut rated = Vec::new();
+    if let Some((a, ah)) = &acceleration {
+        rated = iso_ratings(a, ah);
+        rated.extend(ratings("acceleration", a, ah));
+    }
+    if let Some((x, xh)) = &displacement {
+        rated.extend(ratings("displacement", x, xh));
+    }
+    let iso18571_score =
+        rated.iter().find(|rating| rating.metric.id == "iso18571").and_then(|rating| rating.metric.value);
     let comparison = Comparison {
         iso18571_score,
         from_s: 0.0,
         to_s: (compared - 1) as f64 * dt,
-        rmse_displacement_m: rmse(&x, &xh),
-        max_displacement_error_m: max_abs_error(&x, &xh),
-        fit_displacement_percent: fit_percent(&x, &xh),
-        fit_velocity_percent: fit(test.velocity, &motion.velocity_m_per_s),
-        fit_acceleration_percent: fit(test.acceleration, &motion.acceleration_m_per_s2),
+        rmse_displacement_m: rmse(x, xh),
+        max_displacement_error_m: max_abs_error(x, xh),
+        fit_displacement_percent: fit(&displacement),
+        fit_velocity_percent: fit(&velocity),
+        fit_acceleration_percent: fit(&acceleration),
         dynamic_crush_error_m: difference(events.dynamic_crush_m, test.dynamic_crush_m),
         time_of_dynamic_crush_error_s: difference(events.time_of_dynamic_crush_s, test.time_of_dynamic_crush_s),
+        ratings: rated,
     };
-    let error_m = xh.iter().zip(&x).map(|(model, test)| model - test).collect();
+    let error_m = xh.iter().zip(x).map(|(model, test)| model - test).collect();
     Ok(Simulation { motion, events, comparison, masses, error_m, dynamics })
 }
 
@@ -228,19 +244,6 @@ fn sampled_events(motion: &Motion, dt_s: f64) -> CrushEvents {
         dynamic_crush_m: Some(motion.displacement_m[k - 1] + 0.5 * v[k - 1] * part * dt_s),
         ..CrushEvents::default()
     }
-}
-
-/// Most samples that are rated: warping costs their square, and no loading phase is longer than 2 s.
-const RATED_SAMPLES: usize = 20_000;
-
-fn rating(measured: Vec<f64>, modelled: Vec<f64>, dt_s: f64) -> Option<f64> {
-    let ten_kilohertz = (dt_s - 1e-4).abs() <= 1e-9;
-    if !ten_kilohertz || measured.len() > RATED_SAMPLES {
-        return None;
-    }
-    let reference = Sampled::new(0.0, dt_s, measured).ok()?;
-    let comparison = Sampled::new(0.0, dt_s, modelled).ok()?;
-    iso18571(&reference, &comparison, &Iso18571Options::default()).ok()?.overall
 }
 
 fn difference(model: Option<f64>, test: Option<f64>) -> Option<f64> {

@@ -7,10 +7,10 @@ use crumple_metrics::effective_samples;
 use crumple_signal::value::Time;
 use crumple_signal::{Acceleration, Displacement, QuantityKind, Sampled, TestDescription, Velocity};
 use crumple_simulate::{
-    Information, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, beside_mass, information,
-    parameters_of, simulate_chain, simulate_driven,
+    Information, Measured, OtherSensor, Rating, SensorFit, SimulateError, Simulation, Window, beside, beside_mass,
+    information, parameters_of, simulate_chain, simulate_driven,
 };
-use crumple_stage::records::{CandidateV1, EnergyV1, EventsV1, OtherSensorV1, SimulationV1, TestV1};
+use crumple_stage::records::{CandidateV1, EnergyV1, EventsV1, OtherSensorV1, RatingV1, SimulationV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -266,6 +266,7 @@ fn write(
         drive,
         energy: dynamics.as_ref().map_or_else(Vec::new, |d| energies(d, events.time_of_dynamic_crush_s)),
         energy_closure: dynamics.as_ref().and_then(Dynamics::energy_closure),
+        ratings: comparison.ratings.into_iter().map(rating_record).collect(),
     };
     out.put(&format!("/simulation/{id}"), &record)?;
     let mut wave = |what: &str, quantity: QuantityKind, samples: Vec<f64>| {
@@ -316,6 +317,19 @@ fn sensor_record(fit: SensorFit) -> OtherSensorV1 {
         mass: fit.mass as u32,
         rmse_displacement_m: fit.rmse_m,
         fit_percent: fit.fit_percent,
+    }
+}
+
+fn rating_record(rating: Rating) -> RatingV1 {
+    RatingV1 {
+        name: rating.metric.name.to_owned(),
+        quantity: rating.quantity.to_owned(),
+        value: rating.metric.value,
+        definition_id: rating.metric.id.to_owned(),
+        mark: rating.mark.to_owned(),
+        from_s: rating.metric.window.map(|window| window.from_s),
+        to_s: rating.metric.window.map(|window| window.to_s),
+        note: rating.note,
     }
 }
 

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{CandidateV1, EventsV1, SimulationV1, TestV1};
+use crumple_artifact::records::{CandidateV1, EventsV1, RatingV1, SimulationV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, Model, Nonlinear1};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
@@ -89,6 +89,39 @@ fn writes_response_and_comparison_of_every_candidate_it_can() {
 }
 
 #[test]
+fn every_candidate_is_rated_by_several_definitions_over_the_compared_window() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = candidate("kelvin", Model::Kelvin(MODEL).parameters());
+    let stiffer = Model::Kelvin(Kelvin { stiffness_n_per_m: 400_000.0, ..MODEL });
+    let stiffer = candidate("kelvin", stiffer.parameters());
+    write(&folder.path().join("5.mcap"), &[("kelvin/closed-form/1", own), ("kelvin/closed-form/2", stiffer)]);
+    let pulse = write_pulse(folder.path());
+    assert_eq!(run_with(folder.path(), &[&pulse]).status.code(), Some(0));
+    let artifact = Artifact::open(&folder.path().join("6.mcap")).unwrap();
+    let rated = |id: &str| {
+        let simulation: SimulationV1 = artifact.record(&format!("/simulation/{id}")).unwrap().unwrap();
+        for rating in &simulation.ratings {
+            assert_eq!((rating.from_s, rating.to_s), (Some(0.0), Some(simulation.to_s)), "{}", rating.definition_id);
+        }
+        let value = |quantity: &str, definition: &str| {
+            let of = |r: &&RatingV1| r.quantity == quantity && r.definition_id == definition;
+            simulation.ratings.iter().find(of).unwrap().value.unwrap()
+        };
+        assert_eq!(simulation.iso18571_score, Some(value("acceleration", "iso18571")));
+        let ids = ["cora", "sprague-geers-m", "sprague-geers-p", "sprague-geers-c", "theil-u1"];
+        ["acceleration", "displacement"].map(|quantity| ids.map(|id| value(quantity, id)))
+    };
+    for [cora, m, p, c, u1] in rated("kelvin/closed-form/1") {
+        // The model is the record: rounding, of which the phase keeps the root.
+        assert!(cora > 1.0 - 1e-9 && m.abs() < 1e-12 && p < 1e-7 && c < 1e-7 && u1 < 1e-12);
+    }
+    for [cora, m, p, c, u1] in rated("kelvin/closed-form/2") {
+        // 10 % faster: every rating sees it, and C is made of M and P.
+        assert!(cora < 0.99 && p > 1e-3 && u1 > 0.01 && (c - m.hypot(p)).abs() < 1e-15);
+    }
+}
+
+#[test]
 fn no_candidate_that_can_be_simulated_is_exit_4_and_none_at_all_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let foreign = candidate("hyper-model", BTreeMap::new());
@@ -98,6 +131,17 @@ fn no_candidate_that_can_be_simulated_is_exit_4_and_none_at_all_is_refused() {
     let output = run(folder.path());
     assert_eq!(output.status.code(), Some(3));
     assert!(String::from_utf8_lossy(&output.stderr).contains("crumple-parameter-solve"));
+}
+
+/// The acceleration of the test, in an artifact of its own; its path.
+fn write_pulse(folder: &Path) -> String {
+    let mut builder = ArtifactBuilder::new();
+    let pulse = Model::Kelvin(MODEL).respond(9.7, 1e-4, 1001).unwrap().compartment().acceleration_m_per_s2.clone();
+    builder.wave("a", QuantityKind::Acceleration, Sampled::new(0.0, 1e-4, pulse).unwrap()).unwrap();
+    let provenance = Provenance::new("filter", "0", "{}".to_owned(), Vec::new());
+    let path = folder.join("2.mcap");
+    builder.write(&path, &provenance, Compression::None).unwrap();
+    path.to_str().unwrap().to_owned()
 }
 
 /// The program with more arguments.
@@ -166,13 +210,8 @@ fn a_model_that_is_nearly_one_mass_gives_the_pulse_back_when_driven_by_it() {
     let output = run_with(folder.path(), &["--drive", "pulse-as-force"]);
     // The artifact has no pulse yet.
     assert_eq!(output.status.code(), Some(3));
-    let mut builder = ArtifactBuilder::new();
-    let pulse = Model::Kelvin(MODEL).respond(9.7, 1e-4, 1001).unwrap().compartment().acceleration_m_per_s2.clone();
-    builder.wave("a", QuantityKind::Acceleration, Sampled::new(0.0, 1e-4, pulse).unwrap()).unwrap();
-    let provenance = Provenance::new("filter", "0", "{}".to_owned(), Vec::new());
-    builder.write(&folder.path().join("2.mcap"), &provenance, Compression::None).unwrap();
-    let second = folder.path().join("2.mcap");
-    let output = run_with(folder.path(), &[second.to_str().unwrap(), "--drive", "pulse-as-force"]);
+    let pulse = write_pulse(folder.path());
+    let output = run_with(folder.path(), &[&pulse, "--drive", "pulse-as-force"]);
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(0), "{stderr}");
     assert!(stderr.contains("circular"), "{stderr}");

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 /// The response of one candidate beside the test. Topic `/simulation/<candidate id>`.
 ///
 /// Errors are taken over the window `from_s`..`to_s` after time zero.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SimulationV1 {
     /// Dynamic crush of the model, m; `null` if its velocity never reaches zero.
     pub dynamic_crush_m: Option<f64>,
@@ -52,6 +52,30 @@ pub struct SimulationV1 {
     /// Largest gap of the energy balance over the whole response, relative to its largest term.
     #[serde(default)]
     pub energy_closure: Option<f64>,
+    /// Ratings of the model's curves against the test's.
+    #[serde(default)]
+    pub ratings: Vec<RatingV1>,
+}
+
+/// One rating of a curve of the model against the test's.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RatingV1 {
+    /// Name, e.g. `cora`.
+    pub name: String,
+    /// What was compared: `acceleration`, `displacement`.
+    pub quantity: String,
+    /// Value, a ratio; `null` where it is not defined or was not computed, and `note` says why.
+    pub value: Option<f64>,
+    /// Key of the definition in the catalogue of `docs/metrics.md`, e.g. `cora`.
+    pub definition_id: String,
+    /// How well that definition is known: `C`, `S`, `M` or `U`.
+    pub mark: String,
+    /// Rated window: start, s after time zero; `null` without a value.
+    pub from_s: Option<f64>,
+    /// Rated window: end.
+    pub to_s: Option<f64>,
+    /// What the definition leaves open and was chosen, the grade, or why there is no value.
+    pub note: Option<String>,
 }
 
 /// A candidate beside a sensor that its fit did not see.

@@ -1,0 +1,39 @@
+//! Where a distance that is positive first meets zero.
+
+/// Zero of a function that is positive at `low` and not at `high`, by Newton's method kept inside the bracket.
+///
+/// `distance` gives value and rate. A Newton step that leaves the bracket, or that a rate of zero makes no number, is replaced
+/// by the middle; ends when a step is two roundings of the instant, or after 60.
+pub(crate) fn falling_zero(mut low: f64, mut high: f64, distance: impl Fn(f64) -> (f64, f64)) -> f64 {
+    let mut tau = 0.5 * (low + high);
+    for _ in 0..60 {
+        let (d, rate) = distance(tau);
+        if d > 0.0 {
+            low = tau;
+        } else {
+            high = tau;
+        }
+        let newton = tau - d / rate;
+        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        if (next - tau).abs() <= 2.0 * f64::EPSILON * tau {
+            break;
+        }
+        tau = next;
+    }
+    tau
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_zero_is_found_to_rounding_and_a_flat_start_does_not_stop_it() {
+        // Two roundings of the answer, as the last step allows.
+        let found = falling_zero(0.0, 2.0, |t| (2.0 - t * t, -2.0 * t));
+        assert!((found - 2.0_f64.sqrt()).abs() <= 2.0 * f64::EPSILON * 1.5, "{found}");
+        // At the middle the rate is zero, and Newton's step no number.
+        let found = falling_zero(-1.0, 1.0, |t| (0.125 - t * t * t, -3.0 * t * t));
+        assert!((found - 0.5).abs() <= 2.0 * f64::EPSILON, "{found}");
+    }
+}

@@ -1,0 +1,86 @@
+//! The sample's candidates: what they are and how they answer.
+
+use super::kelvin::{Kelvin, TEST};
+
+pub(super) struct Sketch {
+    pub(super) id: &'static str,
+    pub(super) parameters: &'static [(&'static str, f64)],
+    pub(super) physical: bool,
+    pub(super) equivalent_to: Option<&'static str>,
+    pub(super) response: Option<Kelvin>,
+    pub(super) fit_percent: f64,
+}
+
+pub(super) fn sketches() -> Vec<Sketch> {
+    const DOUBLE_1: &str = "double-spring-mass-damper/displacement-fit/1";
+    const DOUBLE_2: &str = "double-spring-mass-damper/displacement-fit/2";
+    let response = |k: f64, c: f64| Some(Kelvin { stiffness_n_per_m: k, damping_n_s_per_m: c, ..TEST });
+    vec![
+        Sketch {
+            id: DOUBLE_1,
+            parameters: &[
+                ("m1_kg", 174.6),
+                ("m2_kg", 698.4),
+                ("k1_n_per_m", 412_000.0),
+                ("k2_n_per_m", 1_650_000.0),
+                ("c1_n_s_per_m", 3_120.0),
+                ("c2_n_s_per_m", 8_400.0),
+            ],
+            physical: true,
+            equivalent_to: Some(DOUBLE_2),
+            response: response(331_000.0, 2_550.0),
+            fit_percent: 98.9,
+        },
+        Sketch {
+            id: DOUBLE_2,
+            parameters: &[
+                ("m1_kg", 174.6),
+                ("m2_kg", 698.4),
+                ("k1_n_per_m", 2_062_500.0),
+                ("k2_n_per_m", 329_600.0),
+                ("c1_n_s_per_m", 10_500.0),
+                ("c2_n_s_per_m", 2_496.0),
+            ],
+            physical: true,
+            equivalent_to: Some(DOUBLE_1),
+            response: response(331_000.0, 2_550.0),
+            fit_percent: 98.9,
+        },
+        Sketch {
+            id: "elastoplastic/closed-form/1",
+            parameters: &[
+                ("mass_kg", 873.0),
+                ("loading_stiffness_n_per_m", 298_000.0),
+                ("unloading_stiffness_n_per_m", 910_000.0),
+            ],
+            physical: true,
+            equivalent_to: None,
+            response: response(298_000.0, 800.0),
+            fit_percent: 93.4,
+        },
+        Sketch {
+            id: "kelvin/closed-form/1",
+            parameters: &[("mass_kg", 873.0), ("stiffness_n_per_m", 321_900.0), ("damping_n_s_per_m", 2_410.0)],
+            physical: true,
+            equivalent_to: None,
+            response: response(321_900.0, 2_410.0),
+            fit_percent: 98.2,
+        },
+        Sketch {
+            id: "kelvin/coefficient-matching/1",
+            parameters: &[("mass_kg", 873.0), ("stiffness_n_per_m", 330_500.0), ("damping_n_s_per_m", -40.0)],
+            physical: false,
+            equivalent_to: None,
+            response: response(330_500.0, -40.0),
+            fit_percent: 99.4,
+        },
+        Sketch {
+            id: "maxwell/closed-form/1",
+            parameters: &[("mass_kg", 873.0), ("stiffness_n_per_m", 512_000.0), ("damping_n_s_per_m", 21_000.0)],
+            physical: true,
+            equivalent_to: None,
+            response: None,
+            fit_percent: 0.0,
+        },
+    ]
+}
