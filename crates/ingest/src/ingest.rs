@@ -73,6 +73,10 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
     details::require(file, &recording.details, comments, allow_missing, &mut notes)?;
 
     set_time_zero(file, &mut recording, pulse, &mut notes)?;
+    let time_zero = match &recording.details.time_zero_s {
+        Some(stated) => Some(format!("stated by {}", stated.from)),
+        None => recording.contact_at_zero.then(|| format!("the format {format}")),
+    };
     let turned = match choices.sign.unwrap_or_default() {
         Sign::Keep => None,
         Sign::Flip => Some("sign of acceleration turned, as asked".to_owned()),
@@ -121,6 +125,7 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
         channels,
         pulse: pulse_id,
         notes: details.facts,
+        time_zero,
     };
     Ok(Ingested { test, waves, notes })
 }

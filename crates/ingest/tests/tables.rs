@@ -334,3 +334,11 @@ fn the_sign_is_turned_by_auto_only_where_it_is_certainly_wrong() {
     let (negative, said) = run(30.0, "50m/s");
     assert!(!negative && said.contains("not certain"), "{said}");
 }
+
+#[test]
+fn what_states_time_zero_travels_with_the_test() {
+    let text = pulse("time_s,accel_g\n", 600);
+    assert_eq!(from_text(&text, &stated()).unwrap().test.time_zero, None);
+    let settings = Settings { time_zero: Some("0s".parse().unwrap()), ..stated() };
+    assert_eq!(from_text(&text, &settings).unwrap().test.time_zero.as_deref(), Some("stated by flag"));
+}

@@ -91,10 +91,11 @@ pub use nonlinear_fit::{NonlinearFitOptions, fit_nonlinear1, fit_nonlinear2};
 pub use observed::{FreeParameter, Observed, RESOLUTION_M, SeenWave, free_masses, free_parameters};
 pub use profile::{Profile, RISE_95, profile};
 pub use propagation::{
-    Distribution, InputUncertainty, Propagation, REPETITIONS, Repetition, perturbed, propagate, propagate_unfiltered,
+    InputUncertainty, Propagation, REPETITIONS, Repetition, largest_draw, perturbed, propagate, propagate_unfiltered,
     repeat, repetition,
 };
 pub use quantity::FitQuantity;
+pub use crumple_signal::Distribution;
 pub use random_starts::random_start_nonlinear2;
 pub use refine::{Refined, refine};
 pub use sensor::{Place, Sensor, SensorFit};

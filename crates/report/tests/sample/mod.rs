@@ -95,6 +95,7 @@ fn test() -> TestDescription {
         channels,
         pulse: Some("accel".to_owned()),
         notes: vec!["the time column has 4 decimals".to_owned()],
+        time_zero: None,
     }
 }
 
