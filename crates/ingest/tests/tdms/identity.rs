@@ -3,7 +3,7 @@
 use crumple_ingest::{Bundle, Settings, ingest};
 use crumple_signal::{Axis, ChannelStatus, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
-use crate::writer::{NEW_LIST, RAW, Value, Writer, accelerometer, pulse, read, recording, samples, segment, waveform};
+use crate::writer::{NEW_LIST, RAW, Value, Writer, accelerometer, pulse, read, samples, segment, waveform};
 
 /// A crash test as the NHTSA database describes it: 16-character codes, EV5 fields as properties.
 pub fn nhtsa() -> Vec<u8> {

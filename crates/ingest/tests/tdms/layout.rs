@@ -4,8 +4,8 @@ use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
 use crate::scaling::daqmx;
 use crate::writer::{
-    BIG, DAQMX, INTERLEAVED, NEW_LIST, RAW, Value, Writer, accelerometer, has_note, pulse, read, recording, samples,
-    segment, simple, waveform,
+    BIG, DAQMX, INTERLEAVED, NEW_LIST, RAW, Value, Writer, accelerometer, has_note, pulse, read, samples, segment,
+    simple, waveform,
 };
 
 #[test]

@@ -4,7 +4,7 @@ use crumple_ingest::{Bundle, Settings};
 use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 
-use crate::writer::{lenient, open, pulse, recording, samples};
+use crate::writer::{lenient, open, recording, samples};
 
 /// Acceptance 6: wf_* time, unit from the name, 24 trailing NaN, and the velocity channel as the oracle of integration.
 #[test]

@@ -2,9 +2,7 @@
 
 use crumple_ingest::Settings;
 
-use crate::writer::{
-    INTERLEAVED, NEW_LIST, RAW, Value, Writer, has_note, read, read_with, recording, samples, segment, waveform,
-};
+use crate::writer::{INTERLEAVED, NEW_LIST, RAW, Value, Writer, has_note, read, read_with, samples, segment, waveform};
 
 pub fn daqmx(out: &mut Writer, path: &str, rows: u64, offset: u32, width: u32, properties: &[(&str, Value)]) {
     // i16 at `offset` in the only buffer, scale id 0.

@@ -3,7 +3,7 @@
 use crumple_ingest::Settings;
 
 use crate::writer::{
-    BIG, NEW_LIST, RAW, Value, Writer, accelerometer, has_note, pulse, read, read_with, recording, samples, segment,
+    BIG, NEW_LIST, RAW, Value, Writer, accelerometer, has_note, pulse, read, read_with, samples, segment,
 };
 
 /// A group with a channel of times of `n` samples and an accelerometer of `m` without steps of its own.
