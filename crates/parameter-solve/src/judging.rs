@@ -3,8 +3,8 @@
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1};
 use crumple_parameter_solve::{
     Candidate, Distribution, FitQuantity, FollowedEvents, FreeParameter, InputUncertainty, JudgeOptions, MassFit,
-    Measurement, Method, Observed, Propagation, RESOLUTION_M, Refined, free_masses, free_parameters, judge, largest_draw, propagate,
-    propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine,
+    Measurement, Method, Observed, Propagation, RESOLUTION_M, Refined, free_masses, free_parameters, judge,
+    largest_draw, propagate, propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine,
 };
 use crumple_signal::{Displacement, Signal};
 use crumple_stage::records::EventsV1;

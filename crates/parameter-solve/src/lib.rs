@@ -66,6 +66,7 @@ pub use candidate::{Candidate, Fit, Uncertainty};
 pub use closed_form_propagation::{FollowedEvents, propagate_closed_form};
 pub use conditioned_propagation::propagate_conditioned;
 pub use covariance::{Covariance, covariance};
+pub use crumple_signal::Distribution;
 pub use curve_fit::curve_fit_of_the_paper;
 pub use double_fit::{DoubleFit, DoubleFitOptions, fit_double};
 pub use dual_scale::DualScale;
@@ -95,7 +96,6 @@ pub use propagation::{
     repeat, repetition,
 };
 pub use quantity::FitQuantity;
-pub use crumple_signal::Distribution;
 pub use random_starts::random_start_nonlinear2;
 pub use refine::{Refined, refine};
 pub use sensor::{Place, Sensor, SensorFit};
