@@ -61,6 +61,7 @@ fn test() -> TestV1 {
         channels: vec![channel("93", QuantityKind::Acceleration), channel("seat belt", QuantityKind::Force)],
         pulse: Some("93".into()),
         notes: vec![],
+        time_zero: None,
     }
 }
 

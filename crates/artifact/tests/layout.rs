@@ -99,6 +99,7 @@ fn test() -> TestV1 {
         }],
         pulse: Some("93".into()),
         notes: vec![],
+        time_zero: Some("the format nhtsa-ev5".into()),
     }
 }
 

@@ -13,6 +13,7 @@ mod channel;
 mod coefficients;
 mod corridor;
 mod delay;
+mod derivative;
 mod mode;
 mod moving_average;
 mod recursion;
@@ -28,11 +29,12 @@ pub use channel::{Applied, Filtered, Instead, Settings, filter, filter_reporting
 pub use coefficients::Coefficients;
 pub use corridor::{CorridorPoint, corridor, limits_db};
 pub use delay::{Delay, delay};
+pub use derivative::{acceleration_of_velocity_change, derivative_note, printed_step_m_per_s};
 pub use mode::Mode;
 pub use moving_average::{moving_average, moving_average_gain, samples_of_width};
 pub use resample::{Interpolation, Resampling, resample};
 pub use sections::{run_sections, sections_extension};
-pub use selection::{SelectionError, id_meant, ids_meant, is_barrier_force, select};
+pub use selection::{SelectionError, class_of_body, id_meant, ids_meant, is_barrier_force, select};
 pub use zero_level::{ZeroLevel, pre_event};
 pub use zero_phase::{Report, filter_both_ways, filter_both_ways_into, samples_added};
 

@@ -1,4 +1,6 @@
-use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, TestDescription};
+use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, TestDescription, part_of};
+
+use crate::Cfc;
 
 /// Why a list of channels cannot be filtered.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -66,15 +68,23 @@ pub fn id_meant(test: &TestDescription, wanted: &str) -> Result<String, Selectio
 ///
 /// With `asked`, exactly those ([`ids_meant`]), whatever they measure. Without: every acceleration channel with data that is not
 /// marked failed and whose location does not begin with an occupant or the barrier ("driver, head"; an unknown
-/// location counts as structure); the pulse in any case; and the load cells of the barrier ([`is_barrier_force`]),
+/// location counts as structure); the pulse in any case, with the other axes of its place if it is a head or chest; and the load cells of the barrier ([`is_barrier_force`]),
 /// failed ones too, because whoever sums them has to name what is left out.
 pub fn select<'a>(test: &'a TestDescription, asked: &[String]) -> Result<Vec<&'a Channel>, SelectionError> {
     let asked = ids_meant(test, asked)?;
-    let pulse = test.pulse_channel().ok().map(|channel| channel.id.as_str());
+    let pulse_channel = test.pulse_channel().ok();
+    let pulse = pulse_channel.map(|channel| channel.id.as_str());
+    // The other axes of a head that is looked at: its criteria are of the resultant.
+    let beside_pulse = |channel: &Channel| {
+        pulse_channel.is_some_and(|pulse| {
+            part_of(pulse).is_some() && !pulse.location.is_empty() && pulse.location == channel.location
+        })
+    };
     let taken = |channel: &&Channel| match asked.as_slice() {
         [] => {
             let usable = channel.quantity == QuantityKind::Acceleration && channel.status.has_data();
-            (usable && (Some(channel.id.as_str()) == pulse || on_structure(channel))) || is_barrier_force(channel)
+            (usable && (Some(channel.id.as_str()) == pulse || on_structure(channel) || beside_pulse(channel)))
+                || is_barrier_force(channel)
         }
         _ => asked.contains(&channel.id),
     };
@@ -92,6 +102,11 @@ pub fn is_barrier_force(channel: &Channel) -> bool {
         && channel.axis.is_none_or(|axis| axis == Axis::X)
         && channel.status.has_data()
         && channel.location.trim().to_lowercase().starts_with("barrier")
+}
+
+/// The class that SAE J211-1 Table 1 asks for in a dummy's head and chest; `None` elsewhere.
+pub fn class_of_body(channel: &Channel) -> Option<Cfc> {
+    Some(if part_of(channel)?.cfc() == 180 { Cfc::Cfc180 } else { Cfc::Cfc1000 })
 }
 
 fn on_structure(channel: &Channel) -> bool {
@@ -169,6 +184,17 @@ mod tests {
         test.channels.retain(|channel| channel.id == "347");
         assert_eq!(select(&test, &[]), Err(SelectionError::None));
         assert_eq!(ids(&select(&test, &["347".to_owned()]).unwrap()), ["347"]);
+    }
+
+    #[test]
+    fn a_head_that_is_the_pulse_comes_with_its_other_axes() {
+        let mut test = camry();
+        test.channels.push(Channel { id: "002".to_owned(), ..test.channels[0].clone() });
+        test.pulse = Some("001".to_owned());
+        assert_eq!(ids(&select(&test, &[]).unwrap()), ["001", "093", "095", "347", "002"]);
+        assert_eq!(class_of_body(&test.channels[0]), Some(Cfc::Cfc1000));
+        assert_eq!(class_of_body(&test.channels[7]), Some(Cfc::Cfc180));
+        assert_eq!(class_of_body(&test.channels[2]), None);
     }
 
     #[test]

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use crumple_filter::{
-    Applied, Cfc, Class, FilterError, Filtered, Pass, Settings, filter_reporting, id_meant, ids_meant,
-    is_barrier_force, resample, select,
+    Applied, Cfc, Class, FilterError, Filtered, Pass, SelectionError, Settings, class_of_body, filter_reporting,
+    id_meant, ids_meant, is_barrier_force, resample, select,
 };
 use crumple_signal::{Note, QuantityKind, Severity, TestDescription};
 use crumple_stage::records::TestV1;
@@ -13,6 +13,7 @@ use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, 
 use rayon::prelude::*;
 
 use crate::align::align;
+use crate::derived::derived;
 use crate::options::{Align, Options, StageSettings};
 use crate::record::{Extra, pulse_line, record};
 use crate::remarks::{Remarks, first_of};
@@ -38,11 +39,16 @@ impl Stage for Filter {
 
     fn run(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let mut test = input.test()?;
-        let pulse = test.pulse_channel().ok().map(|channel| channel.id.clone());
+        let mut pulse = test.pulse_channel().ok().map(|channel| channel.id.clone());
         const HINT: &str = "crumple-artifact show lists the channels of an artifact";
         let pass = ids_meant(&test, &settings.pass).refuse_with_hint(HINT)?;
-        let jobs = jobs(settings, &pass, input, &test)?;
         let mut remarks = Remarks::default();
+        // A list of channels means those alone.
+        let by_default = settings.channels.is_empty();
+        let mut with_derived = test.clone();
+        let derived =
+            if by_default { derived(&settings.filter, input, &mut with_derived, &mut remarks)? } else { None };
+        let jobs = jobs(settings, &pass, input, &test, derived.is_some(), &mut remarks)?;
         let mut done = Vec::new();
         for (job, result) in jobs.iter().zip(filter_all(&jobs, out)) {
             match result {
@@ -69,6 +75,9 @@ impl Stage for Filter {
             }
         }
         drop(jobs);
+        done.extend(derived);
+        test = with_derived;
+        pulse = test.pulse.clone().or(pulse);
         if let Some(asked) = &settings.align {
             let to = id_meant(&test, &asked.to).refuse_with_hint(HINT)?;
             align(&mut done, &Align { to, ..*asked }, &mut remarks)?;
@@ -139,14 +148,33 @@ fn jobs<'a>(
     pass: &[String],
     input: &'a Inputs,
     test: &TestDescription,
+    may_be_none: bool,
+    remarks: &mut Remarks,
 ) -> anyhow::Result<Vec<Job<'a>>> {
-    let selected = select(test, &settings.channels).refuse_with_hint("name the channels to filter with --channels")?;
+    let selected = match select(test, &settings.channels) {
+        Err(SelectionError::None) if may_be_none => Vec::new(),
+        selected => selected.refuse_with_hint("name the channels to filter with --channels")?,
+    };
     let mut jobs = Vec::new();
     for channel in selected.into_iter().filter(|channel| !pass.contains(&channel.id)) {
         let mut of_channel = settings.filter;
         // SAE J211-1 Table 1: barrier force is CFC 60, whatever the structure is filtered to.
         if is_barrier_force(channel) && settings.channels.is_empty() && of_channel.class != Class::None {
             of_channel.class = Class::Cfc(Cfc::Cfc60);
+        }
+        // Nor is a dummy filtered like the structure: head 1000, chest 180.
+        if let Some(class) = class_of_body(channel)
+            && settings.channels.is_empty()
+            && matches!(of_channel.class, Class::Cfc(asked) if asked != class)
+            && of_channel.instead.is_none()
+        {
+            of_channel.class = Class::Cfc(class);
+            if channel.cfc.is_none() {
+                remarks.info(
+                    &channel.id,
+                    format!("of a dummy, filtered to cfc {class} (SAE J211-1); another class by --channels with --cfc"),
+                );
+            }
         }
         jobs.push(Job {
             id: channel.id.clone(),

@@ -270,3 +270,54 @@ fn channels_may_be_named_by_code_or_pattern() {
     assert_eq!(artifact.waves()["95"].sampled, raw);
     assert_eq!(run(&input, &["--channels", "1?SECM*"]).status.code(), Some(3));
 }
+
+#[test]
+fn the_velocity_change_of_a_recorder_becomes_an_acceleration_that_says_what_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    // 50 km/h lost in 100 ms, in whole km/h every 10 ms.
+    let change = (0..26).map(|k| f64::from(-5 * k.min(10)) / 3.6).collect();
+    let change = Sampled::new(0.0, 0.01, change).unwrap();
+    let of_recorder =
+        Channel { axis: Some(crumple_signal::Axis::X), ..Channel::new("dv", QuantityKind::VelocityChange) };
+    let artifact = result(&ingested(folder.path(), &[(of_recorder, change)]), &[]);
+    assert_eq!(artifact.waves().keys().collect::<Vec<_>>(), ["dv_derivative"]);
+    let wave = &artifact.waves()["dv_derivative"];
+    assert_eq!(wave.quantity, QuantityKind::Acceleration);
+    // 5 km/h in 10 ms; rounding only.
+    assert!((wave.sampled.samples()[5] + 500.0 / 3.6).abs() < 1e-9);
+    let test: TestV1 = artifact.record("/test").unwrap().unwrap();
+    assert_eq!(test.pulse.as_deref(), Some("dv_derivative"));
+    let channel = test.channels.iter().find(|c| c.id == "dv_derivative").unwrap();
+    assert_eq!((channel.status.as_str(), channel.axis.as_deref(), channel.cfc), ("computed", Some("x"), None));
+    let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
+    let said = notes.notes.join("\n");
+    assert!(said.contains("warning: channel dv_derivative: derived from the velocity change of channel dv"), "{said}");
+    let how: ChannelFilterV1 = artifact.record("/filter/dv_derivative").unwrap().unwrap();
+    assert_eq!((how.mode.as_str(), how.cfc), ("none", None));
+}
+
+#[test]
+fn a_head_that_is_the_pulse_is_filtered_to_its_own_class_unless_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let raw = pulse(10_000.0);
+    let input = ingested(
+        folder.path(),
+        &[
+            (channel("001", "driver, head", None), raw.clone()),
+            (channel("002", "driver, head", None), raw.clone()),
+            (channel("013", "driver, chest", None), raw.clone()),
+            (channel("093", "vehicle, sill", None), raw),
+        ],
+    );
+    let classes = |artifact: &Artifact| -> Vec<Option<u16>> {
+        let test: TestV1 = artifact.record("/test").unwrap().unwrap();
+        test.channels.iter().map(|channel| channel.cfc).collect()
+    };
+    let artifact = result(&input, &["--cfc", "60"]);
+    assert_eq!(classes(&artifact), [Some(1000), Some(1000), None, Some(60)]);
+    let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
+    let said = notes.notes.join("\n");
+    assert!(said.contains("channels 001, 002: of a dummy, filtered to cfc 1000"), "{said}");
+    let artifact = result(&input, &["--cfc", "180", "--channels", "001"]);
+    assert_eq!(classes(&artifact), [Some(180), None, None, None]);
+}

@@ -7,7 +7,7 @@ use crumple_ingest::{Bundle, Settings, ingest};
 use crumple_testkit::stopwatch::{best_ms, print_line};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    for rows in [10_000, 1_000_000] {
+    for rows in [10_000, 1_000_000, 10_000_000] {
         let mut text = String::from("# mass: 873 kg\n# impact speed: 35 km/h\ntime_s,accel_g\n");
         for k in 0..rows {
             let t = f64::from(k) * 1e-5;

@@ -55,7 +55,12 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
     let why = format!("a record of the format {format} states this itself, or has no such thing");
     unused::notes(&choices, |flag| !bundle.reader.heeds().contains(&flag), &why, &mut notes);
     let allow_missing = choices.allow_missing.unwrap_or(false) || recording.details.no_pulse;
-    let pulse = pulse::choose(file, &recording, choices.channel.as_deref(), allow_missing, &mut notes)?;
+    // A change of velocity is named as the pulse, and has none of the checks of an acceleration.
+    let (pulse, change) = if recording.details.no_pulse {
+        (None, pulse::velocity_change(file, &recording, choices.channel.as_deref(), &mut notes)?)
+    } else {
+        (pulse::choose(file, &recording, choices.channel.as_deref(), allow_missing, &mut notes)?, None)
+    };
 
     if let Some(pulse) = pulse {
         speed_of_the_pulse(&mut recording, pulse, &mut notes);
@@ -68,6 +73,10 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
     details::require(file, &recording.details, comments, allow_missing, &mut notes)?;
 
     set_time_zero(file, &mut recording, pulse, &mut notes)?;
+    let time_zero = match &recording.details.time_zero_s {
+        Some(stated) => Some(format!("stated by {}", stated.from)),
+        None => recording.contact_at_zero.then(|| format!("the format {format}")),
+    };
     let turned = match choices.sign.unwrap_or_default() {
         Sign::Keep => None,
         Sign::Flip => Some("sign of acceleration turned, as asked".to_owned()),
@@ -99,6 +108,7 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
         .collect();
     let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
     checks::notes(&waves, pulse_id.as_deref(), speed, &mut notes);
+    let pulse_id = pulse_id.or(change.map(|k| recording.channels[k].channel.id.clone()));
 
     let channels: Vec<Channel> = recording.channels.into_iter().map(|found| found.channel).collect();
     twins::notes(&channels, &waves, &same_place, speed, &mut notes);
@@ -115,6 +125,7 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
         channels,
         pulse: pulse_id,
         notes: details.facts,
+        time_zero,
     };
     Ok(Ingested { test, waves, notes })
 }

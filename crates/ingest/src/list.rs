@@ -62,7 +62,7 @@ pub struct Line {
     pub samples: usize,
     /// Channel frequency class.
     pub cfc: Option<u16>,
-    /// What the laboratory says of the data.
+    /// What the laboratory says of the data; `not read` where the file is damaged, the comment has file, line and what is wrong.
     pub status: String,
     /// The laboratory's remark.
     pub comment: Option<String>,
@@ -81,10 +81,10 @@ impl Line {
             rate_hz: found.wave.as_ref().map(|w| (w.rate_hz() * 1e6).round() / 1e6),
             samples: found.wave.as_ref().map_or(0, crumple_signal::Sampled::len),
             cfc: channel.cfc,
-            status: if channel.redundant {
-                format!("{}, redundant", channel.status)
-            } else {
-                channel.status.to_string()
+            status: {
+                // Its file is here and damaged, which is another thing than a file that is not here; the comment says how.
+                let status = found.unread().map_or_else(|| channel.status.to_string(), |_| "not read".to_owned());
+                if channel.redundant { format!("{status}, redundant") } else { status }
             },
             comment: channel.comment.clone(),
         }

@@ -394,5 +394,5 @@ fn of_artifact(file: &str, bytes: &[u8]) -> Result<Recording, IngestError> {
         }
     }
     let pulse_rule = if test.pulse.is_some() { PulseRule::Fittest } else { PulseRule::OnlyOne };
-    Ok(Recording { details, channels, pulse_rule, contact_at_zero: true, notes })
+    Ok(Recording { details, channels, pulse_rule, contact_at_zero: test.time_zero.is_some(), notes })
 }

@@ -4,6 +4,8 @@ mod columns;
 pub(crate) mod header;
 mod layout;
 pub(crate) mod numbers;
+mod recorder;
+mod report;
 mod rows;
 mod section;
 mod text;
@@ -62,6 +64,12 @@ impl Reader for Table {
 fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
     let edr = settings.profile == Some(Profile::Edr);
     let mut text = without_mark(bytes);
+    if edr
+        && bundle.large.is_none()
+        && let Some(recording) = report::read(file, &text, bundle, settings)?
+    {
+        return Ok(recording);
+    }
     if let Some(title) = &settings.skip_to {
         if bundle.large.is_some() {
             return Err(IngestError::TooLarge {
@@ -72,14 +80,41 @@ fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &Settings) -> Resul
         }
         text = Cow::Owned(section::cut(&text, title, file)?);
     }
+    let OneTable { mut channels, mut details, mut notes } = match one_table(file, bytes, &text, bundle, settings) {
+        Err(error) if !edr && bundle.large.is_none() => return Err(report::hinted(file, &text, error)),
+        table => table?,
+    };
+    if edr {
+        edr_notes(&channels, &mut details, &mut notes);
+    }
+    let pulse_rule = code_name::pulse_rule(&mut channels, settings, &mut notes);
+    Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
+}
+
+/// What one table says.
+struct OneTable {
+    channels: Vec<Found>,
+    details: Details,
+    notes: Notes,
+}
+
+/// Reads one table. `text` is that of `bytes` without its mark; a long table goes on in the file of the bundle.
+fn one_table(
+    file: &str,
+    bytes: &[u8],
+    text: &[u8],
+    bundle: &Bundle,
+    settings: &Settings,
+) -> Result<OneTable, IngestError> {
+    let edr = settings.profile == Some(Profile::Edr);
     let least_columns = if settings.sample_time.is_some() { 1 } else { 2 };
-    let layout = layout::sniff(&text, file, least_columns)?;
+    let layout = layout::sniff(text, file, least_columns)?;
     let header = header::read(&layout);
     let comments: Vec<(usize, String)> = layout.comments.iter().map(|line| (line.number, decode(line.bytes))).collect();
     let facts = from_comments(file, comments.iter().map(|(line, text)| (*line, text.as_str())))?;
     let name = |k: usize| header.columns[k].title.clone();
     let mut rows = match &bundle.large {
-        None => rows::read(&text, &layout, file, name)?,
+        None => rows::read(text, &layout, file, name)?,
         Some(large) => {
             let skipped = bytes.len() - text.len() + layout.first_row;
             let source = start_at(file, &large.path, skipped as u64)?;
@@ -115,13 +150,8 @@ fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &Settings) -> Resul
         }
         None => time_axis::find(file, &header, &mut rows, settings, facts.time_unit.as_ref(), &mut notes)?,
     };
-    let mut channels = columns::channels(file, &header, rows, &time, settings, facts.unit.as_ref(), &mut notes)?;
-    let mut details = facts.details;
-    if edr {
-        edr_notes(&channels, &mut details, &mut notes);
-    }
-    let pulse_rule = code_name::pulse_rule(&mut channels, settings, &mut notes);
-    Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
+    let channels = columns::channels(file, &header, rows, &time, settings, facts.unit.as_ref(), &mut notes)?;
+    Ok(OneTable { channels, details: facts.details, notes })
 }
 
 /// What an event data recorder's table is good for.
@@ -131,8 +161,8 @@ fn edr_notes(channels: &[Found], details: &mut Details, notes: &mut Notes) {
         "event data recorder (49 CFR 563): time zero is the recorder's, some milliseconds after contact".to_owned(),
     );
     notes.warning(
-        "event data recorder table: the velocity change is cumulative and coarse (10 ms, whole km/h or mph): peak acceleration, \
-         crush and force cannot be taken from it",
+        "event data recorder table: the velocity change is cumulative and coarse (10 ms, whole km/h or mph), and how the recorder \
+         filtered it is not stated: peak acceleration and force cannot be taken from it, crush roughly",
     );
 }
 

@@ -57,3 +57,31 @@ fn refusals_and_slips_have_their_exit_codes() {
     let (code, ..) = list(&table(), &["--no-such-flag"]);
     assert_eq!(code, 2);
 }
+
+#[test]
+fn a_damaged_signal_file_is_listed_as_not_read_and_one_that_is_not_here_as_absent() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = |curve: u32| format!("1|{curve}|AC|NA|FLLR|XG|SEC|G'S|2800||||| 57.0|-100|299|100|AM|P|FLOOR X\n");
+    let ev5 = format!(
+        "----- EV5 -----\n----- TEST -----\nV5|T\n----- VEHICLE -----\n1|1\n----- INSTRUMENTATION -----\n{}{}{}----- END -----\n",
+        line(7),
+        line(8),
+        line(9)
+    );
+    let rows: String = (-100..300).map(|k| format!("{:.6}\t0.5\n", f64::from(k) * 1e-4)).collect();
+    fs::write(folder.path().join("v1.EV5"), ev5).unwrap();
+    fs::write(folder.path().join("v1.007"), &rows).unwrap();
+    fs::write(folder.path().join("v1.008"), rows.replacen("0.5", "what", 1)).unwrap();
+    let done = Command::new(env!("CARGO_BIN_EXE_crumple-ingest"))
+        .args(["--list", "--json"])
+        .arg(folder.path().join("v1.EV5"))
+        .output()
+        .unwrap();
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    let lines: Vec<serde_json::Value> =
+        String::from_utf8(done.stdout).unwrap().lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    let status: Vec<_> = lines.iter().map(|l| l["status"].as_str().unwrap()).collect();
+    assert_eq!(status, ["valid", "not read", "absent"]);
+    let comment = lines[1]["comment"].as_str().unwrap();
+    assert!(comment.contains("v1.008, line 1") && comment.contains("what"), "{comment}");
+}

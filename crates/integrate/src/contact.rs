@@ -2,7 +2,7 @@
 
 use crumple_integrate::{FoundZero, contact_edge, edr_start, threshold_crossing};
 use crumple_metrics::event_end_by_velocity_change;
-use crumple_signal::{Acceleration, Channel, Notes, Signal};
+use crumple_signal::{Acceleration, Channel, Notes, Signal, TestDescription};
 use crumple_stage::{Inputs, Refused};
 
 use crate::options::{StageSettings, ZeroRule};
@@ -20,7 +20,7 @@ pub struct TimeZero {
 pub fn time_zero(
     settings: &StageSettings,
     input: &Inputs,
-    format: &str,
+    test: &TestDescription,
     channel: &Channel,
     pulse: &Signal<Acceleration>,
     impact_speed_m_per_s: f64,
@@ -30,7 +30,7 @@ pub fn time_zero(
         return Ok(TimeZero { time_s, rule: "flag".to_owned() });
     }
     let Some(rule) = &settings.time_zero_rule else {
-        late_contact(format, channel, pulse, impact_speed_m_per_s, notes);
+        late_contact(test, channel, pulse, impact_speed_m_per_s, notes);
         return Ok(TimeZero { time_s: 0.0, rule: ZeroRule::File.to_string() });
     };
     let found = match rule {
@@ -58,9 +58,16 @@ pub fn time_zero(
 }
 
 /// Warns of a pulse that begins long after the file's t = 0 where nothing says that this is first contact: an NHTSA or ISO-MME test
-/// defines it so, a table does not, and its axis may begin with the recording.
-fn late_contact(format: &str, channel: &Channel, pulse: &Signal<Acceleration>, speed_m_per_s: f64, notes: &mut Notes) {
-    if matches!(format, "nhtsa-ev5" | "iso-mme") {
+/// defines it so, a person may have stated it; a table does not, and its axis may begin with the recording.
+fn late_contact(
+    test: &TestDescription,
+    channel: &Channel,
+    pulse: &Signal<Acceleration>,
+    speed_m_per_s: f64,
+    notes: &mut Notes,
+) {
+    // An artifact of another program may have the format alone.
+    if test.time_zero.is_some() || matches!(test.source.format.as_str(), "nhtsa-ev5" | "iso-mme") {
         return;
     }
     let Some(found) = threshold_crossing(pulse).filter(|found| found.time_s > LATE_S) else { return };

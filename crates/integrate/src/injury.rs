@@ -4,18 +4,18 @@ use crumple_metrics::{
     AsiLimits, AsiMethod, CLIP_3MS_S, CrushStiffness, FlailSpace, HIC15_WINDOW_S, HIC36_WINDOW_S, Metric, asi,
     clip_contiguous, clip_cumulative, definitions, hic, hic_d, oiv_ora, resultant, ride_down, thiv_phd,
 };
-use crumple_signal::{Acceleration, Axis, Channel, ChannelStatus, Notes, QuantityKind, Signal, TestDescription};
+use crumple_signal::{
+    Acceleration, Axis, BodyPart, Channel, ChannelStatus, Notes, QuantityKind, Signal, TestDescription, part_of,
+};
 use crumple_stage::records::MetricV1;
 use crumple_stage::{Inputs, RefuseExt};
 
-use crate::body::{Part, Site, part_of, sites};
+use crate::body::{Site, sites};
 use crate::options::{MetricGroup, StageSettings};
 use crate::to_records::metric_record;
 
-/// Class that the criteria of the head ask for (FMVSS 208, SAE J211-1).
-const HEAD_CFC: u16 = 1000;
-/// Class that the criteria of the chest and of roadside hardware ask for.
-const CHEST_CFC: u16 = 180;
+/// Class that the criteria of roadside hardware ask for.
+const ROADSIDE_CFC: u16 = 180;
 
 /// What the criteria of a test are made from.
 pub struct Criteria<'a> {
@@ -34,7 +34,7 @@ impl Criteria<'_> {
         let mut records = Vec::new();
         let sites = sites(self.test, self.input);
         for (group, parts) in
-            [(MetricGroup::Head, &[Part::Head, Part::Headform][..]), (MetricGroup::Chest, &[Part::Chest])]
+            [(MetricGroup::Head, &[BodyPart::Head, BodyPart::Headform][..]), (MetricGroup::Chest, &[BodyPart::Chest])]
         {
             let of_group = || sites.iter().filter(|(part, _)| parts.contains(part));
             if self.asked(group) && of_group().count() == 0 {
@@ -77,7 +77,7 @@ impl Criteria<'_> {
         metric_record(&ids.join("+"), &metric)
     }
 
-    fn of_body(&self, part: Part, site: &Site<'_>, notes: &mut Notes) -> anyhow::Result<Vec<MetricV1>> {
+    fn of_body(&self, part: BodyPart, site: &Site<'_>, notes: &mut Notes) -> anyhow::Result<Vec<MetricV1>> {
         let axes: Vec<&Channel> = site.axes.iter().flatten().copied().collect();
         let channels = match site.whole {
             Some(whole) if axes.len() < 3 => vec![whole],
@@ -97,20 +97,20 @@ impl Criteria<'_> {
             remarks.push(format!("lower bound: resultant of {of} alone"));
             notes.warning(format!("{}: resultant of {of} alone, its criteria are lower bounds", place(&channels)));
         }
-        remarks.extend(class_remark(&channels, if part == Part::Chest { CHEST_CFC } else { HEAD_CFC }, notes));
+        remarks.extend(class_remark(&channels, part.cfc(), notes));
         let mut metrics = match part {
-            Part::Head => vec![hic(&resultant, HIC15_WINDOW_S), hic(&resultant, HIC36_WINDOW_S)],
-            Part::Headform => vec![hic(&resultant, HIC36_WINDOW_S), hic_d(&resultant)],
-            Part::Chest => Vec::new(),
+            BodyPart::Head => vec![hic(&resultant, HIC15_WINDOW_S), hic(&resultant, HIC36_WINDOW_S)],
+            BodyPart::Headform => vec![hic(&resultant, HIC36_WINDOW_S), hic_d(&resultant)],
+            BodyPart::Chest => Vec::new(),
         };
         metrics.extend([clip_contiguous(&resultant, CLIP_3MS_S), clip_cumulative(&resultant, CLIP_3MS_S)]);
         Ok(metrics.into_iter().map(|metric| self.record(&channels, metric, &remarks)).collect())
     }
 
     /// Ride-down of every chest along x against the pulse, both from time zero.
-    fn ride_down(&self, sites: &[(Part, Site<'_>)], notes: &mut Notes) -> anyhow::Result<Vec<MetricV1>> {
+    fn ride_down(&self, sites: &[(BodyPart, Site<'_>)], notes: &mut Notes) -> anyhow::Result<Vec<MetricV1>> {
         let mut records = Vec::new();
-        let chests = sites.iter().filter(|(part, _)| *part == Part::Chest).filter_map(|(_, site)| site.axes[0]);
+        let chests = sites.iter().filter(|(part, _)| *part == BodyPart::Chest).filter_map(|(_, site)| site.axes[0]);
         let Some(v0) = self.impact_speed_m_per_s.filter(|v0| *v0 > 0.0) else { return Ok(records) };
         if !self.pulse.may_be_on_vehicle() || part_of(self.pulse).is_some() {
             if self.asked(MetricGroup::RideDown) {
@@ -171,7 +171,7 @@ impl Criteria<'_> {
         let yaw = self.vehicle(QuantityKind::AngularVelocity, Axis::Z).into_iter().next();
         let mut planar = vec![x];
         planar.extend(y);
-        remarks.extend(class_remark(&planar, CHEST_CFC, notes));
+        remarks.extend(class_remark(&planar, ROADSIDE_CFC, notes));
 
         let ax = self.acceleration(x)?;
         let nothing = || ax.with_samples(vec![0.0; ax.len()]).refuse_with_hint("--metrics none leaves it out");

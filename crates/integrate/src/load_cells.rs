@@ -1,10 +1,10 @@
 //! The force on a load-cell barrier, and its impulse against the change of momentum.
 
 use crumple_integrate::{CellSum, Motion, impulse_n_s, sum_of_cells};
+use crumple_metrics::Metric;
 use crumple_metrics::definitions::{
     BARRIER_DELTA_V, BARRIER_DELTA_V_AS_READ, BARRIER_IMPULSE, BARRIER_PEAK, MOMENTUM_RATIO,
 };
-use crumple_metrics::{Definition, Metric};
 use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, Sampled, TestDescription};
 use crumple_stage::records::{ChannelFilterV1, MetricV1};
 use crumple_stage::{Inputs, Output, RefuseExt};
@@ -138,40 +138,56 @@ fn momentum(
             3.6 * as_read
         ));
     }
+    let ratio = ratio(mass_kg, of_barrier, of_sensor, id);
     if let Some(((barrier, whole), sensor)) = of_barrier.zip(whole).zip(of_sensor) {
-        let gap = barrier / sensor - 1.0;
+        let gap = ratio.as_ref().map(|ratio| ratio - 1.0);
+        let apart = match &gap {
+            Ok(gap) => format!("{:+.1} % apart", 1e2 * gap),
+            Err(reason) => format!("no ratio: {reason}"),
+        };
         let text = format!(
             "momentum check up to {} at {:.1} ms: impulse of the barrier over the mass {:.2} km/h \
-             ({:.2} km/h over the whole record), channel {id} {:.2} km/h, {:+.1} % apart",
+             ({:.2} km/h over the whole record), channel {id} {:.2} km/h, {apart}",
             if separation_s.is_some() { "separation" } else { "the end" },
             1e3 * (end_s - time_zero_s),
             3.6 * barrier,
             3.6 * whole,
-            3.6 * sensor,
-            1e2 * gap
+            3.6 * sensor
         );
-        if gap.abs() <= MOMENTUM_GAP {
+        if gap.is_ok_and(|gap| gap.abs() <= MOMENTUM_GAP) {
             out.notes().info(text);
         } else {
             out.notes().warning(text);
         }
     }
-    let by_mass = |definition: &Definition, value: Option<f64>| {
-        let reason = if mass_kg.is_none() { "the mass is not known" } else { "the record shows no impulse" };
-        Metric::of(definition, value, reason)
-    };
+    let few = "the force has fewer than two samples from time zero on";
+    let over_mass_reason = if mass_kg.is_none() { "the mass is not known" } else { few };
     let whole_end_s = sum.force.end_s();
-    let ratio = of_barrier.zip(of_sensor).map(|(barrier, sensor)| barrier / sensor).filter(|ratio| ratio.is_finite());
+    let ratio_metric = match ratio {
+        Ok(ratio) => Metric::of(&MOMENTUM_RATIO, Some(ratio), ""),
+        Err(reason) => Metric::of(&MOMENTUM_RATIO, None, &reason),
+    };
     [
         Metric::of(&BARRIER_PEAK, highest, "the record has no samples").over(peak_s, peak_s),
-        Metric::of(&BARRIER_IMPULSE, impulse, "the record has fewer than two samples").over(time_zero_s, whole_end_s),
-        by_mass(&BARRIER_DELTA_V, whole).over(time_zero_s, whole_end_s),
-        by_mass(&BARRIER_DELTA_V_AS_READ, as_read).over(time_zero_s, whole_end_s),
-        by_mass(&MOMENTUM_RATIO, ratio).over(time_zero_s, end_s),
+        Metric::of(&BARRIER_IMPULSE, impulse, few).over(time_zero_s, whole_end_s),
+        Metric::of(&BARRIER_DELTA_V, whole, over_mass_reason).over(time_zero_s, whole_end_s),
+        Metric::of(&BARRIER_DELTA_V_AS_READ, as_read, over_mass_reason).over(time_zero_s, whole_end_s),
+        ratio_metric.over(time_zero_s, end_s),
     ]
     .into_iter()
     .map(|metric| metric_record(BARRIER, &metric.counted_from(time_zero_s)))
     .collect()
+}
+
+/// Change of velocity by the barrier over that by the sensor, or why there is none.
+fn ratio(mass_kg: Option<f64>, barrier: Option<f64>, sensor: Option<f64>, id: &str) -> Result<f64, String> {
+    if mass_kg.is_none() {
+        return Err("the mass is not known".to_owned());
+    }
+    let barrier = barrier.ok_or("the force has fewer than two samples from time zero to separation")?;
+    let sensor = sensor.ok_or_else(|| format!("channel {id} has no velocity at time zero and at separation"))?;
+    let ratio = barrier / sensor;
+    if ratio.is_finite() { Ok(ratio) } else { Err(format!("the velocity of channel {id} does not change")) }
 }
 
 fn count(cells: usize) -> String {
@@ -182,5 +198,26 @@ fn some(ids: &[&str]) -> String {
     match ids.len().saturating_sub(NAMED) {
         0 => ids.join(", "),
         more => format!("{} and {more} more", ids[..NAMED].join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ratio_that_cannot_be_formed_says_why() {
+        assert_eq!(ratio(Some(1e3), Some(2.0), Some(4.0), "a"), Ok(0.5));
+        let why = |mass, barrier, sensor| ratio(mass, barrier, sensor, "a").unwrap_err();
+        assert_eq!(why(None, Some(1.0), Some(1.0)), "the mass is not known");
+        assert_eq!(
+            why(Some(1.0), None, Some(1.0)),
+            "the force has fewer than two samples from time zero to separation"
+        );
+        assert_eq!(why(Some(1.0), Some(1.0), None), "channel a has no velocity at time zero and at separation");
+        for sensor in [0.0, -0.0] {
+            assert_eq!(why(Some(1.0), Some(1.0), Some(sensor)), "the velocity of channel a does not change");
+        }
+        assert_eq!(why(Some(1.0), Some(0.0), Some(0.0)), "the velocity of channel a does not change");
     }
 }

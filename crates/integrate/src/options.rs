@@ -5,11 +5,12 @@ use std::str::FromStr;
 
 use crumple_integrate::{DriftShape, EndCondition, Rule, Start, Uncertainty};
 use crumple_metrics::NO_DAMAGE_SPEED_M_PER_S;
+use crumple_signal::Uncertain;
 use crumple_signal::value::{Length, Level, Share, Speed, Time};
 use crumple_stage::Usage;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use crate::uncertain::{Uncertain, uncertainty};
+use crate::uncertain::uncertainty;
 
 /// Flags and keys; what is not given has the default named in its text.
 #[derive(Debug, Default, clap::Args, Serialize, Deserialize)]

@@ -9,12 +9,11 @@ use crumple_integrate::{
 };
 use crumple_metrics::{CrashEvents, Interval, Metric, Pulse, pulse_metrics};
 use crumple_signal::{
-    Acceleration, Channel, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Severity, Signal, TestDescription,
+    Acceleration, Channel, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Severity, Signal, TestDescription, part_of,
 };
 use crumple_stage::records::{ChannelFilterV1, MetricsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
-use crate::body::part_of;
 use crate::contact::time_zero;
 use crate::further::{further, meant};
 use crate::injury::Criteria;
@@ -90,15 +89,7 @@ impl Stage for Integrate {
         test.impact_speed_m_per_s = Some(impact_speed_m_per_s);
 
         let acceleration = acceleration(input, &channel)?;
-        let zero = time_zero(
-            settings,
-            input,
-            &test.source.format,
-            &channel,
-            &acceleration,
-            impact_speed_m_per_s,
-            out.notes(),
-        )?;
+        let zero = time_zero(settings, input, &test, &channel, &acceleration, impact_speed_m_per_s, out.notes())?;
         let task = Task { settings, input, test: &test, impact_speed_m_per_s, time_zero_s: zero.time_s };
         let pulse = task.motion(&channel, &acceleration, out)?;
         let found = findings(&pulse.motion, &pulse.events, zero.time_s, impact_speed_m_per_s);

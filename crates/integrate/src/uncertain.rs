@@ -1,62 +1,14 @@
-//! Uncertainties as a person states them: a value with its unit and a distribution.
+//! The uncertain inputs of the options, and what the intervals made of them rest on.
 
-use std::fmt;
-use std::str::FromStr;
-
-use crumple_integrate::{Distribution, Spread, Uncertainty, UsedStart};
-use crumple_signal::STANDARD_GRAVITY_M_PER_S2;
-use crumple_signal::unit::UnitError;
+use crumple_integrate::{Spread, Uncertainty, UsedStart};
 use crumple_signal::value::{Level, Share, Speed, Time};
+use crumple_signal::{Distribution, STANDARD_GRAVITY_M_PER_S2, Uncertain};
 use crumple_stage::Usage;
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::options::Options;
 
-/// An uncertainty: a value with its unit, and the distribution it is the size of.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Uncertain<V> {
-    size: V,
-    distribution: Distribution,
-}
-
-impl<V: FromStr<Err = UnitError>> FromStr for Uncertain<V> {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let named = [Distribution::Normal, Distribution::Uniform]
-            .into_iter()
-            .find_map(|distribution| Some((text.trim().strip_suffix(distribution.name())?, distribution)));
-        let (size, distribution) = named.unwrap_or((text, Distribution::default()));
-        let size = size.trim();
-        if size.starts_with('-') {
-            return Err(format!("{text:?} is negative, expected a standard deviation or a half width"));
-        }
-        Ok(Self { size: size.parse().map_err(|error: UnitError| error.to_string())?, distribution })
-    }
-}
-
-impl<V: fmt::Display> fmt::Display for Uncertain<V> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", self.size, self.distribution.name())
-    }
-}
-
-impl<V: fmt::Display> Serialize for Uncertain<V> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
-}
-
-impl<'de, V: FromStr<Err = UnitError>> Deserialize<'de> for Uncertain<V> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        String::deserialize(deserializer)?.parse().map_err(de::Error::custom)
-    }
-}
-
-impl<V> Uncertain<V> {
-    fn spread(self, si: impl Fn(V) -> f64) -> Spread {
-        Spread { size: si(self.size), distribution: self.distribution }
-    }
+fn spread<V>(stated: Uncertain<V>, si: impl Fn(V) -> f64) -> Spread {
+    Spread { size: si(stated.size), distribution: stated.distribution }
 }
 
 /// Repetitions where none are stated: the ends of an interval are then uncertain by a ninth of a standard deviation.
@@ -75,10 +27,10 @@ pub fn uncertainty(options: &Options) -> Result<Option<Uncertainty>, Usage> {
         )));
     }
     let stated = Uncertainty {
-        impact_speed_m_per_s: options.speed_uncertainty.map(|u| u.spread(Speed::si)),
-        zero_level_m_per_s2: options.zero_level_uncertainty.map(|u| u.spread(Level::si)),
-        gain: options.gain_uncertainty.map(|u| u.spread(Share::si)),
-        time_zero_s: options.time_zero_uncertainty.map(|u| u.spread(Time::si)),
+        impact_speed_m_per_s: options.speed_uncertainty.map(|u| spread(u, Speed::si)),
+        zero_level_m_per_s2: options.zero_level_uncertainty.map(|u| spread(u, Level::si)),
+        gain: options.gain_uncertainty.map(|u| spread(u, Share::si)),
+        time_zero_s: options.time_zero_uncertainty.map(|u| spread(u, Time::si)),
         replicates: replicates as usize,
         seed: options.uncertainty_seed.unwrap_or(1),
     };
@@ -122,19 +74,6 @@ pub fn uncertainty_note(uncertainty: &Uncertainty, start: UsedStart) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_value_and_its_distribution_are_read_and_written() {
-        let read = |text: &str| text.parse::<Uncertain<Share>>().map(|u| (u.size.si(), u.distribution));
-        assert_eq!(read("1 %"), Ok((0.01, Distribution::Normal)));
-        assert_eq!(read("1% uniform"), Ok((0.01, Distribution::Uniform)));
-        let typed: Uncertain<Share> = "0.7 % uniform".parse().unwrap();
-        assert_eq!(typed.to_string().parse(), Ok(typed));
-        assert_eq!(typed.to_string(), format!("{} share uniform", 0.7 * 1e-2));
-        assert!(read("1").unwrap_err().contains("has no unit: write a share, e.g. 1 %"));
-        assert!(read("-1 %").unwrap_err().contains("is negative"));
-        assert!("0.1 km/h triangular".parse::<Uncertain<Speed>>().is_err());
-    }
 
     #[test]
     fn nothing_uncertain_or_no_repetitions_is_none() {

@@ -3,11 +3,11 @@
 use crumple_metrics::{
     CrashEvents, Interval, Metric, Pulse, centroid_time_from_crush, crash_events, definitions, pulse_metrics,
 };
-use crumple_signal::{Acceleration, Signal};
+use crumple_signal::{Acceleration, Distribution, Signal};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::motion::{Late, integrate_from};
 use crate::{EndCondition, IntegrateError, Motion, Settings, Start, UsedStart, drift};
@@ -16,27 +16,6 @@ use crate::{EndCondition, IntegrateError, Motion, Settings, Start, UsedStart, dr
 pub const MOST_SAMPLES: usize = 1 << 20;
 /// Replicates worked on between two reports of progress.
 const BLOCK: usize = 64;
-
-/// How the error of an input is distributed about zero.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Distribution {
-    /// Normal; the size is the standard deviation.
-    #[default]
-    Normal,
-    /// Equally likely everywhere within limits; the size is the half width.
-    Uniform,
-}
-
-impl Distribution {
-    /// The name used in options and notes.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Normal => "normal",
-            Self::Uniform => "uniform",
-        }
-    }
-}
 
 /// Uncertainty of one input.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

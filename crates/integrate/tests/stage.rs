@@ -201,8 +201,9 @@ fn the_bytes_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn a_pulse_that_begins_long_after_an_unstated_zero_is_warned_about_with_the_remedy() {
     let folder = tempfile::tempdir().unwrap();
-    let input = |name: &str, format: &str| {
+    let input = |name: &str, format: &str, time_zero: Option<&str>| {
         let mut test = constant(Some(14.0), None, None);
+        test.time_zero = time_zero.map(str::to_owned);
         test.source.format = format.to_owned();
         // At rest for 60 ms, then the pulse.
         let samples = (0..3000).map(|k| if k < 600 { 0.0 } else { -200.0 }).collect();
@@ -216,7 +217,7 @@ fn a_pulse_that_begins_long_after_an_unstated_zero_is_warned_about_with_the_reme
     let notes = |input: &Path, flags: &[&str]| {
         result(input, flags).record::<NotesV1>("/notes").unwrap().map_or(String::new(), |notes| notes.notes.join("\n"))
     };
-    let table = input("table.mcap", "csv");
+    let table = input("table.mcap", "csv", None);
     // The crossing is interpolated between the last sample at rest, 59.9 ms, and the first of the pulse.
     let found = notes(&table, &[]);
     assert!(found.contains("warning: channel a first exceeds 0.5 g for 3 ms at 59.9 ms"), "{found}");
@@ -224,7 +225,9 @@ fn a_pulse_that_begins_long_after_an_unstated_zero_is_warned_about_with_the_reme
     for flags in [["--time-zero", "0s"], ["--time-zero", "60ms"]] {
         assert!(!notes(&table, &flags).contains("first exceeds"), "{flags:?}");
     }
-    assert!(!notes(&input("test.mcap", "nhtsa-ev5"), &[]).contains("first exceeds"));
+    assert!(!notes(&input("test.mcap", "nhtsa-ev5", None), &[]).contains("first exceeds"));
+    let stated = input("stated.mcap", "tdms", Some("the format tdms"));
+    assert!(!notes(&stated, &[]).contains("first exceeds"));
 }
 
 #[test]

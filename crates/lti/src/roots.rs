@@ -107,7 +107,9 @@ mod tests {
     fn wildly_scaled_coefficients_do_not_overflow() {
         let roots = polynomial_roots(&[1.0, 0.0, 1e300]).unwrap();
         // ±i 1e150. Scaled to a monic polynomial near s² + 1: an eigenvalue of a companion matrix of two rows, a few roundings.
-        assert!((roots[0].im / 1e150 - 1.0).abs() < 8.0 * f64::EPSILON && roots[0].re.abs() < 8.0 * f64::EPSILON * 1e150);
+        assert!(
+            (roots[0].im / 1e150 - 1.0).abs() < 8.0 * f64::EPSILON && roots[0].re.abs() < 8.0 * f64::EPSILON * 1e150
+        );
     }
 
     proptest! {

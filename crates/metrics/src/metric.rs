@@ -1,6 +1,6 @@
 use std::fmt;
 
-use crate::Definition;
+use crate::{Definition, quantile};
 
 /// Part of a record, s.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,15 +64,8 @@ impl Interval {
     /// 5 % and 95 % quantile of the values of repetitions, linear between order statistics (type 7 of Hyndman & Fan,
     /// 1996); `None` without values.
     pub fn of_replicates(mut values: Vec<f64>) -> Option<Self> {
-        let last = values.len().checked_sub(1)?;
         values.sort_unstable_by(f64::total_cmp);
-        let quantile = |share: f64| {
-            let place = share * last as f64;
-            let below = place as usize;
-            let above = (below + 1).min(last);
-            values[below] + (place - below as f64) * (values[above] - values[below])
-        };
-        let (low, high) = (quantile(0.05), quantile(0.95));
+        let (low, high) = (quantile(&values, 0.05)?, quantile(&values, 0.95)?);
         let by = IntervalBy::Replicates(values.len());
         (low.is_finite() && high.is_finite()).then_some(Self { low, high, by })
     }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::judge::Intervals;
 use crate::observed::{Observed, Problem, rest_mass};
 use crate::refine::{Refined, follow};
-use crumple_metrics::autocorrelation_time;
+use crumple_metrics::{autocorrelation_time, quantile};
 
 /// Replicates that say something of the ends of an interval.
 pub const REPLICATES: usize = 200;
@@ -84,9 +84,5 @@ pub fn bootstrap(refined: &Refined, observed: &Observed, replicates: usize) -> O
 /// Percentile by linear interpolation between order statistics.
 pub(crate) fn percentile(values: &mut [f64], share: f64) -> Option<f64> {
     values.sort_by(f64::total_cmp);
-    let last = values.len().checked_sub(1)?;
-    let place = share * last as f64;
-    let below = (place.floor() as usize).min(last);
-    let above = (below + 1).min(last);
-    Some(values[below] + (place - below as f64) * (values[above] - values[below]))
+    quantile(values, share)
 }

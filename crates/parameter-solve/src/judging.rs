@@ -3,7 +3,7 @@
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1};
 use crumple_parameter_solve::{
     Candidate, Distribution, FollowedEvents, FreeParameter, InputUncertainty, JudgeOptions, MassFit, Measurement,
-    Method, Observed, Propagation, RESOLUTION_M, Refined, free_masses, free_parameters, judge, propagate,
+    Method, Observed, Propagation, RESOLUTION_M, Refined, free_masses, free_parameters, judge, largest_draw, propagate,
     propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine,
 };
 use crumple_signal::{Displacement, Signal};
@@ -59,7 +59,7 @@ impl Judging {
     /// Refuses uncertainties of which a draw could make the mass or the speed zero.
     fn check(&self, mass_kg: Option<f64>, impact_speed_m_per_s: f64) -> Result<(), Usage> {
         let reaches = |flag: &str, size: f64, distribution: Distribution, value: f64, unit: &str| {
-            let largest = distribution.largest_draw();
+            let largest = largest_draw(distribution);
             if largest * size < value {
                 return Ok(());
             }

@@ -70,6 +70,7 @@ pub use closed_form_propagation::{FollowedEvents, propagate_closed_form};
 pub use coefficient_spread::CoefficientSpread;
 pub use conditioned_propagation::propagate_conditioned;
 pub use covariance::{Covariance, covariance};
+pub use crumple_signal::Distribution;
 pub use curve_fit::curve_fit_of_the_paper;
 pub use double_fit::{DoubleFit, DoubleFitOptions, fit_double};
 pub use dual_scale::DualScale;
@@ -95,7 +96,7 @@ pub use nonlinear_fit::{NonlinearFitOptions, conditions_at_crush, fit_nonlinear1
 pub use observed::{FreeParameter, Observed, RESOLUTION_M, SeenWave, free_masses, free_parameters};
 pub use profile::{Profile, RISE_95, profile};
 pub use propagation::{
-    Distribution, InputUncertainty, Propagation, REPETITIONS, Repetition, perturbed, propagate, propagate_unfiltered,
+    InputUncertainty, Propagation, REPETITIONS, Repetition, largest_draw, perturbed, propagate, propagate_unfiltered,
     repeat, repetition,
 };
 pub use quantity::FitQuantity;

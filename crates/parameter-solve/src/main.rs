@@ -9,7 +9,6 @@ mod options;
 mod pairs;
 mod sensor_waves;
 mod stage;
-mod uncertain;
 mod verdict;
 
 use std::process::ExitCode;

@@ -5,12 +5,12 @@ use crumple_parameter_solve::{
     DEFAULT_MODELS, FireflyOptions, FireflyUnits, FitQuantity, LShadeOptions, METHODS, MODELS, MassFit, MassSplit,
     Method, Place, REPETITIONS, SolveSettings, solvers_of,
 };
+use crumple_signal::Uncertain;
 use crumple_signal::value::{Acceleration, Mass, Speed, Time};
 use crumple_stage::{Usage, nearest};
 use serde::{Deserialize, Serialize};
 
 use crate::judging::Judging;
-use crate::uncertain::Uncertain;
 
 /// Samples fitted at most, and starts of a fit: enough for four parameters, see the fit's documentation.
 const FIT_SAMPLES: usize = 250;

@@ -7,37 +7,18 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
 use crumple_lumped::Model;
+use crumple_signal::Distribution;
 
 use crate::bootstrap::percentile;
 use crate::observed::{Observed, Problem, SeenWave, rest_mass, with_parameters};
 use crate::refine::follow;
 use crate::{FitQuantity, FreeParameter, Measurement};
 
-/// How an uncertain input is distributed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Distribution {
-    /// Normal; its size is the standard deviation.
-    #[default]
-    Normal,
-    /// Uniform; its size is the half width.
-    Uniform,
-}
-
-impl Distribution {
-    /// The name in options.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Normal => "normal",
-            Self::Uniform => "uniform",
-        }
-    }
-
-    /// Largest error that a repetition can draw, in sizes.
-    pub const fn largest_draw(self) -> f64 {
-        match self {
-            Self::Normal => 6.0,
-            Self::Uniform => 1.0,
-        }
+/// Largest error that a repetition can draw, in sizes.
+pub const fn largest_draw(distribution: Distribution) -> f64 {
+    match distribution {
+        Distribution::Normal => 6.0,
+        Distribution::Uniform => 1.0,
     }
 }
 

@@ -6,6 +6,7 @@
 //! ([`value::Mass`], [`value::Speed`], ...); an array carries its quantity in its type
 //! ([`Signal<Acceleration>`](Signal)).
 
+mod body_part;
 mod channel;
 pub mod iso13499;
 mod note;
@@ -14,9 +15,11 @@ mod quantity;
 mod selection;
 mod signal;
 mod test_description;
+mod uncertain;
 pub mod unit;
 pub mod value;
 
+pub use body_part::{BodyPart, part_of};
 pub use channel::{Axis, Channel, ChannelStatus};
 pub use note::{Note, Notes, Severity};
 pub use pre_event::{PreEvent, PreEventWindow, pre_event};
@@ -24,6 +27,7 @@ pub use quantity::{Acceleration, Displacement, Force, Quantity, QuantityKind, Ve
 pub use selection::{channels_meant, is_pattern};
 pub use signal::{Sampled, Signal, SignalError};
 pub use test_description::{PulseError, Source, TestDescription};
+pub use uncertain::{Distribution, Uncertain};
 
 /// Standard acceleration of gravity, m/s² per g, exact (ISO 80000-3; CGPM 1901).
 pub const STANDARD_GRAVITY_M_PER_S2: f64 = 9.806_65;

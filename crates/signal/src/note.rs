@@ -59,6 +59,11 @@ impl Notes {
         self.0.push(Note { severity: Severity::Warning, text: text.into() });
     }
 
+    /// Adds a note as it is.
+    pub fn push(&mut self, note: Note) {
+        self.0.push(note);
+    }
+
     /// The notes in order.
     pub fn iter(&self) -> std::slice::Iter<'_, Note> {
         self.0.iter()

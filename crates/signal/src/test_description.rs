@@ -34,6 +34,8 @@ pub struct TestDescription {
     pub pulse: Option<String>,
     /// Remarks of the reader of the file.
     pub notes: Vec<String>,
+    /// What says that t = 0 is first contact, in words: the format, or the person who stated it; `None`: nothing.
+    pub time_zero: Option<String>,
 }
 
 /// Why no channel can be taken as the pulse.

@@ -26,6 +26,9 @@ pub struct TestV1 {
     /// Remarks of the reader of the file.
     #[serde(default)]
     pub notes: Vec<String>,
+    /// What says that t = 0 is first contact, in words; `null`: nothing.
+    #[serde(default)]
+    pub time_zero: Option<String>,
 }
 
 /// Origin of a record.
@@ -93,6 +96,7 @@ impl From<&TestDescription> for TestV1 {
             channels: test.channels.iter().map(ChannelV1::from).collect(),
             pulse: test.pulse.clone(),
             notes: test.notes.clone(),
+            time_zero: test.time_zero.clone(),
         }
     }
 }
@@ -136,6 +140,7 @@ impl TryFrom<TestV1> for TestDescription {
             channels: test.channels.into_iter().map(Channel::try_from).collect::<Result<_, _>>()?,
             pulse: test.pulse,
             notes: test.notes,
+            time_zero: test.time_zero,
         })
     }
 }

@@ -206,7 +206,7 @@ fn check_for_velocity(
 }
 
 /// `Delta-V, longitudinal`, `Longitudinal dv`, `velocity change`.
-fn names_velocity_change(title: &str) -> bool {
+pub fn names_velocity_change(title: &str) -> bool {
     let letters: String = title.to_lowercase().chars().filter(|c| c.is_alphanumeric() || *c == '\u{394}').collect();
     ["deltav", "velocitychange", "changeofvelocity", "\u{394}v"].iter().any(|word| letters.contains(word))
         || letters == "dv"

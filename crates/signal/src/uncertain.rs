@@ -3,14 +3,37 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crumple_parameter_solve::Distribution;
-use crumple_signal::unit::UnitError;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-/// `0.05 g uniform` is a half width, `0.1 km/h normal` and `0.1 km/h` are standard deviations: as crumple-integrate reads them.
+use crate::unit::UnitError;
+
+/// How the error of an input is distributed about zero.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Distribution {
+    /// Normal; the size is the standard deviation.
+    #[default]
+    Normal,
+    /// Equally likely everywhere within limits; the size is the half width.
+    Uniform,
+}
+
+impl Distribution {
+    /// The name used in options and notes.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Normal => "normal",
+            Self::Uniform => "uniform",
+        }
+    }
+}
+
+/// `0.05 g uniform` is a half width, `0.1 km/h normal` and `0.1 km/h` are standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertain<V> {
+    /// Standard deviation or half width, with its unit.
     pub size: V,
+    /// Which of the two.
     pub distribution: Distribution,
 }
 
@@ -51,7 +74,7 @@ impl<'de, V: FromStr<Err = UnitError>> Deserialize<'de> for Uncertain<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crumple_signal::value::{Mass, Speed};
+    use crate::value::{Mass, Share, Speed};
 
     #[test]
     fn a_value_is_a_standard_deviation_unless_it_is_called_uniform() {
@@ -61,5 +84,13 @@ mod tests {
         assert_eq!(read("10kg uniform"), Ok((10.0, Distribution::Uniform)));
         assert!(read("-1 kg").unwrap_err().contains("is negative"));
         assert!("0.1 km/h triangular".parse::<Uncertain<Speed>>().is_err() && read("10").is_err());
+    }
+
+    #[test]
+    fn a_value_and_its_distribution_are_written_as_they_are_read() {
+        let typed: Uncertain<Share> = "0.7 % uniform".parse().unwrap();
+        assert_eq!(typed.to_string().parse(), Ok(typed));
+        assert_eq!(typed.to_string(), format!("{} share uniform", 0.7 * 1e-2));
+        assert!("1".parse::<Uncertain<Share>>().unwrap_err().contains("has no unit: write a share, e.g. 1 %"));
     }
 }
