@@ -130,8 +130,11 @@ fn cells(line: &[u8], delimiter: u8) -> Vec<String> {
     Delimiter::Byte(delimiter).split(line).into_iter().map(|f| decode(unquoted(f))).collect()
 }
 
-/// `-2 [-3]` as both numbers, printed and as values.
-fn twice(cell: &[u8], decimal: u8) -> Option<[(Vec<u8>, f64); 2]> {
+/// The numbers of a cell in two units, printed and as values.
+type Pair = [(Vec<u8>, f64); 2];
+
+/// `-2 [-3]` as both numbers.
+fn twice(cell: &[u8], decimal: u8) -> Option<Pair> {
     let cell = unquoted(cell).strip_suffix(b"]")?;
     let open = cell.iter().position(|b| *b == b'[')?;
     let read = |part: &[u8]| {
@@ -157,7 +160,8 @@ fn dual_unit(title: &str) -> Option<(String, [String; 2])> {
 
 /// Decimals printed of a number.
 fn decimals(printed: &[u8], decimal: u8) -> i32 {
-    printed.iter().position(|b| *b == decimal).map_or(0, |at| (printed.len() - at - 1) as i32)
+    let at = printed.iter().position(|b| *b == decimal);
+    at.and_then(|at| i32::try_from(printed.len() - at - 1).ok()).unwrap_or(0)
 }
 
 /// A column whose cells are numbers, in one unit or two.
@@ -232,7 +236,7 @@ fn of_two_units(
     name: &str,
     dual: Option<(String, [String; 2])>,
     column: &[&[u8]],
-    pairs: Vec<Option<[(Vec<u8>, f64); 2]>>,
+    pairs: Vec<Option<Pair>>,
     numbers: impl Iterator<Item = usize>,
     decimal: u8,
     notes: &mut Notes,
