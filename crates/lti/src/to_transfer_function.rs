@@ -70,6 +70,7 @@ mod tests {
         let tf = to_transfer_function(&model).unwrap();
         // 1/(m s^2 + c s + k); the s^1 coefficient of the numerator cancels exactly.
         assert_eq!(tf.numerator().len(), 1);
+        // Two poles and their product, each a few roundings of an eigenvalue of a two by two matrix: 45 are allowed.
         for (found, exact) in tf.numerator().iter().chain(tf.denominator()).zip([1.0 / m, 1.0, c / m, k / m]) {
             assert!((found / exact - 1.0).abs() < 1e-14, "{found} against {exact}");
         }

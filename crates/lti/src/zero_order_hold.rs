@@ -115,10 +115,13 @@ mod tests {
             let mut model = mass_spring_damper(mass, 2.0 * damping * frequency * mass, frequency * frequency * mass);
             model.b *= gain;
             let back = undo_zero_order_hold(&discretize_zero_order_hold(&model, dt).unwrap()).unwrap();
-            // a is off balance by frequency^2 <= 1e7, so rounding in Ad returns amplified by that over dt.
+            // Scaled to its natural frequency a has entries of 1, and Ad those of exp(a w dt). The logarithm divides their rounding
+            // by w dt, and once more in the entries that differ from the identity by (w dt)^2 only; 1e-13 is 450 roundings:
+            // room for the squarings and roots of a 3 x 3 matrix.
             let scale = dmatrix![frequency, 1.0; frequency * frequency, frequency];
             let worst = (&back.a - &model.a).component_div(&scale).amax() / frequency;
             prop_assert!(worst < 1e-13 / (frequency * dt) / (frequency * dt).min(1.0), "{worst:e}");
+            // b moves by the same (w dt)^-2 times a few roundings, 1e-4 rad at the slowest: 1e8 * 1e-15.
             prop_assert!((&back.b - &model.b).norm() <= 1e-7 * model.b.norm());
         }
     }

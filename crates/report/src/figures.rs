@@ -3,6 +3,7 @@
 mod bode;
 mod elements;
 mod force;
+mod mass_divisions;
 mod mass_split;
 mod models;
 mod motion;

@@ -38,6 +38,21 @@ pub fn significant(value: f64, digits: usize) -> String {
     minus(&text)
 }
 
+/// Digits that an interval deserves: two of the distance between its ends, so that they differ in print, and at least so many
+/// of the larger end.
+pub fn digits_of_interval(low: f64, high: f64, at_least: usize) -> usize {
+    /// No end is known to more.
+    const MOST: usize = 9;
+    let size = low.abs().max(high.abs());
+    let orders = (size / (high - low).abs()).log10().ceil();
+    // Not finite where the ends are equal or not numbers, and then there is nothing to tell apart.
+    if orders.is_finite() && orders > 0.0 {
+        (orders as usize + 1).clamp(at_least, MOST.max(at_least))
+    } else {
+        at_least
+    }
+}
+
 /// A number with so many decimals and a true minus sign.
 pub fn decimals(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
@@ -102,7 +117,8 @@ pub fn value(value: f64, si: &str) -> String {
 /// Two values in SI in the unit people use: `741.2 to 759.3 mm`.
 pub fn range(low: f64, high: f64, si: &str) -> String {
     let (factor, unit) = unit(si);
-    let (low, high) = (significant(low * factor, 4), significant(high * factor, 4));
+    let digits = digits_of_interval(low, high, 4);
+    let (low, high) = (significant(low * factor, digits), significant(high * factor, digits));
     if unit.is_empty() { format!("{low} to {high}") } else { format!("{low} to {high}{NBSP}{unit}") }
 }
 
@@ -202,6 +218,18 @@ mod tests {
     }
 
     #[test]
+    fn ends_of_a_narrow_interval_differ_in_print() {
+        let shown = |low, high| {
+            let digits = digits_of_interval(low, high, 3);
+            (significant(low, digits), significant(high, digits))
+        };
+        assert_eq!(shown(899.72, 900.28), ("899.72".to_owned(), "900.28".to_owned()));
+        assert_eq!(shown(495.2, 889.1), ("495".to_owned(), "889".to_owned()));
+        assert_eq!(shown(3.0, 3.0), ("3.00".to_owned(), "3.00".to_owned()));
+        assert_eq!(digits_of_interval(f64::NAN, 1.0, 3), 3);
+    }
+
+    #[test]
     fn a_deviation_has_its_sign_and_zero_has_none() {
         assert_eq!(signed(1.26, 1), "+1.3");
         assert_eq!(signed(-1.26, 1), "−1.3");
@@ -239,6 +267,7 @@ mod tests {
         assert_eq!(value(0.5, "1"), "0.5000");
         assert_eq!(range(0.7412, 0.7593, "m"), "741.2 to 759.3\u{a0}mm");
         assert_eq!(range(0.5, 0.75, "1"), "0.5000 to 0.7500");
+        assert_eq!(range(0.75, 0.75, "1"), "0.7500 to 0.7500");
         assert_eq!(value(2.0, "furlong"), "2.000\u{a0}furlong");
     }
 }

@@ -73,9 +73,9 @@ fn every_figure_is_drawn_and_the_console_is_silent() {
     let (dom, log) = load(&browser, &make(folder.path(), &inputs));
     assert_eq!(console(&log), Vec::<&str>::new());
     let root = &dom[..dom.find("<head").unwrap()];
-    assert!(root.contains("data-drawn=\"8\"") && root.contains("data-failed=\"0\""), "{root}");
+    assert!(root.contains("data-drawn=\"9\"") && root.contains("data-failed=\"0\""), "{root}");
     // plotly draws a figure in three layers of class main-svg.
-    assert_eq!(dom.matches("class=\"main-svg\"").count(), 24);
+    assert_eq!(dom.matches("class=\"main-svg\"").count(), 27);
     // The curves are there: the raw and filtered acceleration, v and s, and four models in four panels with the test in three.
     assert!(dom.matches("class=\"js-line\"").count() >= 4 + 3 + 16, "{}", dom.matches("class=\"js-line\"").count());
     assert!(dom.contains("and its dual: same record"));

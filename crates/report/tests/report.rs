@@ -98,8 +98,8 @@ fn the_page_loads_nothing_and_the_test_cannot_break_it() {
     assert!(!own.contains("<script>window.broken"), "the title has opened a script");
     assert!(own.contains("Frontal &lt;b&gt;impact&lt;/b&gt; &amp; &quot;pole&quot;"));
     assert!(!own.contains("sled <1>") && own.contains("sled &lt;1&gt;"));
-    // As many scripts are closed as opened: eight figures, plotly, the drawing.
-    assert_eq!((html.matches("<script").count(), html.matches("</script>").count()), (10, 10));
+    // As many scripts are closed as opened: nine figures, plotly, the drawing.
+    assert_eq!((html.matches("<script").count(), html.matches("</script>").count()), (11, 11));
 }
 
 #[test]

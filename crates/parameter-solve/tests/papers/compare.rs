@@ -26,10 +26,12 @@ const ONE_SCALE: [&str; 7] = [
     "coefficients_by_scale",
 ];
 
-/// A case file's value without its decimals: `{value, digits}` and `{re, im, digits}` become plain numbers.
+/// A case file's value without its decimals: `{value, digits}`, `{value}` and `{re, im, digits}` become plain numbers.
 pub fn plain(value: &Value) -> Value {
     match value {
-        Value::Object(map) if map.contains_key("value") && map.contains_key("digits") => map["value"].clone(),
+        Value::Object(map) if map.contains_key("value") && (map.contains_key("digits") || map.len() == 1) => {
+            map["value"].clone()
+        }
         Value::Object(map) => map.iter().filter(|(k, _)| *k != "digits").map(|(k, v)| (k.clone(), plain(v))).collect(),
         Value::Array(list) => list.iter().map(plain).collect(),
         other => other.clone(),

@@ -128,7 +128,9 @@ pub fn figure(run: &Run) -> Option<Figure> {
         )),
     }
     if far_zeros > 0 {
-        caption.push_str(&format!(" {far_zeros} zeros lie outside the first view."));
+        // Of the wider side of the view some may still be in sight.
+        let lie = if far_zeros == 1 { "zero lies" } else { "zeros lie" };
+        caption.push_str(&format!(" {far_zeros} {lie} farther out than these poles."));
     }
     if outside > 0 {
         caption.push_str(&format!(" {outside} far poles lie outside the first view; double-click to see all."));

@@ -1,7 +1,9 @@
 //! The table of candidates: parameters, what they answer with, which is best.
 
 use crate::escape::html;
-use crate::people::{ABSENT, MILLI, NBSP, candidate_name, decimals, parameter, parameter_order, signed, significant};
+use crate::people::{
+    ABSENT, MILLI, NBSP, candidate_name, decimals, digits_of_interval, parameter, parameter_order, signed, significant,
+};
 use crate::{Candidate, Ranking, Run};
 
 use super::uncertainty;
@@ -52,7 +54,8 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     if run.candidates.iter().any(|candidate| candidate.record.uncertainty.is_some()) {
         out.push_str(
             "<p class=\"caption\">± is one standard deviation, from the misfit and the sensitivities at the fit; “95 %” is the interval that holds \
-             the value in 95 of 100 such records, “open” where the record does not bound it. Profile, bootstrap and uncertain inputs, where asked for, \
+             the value in 95 of 100 such records, “open” where the record does not bound it. It is far wider than two standard deviations where the \
+             misfit is worth few independent samples (see the remarks), and not symmetric. Profile, bootstrap and uncertain inputs, where asked for, \
              are among a candidate's remarks.</p>\n",
         );
     }
@@ -82,7 +85,8 @@ fn row(out: &mut String, candidate: &Candidate, ranking: &Ranking) {
             fit.stop_reason.replace('-', " ")
         ));
         if !fit.active_bounds.is_empty() {
-            remarks.push(format!("On a bound of the search: {}.", fit.active_bounds.join(", ")));
+            let names: Vec<String> = fit.active_bounds.iter().map(|name| parameter(name, 0.0).0).collect();
+            remarks.push(format!("On a bound of the search: {}.", names.join(", ")));
         }
     }
     remarks.extend(how_well_known(candidate));
@@ -175,7 +179,8 @@ fn parameters(candidate: &Candidate) -> String {
 fn interval(candidate: &Candidate, name: &str) -> String {
     let Some(u) = &candidate.record.uncertainty else { return String::new() };
     let (Some(low), Some(high)) = (u.interval_low.get(name), u.interval_high.get(name)) else { return String::new() };
-    let end = |end: &Option<f64>| end.map_or_else(|| "open".to_owned(), |x| significant(parameter(name, x).1, 3));
+    let digits = low.zip(*high).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
+    let end = |end: &Option<f64>| end.map_or_else(|| "open".to_owned(), |x| significant(parameter(name, x).1, digits));
     match (low, high) {
         (None, None) => "; 95\u{a0}%: open".to_owned(),
         _ => format!("; 95{NBSP}%: {} to {}", end(low), end(high)),
