@@ -29,6 +29,10 @@ impl Stage for Filter {
     type Settings = StageSettings;
     type Input = Inputs;
 
+    fn typed(options: &mut Options, is_flag: &dyn Fn(&str) -> bool) {
+        options.note_typed(is_flag);
+    }
+
     fn resolve(options: Options) -> anyhow::Result<StageSettings> {
         Ok(options.try_into()?)
     }
@@ -164,16 +168,23 @@ fn jobs<'a>(
         }
         // Nor is a dummy filtered like the structure: head 1000, chest 180.
         if let Some(class) = class_of_body(channel)
-            && settings.channels.is_empty()
-            && matches!(of_channel.class, Class::Cfc(asked) if asked != class)
+            && let Class::Cfc(asked) = of_channel.class
+            && asked != class
             && of_channel.instead.is_none()
         {
-            of_channel.class = Class::Cfc(class);
-            if channel.cfc.is_none() {
-                remarks.info(
+            if settings.class_for_all {
+                remarks.warning(
                     &channel.id,
-                    format!("of a dummy, filtered to cfc {class} (SAE J211-1); another class by --channels with --cfc"),
+                    format!("of a dummy, filtered to cfc {asked} as asked for: its criteria ask for cfc {class} (SAE J211-1)"),
                 );
+            } else {
+                of_channel.class = Class::Cfc(class);
+                if channel.cfc.is_none() {
+                    remarks.info(
+                        &channel.id,
+                        format!("of a dummy, filtered to cfc {class} (SAE J211-1); another class by the flag --cfc"),
+                    );
+                }
             }
         }
         jobs.push(Job {
