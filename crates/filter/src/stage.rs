@@ -72,9 +72,7 @@ impl Stage for Filter {
                     remarks.add(&job.id, Note { severity: Severity::Warning, text: format!("left out: {error}") });
                 }
                 Err(error) => {
-                    return Err(Refused::new(format!("channel {}: {error}", job.id))
-                        .hint("--cfc none leaves the signal as it is, --channels names the channels to filter")
-                        .into());
+                    return Err(Refused::new(format!("channel {}: {error}", job.id)).hint(hint(&error)).into());
                 }
             }
         }
@@ -128,6 +126,18 @@ impl Stage for Filter {
         out.notes().extend(remarks.into_notes());
         out.put("/test", &TestV1::from(&test))?;
         Ok(Outcome::Done)
+    }
+}
+
+/// The one thing to do about a channel that cannot be filtered.
+fn hint(error: &FilterError) -> &'static str {
+    match error {
+        FilterError::Order { .. } => "--order 4 is usual",
+        FilterError::Cutoff { .. } => "--cutoff takes the -3 dB frequency with its unit, e.g. --cutoff 100Hz",
+        FilterError::Band { .. } => "--cutoff is the lower end of a band, --cutoff-high the upper one",
+        FilterError::Width { .. } => "--moving-average takes a time such as 3ms",
+        FilterError::Window { .. } => "--zero-level-from comes before --zero-level-to",
+        _ => "--cfc none leaves the signal as it is, --channels names the channels to filter",
     }
 }
 

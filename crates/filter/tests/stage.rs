@@ -297,6 +297,24 @@ fn the_velocity_change_of_a_recorder_becomes_an_acceleration_that_says_what_it_i
 }
 
 #[test]
+fn a_filter_that_cannot_be_is_answered_with_its_own_flag() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = ingested(folder.path(), &[(channel("093", "vehicle, sill", None), pulse(10_000.0))]);
+    let low = ["--butterworth", "low", "--order"];
+    for (flags, said) in [
+        ([&low[..], &["13", "--cutoff", "100Hz"]].concat(), "hint: --order"),
+        ([&low[..], &["4", "--cutoff", "9kHz"]].concat(), "hint: --cutoff"),
+        (vec!["--moving-average", "9s"], "hint: --moving-average"),
+        (vec!["--zero-level-from=-10ms", "--zero-level-to=-50ms"], "hint: --zero-level-from"),
+    ] {
+        let output = run(&input, &flags);
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{text}");
+        assert!(text.contains(said), "{flags:?}: {text}");
+    }
+}
+
+#[test]
 fn a_dummy_is_filtered_to_its_own_class_unless_one_is_typed() {
     let folder = tempfile::tempdir().unwrap();
     let raw = pulse(10_000.0);
