@@ -96,7 +96,7 @@ pub enum FilterError {
         high_hz: f64,
     },
     /// A moving average without a width, or longer than the record.
-    #[error("a moving average over {width_s} s does not fit a record of {record_s} s")]
+    #[error("a moving average over {width_s} s does not fit a record of {record_s:.4} s")]
     Width {
         /// What was asked for.
         width_s: f64,

@@ -12,9 +12,15 @@ use serde::{Deserialize, Serialize};
 pub struct Options {
     /// Channel frequency class to filter to: 60, 180, 600, 1000, or none to leave the signal as it is [default: 60]
     ///
-    /// 60 is for the vehicle structure. A channel that already has the class or a lower one passes through.
+    /// 60 is for the vehicle structure; a dummy's head and chest go to their own, 1000 and 180, unless the class is typed here. A
+    /// channel that already has the class or a lower one passes through.
     #[arg(long, value_name = "CLASS")]
     pub cfc: Option<Class>,
+
+    /// The class is meant for whatever is filtered: set by where it stands, not by a flag of its own.
+    #[arg(skip)]
+    #[serde(skip)]
+    pub class_for_all: bool,
 
     /// Standard whose filter is used [default: iso6487]
     #[arg(long, value_enum)]
@@ -84,6 +90,15 @@ pub struct Options {
     pub interpolation: Option<Interpolation>,
 }
 
+impl Options {
+    /// A class typed as a flag, or stated in the pipeline file together with the channels, is meant for all that is filtered. One that
+    /// stands in a pipeline file alone is that of the vehicle's structure.
+    pub fn note_typed(&mut self, is_flag: &dyn Fn(&str) -> bool) {
+        let with_its_channels = self.cfc.is_some() && !self.channels.is_empty() && !is_flag("channels");
+        self.class_for_all = is_flag("cfc") || with_its_channels;
+    }
+}
+
 /// What a Butterworth filter lets pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -111,6 +126,9 @@ pub enum ZeroLevelRule {
 pub struct StageSettings {
     #[serde(flatten)]
     pub filter: Settings,
+    /// The class holds for a dummy's head and chest too.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub class_for_all: bool,
     /// Ids, codes or patterns asked for; empty: those on the vehicle structure and the barrier.
     pub channels: Vec<String>,
     /// Ids, codes or patterns of those handed on as they are.
@@ -156,6 +174,7 @@ impl TryFrom<Options> for StageSettings {
                 zero_level: zero_level(&options)?,
                 instead: instead(&options)?,
             },
+            class_for_all: options.class_for_all,
             channels: options.channels,
             pass: options.pass,
             align,

@@ -29,6 +29,10 @@ impl Stage for Filter {
     type Settings = StageSettings;
     type Input = Inputs;
 
+    fn typed(options: &mut Options, is_flag: &dyn Fn(&str) -> bool) {
+        options.note_typed(is_flag);
+    }
+
     fn resolve(options: Options) -> anyhow::Result<StageSettings> {
         Ok(options.try_into()?)
     }
@@ -68,9 +72,7 @@ impl Stage for Filter {
                     remarks.add(&job.id, Note { severity: Severity::Warning, text: format!("left out: {error}") });
                 }
                 Err(error) => {
-                    return Err(Refused::new(format!("channel {}: {error}", job.id))
-                        .hint("--cfc none leaves the signal as it is, --channels names the channels to filter")
-                        .into());
+                    return Err(Refused::new(format!("channel {}: {error}", job.id)).hint(hint(&error)).into());
                 }
             }
         }
@@ -127,6 +129,18 @@ impl Stage for Filter {
     }
 }
 
+/// The one thing to do about a channel that cannot be filtered.
+fn hint(error: &FilterError) -> &'static str {
+    match error {
+        FilterError::Order { .. } => "--order 4 is usual",
+        FilterError::Cutoff { .. } => "--cutoff takes the -3 dB frequency with its unit, e.g. --cutoff 100Hz",
+        FilterError::Band { .. } => "--cutoff is the lower end of a band, --cutoff-high the upper one",
+        FilterError::Width { .. } => "--moving-average takes a time such as 3ms",
+        FilterError::Window { .. } => "--zero-level-from comes before --zero-level-to",
+        _ => "--cfc none leaves the signal as it is, --channels names the channels to filter",
+    }
+}
+
 /// A channel on its way in.
 struct Job<'a> {
     id: String,
@@ -164,16 +178,23 @@ fn jobs<'a>(
         }
         // Nor is a dummy filtered like the structure: head 1000, chest 180.
         if let Some(class) = class_of_body(channel)
-            && settings.channels.is_empty()
-            && matches!(of_channel.class, Class::Cfc(asked) if asked != class)
+            && let Class::Cfc(asked) = of_channel.class
+            && asked != class
             && of_channel.instead.is_none()
         {
-            of_channel.class = Class::Cfc(class);
-            if channel.cfc.is_none() {
-                remarks.info(
+            if settings.class_for_all {
+                remarks.warning(
                     &channel.id,
-                    format!("of a dummy, filtered to cfc {class} (SAE J211-1); another class by --channels with --cfc"),
+                    format!("of a dummy, filtered to cfc {asked} as asked for: its criteria ask for cfc {class} (SAE J211-1)"),
                 );
+            } else {
+                of_channel.class = Class::Cfc(class);
+                if channel.cfc.is_none() {
+                    remarks.info(
+                        &channel.id,
+                        format!("of a dummy, filtered to cfc {class} (SAE J211-1); another class by the flag --cfc"),
+                    );
+                }
             }
         }
         jobs.push(Job {

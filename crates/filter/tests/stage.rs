@@ -297,7 +297,25 @@ fn the_velocity_change_of_a_recorder_becomes_an_acceleration_that_says_what_it_i
 }
 
 #[test]
-fn a_head_that_is_the_pulse_is_filtered_to_its_own_class_unless_named() {
+fn a_filter_that_cannot_be_is_answered_with_its_own_flag() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = ingested(folder.path(), &[(channel("093", "vehicle, sill", None), pulse(10_000.0))]);
+    let low = ["--butterworth", "low", "--order"];
+    for (flags, said) in [
+        ([&low[..], &["13", "--cutoff", "100Hz"]].concat(), "hint: --order"),
+        ([&low[..], &["4", "--cutoff", "9kHz"]].concat(), "hint: --cutoff"),
+        (vec!["--moving-average", "9s"], "hint: --moving-average"),
+        (vec!["--zero-level-from=-10ms", "--zero-level-to=-50ms"], "hint: --zero-level-from"),
+    ] {
+        let output = run(&input, &flags);
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{text}");
+        assert!(text.contains(said), "{flags:?}: {text}");
+    }
+}
+
+#[test]
+fn a_dummy_is_filtered_to_its_own_class_unless_one_is_typed() {
     let folder = tempfile::tempdir().unwrap();
     let raw = pulse(10_000.0);
     let input = ingested(
@@ -313,11 +331,30 @@ fn a_head_that_is_the_pulse_is_filtered_to_its_own_class_unless_named() {
         let test: TestV1 = artifact.record("/test").unwrap().unwrap();
         test.channels.iter().map(|channel| channel.cfc).collect()
     };
+    let said = |artifact: &Artifact| artifact.record::<NotesV1>("/notes").unwrap().unwrap().notes.join("\n");
+    let pipeline = |text: &str| {
+        let path = folder.path().join("p.toml");
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    // Of its own accord, and where a pipeline file states the class of the structure.
+    let structure = pipeline("[filter]\ncfc = '180'\n");
+    for (flags, class) in [(vec![], 60), (vec!["--pipeline", &structure], 180)] {
+        let artifact = result(&input, &flags);
+        assert_eq!(classes(&artifact), [Some(1000), Some(1000), None, Some(class)]);
+        assert!(said(&artifact).contains("channels 001, 002: of a dummy, filtered to cfc 1000"), "{}", said(&artifact));
+    }
+    // Structure, head and chest in one run, each to its class.
+    let artifact = result(&input, &["--channels", "001,013,093"]);
+    assert_eq!(classes(&artifact), [Some(1000), None, Some(180), Some(60)]);
+
     let artifact = result(&input, &["--cfc", "60"]);
-    assert_eq!(classes(&artifact), [Some(1000), Some(1000), None, Some(60)]);
-    let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
-    let said = notes.notes.join("\n");
-    assert!(said.contains("channels 001, 002: of a dummy, filtered to cfc 1000"), "{said}");
+    assert_eq!(classes(&artifact), [Some(60), Some(60), None, Some(60)]);
+    let warning =
+        "warning: channels 001, 002: of a dummy, filtered to cfc 60 as asked for: its criteria ask for cfc 1000";
+    assert!(said(&artifact).contains(warning), "{}", said(&artifact));
     let artifact = result(&input, &["--cfc", "180", "--channels", "001"]);
     assert_eq!(classes(&artifact), [Some(180), None, None, None]);
+    let named = pipeline("[filter]\ncfc = '180'\nchannels = ['001']\n");
+    assert_eq!(classes(&result(&input, &["--pipeline", &named])), [Some(180), None, None, None]);
 }

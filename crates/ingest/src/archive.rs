@@ -55,11 +55,22 @@ pub fn open(file: &str, bytes: &[u8]) -> Result<Bundle, IngestError> {
     let main_bytes = inflate(file, &mut zip, main, &mut total)?;
     let mut bundle = Bundle::from_bytes(&main.name, main_bytes)?;
     file.clone_into(&mut bundle.name);
-    for entry in &entries {
+    let is_companion = |entry: &&Entry| {
         let beside =
             entry.folder == main.folder || (bundle.reader.spans_folders() && of_one_test(&main.folder, &entry.folder));
         let known = entry.index == main.index || bundle.companions.contains_key(&entry.name);
-        if beside && !known && bundle.reader.companion(&main.name, &entry.name) {
+        beside && !known && bundle.reader.companion(&main.name, &entry.name)
+    };
+    let companions: Vec<&Entry> = entries.iter().filter(is_companion).collect();
+    // By the sizes that the archive claims, before any is unpacked; that none holds more than it claims is checked there.
+    let mut claimed = total;
+    for entry in &companions {
+        let size = zip.by_index_raw(entry.index).map_or(0, |raw| raw.size());
+        claimed = claimed.saturating_add(size);
+        check_total(file, claimed)?;
+    }
+    for entry in companions {
+        if !bundle.companions.contains_key(&entry.name) {
             let bytes = inflate(file, &mut zip, entry, &mut total)?;
             bundle.companions.insert(entry.name.clone(), bytes);
         }
@@ -188,13 +199,17 @@ fn inflate(
     total: &mut u64,
 ) -> Result<Vec<u8>, IngestError> {
     let reader = zip.by_index(entry.index).map_err(|error| damaged(file, &format!("{}: {error}", entry.name)))?;
-    let mut bytes = Vec::with_capacity(usize::try_from(reader.size().min(1 << 24)).unwrap_or(0));
     let limit = FILE_LIMIT.min(1 << 28);
-    reader
-        .take(limit + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|error| damaged(file, &format!("{}: {error}", entry.name)))?;
-    if bytes.len() as u64 > limit {
+    let claimed = reader.size();
+    let mut bytes = Vec::new();
+    if claimed <= limit {
+        bytes.reserve(usize::try_from(claimed.min(1 << 24)).unwrap_or(0));
+        reader
+            .take(limit + 1)
+            .read_to_end(&mut bytes)
+            .map_err(|error| damaged(file, &format!("{}: {error}", entry.name)))?;
+    }
+    if claimed.max(bytes.len() as u64) > limit {
         return Err(IngestError::TooLarge {
             place: Place::file(&format!("{file}: {}", entry.name)),
             found: format!("more than {} MiB when unpacked", limit >> 20),

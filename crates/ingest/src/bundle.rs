@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use crumple_stage::Progress;
 
+use crate::error::WHAT_IS_READ;
 use crate::iso_mme::{self, is_channel_name};
 use crate::recognise::{Reader, recognise};
 use crate::{IngestError, Place, archive};
@@ -306,7 +307,7 @@ fn unreadable(path: &Path, error: &std::io::Error) -> IngestError {
     IngestError::Path {
         path: path.display().to_string(),
         found,
-        expected: "a table of numbers, an NHTSA EV5 file or its folder, an ISO-MME test, or a zip of them".to_owned(),
+        expected: format!("{WHAT_IS_READ}, or the folder of a test"),
         hint: hint.to_owned(),
     }
 }

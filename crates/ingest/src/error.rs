@@ -43,6 +43,10 @@ impl fmt::Display for Place {
     }
 }
 
+/// The formats that are read, in words.
+pub(crate) const WHAT_IS_READ: &str =
+    "a table of numbers, NHTSA EV5, ISO-MME, TDMS, TDM with TDX, LVM, MCAP, a ROS 1 bag, or a zip of one of them";
+
 /// Why an input is refused. All of these are the input's, none the program's: exit code 3.
 ///
 /// The message says where and what was found; [`expected`](Self::expected) and [`hint`](Self::hint) the rest.
@@ -127,7 +131,7 @@ impl IngestError {
             | Self::NotStated { expected, .. }
             | Self::Channel { expected, .. } => Some(expected).filter(|text| !text.is_empty()).map(String::as_str),
             Self::TooLarge { limit, .. } => Some(limit),
-            Self::Foreign { .. } => None,
+            Self::Foreign { .. } => Some(WHAT_IS_READ),
         }
     }
 

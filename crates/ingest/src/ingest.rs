@@ -92,7 +92,7 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
     };
     if let Some(why) = turned {
         let flipped = polarity::flip(&mut recording.channels).map_err(|error| overflow(file, &error.to_string()))?;
-        notes.info(format!("{why}: {flipped} channels"));
+        notes.info(format!("{why}: {flipped} channel{}", if flipped == 1 { "" } else { "s" }));
     }
     let pulse_id = pulse.map(|k| recording.channels[k].channel.id.clone());
     let same_place: Vec<String> =

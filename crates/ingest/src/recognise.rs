@@ -1,6 +1,7 @@
 //! Which reader a file belongs to, by its content alone.
 
 use crate::bundle::Bundle;
+use crate::error::WHAT_IS_READ;
 use crate::recording::Recording;
 use crate::{IngestError, Place, Settings, ev5, foreign, iso_mme, lvm, mcap_file, ros_bag, table, tdm, tdms};
 
@@ -55,7 +56,7 @@ pub fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader, Ingest
         return Err(IngestError::content(
             Place::file(file),
             found,
-            "a table of numbers, or an NHTSA EV5 file",
+            WHAT_IS_READ,
             "check that the export or the download is complete",
         ));
     }
@@ -75,7 +76,7 @@ pub fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader, Ingest
         IngestError::content(
             Place::file(file),
             format!("binary data of an unknown kind, starting with {}", start.join(" ")),
-            "a table of numbers, an NHTSA EV5 file, or a zip with one of them",
+            WHAT_IS_READ,
             "export the channels as CSV: time and acceleration columns with their units in the header",
         )
     })

@@ -175,7 +175,7 @@ fn item_13_topics_of_a_bag_and_of_an_mcap_file() {
 fn item_14_every_refusal_names_file_place_expectation_and_remedy() {
     let work = tempfile::tempdir().unwrap();
     let rows: String = (0..100).map(|k| format!("{:.4},{k}\n", f64::from(k) * 1e-4)).collect();
-    let cases: [(&str, Vec<u8>, &str); 9] = [
+    let cases: [(&str, Vec<u8>, &str); 11] = [
         (
             "a.csv",
             format!("time_s,accel_g\n{}", rows.replacen(",7\n", ",x\n", 1)).into_bytes(),
@@ -193,6 +193,8 @@ fn item_14_every_refusal_names_file_place_expectation_and_remedy() {
         ("g.001", rows.replace(',', "\t").into_bytes(), "g.001, column 2"),
         ("h.EV5", b"----- EV5 -----\n----- TEST -----\nV5|T\n".to_vec(), "h.EV5: no section ----- VEHICLE -----"),
         ("i.db3", b"SQLite format 3\0\0\0".to_vec(), "i.db3 is "),
+        ("j.csv", Vec::new(), "j.csv: the file is empty"),
+        ("k.dat", vec![0; 100], "k.dat: binary data of an unknown kind"),
     ];
     for (name, content, place) in cases {
         let path = work.path().join(name);
@@ -201,7 +203,7 @@ fn item_14_every_refusal_names_file_place_expectation_and_remedy() {
         let (code, _, text) = program(&path, &["-o", output.to_str().unwrap(), "--allow-missing"]);
         assert_eq!(code, 3, "{name}: {text}");
         assert!(text.contains(place), "{place}: {text}");
-        assert!(text.contains("hint: "), "{name}: {text}");
+        assert!(text.contains("expected: ") && text.contains("hint: "), "{name}: {text}");
         assert!(!output.exists());
     }
 }

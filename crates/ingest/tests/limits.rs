@@ -45,6 +45,24 @@ fn a_zip_bomb_is_not_inflated_to_its_end() {
 }
 
 #[test]
+fn a_bomb_of_many_files_is_refused_by_what_it_claims() {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    zip.start_file("v1.EV5", SimpleFileOptions::default()).unwrap();
+    zip.write_all(b"----- EV5 -----\n----- TEST -----\n").unwrap();
+    for k in 0..9 {
+        zip.start_file(format!("v1.{k:03}"), SimpleFileOptions::default()).unwrap();
+        zip.write_all(b"0\n").unwrap();
+    }
+    let mut bomb = zip.finish().unwrap().into_inner();
+    // Each of the nine claims 240 MiB, within the limit of a file: 24 bytes into its entry of the central directory.
+    let entries: Vec<usize> = (0..bomb.len()).filter(|at| bomb[*at..].starts_with(b"PK\x01\x02")).collect();
+    for at in &entries[1..] {
+        bomb[at + 24..at + 28].copy_from_slice(&(240_u32 << 20).to_le_bytes());
+    }
+    assert_eq!(refused(open("a.zip", &bomb)), "a.zip: the files of the record take more than 2048 MiB");
+}
+
+#[test]
 fn an_archive_of_countless_files_is_refused_before_any_is_read() {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for k in 0..20_001 {

@@ -38,7 +38,14 @@ impl Criteria<'_> {
         {
             let of_group = || sites.iter().filter(|(part, _)| parts.contains(part));
             if self.asked(group) && of_group().count() == 0 {
-                notes.warning(format!("{}: no accelerometer of it has data in the inputs", name(group)));
+                let left_out = |channel: &&Channel| part_of(channel).is_some_and(|part| parts.contains(&part));
+                notes.warning(match self.not_in_the_inputs(left_out) {
+                    Some(ids) => format!(
+                        "{}: {ids} measured it, but the filter left it out: crumple-filter --channels takes it, beside those of the vehicle",
+                        name(group)
+                    ),
+                    None => format!("{}: no accelerometer of it has data in the inputs", name(group)),
+                });
             }
             for (part, site) in of_group().filter(|_| self.takes(group)) {
                 records.extend(self.of_body(*part, site, notes)?);
@@ -60,6 +67,19 @@ impl Criteria<'_> {
 
     fn takes(&self, group: MetricGroup) -> bool {
         self.settings.metrics.is_empty() || self.asked(group)
+    }
+
+    /// The channels with data, not marked failed, that the inputs hold no samples of, in words.
+    fn not_in_the_inputs(&self, fits: impl Fn(&&Channel) -> bool) -> Option<String> {
+        let here = |channel: &&Channel| self.input.wave_if(&channel.id).is_some();
+        let usable = |channel: &&Channel| channel.status.has_data() && channel.status != ChannelStatus::Failed;
+        let fits = |channel: &&Channel| usable(channel) && !here(channel) && fits(channel);
+        let ids: Vec<&str> = self.test.channels.iter().filter(fits).map(|channel| channel.id.as_str()).collect();
+        match ids.as_slice() {
+            [] => None,
+            [one] => Some(format!("channel {one}")),
+            several => Some(format!("channels {}", several.join(", "))),
+        }
     }
 
     fn acceleration(&self, channel: &Channel) -> anyhow::Result<Signal<Acceleration>> {
@@ -209,8 +229,17 @@ impl Criteria<'_> {
                 }
             }
             None => {
-                let reason = "no yaw rate of the vehicle is measured";
-                found.extend([&definitions::THIV, &definitions::PHD].map(|d| (&planar[..], Metric::absent(d, reason))));
+                let yaw_rate = |channel: &&Channel| of_vehicle(channel, QuantityKind::AngularVelocity, Axis::Z);
+                let reason = match self.not_in_the_inputs(yaw_rate) {
+                    Some(ids) => {
+                        let reason = format!("{ids} measured the yaw rate, but the filter left it out");
+                        notes.info(format!("thiv: {reason}: crumple-filter --pass hands it on"));
+                        reason
+                    }
+                    None => "no yaw rate of the vehicle is measured".to_owned(),
+                };
+                found
+                    .extend([&definitions::THIV, &definitions::PHD].map(|d| (&planar[..], Metric::absent(d, &reason))));
             }
         }
         Ok(found.into_iter().map(|(channels, metric)| self.record(channels, metric, &remarks)).collect())
@@ -218,14 +247,8 @@ impl Criteria<'_> {
 
     /// Channels of the vehicle that measure a quantity along an axis, with samples in the inputs.
     fn vehicle(&self, quantity: QuantityKind, axis: Axis) -> Vec<&Channel> {
-        let fits = |channel: &&Channel| {
-            channel.quantity == quantity
-                && channel.axis == Some(axis)
-                && channel.status != ChannelStatus::Failed
-                && channel.may_be_on_vehicle()
-                && !channel.location.to_lowercase().contains("head")
-                && self.input.wave_if(&channel.id).is_some()
-        };
+        let fits =
+            |channel: &&Channel| of_vehicle(channel, quantity, axis) && self.input.wave_if(&channel.id).is_some();
         self.test.channels.iter().filter(fits).collect()
     }
 
@@ -251,6 +274,15 @@ impl Criteria<'_> {
         let record = |metric: Metric| self.record(&[self.pulse], at_impact(metric), std::slice::from_ref(&remark));
         found.metrics().into_iter().map(record).collect()
     }
+}
+
+/// Whether a channel that did not fail measures a quantity of the vehicle along an axis.
+fn of_vehicle(channel: &Channel, quantity: QuantityKind, axis: Axis) -> bool {
+    channel.quantity == quantity
+        && channel.axis == Some(axis)
+        && channel.status != ChannelStatus::Failed
+        && channel.may_be_on_vehicle()
+        && !channel.location.to_lowercase().contains("head")
 }
 
 fn name(group: MetricGroup) -> &'static str {

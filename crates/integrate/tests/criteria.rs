@@ -186,6 +186,40 @@ fn x_y_and_yaw_at_the_centre_of_gravity_get_the_roadside_metrics() {
 }
 
 #[test]
+fn what_was_measured_and_left_out_by_the_filter_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let waves = [
+        (channel("x", "vehicle, centre of gravity", Axis::X, 180), square(-200.0, 0.25)),
+        (channel("y", "vehicle, centre of gravity", Axis::Y, 180), square(0.0, 0.25)),
+    ];
+    let input = filtered(folder.path(), &waves, Some(30.0));
+    let read = Artifact::open(&input).unwrap();
+    let mut test: TestDescription = read.record::<TestV1>("/test").unwrap().unwrap().try_into().unwrap();
+    test.channels.extend([
+        channel("1", "driver, head", Axis::X, 1000),
+        channel("2", "driver, head", Axis::Y, 1000),
+        Channel { quantity: QuantityKind::AngularVelocity, ..channel("w", "vehicle, floor", Axis::Z, 180) },
+    ]);
+    let mut builder = ArtifactBuilder::new();
+    builder.put("/test", &TestV1::from(&test)).unwrap();
+    for (id, wave) in read.waves() {
+        builder.wave(id, wave.quantity, wave.sampled.clone()).unwrap();
+    }
+    builder.write(&input, &Provenance::new("filter", "0", "{}".to_owned(), vec![]), Compression::None).unwrap();
+    let artifact = result(&input, &["--metrics", "head,chest,roadside"]);
+    let thiv = find(&metrics(&artifact), "x+y", "thiv").definition.clone();
+    assert_eq!(thiv, "absent: channel w measured the yaw rate, but the filter left it out");
+    let said = notes(&artifact).join("\n");
+    for text in [
+        "warning: head: channels 1, 2 measured it, but the filter left it out: crumple-filter --channels",
+        "warning: chest: no accelerometer of it has data in the inputs",
+        "thiv: channel w measured the yaw rate, but the filter left it out: crumple-filter --pass hands it on",
+    ] {
+        assert!(said.contains(text), "{said}");
+    }
+}
+
+#[test]
 fn width_and_residual_crush_give_the_stiffness_of_crash3() {
     let folder = tempfile::tempdir().unwrap();
     let input = filtered(folder.path(), &occupants(), Some(20.0));

@@ -29,7 +29,13 @@ pub fn solve(
             let solved = solvers.into_iter().filter_map(move |solver| {
                 let mut notes = Notes::new();
                 let task = Task { model, method: solver.method, evidence, settings };
-                Some((solver.solve?(&task, &mut notes), notes))
+                let mut result = solver.solve?(&task, &mut notes);
+                // A record that is too coarse for a fit (an event data recorder's) still has its events for the closed forms.
+                if let Err(error @ SolveError::TooFewSamples { .. }) = &result {
+                    notes.warning(format!("{model}: not fitted by {}: {error}", solver.method.name()));
+                    result = Ok(Vec::new());
+                }
+                Some((result, notes))
             });
             std::iter::once((Ok(Vec::new()), none)).chain(solved)
         })

@@ -102,6 +102,19 @@ fn a_record_that_never_stops_has_no_kelvin_closed_form_but_all_other_models() {
 }
 
 #[test]
+fn a_record_too_coarse_for_a_fit_keeps_its_closed_forms() {
+    let (whole, mut notes) = (record(), Notes::new());
+    // Every 10 ms, as an event data recorder writes it: 7 or so up to dynamic crush, of 12 that a fit needs.
+    let coarse: Vec<f64> = whole.samples().iter().step_by(100).copied().collect();
+    let coarse = Signal::new(0.0, 1e-2, coarse).unwrap();
+    let found = solve(&evidence(&coarse), &settings(), &mut notes).unwrap();
+    let ids: Vec<String> = found.iter().map(Candidate::id).collect();
+    assert_eq!(ids, ["kelvin/closed-form/1", "elastoplastic/closed-form/1"]);
+    let texts = notes.to_texts().join("\n");
+    assert!(texts.contains("warning: maxwell: not fitted by direct-fit: ") && texts.contains("at least 12"), "{texts}");
+}
+
+#[test]
 fn without_rebound_the_elastoplastic_model_is_left_out_with_the_reason() {
     let (record, mut notes) = (record(), Notes::new());
     let settings = SolveSettings { models: vec![ModelKind::Elastoplastic], ..settings() };

@@ -29,9 +29,7 @@ where
     };
     let given = toml::Table::try_from(flags).context("the flags cannot be written as a table")?;
     for (key, value) in given {
-        let typed =
-            matches.try_contains_id(&key).is_ok() && matches.value_source(&key) == Some(ValueSource::CommandLine);
-        if typed {
+        if is_flag(matches, &key) {
             table.insert(key, value);
         }
     }
@@ -40,6 +38,11 @@ where
         // The text names the key on a line of its own.
         Usage::new(format!("{place}options of {stage}: {}", error.to_string().trim().replace('\n', " "))).into()
     })
+}
+
+/// Whether an option was typed on the command line.
+pub(crate) fn is_flag(matches: &ArgMatches, key: &str) -> bool {
+    matches.try_contains_id(key).is_ok() && matches.value_source(key) == Some(ValueSource::CommandLine)
 }
 
 /// Every flag, and the tables that only a pipeline file can hold: those stand in the options as an empty map.

@@ -18,7 +18,7 @@ use crate::args::{Cli, Common};
 use crate::error::{ExitStatus, Usage, find_in_chain};
 use crate::inputs::{Loaded, MissingTopic, open};
 use crate::output::Output;
-use crate::pipeline::{canonical_json, merge};
+use crate::pipeline::{canonical_json, is_flag, merge};
 use crate::progress::be_quiet;
 use crate::say::say;
 use crate::tool::{finish, parse};
@@ -45,6 +45,8 @@ pub trait Stage {
     /// What the stage works on.
     type Input;
 
+    /// Learns which options were typed as flags, for a stage where that says more than the same value in a pipeline file.
+    fn typed(_options: &mut Self::Options, _is_flag: &dyn Fn(&str) -> bool) {}
     /// Fills in the defaults and checks what can be checked without data.
     fn resolve(options: Self::Options) -> anyhow::Result<Self::Settings>;
     /// Reads the inputs.
@@ -67,7 +69,10 @@ pub fn main<S: Stage>() -> ExitCode {
     let parsed = parse::<Cli<S::Options>>(command);
     finish(parsed.map_err(Ok).and_then(|(cli, matches)| {
         merge(S::NAME, cli.common.pipeline.as_deref(), &cli.options, &matches)
-            .and_then(|options| execute::<S>(&cli.common, options))
+            .and_then(|mut options| {
+                S::typed(&mut options, &|key| is_flag(&matches, key));
+                execute::<S>(&cli.common, options)
+            })
             .map_err(Err)
     }))
 }

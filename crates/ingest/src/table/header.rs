@@ -69,7 +69,9 @@ pub fn read(layout: &Layout) -> Header {
     let names = lines.pop();
     let named = names.is_some();
     let names = names.map(|(_, cells)| cells).unwrap_or_default();
-    let surplus_names = (names.len() > count).then_some(names.len());
+    // A delimiter at the end of every line is no column.
+    let stated = names.iter().rposition(|name| !name.trim().is_empty()).map_or(0, |last| last + 1);
+    let surplus_names = (stated > count).then_some(stated);
     let mut kilo_g = Vec::new();
     let columns = (0..count)
         .map(|k| {
@@ -349,6 +351,8 @@ mod tests {
         let header = header(text);
         assert_eq!(header.columns[1].unit, Unit::Signal(QuantityKind::Acceleration, 9806.65));
         assert_eq!((header.kilo_g, header.surplus_names), (vec![1], Some(3)));
+        let header = self::header("time_s,accel_g,\n0,1,\n1,2,\n2,3,\n");
+        assert_eq!((header.columns.len(), header.surplus_names), (2, None), "a delimiter at the end is no name");
         assert_eq!(units("t_s,decel_kg\n0,1\n1,2\n")[1], Unit::Signal(QuantityKind::Acceleration, 9806.65));
         assert_eq!(units("t_s,Acc [kg]\n0,1\n1,2\n")[1], Unit::Signal(QuantityKind::Acceleration, 9806.65));
         assert_eq!(units("t_s,load [kg]\n0,1\n1,2\n")[1], Unit::Unknown("kg".to_owned()));
