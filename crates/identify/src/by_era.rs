@@ -10,8 +10,8 @@ use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 use crate::comparison::Comparison;
 use crate::hankel_settings::HankelSettings;
 use crate::input_output::{Cut, cuts, filter_edges};
-use crate::options::Settings;
 use crate::records_together::RecordsTogether;
+use crate::settings::Settings;
 use crate::to_records::{Pass, put_model};
 use crate::{channel, diagram, paper};
 

@@ -17,7 +17,7 @@ use crate::evidence_options::Stabilisation;
 use crate::hankel_settings::HankelSettings;
 use crate::input_output::{Record, record};
 use crate::judgement::Equation;
-use crate::options::Settings;
+use crate::settings::Settings;
 use crate::state_space_records::{Task, put};
 use crate::{by_arx, by_output_error};
 

@@ -20,9 +20,9 @@ use crate::evidence::{
 };
 use crate::input_output::{Cut, Record, record};
 use crate::judgement::{Band, Judged, put_spreads, spread};
-use crate::options::Settings;
 use crate::paper;
 use crate::search_evidence::{Searched, known};
+use crate::settings::Settings;
 use crate::to_records::state_space;
 
 /// Poles within this of zero, times the length of the record, are integrators.
