@@ -255,6 +255,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
+    use crate::random::uniform;
 
     fn sum(terms: &[(f64, f64)], dt: f64, samples: usize) -> Vec<f64> {
         (0..samples).map(|k| terms.iter().map(|(c, s)| c * (s * k as f64 * dt).exp()).sum()).collect()
