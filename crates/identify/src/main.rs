@@ -3,6 +3,7 @@
 mod acceptable;
 mod array_records;
 mod arx_structure;
+mod automatic_order;
 mod beyond_era;
 mod by_arx;
 mod by_era;
