@@ -67,7 +67,7 @@ fn writes_matrices_modes_and_evidence_of_every_order() {
     // 420 rad/s is 66.8 Hz: within a factor two of the 100 Hz edge of CFC 60; 120 rad/s is not.
     let notes: NotesV1 = result.record("/notes").unwrap().unwrap();
     let of_the_filter: Vec<&String> = notes.notes.iter().filter(|n| n.contains("edge of the CFC 60")).collect();
-    assert!(of_the_filter.iter().any(|n| n.contains("order 4") && n.contains("67.")), "{:?}", notes.notes);
+    assert!(of_the_filter.iter().any(|n| n.contains("era-4:") && n.contains("67.")), "{:?}", notes.notes);
 }
 
 #[test]

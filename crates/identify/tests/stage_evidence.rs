@@ -288,7 +288,7 @@ fn notes_tell_the_filter_the_pulse_and_impossible_zeros() {
     let notes: NotesV1 = result.record("/notes").unwrap().unwrap();
     let has = |start: &str, text: &str| notes.notes.iter().any(|n| n.contains(start) && n.contains(text));
     assert!(has("era", "of its filter and of its shape"), "{:?}", notes.notes);
-    assert!(has("order 4", "near the 50 Hz edge of the CFC 30 filter"), "{:?}", notes.notes);
+    assert!(has("era-4:", "near the 50 Hz edge of the CFC 30 filter"), "{:?}", notes.notes);
     assert!(has("exponentials-4", "near the 50 Hz edge"), "{:?}", notes.notes);
     assert!(has("exponentials-4", "free decay"), "{:?}", notes.notes);
 
