@@ -113,7 +113,7 @@ pub fn run(
     for order in &settings.orders {
         let order = match order.0 {
             Order::Given(n) => n,
-            Order::Automatic => chosen_order(method, settings.max_order, &data, beyond, out),
+            Order::Automatic => chosen_order(method, settings, &data, beyond, out),
         };
         if !orders.contains(&order) {
             orders.push(order);
@@ -208,7 +208,27 @@ fn with_all_orders<T>(
 }
 
 /// The number of states where it is left to the method, with a note.
-fn chosen_order(method: &str, max_order: usize, data: &IoData, beyond: &BeyondEra, out: &mut Output) -> usize {
+fn chosen_order(method: &str, settings: &Settings, data: &IoData, beyond: &BeyondEra, out: &mut Output) -> usize {
+    let max_order = settings.max_order;
+    let by_gap = match (method, &settings.hankel) {
+        ("okid", Some(hankel)) => Some(okid(Order::Automatic, max_order, data, hankel)),
+        ("fir", Some(hankel)) => {
+            Some(impulse_response(Order::Automatic, max_order, data, hankel, beyond.initial == "zero"))
+        }
+        _ => None,
+    };
+    match by_gap {
+        Some(Ok(found)) => {
+            let order = found.model.order();
+            out.notes().info(format!(
+                "{method}: order {order} lies before the largest gap of the singular values up to order {max_order}"
+            ));
+            return order;
+        }
+        // What does not work with any order says so when it is tried.
+        Some(Err(_)) => return AUTOMATIC_ORDER,
+        None => {}
+    }
     let Some(weighting) = weighting(method) else {
         let instead = if method == "arx" { "; --arx-scan compares structures" } else { "" };
         out.notes()
@@ -266,9 +286,10 @@ fn identify(
     hankel: Option<&HankelSettings>,
 ) -> Result<Found, IdentifyError> {
     match (method, hankel) {
-        ("okid", Some(hankel)) => return okid(order, data, hankel),
+        ("okid", Some(hankel)) => return okid(Order::Given(order), order, data, hankel),
         ("fir", Some(hankel)) => {
-            return steady(impulse_response(order, data, hankel, beyond.initial == "zero")?, data);
+            let found = impulse_response(Order::Given(order), order, data, hankel, beyond.initial == "zero")?;
+            return steady(found, data);
         }
         _ => {}
     }
