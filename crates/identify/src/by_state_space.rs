@@ -1,8 +1,8 @@
 //! The discrete methods with an input: subspace, ARX, output error, and through Markov parameters OKID and FIR.
 
 use crumple_identify::{
-    Horizons, IdentifyError, IoData, Order, Subspace, SubspaceModel, SubspaceOptions, Weighting, automatic_thinning,
-    horizons, simulate_fitted, subspace_order_scan, thinned,
+    Horizons, IdentifyError, IoData, Order, Subspace, SubspaceModel, SubspaceOptions, WEAK_GAP, Weighting,
+    automatic_thinning, horizons, simulate_fitted, subspace_order_scan, thinned,
 };
 use crumple_lti::{Complex, StateSpace};
 use crumple_signal::TestDescription;
@@ -220,9 +220,14 @@ fn chosen_order(method: &str, settings: &Settings, data: &IoData, beyond: &Beyon
     match by_gap {
         Some(Ok(found)) => {
             let order = found.model.order();
-            out.notes().info(format!(
-                "{method}: order {order} lies before the largest gap of the singular values up to order {max_order}"
-            ));
+            let text = format!("{method}: order {order} lies before the largest gap of the singular values");
+            match (found.singular_values.get(order.saturating_sub(1)), found.singular_values.get(order)) {
+                (Some(last), Some(next)) if *last < WEAK_GAP * next => {
+                    out.notes()
+                        .warning(format!("{text}, a factor {:.3}: too small to single out an order", last / next));
+                }
+                _ => out.notes().info(text),
+            }
             return order;
         }
         // What does not work with any order says so when it is tried.
