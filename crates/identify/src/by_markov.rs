@@ -11,8 +11,8 @@ use crate::hankel_settings::HankelSettings;
 /// Lags that a criterion looks at, at most.
 const HIGHEST_LAGS: usize = 40;
 
-/// OKID of one order; `max_order` is the highest that an automatic one considers.
-pub fn okid(order: Order, max_order: usize, data: &IoData, settings: &HankelSettings) -> Result<Found, IdentifyError> {
+/// OKID of one order.
+pub fn okid(order: usize, data: &IoData, settings: &HankelSettings) -> Result<Found, IdentifyError> {
     // The criterion sees as many lags as a third of the samples determines.
     let width = data.inputs().len() + data.outputs().len();
     let highest = (data.samples() / (3 * width)).saturating_sub(1).clamp(1, HIGHEST_LAGS);
@@ -35,7 +35,8 @@ pub fn okid(order: Order, max_order: usize, data: &IoData, settings: &HankelSett
         ));
     }
     let jointly = settings.okid_states == "joint" && !deficient;
-    let found = okid.realize(order, OkidRealization { jointly, max_order })?;
+    let options = OkidRealization { jointly, ..OkidRealization::default() };
+    let found = okid.realize(Order::Given(order), options)?;
     let predictor = found.predictor()?;
     let seen: Vec<Vec<f64>> = data.inputs().iter().chain(data.outputs()).cloned().collect();
     let seen = IoData::new(seen, data.outputs().to_vec(), data.sample_time_s())?;
@@ -45,21 +46,19 @@ pub fn okid(order: Order, max_order: usize, data: &IoData, settings: &HankelSett
         notes.push("warning: the predictor with the Kalman gain grows: too few states for this observer".to_owned());
         Vec::new()
     };
-    let parameters = found.model.order() * (width + 1) + data.inputs().len() * data.outputs().len();
     Ok(Found {
         predicted,
         singular_values: found.singular_values.iter().map(|(s, _)| *s).collect(),
         notes,
         beside: vec![("predictor", predictor)],
         chosen: Chosen { lags: Some(okid.lags), ..Chosen::default() },
-        ..Found::new(found.model, parameters)
+        ..Found::new(found.model, order * (width + 1) + data.inputs().len() * data.outputs().len())
     })
 }
 
-/// ERA of one order on the regularised impulse response; `max_order` as for [`okid`].
+/// ERA of one order on the regularised impulse response.
 pub fn impulse_response(
-    order: Order,
-    max_order: usize,
+    order: usize,
     data: &IoData,
     settings: &HankelSettings,
     at_rest: bool,
@@ -69,7 +68,8 @@ pub fn impulse_response(
     let kernel = settings.kernel();
     let found = fir(data, FirOptions { taps, kernel, at_rest })?;
     let markov = MarkovParameters::new(found.sequences.iter().map(Vec::as_slice).collect(), data.inputs().len())?;
-    let options = EraOptions { shift: settings.form(), max_order, ..EraOptions::new(data.sample_time_s()) };
+    let options = EraOptions { shift: settings.form(), ..EraOptions::new(data.sample_time_s()) };
+    let order = Order::Given(order);
     let model = Era::of(markov, options, &[order])?.realize(order)?;
     let start = if at_rest { "from rest" } else { "the first of them as past only" };
     let mut notes = vec![format!("impulse response of {taps} samples, kernel {}, {start}", kernel.name())];

@@ -1,8 +1,8 @@
 //! The discrete methods with an input: subspace, ARX, output error, and through Markov parameters OKID and FIR.
 
 use crumple_identify::{
-    Horizons, IdentifyError, IoData, Order, Subspace, SubspaceModel, SubspaceOptions, WEAK_GAP, Weighting,
-    automatic_thinning, horizons, simulate_fitted, subspace_order_scan, thinned,
+    Horizons, IdentifyError, IoData, Order, Subspace, SubspaceModel, SubspaceOptions, Weighting, automatic_thinning,
+    horizons, simulate_fitted, subspace_order_scan, thinned,
 };
 use crumple_lti::{Complex, StateSpace};
 use crumple_signal::TestDescription;
@@ -113,7 +113,7 @@ pub fn run(
     for order in &settings.orders {
         let order = match order.0 {
             Order::Given(n) => n,
-            Order::Automatic => chosen_order(method, settings, &data, beyond, out),
+            Order::Automatic => chosen_order(method, settings.max_order, &data, beyond, out),
         };
         if !orders.contains(&order) {
             orders.push(order);
@@ -208,32 +208,7 @@ fn with_all_orders<T>(
 }
 
 /// The number of states where it is left to the method, with a note.
-fn chosen_order(method: &str, settings: &Settings, data: &IoData, beyond: &BeyondEra, out: &mut Output) -> usize {
-    let max_order = settings.max_order;
-    let by_gap = match (method, &settings.hankel) {
-        ("okid", Some(hankel)) => Some(okid(Order::Automatic, max_order, data, hankel)),
-        ("fir", Some(hankel)) => {
-            Some(impulse_response(Order::Automatic, max_order, data, hankel, beyond.initial == "zero"))
-        }
-        _ => None,
-    };
-    match by_gap {
-        Some(Ok(found)) => {
-            let order = found.model.order();
-            let text = format!("{method}: order {order} lies before the largest gap of the singular values");
-            match (found.singular_values.get(order.saturating_sub(1)), found.singular_values.get(order)) {
-                (Some(last), Some(next)) if *last < WEAK_GAP * next => {
-                    out.notes()
-                        .warning(format!("{text}, a factor {:.3}: too small to single out an order", last / next));
-                }
-                _ => out.notes().info(text),
-            }
-            return order;
-        }
-        // What does not work with any order says so when it is tried.
-        Some(Err(_)) => return AUTOMATIC_ORDER,
-        None => {}
-    }
+fn chosen_order(method: &str, max_order: usize, data: &IoData, beyond: &BeyondEra, out: &mut Output) -> usize {
     let Some(weighting) = weighting(method) else {
         let instead = if method == "arx" { "; --arx-scan compares structures" } else { "" };
         out.notes()
@@ -291,10 +266,9 @@ fn identify(
     hankel: Option<&HankelSettings>,
 ) -> Result<Found, IdentifyError> {
     match (method, hankel) {
-        ("okid", Some(hankel)) => return okid(Order::Given(order), order, data, hankel),
+        ("okid", Some(hankel)) => return okid(order, data, hankel),
         ("fir", Some(hankel)) => {
-            let found = impulse_response(Order::Given(order), order, data, hankel, beyond.initial == "zero")?;
-            return steady(found, data);
+            return steady(impulse_response(order, data, hankel, beyond.initial == "zero")?, data);
         }
         _ => {}
     }

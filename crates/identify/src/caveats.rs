@@ -14,7 +14,7 @@ const EDGE_FACTOR: f64 = 2.0;
 const NEAR_NYQUIST: f64 = 0.95;
 
 /// A gap between singular values below this ratio does not single out an order.
-pub const WEAK_GAP: f64 = 3.0;
+const WEAK_GAP: f64 = 3.0;
 
 /// Growth of a pole over the whole record below which it is rounding: an integrator's pole is never exactly zero.
 const GROWTH: f64 = 1e-6;

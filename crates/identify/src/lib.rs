@@ -77,7 +77,7 @@ pub use arx::{Arx, ArxOrder, arx, arx_scan};
 pub use bootstrap::{
     BandPoint, Bootstrap, BootstrapOptions, Sample, Spread, bootstrap, bootstrap_equation_errors, bootstrap_outputs,
 };
-pub use caveats::{FilterEdge, WEAK_GAP, caveats, mode_notes};
+pub use caveats::{FilterEdge, caveats, mode_notes};
 pub use clusters::{PoleCluster, Quartiles};
 pub use compare::{FitMeasures, compare, fit_measures, simulate_fitted};
 pub use continuation::{continued, sampled};

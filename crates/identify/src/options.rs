@@ -16,8 +16,8 @@ pub struct Options {
     /// okid (observer, then era), fir (impulse response, then era), n4sid, moesp, cva, arx, output-error. Default: era.
     #[arg(long, value_delimiter = ',')]
     pub methods: Vec<String>,
-    /// Numbers of states to try, separated by commas, and "auto": by the largest gap between singular values (era, era-dc,
-    /// okid, fir), by the BIC of the simulation (n4sid, moesp, cva). Two states are one damped oscillation. Default: 4.
+    /// Numbers of states to try, separated by commas, and "auto": by the largest gap between singular values (era, era-dc),
+    /// by the BIC of the simulation (n4sid, moesp, cva). Two states are one damped oscillation. Default: 4.
     #[arg(long, value_delimiter = ',')]
     pub orders: Vec<OrderOption>,
     /// Highest order that "auto" considers. Default: 20.

@@ -52,23 +52,6 @@ fn subspace_methods_choose_the_order_of_a_known_system() {
 }
 
 #[test]
-fn methods_through_markov_parameters_choose_it_by_the_gap_of_singular_values() {
-    let folder = tempfile::tempdir().unwrap();
-    let input = three_states(folder.path(), 0.02);
-    let output = folder.path().join("4.mcap");
-    let run = identify(&input, &output, &["--methods=okid,fir", "--orders=auto", "--inputs=u", "--outputs=y"]);
-    assert_eq!(run.code, Some(0), "{}", run.said);
-    let result = Artifact::open(&output).unwrap();
-    for method in ["okid", "fir"] {
-        assert!(
-            result.record::<IdentificationV1>(&format!("/identification/{method}-3")).unwrap().is_some(),
-            "{}",
-            run.said
-        );
-    }
-}
-
-#[test]
 fn a_short_record_chooses_among_the_orders_it_has_room_for() {
     let folder = tempfile::tempdir().unwrap();
     let input = three_states(folder.path(), 0.02);
