@@ -13,7 +13,7 @@ use crate::by_state_space::Found;
 use crate::comparison::Comparison;
 use crate::input_output::{Record, record};
 use crate::judgement::Equation;
-use crate::options::Settings;
+use crate::settings::Settings;
 use crate::state_space_records::{Task, put};
 
 /// What to do about a regression that does not work.

@@ -10,8 +10,8 @@ use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 use crate::comparison::Comparison;
 use crate::hankel_settings::HankelSettings;
 use crate::input_output::{Cut, cuts, filter_edges};
-use crate::options::Settings;
 use crate::records_together::RecordsTogether;
+use crate::settings::Settings;
 use crate::to_records::{Pass, put_model};
 use crate::{channel, diagram, paper};
 
@@ -177,9 +177,6 @@ fn realize_all(
             continue;
         }
         written.push(made);
-        let mut notes = caveats(&model, filter_edges(cuts));
-        out.notes().extend(notes.clone());
-        remarks.iter().for_each(|remark| notes.info(*remark));
         let found = Order::Given(model.order());
         // A Hankel matrix sized by the order asked for stays as it was.
         let of = if matches!(decomposed, Decomposed::Sized(_)) { order } else { found };
@@ -196,6 +193,9 @@ fn realize_all(
             paper: !remarks.is_empty(),
             refit: &refit,
         };
+        let mut notes = caveats(&pass.id(model.order()), &model, filter_edges(cuts));
+        out.notes().extend(notes.clone());
+        remarks.iter().for_each(|remark| notes.info(*remark));
         put_model(&model, &pass, &notes, comparison, out)?;
     }
     if let Some(error) = first_failure.filter(|_| written.len() == before) {

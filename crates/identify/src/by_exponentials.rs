@@ -12,8 +12,8 @@ use crate::comparison::Comparison;
 use crate::evidence::{evidence, foretold, identification, modes, notes_on_modes, percent, validate};
 use crate::input_output::{Cut, output};
 use crate::judgement::{put_spreads, spread};
-use crate::options::Settings;
 use crate::paper;
+use crate::settings::Settings;
 
 /// What one sum is fitted with.
 struct Task {

@@ -9,6 +9,7 @@ use crumple_signal::TestDescription;
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 
 use crate::acceptable::{simulated, steady};
+use crate::automatic_order::automatic_order;
 use crate::beyond_era::BeyondEra;
 use crate::by_markov::{impulse_response, okid};
 use crate::comparison::Comparison;
@@ -17,11 +18,11 @@ use crate::evidence_options::Stabilisation;
 use crate::hankel_settings::HankelSettings;
 use crate::input_output::{Record, record};
 use crate::judgement::Equation;
-use crate::options::Settings;
+use crate::settings::Settings;
 use crate::state_space_records::{Task, put};
 use crate::{by_arx, by_output_error};
 
-/// The order where it is left to the method, which does not choose one.
+/// The order where it is left to a method that does not choose one.
 const AUTOMATIC_ORDER: usize = 4;
 
 /// Block rows of past and future, at least.
@@ -107,16 +108,18 @@ pub fn run(
         put_diagram((method, weighting), settings.max_order, (&record, &data), beyond, wanted, out)?;
     }
     let mut written = 0;
-    let mut failure = None;
+    let mut failures = Vec::new();
+    let mut orders: Vec<usize> = Vec::with_capacity(settings.orders.len());
     for order in &settings.orders {
         let order = match order.0 {
             Order::Given(n) => n,
-            Order::Automatic => {
-                out.notes()
-                    .info(format!("{method}: order auto is not a choice of this method; {AUTOMATIC_ORDER} is used"));
-                AUTOMATIC_ORDER
-            }
+            Order::Automatic => chosen_order(method, settings.max_order, &data, beyond, out),
         };
+        if !orders.contains(&order) {
+            orders.push(order);
+        }
+    }
+    for order in orders {
         let hankel = settings.hankel.as_ref();
         let found = identify(method, order, &data, beyond, hankel).and_then(|found| simulated(found, &data));
         match found {
@@ -149,12 +152,17 @@ pub fn run(
                 written += 1;
             }
             Err(error) => {
-                out.notes().warning(format!("{method}-{order}: {error}"));
-                failure.get_or_insert(error);
+                failures.push((order, error));
             }
         }
     }
-    match failure.filter(|_| written == 0) {
+    let mut failures = failures.into_iter();
+    // Where there is no model the first failure is the answer, told by who asked.
+    let answer = if written == 0 { failures.next() } else { None };
+    for (order, error) in failures {
+        out.notes().warning(format!("{method}-{order}: {error}"));
+    }
+    match answer.map(|(_, error)| error) {
         // Nothing is passed on, but what was found is written: it is a result.
         Some(error @ (IdentifyError::Diverged { .. } | IdentifyError::Misses { .. })) => {
             Ok(Outcome::NoAcceptableResult(error.to_string()))
@@ -181,6 +189,53 @@ fn thinning(beyond: &BeyondEra, block_rows: usize, data: &IoData) -> usize {
     }
 }
 
+/// Factorises the record, thinned as for its models, with a horizon for all orders up to `max_order`; `work` takes the
+/// factorisation and what was factorised.
+fn with_all_orders<T>(
+    weighting: Weighting,
+    max_order: usize,
+    data: &IoData,
+    beyond: &BeyondEra,
+    work: impl FnOnce(&Subspace<'_>, &IoData) -> T,
+) -> Result<T, IdentifyError> {
+    let shortest = max_order + 2;
+    let every = thinning(beyond, beyond.block_rows.unwrap_or(shortest), data);
+    let thin = if every > 1 { thinned(data, every)? } else { data.clone() };
+    let block_rows =
+        beyond.block_rows.or_else(|| horizons(&thin, shortest).block_rows.last().copied()).unwrap_or(shortest);
+    let subspace = Subspace::new(&thin, SubspaceOptions { weighting, block_rows, direct: true })?;
+    Ok(work(&subspace, &thin))
+}
+
+/// The number of states where it is left to the method, with a note.
+fn chosen_order(method: &str, max_order: usize, data: &IoData, beyond: &BeyondEra, out: &mut Output) -> usize {
+    let Some(weighting) = weighting(method) else {
+        let instead = if method == "arx" { "; --arx-scan compares structures" } else { "" };
+        out.notes()
+            .info(format!("{method}: order auto is not a choice of this method; {AUTOMATIC_ORDER} is used{instead}"));
+        return AUTOMATIC_ORDER;
+    };
+    let (m, q) = (data.inputs().len(), data.outputs().len());
+    // A short record has no room for the horizon of high orders.
+    let highest = (1..=max_order).rev().find(|n| Subspace::needed(n + 2, m, q) <= data.samples()).unwrap_or(1);
+    let found = with_all_orders(weighting, highest, data, beyond, |subspace, thin| {
+        automatic_order(subspace, thin.samples() < data.samples(), data, highest)
+    });
+    match found {
+        Ok(Some(order)) => {
+            out.notes().info(format!(
+                "{method}: order {order} of 1 to {highest} has the smallest BIC of the simulation, with the effective number of samples"
+            ));
+            order
+        }
+        Ok(None) | Err(_) => {
+            let reason = found.err().map_or("no order has a model".to_owned(), |error| error.to_string());
+            out.notes().warning(format!("{method}: no order can be chosen ({reason}); {AUTOMATIC_ORDER} is used"));
+            AUTOMATIC_ORDER
+        }
+    }
+}
+
 /// The stabilisation diagram of a subspace method, from as many samples as its models.
 fn put_diagram(
     (method, weighting): (&str, Weighting),
@@ -190,14 +245,8 @@ fn put_diagram(
     wanted: &Stabilisation,
     out: &mut Output,
 ) -> anyhow::Result<()> {
-    let shortest = max_order + 2;
-    let every = thinning(beyond, beyond.block_rows.unwrap_or(shortest), data);
-    let thin = if every > 1 { thinned(data, every) } else { Ok(data.clone()) };
-    let models = thin.and_then(|thin| {
-        let block_rows =
-            beyond.block_rows.or_else(|| horizons(&thin, shortest).block_rows.last().copied()).unwrap_or(shortest);
-        let subspace = Subspace::new(&thin, SubspaceOptions { weighting, block_rows, direct: true })?;
-        Ok((subspace_order_scan(&subspace, max_order), thin.sample_time_s()))
+    let models = with_all_orders(weighting, max_order, data, beyond, |subspace, thin| {
+        (subspace_order_scan(subspace, max_order), thin.sample_time_s())
     });
     match models {
         Ok((models, dt_s)) => {

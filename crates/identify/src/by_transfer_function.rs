@@ -16,17 +16,15 @@ use crate::array_records::put_array;
 use crate::beyond_era::BeyondEra;
 use crate::comparison::Comparison;
 use crate::evidence::{
-    evidence, foretold, identification, modes, notes_on_modes, percent, put_transfer_functions, validate_all,
+    INTEGRATOR, evidence, foretold, identification, modes, notes_on_modes, percent, put_transfer_functions,
+    validate_all,
 };
 use crate::input_output::{Cut, Record, record};
 use crate::judgement::{Band, Judged, put_spreads, spread};
-use crate::options::Settings;
 use crate::paper;
 use crate::search_evidence::{Searched, known};
+use crate::settings::Settings;
 use crate::to_records::state_space;
-
-/// Poles within this of zero, times the length of the record, are integrators.
-const INTEGRATOR: f64 = 0.5;
 
 /// What transfer functions are for and from.
 pub struct Task<'a> {
@@ -115,11 +113,6 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> No
     let duration = answer.sampled.len() as f64 * answer.sampled.dt_s();
     let slow = poles.iter().filter(|s| s.norm() * duration < INTEGRATOR).count();
     let of_motion = drive.quantity == QuantityKind::Acceleration && answer.quantity == QuantityKind::Displacement;
-    if of_motion && slow >= 2 {
-        notes.warning(format!(
-            "{id}: two poles lie at zero: the model integrates the acceleration twice, which is true of any body and says nothing about this car"
-        ));
-    }
     for (zero, deviation) in
         fit.zeros.iter().zip(&fit.zero_deviations).filter(|(zero, _)| zero.re > 0.0 && zero.im >= 0.0)
     {

@@ -35,14 +35,16 @@ impl FilterEdge {
     }
 }
 
-/// Notes on a realisation, one per mode (conjugates once): growth, artefacts of sampling, and frequencies that may
+/// Notes on the realisation `id`, one per mode (conjugates once): growth, artefacts of sampling, and frequencies that may
 /// belong to the filter with these `edges` rather than to the car; and on a weakly founded order.
-pub fn caveats(model: &Realization, edges: &[FilterEdge]) -> Notes {
+pub fn caveats(id: &str, model: &Realization, edges: &[FilterEdge]) -> Notes {
     let mut notes = Notes::new();
     let order = model.order();
     if let Some(gap) = model.chosen {
-        let text =
-            format!("order {order} lies before the largest gap of the singular values, a factor {:.3}", gap.ratio);
+        let text = format!(
+            "{id}: order {order} lies before the largest gap of the singular values, a factor {:.3}",
+            gap.ratio
+        );
         if gap.ratio < WEAK_GAP {
             notes.warning(format!("{text}: too small to single out an order"));
         } else {
@@ -50,15 +52,14 @@ pub fn caveats(model: &Realization, edges: &[FilterEdge]) -> Notes {
         }
     }
     if let Err(reason) = &model.continuous {
-        notes.warning(format!("order {order} has no continuous model: {reason}"));
+        notes.warning(format!("{id}: no continuous model: {reason}"));
     }
-    let name = format!("order {order}");
     let dt_s = model.discrete.sample_time_s;
     let duration_s = dt_s.unwrap_or(0.0) * (model.rows + model.columns) as f64;
     for identified in model.modes.iter().filter(|m| m.discrete_pole.im >= 0.0) {
         match identified.mode {
-            Some(mode) => mode_caveats(&name, &mode, (dt_s, duration_s), edges, &mut notes),
-            None => notes.warning(format!("{name}: a pole at z = 0 is a pure delay and has no frequency")),
+            Some(mode) => mode_caveats(id, &mode, (dt_s, duration_s), edges, &mut notes),
+            None => notes.warning(format!("{id}: a pole at z = 0 is a pure delay and has no frequency")),
         }
     }
     notes

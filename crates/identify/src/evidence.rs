@@ -4,11 +4,14 @@ use crumple_identify::{
     InformationCriteria, ResidualTests, effective_samples, fit_measures, mode_notes, residual_tests,
 };
 use crumple_lti::{Complex, Mode};
-use crumple_signal::Notes;
+use crumple_signal::{Notes, QuantityKind};
 use crumple_stage::Output;
 use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeV1, ModesV1, TransferFunctionV1};
 
 use crate::input_output::{Cut, Record, filter_edges};
+
+/// Poles within this of zero, times the length of the record, are integrators.
+pub const INTEGRATOR: f64 = 0.5;
 
 /// Lags of the whiteness test.
 const LAGS: usize = 20;
@@ -101,11 +104,25 @@ pub fn validate_all(record: &Record, foretold: &[Vec<f64>], supports: &mut [Evid
 }
 
 /// Notes on single modes of a model between waveforms: growth, sampling, and the edge of the filter they went through.
+///
+/// From an acceleration to a displacement two poles at zero are no modes: noise parts them by the root of what it does to a
+/// single one, and one of them then seems to grow. A note says what they are instead.
 pub fn notes_on_modes(id: &str, poles: &[Complex], cuts: &[&Cut]) -> Notes {
-    let modes: Vec<Mode> = poles.iter().copied().map(Mode::continuous).collect();
     let dt_s = cuts.first().map(|cut| cut.sampled.dt_s());
     let duration_s = cuts.first().map_or(0.0, |cut| cut.sampled.dt_s() * cut.sampled.len() as f64);
-    mode_notes(id, &modes, (dt_s, duration_s), filter_edges(cuts.iter().copied()))
+    let quantities: Vec<QuantityKind> = cuts.iter().map(|cut| cut.quantity).collect();
+    let of_motion = quantities == [QuantityKind::Displacement, QuantityKind::Acceleration];
+    let (slow, others): (Vec<Complex>, Vec<Complex>) = poles.iter().partition(|s| s.norm() * duration_s < INTEGRATOR);
+    let twice = of_motion && slow.len() >= 2;
+    let modes = if twice { &others } else { poles };
+    let modes: Vec<Mode> = modes.iter().copied().map(Mode::continuous).collect();
+    let mut notes = mode_notes(id, &modes, (dt_s, duration_s), filter_edges(cuts.iter().copied()));
+    if twice {
+        notes.warning(format!(
+            "{id}: two poles lie at zero: the model integrates the acceleration twice, which is true of any body and says nothing about this car"
+        ));
+    }
+    notes
 }
 
 /// `; 98.30 % of the samples after it`, where samples were kept; of several outputs the smallest.

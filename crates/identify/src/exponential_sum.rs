@@ -4,15 +4,14 @@ use crumple_lti::Complex;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::chain_in_seconds::unscaled;
 use crate::covariance::{propagated, unknowns_covariance};
-use crate::pole_problem::{PoleProblem, scaled_poles};
-use crate::random::uniform;
+use crate::exponential_starts::starting_exponents;
+use crate::exponential_terms::{ExponentialTerm, Part, parts, terms, values};
+use crate::pole_problem::PoleProblem;
 use crate::residual::effective_samples;
-use crate::section_chain::{SectionChain, sections_of};
+use crate::section_chain::sections_of;
 use crate::separable::{Separable, SeparableFit, minimize};
 use crate::termination::{Stop, Termination};
-use crate::transfer_starts::{exponential_poles, random_poles};
 use crate::{FitMeasures, Hold, IdentifyError, InformationCriteria, fit_measures};
 
 /// Starting points that are refined to the end, of all that were tried.
@@ -20,16 +19,6 @@ const REFINED: usize = 8;
 
 /// Iterations after which starting points are compared: the loss at the start says little about where it leads.
 const TRIAL_ITERATIONS: usize = 4;
-
-/// Slowest and fastest decay of a start for a slow curve, in units of one over the record.
-const SLOWEST: f64 = 0.1;
-const FASTEST_OF_SLOW: f64 = 50.0;
-
-/// Decays on the grid of those starts.
-const DECAYS: usize = 8;
-
-/// Ratio of neighbouring decays of one start on the grid.
-const SPREADS: [f64; 2] = [1.0, 1.4];
 
 /// Settings of [`exponential_sum`].
 #[derive(Debug, Clone, PartialEq)]
@@ -64,15 +53,6 @@ impl ExponentialOptions {
             stop: Stop::default(),
         }
     }
-}
-
-/// `amplitude exp(exponent t)`, t from the first sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ExponentialTerm {
-    /// Amplitude, unit of the record.
-    pub amplitude: Complex,
-    /// Exponent, 1/s and rad/s.
-    pub exponent: Complex,
 }
 
 /// A fitted sum.
@@ -110,8 +90,9 @@ pub struct ExponentialSumFit {
 ///
 /// Starts from the matrix pencil (ERA of the thinned record), from exponents that coincide or nearly do on a grid of
 /// decays of a tenth to fifty over the record, and from seeded random ones over that range and over all frequencies;
-/// variable projection with exact sensitivities takes all a few iterations on and the best eight to the end. The exponentials are taken as states of a cascade, so that coinciding
-/// exponents are ordinary points (`t exp(s t)` among the states), and conditions at the start hold exactly.
+/// variable projection with exact sensitivities takes all a few iterations on and the best eight to the end. The
+/// exponentials are taken as states of a cascade, so that coinciding exponents are ordinary points (`t exp(s t)` among the
+/// states), and conditions at the start hold exactly.
 ///
 /// Real exponentials of similar rates are nearly dependent: four of them follow a crash curve to a fraction of a
 /// percent with terms that noise of a micrometre changes altogether. Believe [`ExponentialSumFit::condition`].
@@ -126,69 +107,13 @@ pub fn exponential_sum(
     let samples = record.len();
     let scale = check(record, dt_s, options)?;
     let duration = samples as f64 * dt_s;
-    let layout =
-        if options.real { vec![1; n] } else { (0..n / 2).map(|_| 2).chain((n % 2 == 1).then_some(1)).collect() };
-    let problem = PoleProblem {
-        inputs: Vec::new(),
-        hold: Hold::First,
-        output: vec![record.iter().map(|y| y / scale).collect()],
-        layout,
-        numerator: 0,
-        direct: false,
-        free: true,
-        start: options
-            .start
-            .iter()
-            .enumerate()
-            .map(|(d, x)| x / scale * duration.powi(i32::try_from(d).unwrap_or(0)))
-            .collect(),
-        stable: options.stable,
-    };
+    let problem = free_motion(record.iter().map(|y| y / scale).collect(), scale, duration, options);
     let dt = problem.dt();
-    let mut candidates: Vec<Vec<Complex>> = if options.given.is_empty() {
-        exponential_poles(&problem.output[0], dt, n).into_iter().collect()
-    } else {
-        options.given.iter().map(|poles| scaled_poles(poles, duration)).collect()
-    };
-    candidates.extend((0..options.random_starts).map(|k| random_poles(k, n, 0.2 * std::f64::consts::PI / dt)));
-    if options.given.is_empty() {
-        candidates.extend(slow_starts(n, options));
-    }
-    if options.real {
-        for poles in &mut candidates {
-            for s in poles.iter_mut() {
-                // The imaginary part spreads a pair.
-                *s = Complex::new(s.re - s.im.abs() * if s.im > 0.0 { 0.5 } else { 0.25 }, 0.0);
-            }
-        }
-    }
+    let candidates = starting_exponents(&problem.output[0], dt, duration, options);
     let starts = candidates.len();
-    let trial = Stop { max_iterations: TRIAL_ITERATIONS.min(options.stop.max_iterations), ..options.stop };
-    let mut trials: Vec<SeparableFit> = candidates
-        .par_iter()
-        .filter_map(|poles| {
-            let theta = problem.unknowns(&sections_of(poles, options.real))?;
-            let bounds = problem.bounds();
-            let theta: Vec<f64> = theta.iter().zip(bounds).map(|(x, (low, high))| x.clamp(low, high)).collect();
-            minimize(&problem, &theta, trial)
-        })
-        .collect();
-    let tried = trials.iter().map(|fit| fit.evaluations).sum::<usize>();
-    // Stable sort: equal losses keep the order of the starts.
-    trials.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    trials.truncate(REFINED);
-    let mut fits: Vec<SeparableFit> = trials
-        .par_iter()
-        .filter_map(|begun| {
-            let rest = options.stop.max_iterations - begun.iterations.min(options.stop.max_iterations);
-            let fit = minimize(&problem, &begun.theta, Stop { max_iterations: rest, ..options.stop })?;
-            Some(SeparableFit { iterations: begun.iterations + fit.iterations, ..fit })
-        })
-        .collect();
-    fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let (fits, evaluations) = refined(&problem, &candidates, options);
     let unit = scale * scale / samples as f64;
     let losses: Vec<f64> = fits.iter().map(|fit| fit.cost * unit).collect();
-    let evaluations = tried + fits.iter().map(|fit| fit.evaluations).sum::<usize>();
     let Some(best) = fits.into_iter().next() else {
         return Err(IdentifyError::NoStart { method: "exponentials", starts });
     };
@@ -245,69 +170,60 @@ impl ExponentialSumFit {
     }
 }
 
-/// One number of a term.
-#[derive(Debug, Clone, Copy)]
-enum Part {
-    ReAmplitude,
-    ImAmplitude,
-    RePerS,
-    ImRadPerS,
-}
-
-impl Part {
-    fn name(self) -> &'static str {
-        match self {
-            Self::ReAmplitude => "re_amplitude",
-            Self::ImAmplitude => "im_amplitude",
-            Self::RePerS => "re_per_s",
-            Self::ImRadPerS => "im_rad_per_s",
-        }
-    }
-
-    fn of(self, term: &ExponentialTerm) -> f64 {
-        match self {
-            Self::ReAmplitude => term.amplitude.re,
-            Self::ImAmplitude => term.amplitude.im,
-            Self::RePerS => term.exponent.re,
-            Self::ImRadPerS => term.exponent.im,
-        }
+/// The search for exponents of a free motion: `scaled` is the record divided by `scale`, time in units of `duration_s`.
+fn free_motion(scaled: Vec<f64>, scale: f64, duration_s: f64, options: &ExponentialOptions) -> PoleProblem {
+    let n = options.terms;
+    let layout =
+        if options.real { vec![1; n] } else { (0..n / 2).map(|_| 2).chain((n % 2 == 1).then_some(1)).collect() };
+    PoleProblem {
+        inputs: Vec::new(),
+        hold: Hold::First,
+        output: vec![scaled],
+        layout,
+        numerator: 0,
+        direct: false,
+        free: true,
+        start: options
+            .start
+            .iter()
+            .enumerate()
+            .map(|(d, x)| x / scale * duration_s.powi(i32::try_from(d).unwrap_or(0)))
+            .collect(),
+        stable: options.stable,
     }
 }
 
-/// The numbers that terms of their kind have, conjugates once.
-fn parts(terms: &[ExponentialTerm]) -> Vec<(usize, Part)> {
-    let of = |exponent: Complex| match exponent.im {
-        0.0 => &[Part::ReAmplitude, Part::RePerS][..],
-        im if im > 0.0 => &[Part::ReAmplitude, Part::ImAmplitude, Part::RePerS, Part::ImRadPerS][..],
-        _ => &[],
-    };
-    terms.iter().enumerate().flat_map(|(i, term)| of(term.exponent).iter().map(move |part| (i, *part))).collect()
-}
-
-fn values(parts: &[(usize, Part)], terms: &[ExponentialTerm]) -> Vec<f64> {
-    parts.iter().map(|(term, part)| part.of(&terms[*term])).collect()
-}
-
-/// Exponents for curves that are slow against the sampling, in scaled time: around one decay each, and, where random
-/// starts are asked for, as many that are spread evenly in the logarithm.
-fn slow_starts(terms: usize, options: &ExponentialOptions) -> Vec<Vec<Complex>> {
-    let decay = |share: f64| SLOWEST * (FASTEST_OF_SLOW / SLOWEST).powf(share);
-    let middle = (terms as f64 - 1.0) / 2.0;
-    let mut starts: Vec<Vec<Complex>> = SPREADS
-        .iter()
-        .flat_map(|spread| (0..DECAYS).map(move |d| (spread, decay((d as f64 + 0.5) / DECAYS as f64))))
-        .map(|(spread, r)| (0..terms).map(|i| Complex::new(-r * spread.powf(i as f64 - middle), 0.0)).collect())
+/// All starts taken a few iterations on, the best of them to the end: fits, best first, and the evaluations of all.
+fn refined(
+    problem: &PoleProblem,
+    candidates: &[Vec<Complex>],
+    options: &ExponentialOptions,
+) -> (Vec<SeparableFit>, usize) {
+    let trial = Stop { max_iterations: TRIAL_ITERATIONS.min(options.stop.max_iterations), ..options.stop };
+    let mut trials: Vec<SeparableFit> = candidates
+        .par_iter()
+        .filter_map(|poles| {
+            let theta = problem.unknowns(&sections_of(poles, options.real))?;
+            let bounds = problem.bounds();
+            let theta: Vec<f64> = theta.iter().zip(bounds).map(|(x, (low, high))| x.clamp(low, high)).collect();
+            minimize(problem, &theta, trial)
+        })
         .collect();
-    starts.extend((0..options.random_starts).map(|k| {
-        // Streams of their own.
-        let stream = 1000 + k;
-        if options.real {
-            (0..terms).map(|i| Complex::new(-decay(uniform(stream, i)), 0.0)).collect()
-        } else {
-            random_poles(stream, terms, FASTEST_OF_SLOW)
-        }
-    }));
-    starts
+    let tried = trials.iter().map(|fit| fit.evaluations).sum::<usize>();
+    // Stable sort: equal losses keep the order of the starts.
+    trials.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    trials.truncate(REFINED);
+    let mut fits: Vec<SeparableFit> = trials
+        .par_iter()
+        .filter_map(|begun| {
+            let rest = options.stop.max_iterations - begun.iterations.min(options.stop.max_iterations);
+            let fit = minimize(problem, &begun.theta, Stop { max_iterations: rest, ..options.stop })?;
+            Some(SeparableFit { iterations: begun.iterations + fit.iterations, ..fit })
+        })
+        .collect();
+    fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let evaluations = tried + fits.iter().map(|fit| fit.evaluations).sum::<usize>();
+    (fits, evaluations)
 }
 
 /// The record's root mean square. Errors: what cannot be fitted.
@@ -334,36 +250,12 @@ fn check(record: &[f64], dt_s: f64, options: &ExponentialOptions) -> Result<f64,
     Ok(data.output_scales()[0])
 }
 
-/// Residues of the free motion at its poles.
-fn terms(chain: &SectionChain, free: &[f64], duration: f64, scale: f64) -> Vec<ExponentialTerm> {
-    let numerators = chain.state_numerators();
-    let poles = chain.poles();
-    let seconds = unscaled(chain, duration).poles();
-    poles
-        .iter()
-        .enumerate()
-        .map(|(i, s)| {
-            let numerator: Complex = numerators
-                .iter()
-                .zip(free)
-                .map(|(p, c)| p.iter().fold(Complex::new(0.0, 0.0), |sum, p| sum * s + p) * *c)
-                .sum();
-            let slope: Complex = poles
-                .iter()
-                .enumerate()
-                .filter(|(j, _)| *j != i)
-                .map(|(_, other)| s - other)
-                .fold(Complex::new(1.0, 0.0), |product, difference| product * difference);
-            ExponentialTerm { amplitude: numerator / slope * scale, exponent: seconds[i] }
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
+    use crate::random::uniform;
 
     fn sum(terms: &[(f64, f64)], dt: f64, samples: usize) -> Vec<f64> {
         (0..samples).map(|k| terms.iter().map(|(c, s)| c * (s * k as f64 * dt).exp()).sum()).collect()

@@ -6,7 +6,7 @@ use crumple_stage::records::ChannelFilterV1;
 use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
 
 use crate::beyond_era::BeyondEra;
-use crate::options::Settings;
+use crate::settings::Settings;
 use crate::{Window, window};
 
 /// What a user may do about waveforms that do not fit.

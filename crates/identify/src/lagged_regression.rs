@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 
 use crate::IdentifyError;
 use crate::shifted_products::shifted_products;
-use crate::subspace::triangular_factor;
+use crate::stretches::triangular_factor;
 
 /// A pivot of the Cholesky factor (column norms 1) below which sums of products are not trusted: columns within 1e-4 of
 /// dependent, condition number about 1e5.

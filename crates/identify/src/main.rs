@@ -3,6 +3,7 @@
 mod acceptable;
 mod array_records;
 mod arx_structure;
+mod automatic_order;
 mod beyond_era;
 mod by_arx;
 mod by_era;
@@ -19,9 +20,11 @@ mod hankel_settings;
 mod input_output;
 mod judgement;
 mod options;
+mod order_option;
 mod paper;
 mod records_together;
 mod search_evidence;
+mod settings;
 mod state_space_records;
 mod to_records;
 mod window_start;
@@ -34,7 +37,8 @@ use crumple_stage::records::{EventsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
 use comparison::Comparison;
-use options::{Options, Settings};
+use options::Options;
+use settings::Settings;
 use window_start::window_start;
 
 struct Identify;

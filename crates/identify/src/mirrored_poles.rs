@@ -1,9 +1,9 @@
-//! A sampled model whose growing poles are mirrored.
+//! Sampled models whose growing poles are mirrored at the unit circle.
 
-use crumple_lti::StateSpace;
+use crumple_lti::{Complex, StateSpace, eigenvalues, eigenvectors};
+use nalgebra::DMatrix;
 
-use crate::input_matrices::input_matrices;
-use crate::subspace::stabilized;
+use crate::input_matrices::{grows, input_matrices};
 use crate::{IdentifyError, IoData};
 
 /// The model with its poles outside the unit circle mirrored (`z -> 1/conj z`) and `B`, `D` and the initial state fitted
@@ -19,6 +19,48 @@ pub fn mirrored_poles(model: &StateSpace, data: &IoData) -> Result<Option<(State
     }
     let (model, _) = input_matrices(&a, &c, data, true)?;
     Ok(Some((model, mirrored)))
+}
+
+/// Mirrors poles outside the unit circle (`z -> 1/conj z`) when the model would grow over `samples`, in modal
+/// coordinates. Errors: an eigenvector basis that does not span the space.
+pub(crate) fn stabilized(
+    a: DMatrix<f64>,
+    c: DMatrix<f64>,
+    samples: usize,
+) -> Result<(DMatrix<f64>, DMatrix<f64>, usize), IdentifyError> {
+    if !grows(&a, samples) {
+        return Ok((a, c, 0));
+    }
+    let poles = eigenvalues(&a)?;
+    let outside = poles.iter().filter(|z| z.norm() > 1.0).count();
+    let failed = || IdentifyError::NotConverged("the modal form of an unstable subspace model");
+    let vectors = eigenvectors(&a, &poles).ok_or_else(failed)?;
+    let c_modal = c.map(|x| Complex::new(x, 0.0)) * &vectors;
+    if c_modal.iter().any(|x| !(x.re.is_finite() && x.im.is_finite())) {
+        return Err(failed());
+    }
+    let n = a.nrows();
+    let (mut a_real, mut c_real) = (DMatrix::zeros(n, n), DMatrix::zeros(c.nrows(), n));
+    let mut k = 0;
+    while k < n {
+        let z = if poles[k].norm() > 1.0 { poles[k] / poles[k].norm_sqr() } else { poles[k] };
+        // Coordinates Re and Im of the modal state: x = 2 (Re v, -Im v).
+        for i in 0..c.nrows() {
+            c_real[(i, k)] = c_modal[(i, k)].re;
+            if z.im != 0.0 && k + 1 < n {
+                c_real[(i, k + 1)] = -c_modal[(i, k)].im;
+            }
+        }
+        a_real[(k, k)] = z.re;
+        if z.im != 0.0 && k + 1 < n {
+            a_real[(k, k + 1)] = -z.im;
+            a_real[(k + 1, k)] = z.im;
+            a_real[(k + 1, k + 1)] = z.re;
+            k += 1;
+        }
+        k += 1;
+    }
+    Ok((a_real, c_real, outside))
 }
 
 #[cfg(test)]

@@ -1,22 +1,11 @@
-//! The stage's options, as flags and as keys of the pipeline file, and the settings they become.
+//! The stage's options, as flags and as keys of the pipeline file.
 
-use std::fmt;
-use std::str::FromStr;
-
-use crumple_identify::Order;
 use crumple_signal::value::{Acceleration, Speed, Time};
 use crumple_stage::{Usage, nearest};
 use serde::{Deserialize, Serialize};
 
 use crate::arx_structure::{ArxRanges, ArxStructure};
-use crate::beyond_era::BeyondEra;
-use crate::evidence_options::{self, BootstrapSettings, Stabilisation};
-use crate::hankel_settings::HankelSettings;
-use crate::paper;
-
-/// Methods by name.
-const METHODS: [&str; 11] =
-    ["era", "era-dc", "okid", "fir", "tfest", "exponentials", "n4sid", "moesp", "cva", "arx", "output-error"];
+use crate::order_option::OrderOption;
 
 /// Flags of `crumple-identify`, keys of `[identify]`.
 #[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
@@ -27,8 +16,8 @@ pub struct Options {
     /// okid (observer, then era), fir (impulse response, then era), n4sid, moesp, cva, arx, output-error. Default: era.
     #[arg(long, value_delimiter = ',')]
     pub methods: Vec<String>,
-    /// Numbers of states to try, separated by commas, and "auto" for the largest gap between singular values. Two
-    /// states are one damped oscillation. Default: 4.
+    /// Numbers of states to try, separated by commas, and "auto": by the largest gap between singular values (era, era-dc),
+    /// by the BIC of the simulation (n4sid, moesp, cva). Two states are one damped oscillation. Default: 4.
     #[arg(long, value_delimiter = ',')]
     pub orders: Vec<OrderOption>,
     /// Highest order that "auto" considers. Default: 20.
@@ -155,8 +144,8 @@ pub struct Options {
     /// with the smallest BIC of its one-step prediction. Default: no scan; without ranges 1-4,1-4,0-6.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "1-4,1-4,0-6")]
     pub arx_scan: Option<ArxRanges>,
-    /// Block rows of the subspace methods, their horizon. Default: twice the lags that a regression on the past needs by
-    /// AICc (40 at most), twice the order and 10 at least.
+    /// Block rows of the subspace methods, their horizon. Default: of twice the order (10 at least) and once and twice the
+    /// lags that a regression on the past needs by BIC (40 at most), the one whose model simulates the record best.
     #[arg(long)]
     pub block_rows: Option<u32>,
     /// The subspace methods find poles from every n-th sample behind a low-pass filter; 1: from all. Default: as many as the
@@ -198,47 +187,6 @@ pub struct Options {
     pub to: Option<Time>,
 }
 
-/// Options with every default filled in.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Settings {
-    /// Methods, each known.
-    pub methods: Vec<String>,
-    /// Orders in the order asked for, each once.
-    pub orders: Vec<OrderOption>,
-    /// Highest order that `auto` considers.
-    pub max_order: usize,
-    /// Rows of the Hankel matrix, if given.
-    pub rows: Option<usize>,
-    /// Columns, if given.
-    pub columns: Option<usize>,
-    /// Number of samples, if given.
-    pub samples: Option<usize>,
-    /// Channel, if not the pulse.
-    pub channel: Option<String>,
-    /// What the methods other than `era` need; absent where `era` is alone.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub beyond_era: Option<BeyondEra>,
-    /// What methods through Markov parameters need beyond plain ERA; absent for the latter.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub hankel: Option<HankelSettings>,
-    /// Start of the window, s.
-    pub from_s: f64,
-    /// End of the window, s, if not the end of the record.
-    pub to_s: Option<f64>,
-    /// Stabilisation diagram, if asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stabilisation: Option<Stabilisation>,
-    /// Bootstrap, if asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub bootstrap: Option<BootstrapSettings>,
-    /// First time of the samples kept for validation, s, if any are.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub validate_from_s: Option<f64>,
-    /// Paper whose procedure is followed, if any.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub paper: Option<String>,
-}
-
 /// A number, or a list of numbers.
 fn one_or_several<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<u32>, D::Error> {
     #[derive(Deserialize)]
@@ -260,151 +208,4 @@ pub fn unknown(what: &str, found: &str, choices: &[&str]) -> Usage {
         None => format!("there are: {}", choices.join(", ")),
     };
     Usage::new(format!("unknown {what} {found:?}")).hint(hint)
-}
-
-impl Settings {
-    /// Whether arx has structures of its own instead of orders.
-    pub fn has_arx_structures(&self) -> bool {
-        self.beyond_era.as_ref().is_some_and(|beyond| !beyond.arx_orders.is_empty() || beyond.arx_scan.is_some())
-    }
-
-    /// Fills in the defaults. Errors: an unknown method, an order of zero, an empty window.
-    pub fn resolve(mut options: Options) -> Result<Self, Usage> {
-        paper::follow(&mut options)?;
-        for method in &options.methods {
-            if !METHODS.contains(&method.as_str()) {
-                return Err(unknown("identification method", method, &METHODS));
-            }
-        }
-        let mut orders: Vec<OrderOption> = Vec::new();
-        for &order in &options.orders {
-            if !orders.contains(&order) {
-                orders.push(order);
-            }
-        }
-        let from_s = options.from.map_or(0.0, Time::si);
-        let to_s = options.to.map(Time::si);
-        if let Some(to_s) = to_s.filter(|to| *to <= from_s) {
-            return Err(Usage::new(format!("the window from {from_s} s to {to_s} s is empty"))
-                .hint("give --to a later time than --from"));
-        }
-        let validate_from_s = evidence_options::validate_from(&options, from_s, to_s)?;
-        let bootstrap = evidence_options::bootstrap(&options)?;
-        let stabilisation = evidence_options::stabilisation(&options)?;
-        let sizes = [
-            ("max_order", options.max_order),
-            ("rows", options.rows),
-            ("columns", options.columns),
-            ("samples", options.samples),
-        ];
-        if let Some((name, _)) = sizes.iter().find(|(_, size)| *size == Some(0)) {
-            return Err(Usage::new(format!("{name} is 0, a positive number is needed")));
-        }
-        let size = |n: Option<u32>| n.map(|n| n as usize);
-        let beyond_era = if options.methods.iter().any(|m| m != "era" && m != "era-dc") {
-            Some(BeyondEra::resolve(&options)?)
-        } else {
-            None
-        };
-        let hankel = HankelSettings::resolve(&options)?;
-        Ok(Self {
-            beyond_era,
-            hankel,
-            methods: if options.methods.is_empty() { vec!["era".to_owned()] } else { options.methods },
-            orders: if orders.is_empty() { vec![OrderOption(Order::Given(4))] } else { orders },
-            max_order: size(options.max_order).unwrap_or(20),
-            rows: size(options.rows),
-            columns: size(options.columns),
-            samples: size(options.samples),
-            channel: options.channel,
-            from_s,
-            to_s,
-            stabilisation,
-            bootstrap,
-            validate_from_s,
-            paper: options.paper,
-        })
-    }
-}
-
-/// A number of states, or `auto`. In a pipeline file `4`, `"4"` or `"auto"`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct OrderOption(pub Order);
-
-impl FromStr for OrderOption {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.trim() {
-            "auto" => Ok(Self(Order::Automatic)),
-            number => match number.parse::<u16>() {
-                Ok(n) if n > 0 => Ok(Self(Order::Given(n.into()))),
-                _ => Err(format!("order {text:?} is neither a positive number of states nor \"auto\"")),
-            },
-        }
-    }
-}
-
-impl fmt::Display for OrderOption {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Order::Given(n) => write!(f, "{n}"),
-            Order::Automatic => f.write_str("auto"),
-        }
-    }
-}
-
-impl Serialize for OrderOption {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
-}
-
-impl<'de> Deserialize<'de> for OrderOption {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(untagged)]
-        enum Written {
-            Number(i64),
-            Text(String),
-        }
-        let text = match Written::deserialize(deserializer)? {
-            Written::Number(n) => n.to_string(),
-            Written::Text(text) => text,
-        };
-        text.parse().map_err(serde::de::Error::custom)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn defaults_are_era_of_order_four_from_time_zero() {
-        let settings = Settings::resolve(Options::default()).unwrap();
-        assert_eq!((settings.methods, settings.orders), (vec!["era".to_owned()], vec![OrderOption(Order::Given(4))]));
-        assert_eq!((settings.from_s, settings.to_s, settings.max_order), (0.0, None, 20));
-    }
-
-    #[test]
-    fn orders_are_read_as_numbers_and_words() {
-        let options: Options = serde_json::from_str(r#"{"orders": [2, "4", "auto", 2]}"#).unwrap();
-        let orders: Vec<String> =
-            Settings::resolve(options).unwrap().orders.iter().map(OrderOption::to_string).collect();
-        assert_eq!(orders, ["2", "4", "auto"]);
-        let error = serde_json::from_str::<Options>(r#"{"orders": [-2]}"#).unwrap_err().to_string();
-        assert!(error.contains("order \"-2\" is neither"), "{error}");
-    }
-
-    #[test]
-    fn unknown_method_and_empty_window_are_usage_errors() {
-        let method = Options { methods: vec!["ERAA".to_owned()], ..Options::default() };
-        let error = format!("{:?}", Settings::resolve(method).unwrap_err());
-        assert!(error.contains("did you mean \\\"era\\\""), "{error}");
-        let window = Options { from: Some(Time::from_si(0.1)), to: Some(Time::from_si(0.1)), ..Options::default() };
-        assert_eq!(Settings::resolve(window).unwrap_err().to_string(), "the window from 0.1 s to 0.1 s is empty");
-        let size = Options { rows: Some(0), ..Options::default() };
-        assert_eq!(Settings::resolve(size).unwrap_err().to_string(), "rows is 0, a positive number is needed");
-    }
 }

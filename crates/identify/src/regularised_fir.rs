@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::fir_kernel::{Kernel, KernelShape};
 use crate::least_squares::CONDITION_LIMIT;
-use crate::subspace::triangular_factor;
+use crate::stretches::triangular_factor;
 use crate::{IdentifyError, IoData};
 
 /// Decay of the variance over all taps, in powers of e, at the corners of the grid.

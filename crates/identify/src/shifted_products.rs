@@ -87,7 +87,7 @@ mod tests {
 
     use super::*;
     use crate::random::uniform;
-    use crate::subspace::triangular_factor;
+    use crate::stretches::triangular_factor;
 
     fn noisy(stream: usize, samples: usize) -> Vec<f64> {
         let mut y = vec![0.0; samples];

@@ -1,49 +1,19 @@
 //! Subspace identification: N4SID, MOESP and CVA.
 
-use crumple_lti::{
-    Complex, InputHold, StateSpace, eigenvalues, eigenvectors, jacobi_svd, matrix_exponential, to_continuous,
-};
+use crumple_lti::{InputHold, StateSpace, jacobi_svd, matrix_exponential, to_continuous};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::input_matrices::{grows, input_matrices};
-use crate::least_squares::TriangularFactor;
+use crate::input_matrices::input_matrices;
+use crate::mirrored_poles::stabilized;
+use crate::pseudo_inverse::{numerical_rank, pseudo_inverse_times};
 use crate::shifted_products::triangular_factor_by_products;
+use crate::stretches::triangular_factor;
+use crate::weighting::{Projection, Weighting};
 use crate::{IdentifyError, IoData};
-
-/// Singular values below this fraction of the largest are rounding.
-const RANK_TOLERANCE: f64 = 1e-12;
 
 /// Singular values of the inputs below this fraction of the largest excite nothing that a record in `f64` can show.
 const SILENT: f64 = 1e-10;
-
-/// Samples per independent part of a long record.
-const PART: usize = 5_120;
-
-/// How the projection of the future on the past is weighted before its singular values are taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Weighting {
-    /// The oblique projection as it is (Van Overschee & De Moor 1994).
-    N4sid,
-    /// Without the part that future inputs explain (Verhaegen 1994).
-    Moesp,
-    /// Canonical correlations: in units of what the past leaves unexplained (Larimore 1990).
-    Cva,
-}
-
-impl Weighting {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::N4sid, Self::Moesp, Self::Cva];
-
-    /// Name of the method: `n4sid`, `moesp`, `cva`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::N4sid => "n4sid",
-            Self::Moesp => "moesp",
-            Self::Cva => "cva",
-        }
-    }
-}
 
 /// Settings of [`Subspace::new`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -133,46 +103,10 @@ impl<'a> Subspace<'a> {
             }
         };
         let inputs = r.view((0, 0), (2 * m * i, 2 * m * i)).into_owned();
-        let (future, past) = (m * i, (m + q) * i);
-        let outputs = q * i;
-        let part = |row: usize, rows: usize, column: usize, columns: usize| {
-            r.view((row, column), (rows, columns)).into_owned()
-        };
-        // L = R': L32 is R23', and so on.
-        let r22 = part(future, past, future, past);
-        let r23 = part(future, past, future + past, outputs);
-        let r33 = part(future + past, outputs, future + past, outputs);
         let failed = || IdentifyError::NotConverged("the singular value decomposition of a subspace method");
-        // The transposed weighted projection (tall), and what takes its right vectors back to the observability matrix.
-        let (projection, back) = match options.weighting {
-            Weighting::Moesp => (r23, None),
-            Weighting::N4sid => {
-                // L32 L22^+ [L21 L22], transposed.
-                let r12 = part(0, future, future, past);
-                let coefficients = pseudo_inverse_times(&r22, &r23).ok_or_else(failed)?;
-                let mut projection = DMatrix::zeros(future + past, outputs);
-                projection.rows_mut(0, future).copy_from(&(r12 * &coefficients));
-                projection.rows_mut(future, past).copy_from(&(&r22 * &coefficients));
-                (projection, None)
-            }
-            Weighting::Cva => {
-                let mut both = DMatrix::zeros(past + outputs, outputs);
-                both.rows_mut(0, past).copy_from(&r23);
-                both.rows_mut(past, outputs).copy_from(&r33);
-                let svd = jacobi_svd(&both.qr().r()).ok_or_else(failed)?;
-                let rank = numerical_rank(&svd.values);
-                let basis = svd.right.columns(0, rank).into_owned();
-                let values = &svd.values[..rank];
-                let mut weighted = r23 * &basis;
-                let mut back = basis;
-                for (k, s) in values.iter().enumerate() {
-                    weighted.column_mut(k).unscale_mut(*s);
-                    back.column_mut(k).scale_mut(*s);
-                }
-                (weighted, Some(back))
-            }
-        };
-        let reduced = if projection.nrows() > projection.ncols() { projection.qr().r() } else { projection };
+        let Projection { transposed, back } =
+            options.weighting.projection(&r, m * i, (m + q) * i, q * i).ok_or_else(failed)?;
+        let reduced = if transposed.nrows() > transposed.ncols() { transposed.qr().r() } else { transposed };
         let square = if reduced.nrows() < reduced.ncols() {
             let n = reduced.ncols();
             reduced.resize_vertically(n, 0.0)
@@ -284,94 +218,6 @@ impl<'a> Subspace<'a> {
     pub fn realize_all(&self, orders: &[usize]) -> Vec<Result<SubspaceModel, IdentifyError>> {
         orders.par_iter().map(|order| self.realize(*order)).collect()
     }
-}
-
-/// Triangular factor of the matrix whose columns are stretches of signals: `(signal, offset)`, `rows` samples each.
-pub(crate) fn triangular_factor(stretches: &[(&[f64], usize)], rows: usize) -> TriangularFactor {
-    let width = stretches.len();
-    let block_rows = TriangularFactor::block_rows(width);
-    let starts: Vec<usize> = (0..rows).step_by(PART.max(4 * width)).collect();
-    let factors: Vec<TriangularFactor> = starts
-        .into_par_iter()
-        .map(|start| {
-            let end = (start + PART.max(4 * width)).min(rows);
-            let mut factor = TriangularFactor::new(width);
-            let mut block = vec![0.0; block_rows * width];
-            for k in (start..end).step_by(block_rows) {
-                let count = block_rows.min(end - k);
-                let block = &mut block[..count * width];
-                for (target, (signal, offset)) in block.chunks_exact_mut(count).zip(stretches) {
-                    target.copy_from_slice(&signal[offset + k..offset + k + count]);
-                }
-                factor.push(count, block);
-            }
-            factor
-        })
-        .collect();
-    let mut factors = factors.into_iter();
-    let mut whole = factors.next().unwrap_or_else(|| TriangularFactor::new(width));
-    for part in factors {
-        whole.merge(&part);
-    }
-    whole
-}
-
-fn numerical_rank(values: &[f64]) -> usize {
-    let tolerance = values.first().copied().unwrap_or(0.0) * RANK_TOLERANCE;
-    values.iter().take_while(|s| **s > tolerance).count()
-}
-
-/// `pinv(a) b`, singular values below [`RANK_TOLERANCE`] taken for zero; `a` has at least as many rows as columns.
-fn pseudo_inverse_times(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let svd = jacobi_svd(a)?;
-    let rank = numerical_rank(&svd.values);
-    let mut parts = svd.left.columns(0, rank).tr_mul(b);
-    for (k, s) in svd.values[..rank].iter().enumerate() {
-        parts.row_mut(k).unscale_mut(*s);
-    }
-    Some(svd.right.columns(0, rank) * parts)
-}
-
-/// Mirrors poles outside the unit circle (`z -> 1/conj z`) when the model would grow over `samples`, in modal
-/// coordinates. Errors: an eigenvector basis that does not span the space.
-pub(crate) fn stabilized(
-    a: DMatrix<f64>,
-    c: DMatrix<f64>,
-    samples: usize,
-) -> Result<(DMatrix<f64>, DMatrix<f64>, usize), IdentifyError> {
-    if !grows(&a, samples) {
-        return Ok((a, c, 0));
-    }
-    let poles = eigenvalues(&a)?;
-    let outside = poles.iter().filter(|z| z.norm() > 1.0).count();
-    let failed = || IdentifyError::NotConverged("the modal form of an unstable subspace model");
-    let vectors = eigenvectors(&a, &poles).ok_or_else(failed)?;
-    let c_modal = c.map(|x| Complex::new(x, 0.0)) * &vectors;
-    if c_modal.iter().any(|x| !(x.re.is_finite() && x.im.is_finite())) {
-        return Err(failed());
-    }
-    let n = a.nrows();
-    let (mut a_real, mut c_real) = (DMatrix::zeros(n, n), DMatrix::zeros(c.nrows(), n));
-    let mut k = 0;
-    while k < n {
-        let z = if poles[k].norm() > 1.0 { poles[k] / poles[k].norm_sqr() } else { poles[k] };
-        // Coordinates Re and Im of the modal state: x = 2 (Re v, -Im v).
-        for i in 0..c.nrows() {
-            c_real[(i, k)] = c_modal[(i, k)].re;
-            if z.im != 0.0 && k + 1 < n {
-                c_real[(i, k + 1)] = -c_modal[(i, k)].im;
-            }
-        }
-        a_real[(k, k)] = z.re;
-        if z.im != 0.0 && k + 1 < n {
-            a_real[(k, k + 1)] = -z.im;
-            a_real[(k + 1, k)] = z.im;
-            a_real[(k + 1, k + 1)] = z.re;
-            k += 1;
-        }
-        k += 1;
-    }
-    Ok((a_real, c_real, outside))
 }
 
 #[cfg(test)]

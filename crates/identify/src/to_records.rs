@@ -63,6 +63,12 @@ impl Pass<'_> {
     fn samples(&self) -> usize {
         self.cuts[0].sampled.len()
     }
+
+    /// `<method>-<order>`; of the paper's procedure with the number of samples.
+    pub fn id(&self, order: usize) -> String {
+        let paper = if self.paper { format!("-n{}-paper", self.samples()) } else { String::new() };
+        format!("{}-{order}{paper}", self.method)
+    }
 }
 
 /// Writes the records of one model under its id, `<method>-<order>`, and a summary line.
@@ -74,8 +80,7 @@ pub fn put_model(
     out: &mut Output,
 ) -> anyhow::Result<()> {
     let (order, samples, single) = (model.order(), pass.samples(), pass.single());
-    let paper = if pass.paper { format!("-n{samples}-paper") } else { String::new() };
-    let id = format!("{}-{order}{paper}", pass.method);
+    let id = pass.id(order);
     let output = pass.describe();
     let mut notes = notes.to_texts();
     out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output, None))?;

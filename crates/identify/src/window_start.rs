@@ -4,7 +4,7 @@ use crumple_identify::end_of_contact;
 use crumple_stage::records::EventsV1;
 use crumple_stage::{Inputs, RefuseExt, Refused};
 
-use crate::options::Settings;
+use crate::settings::Settings;
 
 /// Start of the window, s after time zero, and in words how it was found where that is not simply `--from`.
 pub fn window_start(settings: &Settings, inputs: &Inputs) -> anyhow::Result<(f64, Option<String>)> {

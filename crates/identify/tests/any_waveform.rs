@@ -2,27 +2,22 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod program;
 
+use std::path::{Path, PathBuf};
+
+use crumple_artifact::Artifact;
 use crumple_artifact::records::{
-    EvidenceV1, IdentificationV1, ModesV1, NotesV1, ShapesV1, StabilizationV1, StateSpaceV1, TestV1,
+    EvidenceV1, IdentificationV1, ModesV1, NotesV1, ShapesV1, StabilizationV1, StateSpaceV1,
 };
-use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_identify::{EraOptions, Order, era};
-use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+use crumple_signal::{Channel, QuantityKind};
+use crumple_testkit::white_noise;
+
+use program::{Wave, identify, made, written};
 
 const DT_S: f64 = 1e-3;
 const POLES: [(f64, f64); 2] = [(-6.0, 50.0), (-9.0, 170.0)];
-
-/// Noise of standard deviation about one, the same in every run.
-fn noise(stream: usize, k: usize) -> f64 {
-    let mut x = ((stream * 1_000_003 + k) as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    x ^= x >> 32;
-    x = x.wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    x ^= x >> 32;
-    ((x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0) * 3.0_f64.sqrt()
-}
 
 /// Free motion of two modes on a sensor that sees them with the given sizes.
 fn decay(first: f64, second: f64, level: f64, stream: usize, samples: usize) -> Vec<f64> {
@@ -30,32 +25,19 @@ fn decay(first: f64, second: f64, level: f64, stream: usize, samples: usize) -> 
         let t = k as f64 * DT_S;
         first * (-6.0 * t).exp() * (50.0 * t).cos() + second * (-9.0 * t).exp() * (170.0 * t + 0.5).cos()
     };
-    (0..samples).map(|k| value(k) + level * noise(stream, k)).collect()
+    (0..samples).map(|k| value(k) + level * white_noise(stream, k)).collect()
 }
 
-fn artifact(folder: &Path, waves: &[(&str, QuantityKind, Vec<f64>)]) -> PathBuf {
+fn artifact(folder: &Path, waves: &[Wave]) -> PathBuf {
     let channels = waves.iter().map(|(id, quantity, _)| Channel::new(*id, *quantity)).collect();
-    let test = TestDescription { title: "made".to_owned(), channels, ..TestDescription::default() };
-    let mut builder = ArtifactBuilder::new();
-    builder.put("/test", &TestV1::from(&test)).unwrap();
-    for (id, quantity, samples) in waves {
-        builder.wave(id, *quantity, Sampled::new(0.0, DT_S, samples.clone()).unwrap()).unwrap();
-    }
-    let path = folder.join("1-ingest.mcap");
-    builder.write(&path, &Provenance::new("ingest", "0", "{}".to_owned(), Vec::new()), Compression::None).unwrap();
-    path
-}
-
-fn identify(input: &Path, flags: &[&str]) -> Output {
-    let output = input.with_file_name("4-identify.mcap");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_crumple-identify"));
-    command.arg(input).arg("-o").arg(output).arg("--force").args(flags).output().unwrap()
+    written(&made(channels, 0.0, DT_S, waves), folder, "ingest")
 }
 
 fn run(input: &Path, flags: &[&str]) -> Artifact {
-    let run = identify(input, flags);
-    assert_eq!(run.status.code(), Some(0), "{flags:?}: {}", String::from_utf8_lossy(&run.stderr));
-    Artifact::open(&input.with_file_name("4-identify.mcap")).unwrap()
+    let output = input.with_file_name("4-identify.mcap");
+    let run = identify(input, &output, &[&["--force"], flags].concat());
+    assert_eq!(run.code, Some(0), "{flags:?}: {}", run.said);
+    Artifact::open(&output).unwrap()
 }
 
 /// Largest relative distance of a true pole to the nearest of the model.
@@ -103,9 +85,9 @@ fn a_record_without_a_pulse_is_asked_for_inputs_and_outputs() {
     let input = artifact(folder.path(), &[silent("a"), silent("b")]);
     for (method, named) in [("era", "--outputs"), ("era-dc", "--outputs"), ("okid", "--inputs"), ("n4sid", "--inputs")]
     {
-        let refused = identify(&input, &["--methods", method]);
-        let told = String::from_utf8_lossy(&refused.stderr).into_owned();
-        assert_eq!(refused.status.code(), Some(3), "{told}");
+        let refused = identify(&input, &input.with_file_name("4-identify.mcap"), &["--methods", method]);
+        let told = refused.said;
+        assert_eq!(refused.code, Some(3), "{told}");
         assert!(told.contains(named) && told.contains("--outputs") && !told.contains("--channel"), "{told}");
     }
 }
@@ -167,13 +149,13 @@ fn several_channels_have_a_stabilisation_diagram() {
 /// One input, three outputs with noise: the response of the sensors' modes to a random force.
 fn driven() -> Vec<(&'static str, QuantityKind, Vec<f64>)> {
     let samples = 801;
-    let u: Vec<f64> = (0..samples).map(|k| noise(7, k / 2)).collect();
+    let u: Vec<f64> = (0..samples).map(|k| white_noise(7, k / 2)).collect();
     let mut waves = vec![("u", QuantityKind::Force, u.clone())];
     for (stream, (id, _, markov)) in sensors(0.0).into_iter().enumerate() {
         let convolved = |k: usize| (1..=k.min(500)).map(|lag| markov[lag] * u[k - lag]).sum::<f64>();
         let y: Vec<f64> = (0..samples).map(convolved).collect();
         let size = (y.iter().map(|y| y * y).sum::<f64>() / samples as f64).sqrt();
-        let noisy = y.iter().enumerate().map(|(k, y)| y + 0.02 * size * noise(20 + stream, k)).collect();
+        let noisy = y.iter().enumerate().map(|(k, y)| y + 0.02 * size * white_noise(20 + stream, k)).collect();
         waves.push((id, QuantityKind::Acceleration, noisy));
     }
     waves

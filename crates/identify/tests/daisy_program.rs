@@ -2,12 +2,15 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
+mod program;
 
-use crumple_artifact::records::{EvidenceV1, TestV1};
-use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
-use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+use std::path::{Path, PathBuf};
+
+use crumple_artifact::Artifact;
+use crumple_artifact::records::EvidenceV1;
+use crumple_signal::{Channel, QuantityKind};
+
+use program::{Wave, identify, made, written};
 
 /// The columns of a text file as waveforms of these names.
 fn artifact(folder: &Path, path: &str, names: &[&str], dt_s: f64) -> Option<PathBuf> {
@@ -18,32 +21,19 @@ fn artifact(folder: &Path, path: &str, names: &[&str], dt_s: f64) -> Option<Path
         .filter(|row| row.len() == names.len())
         .collect();
     let channels = names.iter().map(|name| Channel::new(*name, QuantityKind::Voltage)).collect();
-    let test = TestDescription { title: "daisy".to_owned(), channels, ..TestDescription::default() };
-    let mut builder = ArtifactBuilder::new();
-    builder.put("/test", &TestV1::from(&test)).unwrap();
-    for (j, name) in names.iter().enumerate() {
-        let samples = rows.iter().map(|row| row[j]).collect();
-        builder.wave(name, QuantityKind::Voltage, Sampled::new(0.0, dt_s, samples).unwrap()).unwrap();
-    }
-    let path = folder.join("1.mcap");
-    builder.write(&path, &Provenance::new("ingest", "0", "{}".to_owned(), Vec::new()), Compression::None).unwrap();
-    Some(path)
+    let column = |j: usize| rows.iter().map(|row| row[j]).collect();
+    let waves: Vec<Wave> =
+        names.iter().enumerate().map(|(j, name)| (*name, QuantityKind::Voltage, column(j))).collect();
+    Some(written(&made(channels, 0.0, dt_s, &waves), folder, "ingest"))
 }
 
 /// Runs the program and returns the fit of the second part, state fitted to it, of every evidence asked for.
 fn fits(input: &Path, flags: &str, evidence: &[&str]) -> Vec<f64> {
     let output = input.with_file_name("4.mcap");
-    let run = Command::new(env!("CARGO_BIN_EXE_crumple-identify"))
-        .arg(input)
-        .arg("-o")
-        .arg(&output)
-        .args(flags.split_whitespace())
-        .arg("--force")
-        .output()
-        .unwrap();
-    let text = String::from_utf8_lossy(&run.stderr);
-    assert!(run.status.success(), "{text}");
-    println!("{text}");
+    let flags: Vec<&str> = flags.split_whitespace().chain(["--force"]).collect();
+    let run = identify(input, &output, &flags);
+    assert_eq!(run.code, Some(0), "{}", run.said);
+    println!("{}", run.said);
     let result = Artifact::open(&output).unwrap();
     let fit = |id: &&str| {
         let record: EvidenceV1 = result.record(&format!("/evidence/{id}")).unwrap().unwrap();

@@ -2,56 +2,39 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
+mod program;
+
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
+use crumple_artifact::Artifact;
 use crumple_artifact::records::{
-    ChannelFilterV1, EvidenceV1, IdentificationV1, NotesV1, ResponseV1, StateSpaceV1, TestV1, TransferFunctionV1,
+    ChannelFilterV1, EvidenceV1, IdentificationV1, NotesV1, ResponseV1, StateSpaceV1, TransferFunctionV1,
 };
-use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
-use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+use crumple_signal::{Channel, QuantityKind};
+use crumple_testkit::uniform;
+
+use program::{Wave, identify, made, written};
 
 const DT_S: f64 = 0.01;
 
-fn artifact(folder: &Path, waves: &[(&str, QuantityKind, Vec<f64>)], filter: Option<&ChannelFilterV1>) -> PathBuf {
+fn artifact(folder: &Path, waves: &[Wave], filter: Option<&ChannelFilterV1>) -> PathBuf {
     let channels = waves.iter().map(|(id, quantity, _)| Channel::new(*id, *quantity)).collect();
-    let test = TestDescription { title: "made".to_owned(), channels, ..TestDescription::default() };
-    let mut builder = ArtifactBuilder::new();
-    builder.put("/test", &TestV1::from(&test)).unwrap();
+    let mut builder = made(channels, 0.0, DT_S, waves);
     if let Some(filter) = filter {
         builder.put(&format!("/filter/{}", waves[0].0), filter).unwrap();
     }
-    for (id, quantity, samples) in waves {
-        builder.wave(id, *quantity, Sampled::new(0.0, DT_S, samples.clone()).unwrap()).unwrap();
-    }
-    let path = folder.join("2-filter.mcap");
-    builder.write(&path, &Provenance::new("filter", "0", "{}".to_owned(), Vec::new()), Compression::None).unwrap();
-    path
-}
-
-fn identify(input: &Path, flags: &[&str]) -> Output {
-    let output = input.with_file_name("4.mcap");
-    let program = env!("CARGO_BIN_EXE_crumple-identify");
-    Command::new(program).arg(input).arg("--force").arg("-o").arg(output).args(flags).output().unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+    written(&builder, folder, "filter")
 }
 
 fn run(input: &Path, flags: &[&str]) -> Artifact {
-    let run = identify(input, flags);
-    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    let run = identify(input, &input.with_file_name("4.mcap"), &[&["--force"], flags].concat());
+    assert_eq!(run.code, Some(0), "{}", run.said);
     Artifact::open(&input.with_file_name("4.mcap")).unwrap()
 }
 
 fn random(k: usize) -> f64 {
-    let mut x = (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    x ^= x >> 32;
-    x = x.wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    x ^= x >> 32;
-    (x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    uniform(k as u64)
 }
 
 /// `y' = -5 y + 10 u(t - late)`, `u` in steps, both above a level.
@@ -127,9 +110,9 @@ fn oscillation() -> Vec<(&'static str, QuantityKind, Vec<f64>)> {
 fn a_waveform_that_is_not_there_is_answered_by_those_that_are() {
     let folder = tempfile::tempdir().unwrap();
     let input = artifact(folder.path(), &lagged(0, 0.0), None);
-    let run = identify(&input, &["--methods=arx", "--inputs=1", "--outputs=y"]);
-    let told = stderr(&run);
-    assert_eq!(run.status.code(), Some(3), "{told}");
+    let run = identify(&input, &input.with_file_name("4.mcap"), &["--methods=arx", "--inputs=1", "--outputs=y"]);
+    let told = run.said;
+    assert_eq!(run.code, Some(3), "{told}");
     assert!(told.contains("there is no waveform \"1\", the inputs hold: u, y") && told.contains("--inputs"), "{told}");
 }
 

@@ -6,25 +6,17 @@ use crumple_identify::{
     Era, EraDc, EraDcOptions, EraError, EraOptions, MarkovParameters, Order, ShiftForm, era, era_dc,
 };
 use crumple_lti::Complex;
+use crumple_testkit::white_noise;
 
 const DT_S: f64 = 1e-3;
 const TRUTH: [Complex; 2] = [Complex::new(-4.0, 60.0), Complex::new(-7.0, 150.0)];
-
-/// White noise by place, uniform with variance 1.
-fn noise(stream: usize, k: usize) -> f64 {
-    let mut x = ((stream * 1_000_003 + k) as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    x ^= x >> 32;
-    x = x.wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    x ^= x >> 32;
-    ((x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0) * 3.0_f64.sqrt()
-}
 
 fn record(samples: usize, level: f64, seed: usize) -> Vec<f64> {
     (0..samples)
         .map(|k| {
             let t = k as f64 * DT_S;
             let wave = |s: Complex, size: f64| size * (s.re * t).exp() * (s.im * t + 0.4).cos();
-            wave(TRUTH[0], 1.0) + wave(TRUTH[1], 0.6) + level * noise(seed, k)
+            wave(TRUTH[0], 1.0) + wave(TRUTH[1], 0.6) + level * white_noise(seed, k)
         })
         .collect()
 }

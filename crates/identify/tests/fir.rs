@@ -6,16 +6,8 @@ use crumple_identify::{
     EraOptions, Fir, FirOptions, IdentifyError, IoData, Kernel, Order, era, fir, markov_parameters,
 };
 use crumple_lti::{StateSpace, simulate};
+use crumple_testkit::white_noise;
 use nalgebra::dmatrix;
-
-/// White noise by place, uniform with variance 1.
-fn noise(stream: usize, k: usize) -> f64 {
-    let mut x = ((stream * 1_000_003 + k) as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    x ^= x >> 32;
-    x = x.wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    x ^= x >> 32;
-    ((x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0) * 3.0_f64.sqrt()
-}
 
 /// A damped oscillation of 20 samples a period.
 fn system() -> StateSpace {
@@ -33,12 +25,12 @@ fn system() -> StateSpace {
 fn data(samples: usize, level: f64, seed: usize, x0: f64) -> IoData {
     let mut u = vec![0.0; samples];
     for k in 1..samples {
-        u[k] = 0.8 * u[k - 1] + noise(100 + seed, k);
+        u[k] = 0.8 * u[k - 1] + white_noise(100 + seed, k);
     }
     let mut y = simulate(&system(), &[u.clone()], &[x0, 0.0]).unwrap().swap_remove(0);
     let size = (y.iter().map(|y| y * y).sum::<f64>() / samples as f64).sqrt();
     for (k, y) in y.iter_mut().enumerate() {
-        *y += level * size * noise(200 + seed, k);
+        *y += level * size * white_noise(200 + seed, k);
     }
     IoData::single(u, y, 1e-3).unwrap()
 }

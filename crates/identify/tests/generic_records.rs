@@ -2,16 +2,18 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod program;
 
-use crumple_artifact::records::{
-    EvidenceV1, IdentificationV1, ModesV1, NotesV1, StateSpaceV1, TestV1, TransferFunctionV1,
-};
-use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
+use std::path::{Path, PathBuf};
+
+use crumple_artifact::Artifact;
+use crumple_artifact::records::{EvidenceV1, IdentificationV1, ModesV1, NotesV1, StateSpaceV1, TransferFunctionV1};
 use crumple_lti::{Complex, StateSpace, discretize_first_order_hold, simulate};
-use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+use crumple_signal::{Channel, QuantityKind};
+use crumple_testkit::uniform;
 use nalgebra::DMatrix;
+
+use program::{Wave, identify, made, written};
 
 const DT_S: f64 = 0.02;
 
@@ -31,35 +33,15 @@ fn truth() -> StateSpace {
 /// Inputs `heater` and `fan`, outputs `inside` and `outside`: voltages and numbers without a unit.
 fn artifact(folder: &Path) -> PathBuf {
     let sampled = discretize_first_order_hold(&truth(), DT_S).unwrap().state_space().unwrap();
-    let random = |j: u32, k: u32| {
-        let mut x = u64::from(k / 3 + 1000 * j + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        x ^= x >> 32;
-        x = x.wrapping_mul(0xD6E8_FEB8_6659_FD93);
-        x ^= x >> 32;
-        (x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    };
+    let random = |j: u32, k: u32| uniform(u64::from(k / 3 + 1000 * j));
     let u: Vec<Vec<f64>> =
         (0..2).map(|j| (0..600).map(|k| if k == 0 { 0.0 } else { random(j, k) }).collect()).collect();
     let y = simulate(&sampled, &u, &[0.3, -0.2, 0.1, 0.4]).unwrap();
     let ids = ["heater", "fan", "inside", "outside"];
     let channels = ids.iter().map(|id| Channel::new(*id, QuantityKind::Voltage)).collect();
-    let test = TestDescription { title: "a room".to_owned(), channels, ..TestDescription::default() };
-    let mut builder = ArtifactBuilder::new();
-    builder.put("/test", &TestV1::from(&test)).unwrap();
-    for (id, samples) in ids.into_iter().zip(u.into_iter().chain(y)) {
-        builder.wave(id, QuantityKind::Voltage, Sampled::new(0.0, DT_S, samples).unwrap()).unwrap();
-    }
-    let path = folder.join("1-ingest.mcap");
-    builder.write(&path, &Provenance::new("ingest", "0", "{}".to_owned(), Vec::new()), Compression::None).unwrap();
-    path
-}
-
-fn identify(input: &Path, output: &Path, flags: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_crumple-identify")).arg(input).arg("-o").arg(output).args(flags).output().unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+    let samples = u.into_iter().chain(y);
+    let waves: Vec<Wave> = ids.into_iter().zip(samples).map(|(id, x)| (id, QuantityKind::Voltage, x)).collect();
+    written(&made(channels, 0.0, DT_S, &waves), folder, "ingest")
 }
 
 /// Distance of every true pole to the nearest found one, relative, the largest.
@@ -79,7 +61,7 @@ fn every_method_takes_several_inputs_and_outputs() {
     let methods = "--methods=tfest,n4sid,moesp,cva,arx";
     let flags = [methods, "--inputs=heater,fan", "--outputs=inside,outside", "--orders=4", "--zeros=3"];
     let run = identify(&input, &output, &flags);
-    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    assert_eq!(run.code, Some(0), "{}", run.said);
     let result = Artifact::open(&output).unwrap();
     for id in ["tfest-4-3", "n4sid-4", "moesp-4", "cva-4", "arx-4"] {
         let modes: ModesV1 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
@@ -113,7 +95,7 @@ fn every_path_foretells_the_samples_kept_for_validation() {
     let output = folder.path().join("4.mcap");
     let flags = ["--methods=tfest,moesp", "--inputs=heater,fan", "--outputs=inside,outside", "--zeros=3"];
     let run = identify(&input, &output, &[&flags[..], &["--validate-from=8s"]].concat());
-    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    assert_eq!(run.code, Some(0), "{}", run.said);
     let result = Artifact::open(&output).unwrap();
     for id in ["tfest-4-3", "moesp-4"] {
         for number in [1, 2] {
@@ -131,7 +113,7 @@ fn one_output_of_two_inputs_and_the_old_names_of_the_options() {
     let output = folder.path().join("4.mcap");
     let flags = ["--methods=output-error,arx,n4sid", "--inputs=heater,fan", "--output-channel=inside", "--orders=4"];
     let run = identify(&input, &output, &flags);
-    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    assert_eq!(run.code, Some(0), "{}", run.said);
     let result = Artifact::open(&output).unwrap();
     for id in ["output-error-4", "arx-4", "n4sid-4"] {
         let modes: ModesV1 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
@@ -140,41 +122,32 @@ fn one_output_of_two_inputs_and_the_old_names_of_the_options() {
     }
     let run =
         identify(&input, &output, &["--methods=arx", "--input-channel=fan", "--output-channel=inside", "--force"]);
-    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    assert_eq!(run.code, Some(0), "{}", run.said);
     let run = identify(&input, &output, &["--methods=arx", "--input-channel=fan", "--inputs=heater"]);
-    assert_eq!(run.status.code(), Some(2), "{}", stderr(&run));
+    assert_eq!(run.code, Some(2), "{}", run.said);
     // Without names there is no pulse to fall back on, and the error says what to name.
     let run = identify(&input, &output, &["--methods=arx"]);
-    assert_eq!(run.status.code(), Some(3), "{}", stderr(&run));
+    assert_eq!(run.code, Some(3), "{}", run.said);
     let run = identify(&input, &output, &["--methods=tfest", "--inputs=none", "--outputs=inside"]);
-    assert!(run.status.code() == Some(3) && stderr(&run).contains("one input at least"), "{}", stderr(&run));
+    assert!(run.code == Some(3) && run.said.contains("one input at least"), "{}", run.said);
 }
 
 #[test]
 fn negative_poles_of_an_order_too_high_are_told_of() {
     let folder = tempfile::tempdir().unwrap();
-    let test = TestDescription {
-        title: "alternating".to_owned(),
-        channels: ["u", "y"].map(|id| Channel::new(id, QuantityKind::Other)).to_vec(),
-        ..TestDescription::default()
-    };
     // y[k] = 0.4 y[k-1] + 0.3 y[k-2] + u[k-1] has a pole at -0.38.
     let u: Vec<f64> = (0..400_i32).map(|k| f64::from((k * k * 7 + k * 3) % 11) - 5.0).collect();
     let mut y = vec![0.0; 400];
     for k in 2..400 {
         y[k] = 0.4 * y[k - 1] + 0.3 * y[k - 2] + u[k - 1];
     }
-    let mut builder = ArtifactBuilder::new();
-    builder.put("/test", &TestV1::from(&test)).unwrap();
-    for (id, samples) in [("u", u), ("y", y)] {
-        builder.wave(id, QuantityKind::Other, Sampled::new(0.0, 1.0, samples).unwrap()).unwrap();
-    }
-    let input = folder.path().join("1.mcap");
-    builder.write(&input, &Provenance::new("ingest", "0", "{}".to_owned(), Vec::new()), Compression::None).unwrap();
+    let channels = ["u", "y"].map(|id| Channel::new(id, QuantityKind::Other)).to_vec();
+    let waves = [("u", QuantityKind::Other, u), ("y", QuantityKind::Other, y)];
+    let input = written(&made(channels, 0.0, 1.0, &waves), folder.path(), "ingest");
     let output = folder.path().join("4.mcap");
     let flags = ["--methods=arx", "--orders=2", "--inputs=u", "--outputs=y", "--hold=zero-order"];
     let run = identify(&input, &output, &flags);
-    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    assert_eq!(run.code, Some(0), "{}", run.said);
     let result = Artifact::open(&output).unwrap();
     let continuous: StateSpaceV1 = result.record("/model/arx-2/continuous").unwrap().unwrap();
     assert_eq!(continuous.a.len(), 3);

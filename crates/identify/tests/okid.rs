@@ -7,16 +7,8 @@ use crumple_identify::{
     markov_parameters,
 };
 use crumple_lti::{StateSpace, simulate};
+use crumple_testkit::white_noise;
 use nalgebra::{DMatrix, dmatrix};
-
-/// White noise by place, uniform with variance 1.
-fn noise(stream: usize, k: usize) -> f64 {
-    let mut x = ((stream * 1_000_003 + k) as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    x ^= x >> 32;
-    x = x.wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    x ^= x >> 32;
-    ((x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0) * 3.0_f64.sqrt()
-}
 
 /// Three states, two inputs, two outputs.
 fn system() -> StateSpace {
@@ -27,7 +19,7 @@ fn system() -> StateSpace {
 }
 
 fn white(channels: usize, samples: usize, size: f64) -> Vec<Vec<f64>> {
-    (0..channels).map(|j| (0..samples).map(|k| size * noise(j, k)).collect()).collect()
+    (0..channels).map(|j| (0..samples).map(|k| size * white_noise(j, k)).collect()).collect()
 }
 
 #[test]
@@ -65,7 +57,7 @@ fn the_kalman_gain_of_an_innovations_model_comes_back() {
     let k = dmatrix![0.3, 0.0; 0.1, 0.2; 0.0, -0.2];
     let samples = 20_000;
     let u = white(2, samples, 1.0);
-    let e = (2..4).map(|j| (0..samples).map(|t| 0.5 * noise(j, t)).collect::<Vec<f64>>());
+    let e = (2..4).map(|j| (0..samples).map(|t| 0.5 * white_noise(j, t)).collect::<Vec<f64>>());
     // Innovations are an input through K and the identity.
     let both: Vec<Vec<f64>> = u.iter().cloned().chain(e).collect();
     let b = DMatrix::from_fn(3, 4, |i, j| if j < 2 { truth.b[(i, j)] } else { k[(i, j - 2)] });
@@ -105,7 +97,7 @@ fn criteria_find_the_lags_of_an_autoregression() {
     let u = white(1, samples, 1.0);
     let mut y = vec![0.0; samples];
     for k in 3..samples {
-        y[k] = 1.5 * y[k - 1] - 0.9 * y[k - 2] + 0.2 * y[k - 3] + u[0][k - 1] + 0.3 * noise(9, k);
+        y[k] = 1.5 * y[k - 1] - 0.9 * y[k - 2] + 0.2 * y[k - 3] + u[0][k - 1] + 0.3 * white_noise(9, k);
     }
     let data = IoData::new(u, vec![y], 1.0).unwrap();
     let best = |criterion| {
@@ -127,7 +119,7 @@ fn equal_outputs_lower_the_rank_and_do_no_harm() {
     let mut y = simulate(&truth, &u, &[0.0; 3]).unwrap();
     for (i, output) in y.iter_mut().enumerate() {
         for (k, y) in output.iter_mut().enumerate() {
-            *y += 0.01 * noise(7 + i, k);
+            *y += 0.01 * white_noise(7 + i, k);
         }
     }
     y.push(y[0].clone());

@@ -6,6 +6,7 @@ use crumple_identify::{
     Era, EraOptions, MarkovParameters, Order, ShiftForm, markov_parameters, modal_assurance, phase_collinearity,
 };
 use crumple_lti::{Complex, StateSpace, discretize_zero_order_hold};
+use crumple_testkit::white_noise;
 use nalgebra::DMatrix;
 
 const DT_S: f64 = 1e-3;
@@ -28,15 +29,6 @@ fn chain(inputs: usize) -> StateSpace {
     let c = a.rows(3, 3).into_owned();
     let d = b.rows(3, 3).into_owned();
     discretize_zero_order_hold(&StateSpace::new(a, b, c, d, None).unwrap(), DT_S).unwrap()
-}
-
-/// White noise by place, uniform with variance 1.
-fn noise(stream: usize, k: usize) -> f64 {
-    let mut x = ((stream * 1_000_003 + k) as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    x ^= x >> 32;
-    x = x.wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    x ^= x >> 32;
-    ((x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0) * 3.0_f64.sqrt()
 }
 
 fn worst(found: &[Complex], truth: &[Complex]) -> f64 {
@@ -111,7 +103,7 @@ fn several_sensors_find_weak_modes_better_than_one() {
     let errors = |sensors: &[usize], seed: usize| {
         let records: Vec<Vec<f64>> = sensors
             .iter()
-            .map(|i| clean[*i].iter().enumerate().map(|(k, y)| y + 0.02 * size * noise(seed + i, k)).collect())
+            .map(|i| clean[*i].iter().enumerate().map(|(k, y)| y + 0.02 * size * white_noise(seed + i, k)).collect())
             .collect();
         let markov = MarkovParameters::new(records.iter().map(Vec::as_slice).collect(), 1).unwrap();
         let model = Era::of(markov, EraOptions::new(DT_S), &[order]).unwrap().realize(order).unwrap();
@@ -137,7 +129,7 @@ fn total_least_squares_is_less_biased_towards_damping() {
                 let record: Vec<f64> = (0..401)
                     .map(|k| {
                         let t = f64::from(k) * DT_S;
-                        (rate * t).exp() * (frequency * t).cos() + 0.3 * noise(seed, k as usize)
+                        (rate * t).exp() * (frequency * t).cos() + 0.3 * white_noise(seed, k as usize)
                     })
                     .collect();
                 let options = EraOptions { shift, rows: Some(8), ..EraOptions::new(DT_S) };

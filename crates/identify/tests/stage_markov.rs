@@ -2,40 +2,28 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod program;
 
+use std::path::{Path, PathBuf};
+
+use crumple_artifact::Artifact;
 use crumple_artifact::records::{
-    DiagnosisV1, EventsV1, EvidenceV1, IdentificationV1, ModesV1, NotesV1, ShapesV1, StateSpaceV1, TestV1,
+    DiagnosisV1, EventsV1, EvidenceV1, IdentificationV1, ModesV1, NotesV1, ShapesV1, StateSpaceV1,
 };
-use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
-use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+use crumple_signal::{Channel, QuantityKind};
+
+use program::{Wave, identify, made, written};
 
 const DT_S: f64 = 1e-3;
 
 /// Accelerations, sampled together from `t0_s` on, as an artifact; the first is the pulse.
-fn artifact(folder: &Path, dt_s: f64, waves: &[(&str, QuantityKind, Vec<f64>)], events: Option<EventsV1>) -> PathBuf {
+fn artifact(folder: &Path, dt_s: f64, waves: &[Wave], events: Option<EventsV1>) -> PathBuf {
     let channels = waves.iter().map(|(id, quantity, _)| Channel::new(*id, *quantity)).collect();
-    let test = TestDescription { title: "made".to_owned(), channels, ..TestDescription::default() };
-    let mut builder = ArtifactBuilder::new();
-    builder.put("/test", &TestV1::from(&test)).unwrap();
+    let mut builder = made(channels, 0.0, dt_s, waves);
     if let Some(events) = events {
         builder.put("/events", &events).unwrap();
     }
-    for (id, quantity, samples) in waves {
-        builder.wave(id, *quantity, Sampled::new(0.0, dt_s, samples.clone()).unwrap()).unwrap();
-    }
-    let path = folder.join("3-integrate.mcap");
-    builder.write(&path, &Provenance::new("integrate", "0", "{}".to_owned(), Vec::new()), Compression::None).unwrap();
-    path
-}
-
-fn identify(input: &Path, output: &Path, flags: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_crumple-identify")).arg(input).arg("-o").arg(output).args(flags).output().unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+    written(&builder, folder, "integrate")
 }
 
 fn run(input: &Path, flags: &[&str]) -> Artifact {
@@ -43,7 +31,7 @@ fn run(input: &Path, flags: &[&str]) -> Artifact {
     let mut all = vec!["--force"];
     all.extend(flags);
     let run = identify(input, &output, &all);
-    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    assert_eq!(run.code, Some(0), "{}", run.said);
     Artifact::open(&output).unwrap()
 }
 
@@ -195,7 +183,7 @@ fn a_free_decay_is_identified_after_the_contact() {
     let other = tempfile::tempdir().unwrap();
     let without = artifact(other.path(), DT_S, &driven(), None);
     let refused = identify(&without, &folder.path().join("x.mcap"), &["--free-decay=separation"]);
-    assert_eq!(refused.status.code(), Some(3), "{}", stderr(&refused));
+    assert_eq!(refused.code, Some(3), "{}", refused.said);
 }
 
 #[test]
@@ -244,7 +232,7 @@ fn a_diverging_observer_is_a_diagnosis() {
     let output = folder.path().join("4.mcap");
     let flags = ["--methods=okid", "--lags=2", "--input-channel=93", "--output-channel=95", "--orders=1"];
     let run = identify(&input, &output, &flags);
-    assert_eq!(run.status.code(), Some(4), "{}", stderr(&run));
+    assert_eq!(run.code, Some(4), "{}", run.said);
     let result = Artifact::open(&output).unwrap();
     let diagnosis: DiagnosisV1 = result.record("/diagnosis").unwrap().unwrap();
     assert!(format!("{diagnosis:?}").contains("okid_diverged"), "{diagnosis:?}");

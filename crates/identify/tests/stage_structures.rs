@@ -2,46 +2,28 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod program;
 
-use crumple_artifact::records::{
-    ArxScanV1, EvidenceV1, ExponentialSumV1, IdentificationV1, ModesV1, StateSpaceV1, TestV1,
-};
-use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
+use std::path::{Path, PathBuf};
+
+use crumple_artifact::Artifact;
+use crumple_artifact::records::{ArxScanV1, EvidenceV1, ExponentialSumV1, IdentificationV1, ModesV1, StateSpaceV1};
 use crumple_lti::{Complex, StateSpace, simulate};
-use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+use crumple_signal::{Channel, QuantityKind};
+use crumple_testkit::uniform;
+
+use program::{Wave, identify, made, written};
 
 const DT_S: f64 = 1e-3;
 
 /// Uniform from -1 to 1 by place.
 fn noise(stream: u64, k: u64) -> f64 {
-    let mut x = (stream * 1_000_003 + k + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    x ^= x >> 32;
-    x = x.wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    x ^= x >> 32;
-    (x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    uniform(stream * 1_000_003 + k)
 }
 
-fn artifact(folder: &Path, waves: &[(&str, QuantityKind, Vec<f64>)]) -> PathBuf {
+fn artifact(folder: &Path, waves: &[Wave]) -> PathBuf {
     let channels = waves.iter().filter(|(id, ..)| !id.contains('/')).map(|(id, kind, _)| Channel::new(*id, *kind));
-    let test = TestDescription { title: "made".to_owned(), channels: channels.collect(), ..TestDescription::default() };
-    let mut builder = ArtifactBuilder::new();
-    builder.put("/test", &TestV1::from(&test)).unwrap();
-    for (id, quantity, samples) in waves {
-        builder.wave(id, *quantity, Sampled::new(0.0, DT_S, samples.clone()).unwrap()).unwrap();
-    }
-    let path = folder.join("in.mcap");
-    builder.write(&path, &Provenance::new("ingest", "0", "{}".to_owned(), Vec::new()), Compression::None).unwrap();
-    path
-}
-
-fn identify(input: &Path, output: &Path, flags: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_crumple-identify")).arg(input).arg("-o").arg(output).args(flags).output().unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+    written(&made(channels.collect(), 0.0, DT_S, waves), folder, "ingest")
 }
 
 /// `y[k] = 1.6 y[k-1] - 0.8 y[k-2] + 0.5 u[k-2] + 0.3 u[k-3] + e`.
@@ -60,7 +42,7 @@ fn a_structure_of_arx_is_fitted_as_asked_and_a_scan_finds_it() {
     let (input, output) = (delayed(folder.path()), folder.path().join("4.mcap"));
     let common = ["--methods=arx", "--inputs=u", "--outputs=y"];
     let run = identify(&input, &output, &[&common[..], &["--arx-orders=2,2,2;3,3,1"]].concat());
-    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    assert_eq!(run.code, Some(0), "{}", run.said);
     let result = Artifact::open(&output).unwrap();
     let evidence: EvidenceV1 = result.record("/evidence/arx-2-2-2").unwrap().unwrap();
     // Four coefficients, and three states of the longest memory for the simulation.
@@ -69,7 +51,7 @@ fn a_structure_of_arx_is_fitted_as_asked_and_a_scan_finds_it() {
     assert!(evidence.aic.is_some() && evidence.minimum_description_length.unwrap() > 0.0);
     assert!(evidence.vaf_percent.unwrap() > 95.0, "{evidence:?}");
     let run = identify(&input, &output, &[&common[..], &["--arx-scan=1-3,1-3,0-4", "--force"]].concat());
-    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    assert_eq!(run.code, Some(0), "{}", run.said);
     let result = Artifact::open(&output).unwrap();
     let scan: ArxScanV1 = result.record("/scan/y").unwrap().unwrap();
     assert_eq!((scan.models.len(), scan.best_by_bic.as_deref()), (45, Some("arx-2-2-2")));
@@ -80,9 +62,9 @@ fn a_structure_of_arx_is_fitted_as_asked_and_a_scan_finds_it() {
     assert!(whole.notes.iter().any(|note| note.contains("smallest BIC")), "{:?}", whole.notes);
     // A scan of two outputs, and numbers that are no structure.
     let run = identify(&input, &output, &["--methods=arx", "--inputs=u", "--outputs=y,u", "--arx-scan", "--force"]);
-    assert_eq!(run.status.code(), Some(3), "{}", stderr(&run));
+    assert_eq!(run.code, Some(3), "{}", run.said);
     let run = identify(&input, &output, &[&common[..], &["--arx-orders=2,2"]].concat());
-    assert_eq!(run.status.code(), Some(2), "{}", stderr(&run));
+    assert_eq!(run.code, Some(2), "{}", run.said);
 }
 
 #[test]
@@ -102,7 +84,7 @@ fn output_error_of_two_inputs_and_outputs_has_common_poles_with_deviations() {
     let (input, output) = (artifact(folder.path(), &waves), folder.path().join("4.mcap"));
     let run =
         identify(&input, &output, &["--methods=output-error,n4sid", "--orders=2", "--inputs=u,v", "--outputs=y,z"]);
-    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    assert_eq!(run.code, Some(0), "{}", run.said);
     let result = Artifact::open(&output).unwrap();
     let model: StateSpaceV1 = result.record("/model/output-error-2/discrete").unwrap().unwrap();
     assert_eq!(model.a.len(), 4);
@@ -140,8 +122,8 @@ fn fir_does_not_pass_a_model_that_explodes() {
         for orders in ["--orders=4", "--orders=8", "--orders=12"] {
             let run =
                 identify(&input, &output, &["--methods=fir", "--inputs=a", "--outputs=x", taps, orders, "--force"]);
-            let code = run.status.code().unwrap();
-            assert!([0, 3, 4].contains(&code), "{taps} {orders}: {}", stderr(&run));
+            let code = run.code.unwrap();
+            assert!([0, 3, 4].contains(&code), "{taps} {orders}: {}", run.said);
             if code == 0 {
                 let result = Artifact::open(&output).unwrap();
                 let topic = orders.replace("--orders=", "/identification/fir-");
@@ -183,7 +165,7 @@ fn the_papers_curve_fit_is_labelled_and_the_way_of_the_stage_stands_beside_it() 
     let folder = tempfile::tempdir().unwrap();
     let (input, output) = (contact(folder.path()), folder.path().join("4.mcap"));
     let run = identify(&input, &output, &["--paper=curve-fit", "--channel=93"]);
-    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    assert_eq!(run.code, Some(0), "{}", run.said);
     let result = Artifact::open(&output).unwrap();
     let printed: ExponentialSumV1 = result.record("/model/exponentials-4-paper").unwrap().unwrap();
     assert!(printed.terms.len() == 4 && printed.terms.iter().all(|term| term.im_rad_per_s == 0.0), "{printed:?}");
@@ -197,7 +179,7 @@ fn the_papers_curve_fit_is_labelled_and_the_way_of_the_stage_stands_beside_it() 
     for (flags, code) in [(vec!["--terms=3"], 2), (vec!["--conditions=position"], 2), (vec!["--terms=4", "--real"], 0)]
     {
         let run = identify(&input, &output, &[&["--paper=curve-fit", "--channel=93", "--force"], &flags[..]].concat());
-        assert_eq!(run.status.code(), Some(code), "{flags:?} {}", stderr(&run));
+        assert_eq!(run.code, Some(code), "{flags:?} {}", run.said);
     }
 }
 
@@ -209,7 +191,7 @@ fn conditions_at_the_start_take_values_and_terms_have_deviations() {
     let held = "--conditions=position,velocity,acceleration";
     let flags = [&common[..], &[held, "--start-velocity=36km/h", "--start-acceleration=-2m/s^2"]].concat();
     let run = identify(&input, &output, &flags);
-    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    assert_eq!(run.code, Some(0), "{}", run.said);
     let result = Artifact::open(&output).unwrap();
     let sum: ExponentialSumV1 = result.record("/model/exponentials-3").unwrap().unwrap();
     let derivative = |d: u32| {
@@ -221,7 +203,7 @@ fn conditions_at_the_start_take_values_and_terms_have_deviations() {
     // Exact by construction, but for the cancellation among the terms.
     assert!((derivative(1) - 10.0).abs() < 1e-9 && (derivative(2) + 2.0).abs() < 1e-7, "{}", derivative(2));
     let run = identify(&input, &output, &[&common[..], &["--force"]].concat());
-    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    assert_eq!(run.code, Some(0), "{}", run.said);
     let result = Artifact::open(&output).unwrap();
     let evidence: EvidenceV1 = result.record("/evidence/exponentials-3").unwrap().unwrap();
     let at = evidence.parameter_names.iter().position(|name| name.starts_with("im_rad_per_s")).unwrap();
@@ -233,6 +215,6 @@ fn conditions_at_the_start_take_values_and_terms_have_deviations() {
     // Values without their conditions, and a bare number.
     for flags in [vec!["--start-velocity=10m/s"], vec!["--conditions=position,velocity", "--start-velocity=10"]] {
         let run = identify(&input, &output, &[&common[..], &flags[..], &["--force"]].concat());
-        assert_eq!(run.status.code(), Some(2), "{flags:?} {}", stderr(&run));
+        assert_eq!(run.code, Some(2), "{flags:?} {}", run.said);
     }
 }

@@ -7,11 +7,13 @@ pub mod program;
 pub mod reference_signals;
 pub mod stopwatch;
 mod table_5;
+mod white_noise;
 
 use std::path::PathBuf;
 
 pub use known_truth::{KnownTruth, known_truths, known_truths_in, other_records, write_known_truth};
 pub use table_5::table_5;
+pub use white_noise::{uniform, white_noise};
 
 /// A file or folder of the shared reference material, if it is here.
 ///

@@ -1,0 +1,79 @@
+//! The program: orders that the record chooses, and reasons that are told once.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod program;
+
+use std::path::{Path, PathBuf};
+
+use crumple_artifact::Artifact;
+use crumple_artifact::records::{IdentificationV1, NotesV1};
+use crumple_lti::{StateSpace, simulate};
+use crumple_signal::{Channel, QuantityKind};
+use crumple_testkit::white_noise;
+
+use program::{identify, made, written};
+
+/// A system of three states in white noise, its output with noise of this share of it.
+fn three_states(folder: &Path, share: f64) -> PathBuf {
+    let a = nalgebra::dmatrix![0.9, 0.3, 0.0; -0.3, 0.9, 0.1; 0.0, 0.0, 0.5];
+    let b = nalgebra::dmatrix![1.0; 0.5; 0.8];
+    let truth = StateSpace::new(a, b, nalgebra::dmatrix![1.0, 0.0, 0.9], nalgebra::dmatrix![0.2], Some(0.01)).unwrap();
+    let u: Vec<f64> = (0..800).map(|k| white_noise(1, k)).collect();
+    let mut y = simulate(&truth, std::slice::from_ref(&u), &[0.0; 3]).unwrap().swap_remove(0);
+    let size = (y.iter().map(|y| y * y).sum::<f64>() / y.len() as f64).sqrt();
+    y.iter_mut().enumerate().for_each(|(k, y)| *y += share * size * white_noise(2, k));
+    let channels = ["u", "y"].map(|id| Channel::new(id, QuantityKind::Voltage)).to_vec();
+    let waves = [("u", QuantityKind::Voltage, u), ("y", QuantityKind::Voltage, y)];
+    written(&made(channels, 0.0, 0.01, &waves), folder, "ingest")
+}
+
+#[test]
+fn subspace_methods_choose_the_order_of_a_known_system() {
+    for share in [0.0, 0.02, 0.1] {
+        let folder = tempfile::tempdir().unwrap();
+        let input = three_states(folder.path(), share);
+        let output = folder.path().join("4.mcap");
+        let run =
+            identify(&input, &output, &["--methods=n4sid,moesp,cva", "--orders=auto,3", "--inputs=u", "--outputs=y"]);
+        assert_eq!(run.code, Some(0), "{}", run.said);
+        let result = Artifact::open(&output).unwrap();
+        for method in ["n4sid", "moesp", "cva"] {
+            let chosen: Option<IdentificationV1> = result.record(&format!("/identification/{method}-3")).unwrap();
+            assert!(chosen.is_some_and(|found| found.order == 3), "{share} {method}: {}", run.said);
+            // Asked for twice, by its number and by itself: written once.
+            let names = result.records().iter().filter(|r| r.topic.starts_with(&format!("/identification/{method}")));
+            assert_eq!(names.count(), 1, "{share}: {}", run.said);
+        }
+        let notes: NotesV1 = result.record("/notes").unwrap().unwrap();
+        let text = "cva: order 3 of 1 to 20 has the smallest BIC";
+        assert!(notes.notes.iter().any(|note| note.contains(text)), "{:?}", notes.notes);
+    }
+}
+
+#[test]
+fn a_short_record_chooses_among_the_orders_it_has_room_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = three_states(folder.path(), 0.02);
+    let output = folder.path().join("4.mcap");
+    let flags = ["--methods=n4sid", "--orders=auto", "--inputs=u", "--outputs=y", "--samples=80"];
+    let run = identify(&input, &output, &flags);
+    assert_eq!(run.code, Some(0), "{}", run.said);
+    let notes: NotesV1 = Artifact::open(&output).unwrap().record("/notes").unwrap().unwrap();
+    // 80 samples hold 13 block rows of past and future: 25 + 52 columns.
+    assert!(notes.notes.iter().any(|note| note.contains("of 1 to 11 has")), "{:?}", notes.notes);
+}
+
+#[test]
+fn why_a_method_gives_nothing_is_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let golden = crumple_testkit::workspace().join("fixtures/double/golden");
+    let displacement = golden.join("3-integrate.mcap");
+    let output = folder.path().join("4.mcap");
+    let flags = [displacement.to_str().unwrap(), "--methods=fir,tfest"];
+    let run = identify(&golden.join("2-filter.mcap"), &output, &flags);
+    assert_eq!(run.code, Some(0), "{}", run.said);
+    let notes: NotesV1 = Artifact::open(&output).unwrap().record("/notes").unwrap().unwrap();
+    let told = notes.notes.iter().filter(|note| note.contains("misses the record by far"));
+    assert_eq!(told.count(), 1, "{:?}", notes.notes);
+}
