@@ -4,6 +4,7 @@ use crumple_lumped::{DoubleSpringMassDamper, Model, ModelKind};
 use crumple_signal::{Notes, Sampled};
 
 use crate::family::{Family, Scale};
+use crate::free_model::FreeModel;
 use crate::least_squares::{Optimum, Response, uncertainty};
 use crate::sensor_fit::{Fitted, Search, fit_sensors};
 use crate::sensor_problem::{Observed, SensorProblem};
@@ -213,7 +214,7 @@ struct Report<'a> {
 }
 
 impl Report<'_> {
-    fn problem(&self) -> SensorProblem<'_> {
+    fn problem(&self) -> SensorProblem<'_, Family> {
         SensorProblem {
             family: self.family,
             impact_speed_m_per_s: self.task.evidence.impact_speed_m_per_s,
