@@ -4,11 +4,14 @@ use std::f64::consts::FRAC_PI_2;
 
 use crumple_lumped::{Chain, Instants, LumpedError, PiecewiseLinear, SecantChain, Sensitivity};
 
+use serde::Serialize;
+
 use crate::SolveError;
 use crate::free_model::{Axis, FreeModel};
 
 /// A number that is given or looked for.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Stated {
     /// Given.
     Fixed(f64),
@@ -24,7 +27,8 @@ pub enum Stated {
 }
 
 /// A mass of the chain.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum StatedMass {
     /// Given or looked for.
     Own(Stated),
@@ -33,7 +37,7 @@ pub enum StatedMass {
 }
 
 /// A mass with the spring and damper in front of it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StatedElement {
     /// The mass, kg.
     pub mass_kg: StatedMass,
@@ -103,6 +107,12 @@ impl FreeChain {
         };
         for (i, element) in stated.elements.iter().enumerate() {
             let number = i + 1;
+            for of in [&element.stiffness, &element.damping] {
+                if let Some((knot, _)) = of.first().filter(|(knot, _)| *knot != 0.0) {
+                    let expected = "zero, where a coefficient that is fitted begins";
+                    return Err(SolveError::Value { name: "first knot", value: *knot, expected });
+                }
+            }
             let mass = match element.mass_kg {
                 StatedMass::Own(mass) => {
                     chain.take(mass, Place::Mass(i), (total_kg, MASSES), || format!("m{number}_kg"))?

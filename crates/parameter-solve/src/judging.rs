@@ -81,7 +81,7 @@ impl Judging {
 }
 
 /// Error of a displacement whose filter is not known, m: what CFC 60 does to the jump at contact.
-const UNKNOWN_FILTER_M: f64 = 1e-5;
+pub const UNKNOWN_FILTER_M: f64 = 1e-5;
 /// A fit under side conditions gives way to the minimum where that meets them to this, of crush and its time: the filter
 /// itself moves the time of a crush that ends steeply by 0.1 ms and more.
 const CONDITIONS: f64 = 5e-3;

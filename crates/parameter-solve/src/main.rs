@@ -1,6 +1,8 @@
 //! `crumple-parameter-solve`: finds springs and dampers of lumped models from the events and motion of a test.
 
 mod adoption;
+mod chain_table;
+mod chains;
 mod exponents;
 mod judging;
 mod measured;

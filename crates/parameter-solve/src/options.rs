@@ -10,6 +10,7 @@ use crumple_signal::value::{Acceleration, Mass, Speed, Time};
 use crumple_stage::{Usage, nearest};
 use serde::{Deserialize, Serialize};
 
+use crate::chain_table::FittedChain;
 use crate::judging::Judging;
 
 /// Samples fitted at most, and starts of a fit: enough for four parameters, see the fit's documentation.
@@ -173,6 +174,10 @@ pub struct Options {
     /// Repetitions of the propagation of these uncertainties [default: 200]
     #[arg(long, value_name = "NUMBER")]
     pub repetitions: Option<usize>,
+
+    /// Chains of masses to be fitted, stated in the pipeline file: `[parameter-solve.chain.<name>]`.
+    #[arg(skip)]
+    pub chain: toml::Table,
 }
 
 /// Options with every default filled in.
@@ -207,6 +212,8 @@ pub struct StageSettings {
     pub places: Vec<(Place, String)>,
     #[serde(flatten)]
     pub judging: Judging,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub chain: Vec<FittedChain>,
     #[serde(skip)]
     pub solve: SolveSettings,
 }
@@ -347,6 +354,7 @@ impl TryFrom<Options> for StageSettings {
             stay_attached: !solve.release,
             paper,
             places,
+            chain: Vec::new(),
             judging,
             solve,
         })
