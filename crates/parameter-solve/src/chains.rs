@@ -10,8 +10,9 @@ use crumple_stage::{Inputs, Output, RefuseExt, Refused};
 use crate::chain_table::FittedChain;
 use crate::judging::UNKNOWN_FILTER_M;
 use crate::measured::measurement;
-use crate::options::StageSettings;
 use crate::stage::motion;
+use crate::stage_settings::StageSettings;
+use crate::verdict::Ends;
 
 /// A sensor on a mass of the chain.
 struct Sensor {
@@ -59,7 +60,7 @@ pub fn fit_chains(
                 solutions.len()
             ));
         }
-        if let Some(text) = solutions.first().and_then(|solution| open(solution)) {
+        if let Some(text) = solutions.first().and_then(open) {
             out.notes().warning(format!("chain {}: {text}", chain.name));
         }
         for (k, solution) in solutions.iter().enumerate() {
@@ -207,9 +208,8 @@ fn record(
 }
 
 fn uncertainty(known: &ChainKnowledge, sensors: &[Sensor]) -> UncertaintyV1 {
-    let side = |of: fn(&(Option<f64>, Option<f64>)) -> Option<f64>| {
-        known.interval.iter().map(|(name, ends)| (name.clone(), of(ends))).collect()
-    };
+    let side =
+        |of: fn(&Ends) -> Option<f64>| known.interval.iter().map(|(name, ends)| (name.clone(), of(ends))).collect();
     UncertaintyV1 {
         method: if sensors.iter().all(|sensor| sensor.known) {
             "linearised about the minimum seen through the record's filter, autocorrelated residuals".to_owned()

@@ -47,6 +47,7 @@ mod measurement;
 mod method;
 mod momentum;
 mod nonlinear_fit;
+mod nonlinear_problem;
 mod nonnegative;
 mod observed;
 mod profile;
@@ -97,7 +98,8 @@ pub use maxwell_fit::{fit_maxwell, undetermined_by_the_record};
 pub use maxwell_sum::maxwell_from_sum;
 pub use measurement::{IntegrationRule, Measurement, TwoPassFilter};
 pub use method::{METHODS, Method};
-pub use nonlinear_fit::{NonlinearFitOptions, conditions_at_crush, fit_nonlinear1, fit_nonlinear2};
+pub use nonlinear_fit::{NonlinearFitOptions, fit_nonlinear1, fit_nonlinear2};
+pub use nonlinear_problem::conditions_at_crush;
 pub use observed::{FreeParameter, Observed, RESOLUTION_M, SeenWave, free_masses, free_parameters};
 pub use profile::{Profile, RISE_95, profile};
 pub use propagation::{

@@ -5,12 +5,14 @@ mod chain_table;
 mod chains;
 mod exponents;
 mod judging;
+mod judging_settings;
 mod measured;
 mod models;
 mod options;
 mod pairs;
 mod sensor_waves;
 mod stage;
+mod stage_settings;
 mod verdict;
 
 use std::process::ExitCode;

@@ -16,7 +16,8 @@ use crate::chains::fit_chains;
 use crate::exponents::maxwell_candidates;
 use crate::judging::judge_all;
 use crate::models::{identified_models, matching_record};
-use crate::options::{Options, StageSettings};
+use crate::options::Options;
+use crate::stage_settings::StageSettings;
 use crate::verdict::{Judged, of_its_own};
 
 /// The stage.
