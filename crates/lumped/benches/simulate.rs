@@ -6,8 +6,9 @@
 
 use std::hint::black_box;
 
-use crumple_lumped::{DoubleSpringMassDamper, Drive, Model, Nonlinear2, compartment_displacements};
+use crumple_lumped::{DoubleSpringMassDamper, Drive, Model, compartment_displacements};
 use crumple_testkit::stopwatch::best_us;
+use crumple_testkit::table_5;
 
 /// Shortest of repeated runs, µs: what else runs on the machine only adds.
 fn time(name: &str, aim: &str, run: impl FnMut()) {
@@ -67,21 +68,7 @@ fn main() {
         c1_n_s_per_m: 4e3,
         c2_n_s_per_m: 6e3,
     };
-    let nonlinear = Nonlinear2 {
-        mass_kg: 873.0,
-        k1_n_per_m: 82357.0,
-        k2_n_per_m: 4.0,
-        k3_n_per_m: 197_519.0,
-        x1_m: 0.472,
-        c1_n_s_per_m: 86585.0,
-        c2_n_s_per_m: 80056.0,
-        c3_n_s_per_m: 18721.0,
-        c4_n_s_per_m: 81.0,
-        v1_m_per_s: 2.55,
-        v2_m_per_s: 7.23,
-        crush_m: 0.5063,
-        v0_m_per_s: 9.7222,
-    };
+    let nonlinear = table_5();
     let waves = vec![vec![1.0_f64; 2501]; 6];
     time("memory pass: six waves of 2,501 samples copied", "-", || {
         black_box(waves.clone());

@@ -53,6 +53,11 @@ impl Chain {
         &self.masses_kg
     }
 
+    /// Masses, springs and dampers.
+    pub(crate) fn values(&self) -> (&[f64], &[f64], &[f64]) {
+        (&self.masses_kg, &self.springs_n_per_m, &self.dampers_n_s_per_m)
+    }
+
     /// Characteristic polynomial, monic, highest power first.
     ///
     /// Built from the compartment forwards as a dynamic stiffness `N/D`: an element in series makes `q N/(N + q D)` of it,

@@ -56,6 +56,14 @@ pub enum LumpedError {
         /// Time of the first such sample.
         time_s: f64,
     },
+    /// A parameter of a chain of masses is missing, or there is one too many.
+    #[error("a chain of masses {problem} {name}")]
+    ChainParameter {
+        /// What is wrong with it.
+        problem: &'static str,
+        /// The parameter.
+        name: String,
+    },
     /// The motion of a chain of masses leaves the range of numbers.
     #[error("the motion of the chain of masses cannot be followed beyond t = {time_s} s: it diverges or is too stiff")]
     ChainDiverges {

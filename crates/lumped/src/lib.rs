@@ -19,6 +19,7 @@
 
 mod chain;
 mod chain_motion;
+mod chain_parameters;
 mod coefficient_matching;
 mod crossing;
 mod cubic;

@@ -66,6 +66,11 @@ impl PiecewiseLinear {
         (self.values.len() == 1).then_some(self.values[0])
     }
 
+    /// Knots and values, the first knot zero; a last knot at the value of the one before it was left out.
+    pub fn points(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.knots.iter().copied().zip(self.values.iter().copied())
+    }
+
     /// Whether every value is positive or zero.
     pub fn is_passive(&self) -> bool {
         self.values.iter().all(|value| *value >= 0.0)

@@ -4,7 +4,9 @@ use crate::chain_motion::{ChainMotion, ChainStep, Series, horner, integral};
 use crate::dynamics::of_chain;
 use crate::error::{finite, positive, row_of_masses};
 use crate::secant_step::ORDER;
-use crate::{Chain, ChainResponse, CrushEvents, Drive, Dynamics, Energy, LumpedError, Motion, PiecewiseLinear, State};
+use crate::{
+    Chain, ChainResponse, CrushEvents, Drive, Dynamics, Energy, Instants, LumpedError, Motion, PiecewiseLinear, State,
+};
 
 /// Any number of masses in a row as [`Chain`], with secant coefficients that are piecewise linear: the force of element `i` is
 /// `k_i(|u|) u + c_i(|w|) w`, `u` its compression and `w` the rate of it.
@@ -37,6 +39,16 @@ impl SecantChain {
     /// Masses, kg, from the barrier on.
     pub fn masses_kg(&self) -> &[f64] {
         &self.masses_kg
+    }
+
+    /// Springs in front of the masses, N/m over the compression in m.
+    pub fn springs(&self) -> &[PiecewiseLinear] {
+        &self.springs
+    }
+
+    /// Dampers in front of the masses, N·s/m over the rate of the compression in m/s.
+    pub fn dampers(&self) -> &[PiecewiseLinear] {
+        &self.dampers
     }
 
     /// Whether no spring or damper is negative anywhere.
@@ -115,6 +127,42 @@ impl SecantChain {
             response.base_m.len() < samples
         })?;
         Ok(response)
+    }
+
+    /// The motion of every mass at these instants after an impact: the series of [`respond`](Self::respond), without forces and
+    /// energies. Errors: as there.
+    pub fn motions_at(&self, impact_speed_m_per_s: f64, at: &Instants) -> Result<Vec<Motion>, LumpedError> {
+        finite("impact_speed_m_per_s", impact_speed_m_per_s)?;
+        positive("dt_s", at.dt_s)?;
+        let n = self.masses_kg.len();
+        let time = |k: usize| at.first_s + k as f64 * at.dt_s;
+        let mut motions = vec![Motion::with_capacity(at.samples); n];
+        let mut next = 0;
+        let drive = Drive::Impact(impact_speed_m_per_s);
+        let mut states = vec![(0.0, 0.0); n + 1];
+        let mut front_force = vec![0.0; n + 1];
+        self.motion().walk(&drive, at.dt_s, time(at.samples), |step| {
+            while next < at.samples && time(next) <= step.start_s + step.length_s {
+                for (state, series) in states.iter_mut().zip(&step.x) {
+                    *state = horner(series, time(next) - step.start_s);
+                }
+                for i in 0..n {
+                    let front = if i == 0 { n } else { i - 1 };
+                    let (u, w) = (states[i].0 - states[front].0, states[i].1 - states[front].1);
+                    front_force[i] = self.springs[i].at(u) * u + self.dampers[i].at(w) * w;
+                }
+                for (i, motion) in motions.iter_mut().enumerate() {
+                    motion.push(State {
+                        displacement_m: states[i].0,
+                        velocity_m_per_s: states[i].1,
+                        acceleration_m_per_s2: (front_force[i + 1] - front_force[i]) / self.masses_kg[i],
+                    });
+                }
+                next += 1;
+            }
+            next < at.samples
+        })?;
+        Ok(motions)
     }
 
     /// Adds sample `k` of the drive, `tau` after the start of the step.

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
-use crumple_lumped::{Chain, ChainResponse, Drive, Nonlinear2, PiecewiseLinear, SecantChain};
+use crumple_lumped::{Chain, ChainResponse, Drive, Instants, Nonlinear2, PiecewiseLinear, SecantChain};
 
 fn curve(points: &[(f64, f64)]) -> PiecewiseLinear {
     PiecewiseLinear::new(points).unwrap()
@@ -312,4 +312,20 @@ fn what_has_no_meaning_is_refused() {
     let wild = SecantChain::new(&[1.0], &[curve(&[(0.0, -1e5), (0.1, -1e7)])], &[PiecewiseLinear::constant(0.0)]);
     let error = wild.unwrap().respond(&Drive::Impact(10.0), 1e-3, 2001).unwrap_err().to_string();
     assert!(error.contains("cannot be followed beyond"), "{error}");
+}
+
+#[test]
+fn motions_at_chosen_instants_are_those_of_the_response() {
+    let whole = triple().respond(&Drive::Impact(14.0), 1e-3, 121).unwrap();
+    let at = Instants { first_s: 0.01, dt_s: 2e-3, samples: 50 };
+    let found = triple().motions_at(14.0, &at).unwrap();
+    for (a, b) in found.iter().zip(&whole.motions) {
+        for k in 0..at.samples {
+            let i = 10 + 2 * k;
+            // The same series; the step that holds an instant is cut elsewhere only at the end.
+            assert!((a.displacement_m[k] - b.displacement_m[i]).abs() < 1e-13);
+            assert!((a.velocity_m_per_s[k] - b.velocity_m_per_s[i]).abs() < 1e-11);
+            assert!((a.acceleration_m_per_s2[k] - b.acceleration_m_per_s2[i]).abs() < 1e-9);
+        }
+    }
 }

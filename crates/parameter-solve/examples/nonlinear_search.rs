@@ -2,12 +2,13 @@
 //!
 //! `cargo run -p crumple-parameter-solve --example nonlinear_search > docs/methods/nonlinear-search.md`
 
-use crumple_lumped::{Model, ModelKind, Nonlinear2};
+use crumple_lumped::{Model, ModelKind};
 use crumple_parameter_solve::{
     Evidence, FireflyOptions, FireflyUnits, LShadeOptions, Method, NonlinearFitOptions, SolveSettings,
     firefly_nonlinear2, fit_nonlinear2, random_start_nonlinear2, solve,
 };
 use crumple_signal::{Displacement, Notes, Signal};
+use crumple_testkit::table_5;
 
 const SEEDS: u64 = 20;
 const V0: f64 = 9.7222;
@@ -33,7 +34,7 @@ fn main() -> anyhow::Result<()> {
     );
     println!("| method | evaluations (median) | best | median | worst |");
     println!("|---|---|---|---|---|");
-    for row in rows(&table_5())? {
+    for row in rows(&Model::Nonlinear2(table_5()))? {
         let (mut errors, mut evaluations) = (row.errors_mm, row.evaluations);
         errors.sort_by(f64::total_cmp);
         evaluations.sort_unstable();
@@ -65,24 +66,6 @@ fn main() -> anyhow::Result<()> {
          deterministic. Where the record determines the parameters it finds them with a few hundred evaluations."
     );
     Ok(())
-}
-
-fn table_5() -> Model {
-    Model::Nonlinear2(Nonlinear2 {
-        mass_kg: 873.0,
-        k1_n_per_m: 82357.0,
-        k2_n_per_m: 4.0,
-        k3_n_per_m: 197_519.0,
-        x1_m: 0.472,
-        c1_n_s_per_m: 86585.0,
-        c2_n_s_per_m: 80056.0,
-        c3_n_s_per_m: 18721.0,
-        c4_n_s_per_m: 81.0,
-        v1_m_per_s: 2.55,
-        v2_m_per_s: 7.23,
-        crush_m: CRUSH,
-        v0_m_per_s: V0,
-    })
 }
 
 fn rows(truth: &Model) -> anyhow::Result<Vec<Row>> {

@@ -46,6 +46,33 @@ pub enum SolveError {
         /// Last sample.
         last_s: f64,
     },
+    /// Bounds or start of a free number of a chain.
+    #[error("{name}: {problem}, expected positive numbers with lower below start below upper")]
+    Bounds {
+        /// The number.
+        name: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A chain to be fitted in which all is given.
+    #[error("nothing of the chain is free, expected at least one mass, spring or damper that is")]
+    NothingFree,
+    /// A mass that is the rest, of nothing.
+    #[error("a mass of the chain is the rest of the total, and the total mass is not known")]
+    RestWithoutTotal,
+    /// Two of them.
+    #[error("two masses of the chain are the rest of the total, expected one at most")]
+    TwoRests,
+    /// The masses given leave nothing.
+    #[error(
+        "the masses given for the chain are {given_kg} kg of a total of {total_kg} kg: they leave nothing for the rest"
+    )]
+    NothingLeft {
+        /// Total.
+        total_kg: f64,
+        /// Sum of those given.
+        given_kg: f64,
+    },
     /// The model has no meaning.
     #[error(transparent)]
     Model(#[from] crumple_lumped::LumpedError),

@@ -5,7 +5,7 @@ use crumple_parameter_solve::{Candidate, Method, maxwell_from_sum};
 use crumple_stage::records::ExponentialSumV1;
 use crumple_stage::{Inputs, Output};
 
-use crate::options::StageSettings;
+use crate::stage_settings::StageSettings;
 
 /// Whether the Maxwell model is to be taken from exponents.
 pub fn asked_for(settings: &StageSettings) -> bool {

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{Model, ModelKind};
+use crumple_lumped::{Instants, LumpedError, Model, ModelKind, Sensitivity};
+
+use crate::free_model::{Axis, FreeModel};
 
 /// How a coordinate becomes parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -157,17 +159,6 @@ impl Family {
         values
     }
 
-    /// The model at `theta`; `None` where it has no meaning.
-    pub fn model(&self, theta: &[f64]) -> Option<Model> {
-        let names = self.kind.parameter_names();
-        let named: BTreeMap<String, f64> = names.iter().map(|n| (*n).to_owned()).zip(self.values(theta)).collect();
-        let mut model = Model::from_parameters(self.kind, &named).ok()?;
-        if let Model::Elastoplastic(elastoplastic) = &mut model {
-            elastoplastic.release = self.release;
-        }
-        Some(model)
-    }
-
     /// `theta` of a model, moved into the bounds.
     pub fn theta(&self, model: &Model) -> Vec<f64> {
         let parameters = model.parameters();
@@ -193,7 +184,7 @@ impl Family {
     }
 
     /// Places of the parameters that change, and for each coordinate their derivatives by it.
-    pub fn chain(&self, theta: &[f64]) -> Vec<Vec<(usize, f64)>> {
+    fn changes(&self, theta: &[f64]) -> Vec<Vec<(usize, f64)>> {
         let values = self.values(theta);
         let masses = values.iter().zip(self.kind.parameter_names()).filter(|(_, n)| n.ends_with("_kg")).count();
         self.coordinates
@@ -224,7 +215,41 @@ impl Family {
 
     /// Derivative of each named parameter by its own coordinate: turns deviations of theta into theirs.
     pub fn factors(&self, theta: &[f64]) -> Vec<f64> {
-        self.chain(theta).iter().map(|by| by[0].1).collect()
+        self.changes(theta).iter().map(|by| by[0].1).collect()
+    }
+}
+
+impl FreeModel for Family {
+    type Model = Model;
+
+    fn axes(&self) -> Vec<Axis> {
+        let of =
+            |c: &Coordinate| Axis { lower: c.lower, upper: c.upper, box_lower: c.box_lower, box_upper: c.box_upper };
+        self.coordinates.iter().map(of).collect()
+    }
+
+    fn model(&self, theta: &[f64]) -> Option<Model> {
+        let names = self.kind.parameter_names();
+        let named: BTreeMap<String, f64> = names.iter().map(|n| (*n).to_owned()).zip(self.values(theta)).collect();
+        let mut model = Model::from_parameters(self.kind, &named).ok()?;
+        if let Model::Elastoplastic(elastoplastic) = &mut model {
+            elastoplastic.release = self.release;
+        }
+        Some(model)
+    }
+
+    fn sensitivity(
+        &self,
+        model: &Model,
+        impact_speed_m_per_s: f64,
+        at: &Instants,
+        places: &[usize],
+    ) -> Result<Sensitivity, LumpedError> {
+        model.sensitivity(impact_speed_m_per_s, at, places)
+    }
+
+    fn chain(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>> {
+        Some(self.changes(theta))
     }
 }
 
@@ -253,7 +278,7 @@ mod tests {
                 // Two roundings of a logarithm.
                 assert!((a - b).abs() < 1e-13, "{kind}");
             }
-            for (j, by) in family.chain(&theta).iter().enumerate() {
+            for (j, by) in family.changes(&theta).iter().enumerate() {
                 let moved = |h: f64| {
                     let mut theta = theta.clone();
                     theta[j] += h;

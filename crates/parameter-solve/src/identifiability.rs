@@ -14,6 +14,27 @@ const LOOSE: f64 = 0.5;
 /// `quantity`: what the sensitivities are of, in its SI unit; of several waves that of the first, with the others weighted. With two parameters the combination that
 /// remains determined is named too: moving `k1` by `d1` and `k2` by `d2` changes nothing, so only `k1 - (d1/d2) k2` is known.
 pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance, quantity: FitQuantity) -> Option<String> {
+    let named = |p: &FreeParameter| Named {
+        name: p.name.to_owned(),
+        logarithmic: p.logarithmic,
+        slope: p.slope(p.coordinate(p.value)),
+    };
+    direction_in_words(&free.iter().map(named).collect::<Vec<_>>(), covariance, quantity)
+}
+
+/// A coordinate of a fit for that sentence.
+#[derive(Debug, Clone)]
+pub(crate) struct Named {
+    /// The parameter, with its unit.
+    pub name: String,
+    /// Whether the coordinate is its logarithm.
+    pub logarithmic: bool,
+    /// Derivative of the parameter by the coordinate.
+    pub slope: f64,
+}
+
+/// As [`weakest_direction`], of parameters of any name.
+pub(crate) fn direction_in_words(free: &[Named], covariance: &Covariance, quantity: FitQuantity) -> Option<String> {
     let along = &covariance.weakest;
     if free.len() < 2 || along.len() != free.len() {
         return None;
@@ -32,7 +53,7 @@ pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance, quanti
         .iter()
         .map(|&i| {
             let of = if free[i].logarithmic { "" } else { " of its scale" };
-            format!("{} {:+.2} %{of}", short(free[i].name), 100.0 * unit * sign * along[i])
+            format!("{} {:+.2} %{of}", short(&free[i].name), 100.0 * unit * sign * along[i])
         })
         .collect();
     let moved = format!(
@@ -42,21 +63,21 @@ pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance, quanti
         size(unit * covariance.weakest_change_m, quantity)
     );
     let known = match parts[..] {
-        [_] => format!("{} is the least determined", short(free[lead].name)),
+        [_] => format!("{} is the least determined", short(&free[lead].name)),
         [a, b] if deviation > LOOSE => {
-            let slope = |i: usize| along[i] * free[i].slope(free[i].coordinate(free[i].value));
-            let (first, second) = if comes_before(free[a].name, free[b].name, a < b) { (a, b) } else { (b, a) };
+            let slope = |i: usize| along[i] * free[i].slope;
+            let (first, second) = if comes_before(&free[a].name, &free[b].name, a < b) { (a, b) } else { (b, a) };
             let factor = -slope(first) / slope(second);
             let sign = if factor < 0.0 { '-' } else { '+' };
             format!(
                 "only {} {sign} {:.3} {} is determined",
-                short(free[first].name),
+                short(&free[first].name),
                 factor.abs(),
-                short(free[second].name)
+                short(&free[second].name)
             )
         }
         _ if deviation > LOOSE => {
-            let names: Vec<_> = parts.iter().map(|&i| short(free[i].name)).collect();
+            let names: Vec<_> = parts.iter().map(|&i| short(&free[i].name)).collect();
             format!("{} are not determined one by one", names.join(", "))
         }
         _ => "the least determined combination".to_owned(),

@@ -155,9 +155,9 @@ fn linearise(
     }
     *evaluations += u64::from(own.is_some());
     if own.is_none() {
-        let differences: Vec<(Option<Vec<f64>>, u64)> =
+        let found: Vec<(Option<Vec<f64>>, u64)> =
             (0..n).into_par_iter().map(|i| difference(problem, theta, here, bounds, i)).collect();
-        for (i, (column, spent)) in differences.into_iter().enumerate() {
+        for (i, (column, spent)) in found.into_iter().enumerate() {
             *evaluations += spent;
             matrix.column_mut(i).copy_from_slice(&column?);
         }
@@ -170,6 +170,20 @@ fn linearise(
     r.view_mut((0, 0), (kept, n)).copy_from(&triangle.view((0, 0), (kept, n)));
     q.rows_mut(0, kept).copy_from(&triangle.view((0, n), (kept, 1)));
     (r.iter().chain(q.iter()).all(|x| x.is_finite())).then_some(Linear { r, q })
+}
+
+/// The derivatives of the residuals, which are `here` at `theta`, from differences; `None` where one has no finite response.
+pub(crate) fn differences(
+    problem: &impl Response,
+    theta: &[f64],
+    here: &[f64],
+    bounds: &Bounds,
+) -> Option<DMatrix<f64>> {
+    let mut found = DMatrix::zeros(here.len(), theta.len());
+    for i in 0..theta.len() {
+        found.column_mut(i).copy_from_slice(&difference(problem, theta, here, bounds, i).0?);
+    }
+    Some(found)
 }
 
 /// The derivative by one of theta from a difference, if there is a finite response on either side, and the evaluations spent.

@@ -1,6 +1,6 @@
 //! How a motion becomes the displacement in an artifact: sampling, channel filter, integration.
 
-use crumple_lumped::{Instants, LumpedError, Model, Motion};
+use crumple_lumped::{Instants, LumpedError, Model, Motion, Sensitivity};
 
 use crate::FitQuantity;
 
@@ -108,6 +108,25 @@ impl Measurement {
             self.seen(motion.map_or(&[][..], |motion| &motion.acceleration_m_per_s2), quantity, 0.0, last)
         };
         Ok(found.derivatives.iter().map(of).collect())
+    }
+
+    /// The same of a model that is no [`Model`]: `respond` gives the motion of every mass, and its derivatives by each free number if
+    /// there are any. What is measured of the motion comes first, then of each derivative.
+    pub(crate) fn of_motions(
+        &self,
+        (mass, quantity): (usize, FitQuantity),
+        v0_m_per_s: f64,
+        last: usize,
+        respond: impl FnOnce(&Instants) -> Result<Sensitivity, LumpedError>,
+    ) -> Result<Vec<Vec<f64>>, LumpedError> {
+        let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples: self.samples_of_the_model(last).unwrap_or(0) };
+        let found = respond(&at)?;
+        let of = |(motions, speed): (&Vec<Motion>, f64)| {
+            let motion = motions.get(mass).map_or(&[][..], |motion| &motion.acceleration_m_per_s2);
+            self.seen(motion, quantity, speed, last)
+        };
+        let derivatives = found.derivatives.iter().map(|motions| (motions, 0.0));
+        Ok(std::iter::once((&found.motions, v0_m_per_s)).chain(derivatives).map(of).collect())
     }
 
     /// Samples of the acceleration that sample `last` of the record depends on.

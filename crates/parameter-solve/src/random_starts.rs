@@ -7,6 +7,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::error::positive;
 use crate::family::{Family, Scale};
+use crate::free_model::FreeModel;
 use crate::sensor_fit::{all, bounds};
 use crate::sensor_problem::{Observed, SensorProblem};
 use crate::window::Window;

@@ -3,7 +3,7 @@
 use crumple_lti::jacobi_svd;
 use rayon::prelude::*;
 
-use crate::family::Family;
+use crate::free_model::FreeModel;
 use crate::l_shade::{LShadeOptions, LShadeStop, l_shade};
 use crate::least_squares::{Bounds, Optimum, Response, descend};
 use crate::sensor_problem::{Observed, SensorProblem};
@@ -46,10 +46,11 @@ pub(crate) struct Fitted {
     pub remarks: Vec<String>,
 }
 
-pub(crate) fn bounds(family: &Family, max_iterations: u32, cost_tolerance: f64) -> Bounds {
+pub(crate) fn bounds(family: &impl FreeModel, max_iterations: u32, cost_tolerance: f64) -> Bounds {
+    let axes = family.axes();
     Bounds {
-        lower: family.coordinates.iter().map(|c| c.lower).collect(),
-        upper: family.coordinates.iter().map(|c| c.upper).collect(),
+        lower: axes.iter().map(|axis| axis.lower).collect(),
+        upper: axes.iter().map(|axis| axis.upper).collect(),
         max_iterations,
         cost_tolerance,
     }
@@ -61,7 +62,7 @@ pub(crate) fn bounds(family: &Family, max_iterations: u32, cost_tolerance: f64) 
 /// fit and the noise levels (root mean square residual of each sensor, at least 1e-6 of its record) are found in turn,
 /// which is the maximum of the likelihood. Deterministic. A global minimum is likely, not proven.
 pub(crate) fn fit_sensors(
-    family: &Family,
+    family: &impl FreeModel,
     impact_speed_m_per_s: f64,
     mut sensors: Vec<Observed>,
     weigh: &[bool],
@@ -107,7 +108,7 @@ pub(crate) fn fit_sensors(
     (!minima.is_empty()).then_some(Fitted { minima, sensors, evaluations, remarks })
 }
 
-pub(crate) fn all(problem: &SensorProblem<'_>, points: Vec<Vec<f64>>, bounds: &Bounds) -> (Vec<Optimum>, u64) {
+pub(crate) fn all(problem: &impl Response, points: Vec<Vec<f64>>, bounds: &Bounds) -> (Vec<Optimum>, u64) {
     let found: Vec<_> = points.par_iter().map(|point| descend(problem, point, bounds)).collect();
     let mut found: Vec<Optimum> = found.into_iter().flatten().collect();
     let evaluations = found.iter().map(|m| m.evaluations).sum();
@@ -116,7 +117,7 @@ pub(crate) fn all(problem: &SensorProblem<'_>, points: Vec<Vec<f64>>, bounds: &B
 }
 
 /// Those that have not come to the place of a better one.
-fn distinct(sorted: Vec<Optimum>) -> Vec<Optimum> {
+pub(crate) fn distinct(sorted: Vec<Optimum>) -> Vec<Optimum> {
     let mut kept: Vec<Optimum> = Vec::new();
     for minimum in sorted {
         let same = |other: &Optimum| minimum.theta.iter().zip(&other.theta).all(|(a, b)| (a - b).abs() < APART);
@@ -128,10 +129,11 @@ fn distinct(sorted: Vec<Optimum>) -> Vec<Optimum> {
     kept
 }
 
-fn multi_start(problem: &SensorProblem<'_>, count: usize, given: &[Vec<f64>]) -> (Vec<Optimum>, u64) {
+fn multi_start(problem: &SensorProblem<'_, impl FreeModel>, count: usize, given: &[Vec<f64>]) -> (Vec<Optimum>, u64) {
     let family = problem.family;
-    let lower: Vec<f64> = family.coordinates.iter().map(|c| c.box_lower).collect();
-    let upper: Vec<f64> = family.coordinates.iter().map(|c| c.box_upper).collect();
+    let axes = family.axes();
+    let lower: Vec<f64> = axes.iter().map(|axis| axis.box_lower).collect();
+    let upper: Vec<f64> = axes.iter().map(|axis| axis.box_upper).collect();
     let points = given.iter().cloned().chain((0..count).map(|k| start_in(k, &lower, &upper))).collect();
     let (screened, mut evaluations) = all(problem, points, &bounds(family, SCREENING_ITERATIONS, 1e-6));
     let hopeful: Vec<_> = distinct(screened).into_iter().take(FOLLOWED).map(|m| m.theta).collect();
@@ -144,7 +146,7 @@ fn multi_start(problem: &SensorProblem<'_>, count: usize, given: &[Vec<f64>]) ->
 
 /// Leaves the best minimum along the direction the residuals know least, beyond which other minima lie, as long as that
 /// finds something better.
-fn hop(problem: &SensorProblem<'_>, mut minima: Vec<Optimum>) -> (Vec<Optimum>, u64) {
+fn hop(problem: &SensorProblem<'_, impl FreeModel>, mut minima: Vec<Optimum>) -> (Vec<Optimum>, u64) {
     let settings = bounds(problem.family, 200, 1e-15);
     let mut evaluations = 0;
     for _ in 0..ROUNDS {
@@ -183,8 +185,12 @@ fn weakest_direction(of: &Optimum) -> Option<Vec<f64>> {
     Some(direction)
 }
 
-fn global(problem: &SensorProblem<'_>, options: &LShadeOptions, remarks: &mut Vec<String>) -> (Vec<Optimum>, u64) {
-    let axes = &problem.family.coordinates;
+fn global(
+    problem: &SensorProblem<'_, impl FreeModel>,
+    options: &LShadeOptions,
+    remarks: &mut Vec<String>,
+) -> (Vec<Optimum>, u64) {
+    let axes = problem.family.axes();
     // The box of the starts, wider by its half on each side where the bounds allow it.
     let edge = |x: f64, other: f64| x + 0.5 * (x - other);
     let lower: Vec<f64> = axes.iter().map(|c| edge(c.box_lower, c.box_upper).max(c.lower)).collect();

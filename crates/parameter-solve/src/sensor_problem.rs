@@ -4,7 +4,7 @@ use crumple_lumped::Instants;
 use nalgebra::DMatrix;
 
 use crate::FitQuantity;
-use crate::family::Family;
+use crate::free_model::{FreeModel, places};
 use crate::least_squares::Response;
 use crate::window::Window;
 
@@ -32,13 +32,13 @@ impl Observed {
 }
 
 /// `(model - record)/noise` of every sensor, one after the other.
-pub(crate) struct SensorProblem<'a> {
-    pub family: &'a Family,
+pub(crate) struct SensorProblem<'a, F> {
+    pub family: &'a F,
     pub impact_speed_m_per_s: f64,
     pub sensors: &'a [Observed],
 }
 
-impl SensorProblem<'_> {
+impl<F: FreeModel> SensorProblem<'_, F> {
     /// Root mean square error of each sensor, in its unit.
     pub fn rmse(&self, theta: &[f64]) -> Option<Vec<f64>> {
         let mut residuals = vec![0.0; self.rows()];
@@ -55,7 +55,7 @@ impl SensorProblem<'_> {
     }
 }
 
-impl Response for SensorProblem<'_> {
+impl<F: FreeModel> Response for SensorProblem<'_, F> {
     fn rows(&self) -> usize {
         self.sensors.iter().map(|sensor| sensor.window.samples.len()).sum()
     }
@@ -64,7 +64,8 @@ impl Response for SensorProblem<'_> {
         let Some(model) = self.family.model(theta) else { return false };
         let mut row = 0;
         for sensor in self.sensors {
-            let Ok(found) = model.sensitivity(self.impact_speed_m_per_s, &sensor.instants(), &[]) else { return false };
+            let found = self.family.sensitivity(&model, self.impact_speed_m_per_s, &sensor.instants(), &[]);
+            let Ok(found) = found else { return false };
             let Some(motion) = found.motions.get(sensor.mass) else { return false };
             for (x, s) in sensor.quantity.of(motion).iter().zip(&sensor.window.samples) {
                 out[row] = (x - s) / sensor.noise;
@@ -76,14 +77,13 @@ impl Response for SensorProblem<'_> {
 
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
         let model = self.family.model(theta)?;
-        let chain = self.family.chain(theta);
-        let mut places: Vec<usize> = chain.iter().flatten().map(|(place, _)| *place).collect();
-        places.sort_unstable();
-        places.dedup();
+        let chain = self.family.chain(theta)?;
+        let places = places(&chain);
         let mut first = 0;
         for sensor in self.sensors {
             let at = sensor.instants();
-            let Ok(found) = model.sensitivity(self.impact_speed_m_per_s, &at, &places) else { return Some(false) };
+            let found = self.family.sensitivity(&model, self.impact_speed_m_per_s, &at, &places);
+            let Ok(found) = found else { return Some(false) };
             for (j, by) in chain.iter().enumerate() {
                 for k in 0..at.samples {
                     out[(first + k, j)] = 0.0;

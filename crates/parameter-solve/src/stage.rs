@@ -1,5 +1,6 @@
 //! Reads the events and the displacement, solves, writes the candidates.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use crumple_parameter_solve::{
@@ -10,10 +11,13 @@ use crumple_signal::{Acceleration, Displacement, Force, Sampled, TestDescription
 use crumple_stage::records::{CandidateV1, EventsV1, ExponentialSumV1, FitV1, SensorFitV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
 
+use crate::chain_table::FittedChain;
+use crate::chains::fit_chains;
 use crate::exponents::maxwell_candidates;
 use crate::judging::judge_all;
 use crate::models::{identified_models, matching_record};
-use crate::options::{Options, StageSettings};
+use crate::options::Options;
+use crate::stage_settings::StageSettings;
 use crate::verdict::{Judged, of_its_own};
 
 /// The stage.
@@ -27,8 +31,11 @@ impl Stage for ParameterSolve {
     type Settings = StageSettings;
     type Input = Inputs;
 
-    fn resolve(options: Options) -> anyhow::Result<StageSettings> {
-        Ok(options.try_into()?)
+    fn resolve(mut options: Options) -> anyhow::Result<StageSettings> {
+        let chains = std::mem::take(&mut options.chain);
+        let mut settings: StageSettings = options.try_into()?;
+        settings.chain = chains.iter().map(|(name, table)| FittedChain::read(name, table)).collect::<Result<_, _>>()?;
+        Ok(settings)
     }
 
     fn load(paths: &[PathBuf], _: &StageSettings) -> anyhow::Result<Loaded<Inputs>> {
@@ -99,12 +106,17 @@ impl Stage for ParameterSolve {
         }
         for (candidate, judged) in candidates.iter().zip(&judgements) {
             out.put(&format!("/parameters/{}", candidate.id()), &record(candidate, judged.as_ref(), &channel))?;
-            out.summary(line(candidate));
+            out.summary(parameters_line(&candidate.id(), &candidate.model.parameters()));
             if let Some(text) = judged.as_ref().map(|judged| judged.line(candidate)).filter(|text| !text.is_empty()) {
                 out.summary(text);
             }
         }
-        Ok(if candidates.is_empty() {
+        let chains = fit_chains(settings, input, out)?;
+        for (id, chain) in &chains {
+            out.put(&format!("/parameters/{id}"), chain)?;
+            out.summary(parameters_line(id, &chain.parameters));
+        }
+        Ok(if candidates.is_empty() && chains.is_empty() {
             Outcome::NoAcceptableResult("no model could be solved for; the notes say why".to_owned())
         } else {
             Outcome::Done
@@ -182,22 +194,27 @@ fn sensor_waves(
     if !places.iter().any(|(place, _)| *place == Place::Compartment) {
         places.insert(0, (Place::Compartment, pulse.to_owned()));
     }
-    let hint = "crumple-integrate writes the motion of the pulse and of the channels named with --channels there";
     let one = |(place, channel): (Place, String)| -> anyhow::Result<(Place, String, Sampled)> {
-        let record = match quantity {
-            FitQuantity::Displacement => input
-                .wave(&format!("{channel}/displacement"))?
-                .signal::<Displacement>()
-                .refuse_with_hint(hint)?
-                .into_sampled(),
-            FitQuantity::Velocity => {
-                input.wave(&format!("{channel}/velocity"))?.signal::<Velocity>().refuse_with_hint(hint)?.into_sampled()
-            }
-            FitQuantity::Acceleration => acceleration(input, &channel, mass_kg)?,
-        };
+        let record = motion(input, &channel, quantity, mass_kg)?;
         Ok((place, channel, record))
     };
     places.into_iter().map(one).collect()
+}
+
+/// The motion of a channel.
+pub fn motion(input: &Inputs, channel: &str, quantity: FitQuantity, mass_kg: f64) -> anyhow::Result<Sampled> {
+    let hint = "crumple-integrate writes the motion of the pulse and of the channels named with --channels there";
+    Ok(match quantity {
+        FitQuantity::Displacement => input
+            .wave(&format!("{channel}/displacement"))?
+            .signal::<Displacement>()
+            .refuse_with_hint(hint)?
+            .into_sampled(),
+        FitQuantity::Velocity => {
+            input.wave(&format!("{channel}/velocity"))?.signal::<Velocity>().refuse_with_hint(hint)?.into_sampled()
+        }
+        FitQuantity::Acceleration => acceleration(input, channel, mass_kg)?,
+    })
 }
 
 /// The acceleration of a channel from the filter's artifact, else from the force that integrate made of it.
@@ -356,10 +373,8 @@ fn record(candidate: &Candidate, judged: Option<&Judged>, channel: &str) -> Cand
 }
 
 /// `kelvin/closed-form/1: stiffness 321.9 kN/m, ...` in the units of the trade.
-fn line(candidate: &Candidate) -> String {
-    let parameters: Vec<String> = candidate
-        .model
-        .parameters()
+fn parameters_line(id: &str, parameters: &BTreeMap<String, f64>) -> String {
+    let parameters: Vec<String> = parameters
         .iter()
         .map(|(name, value)| {
             if let Some(name) = name.strip_suffix("_n_s_per_m") {
@@ -376,5 +391,5 @@ fn line(candidate: &Candidate) -> String {
         })
         .map(|text| text.replace('_', " "))
         .collect();
-    format!("{}: {}", candidate.id(), parameters.join(", "))
+    format!("{id}: {}", parameters.join(", "))
 }

@@ -8,9 +8,10 @@ pub(crate) fn start(index: usize, lower: &Vector4<f64>, upper: &Vector4<f64>) ->
     lower + (upper - lower).component_mul(&point)
 }
 
-/// The same for any number of axes up to twelve.
+/// The same for any number of axes up to 24.
 pub(crate) fn start_in(index: usize, lower: &[f64], upper: &[f64]) -> Vec<f64> {
-    const BASES: [usize; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
+    const BASES: [usize; 24] =
+        [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79, 83, 89];
     lower
         .iter()
         .zip(upper)

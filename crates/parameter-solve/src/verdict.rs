@@ -6,7 +6,7 @@ use crumple_parameter_solve::{Candidate, DualScale, Judgement, Propagation, Unce
 use crumple_stage::records::{ProfileV1, ReplicatesV1, UncertaintyV1};
 
 /// Both ends of an interval.
-type Ends = (Option<f64>, Option<f64>);
+pub type Ends = (Option<f64>, Option<f64>);
 
 /// The verdict on one candidate.
 #[derive(Debug, Clone)]

@@ -90,6 +90,10 @@ fn evidence(covariance: Vec<Vec<f64>>, deviations: Vec<f64>) -> EvidenceV1 {
         "damping_spreads",
         "zero_re_spreads",
         "zero_im_spreads",
+        "parameter_names",
+        "parameter_values",
+        "parameter_deviations",
+        "parameter_correlations",
     ] {
         value[name] = empty.clone();
     }

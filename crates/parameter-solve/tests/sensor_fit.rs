@@ -9,6 +9,7 @@ use crumple_parameter_solve::{
     Candidate, Evidence, FitQuantity, LShadeOptions, MassFit, MassSplit, Method, Place, Sensor, SolveSettings, solve,
 };
 use crumple_signal::{Displacement, Notes, Sampled, Signal};
+use crumple_testkit::table_5;
 
 const V0: f64 = 9.7222;
 const DT: f64 = 1e-4;
@@ -19,9 +20,7 @@ fn model(kind: ModelKind) -> Model {
         ModelKind::Elastoplastic => &[873.0, 3.2e5, 9e6],
         ModelKind::Maxwell => &[873.0, 2.3e6, 3.4e4],
         ModelKind::Nonlinear1 => &[873.0, 23_700.0, 253_440.0, 56_816.0, 19_956.0, 1_795.0, 2.7948, 0.5063, V0],
-        ModelKind::Nonlinear2 => {
-            &[873.0, 82_357.0, 4.0, 197_519.0, 0.472, 86_585.0, 80_056.0, 18_721.0, 81.0, 2.55, 7.23, 0.5063, V0]
-        }
+        ModelKind::Nonlinear2 => return Model::Nonlinear2(table_5()),
         ModelKind::DoubleSpringMassDamper => &[375.0, 1125.0, 9e5, 1e6, 6e3, 9e3],
         ModelKind::TripleSpringMassDamper => &[200.0, 300.0, 1000.0, 8e5, 9e5, 1e6, 6e3, 5e3, 9e3],
     };

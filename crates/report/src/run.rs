@@ -2,7 +2,7 @@
 
 use crumple_artifact::records::{
     CandidateV1, ChannelFilterV1, EventsV1, IdentificationV1, MatchingV1, MetricV1, ModeV1, ResponseV1, SimulationV1,
-    StabilizationV1, TransferFunctionV1,
+    StabilizationV1, TransferFunctionV1, UncertaintyV1,
 };
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
 
@@ -122,26 +122,36 @@ impl Candidate {
     /// Why this record does not determine the parameter; `None`: it does, or nothing is known of its uncertainty.
     ///
     /// Zero on a bound is the limit of what is physical, and an answer. Elsewhere a bound is not the record's, and a standard
-    /// deviation as large as the value, or an interval open at both ends, says that the value is one of many.
+    /// deviation as large as the value, or an interval open at both ends, with a deviation or without, says that the value is one of many.
     pub fn doubt(&self, name: &str) -> Option<&'static str> {
         let value = *self.record.parameters.get(name)?;
         if self.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|other| other == name)) {
             return (value != 0.0).then_some("on a bound");
         }
         let known = self.record.uncertainty.as_ref()?;
-        let deviation = *known.standard_deviation.get(name)?;
         let open = [&known.interval_low, &known.interval_high].iter().all(|end| end.get(name) == Some(&None));
-        (open || deviation >= value.abs()).then_some("not determined")
+        let loose = known.standard_deviation.get(name).is_some_and(|deviation| *deviation >= value.abs());
+        (open || loose).then_some("not determined")
     }
 
     /// How many of the parameters this record does not determine, and of how many that were asked of it.
     pub fn undetermined(&self) -> (usize, usize) {
-        let of_fit = |name: &&String| {
-            let known = self.record.uncertainty.as_ref().is_some_and(|u| u.standard_deviation.contains_key(*name));
-            known || self.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.contains(name))
-        };
-        let asked: Vec<&String> = self.record.parameters.keys().filter(of_fit).collect();
-        (asked.iter().filter(|name| self.doubt(name).is_some()).count(), asked.len())
+        (self.undetermined_parameters().len(), self.asked().count())
+    }
+
+    /// Names of the parameters that this record does not determine.
+    pub fn undetermined_parameters(&self) -> Vec<&str> {
+        self.asked().filter(|name| self.doubt(name).is_some()).map(String::as_str).collect()
+    }
+
+    /// Parameters that were asked of the record: those of which a deviation, an interval or a bound is known.
+    fn asked(&self) -> impl Iterator<Item = &String> {
+        self.record.parameters.keys().filter(|name| {
+            let judged =
+                |u: &UncertaintyV1| u.standard_deviation.contains_key(*name) || u.interval_low.contains_key(*name);
+            self.record.uncertainty.as_ref().is_some_and(judged)
+                || self.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.contains(name))
+        })
     }
 }
 

@@ -19,6 +19,8 @@ pub struct Summary<'a> {
     models: Vec<ModelSummary<'a>>,
     candidates: Vec<CandidateSummary<'a>>,
     best: Option<String>,
+    /// Parameters of the best that this record does not determine.
+    best_undetermined: Vec<&'a str>,
     ranking: Vec<String>,
     /// The figure that orders `ranking`.
     ranked_by: &'static str,
@@ -155,6 +157,11 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
             })
             .collect(),
         best: ranking.best.clone(),
+        best_undetermined: ranking
+            .best
+            .as_deref()
+            .and_then(|id| run.candidate(id))
+            .map_or_else(Vec::new, Candidate::undetermined_parameters),
         ranking: ranking.order.clone(),
         ranked_by: "simulation.fit_percent: displacement fit over simulation.from_s to simulation.to_s, highest first",
         ranking_by_aicc: by_aicc(run),

@@ -146,7 +146,11 @@ fn lines(run: &Run, ranking: &Ranking) -> Vec<String> {
     }
     if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
         let fit = best.simulation.as_ref().and_then(|s| s.fit_percent).unwrap_or(f64::NAN);
-        lines.push(format!("best model: {}, displacement fit {} %", candidate_name(&best.id), decimals(fit, 2)));
+        let open = match best.undetermined() {
+            (0, _) => String::new(),
+            (n, of) => format!("; {n} of {of} parameters not determined by this record"),
+        };
+        lines.push(format!("best model: {}, displacement fit {} %{open}", candidate_name(&best.id), decimals(fit, 2)));
     }
     let warnings = run.notes.iter().filter(|n| n.note.severity == Severity::Warning).count();
     if warnings > 0 {

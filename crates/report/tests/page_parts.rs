@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{
     CandidateV1, EventsV1, FitV1, MetricV1, ResponseV1, SensorFitV1, SimulationV1, UncertaintyV1,
 };
-use crumple_report::{Candidate, Model, OtherSensor, Page, Ranking, Run};
+use crumple_report::{Candidate, Model, OtherSensor, Page, Ranking, Run, summary};
 use crumple_signal::Sampled;
 
 fn record<T: serde::de::DeserializeOwned>(json: serde_json::Value) -> T {
@@ -112,7 +112,16 @@ fn the_card_of_the_best_says_what_the_record_does_not_determine() {
     known.interval_low = BTreeMap::from([("k_n_per_m".to_owned(), None)]);
     known.interval_high = known.interval_low.clone();
     assert_eq!((best.undetermined(), open.undetermined()), ((1, 3), (2, 3)));
+    // Also where nothing bounds it, so that it has no deviation.
+    open.record.uncertainty.as_mut().unwrap().standard_deviation.remove("k_n_per_m");
+    assert_eq!((open.undetermined(), open.undetermined_parameters()), ((2, 3), vec!["k_n_per_m", "x_m"]));
     run.candidates.push(best);
+    let ranking = Ranking::of(&run.candidates);
+    let json: serde_json::Value = serde_json::from_str(&summary(&run, &ranking).to_json().unwrap()).unwrap();
+    assert_eq!(
+        (&json["best"], &json["best_undetermined"]),
+        (&"kelvin/direct-fit/1".into(), &serde_json::json!(["x_m"]))
+    );
     let page = page(&run);
     // Zero on a bound is an answer, a mass that is stated was not asked of the record.
     assert!(page.contains("1 of 3 parameters not determined by this record"), "{page}");

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use crumple_lumped::{LumpedError, PiecewiseLinear, SecantChain};
 use crumple_signal::value::{Damping, Length, Mass, Speed, Stiffness};
 use crumple_stage::records::CandidateV1;
-use crumple_stage::{Usage, unknown_name};
+use crumple_stage::{Usage, check_keys, check_name, table_at, typed, unknown_name};
 use serde::Serialize;
 use toml::{Table, Value};
 
@@ -74,12 +74,8 @@ impl ChainSettings {
     /// Reads `[simulate.chain.<name>]`; what it leaves out is moved as the stage's other models are.
     pub fn read(name: &str, table: &Value, stage: &Driven) -> anyhow::Result<Self> {
         let place = format!("[simulate.chain.{name}]");
-        if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_') {
-            let problem =
-                format!("{place}: the name of a chain has letters, digits, - and _ only: it stands in topics");
-            return Err(Usage::new(problem).into());
-        }
-        let table = as_table(&place, table, "[simulate.chain.car] with masses = [...]")?;
+        check_name(&place, name)?;
+        let table = table_at(&place, table, "[simulate.chain.car] with masses = [...]")?;
         check_keys(&place, table, &CHAIN_KEYS)?;
         let list = match table.get("masses") {
             Some(Value::Array(list)) if !list.is_empty() => list,
@@ -178,7 +174,7 @@ const EXAMPLE: &str = "masses = [{ name = \"engine\", mass = \"200 kg\", stiffne
 impl MassSettings {
     fn read(place: &str, number: usize, mass: &Value) -> anyhow::Result<Self> {
         let place = format!("{place}, mass {number}");
-        let table = as_table(&place, mass, "{ name = ..., mass = ..., stiffness = ..., damping = ... }")?;
+        let table = table_at(&place, mass, "{ name = ..., mass = ..., stiffness = ..., damping = ... }")?;
         check_keys(&place, table, &MASS_KEYS)?;
         let get = |key: &str| {
             table.get(key).ok_or_else(|| anyhow::Error::from(Usage::new(format!("{place} has no {key}")).hint(EXAMPLE)))
@@ -230,28 +226,6 @@ fn own_drive(place: &str, table: &Table, masses: &[&str]) -> anyhow::Result<Opti
         },
     };
     Driven::new(&format!("{place}: "), &drive, wave, number).map(Some)
-}
-
-fn as_table<'a>(place: &str, value: &'a Value, expected: &str) -> anyhow::Result<&'a Table> {
-    value.as_table().ok_or_else(|| Usage::new(format!("{place} is no table, expected {expected}")).into())
-}
-
-fn check_keys(place: &str, table: &Table, known: &[&str]) -> anyhow::Result<()> {
-    match table.keys().find(|key| !known.contains(&key.as_str())) {
-        Some(key) => Err(unknown_name(&format!("{place}: unknown key {key:?}"), key, known)),
-        None => Ok(()),
-    }
-}
-
-/// A value with its unit; a bare number is asked back.
-fn typed<T: FromStr<Err: Display>>(place: &str, value: &Value) -> anyhow::Result<T> {
-    let text = match value {
-        Value::String(text) => text.clone(),
-        Value::Integer(number) => number.to_string(),
-        Value::Float(number) => number.to_string(),
-        _ => return Err(Usage::new(format!("{place}: expected a number with its unit in quotes")).into()),
-    };
-    text.parse().map_err(|error| Usage::new(format!("{place}: {error}")).into())
 }
 
 /// `"350 kN/m"`, or `[["0 mm", "350 kN/m"], ["200 mm", "150 kN/m"]]`.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crumple_lumped::{Dynamics, Model, ModelKind, Motion};
+use crumple_lumped::{Dynamics, Model, ModelKind, Motion, SecantChain};
 use crumple_metrics::effective_samples;
 use crumple_signal::value::Time;
 use crumple_signal::{Acceleration, Displacement, QuantityKind, Sampled, TestDescription, Velocity};
@@ -11,7 +11,7 @@ use crumple_simulate::{
     information, parameters_of, simulate_chain, simulate_driven,
 };
 use crumple_stage::records::{CandidateV1, EnergyV1, EventsV1, OtherSensorV1, RatingV1, SimulationV1, TestV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Usage, Wave};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -101,6 +101,14 @@ impl Stage for Simulate {
         if candidates.is_empty() && settings.chain.is_empty() {
             return Err(input.missing("/parameters/"));
         }
+        for stated in &settings.chain {
+            let fitted = format!("{CHAIN}/{}/", stated.name);
+            if candidates.iter().any(|(id, _)| id.starts_with(&fitted)) {
+                let problem =
+                    format!("[simulate.chain.{}]: parameter-solve has fitted a chain of that name", stated.name);
+                return Err(Usage::new(problem).hint("give one of them another name").into());
+            }
+        }
         let impact_speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
             Refused::new("neither the events nor the test have an impact speed")
                 .hint("--impact-speed 35km/h at crumple-ingest")
@@ -130,6 +138,10 @@ impl Stage for Simulate {
         let results: Vec<Result<Simulation, SimulateError>> = candidates
             .par_iter()
             .map(|(_, candidate)| {
+                if candidate.model == CHAIN {
+                    let chain = SecantChain::from_parameters(&candidate.parameters)?;
+                    return simulate_chain(&chain, None, &measured, window, &excitation);
+                }
                 let kind: ModelKind = candidate.model.parse()?;
                 let mut model = Model::from_parameters(kind, &candidate.parameters)?;
                 if let Model::Elastoplastic(elastoplastic) = &mut model {
@@ -158,9 +170,8 @@ impl Stage for Simulate {
                 Ok(simulation) => {
                     simulated += 1;
                     out.summary(line(id, &simulation));
-                    let kind: ModelKind = candidate.model.parse()?;
                     let mean_square = simulation.comparison.rmse_displacement_m.map(|rmse| rmse * rmse);
-                    let criterion = worth.zip(mean_square).map(|(n, v)| information(v, n, parameters_of(kind)));
+                    let criterion = worth.zip(mean_square).map(|(n, v)| information(v, n, chosen(candidate)));
                     let beside: Vec<SensorFit> = others
                         .iter()
                         .filter(|sensor| !was_fitted(candidate, &sensor.channel))
@@ -188,9 +199,8 @@ impl Stage for Simulate {
                 Ok(simulation) => {
                     simulated += 1;
                     out.summary(line(&id, &simulation));
-                    let free = candidate.parameters.keys().filter(|name| !name.ends_with("_kg")).count() as u32;
                     let mean_square = simulation.comparison.rmse_displacement_m.map(|rmse| rmse * rmse);
-                    let criterion = worth.zip(mean_square).map(|(n, v)| information(v, n, free));
+                    let criterion = worth.zip(mean_square).map(|(n, v)| information(v, n, chosen(&candidate)));
                     let beside = others
                         .iter()
                         .filter_map(|sensor| {
@@ -211,6 +221,19 @@ impl Stage for Simulate {
             Outcome::Done
         })
     }
+}
+
+/// The model of a candidate that is a chain, stated here or fitted by parameter-solve.
+const CHAIN: &str = "chain";
+
+/// Numbers that the fit, or the person who stated the chain, was free to choose.
+fn chosen(candidate: &CandidateV1) -> u32 {
+    if let Ok(kind) = candidate.model.parse::<ModelKind>() {
+        return parameters_of(kind);
+    }
+    let fitted = candidate.uncertainty.as_ref().map_or(&[][..], |u| &u.order);
+    let names = candidate.parameters.keys();
+    names.filter(|name| !name.ends_with("_kg") || fitted.contains(name)).count() as u32
 }
 
 fn write(

@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{CandidateV1, EventsV1, RatingV1, SimulationV1, TestV1};
+use crumple_artifact::records::{CandidateV1, EventsV1, RatingV1, SimulationV1, TestV1, UncertaintyV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
-use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, Model, Nonlinear1};
+use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, Model, Nonlinear1, SecantChain};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
 
 const MODEL: Kelvin = Kelvin { mass_kg: 873.0, stiffness_n_per_m: 330_000.0, damping_n_s_per_m: 2_500.0 };
@@ -456,4 +456,47 @@ fn a_bad_chain_is_answered_with_what_to_write() {
         let found = answer(&text);
         assert!(found.contains(expected), "{text}\n{found}");
     }
+}
+
+#[test]
+fn a_chain_that_was_fitted_is_simulated_beside_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let parameters: BTreeMap<String, f64> = [
+        ("m1_kg", 291.0),
+        ("m2_kg", 582.0),
+        ("k1_knot1_n_per_m", 3e5),
+        ("k1_knot2_m", 0.2),
+        ("k1_knot2_n_per_m", 5e5),
+        ("k2_n_per_m", 4e5),
+        ("c1_n_s_per_m", 4e3),
+        ("c2_n_s_per_m", 6e3),
+    ]
+    .map(|(name, value)| (name.to_owned(), value))
+    .into();
+    let mut fitted = candidate("chain", parameters.clone());
+    let mut odd = fitted.clone();
+    odd.parameters.remove("k2_n_per_m");
+    let order = vec!["k2_n_per_m".to_owned(), "m1_kg".to_owned()];
+    fitted.uncertainty = Some(UncertaintyV1 { order, ..UncertaintyV1::default() });
+    write(&folder.path().join("5.mcap"), &[("chain/car/1", fitted), ("chain/odd/1", odd)]);
+    let output = run_pipeline(folder.path(), "[simulate]\n");
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    assert!(
+        stderr.contains("chain/odd/1: not simulated, a chain of masses needs the parameter k2_n_per_m"),
+        "{stderr}"
+    );
+    let artifact = Artifact::open(&folder.path().join("6.mcap")).unwrap();
+    let found: SimulationV1 = artifact.record("/simulation/chain/car/1").unwrap().unwrap();
+    // Springs, dampers, knots, and the one mass that was free.
+    assert_eq!(found.fitted_parameters, Some(7));
+    let chain = SecantChain::from_parameters(&parameters).unwrap();
+    let events = chain.events(9.7, 2.0).unwrap().pop().unwrap();
+    assert_eq!(found.dynamic_crush_m, events.dynamic_crush_m);
+    assert!(artifact.waves().contains_key("chain/car/1/m1/displacement"));
+    // The same name twice would be one topic for two chains.
+    let masses = "masses = [{ mass = \"873 kg\", stiffness = \"1 MN/m\" }]";
+    let output = run_pipeline(folder.path(), &format!("[simulate.chain.car]\n{masses}\n"));
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("give one of them another name"));
 }

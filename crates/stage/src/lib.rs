@@ -14,6 +14,7 @@ mod progress;
 mod run;
 mod say;
 mod stages;
+mod stated;
 mod tool;
 
 pub use args::Common;
@@ -26,6 +27,7 @@ pub use progress::{Progress, Watched, be_quiet};
 pub use run::{Outcome, Stage, main};
 pub use say::say;
 pub use stages::{STAGES, stage_order, writer_of};
+pub use stated::{check_keys, check_name, table_at, typed};
 pub use tool::tool_main;
 
 pub use crumple_artifact::{Artifact, InputDigest, Record, Wave, records};

@@ -8,6 +8,7 @@ use crate::solver::Task;
 
 pub(crate) mod closed_forms;
 pub(crate) mod double;
+mod sensor_report;
 pub(crate) mod sensors;
 pub(crate) mod single_mass;
 
