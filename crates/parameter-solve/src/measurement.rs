@@ -103,11 +103,11 @@ impl Measurement {
         };
         let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples };
         let found = model.sensitivity(v0_m_per_s, &at, places)?;
-        let of = |motions: &Vec<Motion>| {
-            let motion = mass.and_then(|mass| motions.get(mass)).or(motions.last());
-            self.seen(motion.map_or(&[][..], |motion| &motion.acceleration_m_per_s2), quantity, 0.0, last)
-        };
-        Ok(found.derivatives.iter().map(of).collect())
+        let motions =
+            found.derivatives.iter().map(|motions| mass.and_then(|mass| motions.get(mass)).or(motions.last()));
+        let accelerations: Vec<&[f64]> =
+            motions.map(|motion| motion.map_or(&[][..], |motion| &motion.acceleration_m_per_s2)).collect();
+        Ok(self.all_seen(&accelerations, quantity, last))
     }
 
     /// The same of a model that is no [`Model`]: `respond` gives the motion of every mass, and its derivatives by each free number if
@@ -142,20 +142,46 @@ impl Measurement {
 
     /// What is recorded of an acceleration that is given at contact and whole intervals after it.
     fn seen(&self, acceleration: &[f64], quantity: FitQuantity, v0_m_per_s: f64, last: usize) -> Vec<f64> {
+        let [seen] = self.seen_together([acceleration], quantity, v0_m_per_s, last);
+        seen
+    }
+
+    /// The same of many of equal length, four at a time through the filter: its recursion waits for itself, not for the processor.
+    fn all_seen(&self, accelerations: &[&[f64]], quantity: FitQuantity, last: usize) -> Vec<Vec<f64>> {
+        let mut seen = Vec::with_capacity(accelerations.len());
+        let mut four = accelerations.chunks_exact(4);
+        for chunk in &mut four {
+            seen.extend(self.seen_together([chunk[0], chunk[1], chunk[2], chunk[3]], quantity, 0.0, last));
+        }
+        seen.extend(four.remainder().iter().map(|a| self.seen(a, quantity, 0.0, last)));
+        seen
+    }
+
+    fn seen_together<const N: usize>(
+        &self,
+        accelerations: [&[f64]; N],
+        quantity: FitQuantity,
+        v0_m_per_s: f64,
+        last: usize,
+    ) -> [Vec<f64>; N] {
         let (zero, count) = (self.contact_index(), self.reach(last));
         let gap = (self.time_s(zero) / self.dt_s).max(0.0);
-        let mut a = vec![0.0; zero.min(count)];
+        let instants = accelerations.iter().map(|a| a.len()).min().unwrap_or(0);
+        let mut a = vec![[0.0; N]; zero.min(count)];
         // The record has the value after a jump at contact.
-        a.extend(acceleration.windows(2).map(|w| w[0] + gap * (w[1] - w[0])));
+        a.extend((1..instants).map(|k| accelerations.map(|a| a[k - 1] + gap * (a[k] - a[k - 1]))));
         if let Some(filter) = &self.filter {
             a = filter.run(&a);
         }
         a.truncate(last.min(self.samples.saturating_sub(1)) + 1);
-        match quantity {
-            FitQuantity::Acceleration => a,
-            FitQuantity::Velocity => self.integrate(&a, v0_m_per_s, zero, gap).0,
-            FitQuantity::Displacement => self.integrate(&a, v0_m_per_s, zero, gap).1,
-        }
+        std::array::from_fn(|lane| {
+            let a: Vec<f64> = a.iter().map(|values| values[lane]).collect();
+            match quantity {
+                FitQuantity::Acceleration => a,
+                FitQuantity::Velocity => self.integrate(&a, v0_m_per_s, zero, gap).0,
+                FitQuantity::Displacement => self.integrate(&a, v0_m_per_s, zero, gap).1,
+            }
+        })
     }
 
     /// Velocity and displacement as the integrate stage has them: from the first sample, the displacement shifted to zero at
@@ -228,18 +254,19 @@ impl TwoPassFilter {
         if samples.is_finite() && samples > 0.0 { samples as usize } else { 0 }
     }
 
-    /// Forward and backward, with the same extension and the same start of each pass as the filter stage.
-    fn run(&self, samples: &[f64]) -> Vec<f64> {
+    /// Forward and backward, with the same extension and the same start of each pass as the filter stage; every lane by itself.
+    fn run<const N: usize>(&self, samples: &[[f64; N]]) -> Vec<[f64; N]> {
         let n = samples.len();
         if n < 4 {
             return samples.to_vec();
         }
         let added = self.samples_added.min(n - 1);
+        let mirrored = |end: [f64; N], x: &[f64; N]| std::array::from_fn(|lane| 2.0 * end[lane] - x[lane]);
         let (first, last) = (samples[0], samples[n - 1]);
-        let mut extended: Vec<f64> = Vec::with_capacity(n + 2 * added);
-        extended.extend(samples[1..=added].iter().rev().map(|x| 2.0 * first - x));
+        let mut extended: Vec<[f64; N]> = Vec::with_capacity(n + 2 * added);
+        extended.extend(samples[1..=added].iter().rev().map(|x| mirrored(first, x)));
         extended.extend_from_slice(samples);
-        extended.extend(samples[n - 1 - added..n - 1].iter().rev().map(|x| 2.0 * last - x));
+        extended.extend(samples[n - 1 - added..n - 1].iter().rev().map(|x| mirrored(last, x)));
         let from_rest = added == 0;
         self.pass(&mut extended, from_rest);
         extended.reverse();
@@ -248,10 +275,11 @@ impl TwoPassFilter {
         extended[added..added + n].to_vec()
     }
 
-    fn pass(&self, values: &mut [f64], from_rest: bool) {
+    fn pass<const N: usize>(&self, values: &mut [[f64; N]], from_rest: bool) {
         let [a0, a1, a2, b1, b2] = self.coefficients;
         let head = &values[..START_SAMPLES.min(values.len())];
-        let start = if from_rest { 0.0 } else { head.iter().sum::<f64>() / head.len() as f64 };
+        let mean = |lane: usize| head.iter().map(|x| x[lane]).sum::<f64>() / head.len() as f64;
+        let start: [f64; N] = std::array::from_fn(|lane| if from_rest { 0.0 } else { mean(lane) });
         let (mut x2, mut x1) = (values[0], values[1]);
         let (mut y2, mut y1) = (start, start);
         values[0] = start;
@@ -259,10 +287,11 @@ impl TwoPassFilter {
         for value in &mut values[2..] {
             let x = *value;
             // The last output last: the next sample waits for it.
-            let y = (a0 * x + a1 * x1 + a2 * x2 + b2 * y2) + b1 * y1;
+            *value = std::array::from_fn(|lane| {
+                (a0 * x[lane] + a1 * x1[lane] + a2 * x2[lane] + b2 * y2[lane]) + b1 * y1[lane]
+            });
             (x2, x1) = (x1, x);
-            (y2, y1) = (y1, y);
-            *value = y;
+            (y2, y1) = (y1, *value);
         }
     }
 }
