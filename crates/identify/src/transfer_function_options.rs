@@ -25,7 +25,7 @@ pub enum InitialConditions {
     Auto,
 }
 
-/// Settings of [`transfer_function_fit`].
+/// Settings of [`crate::transfer_function_fit`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransferFunctionOptions {
     /// Number of poles.
