@@ -30,9 +30,10 @@ impl Candidate {
         let (known_a, known_b) = (a.get("uncertainty")?.as_object()?, b.get("uncertainty")?.as_object()?);
         let deviations = names
             .filter_map(|name| {
-                let pair = deviation(known_a, name)?.min(deviation(known_b, name)?);
-                let open = open(a, known_a, name) || open(b, known_b, name);
-                Some((name.clone(), if open { f64::INFINITY } else { pair }))
+                if open(a, known_a, name) || open(b, known_b, name) {
+                    return Some((name.clone(), f64::INFINITY));
+                }
+                Some((name.clone(), deviation(known_a, name)?.min(deviation(known_b, name)?)))
             })
             .collect();
         Some(Self { place: place.to_owned(), deviations })
@@ -134,6 +135,13 @@ mod tests {
         let open = candidate(1000.0, 2000.0, 99.0, 5.0);
         assert!(same(&open, &candidate(1700.0, 3000.0, 99.05, 9.0)));
         assert!(!same(&open, &candidate(1700.0, 3000.0, 98.0, 9.0)), "another fit");
+        let unknown = |stiffness: f64| {
+            json!({
+                "parameters": {"k": stiffness},
+                "uncertainty": {"standard_deviation": {}, "interval_low": {"k": null}, "interval_high": {"k": null}},
+            })
+        };
+        assert!(same(&unknown(1000.0), &unknown(1700.0)), "open without a deviation");
         assert!(
             !same(&candidate(1000.0, 50.0, 99.0, 5.0), &candidate(1000.0, 50.0, 99.0, 9.0)),
             "not open: all counts"

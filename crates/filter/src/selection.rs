@@ -77,7 +77,10 @@ pub fn select<'a>(test: &'a TestDescription, asked: &[String]) -> Result<Vec<&'a
     // The other axes of a head that is looked at: its criteria are of the resultant.
     let beside_pulse = |channel: &Channel| {
         pulse_channel.is_some_and(|pulse| {
-            part_of(pulse).is_some() && !pulse.location.is_empty() && pulse.location == channel.location
+            part_of(pulse).is_some()
+                && !pulse.location.is_empty()
+                && pulse.location == channel.location
+                && channel.status != ChannelStatus::Failed
         })
     };
     let taken = |channel: &&Channel| match asked.as_slice() {

@@ -32,7 +32,11 @@ fn contender(subspace: &Subspace<'_>, thin: bool, whole: &IoData, order: usize) 
         let error: Vec<f64> = measured.iter().zip(model).map(|(y, yh)| y - yh).collect();
         let mean_square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64;
         let floor = (ROUNDING * ROUNDING * mean_square(measured)).max(f64::MIN_POSITIVE);
-        log_loss += mean_square(&error).max(floor).ln();
+        let loss = mean_square(&error);
+        if !loss.is_finite() {
+            return Err(IdentifyError::NotConverged("simulation"));
+        }
+        log_loss += loss.max(floor).ln();
         effective += effective_samples(&error);
     }
     Ok(Contender {

@@ -358,5 +358,5 @@ fn of_horizon(
 
 /// Infinite without a model.
 fn losses(result: &Result<OfHorizon, IdentifyError>) -> f64 {
-    result.as_ref().map_or(f64::INFINITY, |found| found.loss)
+    result.as_ref().map_or(f64::INFINITY, |found| if found.loss.is_nan() { f64::INFINITY } else { found.loss })
 }

@@ -74,7 +74,7 @@ pub fn propagate_closed_form(
     repetitions: usize,
 ) -> Option<Propagation> {
     by_repetition(mass_kg, inputs, (repetitions, 1), |errors| {
-        let repetition = perturbed_by(whole, errors);
+        let repetition = perturbed_by(whole, errors)?;
         repeat_closed_form(model, &events.moved(whole, &repetition.observed)?, &repetition)
     })
 }

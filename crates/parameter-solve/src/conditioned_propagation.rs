@@ -35,8 +35,8 @@ pub fn propagate_conditioned(
     repetitions: usize,
 ) -> Option<Propagation> {
     by_repetition(mass_kg, inputs, (repetitions, 1), |errors| {
-        let moved = events.moved(whole, &perturbed_by(whole, errors).observed)?;
-        repeat_conditioned(model, &moved, &perturbed_by(observed, errors))
+        let moved = events.moved(whole, &perturbed_by(whole, errors)?.observed)?;
+        repeat_conditioned(model, &moved, &perturbed_by(observed, errors)?)
     })
 }
 

@@ -73,6 +73,7 @@ pub(crate) struct FreeChain {
     dampers: Vec<Vec<(f64, f64)>>,
     rest: Option<usize>,
     total_kg: f64,
+    total_known: bool,
     free: Vec<(Place, Axis)>,
     /// The starts that were given, logarithms; the middle of the box for others.
     pub start: Vec<f64>,
@@ -101,6 +102,7 @@ impl FreeChain {
             dampers: Vec::new(),
             rest: None,
             total_kg,
+            total_known: stated.total_mass_kg.is_some(),
             free: Vec::new(),
             start: Vec::new(),
             names: Vec::new(),
@@ -188,8 +190,16 @@ impl FreeChain {
         // Bounds of the search give way to what was given, however far outside it is.
         let least = known.first().copied().unwrap_or(size);
         let most = known.last().copied().unwrap_or(size);
+        if matches!(place, Place::Mass(_)) && !self.total_known && (lower.is_none() || upper.is_none()) {
+            let problem = "without a mass of the vehicle a free mass needs both bounds".to_owned();
+            return Err(SolveError::Bounds { name, problem });
+        }
         let from = lower.unwrap_or((bounds.0 * size).min(1e-3 * least));
         let to = upper.unwrap_or((bounds.1 * size).max(if bounds.1 < 1.0 { most } else { 1e3 * most }));
+        if from >= to {
+            let problem = format!("nothing is left between {from} and {to}");
+            return Err(SolveError::Bounds { name, problem });
+        }
         let (low, high) = match (start, lower, upper) {
             (Some(start), ..) => (start / AROUND, start * AROUND),
             (None, Some(lower), Some(upper)) => (lower, upper),

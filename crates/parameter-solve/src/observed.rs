@@ -91,7 +91,7 @@ const USUAL_CRUSH_M: f64 = 0.5;
 const EXACT: f64 = 1e-10;
 
 /// Fewest samples judged.
-const FEWEST: usize = 12;
+pub(crate) const FEWEST: usize = 12;
 
 impl SeenWave {
     /// At most `limit` samples from `from_s` to `to_s` after contact. `wave` is on the grid of the measurement, as far as it goes.

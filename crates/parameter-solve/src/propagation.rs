@@ -10,7 +10,7 @@ use crumple_lumped::Model;
 use crumple_signal::Distribution;
 
 use crate::bootstrap::percentile;
-use crate::observed::{Observed, Problem, SeenWave, rest_mass, with_parameters};
+use crate::observed::{FEWEST, Observed, Problem, SeenWave, rest_mass, with_parameters};
 use crate::refine::follow;
 use crate::{FitQuantity, FreeParameter, Measurement};
 
@@ -73,7 +73,7 @@ pub struct Repetition {
 /// Another impact speed adds `δv (t - t_start)` to the displacement, another zero level `δb (t - t_start)²/2`, since the
 /// integration starts there; another time zero moves the label of contact, with the displacement made zero again there and, where
 /// the integration starts at contact, the velocity made the impact speed.
-pub fn repetition(observed: &Observed, inputs: &InputUncertainty, index: usize) -> Repetition {
+pub fn repetition(observed: &Observed, inputs: &InputUncertainty, index: usize) -> Option<Repetition> {
     perturbed_by(observed, &drawn(inputs, index, observed.waves.len()))
 }
 
@@ -111,19 +111,22 @@ fn drawn(inputs: &InputUncertainty, index: usize, sensors: usize) -> Errors {
 }
 
 /// The record with a mass ratio `1 + mass` (relative), `speed` faster, `bias` higher and its contact `late` later.
-pub fn perturbed(observed: &Observed, mass: f64, speed: f64, bias: f64, late: f64) -> Repetition {
+///
+/// `None` where the later contact leaves fewer than 12 samples of the window.
+pub fn perturbed(observed: &Observed, mass: f64, speed: f64, bias: f64, late: f64) -> Option<Repetition> {
     perturbed_by(observed, &Errors { mass, speed_m_per_s: speed, late_s: late, bias_m_per_s2: vec![bias] })
 }
 
-/// The record with these errors.
-pub(crate) fn perturbed_by(observed: &Observed, errors: &Errors) -> Repetition {
+/// The record with these errors; `None` where too little of the window is left.
+pub(crate) fn perturbed_by(observed: &Observed, errors: &Errors) -> Option<Repetition> {
     let bias = |k: usize| errors.bias_m_per_s2.get(k).or(errors.bias_m_per_s2.last()).copied().unwrap_or(0.0);
     let waves = observed.waves.iter().enumerate();
     let observed = Observed {
         impact_speed_m_per_s: observed.impact_speed_m_per_s + errors.speed_m_per_s,
         waves: waves.map(|(k, wave)| shifted(wave, observed.impact_speed_m_per_s, errors, bias(k))).collect(),
     };
-    Repetition { observed, mass_ratio: 1.0 + errors.mass }
+    let enough = observed.waves.iter().all(|wave| wave.samples.len() >= FEWEST);
+    enough.then_some(Repetition { observed, mass_ratio: 1.0 + errors.mass })
 }
 
 /// One wave with these errors and its own zero level `bias` higher.
@@ -181,7 +184,7 @@ pub fn propagate(
     repetitions: usize,
 ) -> Option<Propagation> {
     by_repetition(mass_kg, inputs, (repetitions, observed.waves.len()), |errors| {
-        repeat(model, free, &perturbed_by(observed, errors))
+        repeat(model, free, &perturbed_by(observed, errors)?)
     })
 }
 
@@ -196,7 +199,7 @@ pub fn propagate_unfiltered(
     repetitions: usize,
 ) -> Option<Propagation> {
     by_repetition(mass_kg, inputs, (repetitions, observed.waves.len()), |errors| {
-        let Repetition { observed, mass_ratio } = perturbed_by(observed, errors);
+        let Repetition { observed, mass_ratio } = perturbed_by(observed, errors)?;
         repeat(model, free, &Repetition { observed: observed.unfiltered(), mass_ratio })
     })
 }

@@ -110,6 +110,9 @@ fn without_the_total_only_ratios_of_masses_springs_and_dampers_are_determined_an
     for element in &mut stated.elements {
         element.mass_kg = StatedMass::Own(FREE);
     }
+    let blind = StatedChain { total_mass_kg: None, ..stated.clone() };
+    let refused = fit_chain(&blind, &exact(&truth, &[0, 1, 2], FitQuantity::Displacement), false, 24).unwrap_err();
+    assert!(refused.to_string().contains("needs both bounds"), "{refused}");
     let found = fit_chain(&stated, &exact(&truth, &[0, 1, 2], FitQuantity::Displacement), false, 24).unwrap();
     let (values, wanted) = (found[0].chain.parameters(), truth.parameters());
     let scale = values["m3_kg"] / wanted["m3_kg"];

@@ -76,6 +76,15 @@ fn observed(a: &[f64], late_s: f64, from_contact: bool, window_s: (f64, f64)) ->
 }
 
 #[test]
+fn a_contact_that_leaves_too_little_of_the_window_is_no_repetition() {
+    let seen = observed(&acceleration(&Model::Nonlinear1(CAR)), 0.0, true, (0.0, 0.08));
+    assert!(perturbed(&seen, 0.0, 0.0, 0.0, 0.07).is_some());
+    for late_s in [0.0795, 0.2, 10.0] {
+        assert!(perturbed(&seen, 0.0, 0.0, 0.0, late_s).is_none(), "{late_s}");
+    }
+}
+
+#[test]
 fn another_time_zero_gives_what_the_whole_way_with_it_gives() {
     let a = acceleration(&Model::Nonlinear1(CAR));
     let model = Model::Kelvin(KELVIN);
@@ -86,7 +95,7 @@ fn another_time_zero_gives_what_the_whole_way_with_it_gives() {
             for late_s in [-1.5e-3, -4e-4, 4e-4, 1.53e-3] {
                 let again = observed(&a, late_s, from_contact, (from_s, 0.08 - late_s));
                 let whole = repeat(&model, &free, &Repetition { observed: again, mass_ratio: 1.0 }).unwrap();
-                let found = repeat(&model, &free, &perturbed(&seen, 0.0, 0.0, 0.0, late_s)).unwrap();
+                let found = repeat(&model, &free, &perturbed(&seen, 0.0, 0.0, 0.0, late_s).unwrap()).unwrap();
                 for (name, value) in &whole {
                     // The parabola at contact and the last sample of a window that ends between two: 1e-7 m on 0.5 m. A damper
                     // that is zero: a thousandth of m v0/C.
@@ -124,7 +133,7 @@ const DRAWS: usize = 40;
 /// The time zero of each repetition.
 fn drawn(seen: &Observed, inputs: &InputUncertainty) -> Vec<f64> {
     let first_s = seen.waves[0].measurement.first_s;
-    (0..DRAWS).map(|k| first_s - repetition(seen, inputs, k).observed.waves[0].measurement.first_s).collect()
+    (0..DRAWS).map(|k| first_s - repetition(seen, inputs, k).unwrap().observed.waves[0].measurement.first_s).collect()
 }
 
 #[test]

@@ -25,7 +25,8 @@ impl BodyPart {
 }
 
 /// Words of a place near a head that is none.
-const NO_HEAD: [&str; 7] = ["restraint", "rest", "liner", "airbag", "lamp", "light", "rail"];
+const NO_HEAD: [&str; 11] =
+    ["restraint", "rest", "liner", "airbag", "lamp", "light", "rail", "cylinder", "engine", "motor", "bulk"];
 
 /// The part of the body an accelerometer sits in, by its ISO code, else by the words of its location (of its id where
 /// there is no location).
@@ -73,6 +74,7 @@ mod tests {
         assert_eq!(at("front passenger, chest", None), Some(BodyPart::Chest));
         assert_eq!(at("free motion headform", None), Some(BodyPart::Headform));
         assert_eq!(at("vehicle, head restraint", None), None);
+        assert_eq!(at("engine, cylinder head", None), None);
         assert_eq!(at("driver, pelvis", Some("11PELV000000ACXP")), None);
         assert_eq!(part_of(&Channel::new("head_x", QuantityKind::Acceleration)), Some(BodyPart::Head));
         assert_eq!(part_of(&Channel::new("head_x", QuantityKind::AngularVelocity)), None);

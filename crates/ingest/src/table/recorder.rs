@@ -204,7 +204,9 @@ fn section(
             continue;
         }
         let plain = |cell: &&[u8]| field(cell, decimal).is_some() || is_gap(cell);
-        if k > 0 && !column.iter().all(plain) && column.iter().any(|cell| field(cell, decimal).is_none()) {
+        // In the pulse itself such a cell is an error of its line, which the reader of the table names.
+        let pulse = names_velocity_change(&name) || names_acceleration(&name);
+        if k > 0 && !pulse && !column.iter().all(plain) && column.iter().any(|cell| field(cell, decimal).is_none()) {
             of_words.push(name);
             rewritten = true;
             continue;
@@ -260,8 +262,10 @@ fn of_two_units(
     for ((cell, pair), number) in column.iter().zip(pairs).zip(numbers) {
         let Some(pair) = pair else {
             // A lone number is of the first unit.
-            let alone = field(cell, decimal).map(|number| format!("{}", number.value * factor[0] / factor[kept]));
-            cells.push(alone.map_or(cell.to_vec(), String::into_bytes));
+            let alone = field(cell, decimal).filter(|_| kept == 1);
+            let other = alone.map(|number| format!("{}", number.value * factor[0] / factor[1]));
+            let other = other.map(|text| text.replace('.', &char::from(decimal).to_string()));
+            cells.push(other.map_or(cell.to_vec(), String::into_bytes));
             continue;
         };
         let gap = (pair[0].1 * factor[0] - pair[1].1 * factor[1]).abs();
@@ -335,6 +339,16 @@ mod tests {
         // -4 mph are -6.4 km/h.
         let said = section.notes.to_texts().join("\n");
         assert!(said.contains("1 cells of column Velocity Change") && said.contains("\"-4 [-9]\" in line 5"), "{said}");
+    }
+
+    #[test]
+    fn a_lone_number_has_the_decimal_mark_of_its_table() {
+        let text =
+            b"Longitudinal Crash Pulse\nTime (msec);Delta-V (MPH [km/h])\n0;0,0 [0,0]\n10;-1,5\n20;-2,5 [-4,0]\n";
+        let [section] = sections(text, "a.csv").unwrap().try_into().unwrap();
+        let text = String::from_utf8(section.text).unwrap();
+        // km/h to a tenth is the finer of both; 1.5 mph are 2.414 km/h.
+        assert!(text.contains("10;-2,414") && !text.contains('.'), "{text}");
     }
 
     #[test]

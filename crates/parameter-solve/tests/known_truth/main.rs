@@ -324,13 +324,13 @@ fn uncertain_inputs_move_the_parameters_as_the_closed_form_says() {
         made(Model::Kelvin(Kelvin { mass_kg: 873.0, stiffness_n_per_m: 321_905.0, damping_n_s_per_m: 0.0 }), 9.7222);
     let seen = observed(&truth, truth.t_m.unwrap(), |_| 0.0);
     let free = free_parameters(&truth.model, truth.v0, truth.crush, true);
-    let base = repeat(&truth.model, &free, &perturbed(&seen, 0.0, 0.0, 0.0, 0.0)).unwrap();
+    let base = repeat(&truth.model, &free, &perturbed(&seen, 0.0, 0.0, 0.0, 0.0).unwrap()).unwrap();
     assert!((base["stiffness_n_per_m"] / 321_905.0 - 1.0).abs() < 1e-9);
     // k = m (v0/C)²: proportional to the mass.
-    let heavier = repeat(&truth.model, &free, &perturbed(&seen, 0.01, 0.0, 0.0, 0.0)).unwrap();
+    let heavier = repeat(&truth.model, &free, &perturbed(&seen, 0.01, 0.0, 0.0, 0.0).unwrap()).unwrap();
     assert!((heavier["stiffness_n_per_m"] / base["stiffness_n_per_m"] - 1.01).abs() < 1e-9);
     // Crush: δC = t_m δv0 to first order, seen from the first sample 20 ms earlier minus what re-zeroing takes.
-    let faster = repeat(&truth.model, &free, &perturbed(&seen, 0.0, 0.03, 0.0, 0.0)).unwrap();
+    let faster = repeat(&truth.model, &free, &perturbed(&seen, 0.0, 0.03, 0.0, 0.0).unwrap()).unwrap();
     let gained = faster["dynamic_crush_m"] - base["dynamic_crush_m"];
     // The model takes up part of the error by its damper: the size is that of the table, not its digits.
     assert!((gained / (0.03 * truth.t_m.unwrap()) - 1.0).abs() < 0.5, "{gained}");
