@@ -1,5 +1,6 @@
 //! HIC and ISO 18571 beside a plain pass over the same samples. Release, one thread: `cargo bench -p crumple-metrics`.
-//! `--test` or a first argument of `quick` runs the small sizes once; `-- --long` rates curves of 10⁶ samples too (a minute or more).
+//! `--test` or a first argument of `quick` runs the small sizes once; `-- --long` rates curves of 10⁶ samples too (half a minute
+//! or more), `-- --largest` nothing but curves of 10⁷ (an hour, 2 GB).
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -65,10 +66,14 @@ fn report(what: &str, n: usize, seconds: f64, pass: f64) {
 fn main() {
     let quick = std::env::args().any(|argument| argument == "--test" || argument == "quick");
     let long = std::env::args().any(|argument| argument == "--long");
-    for n in [1_000, 10_000, 100_000, 1_000_000] {
-        if (quick && n > 1_000) || (!long && n > 100_000) {
-            break;
-        }
+    let largest = std::env::args().any(|argument| argument == "--largest");
+    let sizes: &[usize] = match () {
+        () if largest => &[10_000_000],
+        () if long => &[1_000, 10_000, 100_000, 1_000_000],
+        () if quick => &[1_000],
+        () => &[1_000, 10_000, 100_000],
+    };
+    for &n in sizes {
         let at = |k: usize, late: f64, height: f64| {
             let u = (k as f64 / n as f64 - 0.1 - late) / 0.7;
             if (0.0..=1.0).contains(&u) {
@@ -97,6 +102,9 @@ fn main() {
         if let Some(peak) = peak_memory() {
             println!("    peak memory of the process so far: {peak}");
         }
+    }
+    if largest {
+        return;
     }
     for n in [10_000, 1_000_000, 10_000_000] {
         if quick && n > 10_000 {

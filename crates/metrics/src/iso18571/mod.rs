@@ -2,6 +2,7 @@
 
 mod magnitude;
 mod slope;
+mod warping;
 
 use crumple_signal::Sampled;
 
