@@ -3,9 +3,8 @@
 set positional-arguments
 set shell := ["bash", "-euc"]
 
-# Pipeline: a file below pipelines/ without its ending, e.g. `just pipeline=papers/civic run crash.csv`.
+# Pipeline: a file below pipelines/ without its ending, e.g. `just pipeline=papers/civic run crash.csv`, or the path of a file elsewhere, e.g. `./my.toml`.
 pipeline := "default"
-name := trim_end_match(trim_start_match(pipeline, "pipelines/"), ".toml")
 # Run folder; empty: runs/<input stem>/<pipeline>.
 out := ""
 # Flags for every stage, e.g. `just flags="-q --force" run crash.csv`.
@@ -41,9 +40,18 @@ run input *args: build
     there() { command -v -- "$1" >/dev/null || { echo "error: $1: no such program; nothing was run" >&2; exit 2; }; }
     there {{ ingest }}; there {{ filter }}; there {{ integrate }}; there {{ identify }}
     there {{ parameter_solve }}; there {{ simulate }}; there {{ report }}
-    dir={{ quote(if out == "" { justfile_directory() / "runs" / file_stem(trim_end_matches(input, "/")) / name } else { out }) }}
+    # The path of a file is that file, all else a name below pipelines/.
+    pipeline={{ quote(pipeline) }}
+    name=${pipeline#pipelines/} name=${name%.toml}
+    if [[ "$pipeline" == [/.]* || ( "$pipeline" == *.toml && -f "$pipeline" ) ]]; then
+        [[ "$pipeline" == pipelines/* ]] || name=$(basename "$name")
+    else
+        pipeline={{ quote(justfile_directory()) }}/pipelines/$name.toml
+    fi
+    dir={{ quote(out) }}
+    [ -n "$dir" ] || dir={{ quote(justfile_directory() / "runs" / file_stem(trim_end_matches(input, "/"))) }}/$name
     bin={{ quote(bin) }}
-    options=(--pipeline {{ quote(justfile_directory() / "pipelines" / name + ".toml") }} {{ flags }})
+    options=(--pipeline "$pipeline" {{ flags }})
     results=(1-ingest.mcap 2-filter.mcap 3-integrate.mcap 4-identify.mcap 5-parameter-solve.mcap 6-simulate.mcap report.html summary.json)
     known() { "$bin/crumple-$1" --help | grep -qE -- "^ +(-., )?$2( |=|\$)"; }
     # Flags go to ingest: says whose another one is.

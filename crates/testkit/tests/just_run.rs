@@ -110,3 +110,20 @@ fn a_flag_of_another_stage_is_told_whose_it_is() {
     assert!(error.contains("tip: --cfc is an option of crumple-filter: just filter="), "{error}");
     assert!(!error.contains("--mass is"), "{error}");
 }
+
+#[test]
+fn a_pipeline_may_lie_anywhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = folder.path().join("component.toml");
+    std::fs::write(&own, "[filter]\ncfc = \"180\"\n\n[parameter-solve]\nmodels = [\"kelvin\"]\n").unwrap();
+    let out = folder.path().join("run");
+    let output = run(&["flags=-q", &format!("pipeline={}", own.display())], &out, &fixture("kelvin"), &[]);
+    assert!(output.status.success(), "{}", error(&output));
+    let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    assert!(summary.contains("kelvin") && !summary.contains("maxwell"), "only the models of that pipeline");
+    // One that is not there is named.
+    let missing = folder.path().join("none.toml");
+    let output = run(&["flags=-q", &format!("pipeline={}", missing.display())], &out, &fixture("kelvin"), &[]);
+    assert!(!output.status.success());
+    assert!(error(&output).contains("none.toml"), "{}", error(&output));
+}
