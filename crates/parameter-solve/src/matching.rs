@@ -39,6 +39,14 @@ pub struct Identified {
     pub delay_s: f64,
 }
 
+impl Identified {
+    /// A model of which nothing but the poles is known.
+    pub fn of_poles(id: String, poles: [Complex; 4], source: &'static str) -> Self {
+        let quartic = Quartic::Poles(poles);
+        Self { id, quartic, numerator: None, source, realised: None, spread: None, delay_s: 0.0 }
+    }
+}
+
 /// What matching found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Matched {

@@ -42,31 +42,15 @@ pub fn identified_models(input: &Inputs) -> anyhow::Result<Vec<Identified>> {
         }
         let poles = eigenvalues(&DMatrix::from_column_slice(4, 4, a.as_slice()))?;
         if let Ok(poles) = <[Complex; 4]>::try_from(poles) {
-            let source = "eigenvalues of the state matrix of";
-            found.push(Identified {
-                id: id.clone(),
-                quartic: Quartic::Poles(poles),
-                numerator: None,
-                source,
-                realised,
-                spread: None,
-                delay_s: model.delay_s.unwrap_or(0.0),
-            });
+            let delay_s = model.delay_s.unwrap_or(0.0);
+            let bare = Identified::of_poles(id.clone(), poles, "eigenvalues of the state matrix of");
+            found.push(Identified { realised, delay_s, ..bare });
         }
     }
     for (id, sum) in input.records::<ExponentialSumV1>("/model/")? {
         if let [a, b, c, d] = &sum.terms[..] {
             let poles = [a, b, c, d].map(|term| Complex::new(term.re_per_s, term.im_rad_per_s));
-            let source = "exponents of the sum";
-            found.push(Identified {
-                id,
-                quartic: Quartic::Poles(poles),
-                numerator: None,
-                source,
-                realised: None,
-                spread: None,
-                delay_s: 0.0,
-            });
+            found.push(Identified::of_poles(id, poles, "exponents of the sum"));
         }
     }
     for (id, modes) in input.records::<ModesV1>("/modes/")? {
@@ -74,16 +58,7 @@ pub fn identified_models(input: &Inputs) -> anyhow::Result<Vec<Identified>> {
             && !found.iter().any(|model| base_of(&model.id) == id)
         {
             let poles = [a, b, c, d].map(|mode| Complex::new(mode.re_per_s, mode.im_rad_per_s));
-            let source = "poles of the modes of";
-            found.push(Identified {
-                id,
-                quartic: Quartic::Poles(poles),
-                numerator: None,
-                source,
-                realised: None,
-                spread: None,
-                delay_s: 0.0,
-            });
+            found.push(Identified::of_poles(id, poles, "poles of the modes of"));
         }
     }
     Ok(found)
