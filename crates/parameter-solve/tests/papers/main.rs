@@ -5,9 +5,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
+mod chains;
 mod compare;
 mod evaluate;
+mod inputs;
+mod one_mass;
 mod page;
+mod systems;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -102,7 +106,7 @@ fn check_cases(items: &[Value]) -> (usize, usize) {
         // The instants are part of what is expected, not of the model.
         if let Some(list) = item["expected"]["checkpoints"].as_array() {
             let times: Vec<Value> = list.iter().map(|point| compare::plain(&point["t"])).collect();
-            inputs[evaluate::CHECKPOINT_TIMES] = Value::Array(times);
+            inputs[inputs::CHECKPOINT_TIMES] = Value::Array(times);
         }
         let fault = match evaluate::evaluate(&kind, &inputs) {
             Ok(found) => compare::difference(&compare::plain(&item["expected"]), &found, tolerance),

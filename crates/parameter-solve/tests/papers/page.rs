@@ -5,7 +5,8 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-use crate::evaluate::{complex_of, evaluate};
+use crate::evaluate::evaluate;
+use crate::inputs::complex_of;
 
 /// Project-owned table: what the papers print, from which inputs, and why it differs.
 pub const TABLE: &str = include_str!("values.json");
