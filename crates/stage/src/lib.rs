@@ -7,6 +7,7 @@
 mod args;
 mod error;
 mod inputs;
+mod masses_table;
 mod nearest;
 mod output;
 mod pipeline;
@@ -20,6 +21,7 @@ mod tool;
 pub use args::Common;
 pub use error::{ExitStatus, RefuseExt, Refused, Usage};
 pub use inputs::{Inputs, Loaded, MissingTopic, load_artifacts};
+pub use masses_table::{InSi, LawOfTable, MassOfTable, NumberReaders, read_masses};
 pub use nearest::nearest;
 pub use output::Output;
 pub use pipeline::{check_pipeline, unknown_name};
