@@ -75,6 +75,8 @@ pub(crate) struct FreeChain {
     total_kg: f64,
     total_known: bool,
     free: Vec<(Place, Axis)>,
+    /// Whether a person gave the lower and the upper bound of each.
+    given_bounds: Vec<(bool, bool)>,
     /// The starts that were given, logarithms; the middle of the box for others.
     pub start: Vec<f64>,
     pub names: Vec<String>,
@@ -106,6 +108,7 @@ impl FreeChain {
             total_kg,
             total_known: stated.total_mass_kg.is_some(),
             free: Vec::new(),
+            given_bounds: Vec::new(),
             start: Vec::new(),
             names: Vec::new(),
         };
@@ -212,6 +215,7 @@ impl FreeChain {
         let value = start.unwrap_or((low * high).sqrt());
         self.start.push(value.ln());
         self.free.push((place, axis));
+        self.given_bounds.push((lower.is_some(), upper.is_some()));
         self.names.push(name);
         Ok(value)
     }
@@ -269,18 +273,21 @@ impl FreeChain {
         free + given.map(|i| self.masses[i]).sum::<f64>()
     }
 
-    /// Coordinates of a chain that is as stated: what was given has its value, what is free is in its bounds.
+    /// Coordinates of a chain that is as stated: what was given has its value, what is free is in the bounds that were given. Those
+    /// of the search alone leave nothing out.
     pub fn point(&self, chain: &SecantChain) -> Option<Vec<f64>> {
         let value = |place: Place| match place {
             Place::Mass(i) => chain.masses_kg().get(i).copied(),
             Place::Spring(i, j) => chain.springs().get(i)?.points().nth(j).map(|(_, value)| value),
             Place::Damper(i, j) => chain.dampers().get(i)?.points().nth(j).map(|(_, value)| value),
         };
-        let within = |(place, axis): &(Place, Axis)| {
-            let x = value(*place)?.ln();
-            (x >= axis.lower - ROUNDING && x <= axis.upper + ROUNDING).then(|| x.clamp(axis.lower, axis.upper))
+        let within = |((place, axis), (lower, upper)): (&(Place, Axis), &(bool, bool))| {
+            let x = value(*place).filter(|value| *value > 0.0)?.ln();
+            let low = if *lower { axis.lower } else { f64::NEG_INFINITY };
+            let high = if *upper { axis.upper } else { f64::INFINITY };
+            (x >= low - ROUNDING && x <= high + ROUNDING).then(|| x.clamp(low, high))
         };
-        let theta = self.free.iter().map(within).collect::<Option<Vec<f64>>>()?;
+        let theta = self.free.iter().zip(&self.given_bounds).map(within).collect::<Option<Vec<f64>>>()?;
         let (own, other) = (self.model(&theta)?.parameters(), chain.parameters());
         let same = |(name, value): (&String, &f64)| {
             other.get(name).is_some_and(|other| (value - other).abs() <= 4.0 * ROUNDING * value.abs())
