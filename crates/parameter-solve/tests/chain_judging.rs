@@ -212,9 +212,9 @@ fn an_uncertain_speed_moves_the_parameters_by_the_derivatives_of_the_response() 
         let at = |by: f64| {
             let (mut springs, mut dampers) = (SPRINGS, DAMPERS);
             if j < 3 {
-                springs[j] *= f64::exp(by)
+                springs[j] *= f64::exp(by);
             } else {
-                dampers[j - 3] *= f64::exp(by)
+                dampers[j - 3] *= f64::exp(by);
             }
             picked(springs, dampers, V0)
         };

@@ -13,9 +13,17 @@ pub fn chosen(candidate: &CandidateV1) -> u32 {
     if let Ok(kind) = candidate.model.parse::<ModelKind>() {
         return parameters_of(kind);
     }
-    let fitted = candidate.uncertainty.as_ref().map_or(&[][..], |u| &u.order);
-    let names = candidate.parameters.keys();
-    names.filter(|name| !name.ends_with("_kg") || fitted.contains(name)).count() as u32
+    let names = || candidate.parameters.keys();
+    let Some(known) = &candidate.uncertainty else {
+        return names().filter(|name| !name.ends_with("_kg")).count() as u32;
+    };
+    let on_bound = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
+    let free = |name: &&String| {
+        let judged = known.order.contains(name) || on_bound.contains(name);
+        // A mass with an interval and nothing else follows from the total.
+        judged || (!name.ends_with("_kg") && known.interval_low.contains_key(*name))
+    };
+    names().filter(free).count() as u32
 }
 
 #[cfg(test)]
