@@ -4,10 +4,11 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{Drive, PiecewiseLinear, SecantChain};
+use crumple_lumped::{Drive, Kelvin, Model, PiecewiseLinear, SecantChain};
 use crumple_parameter_solve::{
     ChainQuestions, ChainSolution, Distribution, FitQuantity, InputUncertainty, IntegrationRule, JudgeOptions,
-    Measurement, Observed, SeenWave, Stated, StatedChain, StatedElement, StatedMass, fit_chain, judge_chain,
+    Measurement, Observed, SeenWave, Stated, StatedChain, StatedElement, StatedMass, TwoPassFilter, fit_chain,
+    judge_chain,
 };
 use crumple_signal::Sampled;
 use nalgebra::{DMatrix, DVector};
@@ -236,4 +237,64 @@ fn an_uncertain_speed_moves_the_parameters_by_the_derivatives_of_the_response() 
         // 200 draws of a uniform number know its deviation to 3.2 %; a third deviation is 10 %. Squares of 0.15 % are less.
         assert!((own / wanted - 1.0).abs() < 0.1, "{name}: {own} {wanted}");
     }
+}
+
+#[test]
+fn knots_seen_through_a_filter_are_profiled_and_repeated_with_every_uncertain_input() {
+    // CFC 60 at 10 kHz, two passes.
+    let filter = TwoPassFilter {
+        coefficients: [0.001_460_3, 0.002_920_6, 0.001_460_3, 1.889_033_6, -0.894_874_8],
+        samples_added: 100,
+    };
+    let measurement = Measurement {
+        dt_s: DT,
+        first_s: -0.01,
+        samples: 1100,
+        filter: Some(filter),
+        from_contact: false,
+        rule: IntegrationRule::Trapezoid,
+    };
+    // What a Kelvin model gives, taken for a spring that could have softened and did not.
+    let kelvin = Kelvin { mass_kg: 1200.0, stiffness_n_per_m: 5e5, damping_n_s_per_m: 9e3 };
+    let x = measurement.displacement(&Model::Kelvin(kelvin), V0, 1099).unwrap();
+    let what = (Some(0), FitQuantity::Displacement);
+    let record = Sampled::new(-0.01, DT, x).unwrap();
+    let wave = SeenWave::new(&record, what, 0.0, measurement, (0.0, 0.06), 60).unwrap();
+    let observed = Observed { impact_speed_m_per_s: V0, waves: vec![wave] };
+    let element = StatedElement {
+        mass_kg: StatedMass::Rest,
+        stiffness: vec![(0.0, FREE), (0.4, FREE)],
+        damping: vec![(0.0, FREE)],
+    };
+    let of = StatedChain { elements: vec![element], total_mass_kg: Some(1200.0) };
+    let found = fit_chain(&of, &observed, true, 24).unwrap().remove(0);
+    let values = found.chain.parameters();
+    for (name, value) in [("k1_knot1_n_per_m", 5e5), ("k1_knot2_n_per_m", 5e5), ("c1_n_s_per_m", 9e3)] {
+        // The Taylor solution of the knots and its differences, followed to the last digits of the cost.
+        assert!((values[name] / value - 1.0).abs() < 1e-5, "{name}: {}", values[name]);
+    }
+    let inputs = InputUncertainty {
+        mass_kg: 12.0,
+        impact_speed_m_per_s: 0.05,
+        bias_m_per_s2: 0.5,
+        time_zero_s: 2e-4,
+        ..InputUncertainty::default()
+    };
+    let options = JudgeOptions { profile: true, bootstrap: 0 };
+    let asked = ChainQuestions { options, inputs, repetitions: 40 };
+    let verdict = judge_chain(&of, &observed, true, &found, &asked).unwrap();
+    let names = ["k1_knot1_n_per_m", "k1_knot2_n_per_m", "c1_n_s_per_m"];
+    assert_eq!(verdict.profile.iter().map(|p| p.parameter.as_str()).collect::<Vec<_>>(), names);
+    for profile in &verdict.profile {
+        let (value, ends) = (values[&profile.parameter], (profile.low.unwrap(), profile.high.unwrap()));
+        assert!(ends.0 < value && value < ends.1, "{}: {ends:?} {value}", profile.parameter);
+    }
+    let spread = verdict.propagation.unwrap();
+    assert_eq!(spread.repetitions, 40);
+    for name in names {
+        let (low, high) = spread.interval_90[name];
+        assert!(low < values[name] && values[name] < high, "{name}: {low} {high}");
+    }
+    // A percent of mass alone is as much of the first stiffness.
+    assert!(spread.standard_deviation["k1_knot1_n_per_m"] > 0.008 * 5e5, "{:?}", spread.standard_deviation);
 }
