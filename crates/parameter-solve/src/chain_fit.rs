@@ -177,7 +177,7 @@ fn solution(problem: &ChainProblem<'_>, minimum: &Optimum, evaluations: u64) -> 
         stop_reason: minimum.stop,
         knowledge: knowledge(family, waves, minimum, &misfit, &sensitivities),
         dual: None,
-        division_undecided: free_masses && sees_the_last_only(waves, family.masses()),
+        division_undecided: free_masses && family.masses() > 1 && sees_the_last_only(waves, family.masses()),
         theta: minimum.theta.clone(),
     })
 }

@@ -62,10 +62,13 @@ pub fn fit_chains(
         for (k, solution) in solutions.iter().enumerate() {
             let verdict = judge_chain(&stated, &observed, known, solution, &asked).refuse_with_hint(hint())?;
             let id = chain.id(k + 1);
-            if asked.inputs.any() && verdict.propagation.is_none() {
-                out.notes().warning(format!(
-                    "{id}: uncertain inputs not propagated, fewer than 20 repetitions of its fit came to an end"
-                ));
+            let without = [
+                ("profiled", asked.options.profile && verdict.profile.is_empty()),
+                ("bootstrapped", asked.options.bootstrap > 0 && verdict.bootstrap.is_none()),
+                ("repeated with uncertain inputs", asked.inputs.any() && verdict.propagation.is_none()),
+            ];
+            for (what, _) in without.iter().filter(|(_, missing)| *missing) {
+                out.notes().warning(format!("{id}: not {what}, too few fits near its minimum came to an end"));
             }
             let said = said_at_once(&id, &verdict.profile, verdict.propagation.as_ref());
             if !said.is_empty() {

@@ -69,6 +69,7 @@ mod solver;
 mod solvers;
 mod starts;
 mod tfest_paper;
+mod weighing;
 mod window;
 
 pub use amplitude_ratios::{front_from_amplitudes, rear_from_amplitudes};

@@ -90,9 +90,6 @@ const USUAL_CRUSH_M: f64 = 0.5;
 /// A misfit below this share of the largest displacement is the exact model.
 const EXACT: f64 = 1e-10;
 
-/// The least noise level of a wave, as a share of it.
-const LEAST_LEVEL: f64 = 1e-6;
-
 /// Fewest samples judged.
 pub(crate) const FEWEST: usize = 12;
 
@@ -209,25 +206,6 @@ impl Observed {
             (own.iter().map(|r| r * r).sum::<f64>() / own.len() as f64).sqrt() / wave.weight
         };
         self.split(misfit).into_iter().zip(&self.waves).map(of).collect()
-    }
-
-    /// The noise level of each wave from its root mean square misfit: never less than a millionth of the wave.
-    pub fn noise_levels(&self, rmse: &[f64]) -> Vec<f64> {
-        let of = |(wave, rmse): (&SeenWave, &f64)| rmse.max(LEAST_LEVEL * wave.size()).max(f64::MIN_POSITIVE);
-        self.waves.iter().zip(rmse).map(of).collect()
-    }
-
-    /// Weighs the waves by the noise levels that follow from the root mean square misfit of each; whether a weight changed by more
-    /// than the share `worth` of itself.
-    pub fn weigh(&mut self, rmse: &[f64], worth: f64) -> bool {
-        let levels = self.noise_levels(rmse);
-        let mut moved = false;
-        for (wave, level) in self.waves.iter_mut().zip(&levels).skip(1) {
-            let weight = levels[0] / level;
-            moved |= (weight / wave.weight).ln().abs() > worth;
-            wave.weight = weight;
-        }
-        moved
     }
 
     /// Samples and weighted resolution of every wave.
