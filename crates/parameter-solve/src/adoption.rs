@@ -1,27 +1,16 @@
 //! What a candidate takes over from the minimum seen through the filter, and how several sensors are weighed there.
 
-use crumple_parameter_solve::{Candidate, FitQuantity, Observed, Refined, bounds_remark};
+use crumple_parameter_solve::{
+    Candidate, Observed, Refined, bounds_remark, errors_in_words, errors_remark, is_errors_remark,
+};
 
-/// Rounds of weighing sensors, the change of a level worth another one, and the least level as a share of the record.
+/// Rounds of weighing sensors, and the change of a weight that is worth another one.
 pub const WEIGHINGS: usize = 4;
-const LEVEL_MOVED: f64 = 0.01;
-const LEAST_LEVEL: f64 = 1e-6;
+const WORTH_ANOTHER: f64 = 0.01;
 
 /// Weighs the waves by the root mean square misfit of each; whether that changed anything.
 pub fn weigh(observed: &mut Observed, found: &Refined) -> bool {
-    let levels: Vec<f64> = observed
-        .rmse(&found.misfit_m)
-        .iter()
-        .zip(&observed.waves)
-        .map(|(rmse, wave)| rmse.max(LEAST_LEVEL * wave.size()).max(f64::MIN_POSITIVE))
-        .collect();
-    let mut moved = false;
-    for (wave, level) in observed.waves.iter_mut().zip(&levels).skip(1) {
-        let weight = levels[0] / level;
-        moved |= (weight / wave.weight).ln().abs() > LEVEL_MOVED;
-        wave.weight = weight;
-    }
-    moved
+    observed.weigh(&observed.rmse(&found.misfit_m), WORTH_ANOTHER)
 }
 
 /// Parameters that the search left on a bound, other than zero: that value is the bound's, so it is held and has no interval.
@@ -37,27 +26,15 @@ pub fn adopt(candidate: &mut Candidate, observed: &Observed, refined: &Refined) 
     if let Some(fit) = &mut candidate.fit {
         let rmse = observed.rmse(&refined.misfit_m);
         fit.rmse = rmse.first().copied().unwrap_or(fit.rmse);
-        let noise = rmse.first().copied().unwrap_or(0.0).max(LEAST_LEVEL * observed.waves[0].size());
+        let noise = observed.noise_levels(&rmse).first().copied().unwrap_or(0.0);
         for ((sensor, rmse), wave) in fit.sensors.iter_mut().zip(&rmse).zip(&observed.waves) {
             sensor.rmse = *rmse;
             sensor.noise = noise / wave.weight;
         }
-        let errors: Vec<String> = fit
-            .sensors
-            .iter()
-            .map(|sensor| {
-                let (rmse, unit) = match sensor.quantity {
-                    FitQuantity::Displacement => (1e3 * sensor.rmse, "mm"),
-                    other => (sensor.rmse, other.unit()),
-                };
-                format!("{rmse:.4} {unit} at {} (mass {})", sensor.channel, sensor.mass)
-            })
-            .collect();
-        for note in candidate.notes.iter_mut().filter(|note| note.starts_with("root mean square errors ")) {
-            *note = format!(
-                "root mean square errors seen through the filter {}; residuals weighted by the noise level of each sensor",
-                errors.join(", ")
-            );
+        let errors = fit.sensors.iter().map(|s| (s.rmse, s.quantity, s.channel.as_str(), format!("mass {}", s.mass)));
+        let said = errors_remark(&errors_in_words(errors), Some("through the filter"));
+        for note in candidate.notes.iter_mut().filter(|note| is_errors_remark(note)) {
+            note.clone_from(&said);
         }
         fit.iterations += refined.iterations;
         fit.evaluations += refined.evaluations;

@@ -1,10 +1,11 @@
 //! Block bootstrap of the misfit.
 
+use std::collections::BTreeMap;
+
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
-use crate::judge::Intervals;
 use crate::observed::{Observed, Problem, rest_mass};
 use crate::refine::{Refined, follow};
 use crumple_metrics::{autocorrelation_time, quantile};
@@ -17,15 +18,15 @@ const SEED: u64 = 1;
 const BLOCK_TIMES: f64 = 2.0;
 const LARGEST_SHARE: usize = 3;
 
-/// What the replicates say.
+/// What the replicates say of parameters named by `N`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bootstrap {
+pub struct Bootstrap<N: Ord = &'static str> {
     /// Replicates that led to a fit.
     pub replicates: usize,
     /// Samples in a block.
     pub block: usize,
     /// From the 2.5th to the 97.5th percentile.
-    pub interval: Intervals,
+    pub interval: BTreeMap<N, (Option<f64>, Option<f64>)>,
 }
 
 /// Fits the model again to its own response with the misfit laid over it in shuffled blocks, and reads the percentiles.
@@ -35,7 +36,25 @@ pub struct Bootstrap {
 /// seed: the result does not depend on threads. Says nothing of other minima, nor of an error that is the same in
 /// the whole record. `None` with fewer than 20 fits, or for a misfit of rounding alone.
 pub fn bootstrap(refined: &Refined, observed: &Observed, replicates: usize) -> Option<Bootstrap> {
-    let misfits = observed.split(&refined.misfit_m);
+    let rest = rest_mass(&refined.model, &refined.free).map(|(name, _)| name);
+    let names = refined.free.iter().map(|parameter| parameter.name).chain(rest).collect();
+    replicate(observed, &refined.misfit_m, replicates, names, |again| {
+        let problem = Problem::new(refined.model, refined.free.clone(), again);
+        let optimum = follow(&problem, &problem.start())?;
+        let rest = rest_mass(&problem.model(&optimum.theta)?, &problem.free).map(|(_, kg)| kg);
+        Some(problem.free.iter().zip(&optimum.theta).map(|(p, theta)| p.at(*theta)).chain(rest).collect())
+    })
+}
+
+/// [`bootstrap`] of any fit: `misfit` is its weighted one, `fit` gives the values of the names for a record.
+pub(crate) fn replicate<N: Ord>(
+    observed: &Observed,
+    misfit: &[f64],
+    replicates: usize,
+    names: Vec<N>,
+    fit: impl Fn(&Observed) -> Option<Vec<f64>> + Sync,
+) -> Option<Bootstrap<N>> {
+    let misfits = observed.split(misfit);
     let n = misfits.first()?.len();
     // In samples of the first wave; the same blocks of time for all.
     let time = misfits.iter().map(|own| autocorrelation_time(own) * n as f64 / own.len() as f64).fold(0.0, f64::max);
@@ -56,22 +75,15 @@ pub fn bootstrap(refined: &Refined, observed: &Observed, replicates: usize) -> O
                     *sample += (misfit[k] - misfit[drawn]) / wave.weight;
                 }
             }
-            let problem = Problem::new(refined.model, refined.free.clone(), &again);
-            let optimum = follow(&problem, &problem.start())?;
-            let rest = rest_mass(&problem.model(&optimum.theta)?, &problem.free).map(|(_, kg)| kg);
-            Some(problem.free.iter().zip(&optimum.theta).map(|(p, theta)| p.at(*theta)).chain(rest).collect())
+            fit(&again)
         })
         .collect();
     let found: Vec<Vec<f64>> = found.into_iter().flatten().collect();
     if found.len() < 20 {
         return None;
     }
-    let rest = rest_mass(&refined.model, &refined.free).map(|(name, _)| name);
-    let interval = refined
-        .free
-        .iter()
-        .map(|parameter| parameter.name)
-        .chain(rest)
+    let interval = names
+        .into_iter()
         .enumerate()
         .map(|(i, name)| {
             let mut values: Vec<f64> = found.iter().map(|f| f[i]).collect();

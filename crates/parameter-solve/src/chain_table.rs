@@ -1,20 +1,24 @@
 //! `[parameter-solve.chain.<name>]`: a chain of masses of which some numbers are to be found.
 
-use std::fmt::Display;
-use std::str::FromStr;
-
 use crumple_parameter_solve::{Stated, StatedChain, StatedElement, StatedMass};
-use crumple_signal::value::{Damping, Length, Mass, Speed, Stiffness};
-use crumple_stage::{Usage, check_keys, check_name, table_at, typed};
+use crumple_stage::{InSi, LawOfTable, NumberReaders, check_keys, check_name, read_masses, table_at};
 use serde::Serialize;
 use toml::Value;
 
 const CHAIN_KEYS: [&str; 1] = ["masses"];
-const MASS_KEYS: [&str; 4] = ["name", "mass", "stiffness", "damping"];
 const BOUND_KEYS: [&str; 3] = ["start", "lower", "upper"];
 
-const EXAMPLE: &str = "masses = [{ name = \"engine\", mass = \"200 kg\", stiffness = \"free\", damping = { start = \"8 kN*s/m\" } }, \
-                       { mass = \"rest\", stiffness = \"900 kN/m\" }], from the barrier on";
+const READERS: NumberReaders<StatedMass, Stated> = NumberReaders {
+    mass: |place, value, si| match value {
+        Value::String(text) if text == "rest" => Ok(StatedMass::Rest),
+        value => Ok(StatedMass::Own(given_or_free(place, value, si)?)),
+    },
+    coefficient: given_or_free,
+    no_damping: Stated::Fixed(0.0),
+    example: "masses = [{ name = \"engine\", mass = \"200 kg\", stiffness = \"free\", damping = { start = \"8 kN*s/m\" } }, \
+              { mass = \"rest\", stiffness = \"900 kN/m\" }], from the barrier on",
+    knots_example: "stiffness = [[\"0 mm\", \"free\"], [\"200 mm\", \"150 kN/m\"]]",
+};
 
 /// A chain to be fitted, in SI.
 #[derive(Debug, Clone, Serialize)]
@@ -32,20 +36,17 @@ impl FittedChain {
         check_name(&place, name)?;
         let table = table_at(&place, table, "[parameter-solve.chain.car] with masses = [...]")?;
         check_keys(&place, table, &CHAIN_KEYS)?;
-        let list = match table.get("masses") {
-            Some(Value::Array(list)) if !list.is_empty() => list,
-            _ => return Err(Usage::new(format!("{place} has no masses")).hint(EXAMPLE).into()),
-        };
-        let mut masses: Vec<String> = Vec::new();
-        let mut elements = Vec::new();
-        for (number, mass) in (1..).zip(list) {
-            let (name, element) = element(&place, number, mass)?;
-            if masses.contains(&name) {
-                return Err(Usage::new(format!("{place}: two masses are named {name:?}")).into());
-            }
-            masses.push(name);
-            elements.push(element);
-        }
+        let (masses, elements) = read_masses(&place, table, &READERS)?
+            .into_iter()
+            .map(|mass| {
+                let element = StatedElement {
+                    mass_kg: mass.mass_kg,
+                    stiffness: points(mass.stiffness_n_per_m),
+                    damping: points(mass.damping_n_s_per_m),
+                };
+                (mass.name, element)
+            })
+            .unzip();
         Ok(Self { name: name.to_owned(), masses, elements })
     }
 
@@ -60,63 +61,25 @@ impl FittedChain {
     }
 }
 
-fn element(place: &str, number: usize, mass: &Value) -> anyhow::Result<(String, StatedElement)> {
-    let place = format!("{place}, mass {number}");
-    let table = table_at(&place, mass, "{ name = ..., mass = ..., stiffness = ..., damping = ... }")?;
-    check_keys(&place, table, &MASS_KEYS)?;
-    let get = |key: &str| {
-        table.get(key).ok_or_else(|| anyhow::Error::from(Usage::new(format!("{place} has no {key}")).hint(EXAMPLE)))
-    };
-    let name = match table.get("name") {
-        None => format!("m{number}"),
-        Some(Value::String(name)) if !name.trim().is_empty() => name.trim().to_owned(),
-        Some(_) => return Err(Usage::new(format!("{place}: name is no text")).into()),
-    };
-    let mass_kg = match get("mass")? {
-        Value::String(text) if text == "rest" => StatedMass::Rest,
-        value => StatedMass::Own(number_of::<Mass>(&format!("{place}, mass"), value, Mass::si)?),
-    };
-    let stiffness =
-        law::<Length, Stiffness>(&format!("{place}, stiffness"), get("stiffness")?, Length::si, Stiffness::si)?;
-    let damping = match table.get("damping") {
-        Some(value) => law::<Speed, Damping>(&format!("{place}, damping"), value, Speed::si, Damping::si)?,
-        None => vec![(0.0, Stated::Fixed(0.0))],
-    };
-    Ok((name, StatedElement { mass_kg, stiffness, damping }))
+/// A constant is a single knot at zero.
+fn points(law: LawOfTable<Stated>) -> Vec<(f64, Stated)> {
+    match law {
+        LawOfTable::Constant(value) => vec![(0.0, value)],
+        LawOfTable::Knots(points) => points,
+    }
 }
 
 /// `"350 kN/m"`, `"free"` or `{ start = "350 kN/m", lower = ..., upper = ... }`.
-fn number_of<V: FromStr<Err: Display>>(place: &str, value: &Value, si: impl Fn(V) -> f64) -> anyhow::Result<Stated> {
+fn given_or_free(place: &str, value: &Value, si: InSi<'_>) -> anyhow::Result<Stated> {
     match value {
         Value::String(text) if text == "free" => Ok(Stated::Free { start: None, lower: None, upper: None }),
         Value::Table(table) => {
             check_keys(place, table, &BOUND_KEYS)?;
-            let get = |key: &str| {
-                table.get(key).map(|value| typed::<V>(&format!("{place}, {key}"), value).map(&si)).transpose()
-            };
+            let get = |key: &str| table.get(key).map(|value| si(&format!("{place}, {key}"), value)).transpose();
             Ok(Stated::Free { start: get("start")?, lower: get("lower")?, upper: get("upper")? })
         }
-        value => Ok(Stated::Fixed(si(typed(place, value)?))),
+        value => Ok(Stated::Fixed(si(place, value)?)),
     }
-}
-
-/// One number, or a list of pairs of a knot and a number.
-fn law<K: FromStr<Err: Display>, V: FromStr<Err: Display>>(
-    place: &str,
-    value: &Value,
-    knot_si: impl Fn(K) -> f64,
-    value_si: impl Fn(V) -> f64,
-) -> anyhow::Result<Vec<(f64, Stated)>> {
-    let Value::Array(points) = value else { return Ok(vec![(0.0, number_of(place, value, value_si)?)]) };
-    points
-        .iter()
-        .map(|point| match point.as_array().map(Vec::as_slice) {
-            Some([knot, value]) => Ok((knot_si(typed(place, knot)?), number_of(place, value, &value_si)?)),
-            _ => Err(Usage::new(format!("{place}: expected one value, or a list of pairs of a knot and a value"))
-                .hint("stiffness = [[\"0 mm\", \"free\"], [\"200 mm\", \"150 kN/m\"]]")
-                .into()),
-        })
-        .collect()
 }
 
 #[cfg(test)]

@@ -1,18 +1,21 @@
 //! Fits the chains that a pipeline file states.
 
+use std::collections::BTreeMap;
+
 use crumple_parameter_solve::{
-    ChainKnowledge, ChainSolution, FitQuantity, Observed, Place, RESOLUTION_M, SeenWave, fit_chain,
+    ChainDual, ChainKnowledge, ChainQuestions, ChainSolution, ChainVerdict, Observed, Place, RESOLUTION_M, SeenWave,
+    errors_in_words, errors_remark, fit_chain, judge_chain,
 };
 use crumple_signal::Sampled;
 use crumple_stage::records::{CandidateV1, EventsV1, FitV1, SensorFitV1, UncertaintyV1};
-use crumple_stage::{Inputs, Output, RefuseExt, Refused};
+use crumple_stage::{Inputs, Output, RefuseExt, Refused, total_mass_remark};
 
 use crate::chain_table::FittedChain;
 use crate::judging::UNKNOWN_FILTER_M;
 use crate::measured::measurement;
 use crate::stage::motion;
 use crate::stage_settings::StageSettings;
-use crate::verdict::Ends;
+use crate::verdict::{Ends, bootstrap_record, linearised, profile_record, propagation_record, said_at_once};
 
 /// A sensor on a mass of the chain.
 struct Sensor {
@@ -39,35 +42,92 @@ pub fn fit_chains(
         Refused::new("neither the events nor the test have an impact speed")
             .hint("--impact-speed 35km/h at crumple-ingest")
     })?;
-    let flags = settings.judging.flags();
+    settings.judging.check(total_kg, speed)?;
+    let judging = &settings.judging;
+    let asked =
+        ChainQuestions { options: judging.options(), inputs: judging.inputs(), repetitions: judging.repetitions };
     let mut found = Vec::new();
     for chain in &settings.chain {
-        if !flags.is_empty() {
-            out.notes().warning(format!(
-                "{} without effect on chain {}: its intervals are those of the linearisation",
-                flags.join(", "),
-                chain.name
-            ));
-        }
         let (observed, sensors) = waves(chain, settings, input, &events, speed, out)?;
         let known = sensors.iter().all(|sensor| sensor.known);
-        let solutions = fit_chain(&chain.stated(total_kg), &observed, known, settings.solve.fit_starts)
-            .refuse_with_hint(format!("see [parameter-solve.chain.{}] of the pipeline file", chain.name))?;
-        if solutions.len() > 1 {
-            out.notes().warning(format!(
-                "chain {}: {} parameter sets fit within 1 % as well as the best; the record does not determine the parameters",
-                chain.name,
-                solutions.len()
-            ));
-        }
-        if let Some(text) = solutions.first().and_then(open) {
+        let hint = || format!("see [parameter-solve.chain.{}] of the pipeline file", chain.name);
+        let stated = chain.stated(total_kg);
+        let solutions = fit_chain(&stated, &observed, known, settings.solve.fit_starts).refuse_with_hint(hint())?;
+        say_what_is_open(chain, &solutions, out);
+        if let Some(text) =
+            total_kg.zip(solutions.first()).and_then(|(kg, s)| total_mass_remark(s.chain.masses_kg(), kg))
+        {
             out.notes().warning(format!("chain {}: {text}", chain.name));
         }
         for (k, solution) in solutions.iter().enumerate() {
-            found.push((chain.id(k + 1), record(chain, solution, &observed, &sensors, &events.channel)));
+            let verdict = judge_chain(&stated, &observed, known, solution, &asked).refuse_with_hint(hint())?;
+            let id = chain.id(k + 1);
+            let without = [
+                ("profiled", asked.options.profile && verdict.profile.is_empty()),
+                ("bootstrapped", asked.options.bootstrap > 0 && verdict.bootstrap.is_none()),
+                ("repeated with uncertain inputs", asked.inputs.any() && verdict.propagation.is_none()),
+            ];
+            for (what, _) in without.iter().filter(|(_, missing)| *missing) {
+                out.notes().warning(format!("{id}: not {what}, too few fits near its minimum came to an end"));
+            }
+            let said = said_at_once(&id, &verdict.profile, verdict.propagation.as_ref());
+            if !said.is_empty() {
+                out.summary(said);
+            }
+            let of = (chain, solution, &verdict, total_kg);
+            found.push((id, record(of, &observed, &sensors, &events.channel)));
         }
     }
     Ok(found)
+}
+
+/// Warnings on what the record does not decide.
+fn say_what_is_open(chain: &FittedChain, solutions: &[ChainSolution], out: &mut Output) {
+    let duals = solutions.iter().filter(|s| matches!(s.dual, Some(ChainDual::Solution(_)))).count() / 2;
+    let sets = solutions.len() - duals;
+    let mut warn = |text: String| out.notes().warning(format!("chain {}: {text}", chain.name));
+    if sets > 1 {
+        warn(format!(
+            "{sets} parameter sets fit within 1 % as well as the best; the record does not determine the parameters"
+        ));
+    }
+    let Some(best) = solutions.first() else { return };
+    if let Some(text) = open(best) {
+        warn(text);
+    }
+    if let Some(text) = dual(chain, best) {
+        warn(text);
+    }
+    if best.division_undecided {
+        warn(DIVISION.to_owned());
+    }
+}
+
+/// Said where masses were looked for and one sensor on the last mass has seen the chain.
+const DIVISION: &str = "masses were looked for with a sensor on the last mass alone: their division follows from a formula and, with any \
+                        noise, not from the record; give a mass, or name a sensor on another mass with --sensors";
+
+/// What the dual is, in words.
+fn dual(chain: &FittedChain, solution: &ChainSolution) -> Option<String> {
+    let same = "the same masses and the same motion of the last one";
+    Some(match solution.dual.as_ref()? {
+        ChainDual::Solution(place) => format!(
+            "its dual {} has {same}: a sensor on the mass next to the barrier decides between them",
+            chain.id(*place)
+        ),
+        ChainDual::NotAsStated(other) => {
+            let springs: Vec<String> = other
+                .parameters()
+                .iter()
+                .filter(|(name, _)| !name.ends_with("_kg"))
+                .map(|(name, value)| format!("{name} {value:.1}"))
+                .collect();
+            format!(
+                "its dual ({}) has {same} and is left out by what was given or by a bound, not by the record",
+                springs.join(", ")
+            )
+        }
+    })
 }
 
 /// The waves to fit, and the sensors they are of.
@@ -131,8 +191,7 @@ fn open(solution: &ChainSolution) -> Option<String> {
 }
 
 fn record(
-    chain: &FittedChain,
-    solution: &ChainSolution,
+    (chain, solution, verdict, total_kg): (&FittedChain, &ChainSolution, &ChainVerdict, Option<f64>),
     observed: &Observed,
     sensors: &[Sensor],
     pulse: &str,
@@ -150,21 +209,9 @@ fn record(
     }
     notes.push(format!("fitted to {quantity} from {:.2} ms to {:.2} ms after time zero", 1e3 * from_s, 1e3 * to_s));
     if sensors.len() > 1 {
-        let errors: Vec<String> = sensors
-            .iter()
-            .zip(&solution.rmse)
-            .map(|(sensor, rmse)| {
-                let (value, unit) = match quantity {
-                    FitQuantity::Displacement => (1e3 * rmse, "mm"),
-                    other => (*rmse, other.unit()),
-                };
-                format!("{value:.4} {unit} at {} ({})", sensor.channel, sensor.place)
-            })
-            .collect();
-        notes.push(format!(
-            "root mean square errors {}; residuals weighted by the noise level of each sensor",
-            errors.join(", ")
-        ));
+        let errors = sensors.iter().zip(&solution.rmse);
+        let errors = errors.map(|(s, rmse)| (*rmse, quantity, s.channel.as_str(), s.place.to_string()));
+        notes.push(errors_remark(&errors_in_words(errors), None));
     }
     if !sensors.iter().all(|sensor| sensor.known) {
         notes.push("the filter of a sensor is not known: fitted as if its record had none".to_owned());
@@ -173,12 +220,19 @@ fn record(
         notes.push(format!("on a bound, not determined by the record: {}", solution.on_bound.join(", ")));
     }
     notes.extend(open(solution));
+    notes.extend(dual(chain, solution));
+    notes.extend(solution.division_undecided.then(|| DIVISION.to_owned()));
+    notes.extend(total_kg.and_then(|kg| total_mass_remark(solution.chain.masses_kg(), kg)));
+    let equivalent_to = match solution.dual {
+        Some(ChainDual::Solution(place)) => Some(chain.id(place)),
+        _ => None,
+    };
     CandidateV1 {
         model: "chain".to_owned(),
         method: chain.name.clone(),
         parameters,
         physical: solution.chain.is_passive(),
-        equivalent_to: None,
+        equivalent_to,
         fit: Some(FitV1 {
             channel: pulse.to_owned(),
             quantity: quantity.name().to_owned(),
@@ -202,29 +256,34 @@ fn record(
                 })
                 .collect(),
         }),
-        uncertainty: solution.knowledge.as_ref().map(|known| uncertainty(known, sensors)),
+        uncertainty: Some(uncertainty(solution, verdict, sensors)),
         notes,
     }
 }
 
-fn uncertainty(known: &ChainKnowledge, sensors: &[Sensor]) -> UncertaintyV1 {
+fn uncertainty(solution: &ChainSolution, verdict: &ChainVerdict, sensors: &[Sensor]) -> UncertaintyV1 {
+    let method = linearised(sensors.iter().all(|sensor| sensor.known));
+    let Some(known) = &solution.knowledge else {
+        // Everything that was free stays open.
+        let open: BTreeMap<String, Option<f64>> = solution.free.iter().map(|name| (name.clone(), None)).collect();
+        return UncertaintyV1 { method, interval_low: open.clone(), interval_high: open, ..UncertaintyV1::default() };
+    };
+    let ChainKnowledge { standard_deviation, order, correlation, weakest_direction, .. } = known.clone();
     let side =
         |of: fn(&Ends) -> Option<f64>| known.interval.iter().map(|(name, ends)| (name.clone(), of(ends))).collect();
     UncertaintyV1 {
-        method: if sensors.iter().all(|sensor| sensor.known) {
-            "linearised about the minimum seen through the record's filter, autocorrelated residuals".to_owned()
-        } else {
-            "linearised about the minimum, autocorrelated residuals".to_owned()
-        },
-        standard_deviation: known.standard_deviation.clone(),
+        method,
+        standard_deviation,
         condition: known.condition,
         interval_low: side(|ends| ends.0),
         interval_high: side(|ends| ends.1),
-        order: known.order.clone(),
-        correlation: known.correlation.clone(),
+        order,
+        correlation,
         rank: Some(known.rank as u32),
-        weakest_direction: known.weakest_direction.clone(),
+        weakest_direction,
         effective_samples: Some(known.effective_samples),
-        ..UncertaintyV1::default()
+        profile: verdict.profile.iter().map(profile_record).collect(),
+        bootstrap: verdict.bootstrap.as_ref().map(bootstrap_record),
+        propagation: verdict.propagation.as_ref().map(|p| propagation_record(p, "fit")),
     }
 }

@@ -75,6 +75,8 @@ pub(crate) struct FreeChain {
     total_kg: f64,
     total_known: bool,
     free: Vec<(Place, Axis)>,
+    /// Whether a person gave the lower and the upper bound of each.
+    given_bounds: Vec<(bool, bool)>,
     /// The starts that were given, logarithms; the middle of the box for others.
     pub start: Vec<f64>,
     pub names: Vec<String>,
@@ -86,6 +88,8 @@ const SPRINGS: [(f64, f64); 2] = [(1e-4, 1e4), (0.2, 30.0)];
 const DAMPERS: [(f64, f64); 2] = [(1e-5, 1e3), (0.01, 3.0)];
 /// Masses, of the total.
 const MASSES: [(f64, f64); 2] = [(1e-3, 0.999), (0.05, 0.6)];
+/// Two numbers nearer than this, relatively, are the same.
+const ROUNDING: f64 = 1e-9;
 /// Starts around a start that was given.
 const AROUND: f64 = 5.0;
 
@@ -104,6 +108,7 @@ impl FreeChain {
             total_kg,
             total_known: stated.total_mass_kg.is_some(),
             free: Vec::new(),
+            given_bounds: Vec::new(),
             start: Vec::new(),
             names: Vec::new(),
         };
@@ -210,6 +215,7 @@ impl FreeChain {
         let value = start.unwrap_or((low * high).sqrt());
         self.start.push(value.ln());
         self.free.push((place, axis));
+        self.given_bounds.push((lower.is_some(), upper.is_some()));
         self.names.push(name);
         Ok(value)
     }
@@ -231,9 +237,74 @@ impl FreeChain {
         self.springs.iter().chain(&self.dampers).all(|points| points.len() == 1)
     }
 
-    /// Place of the mass that is the rest.
-    pub fn rest(&self) -> Option<usize> {
-        self.rest
+    /// Number of masses.
+    pub fn masses(&self) -> usize {
+        self.masses.len()
+    }
+
+    /// Names of all that is looked for; a mass that is the rest, and follows from a free one, comes last.
+    pub fn all_names(&self) -> Vec<String> {
+        let rest = self.free_rest().map(|rest| format!("m{}_kg", rest + 1));
+        self.names.iter().cloned().chain(rest).collect()
+    }
+
+    /// The values of those names.
+    pub fn values(&self, theta: &[f64]) -> Vec<f64> {
+        let own = theta.iter().map(|x| x.exp());
+        let rest = self.free_rest().map(|rest| self.total_kg - self.others_kg(rest, theta));
+        own.chain(rest).collect()
+    }
+
+    /// Whether a mass is the rest of the total.
+    pub fn has_rest(&self) -> bool {
+        self.rest.is_some()
+    }
+
+    /// Place of a mass that is the rest and follows from a free one.
+    pub fn free_rest(&self) -> Option<usize> {
+        self.rest.filter(|_| (0..self.free.len()).any(|i| self.is_mass(i)))
+    }
+
+    /// All masses but this one, kg.
+    fn others_kg(&self, rest: usize, theta: &[f64]) -> f64 {
+        let free: f64 = (0..theta.len()).filter(|&i| self.is_mass(i)).map(|i| theta[i].exp()).sum();
+        let given =
+            (0..self.masses.len()).filter(|&i| i != rest && !self.free.iter().any(|(p, _)| *p == Place::Mass(i)));
+        free + given.map(|i| self.masses[i]).sum::<f64>()
+    }
+
+    /// Coordinates of a chain that is as stated: what was given has its value, what is free is in the bounds that were given. Those
+    /// of the search alone leave nothing out.
+    pub fn point(&self, chain: &SecantChain) -> Option<Vec<f64>> {
+        let value = |place: Place| match place {
+            Place::Mass(i) => chain.masses_kg().get(i).copied(),
+            Place::Spring(i, j) => chain.springs().get(i)?.points().nth(j).map(|(_, value)| value),
+            Place::Damper(i, j) => chain.dampers().get(i)?.points().nth(j).map(|(_, value)| value),
+        };
+        let within = |((place, axis), (lower, upper)): (&(Place, Axis), &(bool, bool))| {
+            let x = value(*place).filter(|value| *value > 0.0)?.ln();
+            let low = if *lower { axis.lower } else { f64::NEG_INFINITY };
+            let high = if *upper { axis.upper } else { f64::INFINITY };
+            (x >= low - ROUNDING && x <= high + ROUNDING).then(|| x.clamp(low, high))
+        };
+        let theta = self.free.iter().zip(&self.given_bounds).map(within).collect::<Option<Vec<f64>>>()?;
+        let (own, other) = (self.model(&theta)?.parameters(), chain.parameters());
+        let same = |(name, value): (&String, &f64)| {
+            other.get(name).is_some_and(|other| (value - other).abs() <= 4.0 * ROUNDING * value.abs())
+        };
+        (own.len() == other.len() && own.iter().all(same)).then_some(theta)
+    }
+
+    /// The same chain where the test weighs `ratio` times as much: the rest takes the difference; where no mass is the rest, all
+    /// masses are shares of the test's and change alike. Springs and dampers that are given stay, and so do bounds.
+    #[must_use]
+    pub fn of_mass(&self, ratio: f64) -> Self {
+        let mut other = self.clone();
+        other.total_kg *= ratio;
+        if self.rest.is_none() {
+            other.masses.iter_mut().for_each(|kg| *kg *= ratio);
+        }
+        other
     }
 
     /// Whether this free number is a mass.

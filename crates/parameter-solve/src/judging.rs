@@ -2,8 +2,8 @@
 
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1};
 use crumple_parameter_solve::{
-    Candidate, FollowedEvents, FreeParameter, InputUncertainty, JudgeOptions, MassFit, Measurement, Method, Observed,
-    Propagation, RESOLUTION_M, Refined, free_masses, free_parameters, judge, propagate, propagate_closed_form,
+    Candidate, FollowedEvents, FreeParameter, JudgeOptions, MassFit, Measurement, Method, Observed, Propagation,
+    RESOLUTION_M, Refined, free_masses, free_parameters, judge, propagate, propagate_closed_form,
     propagate_conditioned, propagate_unfiltered, refine,
 };
 use crumple_signal::{Displacement, Signal};
@@ -250,8 +250,7 @@ impl Scene<'_> {
     fn judge(&self, candidate: &Candidate, observed: &Observed, refined: &Refined) -> Option<Judged> {
         let asked = &self.settings.judging;
         let here = self.is_minimum(candidate, refined);
-        let options =
-            JudgeOptions { profile: asked.profile && here, bootstrap: if here { asked.bootstrap } else { 0 } };
+        let options = if here { asked.options() } else { JudgeOptions::default() };
         let given = (!self.gives_way(candidate, refined)).then_some(&candidate.model);
         let mut judgement = judge(refined, given, observed, options)?;
         judgement.interval.extend(held(candidate).map(|name| (name, (None, None))));
@@ -271,13 +270,7 @@ impl Scene<'_> {
     /// The estimator that made the values, repeated with uncertain inputs.
     fn propagation(&self, candidate: &Candidate, observed: &Observed, refined: &Refined) -> Option<Propagation> {
         let asked = &self.settings.judging;
-        let inputs = InputUncertainty {
-            mass_kg: asked.mass_uncertainty_kg,
-            impact_speed_m_per_s: asked.speed_uncertainty_m_per_s,
-            bias_m_per_s2: asked.bias_uncertainty_m_per_s2,
-            time_zero_s: asked.time_zero_uncertainty_s,
-            distributions: asked.distributions,
-        };
+        let inputs = asked.inputs();
         if !inputs.any() {
             return None;
         }

@@ -1,6 +1,6 @@
 //! What is to be judged beyond the covariance, and how uncertain the inputs are.
 
-use crumple_parameter_solve::{Distribution, largest_draw};
+use crumple_parameter_solve::{Distribution, InputUncertainty, JudgeOptions, largest_draw};
 use crumple_stage::Usage;
 use serde::Serialize;
 
@@ -39,6 +39,22 @@ impl Judging {
         let own = [("--profile", self.profile), ("--bootstrap", self.bootstrap > 0)];
         let own = own.into_iter().filter(|(_, given)| *given).map(|(flag, _)| flag);
         own.chain(inputs.into_iter().filter(|(_, value)| *value > 0.0).map(|(flag, _)| flag)).collect()
+    }
+
+    /// How uncertain the inputs are.
+    pub fn inputs(&self) -> InputUncertainty {
+        InputUncertainty {
+            mass_kg: self.mass_uncertainty_kg,
+            impact_speed_m_per_s: self.speed_uncertainty_m_per_s,
+            bias_m_per_s2: self.bias_uncertainty_m_per_s2,
+            time_zero_s: self.time_zero_uncertainty_s,
+            distributions: self.distributions,
+        }
+    }
+
+    /// What looks from a minimum.
+    pub fn options(&self) -> JudgeOptions {
+        JudgeOptions { profile: self.profile, bootstrap: self.bootstrap }
     }
 
     /// Refuses uncertainties of which a draw could make the mass or the speed zero.

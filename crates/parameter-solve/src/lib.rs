@@ -14,7 +14,11 @@
 mod amplitude_ratios;
 mod bootstrap;
 mod candidate;
+mod chain_dual;
 mod chain_fit;
+mod chain_judge;
+mod chain_knowledge;
+mod chain_problem;
 mod closed_form_propagation;
 mod coefficient_spread;
 mod conditioned_propagation;
@@ -65,12 +69,16 @@ mod solver;
 mod solvers;
 mod starts;
 mod tfest_paper;
+mod weighing;
 mod window;
 
 pub use amplitude_ratios::{front_from_amplitudes, rear_from_amplitudes};
 pub use bootstrap::{Bootstrap, REPLICATES, bootstrap};
 pub use candidate::{Candidate, Fit, Uncertainty, bounds_remark};
-pub use chain_fit::{ChainKnowledge, ChainSolution, fit_chain};
+pub use chain_dual::ChainDual;
+pub use chain_fit::{ChainSolution, fit_chain};
+pub use chain_judge::{ChainQuestions, ChainVerdict, judge_chain};
+pub use chain_knowledge::ChainKnowledge;
 pub use closed_form_propagation::{FollowedEvents, propagate_closed_form};
 pub use coefficient_spread::CoefficientSpread;
 pub use conditioned_propagation::propagate_conditioned;
@@ -109,7 +117,7 @@ pub use propagation::{
 pub use quantity::FitQuantity;
 pub use random_starts::random_start_nonlinear2;
 pub use refine::{Refined, refine};
-pub use sensor::{Place, Sensor, SensorFit};
+pub use sensor::{Place, Sensor, SensorFit, errors_in_words, errors_remark, is_errors_remark};
 pub use settings::SolveSettings;
 pub use solve::solve;
 pub use solver::{DEFAULT_MODELS, MODELS, Needs, SOLVERS, Solver, solvers_of};

@@ -1,6 +1,5 @@
 //! Profile likelihood: how far one parameter can move when all others follow.
 
-use nalgebra::DVector;
 use rayon::prelude::*;
 
 use crate::observed::{FreeParameter, Observed, Problem};
@@ -18,11 +17,11 @@ const STEPS: (f64, f64) = (1e-6, 0.25);
 /// Bisections between the last point inside and the first outside: 1/64 of a grid step.
 const BISECTIONS: usize = 6;
 
-/// The profile of one parameter.
+/// The profile of one parameter, named by `N`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Profile {
+pub struct Profile<N = &'static str> {
     /// Name with unit.
-    pub parameter: &'static str,
+    pub parameter: N,
     /// Lower end of the 95 % interval; `None`: open, the record does not bound it from below.
     pub low: Option<f64>,
     /// Upper end; `None`: open.
@@ -31,7 +30,7 @@ pub struct Profile {
     pub points: Vec<(f64, f64)>,
 }
 
-impl Profile {
+impl<N> Profile<N> {
     /// Whether the record bounds the parameter on both sides.
     pub fn identifiable(&self) -> bool {
         self.low.is_some() && self.high.is_some()
@@ -52,28 +51,83 @@ pub fn profile(
     expected: &[Option<f64>],
     effective_samples: f64,
 ) -> Vec<Profile> {
-    let problem = Problem::new(refined.model, refined.free.clone(), observed);
-    let at = problem.start();
-    (0..refined.free.len())
-        .into_par_iter()
-        .map(|i| {
-            let judge = Side::new(refined, observed, (expected.get(i).copied().flatten(), effective_samples), i, &at);
-            let (low, mut points) = judge.walk(-1.0);
-            let (high, above) = judge.walk(1.0);
-            points.reverse();
-            points.push((refined.free[i].value, 0.0));
-            points.extend(above);
-            Profile { parameter: refined.free[i].name, low, high, points }
-        })
-        .collect()
+    let free = &refined.free;
+    let names: Vec<&'static str> = free.iter().map(|p| p.name).collect();
+    let bounds: Vec<(f64, f64)> = free.iter().map(FreeParameter::bounds).collect();
+    let refit = |held: usize, coordinate: f64, start: &[f64]| -> Option<(Vec<f64>, f64)> {
+        let mut values = refined.model.parameters();
+        *values.get_mut(free[held].name)? = free[held].at(coordinate);
+        let template = crate::observed::with_parameters(&refined.model, &values)?;
+        let others: Vec<FreeParameter> = (0..free.len()).filter(|&i| i != held).map(|i| free[i]).collect();
+        let problem = Problem::new(template, others, observed);
+        if start.is_empty() {
+            let cost = observed.misfit(&template)?.iter().map(|r| (r / problem.unit_m).powi(2)).sum();
+            return Some((Vec::new(), cost));
+        }
+        let found = follow(&problem, start)?;
+        Some((found.theta, found.cost))
+    };
+    Minimum {
+        names: &names,
+        at: &Problem::new(refined.model, free.clone(), observed).start(),
+        bounds: &bounds,
+        value: &|i, coordinate| free[i].at(coordinate),
+        ends_at_zero: &|i| !free[i].logarithmic,
+        refit: &refit,
+        misfit: &refined.misfit_m,
+        observed,
+        expected,
+        effective_samples,
+    }
+    .profiles()
+}
+
+/// How the other parameters are fitted while one is held: which, at what coordinate, from what coordinates of the others; gives
+/// those of the minimum and its sum of squares in units of [`Observed::scale_m`].
+pub(crate) type Refit<'a> = &'a (dyn Fn(usize, f64, &[f64]) -> Option<(Vec<f64>, f64)> + Sync);
+
+/// A minimum of which the parameters can be held one at a time.
+pub(crate) struct Minimum<'a, N> {
+    pub names: &'a [N],
+    /// Coordinates of the minimum.
+    pub at: &'a [f64],
+    /// Smallest and largest coordinates.
+    pub bounds: &'a [(f64, f64)],
+    /// The value of a parameter at a coordinate.
+    pub value: &'a (dyn Fn(usize, f64) -> f64 + Sync),
+    /// Whether a coordinate of zero is a value of zero, which ends an interval.
+    pub ends_at_zero: &'a (dyn Fn(usize) -> bool + Sync),
+    pub refit: Refit<'a>,
+    /// Weighted misfit at the minimum, in the unit of the first wave.
+    pub misfit: &'a [f64],
+    pub observed: &'a Observed,
+    /// As in [`profile`].
+    pub expected: &'a [Option<f64>],
+    pub effective_samples: f64,
+}
+
+impl<N: Clone + Send + Sync> Minimum<'_, N> {
+    /// The profile of every parameter, see [`profile`].
+    pub fn profiles(&self) -> Vec<Profile<N>> {
+        (0..self.at.len())
+            .into_par_iter()
+            .map(|i| {
+                let side = Side::new(self, i);
+                let (low, mut points) = side.walk(-1.0);
+                let (high, above) = side.walk(1.0);
+                points.reverse();
+                points.push(((self.value)(i, self.at[i]), 0.0));
+                points.extend(above);
+                Profile { parameter: self.names[i].clone(), low, high, points }
+            })
+            .collect()
+    }
 }
 
 /// What both sides of one parameter's profile share.
-struct Side<'a> {
-    refined: &'a Refined,
-    observed: &'a Observed,
-    fixed: usize,
-    at: &'a [f64],
+struct Side<'a, N> {
+    of: &'a Minimum<'a, N>,
+    held: usize,
     effective_samples: f64,
     /// Sum of squares at the minimum with that of the resolution, in squared units of the problem.
     least: f64,
@@ -81,57 +135,44 @@ struct Side<'a> {
     first_step: f64,
 }
 
-impl<'a> Side<'a> {
-    fn new(
-        refined: &'a Refined,
-        observed: &'a Observed,
-        (expected, effective_samples): (Option<f64>, f64),
-        fixed: usize,
-        at: &'a [f64],
-    ) -> Self {
-        let unit = observed.scale_m();
+impl<'a, N> Side<'a, N> {
+    fn new(of: &'a Minimum<'a, N>, held: usize) -> Self {
+        let unit = of.observed.scale_m();
         let floor =
-            observed.blocks().iter().map(|(n, resolution)| *n as f64 * (resolution / unit).powi(2)).sum::<f64>();
-        let least = refined.misfit_m.iter().map(|r| (r / unit).powi(2)).sum::<f64>() + floor;
+            of.observed.blocks().iter().map(|(n, resolution)| *n as f64 * (resolution / unit).powi(2)).sum::<f64>();
+        let least = of.misfit.iter().map(|r| (r / unit).powi(2)).sum::<f64>() + floor;
+        let expected = of.expected.get(held).copied().flatten();
         let first_step = (FIRST_SHARE * expected.unwrap_or(1.0)).clamp(STEPS.0, STEPS.1);
-        let effective_samples = effective_samples.max(refined.free.len() as f64 + 1.0);
-        Self { refined, observed, fixed, at, effective_samples, least, floor, first_step }
+        let effective_samples = of.effective_samples.max(of.at.len() as f64 + 1.0);
+        Self { of, held, effective_samples, least, floor, first_step }
     }
 
     /// The others at their best for a value of the fixed one: their coordinates and the rise.
     fn rise(&self, coordinate: f64, start: &[f64]) -> Option<(Vec<f64>, f64)> {
-        let free = &self.refined.free;
-        let mut values = self.refined.model.parameters();
-        *values.get_mut(free[self.fixed].name)? = free[self.fixed].at(coordinate);
-        let template = crate::observed::with_parameters(&self.refined.model, &values)?;
-        let others: Vec<FreeParameter> = (0..free.len()).filter(|&i| i != self.fixed).map(|i| free[i]).collect();
-        let problem = Problem::new(template, others, self.observed);
-        let (theta, cost) = if start.is_empty() {
-            (Vec::new(), self.observed.misfit(&template)?.iter().map(|r| (r / problem.unit_m).powi(2)).sum())
-        } else {
-            let found = follow(&problem, start)?;
-            (found.theta, found.cost)
-        };
+        let (theta, cost) = (self.of.refit)(self.held, coordinate, start)?;
         let rise = self.effective_samples * ((cost + self.floor) / self.least).ln();
         rise.is_finite().then_some((theta, rise))
     }
 
     /// The end of the interval on one side and the points met on the way.
     fn walk(&self, direction: f64) -> (Option<f64>, Vec<(f64, f64)>) {
-        let free = &self.refined.free[self.fixed];
-        let (lower, upper) = free.bounds();
-        let mut theta: Vec<f64> = DVector::from_column_slice(self.at).remove_row(self.fixed).iter().copied().collect();
-        let mut inside = self.at[self.fixed];
+        let value = |coordinate: f64| (self.of.value)(self.held, coordinate);
+        let (lower, upper) = self.of.bounds[self.held];
+        let mut theta: Vec<f64> =
+            self.of.at.iter().enumerate().filter(|(i, _)| *i != self.held).map(|(_, x)| *x).collect();
+        let mut inside = self.of.at[self.held];
         let mut step = self.first_step;
         let mut points = Vec::new();
-        let zero = |coordinate: f64| (direction < 0.0 && !free.logarithmic && coordinate <= 0.0).then_some(0.0);
+        let zero = |coordinate: f64| {
+            (direction < 0.0 && (self.of.ends_at_zero)(self.held) && coordinate <= 0.0).then_some(0.0)
+        };
         for _ in 0..POINTS {
             let next = (inside + direction * step).clamp(lower, upper);
             if next == inside {
                 return (zero(inside), points);
             }
             let Some((found, rise)) = self.rise(next, &theta) else { return (None, points) };
-            points.push((free.at(next), rise));
+            points.push((value(next), rise));
             if rise > RISE_95 {
                 let (mut good, mut bad) = (inside, next);
                 for _ in 0..BISECTIONS {
@@ -144,7 +185,7 @@ impl<'a> Side<'a> {
                         _ => bad = middle,
                     }
                 }
-                return (Some(free.at(0.5 * (good + bad))), points);
+                return (Some(value(0.5 * (good + bad))), points);
             }
             (theta, inside) = (found, next);
             step *= GROWTH;

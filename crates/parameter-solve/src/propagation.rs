@@ -48,15 +48,15 @@ impl InputUncertainty {
 pub const REPETITIONS: usize = 200;
 const SEED: u64 = 2;
 
-/// What the repetitions say.
+/// What the repetitions say of parameters named by `N`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Propagation {
+pub struct Propagation<N: Ord = &'static str> {
     /// Repetitions that led to a result.
     pub repetitions: usize,
     /// 5th and 95th percentile by name: the parameters, and `dynamic_crush_m` of the model.
-    pub interval_90: BTreeMap<&'static str, (f64, f64)>,
+    pub interval_90: BTreeMap<N, (f64, f64)>,
     /// Standard deviation by name.
-    pub standard_deviation: BTreeMap<&'static str, f64>,
+    pub standard_deviation: BTreeMap<N, f64>,
 }
 
 /// A test as a repetition finds it.
@@ -205,14 +205,14 @@ pub fn propagate_unfiltered(
 }
 
 /// Percentiles of what `one` gives for the errors drawn: of the mass relative to `mass_kg`, the others in their units.
-pub(crate) fn by_repetition(
+pub(crate) fn by_repetition<N: Ord + Clone + Send>(
     mass_kg: f64,
     inputs: &InputUncertainty,
     (repetitions, sensors): (usize, usize),
-    one: impl Fn(&Errors) -> Option<BTreeMap<&'static str, f64>> + Sync,
-) -> Option<Propagation> {
+    one: impl Fn(&Errors) -> Option<BTreeMap<N, f64>> + Sync,
+) -> Option<Propagation<N>> {
     let relative = InputUncertainty { mass_kg: inputs.mass_kg / mass_kg, ..*inputs };
-    let found: Vec<Option<BTreeMap<&'static str, f64>>> =
+    let found: Vec<Option<BTreeMap<N, f64>>> =
         (0..repetitions).into_par_iter().map(|index| one(&drawn(&relative, index, sensors))).collect();
     let found: Vec<_> = found.into_iter().flatten().collect();
     if found.len() < 20 {
@@ -220,11 +220,11 @@ pub(crate) fn by_repetition(
     }
     let mut interval_90 = BTreeMap::new();
     let mut standard_deviation = BTreeMap::new();
-    for name in found[0].keys().copied() {
-        let mut values: Vec<f64> = found.iter().filter_map(|f| f.get(name).copied()).collect();
+    for name in found[0].keys().cloned() {
+        let mut values: Vec<f64> = found.iter().filter_map(|f| f.get(&name).copied()).collect();
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let power: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-        standard_deviation.insert(name, (power / (values.len() - 1) as f64).sqrt());
+        standard_deviation.insert(name.clone(), (power / (values.len() - 1) as f64).sqrt());
         interval_90.insert(name, (percentile(&mut values, 0.05)?, percentile(&mut values, 0.95)?));
     }
     Some(Propagation { repetitions: found.len(), interval_90, standard_deviation })

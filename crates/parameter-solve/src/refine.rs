@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::StopReason;
-use crate::least_squares::{Bounds, Optimum, Response, descend};
+use crate::least_squares::{Bounds, Optimum, Response, derivatives, descend};
 use crate::observed::{FreeParameter, Observed, Problem};
 
 /// A model at the minimum, with the sensitivities there.
@@ -34,8 +34,6 @@ const ITERATIONS: u32 = 200;
 /// Relative decrease of the cost that is worth another step: over 250 samples it moves a parameter by `sqrt(250e-7)`, 0.5 % of
 /// its standard deviation.
 const COST_TOLERANCE: f64 = 1e-7;
-/// Step of the central differences: its square and rounding over it are both near 1e-10.
-const DIFFERENCE: f64 = 1e-5;
 /// Steps along the weakest direction from which the descent starts once more, in the coordinates.
 const HOPS: [f64; 4] = [-0.3, 0.3, -0.05, 0.05];
 /// Relative decrease of the cost for which a hop is worth following.
@@ -115,15 +113,9 @@ fn weakest(best: &Optimum) -> Option<DVector<f64>> {
 }
 
 fn finish(problem: &Problem<'_>, best: Optimum, evaluations: u64) -> Option<Refined> {
-    let n = problem.free.len();
     let model = problem.model(&best.theta)?;
     let misfit_m = problem.observed.misfit(&model)?;
-    let mut sensitivity_m = DMatrix::zeros(misfit_m.len(), n);
-    if problem.sensitivities(&best.theta, &mut sensitivity_m) == Some(true) {
-        sensitivity_m *= problem.unit_m;
-    } else {
-        sensitivity_m = differences(problem, &best.theta, misfit_m.len())?;
-    }
+    let sensitivity_m = derivatives(problem, &best.theta, &bounds(&problem.free))? * problem.unit_m;
     let values = model.parameters();
     let free = problem.free.iter().map(|p| FreeParameter { value: values[p.name], ..*p }).collect();
     // `unit` stays that of the start: a logarithm's derivative does not depend on it.
@@ -139,35 +131,13 @@ fn finish(problem: &Problem<'_>, best: Optimum, evaluations: u64) -> Option<Refi
     })
 }
 
-/// The same by differences, where the model has no derivatives of its own at the minimum.
-fn differences(problem: &Problem<'_>, theta: &[f64], rows: usize) -> Option<DMatrix<f64>> {
-    let mut found = DMatrix::zeros(rows, theta.len());
-    let mut moved = theta.to_vec();
-    let limits = bounds(&problem.free);
-    for j in 0..theta.len() {
-        // One-sided at a bound.
-        let up = (theta[j] + DIFFERENCE).min(limits.upper[j]);
-        let down = (theta[j] - DIFFERENCE).max(limits.lower[j]);
-        let mut at = |coordinate: f64| {
-            let before = std::mem::replace(&mut moved[j], coordinate);
-            let misfit = problem.model(&moved).and_then(|model| problem.observed.misfit(&model));
-            moved[j] = before;
-            misfit
-        };
-        let (above, below) = (at(up)?, at(down)?);
-        for (k, (a, b)) in above.iter().zip(&below).enumerate() {
-            found[(k, j)] = (a - b) / (up - down);
-        }
-    }
-    Some(found)
-}
-
 #[cfg(test)]
 mod tests {
     use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Nonlinear2};
     use crumple_signal::{Displacement, Signal};
 
     use super::*;
+    use crate::least_squares::central_differences;
     use crate::observed::free_masses;
     use crate::{IntegrationRule, Measurement, TwoPassFilter, free_parameters};
 
@@ -231,7 +201,7 @@ mod tests {
             let theta = problem.start();
             let mut own = DMatrix::zeros(observed.rows(), theta.len());
             assert_eq!(problem.sensitivities(&theta, &mut own), Some(true));
-            let by_differences = differences(&problem, &theta, observed.rows()).unwrap() / problem.unit_m;
+            let by_differences = central_differences(&problem, &theta, &bounds(&problem.free)).unwrap();
             for (j, (a, b)) in own.column_iter().zip(by_differences.column_iter()).enumerate() {
                 // Square of the step times the third derivative, rounding over the step, and samples that a kink of the
                 // acceleration crosses within the step.

@@ -5,6 +5,32 @@ use crumple_signal::Sampled;
 
 use crate::FitQuantity;
 
+/// How the sentence on the misfit of several sensors begins.
+const ERRORS: &str = "root mean square errors ";
+
+/// How far sensors were missed: each root mean square error in its unit, with channel and place.
+pub fn errors_in_words<'a>(errors: impl IntoIterator<Item = (f64, FitQuantity, &'a str, String)>) -> String {
+    let one = |(rmse, quantity, channel, place): (f64, FitQuantity, &str, String)| {
+        let (value, unit) = match quantity {
+            FitQuantity::Displacement => (1e3 * rmse, "mm"),
+            other => (rmse, other.unit()),
+        };
+        format!("{value:.4} {unit} at {channel} ({place})")
+    };
+    errors.into_iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// The note on these [`errors_in_words`]; `seen`: how, `"through the filter"`, or nothing.
+pub fn errors_remark(errors: &str, seen: Option<&str>) -> String {
+    let seen = seen.map_or_else(String::new, |seen| format!("seen {seen} "));
+    format!("{ERRORS}{seen}{errors}; residuals weighted by the noise level of each sensor")
+}
+
+/// Whether a note is an [`errors_remark`].
+pub fn is_errors_remark(note: &str) -> bool {
+    note.starts_with(ERRORS)
+}
+
 /// Which mass of a model a sensor sits on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {

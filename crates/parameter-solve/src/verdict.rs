@@ -1,8 +1,9 @@
 //! The verdict on a candidate, as the artifact and a person get it.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 
-use crumple_parameter_solve::{Candidate, DualScale, Judgement, Propagation, Uncertainty};
+use crumple_parameter_solve::{Bootstrap, Candidate, DualScale, Judgement, Profile, Propagation, Uncertainty};
 use crumple_stage::records::{ProfileV1, ReplicatesV1, UncertaintyV1};
 
 /// Both ends of an interval.
@@ -39,11 +40,7 @@ impl Judged {
             j.interval.iter().map(|(name, interval)| (own(name), of(interval))).collect()
         };
         UncertaintyV1 {
-            method: if self.through_filter {
-                "linearised about the minimum seen through the record's filter, autocorrelated residuals".to_owned()
-            } else {
-                "linearised about the minimum, autocorrelated residuals".to_owned()
-            },
+            method: linearised(self.through_filter),
             standard_deviation: finite(&j.standard_deviation),
             condition: j.condition,
             interval_low: side(|i| i.0),
@@ -53,63 +50,86 @@ impl Judged {
             rank: Some(j.rank as u32),
             weakest_direction: j.weakest_direction.clone(),
             effective_samples: Some(j.effective_samples),
-            profile: j
-                .profile
-                .iter()
-                .map(|p| ProfileV1 {
-                    parameter: p.parameter.to_owned(),
-                    low: p.low,
-                    high: p.high,
-                    identifiable: p.identifiable(),
-                    values: p.points.iter().map(|(value, _)| *value).collect(),
-                    rise: p.points.iter().map(|(_, rise)| *rise).collect(),
-                })
-                .collect(),
-            bootstrap: j.bootstrap.as_ref().map(|b| {
-                let ends = |of: fn(&Ends) -> Option<f64>| {
-                    b.interval.iter().filter_map(|(name, i)| Some((own(name), of(i)?))).collect()
-                };
-                ReplicatesV1 {
-                    method: format!("block bootstrap of the misfit, blocks of {} samples", b.block),
-                    replicates: b.replicates as u64,
-                    coverage: 0.95,
-                    low: ends(|i| i.0),
-                    high: ends(|i| i.1),
-                }
-            }),
-            propagation: self.propagation.as_ref().map(|p| ReplicatesV1 {
-                method: format!(
-                    "{} repeated with mass, impact speed, zero level and time zero drawn anew",
-                    self.repeated
-                ),
-                replicates: p.repetitions as u64,
-                coverage: 0.9,
-                low: p.interval_90.iter().map(|(name, (low, _))| (own(name), *low)).collect(),
-                high: p.interval_90.iter().map(|(name, (_, high))| (own(name), *high)).collect(),
-            }),
+            profile: j.profile.iter().map(profile_record).collect(),
+            bootstrap: j.bootstrap.as_ref().map(bootstrap_record),
+            propagation: self.propagation.as_ref().map(|p| propagation_record(p, self.repeated)),
         }
     }
 
     /// What a person should hear at once: parameters that the record does not determine; propagated intervals.
     pub fn line(&self, candidate: &Candidate) -> String {
-        let mut parts = Vec::new();
-        let open: Vec<&str> =
-            self.judgement.profile.iter().filter(|p| !p.identifiable()).map(|p| p.parameter).collect();
-        if !open.is_empty() {
-            parts.push(format!("not identifiable: {}", open.join(", ")));
-        }
-        if let Some(p) = &self.propagation
-            && let Some((low, high)) = p.interval_90.get("dynamic_crush_m")
-        {
-            parts.push(format!(
-                "{} repetitions with uncertain inputs: crush {:.1} to {:.1} mm (5 to 95 %)",
-                p.repetitions,
-                1e3 * low,
-                1e3 * high
-            ));
-        }
-        if parts.is_empty() { String::new() } else { format!("{}: {}", candidate.id(), parts.join("; ")) }
+        said_at_once(&candidate.id(), &self.judgement.profile, self.propagation.as_ref())
     }
+}
+
+/// How intervals came about.
+pub fn linearised(through_filter: bool) -> String {
+    if through_filter {
+        "linearised about the minimum seen through the record's filter, autocorrelated residuals".to_owned()
+    } else {
+        "linearised about the minimum, autocorrelated residuals".to_owned()
+    }
+}
+
+/// A profile, of parameters of any name.
+pub fn profile_record<N: Display>(profile: &Profile<N>) -> ProfileV1 {
+    ProfileV1 {
+        parameter: profile.parameter.to_string(),
+        low: profile.low,
+        high: profile.high,
+        identifiable: profile.identifiable(),
+        values: profile.points.iter().map(|(value, _)| *value).collect(),
+        rise: profile.points.iter().map(|(_, rise)| *rise).collect(),
+    }
+}
+
+/// A bootstrap, of parameters of any name.
+pub fn bootstrap_record<N: Display + Ord>(bootstrap: &Bootstrap<N>) -> ReplicatesV1 {
+    let ends = |of: fn(&Ends) -> Option<f64>| {
+        bootstrap.interval.iter().filter_map(|(name, i)| Some((name.to_string(), of(i)?))).collect()
+    };
+    ReplicatesV1 {
+        method: format!("block bootstrap of the misfit, blocks of {} samples", bootstrap.block),
+        replicates: bootstrap.replicates as u64,
+        coverage: 0.95,
+        low: ends(|i| i.0),
+        high: ends(|i| i.1),
+    }
+}
+
+/// What uncertain inputs do to parameters of any name; `repeated`: a fit or a closed form.
+pub fn propagation_record<N: Display + Ord>(propagation: &Propagation<N>, repeated: &str) -> ReplicatesV1 {
+    ReplicatesV1 {
+        method: format!("{repeated} repeated with mass, impact speed, zero level and time zero drawn anew"),
+        replicates: propagation.repetitions as u64,
+        coverage: 0.9,
+        low: propagation.interval_90.iter().map(|(name, (low, _))| (name.to_string(), *low)).collect(),
+        high: propagation.interval_90.iter().map(|(name, (_, high))| (name.to_string(), *high)).collect(),
+    }
+}
+
+/// What a person should hear at once of the candidate of this id; empty where there is nothing.
+pub fn said_at_once<N: Display + Ord>(
+    id: &str,
+    profiles: &[Profile<N>],
+    propagation: Option<&Propagation<N>>,
+) -> String {
+    let mut parts = Vec::new();
+    let open: Vec<String> = profiles.iter().filter(|p| !p.identifiable()).map(|p| p.parameter.to_string()).collect();
+    if !open.is_empty() {
+        parts.push(format!("not identifiable: {}", open.join(", ")));
+    }
+    if let Some(p) = propagation
+        && let Some((_, (low, high))) = p.interval_90.iter().find(|(name, _)| name.to_string() == "dynamic_crush_m")
+    {
+        parts.push(format!(
+            "{} repetitions with uncertain inputs: crush {:.1} to {:.1} mm (5 to 95 %)",
+            p.repetitions,
+            1e3 * low,
+            1e3 * high
+        ));
+    }
+    if parts.is_empty() { String::new() } else { format!("{id}: {}", parts.join("; ")) }
 }
 
 /// The uncertainty that a fit to several sensors or a matching brings along, with 95 % intervals from its standard deviations: log-normal, so

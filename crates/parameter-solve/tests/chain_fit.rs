@@ -4,8 +4,8 @@
 
 use crumple_lumped::{Drive, PiecewiseLinear, SecantChain};
 use crumple_parameter_solve::{
-    ChainSolution, FitQuantity, IntegrationRule, Measurement, Observed, SeenWave, SolveError, Stated, StatedChain,
-    StatedElement, StatedMass, TwoPassFilter, fit_chain,
+    ChainDual, ChainSolution, FitQuantity, IntegrationRule, Measurement, Observed, SeenWave, SolveError, Stated,
+    StatedChain, StatedElement, StatedMass, TwoPassFilter, fit_chain,
 };
 use crumple_signal::Sampled;
 
@@ -193,6 +193,61 @@ fn a_filtered_record_gives_the_truth_when_the_chain_goes_through_the_filter() {
     assert!(largest_error(&through[0], &truth) < 1e-6, "{:e}", largest_error(&through[0], &truth));
     // What the filter does to the jump at contact is not seen otherwise.
     assert!(largest_error(&plain[0], &truth) > 1e-4, "{:e}", largest_error(&plain[0], &truth));
+}
+
+fn two() -> SecantChain {
+    linear(&[300.0, 900.0], &[9e5, 6e5], &[8e3, 1.2e4])
+}
+
+#[test]
+fn two_masses_seen_in_the_last_one_come_with_their_dual() {
+    let truth = two();
+    let observed = exact(&truth, &[1], FitQuantity::Displacement);
+    let found = fit_chain(&known_masses(truth.masses_kg()), &observed, false, 24).unwrap();
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert_eq!((&found[0].dual, &found[1].dual), (&Some(ChainDual::Solution(2)), &Some(ChainDual::Solution(1))));
+    let k1 = |of: &ChainSolution| of.chain.parameters()["k1_n_per_m"];
+    assert!(k1(&found[0]) < k1(&found[1]));
+    // mu = 4/3: the dual has k1 = 4/3 6e5 = 8e5 and comes first.
+    let (dual, own) = (&found[0], &found[1]);
+    // The signal is the response itself: rounding of it times the condition.
+    assert!(largest_error(own, &truth) < 1e-6, "{:?}", own.chain.parameters());
+    let wanted = linear(&[300.0, 900.0], &[8e5, 6.75e5], &[1.6e4, 6e3]);
+    assert!(largest_error(dual, &wanted) < 1e-6, "{:?}", dual.chain.parameters());
+    assert!(!own.division_undecided && !dual.division_undecided);
+}
+
+#[test]
+fn a_number_that_is_given_or_another_sensor_decides_between_a_chain_and_its_dual() {
+    let truth = two();
+    let mut stated = known_masses(truth.masses_kg());
+    let both = fit_chain(&stated, &exact(&truth, &[0, 1], FitQuantity::Displacement), false, 24).unwrap();
+    assert_eq!((both.len(), &both[0].dual), (1, &None));
+    stated.elements[0].stiffness = vec![(0.0, Stated::Fixed(9e5))];
+    let found = fit_chain(&stated, &exact(&truth, &[1], FitQuantity::Displacement), false, 24).unwrap();
+    assert_eq!(found.len(), 1);
+    let Some(ChainDual::NotAsStated(dual)) = &found[0].dual else { panic!("{:?}", found[0].dual) };
+    // As above.
+    assert!((dual.parameters()["k1_n_per_m"] / 8e5 - 1.0).abs() < 1e-6);
+    assert!(largest_error(&found[0], &truth) < 1e-6);
+}
+
+#[test]
+fn masses_looked_for_by_one_sensor_on_the_last_are_called_undecided() {
+    let truth = two();
+    let mut stated = known_masses(truth.masses_kg());
+    stated.elements[0].mass_kg = StatedMass::Own(FREE);
+    stated.elements[1].mass_kg = StatedMass::Rest;
+    let one = fit_chain(&stated, &exact(&truth, &[1], FitQuantity::Displacement), false, 24).unwrap();
+    assert!(one.iter().all(|found| found.division_undecided), "{one:?}");
+    assert_eq!(one[0].dual, Some(ChainDual::Solution(2)));
+    let two = fit_chain(&stated, &exact(&truth, &[0, 1], FitQuantity::Displacement), false, 24).unwrap();
+    assert!(!two[0].division_undecided && two[0].dual.is_none());
+    // The rest has an interval like the mass it follows from.
+    let known = two[0].knowledge.as_ref().unwrap();
+    let (low, high) = known.interval["m2_kg"];
+    assert!(low.unwrap() <= 900.0 && 900.0 <= high.unwrap(), "{:?}", known.interval);
+    assert!(known.standard_deviation.contains_key("m2_kg") && !known.order.contains(&"m2_kg".to_owned()));
 }
 
 #[test]

@@ -114,9 +114,64 @@ masses = [{ mass = "free", stiffness = "free" }, { mass = "free", stiffness = "f
     let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
     let notes = format!("{:?}", artifact.record::<NotesV1>("/notes").unwrap().unwrap());
     assert!(notes.contains("chain loose: the record determines 4 directions of 5 free numbers"), "{notes}");
-    assert!(notes.contains("--bootstrap without effect on chain loose"), "{notes}");
+    assert!(notes.contains("chain loose: masses were looked for with a sensor on the last mass alone"), "{notes}");
+    // No damping was stated for the first mass, the dual has some.
+    assert!(notes.contains("is left out by what was given or by a bound, not by the record"), "{notes}");
     let found: CandidateV1 = artifact.record("/parameters/chain/loose/1").unwrap().unwrap();
     assert_eq!(found.uncertainty.unwrap().rank, Some(4));
+}
+
+#[test]
+fn profile_bootstrap_and_uncertain_inputs_stand_in_the_record_of_a_chain() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = ["--profile", "--bootstrap", "20", "--mass-uncertainty", "15 kg", "--repetitions", "20"];
+    let output = run(folder.path(), CAR, &flags);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    assert!(stderr.contains("chain/car/1: 20 repetitions with uncertain inputs: crush "), "{stderr}");
+    let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
+    let found: CandidateV1 = artifact.record("/parameters/chain/car/1").unwrap().unwrap();
+    let known = found.uncertainty.unwrap();
+    let names = ["c2_n_s_per_m", "c3_n_s_per_m", "k1_n_per_m", "k2_n_per_m", "k3_n_per_m", "m1_kg", "m3_kg"];
+    let mut profiled: Vec<&str> = known.profile.iter().map(|p| p.parameter.as_str()).collect();
+    profiled.sort_unstable();
+    assert_eq!(profiled, names);
+    assert!(known.profile.iter().all(|profile| profile.identifiable), "{stderr}");
+    assert!(known.bootstrap.unwrap().low.keys().eq(names));
+    let propagation = known.propagation.unwrap();
+    assert_eq!((propagation.replicates, propagation.low.len()), (20, 8));
+    assert!(propagation.low["m3_kg"] < 900.0 && propagation.high["m3_kg"] > 900.0, "{propagation:?}");
+    assert!(known.interval_low["m3_kg"].is_some());
+}
+
+#[test]
+fn a_chain_and_its_dual_are_linked_and_a_chain_of_another_weight_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = r#"
+[parameter-solve]
+models = ["kelvin"]
+[parameter-solve.chain.light]
+masses = [{ mass = "300 kg", stiffness = "free", damping = "free" }, { mass = "900 kg", stiffness = "free", damping = "free" }]
+"#;
+    let output = run(folder.path(), text, &[]);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    let said = "its masses add up to 1200.0 kg, the test has 1500.0 kg: 20.0 % less (said above 1 %)";
+    assert!(stderr.contains(&format!("chain light: {said}")), "{stderr}");
+    let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
+    let candidate =
+        |k: usize| -> CandidateV1 { artifact.record(&format!("/parameters/chain/light/{k}")).unwrap().unwrap() };
+    let (one, two) = (candidate(1), candidate(2));
+    assert_eq!(one.equivalent_to.as_deref(), Some("chain/light/2"));
+    assert_eq!(two.equivalent_to.as_deref(), Some("chain/light/1"));
+    assert!(one.notes.iter().any(|note| note.starts_with(said)), "{:?}", one.notes);
+    assert!(
+        one.notes.iter().any(|note| note.starts_with("its dual chain/light/2 has the same masses")),
+        "{:?}",
+        one.notes
+    );
+    // mu = 4/3 of the dual's second spring.
+    assert!((one.parameters["k1_n_per_m"] / (4.0 / 3.0 * two.parameters["k2_n_per_m"]) - 1.0).abs() < 1e-12);
 }
 
 #[test]

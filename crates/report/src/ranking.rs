@@ -19,8 +19,9 @@ pub const WORTH_NAMING_PERCENT: f64 = 50.0;
 pub struct Ranking {
     /// Every candidate with a fit, physical or not, best first.
     pub order: Vec<String>,
-    /// Of the candidates that qualify and fit within 0.1 percentage points of the best of them, the one with the fewest
-    /// parameters; among equals the one that fits best.
+    /// Of the candidates that qualify and fit within 0.1 percentage points of the best of them, the one of which this record leaves
+    /// the fewest parameters undetermined; among equals the one with the fewest parameters, then the one that fits best. A chain of
+    /// two whose masses were looked for by a sensor on the last one alone stands behind all others.
     pub best: Option<String>,
 }
 
@@ -46,7 +47,7 @@ impl Ranking {
         fitted.sort_by(|(fit_a, a), (fit_b, b)| fit_b.total_cmp(fit_a).then_with(|| by_id(&a.id, &b.id)));
         Self {
             order: fitted.iter().map(|(_, candidate)| candidate.id.clone()).collect(),
-            best: simplest_of_the_good(&fitted).map(|candidate| candidate.id.clone()),
+            best: best_of_the_good(&fitted).map(|candidate| candidate.id.clone()),
         }
     }
 
@@ -77,13 +78,15 @@ pub fn qualifies(candidate: &Candidate) -> bool {
 }
 
 /// `fitted` holds fits in steps of [`FIT_STEP_PERCENT`], best first.
-fn simplest_of_the_good<'a>(fitted: &[(f64, &'a Candidate)]) -> Option<&'a Candidate> {
+fn best_of_the_good<'a>(fitted: &[(f64, &'a Candidate)]) -> Option<&'a Candidate> {
     let good: Vec<_> = fitted.iter().filter(|(_, candidate)| qualifies(candidate)).collect();
     let (top, _) = good.first()?;
     // `min_by_key` takes the first of equals, which is the one that fits best.
     good.iter()
         .take_while(|(fit, _)| (top - fit) * FIT_STEP_PERCENT <= AS_GOOD_PERCENT)
-        .min_by_key(|(_, candidate)| candidate.record.parameters.len())
+        .min_by_key(|(_, candidate)| {
+            (candidate.divides_by_formula(), candidate.left_open(), candidate.record.parameters.len())
+        })
         .map(|(_, candidate)| *candidate)
 }
 
@@ -120,7 +123,7 @@ pub fn pairs_of_equals(candidates: &[Candidate]) -> Vec<usize> {
 mod tests {
     use std::collections::BTreeMap;
 
-    use crumple_artifact::records::{CandidateV1, FitV1, SimulationV1};
+    use crumple_artifact::records::{CandidateV1, FitV1, SimulationV1, UncertaintyV1};
 
     use super::*;
 
@@ -195,6 +198,56 @@ mod tests {
         assert_eq!(ranking.order, ["double/fit/1", "kelvin/closed-form/1"]);
         candidates[1].simulation.as_mut().unwrap().fit_percent = Some(99.8);
         assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("double/fit/1"));
+    }
+
+    /// Leaves the first so many parameters open.
+    fn open(candidate: &mut Candidate, count: usize) {
+        let names = candidate.record.parameters.keys().cloned().collect::<Vec<_>>();
+        let ends = |k: usize| if k < count { None } else { Some(1.0) };
+        let interval: BTreeMap<String, Option<f64>> =
+            names.into_iter().enumerate().map(|(k, name)| (name, ends(k))).collect();
+        candidate.record.uncertainty =
+            Some(UncertaintyV1 { interval_low: interval.clone(), interval_high: interval, ..UncertaintyV1::default() });
+    }
+
+    #[test]
+    fn of_models_that_fit_alike_the_one_that_the_record_determines_is_the_best() {
+        let mut candidates = [
+            candidate("nonlinear-1/fit/1", 99.99, true, None),
+            candidate("double/fit/1", 99.95, true, None),
+            candidate("kelvin/fit/1", 99.0, true, None),
+        ];
+        let parameters = |n: usize| (0..n).map(|k| (format!("p{k}"), 1.0)).collect();
+        for (candidate, (count, undetermined)) in candidates.iter_mut().zip([(5, 3), (6, 1), (3, 0)]) {
+            candidate.record.parameters = parameters(count);
+            open(candidate, undetermined);
+        }
+        // One parameter more, two less in doubt; Kelvin is a whole point behind.
+        assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("double/fit/1"));
+        open(&mut candidates[0], 1);
+        assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("nonlinear-1/fit/1"));
+    }
+
+    #[test]
+    fn a_chain_that_divides_the_mass_by_a_formula_gives_way_to_any_other_that_fits_alike() {
+        let mut candidates = [
+            candidate("chain/car/1", 99.99, true, Some("chain/car/2")),
+            candidate("chain/car/2", 99.99, true, Some("chain/car/1")),
+            candidate("nonlinear-2/fit/1", 99.95, true, None),
+        ];
+        for chain in &mut candidates[..2] {
+            chain.record.parameters = ["m1_kg", "m2_kg"].map(|name| (name.to_owned(), 1.0)).into();
+            open(chain, 0);
+        }
+        candidates[2].record.parameters = (0..9).map(|k| (format!("p{k}"), 1.0)).collect();
+        assert!(candidates[0].divides_by_formula());
+        assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("nonlinear-2/fit/1"));
+        candidates[2].simulation.as_mut().unwrap().fit_percent = Some(90.0);
+        assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("chain/car/1"));
+        // Masses that were given.
+        candidates[2].simulation.as_mut().unwrap().fit_percent = Some(99.95);
+        candidates[0].record.uncertainty = None;
+        assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("chain/car/1"));
     }
 
     #[test]

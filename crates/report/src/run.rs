@@ -6,6 +6,8 @@ use crumple_artifact::records::{
 };
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
 
+use crate::people::candidate_name;
+
 /// Everything that is known about a run. Parts whose stage has not run are empty.
 #[derive(Debug, Clone, Default)]
 pub struct Run {
@@ -119,6 +121,23 @@ impl Candidate {
         sensors.iter().filter(move |s| Some(s.channel.as_str()) != pulse).map(|s| (s.channel.as_str(), s.mass))
     }
 
+    /// Its name, with that of the candidate that gives exactly the same record.
+    pub fn name_with_dual(&self) -> String {
+        let other = self.record.equivalent_to.as_deref();
+        let other = other.map_or_else(String::new, |other| format!(" or its dual {}", candidate_name(other)));
+        format!("{}{other}", candidate_name(&self.id))
+    }
+
+    /// Whether it is a chain of two whose masses were looked for by a sensor on the last one alone: their division follows from a
+    /// formula and, with any noise, not from the record.
+    pub fn divides_by_formula(&self) -> bool {
+        let fit = self.record.fit.as_ref();
+        let sees_the_front = fit.is_some_and(|fit| fit.sensors.iter().any(|sensor| sensor.mass == 1));
+        let two = self.record.parameters.contains_key("m2_kg") && !self.record.parameters.contains_key("m3_kg");
+        let mut asked = self.asked();
+        self.is_chain() && two && !sees_the_front && asked.any(|name| name.ends_with("_kg"))
+    }
+
     /// Why this record does not determine the parameter; `None`: it does, or nothing is known of its uncertainty.
     ///
     /// Zero on a bound is the limit of what is physical, and an answer. Elsewhere a bound is not the record's, and a standard
@@ -137,6 +156,13 @@ impl Candidate {
     /// How many of the parameters this record does not determine, and of how many that were asked of it.
     pub fn undetermined(&self) -> (usize, usize) {
         (self.undetermined_parameters().len(), self.asked().count())
+    }
+
+    /// Parameters that may be anything as far as is known: those that the record does not determine, and all of a candidate of which
+    /// nobody says how well it is known. A chain that a person stated was not asked of the record and leaves none open.
+    pub fn left_open(&self) -> usize {
+        let stated = self.is_chain() && self.record.fit.is_none();
+        if self.record.uncertainty.is_none() && !stated { self.record.parameters.len() } else { self.undetermined().0 }
     }
 
     /// Names of the parameters that this record does not determine.

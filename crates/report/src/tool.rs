@@ -8,7 +8,7 @@ use crumple_artifact::write_atomically;
 use crumple_signal::Severity;
 use crumple_stage::{ExitStatus, Usage, be_quiet, check_pipeline, load_artifacts, say};
 
-use crate::people::{KM_PER_H_PER_M_PER_S, MILLI, candidate_name, decimals};
+use crate::people::{KM_PER_H_PER_M_PER_S, MILLI, decimals};
 use crate::{Page, Ranking, Run, gather, summary};
 
 /// Writes report.html, which a person looks at, and summary.json, which a script reads.
@@ -150,7 +150,7 @@ fn lines(run: &Run, ranking: &Ranking) -> Vec<String> {
             (0, _) => String::new(),
             (n, of) => format!("; {n} of {of} parameters not determined by this record"),
         };
-        lines.push(format!("best model: {}, displacement fit {} %{open}", candidate_name(&best.id), decimals(fit, 2)));
+        lines.push(format!("best model: {}, displacement fit {} %{open}", best.name_with_dual(), decimals(fit, 2)));
     }
     let warnings = run.notes.iter().filter(|n| n.note.severity == Severity::Warning).count();
     if warnings > 0 {

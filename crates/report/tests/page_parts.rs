@@ -131,6 +131,22 @@ fn the_card_of_the_best_says_what_the_record_does_not_determine() {
 }
 
 #[test]
+fn a_best_that_has_a_dual_is_named_with_it() {
+    let mut run = crash();
+    let ids = ["double-spring-mass-damper/direct-fit/1", "double-spring-mass-damper/direct-fit/2"];
+    for (own, other) in [(0, 1), (1, 0)] {
+        let mut candidate = candidate(ids[own], &[("k1_n_per_m", 3e5)], 99.0);
+        candidate.record.equivalent_to = Some(ids[other].to_owned());
+        run.candidates.push(candidate);
+    }
+    let names = [0, 1].map(|k| run.candidates[k].name_with_dual());
+    assert!(names[0].contains(" or its dual ") && names[0] != names[1], "{names:?}");
+    assert!(page(&run).contains(&names[0]));
+    run.candidates[0].record.equivalent_to = None;
+    assert!(!run.candidates[0].name_with_dual().contains("dual"));
+}
+
+#[test]
 fn ratings_stand_in_one_table_with_their_marks_and_what_is_missing_says_why() {
     let mut run = crash();
     let mut rated = candidate("kelvin/direct-fit/1", &[("k_n_per_m", 3e5)], 99.0);

@@ -1,20 +1,28 @@
 //! `[simulate.chain.<name>]`: a chain of masses that a person states.
 
 use std::collections::BTreeMap;
-use std::fmt::Display;
-use std::str::FromStr;
 
 use crumple_lumped::{LumpedError, PiecewiseLinear, SecantChain};
-use crumple_signal::value::{Damping, Length, Mass, Speed, Stiffness};
+use crumple_signal::value::Speed;
 use crumple_stage::records::CandidateV1;
-use crumple_stage::{Usage, check_keys, check_name, table_at, typed, unknown_name};
+use crumple_stage::{
+    LawOfTable, MassOfTable, NumberReaders, Usage, check_keys, check_name, read_masses, table_at, typed, unknown_name,
+};
 use serde::Serialize;
 use toml::{Table, Value};
 
 use crate::drive::Driven;
 
 const CHAIN_KEYS: [&str; 5] = ["masses", "speed", "drive", "drive_wave", "drive_mass"];
-const MASS_KEYS: [&str; 4] = ["name", "mass", "stiffness", "damping"];
+
+const READERS: NumberReaders<f64, f64> = NumberReaders {
+    mass: |place, value, si| si(place, value),
+    coefficient: |place, value, si| si(place, value),
+    no_damping: 0.0,
+    example: "masses = [{ name = \"engine\", mass = \"200 kg\", stiffness = \"900 kN/m\", damping = \"8 kN*s/m\" }, ...], \
+              from the barrier on",
+    knots_example: "stiffness = [[\"0 mm\", \"350 kN/m\"], [\"200 mm\", \"150 kN/m\"]]",
+};
 
 /// A chain with every default filled in, in SI.
 #[derive(Debug, Serialize)]
@@ -45,6 +53,16 @@ enum Law {
 }
 
 impl Law {
+    /// Errors: knots that make no curve.
+    fn new(place: &str, read: LawOfTable<f64>) -> Result<Self, Usage> {
+        let law = match read {
+            LawOfTable::Constant(value) => Self::Constant(value),
+            LawOfTable::Knots(points) => Self::Knots(points),
+        };
+        law.curve().map_err(|error| Usage::new(format!("{place}: {error}")))?;
+        Ok(law)
+    }
+
     fn curve(&self) -> Result<PiecewiseLinear, LumpedError> {
         match self {
             Self::Constant(value) => Ok(PiecewiseLinear::constant(*value)),
@@ -77,17 +95,10 @@ impl ChainSettings {
         check_name(&place, name)?;
         let table = table_at(&place, table, "[simulate.chain.car] with masses = [...]")?;
         check_keys(&place, table, &CHAIN_KEYS)?;
-        let list = match table.get("masses") {
-            Some(Value::Array(list)) if !list.is_empty() => list,
-            _ => return Err(Usage::new(format!("{place} has no masses")).hint(EXAMPLE).into()),
-        };
-        let masses: Vec<MassSettings> =
-            (1..).zip(list).map(|(number, mass)| MassSettings::read(&place, number, mass)).collect::<Result<_, _>>()?;
-        for (k, mass) in masses.iter().enumerate() {
-            if masses[..k].iter().any(|other| other.name == mass.name) {
-                return Err(Usage::new(format!("{place}: two masses are named {:?}", mass.name)).into());
-            }
-        }
+        let masses: Vec<MassSettings> = (1..)
+            .zip(read_masses(&place, table, &READERS)?)
+            .map(|(number, mass)| MassSettings::new(&format!("{place}, mass {number}"), mass))
+            .collect::<Result<_, Usage>>()?;
         let names: Vec<&str> = masses.iter().map(|mass| mass.name.as_str()).collect();
         let driven = own_drive(&place, table, &names)?.unwrap_or_else(|| stage.clone());
         let speed_m_per_s = table
@@ -168,36 +179,13 @@ impl ChainSettings {
     }
 }
 
-const EXAMPLE: &str = "masses = [{ name = \"engine\", mass = \"200 kg\", stiffness = \"900 kN/m\", damping = \"8 kN*s/m\" }, ...], \
-                       from the barrier on";
-
 impl MassSettings {
-    fn read(place: &str, number: usize, mass: &Value) -> anyhow::Result<Self> {
-        let place = format!("{place}, mass {number}");
-        let table = table_at(&place, mass, "{ name = ..., mass = ..., stiffness = ..., damping = ... }")?;
-        check_keys(&place, table, &MASS_KEYS)?;
-        let get = |key: &str| {
-            table.get(key).ok_or_else(|| anyhow::Error::from(Usage::new(format!("{place} has no {key}")).hint(EXAMPLE)))
-        };
-        let name = match table.get("name") {
-            None => format!("m{number}"),
-            Some(Value::String(name)) if !name.trim().is_empty() => name.trim().to_owned(),
-            Some(_) => return Err(Usage::new(format!("{place}: name is no text")).into()),
-        };
-        let damping = match table.get("damping") {
-            Some(value) => law::<Speed, Damping>(&format!("{place}, damping"), value, Speed::si, Damping::si)?,
-            None => Law::Constant(0.0),
-        };
+    fn new(place: &str, read: MassOfTable<f64, f64>) -> Result<Self, Usage> {
         Ok(Self {
-            mass_kg: typed::<Mass>(&format!("{place}, mass"), get("mass")?)?.si(),
-            stiffness_n_per_m: law::<Length, Stiffness>(
-                &format!("{place}, stiffness"),
-                get("stiffness")?,
-                Length::si,
-                Stiffness::si,
-            )?,
-            damping_n_s_per_m: damping,
-            name,
+            name: read.name,
+            mass_kg: read.mass_kg,
+            stiffness_n_per_m: Law::new(&format!("{place}, stiffness"), read.stiffness_n_per_m)?,
+            damping_n_s_per_m: Law::new(&format!("{place}, damping"), read.damping_n_s_per_m)?,
         })
     }
 }
@@ -226,24 +214,4 @@ fn own_drive(place: &str, table: &Table, masses: &[&str]) -> anyhow::Result<Opti
         },
     };
     Driven::new(&format!("{place}: "), &drive, wave, number).map(Some)
-}
-
-/// `"350 kN/m"`, or `[["0 mm", "350 kN/m"], ["200 mm", "150 kN/m"]]`.
-fn law<K: FromStr<Err: Display>, V: FromStr<Err: Display>>(
-    place: &str,
-    value: &Value,
-    knot_si: impl Fn(K) -> f64,
-    value_si: impl Fn(V) -> f64,
-) -> anyhow::Result<Law> {
-    let Value::Array(points) = value else { return Ok(Law::Constant(value_si(typed(place, value)?))) };
-    let pairs = points.iter().map(|point| match point.as_array().map(Vec::as_slice) {
-        Some([knot, value]) => Ok((knot_si(typed(place, knot)?), value_si(typed(place, value)?))),
-        _ => Err(Usage::new(format!("{place}: expected one value, or a list of pairs of a knot and a value"))
-            .hint("stiffness = [[\"0 mm\", \"350 kN/m\"], [\"200 mm\", \"150 kN/m\"]]")
-            .into()),
-    });
-    let pairs: Vec<(f64, f64)> = pairs.collect::<anyhow::Result<_>>()?;
-    let law = Law::Knots(pairs);
-    law.curve().map_err(|error| Usage::new(format!("{place}: {error}")))?;
-    Ok(law)
 }

@@ -1,6 +1,7 @@
 //! `crumple-simulate`: the response of every candidate model beside the test.
 
 mod chain_table;
+mod chosen;
 mod drive;
 mod stage;
 

@@ -8,14 +8,15 @@ use crumple_signal::value::Time;
 use crumple_signal::{Acceleration, Displacement, QuantityKind, Sampled, TestDescription, Velocity};
 use crumple_simulate::{
     Information, Measured, OtherSensor, Rating, SensorFit, SimulateError, Simulation, Window, beside, beside_mass,
-    information, parameters_of, simulate_chain, simulate_driven,
+    information, simulate_chain, simulate_driven,
 };
 use crumple_stage::records::{CandidateV1, EnergyV1, EventsV1, OtherSensorV1, RatingV1, SimulationV1, TestV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Usage, Wave};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Usage, Wave, total_mass_remark};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::chain_table::ChainSettings;
+use crate::chosen::chosen;
 use crate::drive::Driven;
 
 /// The stage.
@@ -193,7 +194,12 @@ impl Stage for Simulate {
                     stated.name
                 ));
             }
-            let candidate = stated.candidate(passive);
+            let mut candidate = stated.candidate(passive);
+            let masses = stated.chain()?;
+            if let Some(text) = test.mass_kg.and_then(|kg| total_mass_remark(masses.masses_kg(), kg)) {
+                out.notes().warning(format!("{id}: {text}"));
+                candidate.notes.push(text);
+            }
             out.put(&format!("/parameters/{id}"), &candidate)?;
             match result {
                 Ok(simulation) => {
@@ -225,16 +231,6 @@ impl Stage for Simulate {
 
 /// The model of a candidate that is a chain, stated here or fitted by parameter-solve.
 const CHAIN: &str = "chain";
-
-/// Numbers that the fit, or the person who stated the chain, was free to choose.
-fn chosen(candidate: &CandidateV1) -> u32 {
-    if let Ok(kind) = candidate.model.parse::<ModelKind>() {
-        return parameters_of(kind);
-    }
-    let fitted = candidate.uncertainty.as_ref().map_or(&[][..], |u| &u.order);
-    let names = candidate.parameters.keys();
-    names.filter(|name| !name.ends_with("_kg") || fitted.contains(name)).count() as u32
-}
 
 fn write(
     id: &str,

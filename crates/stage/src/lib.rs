@@ -5,8 +5,10 @@
 //! progress, errors with cause and hint, exit codes.
 
 mod args;
+mod chain_total;
 mod error;
 mod inputs;
+mod masses_table;
 mod nearest;
 mod output;
 mod pipeline;
@@ -18,8 +20,10 @@ mod stated;
 mod tool;
 
 pub use args::Common;
+pub use chain_total::{TOTAL_MASS_TOLERANCE, total_mass_remark};
 pub use error::{ExitStatus, RefuseExt, Refused, Usage};
 pub use inputs::{Inputs, Loaded, MissingTopic, load_artifacts};
+pub use masses_table::{InSi, LawOfTable, MassOfTable, NumberReaders, read_masses};
 pub use nearest::nearest;
 pub use output::Output;
 pub use pipeline::{check_pipeline, unknown_name};

@@ -10,7 +10,7 @@ use crate::sensor_fit::Fitted;
 use crate::sensor_problem::{Observed, SensorProblem};
 use crate::solver::Task;
 use crate::solvers::sensors::is_plain;
-use crate::{Candidate, Fit, FitQuantity, Sensor, SensorFit, bounds_remark};
+use crate::{Candidate, Fit, Sensor, SensorFit, bounds_remark, errors_in_words, errors_remark};
 
 /// Sets that are reported at most.
 const REPORTED: usize = 3;
@@ -45,7 +45,7 @@ pub(super) struct Report<'a> {
     pub found: &'a Fitted,
 }
 
-impl Report<'_> {
+impl<'a> Report<'a> {
     fn problem(&self) -> SensorProblem<'_, Family> {
         SensorProblem {
             family: self.family,
@@ -61,14 +61,10 @@ impl Report<'_> {
     /// How far the sensors were missed, in words: `8.1 mm at 93 (compartment)`.
     fn errors(&self, theta: &[f64]) -> Option<String> {
         let rmse = self.problem().rmse(theta)?;
-        let text = |((_, sensor), rmse): (&(usize, Sensor<'_>), f64)| {
-            let (value, unit) = match sensor.quantity {
-                FitQuantity::Displacement => (1e3 * rmse, "mm"),
-                other => (rmse, other.unit()),
-            };
-            format!("{value:.4} {unit} at {} ({})", sensor.channel, sensor.place)
+        let of = |((_, sensor), rmse): (&(usize, Sensor<'a>), f64)| {
+            (rmse, sensor.quantity, sensor.channel, sensor.place.to_string())
         };
-        Some(self.sensors.iter().zip(rmse).map(text).collect::<Vec<_>>().join(", "))
+        Some(errors_in_words(self.sensors.iter().zip(rmse).map(of)))
     }
 
     fn candidate(&self, minimum: &Optimum, index: usize, remarks: &[String]) -> Option<Candidate> {
@@ -91,10 +87,7 @@ impl Report<'_> {
             1e3 * first.window.last_s()
         ));
         if self.sensors.len() > 1 {
-            notes.push(format!(
-                "root mean square errors {}; residuals weighted by the noise level of each sensor",
-                self.errors(&minimum.theta)?
-            ));
+            notes.push(errors_remark(&self.errors(&minimum.theta)?, None));
         }
         notes.extend(bounds_remark(&model, &active_bounds));
         notes.extend(broken_side_constraints(&model));

@@ -44,7 +44,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     out.push_str(match ranking.best {
         Some(_) => {
             "<p class=\"caption\">Ranked by the fit of the displacement; AICc stands beside it, over the same window, and decides nothing. Highlighted is the best that is physical, has no parameter left on a bound of \
-             its search other than zero, the limit of what is physical, and no more parameters than it needs. A dual gives exactly the same record on this sensor and so the same figures.</p>\n"
+             its search other than zero, the limit of what is physical, no more parameters left open by the record than it needs, and no more parameters. A dual gives exactly the same record on this sensor and so the same figures.</p>\n"
         }
         None => {
             "<p class=\"caption\">None is called the best: that takes a physical candidate without a parameter on a bound that explains at least half of \

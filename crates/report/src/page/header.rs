@@ -1,7 +1,7 @@
 //! Title, what was tested, and the key figures.
 
 use crate::escape::html;
-use crate::people::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP, at_most, candidate_name, decimals};
+use crate::people::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP, at_most, decimals};
 use crate::{Ranking, Run};
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
@@ -102,10 +102,10 @@ fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
     let fit = best.and_then(|b| b.simulation.as_ref()?.fit_percent);
     let remark = match (best, run.candidates.is_empty()) {
         (Some(best), _) => Some(match best.undetermined() {
-            (0, _) => html(&candidate_name(&best.id)),
+            (0, _) => html(&best.name_with_dual()),
             (n, of) => format!(
                 "{}; <span class=\"no\">{n} of {of} parameters not determined by this record</span>",
-                html(&candidate_name(&best.id))
+                html(&best.name_with_dual())
             ),
         }),
         (None, false) => Some("no candidate qualifies".to_owned()),

@@ -175,7 +175,18 @@ fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
             symbols.join(", ")
         )];
     }
+    let open = Candidate::left_open;
     match best {
+        Some(best) if closest.divides_by_formula() && !best.divides_by_formula() => vec![format!(
+            "{name} fits no more than {AS_GOOD_PERCENT} percentage points better and its masses were looked for with a sensor on the \
+             last one alone, which does not decide their division."
+        )],
+        Some(best) if open(closest) > open(best) => vec![format!(
+            "{name} fits no more than {AS_GOOD_PERCENT} percentage points better, and this record leaves {} of its parameters \
+             undetermined instead of {}.",
+            open(closest),
+            open(best)
+        )],
         Some(best) if closest.record.parameters.len() > best.record.parameters.len() => vec![format!(
             "{name} fits no more than {AS_GOOD_PERCENT} percentage points better with {} parameters instead of {}: this record \
              gives no reason for the larger model.",
