@@ -4,7 +4,7 @@ use crumple_lumped::{Elastoplastic, Model, Nonlinear1};
 use crumple_parameter_solve::{
     Candidate, FollowedEvents, FreeParameter, InputUncertainty, JudgeOptions, MassFit, Measurement, Method, Observed,
     Propagation, RESOLUTION_M, Refined, free_masses, free_parameters, judge, propagate, propagate_closed_form,
-    propagate_conditioned, propagate_unfiltered, refine,
+    propagate_conditioned, propagate_unfiltered, refine, unloads_rigidly,
 };
 use crumple_signal::{Displacement, Signal};
 use crumple_stage::records::EventsV1;
@@ -255,6 +255,12 @@ impl Scene<'_> {
         let given = (!self.gives_way(candidate, refined)).then_some(&candidate.model);
         let mut judgement = judge(refined, given, observed, options)?;
         judgement.interval.extend(held(candidate).map(|name| (name, (None, None))));
+        if let (Method::ClosedForm, Model::Elastoplastic(model)) = (candidate.method, &candidate.model)
+            && unloads_rigidly(model)
+        {
+            judgement.interval.insert("unloading_stiffness_n_per_m", (None, None));
+            judgement.standard_deviation.remove("unloading_stiffness_n_per_m");
+        }
         if candidate.of_sensors()
             && self.settings.solve.mass_fit != MassFit::Known
             && let Some(rest) = candidate.model.kind().parameter_names().iter().rfind(|name| name.ends_with("_kg"))

@@ -170,13 +170,19 @@ fn from_events(
         impact_speed_m_per_s,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
         dynamic_crush_m: events.dynamic_crush_m,
-        coefficient_of_restitution: events.coefficient_of_restitution,
+        coefficient_of_restitution: restitution(events),
         time_zero_s: events.time_zero_s,
         time_of_rebound_s: events.time_of_rebound_s,
         displacement: displacement.as_ref(),
         sensors: &sensors,
     };
     solve(&evidence, &settings.solve, out.notes()).refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")
+}
+
+/// The coefficient of restitution; zero where its interval holds zero.
+fn restitution(events: &EventsV1) -> Option<f64> {
+    let holds_zero = events.intervals.iter().any(|i| i.name == "coefficient_of_restitution" && i.low <= 0.0);
+    events.coefficient_of_restitution.map(|e| if holds_zero { 0.0 } else { e })
 }
 
 /// The motions to fit together; none where it is the displacement of the pulse alone.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_parameter_solve::{Candidate, DualScale, Judgement, Propagation, Uncertainty};
+use crumple_parameter_solve::{Candidate, DualScale, Judgement, Propagation, Uncertainty, all_in_words};
 use crumple_stage::records::{ProfileV1, ReplicatesV1, UncertaintyV1};
 
 /// Both ends of an interval.
@@ -93,10 +93,9 @@ impl Judged {
     /// What a person should hear at once: parameters that the record does not determine; propagated intervals.
     pub fn line(&self, candidate: &Candidate) -> String {
         let mut parts = Vec::new();
-        let open: Vec<&str> =
-            self.judgement.profile.iter().filter(|p| !p.identifiable()).map(|p| p.parameter).collect();
-        if !open.is_empty() {
-            parts.push(format!("not identifiable: {}", open.join(", ")));
+        let open = || self.judgement.profile.iter().filter(|p| !p.identifiable()).map(|p| p.parameter);
+        if open().next().is_some() {
+            parts.push(format!("not identifiable: {}", all_in_words(&candidate.model, open())));
         }
         if let Some(p) = &self.propagation
             && let Some((low, high)) = p.interval_90.get("dynamic_crush_m")
