@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use crumple_parameter_solve::{
-    Candidate, Evidence, FitQuantity, Identified, MassSplit, Method, Place, Quartic, Sensor, curve_fit_of_the_paper,
-    masses, match_as_the_paper_typed, match_identified, solve,
+    Candidate, Evidence, FitQuantity, Identified, MassSplit, Method, Place, Quartic, Sensor, all_in_words,
+    curve_fit_of_the_paper, masses, match_as_the_paper_typed, match_identified, solve,
 };
 use crumple_signal::{Acceleration, Displacement, Force, Sampled, TestDescription, Velocity};
 use crumple_stage::records::{CandidateV1, EventsV1, ExponentialSumV1, FitV1, SensorFitV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
 
+use crate::adoption::held;
 use crate::chain_table::FittedChain;
 use crate::chains::fit_chains;
 use crate::exponents::maxwell_candidates;
@@ -103,6 +104,17 @@ impl Stage for ParameterSolve {
                 flags.join(", "),
                 unjudged.join(", ")
             ));
+        }
+        for candidate in &candidates {
+            // The dual of a set stands on the same bounds.
+            let dual = candidate.equivalent_to.is_some_and(|other| other < candidate.index);
+            let words = all_in_words(&candidate.model, held(candidate));
+            if !dual && !words.is_empty() {
+                out.notes().warning(format!(
+                    "{}: on a bound of the search, not determined by the record: {words}",
+                    candidate.id()
+                ));
+            }
         }
         for (candidate, judged) in candidates.iter().zip(&judgements) {
             out.put(&format!("/parameters/{}", candidate.id()), &record(candidate, judged.as_ref(), &channel))?;
