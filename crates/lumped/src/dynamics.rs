@@ -5,8 +5,8 @@ use nalgebra::DMatrix;
 use crate::driven::{Driven, Instant};
 use crate::secant_motion::SecantMotion;
 use crate::{
-    Chain, ChainResponse, Drive, LumpedError, Maxwell, Model, ModelKind, Motion, PiecewiseLinear, Response,
-    SecantChain, State,
+    Chain, ChainResponse, DoubleSpringMassDamper, Drive, Kelvin, LumpedError, Maxwell, Model, ModelKind, Motion,
+    PiecewiseLinear, Response, SecantChain, State,
 };
 
 /// Where the energy is.
@@ -79,21 +79,21 @@ const GROWN: f64 = 10.0;
 impl Model {
     /// Motions, forces and energies at `k dt`, k = 0 .. `samples`.
     ///
-    /// After an impact the motions are those of [`Model::respond`]. Force and base motion drive all models but the
-    /// elastoplastic one; the nonlinear ones then go as a [`SecantChain`] of one mass. The elastoplastic model stores what it would give back along the unloading line;
-    /// the rest of the work on its spring counts as dissipated at once. Errors: as [`Model::respond`], and a drive that
-    /// the model cannot be given.
+    /// After an impact the motions are those of [`Model::respond`]. Under a force or a base motion the nonlinear models go
+    /// as a [`SecantChain`] of one mass, and the elastoplastic one from event to event. That one stores what it would give
+    /// back along the unloading line; the rest of the work on its spring counts as dissipated at once. Errors: as
+    /// [`Model::respond`], and a drive that is not finite or acts on a mass that is not there.
     pub fn dynamics(&self, drive: &Drive, dt_s: f64, samples: usize) -> Result<Dynamics, LumpedError> {
         self.check()?;
         let Drive::Impact(speed) = drive else {
             return match self {
+                Self::Elastoplastic(m) => m.driven(drive, dt_s, samples),
                 Self::Maxwell(m) => maxwell(m, drive, dt_s, samples),
                 Self::Nonlinear1(m) => driven_secant(self.kind(), &m.law(), drive, dt_s, samples),
                 Self::Nonlinear2(m) => driven_secant(self.kind(), &m.law(), drive, dt_s, samples),
-                _ => match self.chain()? {
-                    Some(chain) => chained(self.kind(), &chain, drive, dt_s, samples),
-                    None => Err(LumpedError::Drive { model: self.kind() }),
-                },
+                Self::Kelvin(m) => chained(self.kind(), &kelvin_chain(m)?, drive, dt_s, samples),
+                Self::DoubleSpringMassDamper(m) => chained(self.kind(), &double_chain(m)?, drive, dt_s, samples),
+                Self::TripleSpringMassDamper(m) => chained(self.kind(), &m.chain()?, drive, dt_s, samples),
             };
         };
         let response = self.respond(*speed, dt_s, samples)?;
@@ -127,11 +127,14 @@ impl Model {
             }
             Self::Nonlinear1(m) => secant(&m.law(), *speed, dt_s, response),
             Self::Nonlinear2(m) => secant(&m.law(), *speed, dt_s, response),
-            Self::Kelvin(_) | Self::DoubleSpringMassDamper(_) | Self::TripleSpringMassDamper(_) => {
-                match self.chain()? {
-                    Some(chain) => Ok(Dynamics { response, ..chained(self.kind(), &chain, drive, dt_s, samples)? }),
-                    None => Err(LumpedError::Drive { model: self.kind() }),
-                }
+            Self::Kelvin(m) => {
+                Ok(Dynamics { response, ..chained(self.kind(), &kelvin_chain(m)?, drive, dt_s, samples)? })
+            }
+            Self::DoubleSpringMassDamper(m) => {
+                Ok(Dynamics { response, ..chained(self.kind(), &double_chain(m)?, drive, dt_s, samples)? })
+            }
+            Self::TripleSpringMassDamper(m) => {
+                Ok(Dynamics { response, ..chained(self.kind(), &m.chain()?, drive, dt_s, samples)? })
             }
         }
     }
@@ -139,14 +142,20 @@ impl Model {
     /// The model as a chain of masses, where it is one.
     pub fn chain(&self) -> Result<Option<Chain>, LumpedError> {
         Ok(match self {
-            Self::Kelvin(m) => Some(Chain::new(&[m.mass_kg], &[m.stiffness_n_per_m], &[m.damping_n_s_per_m])?),
-            Self::DoubleSpringMassDamper(m) => {
-                Some(Chain::new(&[m.m1_kg, m.m2_kg], &[m.k1_n_per_m, m.k2_n_per_m], &[m.c1_n_s_per_m, m.c2_n_s_per_m])?)
-            }
+            Self::Kelvin(m) => Some(kelvin_chain(m)?),
+            Self::DoubleSpringMassDamper(m) => Some(double_chain(m)?),
             Self::TripleSpringMassDamper(m) => Some(m.chain()?),
             Self::Elastoplastic(_) | Self::Maxwell(_) | Self::Nonlinear1(_) | Self::Nonlinear2(_) => None,
         })
     }
+}
+
+fn kelvin_chain(m: &Kelvin) -> Result<Chain, LumpedError> {
+    Chain::new(&[m.mass_kg], &[m.stiffness_n_per_m], &[m.damping_n_s_per_m])
+}
+
+fn double_chain(m: &DoubleSpringMassDamper) -> Result<Chain, LumpedError> {
+    Chain::new(&[m.m1_kg, m.m2_kg], &[m.k1_n_per_m, m.k2_n_per_m], &[m.c1_n_s_per_m, m.c2_n_s_per_m])
 }
 
 /// One mass with knots under a drive.

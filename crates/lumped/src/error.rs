@@ -42,12 +42,6 @@ pub enum LumpedError {
     /// The poles could not be computed.
     #[error("poles or motion of a chain of masses: {0}")]
     Poles(#[from] crumple_lti::LtiError),
-    /// The drive is not one for this model.
-    #[error("the {model} model is simulated after an impact only, not under a force or a base motion")]
-    Drive {
-        /// The model.
-        model: ModelKind,
-    },
     /// The response leaves the range of numbers.
     #[error("the response of the {model} model is not finite from t = {time_s} s on: it diverges or is too stiff")]
     Diverges {

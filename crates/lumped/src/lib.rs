@@ -29,6 +29,7 @@ mod double_spring_mass_damper;
 mod driven;
 mod dynamics;
 mod elastoplastic;
+mod elastoplastic_motion;
 mod elastoplastic_sensitivity;
 mod error;
 mod exact_step;
@@ -50,6 +51,7 @@ mod secant_sensitivity;
 mod secant_step;
 mod second_order;
 mod sensitivity;
+mod stumpff;
 
 pub use chain::{Chain, ChainResponse, TripleSpringMassDamper};
 pub use coefficient_matching::{

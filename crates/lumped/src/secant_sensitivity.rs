@@ -3,7 +3,7 @@
 use crate::curve::{Curve, Knot};
 use crate::secant_motion::SecantMotion;
 use crate::secant_step::{LANES, Law, ORDER, Step};
-use crate::{Instants, LumpedError, Motion, Sensitivity, State};
+use crate::{Instants, LumpedError, Motion, Sensitivity};
 
 /// A small change of the motion, at the start of a step.
 #[derive(Debug, Clone, Copy, Default)]
@@ -12,42 +12,57 @@ struct Change {
     v: f64,
 }
 
-/// The change over a step, as series.
+/// Parameters whose changes are expanded side by side: each sum of products is a chain that waits for itself, and four of them fill
+/// the time.
+const ABREAST: usize = 4;
+
+/// The changes over a step by a few parameters, as series: coefficients by order, then by parameter.
 struct Series {
-    x: [f64; ORDER + 1],
-    v: [f64; ORDER + 1],
-    /// What the parameter changes in the law.
-    law: Law,
+    x: [[f64; ABREAST]; ORDER + 1],
+    v: [[f64; ABREAST]; ORDER + 1],
+    /// What each parameter changes in the law.
+    laws: [Law; ABREAST],
 }
 
 impl Series {
-    /// Displacement, velocity and acceleration of the change at several times after the step's start, where the motion itself
-    /// has `states`.
+    /// Displacement, velocity and acceleration of the change by one of the parameters, at several times after the step's start, where
+    /// the motion itself has `states`.
     fn waves(
         &self,
+        parameter: usize,
         step: &Step,
         tau: [f64; LANES],
         states: &([f64; LANES], [f64; LANES], [f64; LANES]),
-    ) -> [State; LANES] {
+    ) -> [[f64; LANES]; 3] {
         let (mut x, mut v) = ([0.0; LANES], [0.0; LANES]);
         for (of_x, of_v) in self.x.iter().zip(&self.v).rev() {
             for lane in 0..LANES {
-                x[lane] = x[lane] * tau[lane] + of_x;
-                v[lane] = v[lane] * tau[lane] + of_v;
+                x[lane] = x[lane] * tau[lane] + of_x[parameter];
+                v[lane] = v[lane] * tau[lane] + of_v[parameter];
             }
         }
         let law = &step.law;
-        std::array::from_fn(|lane| {
-            let (x, v, sx, sv) = (x[lane], v[lane], states.0[lane], states.1[lane]);
-            let own = (law.k0 + 2.0 * law.k1 * sx) * x + (law.c0 + 2.0 * law.c1 * sv) * v;
-            State { displacement_m: x, velocity_m_per_s: v, acceleration_m_per_s2: self.law.acceleration(sx, sv) - own }
-        })
+        let acceleration = std::array::from_fn(|lane| {
+            let (sx, sv) = (states.0[lane], states.1[lane]);
+            let own = (law.k0 + 2.0 * law.k1 * sx) * x[lane] + (law.c0 + 2.0 * law.c1 * sv) * v[lane];
+            self.laws[parameter].acceleration(sx, sv) - own
+        });
+        [x, v, acceleration]
     }
 
-    /// Displacement and velocity of the change at the end of the step.
-    fn end(&self, step: &Step) -> Change {
-        let at = |series: &[f64; ORDER + 1]| series.iter().rev().fold(0.0, |sum, term| sum * step.length_s + term);
-        Change { x: at(&self.x), v: at(&self.v) }
+    /// Displacement and velocity of the changes at the end of the step.
+    fn end(&self, step: &Step) -> [Change; ABREAST] {
+        let at = |series: &[[f64; ABREAST]; ORDER + 1]| {
+            let mut sum = [0.0; ABREAST];
+            for terms in series.iter().rev() {
+                for (sum, term) in sum.iter_mut().zip(terms) {
+                    *sum = *sum * step.length_s + term;
+                }
+            }
+            sum
+        };
+        let (x, v) = (at(&self.x), at(&self.v));
+        std::array::from_fn(|p| Change { x: x[p], v: v[p] })
     }
 }
 
@@ -70,19 +85,29 @@ impl Products {
     }
 
     /// `y'' = -(k0 + 2 k1 x) y - (c0 + 2 c1 v) y' - (change of the law)`.
-    fn series(&self, step: &Step, start: Change, law: Law) -> Series {
-        let mut found = Series { x: [0.0; ORDER + 1], v: [0.0; ORDER + 1], law };
-        (found.x[0], found.v[0]) = (start.x, start.v);
+    fn series(&self, step: &Step, start: [Change; ABREAST], laws: [Law; ABREAST]) -> Series {
+        let none = [[0.0; ABREAST]; ORDER + 1];
+        let mut found = Series { x: none, v: none, laws };
+        (found.x[0], found.v[0]) = (start.map(|change| change.x), start.map(|change| change.v));
         let now = &step.law;
         for k in 0..ORDER {
-            let own = now.k0 * found.x[k]
-                + 2.0 * now.k1 * convolve(&step.x, &found.x, k)
-                + now.c0 * found.v[k]
-                + 2.0 * now.c1 * convolve(&step.v, &found.v, k);
-            let forced = law.k0 * step.x[k] + law.k1 * self.xx[k] + law.c0 * step.v[k] + law.c1 * self.vv[k];
+            let (mut with_x, mut with_v) = ([0.0; ABREAST], [0.0; ABREAST]);
+            let of_step = step.x[..=k].iter().zip(&step.v[..=k]);
+            let of_change = found.x[..=k].iter().zip(&found.v[..=k]).rev();
+            for ((sx, sv), (x, v)) in of_step.zip(of_change) {
+                for p in 0..ABREAST {
+                    with_x[p] += sx * x[p];
+                    with_v[p] += sv * v[p];
+                }
+            }
             let by = 1.0 / (k + 1) as f64;
-            found.x[k + 1] = found.v[k] * by;
-            found.v[k + 1] = -(own + forced) * by;
+            for p in 0..ABREAST {
+                let (x, v, law) = (found.x[k][p], found.v[k][p], &laws[p]);
+                let own = now.k0 * x + 2.0 * now.k1 * with_x[p] + now.c0 * v + 2.0 * now.c1 * with_v[p];
+                let forced = law.k0 * step.x[k] + law.k1 * self.xx[k] + law.c0 * step.v[k] + law.c1 * self.vv[k];
+                found.x[k + 1][p] = v * by;
+                found.v[k + 1][p] = -(own + forced) * by;
+            }
         }
         found
     }
@@ -130,13 +155,15 @@ impl SecantMotion {
         parameters: &[usize],
     ) -> Result<Sensitivity, LumpedError> {
         let mut motion = Motion::with_capacity(at.samples);
-        let mut derivatives = vec![vec![Motion::with_capacity(at.samples)]; parameters.len()];
-        let mut changes = vec![Change::default(); parameters.len()];
+        let mut derivatives: Vec<Vec<Motion>> =
+            parameters.iter().map(|_| vec![Motion::with_capacity(at.samples)]).collect();
+        let blocks = parameters.len().div_ceil(ABREAST);
+        let mut changes = vec![[Change::default(); ABREAST]; blocks];
         let mut next = 0;
         let end_s = at.first_s + at.dt_s * at.samples as f64;
         let time = |k: usize| at.first_s + k as f64 * at.dt_s;
         // Series of the parameters' changes over a step, and blocks of its instants; kept to be filled again.
-        let mut series = Vec::with_capacity(parameters.len());
+        let mut series = Vec::with_capacity(blocks);
         self.walk(impact_speed_m_per_s, end_s, |step| {
             let stop = step.start_s + step.length_s;
             let first = next;
@@ -146,9 +173,13 @@ impl SecantMotion {
             series.clear();
             if !parameters.is_empty() {
                 let products = Products::of(step);
-                let law = |place| self.change_of_law(step, place);
-                series
-                    .extend(parameters.iter().zip(&changes).map(|(p, change)| products.series(step, *change, law(*p))));
+                // Places of a last block that no parameter fills change nothing.
+                let none = Law { k0: 0.0, k1: 0.0, c0: 0.0, c1: 0.0 };
+                let laws = |block: &[usize]| -> [Law; ABREAST] {
+                    std::array::from_fn(|p| block.get(p).map_or(none, |place| self.change_of_law(step, *place)))
+                };
+                let of_blocks = parameters.chunks(ABREAST).zip(&changes);
+                series.extend(of_blocks.map(|(block, change)| products.series(step, *change, laws(block))));
             }
             for block in (first..next).step_by(LANES) {
                 let tau = std::array::from_fn(|lane| time(block + lane) - step.start_s);
@@ -158,10 +189,11 @@ impl SecantMotion {
                 motion.displacement_m.extend_from_slice(&states.0[..lanes]);
                 motion.velocity_m_per_s.extend_from_slice(&states.1[..lanes]);
                 motion.acceleration_m_per_s2.extend_from_slice(&states.2[..lanes]);
-                for (series, derivative) in series.iter().zip(&mut derivatives) {
-                    for change in &series.waves(step, tau, &states)[..lanes] {
-                        derivative[0].push(*change);
-                    }
+                for (k, derivative) in derivatives.iter_mut().enumerate() {
+                    let [x, v, a] = series[k / ABREAST].waves(k % ABREAST, step, tau, &states);
+                    derivative[0].displacement_m.extend_from_slice(&x[..lanes]);
+                    derivative[0].velocity_m_per_s.extend_from_slice(&v[..lanes]);
+                    derivative[0].acceleration_m_per_s2.extend_from_slice(&a[..lanes]);
                 }
             }
             for (series, change) in series.iter().zip(&mut changes) {

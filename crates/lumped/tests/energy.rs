@@ -106,13 +106,11 @@ fn the_balance_closes_under_force_and_base_motion_and_the_forces_are_those_that_
     let mut driven = 0;
     for model in models([1.0; 5]) {
         for drive in drives() {
-            let Ok(found) = model.dynamics(&drive, 1e-4, 2001) else {
-                assert_eq!(model.kind().name(), "elastoplastic");
-                continue;
-            };
+            let found = model.dynamics(&drive, 1e-4, 2001).unwrap();
             driven += 1;
             // 2,000 quadratic forms, each right to about 1e-15 of the energy.
-            assert!(found.energy_closure().unwrap() < 1e-11, "{:?}", model.kind());
+            // A barrier that goes away first leaves an elastoplastic mass that is not held where it was: no energy at all.
+            assert!(found.energy_closure().is_none_or(|gap| gap < 1e-11), "{:?}", model.kind());
             let push = |k: usize| match &drive {
                 Drive::Force { samples, .. } | Drive::ImpactAndForce { samples, .. } => {
                     samples.get(k).copied().unwrap_or(0.0)
@@ -130,8 +128,8 @@ fn the_balance_closes_under_force_and_base_motion_and_the_forces_are_those_that_
             }
         }
     }
-    // Three Kelvin, two Maxwell, two nonlinear, two masses, three masses, under three drives each.
-    assert_eq!(driven, 27);
+    // Three Kelvin, two elastoplastic, two Maxwell, two nonlinear, two masses, three masses, under three drives each.
+    assert_eq!(driven, 33);
 }
 
 #[test]
@@ -161,12 +159,11 @@ fn a_growing_motion_closes_beside_its_own_energy_and_is_said_to_diverge() {
 }
 
 #[test]
-fn a_force_or_a_base_motion_is_refused_where_the_model_cannot_take_it() {
-    let model = &models([1.0; 5])[3];
-    let error = model.dynamics(&drives()[0], 1e-4, 10).unwrap_err().to_string();
-    assert!(error.starts_with("the elastoplastic model is simulated after an impact only"), "{error}");
+fn a_force_on_a_mass_that_is_not_there_is_refused() {
     let far = Drive::Force { mass: 1, samples: vec![1.0] };
-    assert!(models([1.0; 5])[5].dynamics(&far, 1e-4, 10).is_err());
+    for model in &models([1.0; 5])[3..6] {
+        assert!(model.dynamics(&far, 1e-4, 10).is_err(), "{:?}", model.kind());
+    }
 }
 
 #[test]

@@ -2,6 +2,9 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::Model;
 
+use crate::least_squares::Optimum;
+use crate::parameter_words::all_in_words;
+use crate::window::Window;
 use crate::{FitQuantity, Method, SensorFit, StopReason};
 
 /// One set of parameters.
@@ -67,6 +70,30 @@ pub struct Fit {
     pub sensors: Vec<SensorFit>,
 }
 
+impl Fit {
+    /// The record of a fit to the displacement of the compartment, whose residuals are in units of `crush_m`.
+    pub(crate) fn of_displacement(
+        best: &Optimum,
+        window: &Window,
+        evaluations: u64,
+        names: &[&'static str],
+        crush_m: f64,
+    ) -> Self {
+        Self {
+            from_s: window.first_s,
+            to_s: window.last_s(),
+            samples: window.samples.len(),
+            quantity: FitQuantity::Displacement,
+            rmse: (best.cost / window.samples.len() as f64).sqrt() * crush_m,
+            iterations: best.iterations,
+            evaluations,
+            stop_reason: best.stop,
+            active_bounds: names.iter().zip(&best.on_bound).filter(|(_, held)| **held).map(|(name, _)| *name).collect(),
+            sensors: Vec::new(),
+        }
+    }
+}
+
 /// Linearised uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
@@ -86,8 +113,9 @@ pub fn bounds_remark(model: &Model, active_bounds: &[&'static str]) -> Option<St
     let values = model.parameters();
     let (zero, other): (Vec<&str>, Vec<&str>) =
         active_bounds.iter().partition(|name| values.get(**name).is_some_and(|value| *value == 0.0));
-    let zero = (!zero.is_empty()).then(|| format!("zero, the least there is: {}", zero.join(", ")));
-    let other = (!other.is_empty()).then(|| format!("on a bound, not determined by the record: {}", other.join(", ")));
+    let zero = (!zero.is_empty()).then(|| format!("zero, the least there is: {}", all_in_words(model, zero)));
+    let other = (!other.is_empty())
+        .then(|| format!("on a bound, not determined by the record: {}", all_in_words(model, other)));
     match (zero, other) {
         (Some(zero), Some(other)) => Some(format!("{zero}; {other}")),
         (zero, other) => zero.or(other),
@@ -105,10 +133,9 @@ mod tests {
         let model = Model::Kelvin(Kelvin { mass_kg: 1.0, stiffness_n_per_m: 2.0, damping_n_s_per_m: 0.0 });
         let said = |names: &[&'static str]| bounds_remark(&model, names);
         assert_eq!(said(&[]), None);
-        assert_eq!(said(&["damping_n_s_per_m"]).as_deref(), Some("zero, the least there is: damping_n_s_per_m"));
+        assert_eq!(said(&["damping_n_s_per_m"]).as_deref(), Some("zero, the least there is: damping"));
         let both = said(&["stiffness_n_per_m", "damping_n_s_per_m"]);
-        let text =
-            "zero, the least there is: damping_n_s_per_m; on a bound, not determined by the record: stiffness_n_per_m";
+        let text = "zero, the least there is: damping; on a bound, not determined by the record: stiffness";
         assert_eq!(both.as_deref(), Some(text));
     }
 }

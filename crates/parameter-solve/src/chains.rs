@@ -70,7 +70,7 @@ pub fn fit_chains(
             for (what, _) in without.iter().filter(|(_, missing)| *missing) {
                 out.notes().warning(format!("{id}: not {what}, too few fits near its minimum came to an end"));
             }
-            let said = said_at_once(&id, &verdict.profile, verdict.propagation.as_ref());
+            let said = said_at_once(&id, &verdict.profile, verdict.propagation.as_ref(), ToString::to_string);
             if !said.is_empty() {
                 out.summary(said);
             }

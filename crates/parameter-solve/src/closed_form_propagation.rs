@@ -7,7 +7,7 @@ use crumple_lumped::Model;
 
 use crate::observed::Observed;
 use crate::propagation::{InputUncertainty, Propagation, Repetition, by_repetition, perturbed_by};
-use crate::{elastoplastic_from_events, kelvin_from_events};
+use crate::{elastoplastic_of_record, kelvin_from_events, unloads_rigidly};
 
 /// The events that a closed form follows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,13 +95,17 @@ fn repeat_closed_form(
         Model::Elastoplastic(m) => {
             let mass = m.mass_kg * repetition.mass_ratio;
             let restitution = events.coefficient_of_restitution;
-            Model::Elastoplastic(elastoplastic_from_events(mass, v0, crush, restitution).ok()?)
+            Model::Elastoplastic(elastoplastic_of_record(mass, v0, crush, restitution).ok()?.0)
         }
         _ => return None,
     };
     let values = solved.parameters();
     let named = solved.kind().parameter_names().iter().filter(|name| !name.ends_with("_kg"));
     let mut result: BTreeMap<&'static str, f64> = named.map(|name| (*name, values[*name])).collect();
+    if matches!(model, Model::Elastoplastic(m) if unloads_rigidly(m)) {
+        // A stand-in, and no number of the record.
+        result.remove("unloading_stiffness_n_per_m");
+    }
     if let Some(crush) = solved.events(v0).ok().and_then(|events| events.dynamic_crush_m) {
         result.insert("dynamic_crush_m", crush);
     }

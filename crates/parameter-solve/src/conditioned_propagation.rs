@@ -23,7 +23,7 @@ const PLACES: [usize; 6] = [1, 2, 3, 4, 5, 6];
 ///
 /// The estimator of [`fit_nonlinear1`](crate::fit_nonlinear1): crush, its time and the last knots are those of each repetition's
 /// record, the displacement is compared without the filter. Every repetition descends from `model`: where errors are so large that
-/// another start of the fit would win, the spread is that of one minimum and too small. `events`, `whole`: as
+/// another start of the fit would win (time zero more than 0.25 ms off), the spread is that of one minimum and too small. `events`, `whole`: as
 /// [`propagate_closed_form`](crate::propagate_closed_form) takes them; `observed`: the samples compared. A repetition that cannot meet
 /// the conditions is left out and not counted. `None` with fewer than 20 results.
 pub fn propagate_conditioned(

@@ -1,10 +1,11 @@
 use crumple_lumped::{Elastoplastic, Kelvin};
 use crumple_signal::{Displacement, Signal};
 
+use crate::closed_form_fit::{ClosedForm, fit_logarithms};
 use crate::error::positive;
-use crate::least_squares::{Bounds, Optimum, Response, descend, uncertainty};
+use crate::least_squares::Bounds;
 use crate::window::Window;
-use crate::{Fit, FitQuantity, NonlinearFitOptions, SolveError, Uncertainty};
+use crate::{Fit, NonlinearFitOptions, SolveError, Uncertainty};
 
 /// The elastoplastic model with the crush, speed and restitution of the record: `k_E = m v0²/C²`, `k_P = k_E/e²`.
 ///
@@ -39,34 +40,30 @@ pub fn elastoplastic_from_events(
     })
 }
 
+/// Coefficient of restitution below which the unloading is rigid to all that a record tells: a zero level 0.1 g off makes as much
+/// rebound of nothing within 100 ms at 10 m/s.
+pub const RIGID_RESTITUTION: f64 = 0.01;
+
+/// As [`elastoplastic_from_events`], with an unloading stiffness of at most `k_E/0.01²`, and whether it stands there: a smaller
+/// restitution, zero or none is no number but a rigid line, and any stiffness above gives the same record.
+pub fn elastoplastic_of_record(
+    mass_kg: f64,
+    impact_speed_m_per_s: f64,
+    dynamic_crush_m: f64,
+    coefficient_of_restitution: f64,
+) -> Result<(Elastoplastic, bool), SolveError> {
+    let rigid = coefficient_of_restitution <= RIGID_RESTITUTION;
+    let restitution = if rigid { RIGID_RESTITUTION } else { coefficient_of_restitution };
+    Ok((elastoplastic_from_events(mass_kg, impact_speed_m_per_s, dynamic_crush_m, restitution)?, rigid))
+}
+
+/// Whether the unloading stiffness of a closed form is the one that stands for a rigid line.
+pub fn unloads_rigidly(model: &Elastoplastic) -> bool {
+    model.coefficient_of_restitution() <= RIGID_RESTITUTION * (1.0 + 1e-9)
+}
+
 /// Starts of the loading stiffness over `m (v0/C)²`.
 const STIFFNESSES: [f64; 5] = [0.1, 0.3, 1.0, 2.0, 4.0];
-
-/// The undamped swing beside the record, over the logarithm of the stiffness.
-struct Loading<'a> {
-    window: &'a Window,
-    options: &'a NonlinearFitOptions,
-    unit_n_per_m: f64,
-}
-
-impl Response for Loading<'_> {
-    fn rows(&self) -> usize {
-        self.window.samples.len()
-    }
-
-    fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
-        let model = Kelvin {
-            mass_kg: self.options.mass_kg,
-            stiffness_n_per_m: self.unit_n_per_m * theta[0].exp(),
-            damping_n_s_per_m: 0.0,
-        };
-        for (k, (r, s)) in out.iter_mut().zip(&self.window.samples).enumerate() {
-            let t = self.window.first_s + k as f64 * self.window.dt_s;
-            *r = (model.state(self.options.impact_speed_m_per_s, t).displacement_m - s) / self.options.crush_m;
-        }
-        out.iter().all(|x| x.is_finite())
-    }
-}
 
 /// Fits the loading stiffness of the elastoplastic model to a displacement that never stops: `x = v0/w sin w t`,
 /// `w² = k_E/m`.
@@ -79,41 +76,23 @@ pub fn fit_elastoplastic_loading(
     options: &NonlinearFitOptions,
 ) -> Result<(Elastoplastic, Fit, Option<Uncertainty>), SolveError> {
     let mass_kg = positive("mass_kg", options.mass_kg)?;
-    let rate = positive("impact_speed_m_per_s", options.impact_speed_m_per_s)? / positive("crush_m", options.crush_m)?;
+    let v0 = positive("impact_speed_m_per_s", options.impact_speed_m_per_s)?;
+    let crush_m = positive("crush_m", options.crush_m)?;
     let window = Window::pick(displacement, options.time_zero_s, options.from_s, options.to_s, options.samples)?;
-    let problem = Loading { window: &window, options, unit_n_per_m: mass_kg * rate * rate };
-    let bounds = Bounds { lower: vec![-9.0], upper: vec![9.0], max_iterations: 100, cost_tolerance: 1e-12 };
-    let found: Vec<Optimum> =
-        STIFFNESSES.iter().filter_map(|start| descend(&problem, &[start.ln()], &bounds)).collect();
-    let evaluations = found.iter().map(|optimum| optimum.evaluations).sum();
-    let best = found
-        .into_iter()
-        .min_by(|a, b| a.cost.total_cmp(&b.cost))
-        .ok_or(SolveError::NoFit { starts: STIFFNESSES.len() })?;
-    let stiffness_n_per_m = problem.unit_n_per_m * best.theta[0].exp();
-    let names = ["loading_stiffness_n_per_m"];
-    let mut rest = vec![0.0; problem.rows()];
-    let known = problem.residuals(&best.theta, &mut rest);
-    let deviations = known.then(|| uncertainty(&best, &rest, &names, &[stiffness_n_per_m])).flatten();
-    let fit = Fit {
-        from_s: window.first_s,
-        to_s: window.last_s(),
-        samples: window.samples.len(),
-        quantity: FitQuantity::Displacement,
-        rmse: (best.cost / window.samples.len() as f64).sqrt() * options.crush_m,
-        iterations: best.iterations,
-        evaluations,
-        stop_reason: best.stop,
-        active_bounds: best
-            .on_bound
-            .first()
-            .is_some_and(|held| *held)
-            .then_some(names[0])
-            .into_iter()
-            .chain(["unloading_stiffness_n_per_m"])
-            .collect(),
-        sensors: Vec::new(),
+    let rate = v0 / crush_m;
+    let stiffness = |theta: &[f64]| mass_kg * rate * rate * theta[0].exp();
+    let displacement = |theta: &[f64]| {
+        let model = Kelvin { mass_kg, stiffness_n_per_m: stiffness(theta), damping_n_s_per_m: 0.0 };
+        move |t| model.state(v0, t).displacement_m
     };
+    let problem = ClosedForm { window: &window, crush_m, displacement };
+    let bounds = Bounds { lower: vec![-9.0], upper: vec![9.0], max_iterations: 100, cost_tolerance: 1e-12 };
+    let starts = STIFFNESSES.iter().map(|start| vec![start.ln()]).collect();
+    let names = ["loading_stiffness_n_per_m"];
+    let (best, mut fit, deviations) =
+        fit_logarithms(&problem, starts, &bounds, &names, |theta| vec![stiffness(theta)])?;
+    fit.active_bounds.push("unloading_stiffness_n_per_m");
+    let stiffness_n_per_m = stiffness(&best.theta);
     let model = Elastoplastic {
         mass_kg,
         loading_stiffness_n_per_m: stiffness_n_per_m,

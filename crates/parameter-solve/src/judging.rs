@@ -3,8 +3,8 @@
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1};
 use crumple_parameter_solve::{
     Candidate, FollowedEvents, FreeParameter, JudgeOptions, MassFit, Measurement, Method, Observed, Propagation,
-    RESOLUTION_M, Refined, free_masses, free_parameters, judge, propagate, propagate_closed_form,
-    propagate_conditioned, propagate_unfiltered, refine,
+    RESOLUTION_M, Refined, free_masses, free_parameters, judge, largest_draw, propagate, propagate_closed_form,
+    propagate_conditioned, propagate_unfiltered, refine, unloads_rigidly,
 };
 use crumple_signal::{Displacement, Signal};
 use crumple_stage::records::EventsV1;
@@ -23,6 +23,9 @@ pub const UNKNOWN_FILTER_M: f64 = 1e-5;
 /// A fit under side conditions gives way to the minimum where that meets them to this, of crush and its time: the filter
 /// itself moves the time of a crush that ends steeply by 0.1 ms and more.
 const CONDITIONS: f64 = 5e-3;
+
+/// Shift of time zero from which a fit under side conditions may have its least misfit in another minimum.
+const ONE_MINIMUM_S: f64 = 2.5e-4;
 
 /// What all candidates share.
 struct Scene<'a> {
@@ -254,6 +257,12 @@ impl Scene<'_> {
         let given = (!self.gives_way(candidate, refined)).then_some(&candidate.model);
         let mut judgement = judge(refined, given, observed, options)?;
         judgement.interval.extend(held(candidate).map(|name| (name, (None, None))));
+        if let (Method::ClosedForm, Model::Elastoplastic(model)) = (candidate.method, &candidate.model)
+            && unloads_rigidly(model)
+        {
+            judgement.interval.insert("unloading_stiffness_n_per_m", (None, None));
+            judgement.standard_deviation.remove("unloading_stiffness_n_per_m");
+        }
         if candidate.of_sensors()
             && self.settings.solve.mass_fit != MassFit::Known
             && let Some(rest) = candidate.model.kind().parameter_names().iter().rfind(|name| name.ends_with("_kg"))
@@ -262,9 +271,22 @@ impl Scene<'_> {
             judgement.interval.entry(rest).or_insert((None, None));
         }
         let propagation = self.propagation(candidate, observed, refined);
-        let repeated =
-            if candidate.method == Method::ClosedForm && candidate.fit.is_none() { "closed form" } else { "fit" };
+        let repeated = if candidate.method == Method::ClosedForm && candidate.fit.is_none() {
+            "closed form"
+        } else if self.is_conditioned(candidate, refined) {
+            "fit, from its own minimum each time,"
+        } else {
+            "fit"
+        };
         Some(Judged { judgement, propagation, repeated, through_filter: self.known(candidate) })
+    }
+
+    /// Whether the values are those of the first nonlinear model under the conditions at dynamic crush.
+    fn is_conditioned(&self, candidate: &Candidate, refined: &Refined) -> bool {
+        matches!(candidate.method, Method::DirectFit | Method::InteriorPoint)
+            && matches!(candidate.model, Model::Nonlinear1(_))
+            && !candidate.of_sensors()
+            && !self.gives_way(candidate, refined)
     }
 
     /// The estimator that made the values, repeated with uncertain inputs.
@@ -328,6 +350,21 @@ impl Scene<'_> {
                 flags.join(" and "),
                 elsewhere.join(", ")
             ));
+        }
+        let largest = largest_draw(asked.distributions[3]) * asked.time_zero_uncertainty_s;
+        for ((candidate, refined), judged) in all() {
+            let repeated = judged.as_ref().is_some_and(|judged| judged.propagation.is_some());
+            if repeated
+                && largest > ONE_MINIMUM_S
+                && refined.as_ref().is_some_and(|(_, r)| self.is_conditioned(candidate, r))
+            {
+                out.notes().warning(format!(
+                    "{}: its repetitions begin at its own minimum, and with time zero more than {} ms off another start of the fit can \
+                     win: the propagated intervals are those of one minimum, and may be too narrow",
+                    candidate.id(),
+                    1e3 * ONE_MINIMUM_S
+                ));
+            }
         }
         let inputs: Vec<&str> = asked.flags().into_iter().filter(|flag| flag.ends_with("-uncertainty")).collect();
         for ((candidate, _), judged) in all() {

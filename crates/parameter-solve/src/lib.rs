@@ -19,6 +19,7 @@ mod chain_fit;
 mod chain_judge;
 mod chain_knowledge;
 mod chain_problem;
+mod closed_form_fit;
 mod closed_form_propagation;
 mod coefficient_spread;
 mod conditioned_propagation;
@@ -54,6 +55,7 @@ mod nonlinear_fit;
 mod nonlinear_problem;
 mod nonnegative;
 mod observed;
+mod parameter_words;
 mod profile;
 mod propagation;
 mod quantity;
@@ -87,7 +89,9 @@ pub use crumple_signal::Distribution;
 pub use curve_fit::curve_fit_of_the_paper;
 pub use double_fit::{DoubleFit, DoubleFitOptions, fit_double};
 pub use dual_scale::DualScale;
-pub use elastoplastic::{elastoplastic_from_events, fit_elastoplastic_loading};
+pub use elastoplastic::{
+    RIGID_RESTITUTION, elastoplastic_from_events, elastoplastic_of_record, fit_elastoplastic_loading, unloads_rigidly,
+};
 pub use error::SolveError;
 pub use evidence::Evidence;
 pub use family::MassFit;
@@ -109,6 +113,7 @@ pub use method::{METHODS, Method};
 pub use nonlinear_fit::{NonlinearFitOptions, fit_nonlinear1, fit_nonlinear2};
 pub use nonlinear_problem::conditions_at_crush;
 pub use observed::{FreeParameter, Observed, RESOLUTION_M, SeenWave, free_masses, free_parameters};
+pub use parameter_words::{all_in_words, in_words};
 pub use profile::{Profile, RISE_95, profile};
 pub use propagation::{
     InputUncertainty, Propagation, REPETITIONS, Repetition, largest_draw, perturbed, propagate, propagate_unfiltered,

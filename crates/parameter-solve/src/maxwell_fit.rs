@@ -3,46 +3,15 @@
 use crumple_lumped::Maxwell;
 use crumple_signal::{Displacement, Signal};
 
+use crate::closed_form_fit::{ClosedForm, fit_logarithms};
 use crate::error::positive;
-use crate::least_squares::{Bounds, Optimum, Response, descend, uncertainty};
+use crate::least_squares::Bounds;
 use crate::window::Window;
-use crate::{Fit, FitQuantity, NonlinearFitOptions, SolveError, Uncertainty};
+use crate::{Fit, NonlinearFitOptions, SolveError, Uncertainty};
 
 /// Starts of the spring and of the damper, in their units.
 const SPRINGS: [f64; 5] = [0.3, 1.0, 3.0, 10.0, 30.0];
 const DAMPERS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
-
-struct Displacements<'a> {
-    window: &'a Window,
-    options: &'a NonlinearFitOptions,
-}
-
-impl Displacements<'_> {
-    /// The model of logarithms over `m (v0/C)²` and `m v0/C`.
-    fn model(&self, theta: &[f64]) -> Maxwell {
-        let rate = self.options.impact_speed_m_per_s / self.options.crush_m;
-        Maxwell {
-            mass_kg: self.options.mass_kg,
-            stiffness_n_per_m: self.options.mass_kg * rate * rate * theta[0].exp(),
-            damping_n_s_per_m: self.options.mass_kg * rate * theta[1].exp(),
-        }
-    }
-}
-
-impl Response for Displacements<'_> {
-    fn rows(&self) -> usize {
-        self.window.samples.len()
-    }
-
-    fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
-        let model = self.model(theta);
-        for (k, (r, s)) in out.iter_mut().zip(&self.window.samples).enumerate() {
-            let t = self.window.first_s + k as f64 * self.window.dt_s;
-            *r = (model.state(self.options.impact_speed_m_per_s, t).displacement_m - s) / self.options.crush_m;
-        }
-        out.iter().all(|x| x.is_finite())
-    }
-}
 
 /// Fits spring and damper in series, with `x(0) = 0`, `v(0) = v0`, `a(0) = 0` as the model has them: two numbers, where the
 /// paper's five free constants do not reproduce the curve.
@@ -53,41 +22,31 @@ pub fn fit_maxwell(
     displacement: &Signal<Displacement>,
     options: &NonlinearFitOptions,
 ) -> Result<(Maxwell, Fit, Option<Uncertainty>), SolveError> {
-    positive("mass_kg", options.mass_kg)?;
-    positive("impact_speed_m_per_s", options.impact_speed_m_per_s)?;
-    positive("crush_m", options.crush_m)?;
+    let mass_kg = positive("mass_kg", options.mass_kg)?;
+    let v0 = positive("impact_speed_m_per_s", options.impact_speed_m_per_s)?;
+    let crush_m = positive("crush_m", options.crush_m)?;
     let window = Window::pick(displacement, options.time_zero_s, options.from_s, options.to_s, options.samples)?;
-    let problem = Displacements { window: &window, options };
-    let bounds = Bounds { lower: vec![-9.0; 2], upper: vec![9.0; 2], max_iterations: 100, cost_tolerance: 1e-10 };
-    let mut evaluations = 0;
-    let mut best: Option<Optimum> = None;
-    for start in SPRINGS.iter().flat_map(|k| DAMPERS.map(|c| [f64::ln(*k), f64::ln(c)])) {
-        let Some(found) = descend(&problem, &start, &bounds) else { continue };
-        evaluations += found.evaluations;
-        if best.as_ref().is_none_or(|best| found.cost < best.cost) {
-            best = Some(found);
-        }
-    }
-    let best = best.ok_or(SolveError::NoFit { starts: SPRINGS.len() * DAMPERS.len() })?;
-    let names = ["stiffness_n_per_m", "damping_n_s_per_m"];
-    let fit = Fit {
-        from_s: window.first_s,
-        to_s: window.last_s(),
-        samples: window.samples.len(),
-        quantity: FitQuantity::Displacement,
-        rmse: (best.cost / window.samples.len() as f64).sqrt() * options.crush_m,
-        iterations: best.iterations,
-        evaluations,
-        stop_reason: best.stop,
-        active_bounds: (0..2).filter(|&i| best.on_bound[i]).map(|i| names[i]).collect(),
-        sensors: Vec::new(),
+    let rate = v0 / crush_m;
+    // Logarithms over `m (v0/C)²` and `m v0/C`.
+    let build = |theta: &[f64]| Maxwell {
+        mass_kg,
+        stiffness_n_per_m: mass_kg * rate * rate * theta[0].exp(),
+        damping_n_s_per_m: mass_kg * rate * theta[1].exp(),
     };
-    let model = problem.model(&best.theta);
-    let mut rest = vec![0.0; problem.rows()];
-    let known = problem.residuals(&best.theta, &mut rest);
-    let factors = [model.stiffness_n_per_m, model.damping_n_s_per_m];
-    let deviations = known.then(|| uncertainty(&best, &rest, &names, &factors)).flatten();
-    Ok((model, fit, deviations))
+    let displacement = |theta: &[f64]| {
+        let model = build(theta);
+        move |t| model.state(v0, t).displacement_m
+    };
+    let problem = ClosedForm { window: &window, crush_m, displacement };
+    let bounds = Bounds { lower: vec![-9.0; 2], upper: vec![9.0; 2], max_iterations: 100, cost_tolerance: 1e-10 };
+    let starts = SPRINGS.iter().flat_map(|k| DAMPERS.map(|c| vec![f64::ln(*k), f64::ln(c)])).collect();
+    let names = ["stiffness_n_per_m", "damping_n_s_per_m"];
+    let values = |theta: &[f64]| {
+        let model = build(theta);
+        vec![model.stiffness_n_per_m, model.damping_n_s_per_m]
+    };
+    let (best, fit, deviations) = fit_logarithms(&problem, starts, &bounds, &names, values)?;
+    Ok((build(&best.theta), fit, deviations))
 }
 
 /// Share of the dynamic crush below which a part of the model is nearly rigid.
@@ -106,14 +65,14 @@ pub fn undetermined_by_the_record(model: &Maxwell, impact_speed_m_per_s: f64, cr
     let share = |give: f64| format!("{:.2} mm of {:.1} mm", 1e3 * give, 1e3 * crush_m);
     if damper < RIGID * crush_m {
         return Some(format!(
-            "the damper is nearly rigid, it gives {}: the record does not determine damping_n_s_per_m, only that it is large, and the \
+            "the damper is nearly rigid, it gives {}: the record does not determine its damping, only that it is large, and the \
              model is a spring alone",
             share(damper)
         ));
     }
     match spring {
         Some(spring) if spring < RIGID * crush_m => Some(format!(
-            "the spring is nearly rigid, it gives {}: the record does not determine stiffness_n_per_m, only that it is large, and the \
+            "the spring is nearly rigid, it gives {}: the record does not determine its stiffness, only that it is large, and the \
              model is a damper alone",
             share(spring.max(0.0))
         )),
@@ -130,7 +89,7 @@ mod tests {
         let model = Maxwell { mass_kg: 900.0, stiffness_n_per_m: 3e5, damping_n_s_per_m: 1e8 };
         let crush = model.events(10.0).dynamic_crush_m.unwrap();
         let finding = undetermined_by_the_record(&model, 10.0, crush).unwrap();
-        assert!(finding.contains("does not determine damping_n_s_per_m"), "{finding}");
+        assert!(finding.contains("does not determine its damping, only"), "{finding}");
         let working = Maxwell { damping_n_s_per_m: 4e4, stiffness_n_per_m: 1e6, ..model };
         let crush = working.events(10.0).dynamic_crush_m.unwrap();
         assert_eq!(undetermined_by_the_record(&working, 10.0, crush), None);

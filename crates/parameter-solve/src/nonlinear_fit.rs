@@ -5,11 +5,12 @@ use crumple_signal::{Displacement, Signal};
 use rayon::prelude::*;
 
 use crate::error::positive;
-use crate::least_squares::{Bounds, Optimum, Response, descend, uncertainty};
+use crate::least_squares::{Bounds, Response, descend, uncertainty};
 use crate::momentum::{Momentum, Start};
 use crate::nonlinear_problem::{Displacements, chain1, chain2, conditions_at_crush, units};
+use crate::sensor_fit::all;
 use crate::window::Window;
-use crate::{Fit, FitQuantity, SolveError, Uncertainty};
+use crate::{Fit, SolveError, Uncertainty};
 
 /// What a fit of a nonlinear model is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -142,7 +143,7 @@ pub fn fit_nonlinear2(
     let mut rest = vec![0.0; problem.rows()];
     let known = problem.residuals(&best.theta, &mut rest);
     let deviations = known.then(|| uncertainty(&ordered, &rest, &names, &factors)).flatten();
-    Ok((model, record(&ordered, &window, evaluations, &names, options), deviations))
+    Ok((model, Fit::of_displacement(&ordered, &window, evaluations, &names, options.crush_m), deviations))
 }
 
 /// The model of scaled parameters; the knots of the damper in rising order, each with its value.
@@ -168,35 +169,6 @@ fn nonlinear2(theta: &[f64], options: &NonlinearFitOptions, spring: f64, damper:
         v0_m_per_s: v0,
     };
     model.check().is_ok().then_some(model)
-}
-
-fn all(problem: &impl Response, points: Vec<Vec<f64>>, bounds: &Bounds) -> (Vec<Optimum>, u64) {
-    let found: Vec<_> = points.par_iter().map(|point| descend(problem, point, bounds)).collect();
-    let mut found: Vec<Optimum> = found.into_iter().flatten().collect();
-    let evaluations = found.iter().map(|m| m.evaluations).sum();
-    found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    (found, evaluations)
-}
-
-fn record(
-    best: &Optimum,
-    window: &Window,
-    evaluations: u64,
-    names: &[&'static str],
-    options: &NonlinearFitOptions,
-) -> Fit {
-    Fit {
-        from_s: window.first_s,
-        to_s: window.last_s(),
-        samples: window.samples.len(),
-        quantity: FitQuantity::Displacement,
-        rmse: (best.cost / window.samples.len() as f64).sqrt() * options.crush_m,
-        iterations: best.iterations,
-        evaluations,
-        stop_reason: best.stop,
-        active_bounds: names.iter().zip(&best.on_bound).filter(|(_, held)| **held).map(|(name, _)| *name).collect(),
-        sensors: Vec::new(),
-    }
 }
 
 /// Fits the first nonlinear model under the side constraints of the paper: `k1 <= k2`, `c1 >= c2 >= c3`, and at the time of
@@ -290,5 +262,5 @@ pub fn fit_nonlinear1(
     let model = build(&best.theta).ok_or(SolveError::NoFit { starts: REFINED })?;
     // A part on its bound makes two coefficients equal.
     let names = ["k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m", "c3_n_s_per_m", "v_thresh_m_per_s"];
-    Ok((model, record(&best, &window, evaluations, &names, options)))
+    Ok((model, Fit::of_displacement(&best, &window, evaluations, &names, options.crush_m)))
 }

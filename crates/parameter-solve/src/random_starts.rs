@@ -40,17 +40,6 @@ pub fn random_start_nonlinear2(
     let Some(Model::Nonlinear2(model)) = family.model(&best.theta) else { return Err(SolveError::NoFit { starts }) };
     let window = &sensors[0].window;
     let names = family.names();
-    let fit = Fit {
-        from_s: window.first_s,
-        to_s: window.last_s(),
-        samples: window.samples.len(),
-        quantity: FitQuantity::Displacement,
-        rmse: (best.cost / window.samples.len() as f64).sqrt() * crush_m,
-        iterations: best.iterations,
-        evaluations,
-        stop_reason: best.stop,
-        active_bounds: names.iter().zip(&best.on_bound).filter(|(_, held)| **held).map(|(name, _)| *name).collect(),
-        sensors: Vec::new(),
-    };
+    let fit = Fit::of_displacement(best, window, evaluations, &names, crush_m);
     Ok((model, fit))
 }

@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use crumple_parameter_solve::{
-    Candidate, Evidence, FitQuantity, Identified, MassSplit, Method, Place, Quartic, Sensor, curve_fit_of_the_paper,
-    masses, match_as_the_paper_typed, match_identified, solve,
+    Candidate, Evidence, FitQuantity, Identified, MassSplit, Method, Place, Quartic, Sensor, all_in_words,
+    curve_fit_of_the_paper, masses, match_as_the_paper_typed, match_identified, solve,
 };
 use crumple_signal::{Acceleration, Displacement, Force, Sampled, TestDescription, Velocity};
 use crumple_stage::records::{CandidateV1, EventsV1, ExponentialSumV1, FitV1, SensorFitV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
 
+use crate::adoption::held;
 use crate::chain_table::FittedChain;
 use crate::chains::fit_chains;
 use crate::exponents::maxwell_candidates;
@@ -104,6 +105,17 @@ impl Stage for ParameterSolve {
                 unjudged.join(", ")
             ));
         }
+        for candidate in &candidates {
+            // The dual of a set stands on the same bounds.
+            let dual = candidate.equivalent_to.is_some_and(|other| other < candidate.index);
+            let words = all_in_words(&candidate.model, held(candidate));
+            if !dual && !words.is_empty() {
+                out.notes().warning(format!(
+                    "{}: on a bound of the search, not determined by the record: {words}",
+                    candidate.id()
+                ));
+            }
+        }
         for (candidate, judged) in candidates.iter().zip(&judgements) {
             out.put(&format!("/parameters/{}", candidate.id()), &record(candidate, judged.as_ref(), &channel))?;
             out.summary(parameters_line(&candidate.id(), &candidate.model.parameters()));
@@ -170,13 +182,19 @@ fn from_events(
         impact_speed_m_per_s,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
         dynamic_crush_m: events.dynamic_crush_m,
-        coefficient_of_restitution: events.coefficient_of_restitution,
+        coefficient_of_restitution: restitution(events),
         time_zero_s: events.time_zero_s,
         time_of_rebound_s: events.time_of_rebound_s,
         displacement: displacement.as_ref(),
         sensors: &sensors,
     };
     solve(&evidence, &settings.solve, out.notes()).refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")
+}
+
+/// The coefficient of restitution; zero where its interval holds zero.
+fn restitution(events: &EventsV1) -> Option<f64> {
+    let holds_zero = events.intervals.iter().any(|i| i.name == "coefficient_of_restitution" && i.low <= 0.0);
+    events.coefficient_of_restitution.map(|e| if holds_zero { 0.0 } else { e })
 }
 
 /// The motions to fit together; none where it is the displacement of the pulse alone.

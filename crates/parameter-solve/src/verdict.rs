@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
-use crumple_parameter_solve::{Bootstrap, Candidate, DualScale, Judgement, Profile, Propagation, Uncertainty};
+use crumple_parameter_solve::{
+    Bootstrap, Candidate, DualScale, Judgement, Profile, Propagation, Uncertainty, in_words,
+};
 use crumple_stage::records::{ProfileV1, ReplicatesV1, UncertaintyV1};
 
 /// Both ends of an interval.
@@ -58,7 +60,8 @@ impl Judged {
 
     /// What a person should hear at once: parameters that the record does not determine; propagated intervals.
     pub fn line(&self, candidate: &Candidate) -> String {
-        said_at_once(&candidate.id(), &self.judgement.profile, self.propagation.as_ref())
+        let words = |name: &&'static str| in_words(&candidate.model, name);
+        said_at_once(&candidate.id(), &self.judgement.profile, self.propagation.as_ref(), words)
     }
 }
 
@@ -108,14 +111,15 @@ pub fn propagation_record<N: Display + Ord>(propagation: &Propagation<N>, repeat
     }
 }
 
-/// What a person should hear at once of the candidate of this id; empty where there is nothing.
+/// What a person should hear at once of the candidate of this id, its parameters in these words; empty where there is nothing.
 pub fn said_at_once<N: Display + Ord>(
     id: &str,
     profiles: &[Profile<N>],
     propagation: Option<&Propagation<N>>,
+    words: impl Fn(&N) -> String,
 ) -> String {
     let mut parts = Vec::new();
-    let open: Vec<String> = profiles.iter().filter(|p| !p.identifiable()).map(|p| p.parameter.to_string()).collect();
+    let open: Vec<String> = profiles.iter().filter(|p| !p.identifiable()).map(|p| words(&p.parameter)).collect();
     if !open.is_empty() {
         parts.push(format!("not identifiable: {}", open.join(", ")));
     }

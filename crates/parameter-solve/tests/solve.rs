@@ -115,13 +115,30 @@ fn a_record_too_coarse_for_a_fit_keeps_its_closed_forms() {
 }
 
 #[test]
-fn without_rebound_the_elastoplastic_model_is_left_out_with_the_reason() {
+fn without_a_restitution_the_elastoplastic_model_is_left_out_with_the_reason() {
     let (record, mut notes) = (record(), Notes::new());
     let settings = SolveSettings { models: vec![ModelKind::Elastoplastic], ..settings() };
-    for (restitution, reason) in [(None, "is not known"), (Some(0.0), "shows no rebound"), (Some(1.5), "at most 1")] {
+    for (restitution, reason) in [(None, "is not known"), (Some(1.5), "at most 1")] {
         let test = Evidence { coefficient_of_restitution: restitution, ..evidence(&record) };
         assert!(solve(&test, &settings, &mut notes).unwrap().is_empty());
         assert!(notes.to_texts().last().unwrap().contains(reason), "{:?}", notes.to_texts());
+    }
+}
+
+#[test]
+fn a_rebound_of_nothing_is_a_rigid_unloading_and_no_huge_number() {
+    let record = record();
+    let settings = SolveSettings { models: vec![ModelKind::Elastoplastic], ..settings() };
+    for restitution in [0.0, 1e-15, 0.003] {
+        let mut notes = Notes::new();
+        let test = Evidence { coefficient_of_restitution: Some(restitution), ..evidence(&record) };
+        let found = solve(&test, &settings, &mut notes).unwrap();
+        let p = found[0].model.parameters();
+        // Two roundings of the quotient.
+        assert!((p["unloading_stiffness_n_per_m"] / p["loading_stiffness_n_per_m"] - 1e4).abs() < 1e-10, "{p:?}");
+        let text = "the unloading is rigid, and its stiffness not determined";
+        assert!(found[0].notes.iter().any(|note| note.contains(text)), "{:?}", found[0].notes);
+        assert!(notes.to_texts().iter().any(|note| note.starts_with("warning: ") && note.contains(text)), "{notes:?}");
     }
 }
 
@@ -193,7 +210,7 @@ fn a_record_that_never_stops_is_fitted_up_to_its_end() {
     let p = found[0].model.parameters();
     assert!((p["loading_stiffness_n_per_m"] / stiffness_n_per_m - 1.0).abs() < 1e-6, "{p:?}");
     assert_eq!(found[0].fit.as_ref().unwrap().active_bounds, ["unloading_stiffness_n_per_m"]);
-    assert!(found[0].notes.iter().any(|n| n.contains("unloading_stiffness_n_per_m is not determined")));
+    assert!(found[0].notes.iter().any(|n| n.contains("the unloading stiffness is not determined")));
     assert!(
         found[2].notes.iter().any(|n| n.contains("conditions at dynamic crush are left out")),
         "{:?}",

@@ -2,6 +2,8 @@
 
 use std::cmp::Ordering;
 
+use crumple_signal::Axis;
+
 use crate::{Candidate, Run};
 
 /// Fits that differ by less are the same: simulations agree to about 1e-10 percent, and no test decides at 1e-6.
@@ -23,6 +25,8 @@ pub struct Ranking {
     /// the fewest parameters undetermined; among equals the one with the fewest parameters, then the one that fits best. A chain of
     /// two whose masses were looked for by a sensor on the last one alone stands behind all others.
     pub best: Option<String>,
+    /// Why this run can have no best, whatever fits.
+    pub no_best: Option<String>,
 }
 
 impl Ranking {
@@ -48,7 +52,19 @@ impl Ranking {
         Self {
             order: fitted.iter().map(|(_, candidate)| candidate.id.clone()).collect(),
             best: best_of_the_good(&fitted).map(|candidate| candidate.id.clone()),
+            no_best: None,
         }
+    }
+
+    /// As [`Ranking::of`], without a best where the pulse is no crush along the vehicle: a model of springs that stop a mass is no
+    /// explanation of a lateral or vertical record, nor, beyond its window, of one that never stops.
+    pub fn of_run(run: &Run) -> Self {
+        let mut ranking = Self::of(&run.candidates);
+        ranking.no_best = no_crush(run);
+        if ranking.no_best.is_some() {
+            ranking.best = None;
+        }
+        ranking
     }
 
     /// Of the candidates of coefficient matching the one whose simulation fits best, physical or not: the solution that the
@@ -62,6 +78,16 @@ impl Ranking {
     pub fn place(&self, id: &str) -> Option<usize> {
         self.order.iter().position(|other| other == id).map(|index| index + 1)
     }
+}
+
+/// Why there is no crush along the vehicle's axis to be explained; `None` where there is one, or no events were looked for.
+fn no_crush(run: &Run) -> Option<String> {
+    let events = run.events.as_ref()?;
+    if let Some(axis) = run.channel().and_then(|channel| channel.axis).filter(|axis| *axis != Axis::X) {
+        return Some(format!("channel {} is along {axis}, and the models are of a crush along x", events.channel));
+    }
+    let crushed = events.time_of_dynamic_crush_s.is_some() && events.dynamic_crush_m.is_some_and(|crush| crush > 0.0);
+    (!crushed).then(|| "the record shows no crush that comes to an end: its velocity never reaches zero".to_owned())
 }
 
 /// Whether a candidate may be called the best: physical, no parameter left on a bound of its search (such a value is the

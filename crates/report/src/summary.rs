@@ -19,6 +19,9 @@ pub struct Summary<'a> {
     models: Vec<ModelSummary<'a>>,
     candidates: Vec<CandidateSummary<'a>>,
     best: Option<String>,
+    /// Why this run can have none, whatever fits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    no_best: Option<String>,
     /// Parameters of the best that this record does not determine.
     best_undetermined: Vec<&'a str>,
     ranking: Vec<String>,
@@ -157,6 +160,7 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
             })
             .collect(),
         best: ranking.best.clone(),
+        no_best: ranking.no_best.clone(),
         best_undetermined: ranking
             .best
             .as_deref()

@@ -79,7 +79,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     }
     let mut run = gather(&load_artifacts(&cli.inputs)?.input)?;
     run.pipeline = pipeline;
-    let ranking = Ranking::of(&run.candidates);
+    let ranking = Ranking::of_run(&run);
     let json = summary(&run, &ranking).to_json()?;
     // Half of the time goes into waiting for the disk: the summary gets there while the page is laid out.
     std::thread::scope(|scope| {
@@ -151,6 +151,9 @@ fn lines(run: &Run, ranking: &Ranking) -> Vec<String> {
             (n, of) => format!("; {n} of {of} parameters not determined by this record"),
         };
         lines.push(format!("best model: {}, displacement fit {} %{open}", best.name_with_dual(), decimals(fit, 2)));
+    }
+    if let Some(reason) = ranking.no_best.as_deref().filter(|_| !ranking.order.is_empty()) {
+        lines.push(format!("no best model: {reason}"));
     }
     let warnings = run.notes.iter().filter(|n| n.note.severity == Severity::Warning).count();
     if warnings > 0 {

@@ -8,7 +8,7 @@ use crumple_artifact::records::{
     CandidateV1, EventsV1, FitV1, MetricV1, ResponseV1, SensorFitV1, SimulationV1, UncertaintyV1,
 };
 use crumple_report::{Candidate, Model, OtherSensor, Page, Ranking, Run, summary};
-use crumple_signal::Sampled;
+use crumple_signal::{Axis, Channel, QuantityKind, Sampled};
 
 fn record<T: serde::de::DeserializeOwned>(json: serde_json::Value) -> T {
     serde_json::from_value(json).unwrap()
@@ -65,6 +65,25 @@ fn fit(active_bounds: &[&str], sensors: Vec<SensorFitV1>) -> FitV1 {
         active_bounds: active_bounds.iter().map(|name| (*name).to_owned()).collect(),
         sensors,
     }
+}
+
+#[test]
+fn no_model_is_the_best_of_a_record_without_a_crush_along_the_vehicle() {
+    let mut run = crash();
+    run.candidates = vec![candidate("kelvin/closed-form/1", &[("stiffness_n_per_m", 3e5)], 99.0)];
+    let best = |run: &Run| Ranking::of_run(run).best;
+    assert_eq!(best(&run).as_deref(), Some("kelvin/closed-form/1"));
+    let mut lateral = Channel::new("93", QuantityKind::Acceleration);
+    lateral.axis = Some(Axis::Y);
+    run.test.channels = vec![lateral];
+    let ranking = Ranking::of_run(&run);
+    assert_eq!((ranking.best, ranking.order.len()), (None, 1));
+    assert_eq!(ranking.no_best.as_deref(), Some("channel 93 is along y, and the models are of a crush along x"));
+    run.test.channels.clear();
+    run.events.as_mut().unwrap().time_of_dynamic_crush_s = None;
+    let ranking = Ranking::of_run(&run);
+    let json = serde_json::from_str::<serde_json::Value>(&summary(&run, &ranking).to_json().unwrap()).unwrap();
+    assert!(json["best"].is_null() && json["no_best"].as_str().unwrap().contains("never reaches zero"), "{json}");
 }
 
 /// A run of one pulse, channel 93, with a displacement and a force.

@@ -39,8 +39,6 @@ pub struct Options {
     /// barrier's acceleration, a waveform of the inputs, from rest), pulse-as-force (the impact speed, and the mass times the
     /// measured acceleration as a force on the front mass: the transfer-function paper's simulation, circular)
     /// [default: impact]
-    ///
-    /// All models but the elastoplastic one can be driven; that is left out with a note.
     #[arg(long, value_name = "NAME")]
     pub drive: Option<String>,
 

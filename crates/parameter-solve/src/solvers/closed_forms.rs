@@ -7,7 +7,8 @@ use super::single_mass::fitted;
 use super::{crush_of, extent_of, unfitted};
 use crate::solver::Task;
 use crate::{
-    Candidate, KelvinBranch, SolveError, elastoplastic_from_events, fit_elastoplastic_loading, kelvin_from_events,
+    Candidate, KelvinBranch, RIGID_RESTITUTION, SolveError, elastoplastic_of_record, fit_elastoplastic_loading,
+    kelvin_from_events,
 };
 
 /// The Kelvin model of the events.
@@ -50,7 +51,7 @@ pub(crate) fn elastoplastic(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Ca
     if !extent.stops {
         return fitted(task, &extent, notes, |x, options, remarks| {
             remarks.push(
-                "the loading part only, fitted to the displacement: the record shows no unloading, so unloading_stiffness_n_per_m \
+                "the loading part only, fitted to the displacement: the record shows no unloading, so the unloading stiffness \
                  is not determined and set to the loading stiffness, the least it can be"
                     .to_owned(),
             );
@@ -61,20 +62,24 @@ pub(crate) fn elastoplastic(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Ca
     let (t_m, crush) = (extent.time_s, extent.crush_m);
     let evidence = task.evidence;
     let restitution = match evidence.coefficient_of_restitution {
-        Some(e) if e > 0.0 => e,
-        Some(_) => {
-            notes.warning(
-                "elastoplastic: not solved, the record shows no rebound: the unloading stiffness would be infinite",
-            );
-            return Ok(Vec::new());
-        }
+        Some(e) => e,
         None => {
             notes.warning("elastoplastic: not solved, the coefficient of restitution is not known");
             return Ok(Vec::new());
         }
     };
-    match elastoplastic_from_events(evidence.mass_kg, evidence.impact_speed_m_per_s, crush, restitution) {
-        Ok(model) => {
+    match elastoplastic_of_record(evidence.mass_kg, evidence.impact_speed_m_per_s, crush, restitution) {
+        Ok((model, true)) => {
+            let remark = format!(
+                "the rebound is zero within its uncertainty (restitution {restitution:.4}): the unloading is rigid, and its stiffness \
+                 not determined; {:.0} times the loading stiffness stands for it, of which the rebound is {:.0} % of the impact speed",
+                RIGID_RESTITUTION.powi(-2),
+                100.0 * RIGID_RESTITUTION
+            );
+            notes.warning(format!("elastoplastic: {remark}"));
+            Ok(vec![unfitted(task, Model::Elastoplastic(model), vec![remark])])
+        }
+        Ok((model, false)) => {
             let model_t_m = std::f64::consts::FRAC_PI_2 * crush / evidence.impact_speed_m_per_s;
             let remark = format!(
                 "keeps crush, speed and restitution {restitution:.4}; stops at {:.2} ms, the record at {:.2} ms",

@@ -59,13 +59,6 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     }
     let mut candidates = Vec::new();
     for (place, pair) in found.iter().enumerate() {
-        if !pair.fit.active_bounds.is_empty() {
-            notes.warning(format!(
-                "{kind}: {} of solution {} stopped on a bound, the record does not determine its value",
-                pair.fit.active_bounds.join(", "),
-                2 * place + 1
-            ));
-        }
         let own = coincides_with_its_dual(&pair.models);
         for dual in 0..if own { 1 } else { 2 } {
             let mut remarks = vec![split.clone(), window.clone()];

@@ -182,7 +182,7 @@ pub(super) mod tests {
         ))
         .unwrap();
         let id = "double-spring-mass-damper/direct-fit/1".to_owned();
-        let ranking = Ranking { order: vec![id.clone()], best: None };
+        let ranking = Ranking { order: vec![id.clone()], ..Ranking::default() };
         let candidate = Candidate {
             id,
             record,

@@ -108,7 +108,7 @@ fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
                 html(&best.name_with_dual())
             ),
         }),
-        (None, false) => Some("no candidate qualifies".to_owned()),
+        (None, false) => Some(ranking.no_best.as_deref().map_or_else(|| "no candidate qualifies".to_owned(), html)),
         (None, true) => None,
     };
     card("Best model, fit", fit, 1.0, 2, "%", remark);

@@ -161,6 +161,9 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
 
 /// Why a closer fit is not called the best: undetermined parameters, or more of them than the record gives reason for.
 fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
+    if let Some(reason) = ranking.no_best.as_deref().filter(|_| !ranking.order.is_empty()) {
+        return vec![format!("No model is called the best: {reason}.")];
+    }
     let fit = |candidate: &Candidate| candidate.simulation.as_ref().and_then(|s| s.fit_percent);
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
     let closest = ranking.order.iter().filter_map(|id| run.candidate(id)).find(|c| c.record.physical);
