@@ -10,8 +10,8 @@ use crumple_artifact::records::{
     TransferFunctionV1,
 };
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
-use crumple_lumped::{DoubleSpringMassDamper, Kelvin, Model};
-use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+use crumple_lumped::{CrushEvents, DoubleSpringMassDamper, Kelvin, Model};
+use crumple_testkit::{IMPACT_SPEED_M_PER_S, integrated};
 
 fn kelvin() -> Kelvin {
     Kelvin { mass_kg: 873.0, stiffness_n_per_m: 330_000.0, damping_n_s_per_m: 2_500.0 }
@@ -19,29 +19,8 @@ fn kelvin() -> Kelvin {
 
 /// The artifact integration would write for a car with these events.
 fn write_integrated(path: &Path, mass_kg: Option<f64>, stops: bool) {
-    let events = kelvin().events(9.7);
-    let mut builder = ArtifactBuilder::new();
-    let test = TestDescription {
-        title: "a car".to_owned(),
-        mass_kg,
-        impact_speed_m_per_s: Some(9.7),
-        channels: vec![Channel::new("a", QuantityKind::Acceleration)],
-        ..TestDescription::default()
-    };
-    builder.put("/test", &TestV1::from(&test)).unwrap();
-    let crash = EventsV1 {
-        channel: "a".to_owned(),
-        time_zero_s: 0.0,
-        time_zero_rule: "file".to_owned(),
-        dynamic_crush_m: events.dynamic_crush_m.filter(|_| stops),
-        time_of_dynamic_crush_s: events.time_of_dynamic_crush_s.filter(|_| stops),
-        impact_speed_m_per_s: Some(9.7),
-        ..EventsV1::default()
-    };
-    builder.put("/events", &crash).unwrap();
-    let response = Model::Kelvin(kelvin()).respond(9.7, 1e-4, 1001).unwrap();
-    let x = Sampled::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap();
-    builder.wave("a/displacement", QuantityKind::Displacement, x).unwrap();
+    let events = if stops { kelvin().events(IMPACT_SPEED_M_PER_S) } else { CrushEvents::default() };
+    let builder = integrated(&Model::Kelvin(kelvin()), mass_kg, &events).unwrap();
     let provenance = Provenance::new("integrate", "0", "{}".to_owned(), Vec::new());
     builder.write(path, &provenance, Compression::None).unwrap();
 }

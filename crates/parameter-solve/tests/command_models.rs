@@ -5,10 +5,11 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{CandidateV1, EventsV1, EvidenceV1, MatchingV1, NotesV1, TestV1, TransferFunctionV1};
+use crumple_artifact::records::{CandidateV1, EvidenceV1, MatchingV1, NotesV1, TestV1, TransferFunctionV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
-use crumple_lumped::{DoubleSpringMassDamper, Maxwell, Model};
-use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+use crumple_lumped::{CrushEvents, DoubleSpringMassDamper, Maxwell, Model};
+use crumple_signal::TestDescription;
+use crumple_testkit::integrated;
 
 const MATCHING: [&str; 4] = ["--models", "double-spring-mass-damper", "--method", "coefficient-matching"];
 const ID: &str = "/parameters/double-spring-mass-damper/coefficient-matching";
@@ -155,25 +156,7 @@ fn a_vehicle_that_never_stops_is_judged_over_the_window_of_its_fits() {
     // Two real roots: it creeps to rest.
     let creeping = Maxwell { mass_kg: 873.0, stiffness_n_per_m: 3e6, damping_n_s_per_m: 2e4 };
     let folder = tempfile::tempdir().unwrap();
-    let mut builder = ArtifactBuilder::new();
-    let test = TestDescription {
-        title: "a car".to_owned(),
-        mass_kg: Some(873.0),
-        impact_speed_m_per_s: Some(9.7),
-        channels: vec![Channel::new("a", QuantityKind::Acceleration)],
-        ..TestDescription::default()
-    };
-    builder.put("/test", &TestV1::from(&test)).unwrap();
-    let events = EventsV1 {
-        channel: "a".to_owned(),
-        time_zero_rule: "file".to_owned(),
-        impact_speed_m_per_s: Some(9.7),
-        ..EventsV1::default()
-    };
-    builder.put("/events", &events).unwrap();
-    let response = Model::Maxwell(creeping).respond(9.7, 1e-4, 1001).unwrap();
-    let x = Sampled::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap();
-    builder.wave("a/displacement", QuantityKind::Displacement, x).unwrap();
+    let builder = integrated(&Model::Maxwell(creeping), Some(873.0), &CrushEvents::default()).unwrap();
     write(builder, &folder.path().join("3.mcap"));
     let flags = ["--models", "elastoplastic,maxwell,nonlinear-1", "--mass-uncertainty", "10kg"];
     let solved = done(folder.path(), &flags);

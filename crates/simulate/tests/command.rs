@@ -6,10 +6,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{CandidateV1, EventsV1, RatingV1, SimulationV1, TestV1, UncertaintyV1};
+use crumple_artifact::records::{CandidateV1, RatingV1, SimulationV1, UncertaintyV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, Model, Nonlinear1, SecantChain};
-use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+use crumple_signal::{QuantityKind, Sampled};
+use crumple_testkit::{IMPACT_SPEED_M_PER_S, integrated};
 
 const MODEL: Kelvin = Kelvin { mass_kg: 873.0, stiffness_n_per_m: 330_000.0, damping_n_s_per_m: 2_500.0 };
 
@@ -28,29 +29,8 @@ fn candidate(model: &str, parameters: BTreeMap<String, f64>) -> CandidateV1 {
 
 /// One artifact with the test's motion and these candidates.
 fn write(path: &Path, candidates: &[(&str, CandidateV1)]) {
-    let events = MODEL.events(9.7);
-    let mut builder = ArtifactBuilder::new();
-    let test = TestDescription {
-        title: "a car".to_owned(),
-        mass_kg: Some(873.0),
-        impact_speed_m_per_s: Some(9.7),
-        channels: vec![Channel::new("a", QuantityKind::Acceleration)],
-        ..TestDescription::default()
-    };
-    builder.put("/test", &TestV1::from(&test)).unwrap();
-    let crash = EventsV1 {
-        channel: "a".to_owned(),
-        time_zero_s: 0.0,
-        time_zero_rule: "file".to_owned(),
-        dynamic_crush_m: events.dynamic_crush_m,
-        time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
-        impact_speed_m_per_s: Some(9.7),
-        ..EventsV1::default()
-    };
-    builder.put("/events", &crash).unwrap();
-    let response = Model::Kelvin(MODEL).respond(9.7, 1e-4, 1001).unwrap();
-    let x = Sampled::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap();
-    builder.wave("a/displacement", QuantityKind::Displacement, x).unwrap();
+    let events = MODEL.events(IMPACT_SPEED_M_PER_S);
+    let mut builder = integrated(&Model::Kelvin(MODEL), Some(873.0), &events).unwrap();
     for (id, candidate) in candidates {
         builder.put(&format!("/parameters/{id}"), candidate).unwrap();
     }

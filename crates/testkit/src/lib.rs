@@ -1,6 +1,7 @@
 //! Helpers for the workspace's tests, and the fixture generator. A dev-dependency only.
 
 pub mod fixture;
+mod integrated;
 mod known_truth;
 pub mod pipeline;
 pub mod program;
@@ -11,6 +12,7 @@ mod white_noise;
 
 use std::path::PathBuf;
 
+pub use integrated::{IMPACT_SPEED_M_PER_S, integrated};
 pub use known_truth::{KnownTruth, known_truths, known_truths_in, other_records, write_known_truth};
 pub use table_5::table_5;
 pub use white_noise::{uniform, white_noise};
