@@ -1,6 +1,6 @@
 //! Which accelerometers are integrated beside the pulse.
 
-use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, TestDescription};
+use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, TestDescription, part_of};
 use crumple_stage::{Inputs, Refused};
 
 /// Parts of the vehicle that move apart from its compartment, lower case.
@@ -32,8 +32,10 @@ pub fn further<'a>(
             input.wave(id)?;
         }
         let named = |channel: &Channel| ids.contains(&channel.id);
-        let (mut taken, left): (Vec<&Channel>, Vec<&Channel>) =
+        let (mut taken, mut left): (Vec<&Channel>, Vec<&Channel>) =
             candidates.partition(|channel| of_compartment(channel) || named(channel));
+        // Heads and chests are here for their criteria.
+        left.retain(|channel| part_of(channel).is_none());
         if !left.is_empty() {
             let ids: Vec<&str> = left.iter().map(|channel| channel.id.as_str()).collect();
             notes.info(format!(
@@ -72,10 +74,11 @@ pub fn meant(test: &TestDescription, name: &str, input: &Inputs) -> anyhow::Resu
     Ok(if all.len() == 1 || fit.is_empty() { ids(all) } else { ids(fit) })
 }
 
-/// Whether a channel moves with the compartment, as far as status and location say.
+/// Whether a channel moves with the compartment, as far as status, code, location and, without a location, its name say.
 pub fn of_compartment(channel: &Channel) -> bool {
     let location = channel.location.to_lowercase();
     channel.status != ChannelStatus::Failed
         && channel.may_be_on_vehicle()
+        && part_of(channel).is_none()
         && !PARTS.iter().any(|word| location.contains(word))
 }

@@ -24,7 +24,7 @@ pub fn events_of(motion: &Motion, time_zero_s: f64, impact_speed_m_per_s: f64) -
     if impact_speed_m_per_s > 0.0 && !wrong_sign(&motion.velocity, time_zero_s, impact_speed_m_per_s) {
         return Ok(events);
     }
-    Ok(CrashEvents { crush: None, rebound: None, later_zeros_s: Vec::new(), ..events })
+    Ok(CrashEvents { crush: None, rebound: None, later_zeros_s: Vec::new(), unstopped: None, ..events })
 }
 
 #[cfg(test)]

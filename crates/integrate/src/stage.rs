@@ -18,7 +18,9 @@ use crate::contact::time_zero;
 use crate::further::{further, meant};
 use crate::injury::Criteria;
 use crate::load_cells;
+use crate::motionless::{lacking, without_motion};
 use crate::options::{Options, StageSettings};
+use crate::recorded::recorded_changes;
 use crate::redundant::Redundant;
 use crate::to_records::{events_record, metric_records};
 use crate::uncertain::uncertainty_note;
@@ -62,27 +64,9 @@ impl Stage for Integrate {
             test.pulse = Some(pulse);
         }
         let channel = test.pulse_channel().refuse_with_hint("name the pulse with --channel")?.clone();
-        if settings.impact_speed_m_per_s.or(test.impact_speed_m_per_s).is_none() {
-            // No fault of the artifact: ingest was told to go on without a speed, and models can still be identified.
-            out.put("/test", &TestV1::from(&test))?;
-            let criteria = Criteria {
-                settings,
-                input,
-                test: &test,
-                pulse: &channel,
-                time_zero_s: settings.time_zero_s.unwrap_or(0.0),
-                impact_speed_m_per_s: None,
-            };
-            // A head has its criteria whatever the vehicle did.
-            let metrics = criteria.records(out.notes())?;
-            if !metrics.is_empty() {
-                out.put("/metrics", &MetricsV1(metrics))?;
-            }
-            return Ok(Outcome::NoAcceptableResult(
-                "the test has no impact speed, which no accelerometer can tell: --impact-speed 35km/h here or at \
-                 crumple-ingest"
-                    .to_owned(),
-            ));
+        let speed = settings.impact_speed_m_per_s.or(test.impact_speed_m_per_s);
+        if let Some(lacking) = lacking(input, &test, &channel, speed) {
+            return without_motion(settings, input, &test, &channel, lacking, out);
         }
         let impact_speed_m_per_s = impact_speed(settings, &test, &channel, out.notes())?;
         // What follows works with the speed the motion was made with.
@@ -139,7 +123,8 @@ impl Stage for Integrate {
             time_zero_s: zero.time_s,
             impact_speed_m_per_s: Some(impact_speed_m_per_s),
         };
-        metrics.extend(criteria.records(out.notes())?);
+        metrics.extend(criteria.records(out)?);
+        metrics.extend(recorded_changes(input, &test, zero.time_s, out));
         out.put("/metrics", &MetricsV1(metrics))?;
         if test.mass_kg.is_none() {
             out.notes().info("the mass is not known: no force, stiffness and energy (give it to ingest with --mass)");
@@ -166,6 +151,10 @@ pub struct Integrated {
     pub drift: Option<Drift>,
     /// Of the events, in the order of [`EVENT_NAMES`](crumple_integrate::EVENT_NAMES); empty if nothing is uncertain.
     pub event_intervals: Vec<Option<Interval>>,
+    /// Why an event has none, in the same order.
+    pub events_without: Vec<Option<String>>,
+    /// Why a metric has none, in the order of the metrics.
+    pub metrics_without: Vec<Option<String>>,
 }
 
 impl Task<'_> {
@@ -207,14 +196,21 @@ impl Task<'_> {
             mass_kg: self.test.mass_kg,
             time_zero_s: self.time_zero_s,
         })?;
-        let mut event_intervals = Vec::new();
+        let (mut event_intervals, mut events_without, mut metrics_without) = (Vec::new(), Vec::new(), Vec::new());
         if let Some(intervals) = self.intervals(acceleration, &motion, &settings, out) {
             for (metric, interval) in metrics.iter_mut().zip(intervals.metrics) {
                 metric.interval = interval.filter(|_| metric.value.is_some());
             }
             event_intervals = intervals.events;
+            let of = self.settings.uncertainty.as_ref().map_or(0, |uncertainty| uncertainty.replicates);
+            let reason = |without: usize| {
+                (without > 0)
+                    .then(|| format!("no interval: {without} of {of} replicates with perturbed inputs do not have it"))
+            };
+            events_without = intervals.without_event.into_iter().map(reason).collect();
+            metrics_without = intervals.without_metric.into_iter().map(reason).collect();
         }
-        Ok(Integrated { motion, events, metrics, drift, event_intervals })
+        Ok(Integrated { motion, events, metrics, drift, event_intervals, events_without, metrics_without })
     }
 
     /// Intervals from repetitions with perturbed inputs, where inputs are uncertain.
@@ -349,9 +345,18 @@ fn summary(channel: &str, pulse: &Integrated, time_zero_s: f64, impact_speed_m_p
                 rebound.velocity_m_per_s
             )
         }
-        _ => format!(
-            "pulse {channel}: the velocity never reaches zero, {:.3} m/s at the end",
-            pulse.events.end_velocity_m_per_s
-        ),
+        _ => {
+            let end = pulse.events.end_velocity_m_per_s;
+            let change = pulse.events.unstopped.map_or_else(String::new, |unstopped| {
+                format!(
+                    ", delta-v {:.3} m/s at {:.1} ms (event ends at {:.1} ms: {})",
+                    impact_speed_m_per_s - unstopped.velocity_m_per_s,
+                    1e3 * unstopped.time_s,
+                    1e3 * unstopped.end_s,
+                    unstopped.end.name()
+                )
+            });
+            format!("pulse {channel}: the velocity never reaches zero, {end:.3} m/s at the end{change}")
+        }
     }
 }

@@ -30,6 +30,8 @@ pub enum Outcome {
     Done,
     /// There is none that can be accepted; what was found and the reason are written. Exit code 4.
     NoAcceptableResult(String),
+    /// There is a result, but not what later stages work on, for this reason: exit code 0, and they have no acceptable result.
+    Without(String),
 }
 
 /// One step of the pipeline.
@@ -99,6 +101,7 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
             );
         }
         return Ok(match existing.record::<DiagnosisV1>("/diagnosis").ok().flatten() {
+            Some(diagnosis) if diagnosis.has_result => ExitStatus::Done,
             Some(diagnosis) => no_acceptable_result(S::NAME, &diagnosis.reason),
             None => ExitStatus::Done,
         });
@@ -119,8 +122,9 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
             None => return Err(name_the_inputs(error, &common.inputs)),
         },
     };
-    if let Outcome::NoAcceptableResult(reason) = &outcome {
-        out.put("/diagnosis", &DiagnosisV1 { stage: S::NAME.to_owned(), reason: reason.clone() })?;
+    if let Outcome::NoAcceptableResult(reason) | Outcome::Without(reason) = &outcome {
+        let has_result = matches!(outcome, Outcome::Without(_));
+        out.put("/diagnosis", &DiagnosisV1 { stage: S::NAME.to_owned(), reason: reason.clone(), has_result })?;
     }
     if !out.notes.is_empty() {
         let notes = out.notes.to_texts();
@@ -142,6 +146,12 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
     }
     Ok(match outcome {
         Outcome::Done => ExitStatus::Done,
+        Outcome::Without(reason) => {
+            if !common.quiet {
+                say(format_args!("{:<16} {reason}", S::NAME));
+            }
+            ExitStatus::Done
+        }
         Outcome::NoAcceptableResult(reason) => no_acceptable_result(S::NAME, &reason),
     })
 }
