@@ -182,6 +182,9 @@ fn jobs<'a>(
 ) -> anyhow::Result<Vec<Job<'a>>> {
     let selected = match select(test, &settings.channels) {
         Err(SelectionError::None) if may_be_none => Vec::new(),
+        Err(SelectionError::None) if test.pulse.is_none() && no_acceleration(test) => {
+            return Err(no_crash(test));
+        }
         selected => selected.refuse_with_hint("name the channels to filter with --channels")?,
     };
     if settings.channels.is_empty() {
@@ -231,6 +234,22 @@ fn jobs<'a>(
     Ok(jobs)
 }
 
+fn no_acceleration(test: &TestDescription) -> bool {
+    !test.channels.iter().any(|channel| channel.quantity == QuantityKind::Acceleration && channel.status.has_data())
+}
+
+/// A record of inputs and outputs: identified as it is.
+fn no_crash(test: &TestDescription) -> anyhow::Error {
+    let ids: Vec<String> = test.channels.iter().map(|channel| channel.id.clone()).collect();
+    let (first, last) = (ids.first().map_or("COLUMN", String::as_str), ids.last().map_or("COLUMN", String::as_str));
+    Refused::new(format!("the record is no crash: no pulse is named and no channel is an acceleration ({})", first_of(&ids)))
+        .expected("accelerations to filter, or channels named with --channels")
+        .hint(format!(
+            "inputs and outputs are identified from the artifact of crumple-ingest as they are: crumple-identify 1-ingest.mcap --inputs {first} --outputs {last} -o 4-identify.mcap"
+        ))
+        .into()
+}
+
 /// Whether a head or chest is taken by itself: nobody named it, and the pulse is of the vehicle or of another part. It has its own class whatever
 /// is done to the structure.
 fn for_criteria(settings: &StageSettings, channel: &Channel, pulse: Option<&Channel>) -> bool {
@@ -264,7 +283,7 @@ fn say_what_is_left(
     let places: Vec<String> = places.into_iter().map(|(place, n)| format!("{place} ({n})")).collect();
     let class = settings.filter.class;
     remarks.of_test(format!(
-        "{} channels of occupants are not filtered, no criterion is made of them: {}; --channels '{pulse}{}' takes one beside the pulse, to cfc {class}",
+        "{} channels of occupants are not filtered, no criterion is made of them: {}; crumple-filter --channels '{pulse}{}' takes one beside the pulse, to cfc {class}",
         left.len(),
         first_of(&places),
         example.id

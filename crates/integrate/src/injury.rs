@@ -34,7 +34,7 @@ impl Criteria<'_> {
     pub fn records(&self, out: &mut Output) -> anyhow::Result<Vec<MetricV1>> {
         let mut records = Vec::new();
         let sites = sites(self.test, self.input);
-        let mut lines = Vec::new();
+        let (mut lines, mut bounds) = (Vec::new(), Vec::new());
         let notes = out.notes();
         for (group, parts) in
             [(MetricGroup::Head, &[BodyPart::Head, BodyPart::Headform][..]), (MetricGroup::Chest, &[BodyPart::Chest])]
@@ -44,8 +44,14 @@ impl Criteria<'_> {
                 self.say_what_is_left_out(group, parts, of_group().count() == 0, notes);
             }
             for (part, site) in of_group().filter(|_| self.takes(group)) {
-                records.extend(self.of_body(*part, site, &mut lines, notes)?);
+                records.extend(self.of_body(*part, site, (&mut lines, &mut bounds), notes)?);
             }
+        }
+        if !bounds.is_empty() {
+            notes.warning(format!(
+                "criteria are lower bounds where the resultant is of one or two axes alone: {}",
+                bounds.join(", ")
+            ));
         }
         if self.takes(MetricGroup::RideDown) {
             records.extend(self.ride_down(&sites, notes)?);
@@ -67,7 +73,7 @@ impl Criteria<'_> {
             let (pulse, names) = (&self.pulse.id, ids.join(","));
             let word = if ids.len() == 1 { "channel" } else { "channels" };
             let text = format!(
-                "{group_name}: {word} {} measured it, but the filter left it out: crumple-filter without --channels takes it, or --channels '{pulse},{names}'",
+                "{group_name}: {word} {} measured it, but the filter left it out: crumple-filter without --channels takes it, or with --channels '{pulse},{names}'",
                 ids.join(", ")
             );
             return if self.asked(group) { notes.warning(text) } else { notes.info(text) };
@@ -133,7 +139,7 @@ impl Criteria<'_> {
         &self,
         part: BodyPart,
         site: &Site<'_>,
-        lines: &mut Vec<String>,
+        (lines, bounds): (&mut Vec<String>, &mut Vec<String>),
         notes: &mut Notes,
     ) -> anyhow::Result<Vec<MetricV1>> {
         let axes: Vec<&Channel> = site.axes.iter().flatten().copied().collect();
@@ -141,10 +147,10 @@ impl Criteria<'_> {
             Some(whole) if axes.len() < 3 => vec![whole],
             _ => axes,
         };
-        let place = |channels: &[&Channel]| channels.first().map_or_else(String::new, |channel| title(channel));
+        let place = title_of(&channels);
         let signals: Vec<_> = channels.iter().map(|channel| self.acceleration(channel)).collect::<Result<_, _>>()?;
         let Ok(resultant) = resultant(&signals.iter().collect::<Vec<_>>()) else {
-            notes.warning(format!("{}: its axes are on different time grids, no criteria", place(&channels)));
+            notes.warning(format!("{}: its axes are on different time grids, no criteria", place));
             return Ok(Vec::new());
         };
         let mut remarks: Vec<String> = Vec::new();
@@ -153,7 +159,7 @@ impl Criteria<'_> {
             let axes: Vec<String> = channels.iter().filter_map(|c| c.axis).map(|axis| axis.to_string()).collect();
             let of = if axes.is_empty() { "one axis".to_owned() } else { axes.join(" and ") };
             remarks.push(format!("lower bound: resultant of {of} alone"));
-            notes.warning(format!("{}: resultant of {of} alone, its criteria are lower bounds", place(&channels)));
+            bounds.push(format!("{place} ({of})"));
         }
         remarks.extend(class_remark(&channels, part.cfc(), notes));
         let mut metrics = match part {
@@ -162,7 +168,7 @@ impl Criteria<'_> {
             BodyPart::Chest => Vec::new(),
         };
         metrics.extend([clip_contiguous(&resultant, CLIP_3MS_S), clip_cumulative(&resultant, CLIP_3MS_S)]);
-        lines.push(line(&place(&channels), &metrics, partial));
+        lines.push(line(&place, &metrics, partial));
         Ok(metrics.into_iter().map(|metric| self.record(&channels, metric, &remarks)).collect())
     }
 
@@ -342,6 +348,18 @@ fn line(place: &str, metrics: &[Metric], lower_bound: bool) -> String {
     let values: Vec<String> = metrics.iter().filter_map(of).collect();
     let values = if values.is_empty() { "no criterion, the notes say why".to_owned() } else { values.join(", ") };
     format!("{place}: {values}{}", if lower_bound { " (lower bounds: not all axes)" } else { "" })
+}
+
+/// The location of channels at one place, else their ids.
+fn title_of(channels: &[&Channel]) -> String {
+    match channels {
+        [] => String::new(),
+        [one] => title(one),
+        [first, ..] if !first.location.is_empty() => first.location.clone(),
+        several => {
+            format!("channels {}", several.iter().map(|channel| channel.id.as_str()).collect::<Vec<_>>().join(", "))
+        }
+    }
 }
 
 fn title(channel: &Channel) -> String {

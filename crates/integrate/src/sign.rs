@@ -4,7 +4,8 @@ use crumple_signal::{Signal, Velocity};
 use crate::Motion;
 
 /// What is said of a pulse of the wrong sign.
-pub const WRONG_SIGN: &str = "the pulse has the wrong sign: --sign flip at crumple-ingest";
+pub const WRONG_SIGN: &str =
+    "the pulse has the wrong sign: crumple-ingest --sign flip turns it (where that was given: leave it out)";
 
 /// Whether a motion is that of a pulse with deceleration positive: the vehicle would come to rest if the acceleration
 /// were mirrored (`v` reaches `2·v0`) before it does as it is.

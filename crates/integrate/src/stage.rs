@@ -52,7 +52,7 @@ impl Stage for Integrate {
     fn run(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let mut test = input.test()?;
         if let Some(id) = &settings.channel {
-            let pulse = match meant(&test, id, input)?.as_slice() {
+            let pulse = match meant(&test, id, "channel", input)?.as_slice() {
                 [one] => one.clone(),
                 several => {
                     return Err(Refused::new(format!("channel {id:?} means several channels: {}", several.join(", ")))
@@ -97,6 +97,17 @@ impl Stage for Integrate {
 
         for other in further(&settings.channels, &test, &channel.id, input, out.notes())? {
             let motion = task.motion(other, &self::acceleration(input, other)?, out)?;
+            // Taken with all the others, of a place that nobody names: that it moves with the vehicle must show.
+            let unnamed =
+                !settings.channels.iter().any(|name| test.channels_meant(name).iter().any(|c| c.id == other.id));
+            if unnamed && unplaced(other) && !redundant.agrees(&motion) {
+                out.notes().warning(format!(
+                    "channel {} does not move as the pulse does, and nothing says where it sits: not held against the vehicle (if it \
+                     is of the compartment, name it: crumple-integrate --channels all,{})",
+                    other.id, other.id
+                ));
+                continue;
+            }
             for note in findings(&motion.motion, &motion.events, zero.time_s, impact_speed_m_per_s).iter() {
                 if note.severity == Severity::Warning {
                     out.notes().warning(format!("channel {}: {}", other.id, note.text));
@@ -263,6 +274,11 @@ fn not_of_the_vehicle(channel: &Channel, notes: &mut Notes) {
             channel.id
         ));
     }
+}
+
+/// Whether neither a location nor a code says where a channel sits.
+fn unplaced(channel: &Channel) -> bool {
+    channel.location.trim().is_empty() && channel.code.is_none()
 }
 
 fn acceleration(input: &Inputs, channel: &Channel) -> anyhow::Result<Signal<Acceleration>> {

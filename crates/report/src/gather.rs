@@ -226,7 +226,12 @@ fn collect_notes(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
             remarks_are_in = true;
         }
         if let Some(diagnosis) = artifact.record::<DiagnosisV1>("/diagnosis").map_err(Refused::from)? {
-            let text = format!("no acceptable result: {}", diagnosis.reason);
+            let text = if diagnosis.has_result {
+                run.without = Some(diagnosis.reason.clone());
+                diagnosis.reason.clone()
+            } else {
+                format!("no acceptable result: {}", diagnosis.reason)
+            };
             add(&diagnosis.stage, Note { severity: Severity::Warning, text });
         }
     }
