@@ -245,7 +245,7 @@ fn no_crash(test: &TestDescription) -> anyhow::Error {
     Refused::new(format!("the record is no crash: no pulse is named and no channel is an acceleration ({})", first_of(&ids)))
         .expected("accelerations to filter, or channels named with --channels")
         .hint(format!(
-            "inputs and outputs are identified from the artifact of crumple-ingest as they are: crumple-identify 1-ingest.mcap --inputs {first} --outputs {last} -o 4-identify.mcap"
+            "inputs and outputs are identified from the artifact of crumple-ingest as they are: crumple-identify 1-ingest.mcap --methods n4sid --inputs {first} --outputs {last} -o 4-identify.mcap"
         ))
         .into()
 }

@@ -73,7 +73,14 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
     let comments = format == "csv";
     // What a head or a chest feels has its criteria whatever the vehicle weighs and how fast it came.
     let of_body = pulse.is_some_and(|k| part_of(&recording.channels[k].channel).is_some());
-    details::require(file, &recording.details, comments, allow_missing || of_body, &mut notes)?;
+    if of_body && !allow_missing {
+        details::require(file, &recording.details, comments, true, &mut Notes::new())?;
+        if recording.details.mass_kg.is_none() || recording.details.impact_speed_m_per_s.is_none() {
+            notes.info("mass and impact speed are not both stated: the criteria of an occupant need neither");
+        }
+    } else {
+        details::require(file, &recording.details, comments, allow_missing, &mut notes)?;
+    }
 
     set_time_zero(file, &mut recording, pulse, &mut notes)?;
     let time_zero = match &recording.details.time_zero_s {

@@ -50,22 +50,35 @@ pub fn without_motion(
     }
     let id = &pulse.id;
     let speed = "--impact-speed 35km/h here or at crumple-ingest";
-    Ok(match lacking {
-        Lacking::Pulse if measured => Outcome::Without(format!(
-            "criteria of occupants alone: the pulse {id} is not in the inputs, so there is no motion of the vehicle \
-             (crumple-filter without --channels takes both)"
-        )),
-        Lacking::Pulse => Outcome::NoAcceptableResult(format!(
-            "the pulse {id} is not in the inputs: crumple-filter --channels leaves out what it does not name, so name {id} there too"
-        )),
-        Lacking::Speed if part_of(pulse).is_some() && measured => Outcome::Without(format!(
-            "criteria of occupants alone: channel {id} is of an occupant, and no impact speed is stated for a motion"
-        )),
-        Lacking::Speed if recorder => Outcome::Without(format!(
-            "the recorded change of velocity alone: no impact speed is stated, so there is no crush ({speed})"
-        )),
-        Lacking::Speed => Outcome::NoAcceptableResult(format!(
-            "the test has no impact speed, which no accelerometer can tell: {speed}"
-        )),
-    })
+    let (result, reason) = match lacking {
+        Lacking::Pulse if measured => (
+            true,
+            format!(
+                "criteria of occupants alone: the pulse {id} is not in the inputs, so there is no motion of the vehicle \
+                 (crumple-filter without --channels takes both)"
+            ),
+        ),
+        Lacking::Pulse => (
+            false,
+            format!(
+                "the pulse {id} is not in the inputs: crumple-filter --channels leaves out what it does not name, so name {id} there too"
+            ),
+        ),
+        Lacking::Speed if part_of(pulse).is_some() && measured => (
+            true,
+            format!(
+                "criteria of occupants alone: channel {id} is of an occupant, and no impact speed is stated for a motion"
+            ),
+        ),
+        Lacking::Speed if recorder => (
+            true,
+            format!("the recorded change of velocity alone: no impact speed is stated, so there is no crush ({speed})"),
+        ),
+        Lacking::Speed => (false, format!("the test has no impact speed, which no accelerometer can tell: {speed}")),
+    };
+    if !result {
+        return Ok(Outcome::NoAcceptableResult(reason));
+    }
+    out.nothing_for_later_stages(reason);
+    Ok(Outcome::Done)
 }

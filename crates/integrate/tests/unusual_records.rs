@@ -133,8 +133,10 @@ fn a_recorder_without_a_speed_has_its_maximum_delta_v() {
     let km_per_h = [0, -4, -11, -20, -31, -40, -46, -49, -50, -50, -49, -49];
     let change = Sampled::new(0.0, 0.01, km_per_h.iter().map(|v| f64::from(*v) / 3.6).collect()).unwrap();
     let acceleration = Sampled::new(0.0, 0.01, vec![-100.0; 12]).unwrap();
+    let lateral = Sampled::new(0.0, 0.01, vec![0.0, 1.0, 2.0]).unwrap();
     let channels = [
         (accelerometer("dv_derivative", Axis::X, 60), Some(acceleration)),
+        (Channel::new("across", QuantityKind::VelocityChange), Some(lateral)),
         (Channel::new("dv", QuantityKind::VelocityChange), Some(change)),
     ];
     let input = filtered(folder.path(), &channels, None);
@@ -146,6 +148,7 @@ fn a_recorder_without_a_speed_has_its_maximum_delta_v() {
     // 50 km/h; rounding of the division only.
     assert!((found.value.unwrap() + 50.0 / 3.6).abs() < 1e-12, "{found:?}");
     assert!((find(&metrics(&artifact), "dv", "time_of_maximum_delta_v").value.unwrap() - 0.08).abs() < 1e-12);
+    assert_eq!(metrics(&artifact)[0].channel, "dv", "what the pulse is made of comes first");
     let diagnosis: DiagnosisV1 = artifact.record("/diagnosis").unwrap().unwrap();
     assert!(diagnosis.has_result && diagnosis.reason.contains("--impact-speed"), "{diagnosis:?}");
     // With one it is there beside the motion.

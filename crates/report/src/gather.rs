@@ -267,7 +267,14 @@ fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
     );
     add(run.measured.raw.is_none(), "acceleration as read (crumple-ingest writes it)");
     add(run.measured.filtered.is_none(), "filtered acceleration (crumple-filter writes it)");
-    add(run.events.is_none(), "crash events, velocity, displacement and metrics (crumple-integrate writes them)");
+    add(
+        run.events.is_none() && run.metrics.is_empty(),
+        "crash events, velocity, displacement and metrics (crumple-integrate writes them)",
+    );
+    add(
+        run.events.is_none() && !run.metrics.is_empty(),
+        "crash events, velocity and displacement: no motion of a vehicle was integrated, the notes say why",
+    );
     add(
         run.events.is_some() && run.measured.displacement.is_none(),
         "velocity and displacement (crumple-integrate writes them)",

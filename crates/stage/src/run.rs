@@ -30,8 +30,6 @@ pub enum Outcome {
     Done,
     /// There is none that can be accepted; what was found and the reason are written. Exit code 4.
     NoAcceptableResult(String),
-    /// There is a result, but not what later stages work on, for this reason: exit code 0, and they have no acceptable result.
-    Without(String),
 }
 
 /// One step of the pipeline.
@@ -122,9 +120,12 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
             None => return Err(name_the_inputs(error, &common.inputs)),
         },
     };
-    if let Outcome::NoAcceptableResult(reason) | Outcome::Without(reason) = &outcome {
-        let has_result = matches!(outcome, Outcome::Without(_));
-        out.put("/diagnosis", &DiagnosisV1 { stage: S::NAME.to_owned(), reason: reason.clone(), has_result })?;
+    let diagnosis = match &outcome {
+        Outcome::NoAcceptableResult(reason) => Some((reason.clone(), false)),
+        Outcome::Done => out.without.clone().map(|reason| (reason, true)),
+    };
+    if let Some((reason, has_result)) = diagnosis {
+        out.put("/diagnosis", &DiagnosisV1 { stage: S::NAME.to_owned(), reason, has_result })?;
     }
     if !out.notes.is_empty() {
         let notes = out.notes.to_texts();
@@ -146,12 +147,6 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
     }
     Ok(match outcome {
         Outcome::Done => ExitStatus::Done,
-        Outcome::Without(reason) => {
-            if !common.quiet {
-                say(format_args!("{:<16} {reason}", S::NAME));
-            }
-            ExitStatus::Done
-        }
         Outcome::NoAcceptableResult(reason) => no_acceptable_result(S::NAME, &reason),
     })
 }

@@ -164,7 +164,7 @@ fn check_for_acceleration(
             && !data.iter().any(|k| names_acceleration(&header.columns[*k].title))
         {
             "if it is a crash, add --unit g or --unit m/s^2, whichever it is; inputs and outputs that are no crash need none: \
-             --allow-missing, and then crumple-identify --inputs COLUMN --outputs COLUMN"
+             --allow-missing, and then crumple-identify --methods n4sid --inputs COLUMN --outputs COLUMN"
         } else {
             "add --unit g or --unit m/s^2, whichever it is: a unit is never guessed from the numbers"
         };
