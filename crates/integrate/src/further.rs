@@ -39,7 +39,7 @@ pub fn further<'a>(
         if !left.is_empty() {
             let ids: Vec<&str> = left.iter().map(|channel| channel.id.as_str()).collect();
             notes.info(format!(
-                "not integrated, because failed or not of the compartment: channels {} (name them with --channels)",
+                "not integrated, because failed or not of the compartment: channels {} (crumple-integrate --channels all,ID names one)",
                 ids.join(", ")
             ));
         }

@@ -36,6 +36,8 @@ fn write_integrated(path: &Path, mass_kg: Option<f64>, stops: bool) {
         dynamic_crush_m: events.dynamic_crush_m.filter(|_| stops),
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s.filter(|_| stops),
         impact_speed_m_per_s: Some(9.7),
+        end_of_event_s: (!stops).then_some(0.06),
+        end_of_event_rule: (!stops).then(|| "end of the record".to_owned()),
         ..EventsV1::default()
     };
     builder.put("/events", &crash).unwrap();
@@ -330,4 +332,22 @@ fn numbers_of_replicates_without_an_interval_are_refused() {
         assert!(String::from_utf8_lossy(&done.stderr).contains("from 20 to 100000"), "{flags:?}");
     }
     assert!(!folder.path().join("5.mcap").exists());
+}
+
+#[test]
+fn a_record_that_does_not_stop_is_fitted_up_to_the_end_of_its_event() {
+    let folder = tempfile::tempdir().unwrap();
+    write_integrated(&folder.path().join("3.mcap"), Some(873.0), false);
+    let end_of_fit = |flags: &[&str]| {
+        let output = run(folder.path(), &[&["--models", "maxwell", "--force"], flags].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
+        let candidate: CandidateV1 = artifact.record("/parameters/maxwell/direct-fit/1").unwrap().unwrap();
+        candidate.fit.unwrap().to_s
+    };
+    // The record goes on to 100 ms; a fit picks every so many samples, here of 0.1 ms.
+    let by_event = end_of_fit(&["--method", "direct-fit"]);
+    assert!((0.0585..=0.06 + 1e-9).contains(&by_event), "{by_event}");
+    let stated = end_of_fit(&["--method", "direct-fit", "--fit-to", "80ms"]);
+    assert!((0.0785..=0.08 + 1e-9).contains(&stated), "{stated}");
 }

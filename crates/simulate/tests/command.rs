@@ -28,6 +28,11 @@ fn candidate(model: &str, parameters: BTreeMap<String, f64>) -> CandidateV1 {
 
 /// One artifact with the test's motion and these candidates.
 fn write(path: &Path, candidates: &[(&str, CandidateV1)]) {
+    write_with(path, candidates, None);
+}
+
+/// The same of a record that does not stop, whose event ends at a stated time.
+fn write_with(path: &Path, candidates: &[(&str, CandidateV1)], end_of_event_s: Option<f64>) {
     let events = MODEL.events(9.7);
     let mut builder = ArtifactBuilder::new();
     let test = TestDescription {
@@ -42,9 +47,10 @@ fn write(path: &Path, candidates: &[(&str, CandidateV1)]) {
         channel: "a".to_owned(),
         time_zero_s: 0.0,
         time_zero_rule: "file".to_owned(),
-        dynamic_crush_m: events.dynamic_crush_m,
-        time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
+        dynamic_crush_m: events.dynamic_crush_m.filter(|_| end_of_event_s.is_none()),
+        time_of_dynamic_crush_s: events.time_of_dynamic_crush_s.filter(|_| end_of_event_s.is_none()),
         impact_speed_m_per_s: Some(9.7),
+        end_of_event_s,
         ..EventsV1::default()
     };
     builder.put("/events", &crash).unwrap();
@@ -499,4 +505,17 @@ fn a_chain_that_was_fitted_is_simulated_beside_the_others() {
     let output = run_pipeline(folder.path(), &format!("[simulate.chain.car]\n{masses}\n"));
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("give one of them another name"));
+}
+
+#[test]
+fn a_record_that_does_not_stop_is_compared_up_to_the_end_of_its_event() {
+    let folder = tempfile::tempdir().unwrap();
+    let kelvin = candidate("kelvin", Model::Kelvin(MODEL).parameters());
+    write_with(&folder.path().join("5.mcap"), &[("kelvin/direct-fit/1", kelvin)], Some(0.05));
+    let output = run(folder.path());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let artifact = Artifact::open(&folder.path().join("6.mcap")).unwrap();
+    let simulation: SimulationV1 = artifact.record("/simulation/kelvin/direct-fit/1").unwrap().unwrap();
+    // On the record's grid of 0.1 ms; it goes on to 100 ms.
+    assert!((simulation.to_s - 0.05).abs() < 1e-9, "{}", simulation.to_s);
 }
