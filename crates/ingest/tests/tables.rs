@@ -174,7 +174,9 @@ fn time_zero_shifts_the_axis_and_sign_turns_the_pulse() {
     let (turned, kept) = (ingested.pulse().unwrap(), plain.pulse().unwrap());
     assert_eq!(turned.samples.t0_s(), -0.025);
     assert!(turned.samples.samples().iter().zip(kept.samples.samples()).all(|(a, b)| *a == -*b));
-    assert!(notes(&ingested).contains("use --sign flip") && !notes(&plain).contains("use --sign flip"));
+    // Turned the wrong way: turning it is not advised again.
+    assert!(notes(&ingested).contains("leave --sign out") && !notes(&ingested).contains("use --sign flip"));
+    assert!(!notes(&plain).contains("--sign"));
 }
 
 #[test]

@@ -68,6 +68,14 @@ impl Stage for Integrate {
         if let Some(lacking) = lacking(input, &test, &channel, speed) {
             return without_motion(settings, input, &test, &channel, lacking, out);
         }
+        if input.wave_if(&channel.id).is_none() && input.artifacts().iter().any(|a| a.stage() == Some("filter")) {
+            return Err(Refused::new(format!("the filtered record does not hold the pulse, channel {}", channel.id))
+                .hint(format!(
+                    "crumple-filter --channels leaves out what it does not name: name {} there too, or another pulse with --channel here",
+                    channel.id
+                ))
+                .into());
+        }
         let impact_speed_m_per_s = impact_speed(settings, &test, &channel, out.notes())?;
         // What follows works with the speed the motion was made with.
         test.impact_speed_m_per_s = Some(impact_speed_m_per_s);

@@ -198,6 +198,17 @@ fn a_filter_that_left_the_pulse_out_leaves_the_criteria() {
     assert!(find(&metrics(&artifact), "head_x_g", "hic15").value.is_some());
     let diagnosis: DiagnosisV1 = artifact.record("/diagnosis").unwrap().unwrap();
     assert!(diagnosis.reason.contains("the pulse p is not in the inputs"), "{diagnosis:?}");
+
+    // Another part of the vehicle has no criteria: the program is named that left the pulse out.
+    let engine = (accelerometer("engine", Axis::X, 60), Some(half_sine(-300.0, 0.0, 0.05, 0.2)));
+    let input = filtered(folder.path(), &[(accelerometer("p", Axis::X, 60), None), engine], Some(14.0));
+    let output = PROGRAM.run(&input, &[]);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{text}");
+    assert!(
+        text.contains("hint: crumple-filter --channels leaves out what it does not name: name p there too"),
+        "{text}"
+    );
 }
 
 #[test]

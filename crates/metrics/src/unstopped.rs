@@ -66,8 +66,10 @@ pub fn unstopped(velocity: &Signal<Velocity>, time_zero_s: f64) -> Option<Unstop
         Some(k) => ((velocity.time_s(k) + EDR_INTERVAL_S).min(last_s), EventEnd::Quiet),
         None => (last_s, EventEnd::Record),
     };
-    let after = (velocity.index_at_or_after(end_s + 1e-6 * velocity.dt_s())).min(v.len());
-    let lowest = (from..after).reduce(|low, k| if v[k] < v[low] { k } else { low })?;
+    // 1e-6 of a sample: the slack of decimal time stamps.
+    let slack_s = 1e-6 * velocity.dt_s();
+    let up_to_the_end = (from..v.len()).take_while(|k| velocity.time_s(*k) <= end_s + slack_s);
+    let lowest = up_to_the_end.reduce(|low, k| if v[k] < v[low] { k } else { low })?;
     Some(Unstopped {
         velocity_m_per_s: v[lowest],
         time_s: velocity.time_s(lowest) - time_zero_s,

@@ -128,11 +128,7 @@ impl Stage for ParameterSolve {
 }
 
 /// The settings with the end of the event as the end of the window, where the velocity never reaches zero and no end is stated.
-fn up_to_the_end_of_the_event(
-    settings: &StageSettings,
-    events: &EventsV1,
-    out: &mut Output,
-) -> Option<StageSettings> {
+fn up_to_the_end_of_the_event(settings: &StageSettings, events: &EventsV1, out: &mut Output) -> Option<StageSettings> {
     let open = settings.solve.fit_to_s.is_none() && events.time_of_dynamic_crush_s.is_none();
     let end_s = events.end_of_event_s.filter(|end_s| open && *end_s > settings.solve.fit_from_s)?;
     out.notes().info(format!(

@@ -206,10 +206,11 @@ fn section(
         let is_number = |cell: &&[u8]| field(cell, decimal).is_some();
         let word = column.iter().position(|cell| !is_number(cell) && !is_gap(cell));
         if let Some(row) = word.filter(|_| k > 0) {
-            let numbers = column.iter().any(|cell| is_number(cell));
+            let numbers = column.iter().any(is_number);
             // In the pulse itself such a cell is an error of its line, which the reader of the table names; whether it is one, its own name
             // says, or the title of the table.
-            if !is_of_the_pulse(&name) && !(numbers && title_of_a_pulse(&title)) {
+            let of_the_pulse = is_of_the_pulse(&name) || (numbers && title_of_a_pulse(&title));
+            if !of_the_pulse {
                 if numbers {
                     let (cell, line) = (decode(unquoted(column[row])), lines[rows.start + row].number);
                     with_words.push(format!("{name} ({cell:?} in line {line})"));
