@@ -150,7 +150,7 @@ impl Criteria<'_> {
         let place = title_of(&channels);
         let signals: Vec<_> = channels.iter().map(|channel| self.acceleration(channel)).collect::<Result<_, _>>()?;
         let Ok(resultant) = resultant(&signals.iter().collect::<Vec<_>>()) else {
-            notes.warning(format!("{}: its axes are on different time grids, no criteria", place));
+            notes.warning(format!("{place}: its axes are on different time grids, no criteria"));
             return Ok(Vec::new());
         };
         let mut remarks: Vec<String> = Vec::new();

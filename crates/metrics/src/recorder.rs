@@ -23,8 +23,9 @@ pub fn maximum_delta_v(change: &Sampled, time_zero_s: f64) -> [Metric; 2] {
         return [&MAXIMUM_DELTA_V, &TIME_OF_MAXIMUM_DELTA_V]
             .map(|definition| Metric::absent(definition, "no sample at or after time zero"));
     };
+    let counting = (first..v.len()).take_while(|k| change.time_s(*k) - time_zero_s <= LAST_S + slack_s);
     let largest =
-        (first..after).fold(first, |k, other| if (v[other] - start).abs() > (v[k] - start).abs() { other } else { k });
+        counting.fold(first, |k, other| if (v[other] - start).abs() > (v[k] - start).abs() { other } else { k });
     let time_s = change.time_s(largest) - time_zero_s;
     let at = |metric: Metric| {
         let metric = metric.over(time_s, time_s);
