@@ -47,7 +47,7 @@ pub fn events_record(
         rule: Some(settings.rule.name().to_owned()),
         start: Some(pulse.motion.start.name().to_owned()),
         intervals: intervals.collect(),
-        time_of_delta_v_s: events.time_of_delta_v_s(),
+        time_of_delta_v_s: events.unstopped.map(|unstopped| unstopped.time_s),
         end_of_event_s: events.unstopped.map(|unstopped| unstopped.end_s),
         end_of_event_rule: events.unstopped.map(|unstopped| unstopped.end.name().to_owned()),
         without_interval: without.collect(),

@@ -58,7 +58,7 @@ pub struct EventsV1 {
     /// Intervals of the events, where the uncertainty of the measurement was stated.
     #[serde(default)]
     pub intervals: Vec<EventIntervalV1>,
-    /// When the change of velocity is complete, s.
+    /// Time of the lowest velocity of an event whose velocity never reaches zero, s; elsewhere it is `time_of_rebound_s`.
     #[serde(default)]
     pub time_of_delta_v_s: Option<f64>,
     /// End of an event whose velocity never reaches zero, s; `null` where it does, or where nothing happens.
