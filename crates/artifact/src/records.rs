@@ -29,7 +29,7 @@ pub use arx_scan::{ArxScanModelV1, ArxScanV1};
 pub use candidate::{CandidateV1, FitV1, ProfileV1, ReplicatesV1, SensorFitV1, UncertaintyV1};
 pub use channel_filter::{ChannelFilterV1, CorridorPointV1};
 pub use diagnosis::DiagnosisV1;
-pub use events::{EventIntervalV1, EventsV1};
+pub use events::{EventIntervalV1, EventsV1, MissingIntervalV1};
 pub use evidence::{EvidenceV1, SpreadV1};
 pub use identification::IdentificationV1;
 pub use matching::{MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, PhysicalCoordinatesV1};

@@ -147,7 +147,10 @@ mod tests {
         builder.write_to(&mut file, &Provenance::new("x", "1", "{}".into(), Vec::new()), Compression::None).unwrap();
         let artifact = Artifact::read(Path::new("x.mcap"), file.get_ref().as_slice()).unwrap();
         let text = artifact.json_text(&artifact.records()[0], JsonForm::Line).unwrap().unwrap();
-        assert_eq!(text, r#"{"stage":"integrate","reason":"no zero"}"#, "fields in the order of the type");
+        assert_eq!(
+            text, r#"{"stage":"integrate","reason":"no zero","has_result":false}"#,
+            "fields in the order of the type"
+        );
         let later = RawRecord { schema: "crumple.Diagnosis.v2".into(), ..artifact.records()[0].clone() };
         assert!(matches!(artifact.json_text(&later, JsonForm::Line), Err(ReadError::Newer { .. })));
         let other = RawRecord { schema: "sensor_msgs/Imu".into(), ..artifact.records()[0].clone() };

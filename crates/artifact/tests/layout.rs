@@ -127,6 +127,13 @@ fn the_layout_of_every_record_type_is_frozen() {
             high: 0.76,
             interval_by: "5-95 % of 400 replicates".into(),
         }],
+        time_of_delta_v_s: Some(0.143),
+        end_of_event_s: None,
+        end_of_event_rule: Some("end of the record".into()),
+        without_interval: vec![MissingIntervalV1 {
+            name: "time_of_dynamic_crush_s".into(),
+            reason: "12 of 400 replicates do not have it".into(),
+        }],
     });
     freeze(&MetricsV1(vec![MetricV1 {
         name: "peak_acceleration".into(),
@@ -426,7 +433,7 @@ fn the_layout_of_every_record_type_is_frozen() {
         }],
     });
     freeze(&NotesV1 { stage: "ingest".into(), notes: vec!["warning: clipped".into()] });
-    freeze(&DiagnosisV1 { stage: "identify".into(), reason: "the record is constant".into() });
+    freeze(&DiagnosisV1 { stage: "identify".into(), reason: "the record is constant".into(), has_result: false });
     freeze(&QualityV1 {
         zero_level: Some(0.25),
         noise_floor: Some(1.5),

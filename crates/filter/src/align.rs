@@ -11,7 +11,7 @@ use crate::stage::Done;
 /// Below this correlation two channels do not show the same motion, and a delay between them means nothing.
 const LOWEST_CORRELATION: f64 = 0.5;
 
-/// Shifts the time axis of every other acceleration by its delay against the one named. Nothing is interpolated: the
+/// Shifts the time axis of every other acceleration by its delay against the one named; heads and chests that nobody named stay. Nothing is interpolated: the
 /// samples stay as they are, their times move.
 pub fn align(channels: &mut [Done], asked: &Align, remarks: &mut Remarks) -> anyhow::Result<()> {
     let reference = channels.iter().find(|channel| channel.id == asked.to).ok_or_else(|| {
@@ -20,7 +20,7 @@ pub fn align(channels: &mut [Done], asked: &Align, remarks: &mut Remarks) -> any
     })?;
     let reference = reference.filtered.samples.clone();
     for channel in channels.iter_mut() {
-        if channel.id == asked.to || channel.quantity != QuantityKind::Acceleration {
+        if channel.id == asked.to || channel.quantity != QuantityKind::Acceleration || channel.for_criteria {
             continue;
         }
         let samples = &channel.filtered.samples;

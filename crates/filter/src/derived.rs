@@ -42,5 +42,5 @@ pub fn derived(
         sensor: of.sensor,
         ..Channel::new(id.clone(), QuantityKind::Acceleration)
     });
-    Ok(Some(Done { id, quantity: QuantityKind::Acceleration, filtered, extra: Extra::default() }))
+    Ok(Some(Done { id, quantity: QuantityKind::Acceleration, filtered, extra: Extra::default(), for_criteria: false }))
 }

@@ -34,7 +34,9 @@ pub use mode::Mode;
 pub use moving_average::{moving_average, moving_average_gain, samples_of_width};
 pub use resample::{Interpolation, Resampling, resample};
 pub use sections::{run_sections, sections_extension};
-pub use selection::{SelectionError, class_of_body, id_meant, ids_meant, is_barrier_force, select};
+pub use selection::{
+    SelectionError, class_of_body, id_meant, ids_meant, is_barrier_force, is_of_body, occupants_left, select,
+};
 pub use zero_level::{ZeroLevel, pre_event};
 pub use zero_phase::{Report, filter_both_ways, filter_both_ways_into, samples_added};
 

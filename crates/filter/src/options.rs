@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 pub struct Options {
     /// Channel frequency class to filter to: 60, 180, 600, 1000, or none to leave the signal as it is [default: 60]
     ///
-    /// 60 is for the vehicle structure; a dummy's head and chest go to their own, 1000 and 180, unless the class is typed here. A
-    /// channel that already has the class or a lower one passes through.
+    /// 60 is for the vehicle structure; a dummy's head and chest go to their own, 1000 and 180, unless the class is typed here and the
+    /// channel named by --channels. A channel that already has the class or a lower one passes through.
     #[arg(long, value_name = "CLASS")]
     pub cfc: Option<Class>,
 
@@ -65,7 +65,7 @@ pub struct Options {
     pub zero_level_to: Option<Time>,
 
     /// Channels to filter, by id, code or pattern such as '1?VEHC*X?', whatever they measure [default: every acceleration channel on the vehicle structure,
-    /// and the load cells of the barrier]
+    /// the heads and chests of occupants, and the load cells of the barrier]
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     pub channels: Vec<String>,
 

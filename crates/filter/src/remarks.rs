@@ -21,9 +21,18 @@ impl Remarks {
         self.add(id, Note { severity: Severity::Warning, text: text.into() });
     }
 
+    /// A note on no channel of those that are filtered.
+    pub fn of_test(&mut self, text: impl Into<String>) {
+        self.0.entry((Severity::Info, text.into())).or_default();
+    }
+
     pub fn into_notes(self) -> Notes {
         let mut notes = Notes::new();
         for ((severity, text), ids) in self.0 {
+            if ids.is_empty() {
+                notes.info(text);
+                continue;
+            }
             let text = format!("channel{} {}: {text}", if ids.len() > 1 { "s" } else { "" }, first_of(&ids));
             match severity {
                 Severity::Info => notes.info(text),

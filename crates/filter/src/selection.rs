@@ -68,25 +68,16 @@ pub fn id_meant(test: &TestDescription, wanted: &str) -> Result<String, Selectio
 ///
 /// With `asked`, exactly those ([`ids_meant`]), whatever they measure. Without: every acceleration channel with data that is not
 /// marked failed and whose location does not begin with an occupant or the barrier ("driver, head"; an unknown
-/// location counts as structure); the pulse in any case, with the other axes of its place if it is a head or chest; and the load cells of the barrier ([`is_barrier_force`]),
-/// failed ones too, because whoever sums them has to name what is left out.
+/// location counts as structure); the pulse in any case; the heads and chests of occupants, along all axes, because criteria are made of them
+/// ([`is_of_body`]); and the load cells of the barrier ([`is_barrier_force`]), failed ones too, because whoever sums them has to name what is
+/// left out.
 pub fn select<'a>(test: &'a TestDescription, asked: &[String]) -> Result<Vec<&'a Channel>, SelectionError> {
     let asked = ids_meant(test, asked)?;
-    let pulse_channel = test.pulse_channel().ok();
-    let pulse = pulse_channel.map(|channel| channel.id.as_str());
-    // The other axes of a head that is looked at: its criteria are of the resultant.
-    let beside_pulse = |channel: &Channel| {
-        pulse_channel.is_some_and(|pulse| {
-            part_of(pulse).is_some()
-                && !pulse.location.is_empty()
-                && pulse.location == channel.location
-                && channel.status != ChannelStatus::Failed
-        })
-    };
+    let pulse = test.pulse_channel().ok().map(|channel| channel.id.as_str());
     let taken = |channel: &&Channel| match asked.as_slice() {
         [] => {
             let usable = channel.quantity == QuantityKind::Acceleration && channel.status.has_data();
-            (usable && (Some(channel.id.as_str()) == pulse || on_structure(channel) || beside_pulse(channel)))
+            (usable && (Some(channel.id.as_str()) == pulse || on_structure(channel) || is_of_body(channel)))
                 || is_barrier_force(channel)
         }
         _ => asked.contains(&channel.id),
@@ -97,6 +88,21 @@ pub fn select<'a>(test: &'a TestDescription, asked: &[String]) -> Result<Vec<&'a
         return Err(SelectionError::None);
     }
     Ok(channels)
+}
+
+/// Whether a channel is an accelerometer in a head or a chest, with data and not marked failed.
+pub fn is_of_body(channel: &Channel) -> bool {
+    part_of(channel).is_some() && channel.status.has_data() && channel.status != ChannelStatus::Failed
+}
+
+/// Channels with data in or on occupants that are not among the `taken`, in the order of the test.
+pub fn occupants_left<'a>(test: &'a TestDescription, taken: &[&Channel]) -> Vec<&'a Channel> {
+    let of_occupant = |channel: &Channel| {
+        let barrier = channel.location.trim().to_lowercase().starts_with("barrier");
+        channel.status.has_data() && ((!channel.may_be_on_vehicle() && !barrier) || part_of(channel).is_some())
+    };
+    let left = |channel: &&Channel| of_occupant(channel) && !taken.iter().any(|other| other.id == channel.id);
+    test.channels.iter().filter(left).collect()
 }
 
 /// Whether a channel is the force along x of a load cell in the barrier, with data.
@@ -162,14 +168,21 @@ mod tests {
     }
 
     #[test]
-    fn takes_the_structure_and_the_load_cells_and_leaves_occupants_belts_and_failed_channels() {
-        assert_eq!(ids(&select(&camry(), &[]).unwrap()), ["093", "095", "347"]);
+    fn takes_structure_load_cells_heads_and_chests_and_leaves_other_parts_belts_and_failed_channels() {
+        let mut test = camry();
+        let pelvis =
+            Channel { id: "007".to_owned(), location: "driver, pelvis".to_owned(), ..test.channels[0].clone() };
+        let failed = Channel { id: "008".to_owned(), status: ChannelStatus::Failed, ..test.channels[0].clone() };
+        test.channels.extend([pelvis, failed]);
+        let taken = select(&test, &[]).unwrap();
+        assert_eq!(ids(&taken), ["001", "093", "095", "347", "349"]);
+        assert_eq!(ids(&occupants_left(&test, &taken)), ["007", "008"], "045 has no data");
     }
 
     #[test]
     fn the_pulse_is_taken_wherever_it_sits() {
         let test = TestDescription { pulse: Some("096".to_owned()), ..camry() };
-        assert_eq!(ids(&select(&test, &[]).unwrap()), ["093", "095", "096", "347"]);
+        assert_eq!(ids(&select(&test, &[]).unwrap()), ["001", "093", "095", "096", "347", "349"]);
     }
 
     #[test]
@@ -190,11 +203,11 @@ mod tests {
     }
 
     #[test]
-    fn a_head_that_is_the_pulse_comes_with_its_other_axes() {
+    fn a_head_comes_with_its_axes_and_each_part_has_its_class() {
         let mut test = camry();
         test.channels.push(Channel { id: "002".to_owned(), ..test.channels[0].clone() });
         test.pulse = Some("001".to_owned());
-        assert_eq!(ids(&select(&test, &[]).unwrap()), ["001", "093", "095", "347", "002"]);
+        assert_eq!(ids(&select(&test, &[]).unwrap()), ["001", "093", "095", "347", "349", "002"]);
         assert_eq!(class_of_body(&test.channels[0]), Some(Cfc::Cfc1000));
         assert_eq!(class_of_body(&test.channels[7]), Some(Cfc::Cfc180));
         assert_eq!(class_of_body(&test.channels[2]), None);

@@ -66,13 +66,13 @@ fn writes_the_structure_s_channels_with_their_class_and_how_they_got_it() {
         ],
     );
     let artifact = result(&input, &[]);
-    assert_eq!(artifact.waves().keys().collect::<Vec<_>>(), ["093", "097"]);
+    assert_eq!(artifact.waves().keys().collect::<Vec<_>>(), ["001", "093", "097"]);
     let expected = filter(&raw, None, &Settings::default()).unwrap();
     assert_eq!(artifact.waves()["093"].sampled, expected.samples);
 
     let test: TestV1 = artifact.record("/test").unwrap().unwrap();
     let classes: Vec<_> = test.channels.iter().map(|channel| channel.cfc).collect();
-    assert_eq!(classes, [Some(60), Some(60), None]);
+    assert_eq!(classes, [Some(60), Some(60), Some(1000)]);
     let how: ChannelFilterV1 = artifact.record("/filter/093").unwrap().unwrap();
     assert_eq!((how.cfc, how.mode.as_str(), how.samples_added), (Some(60), "iso6487", 100));
     // The mean of 401 equal samples: rounding only.
@@ -80,7 +80,14 @@ fn writes_the_structure_s_channels_with_their_class_and_how_they_got_it() {
     // Two passes of the ISO filter at F_H, 10 kHz: 1/(1 + (1/2.08333)^4) but for the warp, which is 1e-3 of it.
     assert!((how.gain_at_class_db.unwrap() + 0.449).abs() < 2e-3, "{:?}", how.gain_at_class_db);
     let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
-    assert_eq!(notes.notes, ["channel 097: already cfc 60, passed through unfiltered"]);
+    assert_eq!(
+        notes.notes,
+        [
+            "channel 097: already cfc 60, passed through unfiltered",
+            "channel 001: of a dummy, filtered to cfc 1000 (SAE J211-1); another class by --cfc beside --channels",
+            "channel 001: sampling rate 10000 Hz is only 10.0 times cfc 1000: the -3 dB point lies at 1756.4 Hz instead of 1666.7 Hz"
+        ]
+    );
 }
 
 #[test]
@@ -142,16 +149,22 @@ fn a_late_channel_is_shifted_onto_the_one_it_is_aligned_to() {
     let late = raw.starting_at(raw.t0_s() + 1.25e-3).unwrap();
     let input = ingested(
         folder.path(),
-        &[(channel("a", "", None), raw.clone()), (channel("b", "", None), late), (channel("switch", "x", None), raw)],
+        &[
+            (channel("a", "", None), raw.clone()),
+            (channel("b", "", None), late.clone()),
+            (channel("switch", "x", None), raw),
+            (channel("head", "driver, head", None), late.clone()),
+        ],
     );
     let artifact = result(&input, &["--align-to", "a", "--pass", "switch"]);
+    assert_eq!(artifact.waves()["head"].sampled.t0_s(), late.t0_s(), "an occupant moves as it moves");
     let how: ChannelFilterV1 = artifact.record("/filter/b").unwrap().unwrap();
     // The two are the same samples, but for zero levels from windows 1.25 ms apart.
     assert!((how.shift_s.unwrap() + 1.25e-3).abs() < 2e-6, "{how:?}");
     assert!((artifact.waves()["b"].sampled.t0_s() + 0.05).abs() < 2e-6);
     assert_eq!(artifact.waves()["switch"].sampled, pulse(10_000.0));
     let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
-    assert!(notes.notes[1].starts_with("channel b: time axis shifted by -1.25"), "{notes:?}");
+    assert!(notes.notes.iter().any(|note| note.starts_with("channel b: time axis shifted by -1.25")), "{notes:?}");
     assert_eq!(run(&input, &["--align-to", "nope"]).status.code(), Some(3));
 }
 
@@ -280,7 +293,7 @@ fn the_velocity_change_of_a_recorder_becomes_an_acceleration_that_says_what_it_i
     let of_recorder =
         Channel { axis: Some(crumple_signal::Axis::X), ..Channel::new("dv", QuantityKind::VelocityChange) };
     let artifact = result(&ingested(folder.path(), &[(of_recorder, change)]), &[]);
-    assert_eq!(artifact.waves().keys().collect::<Vec<_>>(), ["dv_derivative"]);
+    assert_eq!(artifact.waves().keys().collect::<Vec<_>>(), ["dv", "dv_derivative"], "the table itself is handed on");
     let wave = &artifact.waves()["dv_derivative"];
     assert_eq!(wave.quantity, QuantityKind::Acceleration);
     // 5 km/h in 10 ms; rounding only.
@@ -341,7 +354,7 @@ fn a_dummy_is_filtered_to_its_own_class_unless_one_is_typed() {
     let structure = pipeline("[filter]\ncfc = '180'\n");
     for (flags, class) in [(vec![], 60), (vec!["--pipeline", &structure], 180)] {
         let artifact = result(&input, &flags);
-        assert_eq!(classes(&artifact), [Some(1000), Some(1000), None, Some(class)]);
+        assert_eq!(classes(&artifact), [Some(1000), Some(1000), Some(180), Some(class)]);
         assert!(said(&artifact).contains("channels 001, 002: of a dummy, filtered to cfc 1000"), "{}", said(&artifact));
     }
     // Structure, head and chest in one run, each to its class.
@@ -349,7 +362,7 @@ fn a_dummy_is_filtered_to_its_own_class_unless_one_is_typed() {
     assert_eq!(classes(&artifact), [Some(1000), None, Some(180), Some(60)]);
 
     let artifact = result(&input, &["--cfc", "60"]);
-    assert_eq!(classes(&artifact), [Some(60), Some(60), None, Some(60)]);
+    assert_eq!(classes(&artifact), [Some(60), Some(60), Some(180), Some(60)], "the chest is not of the pulse");
     let warning =
         "warning: channels 001, 002: of a dummy, filtered to cfc 60 as asked for: its criteria ask for cfc 1000";
     assert!(said(&artifact).contains(warning), "{}", said(&artifact));
@@ -357,4 +370,41 @@ fn a_dummy_is_filtered_to_its_own_class_unless_one_is_typed() {
     assert_eq!(classes(&artifact), [Some(180), None, None, None]);
     let named = pipeline("[filter]\ncfc = '180'\nchannels = ['001']\n");
     assert_eq!(classes(&result(&input, &["--pipeline", &named])), [Some(180), None, None, None]);
+}
+
+#[test]
+fn heads_and_chests_come_to_their_class_and_other_sensors_of_occupants_are_named_with_the_flag_that_takes_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let raw = pulse(10_000.0);
+    let neck = Channel { quantity: QuantityKind::Force, ..channel("004", "driver, neck", None) };
+    let input = ingested(
+        folder.path(),
+        &[
+            (channel("093", "vehicle, sill", None), raw.clone()),
+            (channel("001", "driver, head", None), raw.clone()),
+            (channel("013", "driver, chest", None), raw.clone()),
+            (neck, raw.clone()),
+            (channel("007", "driver, pelvis", None), raw.clone()),
+            (channel("017", "driver, head", None), pulse(5_000.0)),
+        ],
+    );
+    // Whatever is done to the structure.
+    for flags in [&[][..], &["--cfc", "180"], &["--butterworth", "low", "--order", "2", "--cutoff", "100Hz"]] {
+        let artifact = result(&input, flags);
+        assert_eq!(artifact.waves().keys().collect::<Vec<_>>(), ["001", "013", "093"]);
+        for (id, cfc) in [("001", 1000), ("013", 180)] {
+            let how: ChannelFilterV1 = artifact.record(&format!("/filter/{id}")).unwrap().unwrap();
+            assert_eq!((how.cfc, how.mode.as_str()), (Some(cfc), "iso6487"));
+        }
+        let notes = artifact.record::<NotesV1>("/notes").unwrap().unwrap().notes;
+        assert!(
+            notes.iter().any(|note| note.starts_with("warning: channel 017: left out: sampling rate 5000")),
+            "{notes:?}"
+        );
+        let line = "2 channels of occupants are not filtered, no criterion is made of them: driver, neck (1), driver, pelvis (1); \
+                    crumple-filter --channels '093,007' takes one beside the pulse";
+        assert!(notes.iter().any(|note| note.starts_with(line)), "{notes:?}");
+    }
+    // As the note has it.
+    assert_eq!(result(&input, &["--channels", "093,007"]).waves().keys().collect::<Vec<_>>(), ["007", "093"]);
 }

@@ -5,7 +5,7 @@
 //! | zero level | mean from -50 to -10 ms | less than 10 ms of it is there |
 //! | muted start | exact zeros at the start of the record | more than ten before the end of the window |
 //! | noise before the event | standard deviation of the same window | above 1 g |
-//! | polarity | change of velocity in 150 ms | positive and more than 5 % of the impact speed |
+//! | polarity | change of velocity in 150 ms | positive and more than 5 % of the impact speed; not of an occupant |
 //! | clipping | equal samples in a row at an extreme | 3 and more |
 //! | dropouts | equal samples in a row while the signal is active | 5 and more, over at least 0.5 ms |
 //! | drift | mean over the last 20 ms, zero level removed | above 0.5 g, 100 ms and more after contact |
@@ -20,6 +20,7 @@ use std::collections::BTreeMap;
 use crumple_signal::{Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
 use crate::ingest::Wave;
+use crate::polarity::Polarity;
 use crate::{polarity, time_zero};
 
 /// Noise before the event that is too much, m/s^2.
@@ -38,9 +39,15 @@ const JITTER: f64 = 0.01;
 const NAMED: usize = 12;
 
 /// Notes on all accelerations, the pulse first.
-pub fn notes(waves: &[Wave], pulse_id: Option<&str>, speed_m_per_s: Option<f64>, notes: &mut Notes) {
+pub fn notes(
+    waves: &[Wave],
+    pulse_id: Option<&str>,
+    speed_m_per_s: Option<f64>,
+    polarity: Polarity,
+    notes: &mut Notes,
+) {
     if let Some(pulse) = waves.iter().find(|w| Some(w.id.as_str()) == pulse_id) {
-        of_the_pulse(pulse, speed_m_per_s, notes);
+        of_the_pulse(pulse, speed_m_per_s, polarity, notes);
         other_grids(waves, pulse, notes);
     }
     let others = || waves.iter().filter(|w| Some(w.id.as_str()) != pulse_id);
@@ -65,7 +72,7 @@ pub fn notes(waves: &[Wave], pulse_id: Option<&str>, speed_m_per_s: Option<f64>,
     );
 }
 
-fn of_the_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, notes: &mut Notes) {
+fn of_the_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, notes: &mut Notes) {
     let quality = &pulse.quality;
     let zero_level = quality.pre_event.map(|p| p.zero_level);
     if zero_level.is_none() {
@@ -78,7 +85,7 @@ fn of_the_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, notes: &mut Notes) {
             "the first {muted} samples of the pulse are exactly 0: the recorder was muted, its zero level is that of the rest"
         ));
     }
-    polarity::check(&pulse.samples, zero_level, speed_m_per_s, notes);
+    polarity::check(&pulse.samples, zero_level, speed_m_per_s, polarity, notes);
     time_zero::check(&pulse.samples, zero_level, notes);
     if slow(pulse) {
         notes.warning(format!(
@@ -181,12 +188,16 @@ mod tests {
     use crumple_signal::Sampled;
 
     fn said(at: impl Fn(f64) -> f64) -> Vec<String> {
+        said_of(at, Polarity::AsRead)
+    }
+
+    fn said_of(at: impl Fn(f64) -> f64, polarity: Polarity) -> Vec<String> {
         let samples = (0..2500).map(|k| G * at(f64::from(k - 500) * 1e-4)).collect();
         let samples = Sampled::new(-0.05, 1e-4, samples).unwrap();
         let quality = measure(&samples, 0.0);
         let wave = Wave { id: "a".to_owned(), quantity: QuantityKind::Acceleration, samples, quality };
         let mut found = Notes::new();
-        notes(&[wave], Some("a"), Some(15.0), &mut found);
+        notes(&[wave], Some("a"), Some(15.0), polarity, &mut found);
         found.to_texts()
     }
 
@@ -211,6 +222,16 @@ mod tests {
         one(said(|t| if t > 0.1 { 0.8 } else { pulse(t) }), "last 20 ms is 0.80 g");
         one(said(|t| if t < 0.0 { 3.0 * (t * 3e5).sin() } else { pulse(t) }), "noisy before the event");
         one(said(|t| pulse(t).max(-15.0)), "clipped");
-        one(said(|t| -pulse(t)), "--sign flip");
+        one(said(|t| -pulse(t)), "use --sign flip");
+    }
+
+    #[test]
+    fn turning_the_sign_is_advised_where_it_helps() {
+        // 11.2 m/s of 15 m/s; ten times that is a wrong unit.
+        let positive = |factor: f64| move |t: f64| -factor * pulse(t);
+        assert!(said_of(positive(1.0), Polarity::Turned)[0].ends_with("leave --sign out"));
+        assert_eq!(said_of(positive(1.0), Polarity::Unasked), Vec::<String>::new());
+        assert!(said(positive(10.0))[0].contains("check the unit"), "{:?}", said(positive(10.0)));
+        assert!(!said(positive(10.0))[0].contains("flip"));
     }
 }

@@ -1,8 +1,9 @@
 //! From the files of a record to a test description, waveforms and their quality.
 
-use crumple_signal::{Channel, Notes, QuantityKind, Sampled, Source, TestDescription};
+use crumple_signal::{Channel, Notes, QuantityKind, Sampled, Source, TestDescription, part_of};
 
 use crate::bundle::{Bundle, stem};
+use crate::polarity::Polarity;
 use crate::quality::{self, Quality};
 use crate::recording::{Recording, Stated};
 use crate::{IngestError, Place, Settings, Sign, checks, details, polarity, pulse, sidecar, time_zero, twins, unused};
@@ -70,7 +71,16 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
     }
     details::apply(&mut recording.details, flags, "flag", &mut notes);
     let comments = format == "csv";
-    details::require(file, &recording.details, comments, allow_missing, &mut notes)?;
+    // What a head or a chest feels has its criteria whatever the vehicle weighs and how fast it came.
+    let of_body = pulse.is_some_and(|k| part_of(&recording.channels[k].channel).is_some());
+    if of_body && !allow_missing {
+        details::require(file, &recording.details, comments, true, &mut Notes::new())?;
+        if recording.details.mass_kg.is_none() || recording.details.impact_speed_m_per_s.is_none() {
+            notes.info("mass and impact speed are not both stated: the criteria of an occupant need neither");
+        }
+    } else {
+        details::require(file, &recording.details, comments, allow_missing, &mut notes)?;
+    }
 
     set_time_zero(file, &mut recording, pulse, &mut notes)?;
     let time_zero = match &recording.details.time_zero_s {
@@ -90,6 +100,7 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
             wrong.then_some(why)
         }
     };
+    let flipped = turned.is_some();
     if let Some(why) = turned {
         let flipped = polarity::flip(&mut recording.channels).map_err(|error| overflow(file, &error.to_string()))?;
         notes.info(format!("{why}: {flipped} channel{}", if flipped == 1 { "" } else { "s" }));
@@ -107,7 +118,14 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
         })
         .collect();
     let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
-    checks::notes(&waves, pulse_id.as_deref(), speed, &mut notes);
+    let polarity = if of_body {
+        Polarity::Unasked
+    } else if flipped {
+        Polarity::Turned
+    } else {
+        Polarity::AsRead
+    };
+    checks::notes(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
     let pulse_id = pulse_id.or(change.map(|k| recording.channels[k].channel.id.clone()));
 
     let channels: Vec<Channel> = recording.channels.into_iter().map(|found| found.channel).collect();

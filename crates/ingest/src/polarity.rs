@@ -41,17 +41,46 @@ fn change(pulse: &Sampled, zero: f64) -> f64 {
     pulse.samples()[from..to.max(from)].iter().map(|a| (a - zero) * pulse.dt_s()).sum()
 }
 
-/// Warns if the pulse, zero level removed, gains speed over the first 150 ms.
-pub fn check(pulse: &Sampled, zero_level: Option<f64>, impact_speed_m_per_s: Option<f64>, notes: &mut Notes) {
+/// What was done about the sign of the pulse before it is checked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Polarity {
+    /// It is as in the file.
+    AsRead,
+    /// It was turned.
+    Turned,
+    /// It is of an occupant, whose criteria are of magnitudes: its sign decides nothing.
+    Unasked,
+}
+
+/// Warns if the pulse, zero level removed, gains speed over the first 150 ms, with what helps: turning it only where it was not turned
+/// and where what it then loses is that of an impact.
+pub fn check(
+    pulse: &Sampled,
+    zero_level: Option<f64>,
+    impact_speed_m_per_s: Option<f64>,
+    polarity: Polarity,
+    notes: &mut Notes,
+) {
     let change = change(pulse, zero_level.unwrap_or(0.0));
     let clear = impact_speed_m_per_s.map_or(CLEAR_CHANGE_M_PER_S, |v| CLEAR_PART * v);
-    if change > clear {
-        notes.warning(format!(
-            "the pulse is positive (it gains {change:.2} m/s in the first {:.0} ms), a frontal impact is negative by SAE J211: \
-             if deceleration is positive in this file, use --sign flip",
-            (pulse.end_s().min(WINDOW_S)) * 1e3
-        ));
+    if change <= clear || polarity == Polarity::Unasked {
+        return;
     }
+    let ratio = impact_speed_m_per_s.filter(|v| *v > 0.0).map(|v| change / v);
+    let way_out = match (polarity, ratio) {
+        (Polarity::Turned, _) => "it was turned as read: leave --sign out".to_owned(),
+        (_, Some(ratio)) if ratio > *CERTAIN.end() => {
+            format!("{ratio:.1} times the impact speed is no impact of either sign: check the unit (--unit) and the impact speed first")
+        }
+        (_, None) => "if this is a frontal impact with deceleration positive, use --sign flip; a motion from rest, a shock or a drop may \
+                      be positive and needs nothing"
+            .to_owned(),
+        _ => "if deceleration is positive in this file, use --sign flip".to_owned(),
+    };
+    notes.warning(format!(
+        "the pulse is positive (it gains {change:.2} m/s in the first {:.0} ms), a frontal impact is negative by SAE J211: {way_out}",
+        (pulse.end_s().min(WINDOW_S)) * 1e3
+    ));
 }
 
 /// Turns the sign of every acceleration along x, or along an axis that is not stated, and of its initial velocity. Returns how

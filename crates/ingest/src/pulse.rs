@@ -1,6 +1,6 @@
 //! Which channel is the crash pulse.
 
-use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind};
+use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, part_of};
 
 use crate::recording::{Found, NOT_READ, PulseRule, Recording};
 use crate::selection::select;
@@ -133,6 +133,7 @@ fn by_rule(file: &str, recording: &Recording, candidates: &[usize]) -> Result<us
         }
         ([first, ..], PulseRule::Fittest) => Ok(*first),
         ([only], PulseRule::OnlyOne) => Ok(*only),
+        (several, PulseRule::OnlyOne) if let Some(pulse) = beside_occupants(recording, several) => Ok(pulse),
         (several, PulseRule::OnlyOne) => Err(IngestError::channel(
             file,
             format!(
@@ -143,6 +144,18 @@ fn by_rule(file: &str, recording: &Recording, candidates: &[usize]) -> Result<us
             "to be told which is the crash pulse",
             format!("add --channel {}, for example", recording.channels[several[0]].channel.id),
         )),
+    }
+}
+
+/// The only accelerometer of several columns that is of no occupant's head or chest; where all are, the first of them along x: criteria
+/// are made of all of them, and nothing else is here.
+fn beside_occupants(recording: &Recording, several: &[usize]) -> Option<usize> {
+    let channel = |k: usize| &recording.channels[k].channel;
+    let vehicle: Vec<usize> = several.iter().copied().filter(|k| part_of(channel(*k)).is_none()).collect();
+    match vehicle.as_slice() {
+        [only] => Some(*only),
+        [] => several.iter().copied().find(|k| channel(*k).axis == Some(Axis::X)).or_else(|| several.first().copied()),
+        _ => None,
     }
 }
 

@@ -174,7 +174,9 @@ fn time_zero_shifts_the_axis_and_sign_turns_the_pulse() {
     let (turned, kept) = (ingested.pulse().unwrap(), plain.pulse().unwrap());
     assert_eq!(turned.samples.t0_s(), -0.025);
     assert!(turned.samples.samples().iter().zip(kept.samples.samples()).all(|(a, b)| *a == -*b));
-    assert!(notes(&ingested).contains("use --sign flip") && !notes(&plain).contains("use --sign flip"));
+    // Turned the wrong way: turning it is not advised again.
+    assert!(notes(&ingested).contains("leave --sign out") && !notes(&ingested).contains("use --sign flip"));
+    assert!(!notes(&plain).contains("--sign"));
 }
 
 #[test]
@@ -341,4 +343,19 @@ fn what_states_time_zero_travels_with_the_test() {
     assert_eq!(from_text(&text, &stated()).unwrap().test.time_zero, None);
     let settings = Settings { time_zero: Some("0s".parse().unwrap()), ..stated() };
     assert_eq!(from_text(&text, &settings).unwrap().test.time_zero.as_deref(), Some("stated by flag"));
+}
+
+#[test]
+fn columns_of_heads_leave_the_vehicle_as_the_pulse_and_alone_they_need_no_mass_and_speed() {
+    let rows = |columns: usize| -> String {
+        (0..800).map(|k| format!("{:.4}{}\n", -0.02 + 1e-4 * f64::from(k), ",1.5".repeat(columns))).collect()
+    };
+    let both = format!("time_s,head_x_g,head_y_g,sill_x_g\n{}", rows(3));
+    assert_eq!(from_text(&both, &stated()).unwrap().test.pulse.as_deref(), Some("sill_x_g"));
+    let two = format!("time_s,head_x_g,left_x_g,right_x_g\n{}", rows(3));
+    assert!(from_text(&two, &stated()).is_err(), "which of both sides is asked back");
+    let heads = from_text(&format!("time_s,head_y_g,head_x_g\n{}", rows(2)), &Settings::default()).unwrap();
+    assert_eq!(heads.test.pulse.as_deref(), Some("head_x_g"));
+    assert_eq!((heads.test.mass_kg, heads.test.impact_speed_m_per_s), (None, None));
+    assert!(notes(&heads).contains("the criteria of an occupant need neither") && !notes(&heads).contains("--sign"));
 }

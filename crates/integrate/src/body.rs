@@ -36,13 +36,42 @@ pub fn sites<'a>(test: &'a TestDescription, input: &Inputs) -> Vec<(BodyPart, Si
 }
 
 /// What channels at one place have in common: location, the code up to its dimension, redundancy. Without location and code
-/// the id up to its last separator (`head_x`, `head_y`).
+/// the id without what says the axis (`head_x_g`, `head_y_g`: `head_g`), else up to its last separator (`head_1`, `head_2`).
 fn place(channel: &Channel) -> String {
     let code = channel.code.as_deref().and_then(|code| code.get(..12)).unwrap_or_default();
     let mut location = channel.location.trim().to_lowercase();
     if location.is_empty() && code.is_empty() {
-        let id = channel.id.to_lowercase();
-        location = id.rsplit_once(['_', '-', '.', ' ']).map_or(id.clone(), |(stem, _)| stem.to_owned());
+        location = without_axis(&channel.id.to_lowercase());
     }
     format!("{location}|{code}|{}", channel.redundant)
+}
+
+fn without_axis(id: &str) -> String {
+    const AXES: [&str; 12] = ["x", "y", "z", "r", "ax", "ay", "az", "acx", "acy", "acz", "res", "resultant"];
+    let separator = ['_', '-', '.', ' '];
+    let words: Vec<&str> = id.split(separator).collect();
+    match words.iter().rposition(|word| AXES.contains(word)) {
+        Some(axis) => {
+            words.iter().enumerate().filter(|(k, _)| *k != axis).map(|(_, word)| *word).collect::<Vec<_>>().join("_")
+        }
+        None => id.rsplit_once(separator).map_or(id, |(stem, _)| stem).to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_axes_of_one_head_have_one_place() {
+        for ids in [
+            ["head_x_g", "head_y_g", "Head_Z_g"],
+            ["driver head x", "driver head y", "driver head z"],
+            ["head-ax", "head-ay", "head-az"],
+        ] {
+            let places = ids.map(|id| place(&Channel::new(id, crumple_signal::QuantityKind::Acceleration)));
+            assert!(places.iter().all(|other| *other == places[0]), "{places:?}");
+        }
+        assert_ne!(without_axis("driver_head_x"), without_axis("passenger_head_x"));
+    }
 }

@@ -75,7 +75,7 @@ fn late_contact(
     notes.warning(format!(
         "channel {} first exceeds 0.5 g for 3 ms at {late_ms:.1} ms, and nothing says that contact is at the file's t = 0: \
          the vehicle is taken to move on at the impact speed until then, up to {:.3} m that may be no crush: if contact is there, \
-         --time-zero {late_ms:.1}ms --start time-zero; if it is at 0, --time-zero 0s",
+         crumple-ingest --time-zero {late_ms:.1}ms; if it is at 0, crumple-ingest --time-zero 0s",
         channel.id,
         found.time_s * speed_m_per_s
     ));

@@ -1,4 +1,4 @@
-use crumple_metrics::{CrashEvents, centroid_time_by_moment, centroid_time_from_crush};
+use crumple_metrics::{CrashEvents, EventEnd, centroid_time_by_moment, centroid_time_from_crush};
 use crumple_signal::Notes;
 
 use crate::{Motion, UsedStart, WRONG_SIGN, wrong_sign};
@@ -37,10 +37,21 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
         ));
     }
     let (Some(crush), Some(rebound)) = (events.crush, events.rebound) else {
-        notes.warning(format!(
+        let text = format!(
             "the velocity never reaches zero, the record ends at v = {:.3} m/s: no dynamic crush, no rebound",
             events.end_velocity_m_per_s
-        ));
+        );
+        notes.warning(match events.unstopped {
+            None => text,
+            Some(unstopped) => format!(
+                "{text}; delta-v is {:.3} m/s at {:.1} ms, the lowest velocity up to the end of the event at {:.1} ms ({}){}",
+                impact_speed_m_per_s - unstopped.velocity_m_per_s,
+                1e3 * unstopped.time_s,
+                1e3 * unstopped.end_s,
+                unstopped.end.name(),
+                if unstopped.end == EventEnd::Record { ": a lower bound, it still changes there" } else { "" }
+            ),
+        });
         return notes;
     };
     if rebound.still_separating {

@@ -1,6 +1,6 @@
 //! Which accelerometers are integrated beside the pulse.
 
-use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, TestDescription};
+use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, TestDescription, part_of};
 use crumple_stage::{Inputs, Refused};
 
 /// Parts of the vehicle that move apart from its compartment, lower case.
@@ -18,7 +18,7 @@ pub fn further<'a>(
     let everything = asked.iter().any(|id| id == "all");
     let mut ids: Vec<String> = Vec::new();
     for name in asked.iter().filter(|name| *name != "all") {
-        ids.extend(meant(test, name, input)?);
+        ids.extend(meant(test, name, "channels", input)?);
     }
     ids.retain(|id| id != pulse);
     if everything {
@@ -32,12 +32,14 @@ pub fn further<'a>(
             input.wave(id)?;
         }
         let named = |channel: &Channel| ids.contains(&channel.id);
-        let (mut taken, left): (Vec<&Channel>, Vec<&Channel>) =
+        let (mut taken, mut left): (Vec<&Channel>, Vec<&Channel>) =
             candidates.partition(|channel| of_compartment(channel) || named(channel));
+        // Heads and chests are here for their criteria.
+        left.retain(|channel| part_of(channel).is_none());
         if !left.is_empty() {
             let ids: Vec<&str> = left.iter().map(|channel| channel.id.as_str()).collect();
             notes.info(format!(
-                "not integrated, because failed or not of the compartment: channels {} (name them with --channels)",
+                "not integrated, because failed or not of the compartment: channels {} (crumple-integrate --channels all,ID names one)",
                 ids.join(", ")
             ));
         }
@@ -55,13 +57,26 @@ pub fn further<'a>(
     Ok(channels)
 }
 
-/// The ids that a name, a code or a pattern means. A pattern leaves out what cannot be integrated: other quantities, and channels
+/// Accelerometers that a refusal lists.
+const SHOWN: usize = 12;
+
+/// The ids that a name, a code or a pattern means, given under an option. A pattern leaves out what cannot be integrated: other quantities, and channels
 /// that are not in the inputs.
-pub fn meant(test: &TestDescription, name: &str, input: &Inputs) -> anyhow::Result<Vec<String>> {
+pub fn meant(test: &TestDescription, name: &str, key: &str, input: &Inputs) -> anyhow::Result<Vec<String>> {
     let all = test.channels_meant(name);
     if all.is_empty() {
-        return Err(Refused::new(format!("the test has no channel {name:?}"))
-            .hint("crumple-artifact show lists the channels of an artifact")
+        let here =
+            |channel: &&Channel| channel.quantity == QuantityKind::Acceleration && input.wave_if(&channel.id).is_some();
+        let mut here: Vec<&str> = test.channels.iter().filter(here).map(|channel| channel.id.as_str()).collect();
+        let more = here.len().saturating_sub(SHOWN);
+        here.truncate(SHOWN);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        return Err(Refused::new(format!("the test has no channel {name:?}, which {key} of [integrate] or --{key} names"))
+            .expected(format!("an accelerometer of the inputs: {}{more}", here.join(", ")))
+            .hint(format!(
+                "put the id of yours there; in the pipeline two-sensors it stands in channels of [integrate] and in sensors of [parameter-solve]{}",
+                if test.channels.len() > here.len() { " (crumple-ingest --list RECORD shows every channel)" } else { "" }
+            ))
             .into());
     }
     let usable =
@@ -72,10 +87,12 @@ pub fn meant(test: &TestDescription, name: &str, input: &Inputs) -> anyhow::Resu
     Ok(if all.len() == 1 || fit.is_empty() { ids(all) } else { ids(fit) })
 }
 
-/// Whether a channel moves with the compartment, as far as status and location say.
+/// Whether a channel moves with the compartment, as far as status, code, location and, without a location, its name say.
 pub fn of_compartment(channel: &Channel) -> bool {
-    let location = channel.location.to_lowercase();
+    let said = if channel.location.trim().is_empty() { &channel.id } else { &channel.location };
+    let said = said.to_lowercase();
     channel.status != ChannelStatus::Failed
         && channel.may_be_on_vehicle()
-        && !PARTS.iter().any(|word| location.contains(word))
+        && part_of(channel).is_none()
+        && !PARTS.iter().any(|word| said.contains(word))
 }

@@ -5,10 +5,11 @@ use crumple_metrics::{
     clip_contiguous, clip_cumulative, definitions, hic, hic_d, oiv_ora, resultant, ride_down, thiv_phd,
 };
 use crumple_signal::{
-    Acceleration, Axis, BodyPart, Channel, ChannelStatus, Notes, QuantityKind, Signal, TestDescription, part_of,
+    Acceleration, Axis, BodyPart, Channel, ChannelStatus, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Signal,
+    TestDescription, part_of,
 };
 use crumple_stage::records::MetricV1;
-use crumple_stage::{Inputs, RefuseExt};
+use crumple_stage::{Inputs, Output, RefuseExt};
 
 use crate::body::{Site, sites};
 use crate::options::{MetricGroup, StageSettings};
@@ -29,27 +30,28 @@ pub struct Criteria<'a> {
 }
 
 impl Criteria<'_> {
-    /// All criteria asked for; with `auto` those whose channels the test has.
-    pub fn records(&self, notes: &mut Notes) -> anyhow::Result<Vec<MetricV1>> {
+    /// All criteria asked for; with `auto` those whose channels the test has. Heads and chests have a line of the summary.
+    pub fn records(&self, out: &mut Output) -> anyhow::Result<Vec<MetricV1>> {
         let mut records = Vec::new();
         let sites = sites(self.test, self.input);
+        let (mut lines, mut bounds) = (Vec::new(), Vec::new());
+        let notes = out.notes();
         for (group, parts) in
             [(MetricGroup::Head, &[BodyPart::Head, BodyPart::Headform][..]), (MetricGroup::Chest, &[BodyPart::Chest])]
         {
             let of_group = || sites.iter().filter(|(part, _)| parts.contains(part));
-            if self.asked(group) && of_group().count() == 0 {
-                let left_out = |channel: &&Channel| part_of(channel).is_some_and(|part| parts.contains(&part));
-                notes.warning(match self.not_in_the_inputs(left_out) {
-                    Some(ids) => format!(
-                        "{}: {ids} measured it, but the filter left it out: crumple-filter --channels takes it, beside those of the vehicle",
-                        name(group)
-                    ),
-                    None => format!("{}: no accelerometer of it has data in the inputs", name(group)),
-                });
+            if self.takes(group) {
+                self.say_what_is_left_out(group, parts, of_group().count() == 0, notes);
             }
             for (part, site) in of_group().filter(|_| self.takes(group)) {
-                records.extend(self.of_body(*part, site, notes)?);
+                records.extend(self.of_body(*part, site, (&mut lines, &mut bounds), notes)?);
             }
+        }
+        if !bounds.is_empty() {
+            notes.warning(format!(
+                "criteria are lower bounds where the resultant is of one or two axes alone: {}",
+                bounds.join(", ")
+            ));
         }
         if self.takes(MetricGroup::RideDown) {
             records.extend(self.ride_down(&sites, notes)?);
@@ -58,7 +60,42 @@ impl Criteria<'_> {
             records.extend(self.roadside(notes)?);
         }
         records.extend(self.crush_stiffness(notes));
+        lines.into_iter().for_each(|line| out.summary(line));
         Ok(records)
+    }
+
+    /// Names the heads or chests that were measured and are not in the inputs. A group that was asked for and has no sensor at all is a
+    /// warning.
+    fn say_what_is_left_out(&self, group: MetricGroup, parts: &[BodyPart], has_none: bool, notes: &mut Notes) {
+        let group_name = name(group);
+        let left_out = |channel: &&Channel| part_of(channel).is_some_and(|part| parts.contains(&part));
+        if let Some((ids, _)) = self.not_in_the_inputs(left_out) {
+            let (pulse, names) = (&self.pulse.id, ids.join(","));
+            let word = if ids.len() == 1 { "channel" } else { "channels" };
+            let text = format!(
+                "{group_name}: {word} {} measured it, but the filter left it out: crumple-filter without --channels takes it, or with --channels '{pulse},{names}'",
+                ids.join(", ")
+            );
+            return if self.asked(group) { notes.warning(text) } else { notes.info(text) };
+        }
+        if !self.asked(group) || !has_none {
+            return;
+        }
+        let unplaced = |channel: &&Channel| {
+            channel.quantity == QuantityKind::Acceleration && channel.location.is_empty() && part_of(channel).is_none()
+        };
+        let unplaced: Vec<&str> =
+            self.test.channels.iter().filter(unplaced).map(|channel| channel.id.as_str()).collect();
+        notes.warning(match unplaced.as_slice() {
+            [] => format!("{group_name}: no accelerometer of it has data in the inputs"),
+            ids => format!(
+                "{group_name}: no accelerometer of it has data in the inputs, and nothing says where channel{} {} sit{}: the \
+                 name of a column that begins with {group_name}, such as {group_name}_x_g, or a code of ISO 13499 does",
+                if ids.len() == 1 { "" } else { "s" },
+                ids.join(", "),
+                if ids.len() == 1 { "s" } else { "" },
+            ),
+        });
     }
 
     fn asked(&self, group: MetricGroup) -> bool {
@@ -69,17 +106,18 @@ impl Criteria<'_> {
         self.settings.metrics.is_empty() || self.asked(group)
     }
 
-    /// The channels with data, not marked failed, that the inputs hold no samples of, in words.
-    fn not_in_the_inputs(&self, fits: impl Fn(&&Channel) -> bool) -> Option<String> {
+    /// The channels with data, not marked failed, that the inputs hold no samples of: their ids, and in words.
+    fn not_in_the_inputs(&self, fits: impl Fn(&&Channel) -> bool) -> Option<(Vec<&str>, String)> {
         let here = |channel: &&Channel| self.input.wave_if(&channel.id).is_some();
         let usable = |channel: &&Channel| channel.status.has_data() && channel.status != ChannelStatus::Failed;
         let fits = |channel: &&Channel| usable(channel) && !here(channel) && fits(channel);
         let ids: Vec<&str> = self.test.channels.iter().filter(fits).map(|channel| channel.id.as_str()).collect();
-        match ids.as_slice() {
-            [] => None,
-            [one] => Some(format!("channel {one}")),
-            several => Some(format!("channels {}", several.join(", "))),
-        }
+        let words = match ids.as_slice() {
+            [] => return None,
+            [one] => format!("channel {one}"),
+            several => format!("channels {}", several.join(", ")),
+        };
+        Some((ids, words))
     }
 
     fn acceleration(&self, channel: &Channel) -> anyhow::Result<Signal<Acceleration>> {
@@ -97,16 +135,22 @@ impl Criteria<'_> {
         metric_record(&ids.join("+"), &metric)
     }
 
-    fn of_body(&self, part: BodyPart, site: &Site<'_>, notes: &mut Notes) -> anyhow::Result<Vec<MetricV1>> {
+    fn of_body(
+        &self,
+        part: BodyPart,
+        site: &Site<'_>,
+        (lines, bounds): (&mut Vec<String>, &mut Vec<String>),
+        notes: &mut Notes,
+    ) -> anyhow::Result<Vec<MetricV1>> {
         let axes: Vec<&Channel> = site.axes.iter().flatten().copied().collect();
         let channels = match site.whole {
             Some(whole) if axes.len() < 3 => vec![whole],
             _ => axes,
         };
-        let place = |channels: &[&Channel]| channels.first().map_or_else(String::new, |channel| title(channel));
+        let place = title_of(&channels);
         let signals: Vec<_> = channels.iter().map(|channel| self.acceleration(channel)).collect::<Result<_, _>>()?;
         let Ok(resultant) = resultant(&signals.iter().collect::<Vec<_>>()) else {
-            notes.warning(format!("{}: its axes are on different time grids, no criteria", place(&channels)));
+            notes.warning(format!("{place}: its axes are on different time grids, no criteria"));
             return Ok(Vec::new());
         };
         let mut remarks: Vec<String> = Vec::new();
@@ -115,7 +159,7 @@ impl Criteria<'_> {
             let axes: Vec<String> = channels.iter().filter_map(|c| c.axis).map(|axis| axis.to_string()).collect();
             let of = if axes.is_empty() { "one axis".to_owned() } else { axes.join(" and ") };
             remarks.push(format!("lower bound: resultant of {of} alone"));
-            notes.warning(format!("{}: resultant of {of} alone, its criteria are lower bounds", place(&channels)));
+            bounds.push(format!("{place} ({of})"));
         }
         remarks.extend(class_remark(&channels, part.cfc(), notes));
         let mut metrics = match part {
@@ -124,6 +168,7 @@ impl Criteria<'_> {
             BodyPart::Chest => Vec::new(),
         };
         metrics.extend([clip_contiguous(&resultant, CLIP_3MS_S), clip_cumulative(&resultant, CLIP_3MS_S)]);
+        lines.push(line(&place, &metrics, partial));
         Ok(metrics.into_iter().map(|metric| self.record(&channels, metric, &remarks)).collect())
     }
 
@@ -231,7 +276,7 @@ impl Criteria<'_> {
             None => {
                 let yaw_rate = |channel: &&Channel| of_vehicle(channel, QuantityKind::AngularVelocity, Axis::Z);
                 let reason = match self.not_in_the_inputs(yaw_rate) {
-                    Some(ids) => {
+                    Some((_, ids)) => {
                         let reason = format!("{ids} measured the yaw rate, but the filter left it out");
                         notes.info(format!("thiv: {reason}: crumple-filter --pass hands it on"));
                         reason
@@ -289,8 +334,40 @@ fn name(group: MetricGroup) -> &'static str {
     if group == MetricGroup::Chest { "chest" } else { "head" }
 }
 
+/// `driver, head: hic15 412.3, hic36 530.1, 3 ms 61.2 g contiguous, 62.0 g cumulative`.
+fn line(place: &str, metrics: &[Metric], lower_bound: bool) -> String {
+    let of = |metric: &Metric| {
+        let value = metric.value?;
+        let g = value / STANDARD_GRAVITY_M_PER_S2;
+        Some(match metric.name {
+            "clip_3ms_contiguous" => format!("3 ms {g:.1} g contiguous"),
+            "clip_3ms_cumulative" => format!("{g:.1} g cumulative"),
+            name => format!("{name} {value:.1}"),
+        })
+    };
+    let values: Vec<String> = metrics.iter().filter_map(of).collect();
+    let values = if values.is_empty() { "no criterion, the notes say why".to_owned() } else { values.join(", ") };
+    format!("{place}: {values}{}", if lower_bound { " (lower bounds: not all axes)" } else { "" })
+}
+
+/// The location of channels at one place, else their ids.
+fn title_of(channels: &[&Channel]) -> String {
+    match channels {
+        [] => String::new(),
+        [one] => title(one),
+        [first, ..] if !first.location.is_empty() => first.location.clone(),
+        several => {
+            format!("channels {}", several.iter().map(|channel| channel.id.as_str()).collect::<Vec<_>>().join(", "))
+        }
+    }
+}
+
 fn title(channel: &Channel) -> String {
     if channel.location.is_empty() { format!("channel {}", channel.id) } else { channel.location.clone() }
+}
+
+fn ids(channels: &[&Channel]) -> String {
+    channels.iter().map(|channel| channel.id.as_str()).collect::<Vec<_>>().join(",")
 }
 
 /// What is to be said where the class of the input is not the one the definition asks for; a warning too.
@@ -298,7 +375,13 @@ fn class_remark(channels: &[&Channel], asked: u16, notes: &mut Notes) -> Option<
     let other = channels.iter().find(|channel| channel.cfc != Some(asked))?;
     let class = other.cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("cfc {cfc}"));
     let remark = format!("channel {} is of {class}, the definition asks for cfc {asked}", other.id);
-    notes.warning(format!("{}: {remark} (crumple-filter --cfc {asked})", title(other)));
+    let way_out = match other.cfc {
+        Some(cfc) if cfc < asked => {
+            "what the lower class took away cannot be had back: the criterion reads low".to_owned()
+        }
+        _ => format!("crumple-filter --cfc {asked} --channels '{}'", ids(channels)),
+    };
+    notes.warning(format!("{}: {remark} ({way_out})", title(other)));
     Some(remark)
 }
 

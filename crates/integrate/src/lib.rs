@@ -25,7 +25,9 @@ pub use sign::{WRONG_SIGN, events_of, wrong_sign};
 pub use start::{Start, UsedStart};
 pub use time_zero::{FoundZero, contact_edge, edr_start, threshold_crossing};
 
-pub use uncertainty::{EVENT_NAMES, Intervals, MOST_SAMPLES, Perturbation, Spread, Uncertainty, perturbed, propagate};
+pub use uncertainty::{
+    EVENT_NAMES, Intervals, MOST_SAMPLES, Perturbation, Spread, Uncertainty, event_values, perturbed, propagate,
+};
 
 pub use crumple_signal::Distribution;
 use crumple_signal::SignalError;

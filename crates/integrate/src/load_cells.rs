@@ -54,7 +54,7 @@ pub fn barrier(
             .collect();
         if !dead.is_empty() {
             out.notes().info(format!(
-                "barrier force: {} not marked valid by the laboratory, not in the sum: {} (--barrier-cells all takes them as read)",
+                "barrier force: {} not marked valid by the laboratory, not in the sum: {} (crumple-integrate --barrier-cells all takes them as read)",
                 count(dead.len()),
                 some(&dead)
             ));

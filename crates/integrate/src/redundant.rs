@@ -35,6 +35,13 @@ impl<'a> Redundant<'a> {
         ));
     }
 
+    /// Whether a further channel shows the motion of the pulse: its crush within 5 %, on a grid that can be compared.
+    pub fn agrees(&self, of: &Integrated) -> bool {
+        let Some(crush) = self.pulse.events.crush else { return true };
+        agreement(motion(self.pulse), motion(of), self.time_zero_s + crush.time_s)
+            .is_ok_and(|found| found.may_be_averaged())
+    }
+
     fn say(&self, other: &Channel, of: &Integrated, notes: &mut Notes) {
         let Some(crush) = self.pulse.events.crush else { return };
         let id = format!("channel {} against {}", other.id, self.channel.id);

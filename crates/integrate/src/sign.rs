@@ -4,7 +4,8 @@ use crumple_signal::{Signal, Velocity};
 use crate::Motion;
 
 /// What is said of a pulse of the wrong sign.
-pub const WRONG_SIGN: &str = "the pulse has the wrong sign: --sign flip at crumple-ingest";
+pub const WRONG_SIGN: &str =
+    "the pulse has the wrong sign: crumple-ingest --sign flip turns it (where that was given: leave it out)";
 
 /// Whether a motion is that of a pulse with deceleration positive: the vehicle would come to rest if the acceleration
 /// were mirrored (`v` reaches `2·v0`) before it does as it is.
@@ -24,7 +25,7 @@ pub fn events_of(motion: &Motion, time_zero_s: f64, impact_speed_m_per_s: f64) -
     if impact_speed_m_per_s > 0.0 && !wrong_sign(&motion.velocity, time_zero_s, impact_speed_m_per_s) {
         return Ok(events);
     }
-    Ok(CrashEvents { crush: None, rebound: None, later_zeros_s: Vec::new(), ..events })
+    Ok(CrashEvents { crush: None, rebound: None, later_zeros_s: Vec::new(), unstopped: None, ..events })
 }
 
 #[cfg(test)]

@@ -18,7 +18,9 @@ use crate::contact::time_zero;
 use crate::further::{further, meant};
 use crate::injury::Criteria;
 use crate::load_cells;
+use crate::motionless::{lacking, without_motion};
 use crate::options::{Options, StageSettings};
+use crate::recorded::recorded_changes;
 use crate::redundant::Redundant;
 use crate::to_records::{events_record, metric_records};
 use crate::uncertain::uncertainty_note;
@@ -50,7 +52,7 @@ impl Stage for Integrate {
     fn run(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let mut test = input.test()?;
         if let Some(id) = &settings.channel {
-            let pulse = match meant(&test, id, input)?.as_slice() {
+            let pulse = match meant(&test, id, "channel", input)?.as_slice() {
                 [one] => one.clone(),
                 several => {
                     return Err(Refused::new(format!("channel {id:?} means several channels: {}", several.join(", ")))
@@ -62,27 +64,17 @@ impl Stage for Integrate {
             test.pulse = Some(pulse);
         }
         let channel = test.pulse_channel().refuse_with_hint("name the pulse with --channel")?.clone();
-        if settings.impact_speed_m_per_s.or(test.impact_speed_m_per_s).is_none() {
-            // No fault of the artifact: ingest was told to go on without a speed, and models can still be identified.
-            out.put("/test", &TestV1::from(&test))?;
-            let criteria = Criteria {
-                settings,
-                input,
-                test: &test,
-                pulse: &channel,
-                time_zero_s: settings.time_zero_s.unwrap_or(0.0),
-                impact_speed_m_per_s: None,
-            };
-            // A head has its criteria whatever the vehicle did.
-            let metrics = criteria.records(out.notes())?;
-            if !metrics.is_empty() {
-                out.put("/metrics", &MetricsV1(metrics))?;
-            }
-            return Ok(Outcome::NoAcceptableResult(
-                "the test has no impact speed, which no accelerometer can tell: --impact-speed 35km/h here or at \
-                 crumple-ingest"
-                    .to_owned(),
-            ));
+        let speed = settings.impact_speed_m_per_s.or(test.impact_speed_m_per_s);
+        if let Some(lacking) = lacking(input, &test, &channel, speed) {
+            return without_motion(settings, input, &test, &channel, lacking, out);
+        }
+        if input.wave_if(&channel.id).is_none() && input.artifacts().iter().any(|a| a.stage() == Some("filter")) {
+            return Err(Refused::new(format!("the filtered record does not hold the pulse, channel {}", channel.id))
+                .hint(format!(
+                    "crumple-filter --channels leaves out what it does not name: name {} there too, or another pulse with --channel here",
+                    channel.id
+                ))
+                .into());
         }
         let impact_speed_m_per_s = impact_speed(settings, &test, &channel, out.notes())?;
         // What follows works with the speed the motion was made with.
@@ -113,6 +105,17 @@ impl Stage for Integrate {
 
         for other in further(&settings.channels, &test, &channel.id, input, out.notes())? {
             let motion = task.motion(other, &self::acceleration(input, other)?, out)?;
+            // Taken with all the others, of a place that nobody names: that it moves with the vehicle must show.
+            let unnamed =
+                !settings.channels.iter().any(|name| test.channels_meant(name).iter().any(|c| c.id == other.id));
+            if unnamed && unplaced(other) && !redundant.agrees(&motion) {
+                out.notes().warning(format!(
+                    "channel {} does not move as the pulse does, and nothing says where it sits: not held against the vehicle (if it \
+                     is of the compartment, name it: crumple-integrate --channels all,{})",
+                    other.id, other.id
+                ));
+                continue;
+            }
             for note in findings(&motion.motion, &motion.events, zero.time_s, impact_speed_m_per_s).iter() {
                 if note.severity == Severity::Warning {
                     out.notes().warning(format!("channel {}: {}", other.id, note.text));
@@ -139,7 +142,8 @@ impl Stage for Integrate {
             time_zero_s: zero.time_s,
             impact_speed_m_per_s: Some(impact_speed_m_per_s),
         };
-        metrics.extend(criteria.records(out.notes())?);
+        metrics.extend(criteria.records(out)?);
+        metrics.extend(recorded_changes(input, &test, zero.time_s, out));
         out.put("/metrics", &MetricsV1(metrics))?;
         if test.mass_kg.is_none() {
             out.notes().info("the mass is not known: no force, stiffness and energy (give it to ingest with --mass)");
@@ -166,6 +170,10 @@ pub struct Integrated {
     pub drift: Option<Drift>,
     /// Of the events, in the order of [`EVENT_NAMES`](crumple_integrate::EVENT_NAMES); empty if nothing is uncertain.
     pub event_intervals: Vec<Option<Interval>>,
+    /// Why an event has none, in the same order.
+    pub events_without: Vec<Option<String>>,
+    /// Why a metric has none, in the order of the metrics.
+    pub metrics_without: Vec<Option<String>>,
 }
 
 impl Task<'_> {
@@ -207,14 +215,21 @@ impl Task<'_> {
             mass_kg: self.test.mass_kg,
             time_zero_s: self.time_zero_s,
         })?;
-        let mut event_intervals = Vec::new();
+        let (mut event_intervals, mut events_without, mut metrics_without) = (Vec::new(), Vec::new(), Vec::new());
         if let Some(intervals) = self.intervals(acceleration, &motion, &settings, out) {
             for (metric, interval) in metrics.iter_mut().zip(intervals.metrics) {
                 metric.interval = interval.filter(|_| metric.value.is_some());
             }
             event_intervals = intervals.events;
+            let of = self.settings.uncertainty.as_ref().map_or(0, |uncertainty| uncertainty.replicates);
+            let reason = |without: usize| {
+                (without > 0)
+                    .then(|| format!("no interval: {without} of {of} replicates with perturbed inputs do not have it"))
+            };
+            events_without = intervals.without_event.into_iter().map(reason).collect();
+            metrics_without = intervals.without_metric.into_iter().map(reason).collect();
         }
-        Ok(Integrated { motion, events, metrics, drift, event_intervals })
+        Ok(Integrated { motion, events, metrics, drift, event_intervals, events_without, metrics_without })
     }
 
     /// Intervals from repetitions with perturbed inputs, where inputs are uncertain.
@@ -267,6 +282,11 @@ fn not_of_the_vehicle(channel: &Channel, notes: &mut Notes) {
             channel.id
         ));
     }
+}
+
+/// Whether neither a location nor a code says where a channel sits.
+fn unplaced(channel: &Channel) -> bool {
+    channel.location.trim().is_empty() && channel.code.is_none()
 }
 
 fn acceleration(input: &Inputs, channel: &Channel) -> anyhow::Result<Signal<Acceleration>> {
@@ -349,9 +369,18 @@ fn summary(channel: &str, pulse: &Integrated, time_zero_s: f64, impact_speed_m_p
                 rebound.velocity_m_per_s
             )
         }
-        _ => format!(
-            "pulse {channel}: the velocity never reaches zero, {:.3} m/s at the end",
-            pulse.events.end_velocity_m_per_s
-        ),
+        _ => {
+            let end = pulse.events.end_velocity_m_per_s;
+            let change = pulse.events.unstopped.map_or_else(String::new, |unstopped| {
+                format!(
+                    ", delta-v {:.3} m/s at {:.1} ms (event ends at {:.1} ms: {})",
+                    impact_speed_m_per_s - unstopped.velocity_m_per_s,
+                    1e3 * unstopped.time_s,
+                    1e3 * unstopped.end_s,
+                    unstopped.end.name()
+                )
+            });
+            format!("pulse {channel}: the velocity never reaches zero, {end:.3} m/s at the end{change}")
+        }
     }
 }

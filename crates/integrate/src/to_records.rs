@@ -1,8 +1,8 @@
 //! Events and metrics as they stand in the artifact.
 
-use crumple_integrate::EVENT_NAMES;
+use crumple_integrate::{EVENT_NAMES, event_values};
 use crumple_metrics::{Metric, centroid_time_from_crush, definitions};
-use crumple_stage::records::{EventIntervalV1, EventsV1, MetricV1};
+use crumple_stage::records::{EventIntervalV1, EventsV1, MetricV1, MissingIntervalV1};
 
 use crate::contact::TimeZero;
 use crate::options::StageSettings;
@@ -16,13 +16,21 @@ pub fn events_record(
     impact_speed_m_per_s: f64,
 ) -> EventsV1 {
     let events = &pulse.events;
-    let intervals = EVENT_NAMES.iter().zip(&pulse.event_intervals).filter_map(|(name, interval)| {
-        interval.map(|interval| EventIntervalV1 {
-            name: (*name).to_owned(),
+    // An event that is not there has neither an interval nor a reason for none.
+    let there = event_values(events, impact_speed_m_per_s).map(|value| value.is_some());
+    let named = || EVENT_NAMES.iter().zip(there).filter(|(_, there)| *there).map(|(name, _)| *name);
+    let place = |name: &str| EVENT_NAMES.iter().position(|other| *other == name);
+    let intervals = named().filter_map(|name| {
+        pulse.event_intervals.get(place(name)?).copied().flatten().map(|interval| EventIntervalV1 {
+            name: name.to_owned(),
             low: interval.low,
             high: interval.high,
             interval_by: interval.by.to_string(),
         })
+    });
+    let without = named().filter_map(|name| {
+        let reason = pulse.events_without.get(place(name)?).cloned().flatten()?;
+        Some(MissingIntervalV1 { name: name.to_owned(), reason })
     });
     EventsV1 {
         channel: channel.to_owned(),
@@ -38,13 +46,25 @@ pub fn events_record(
         impact_speed_m_per_s: Some(impact_speed_m_per_s),
         rule: Some(settings.rule.name().to_owned()),
         start: Some(pulse.motion.start.name().to_owned()),
-        intervals: if events.crush.is_some() { intervals.collect() } else { Vec::new() },
+        intervals: intervals.collect(),
+        time_of_delta_v_s: events.unstopped.map(|unstopped| unstopped.time_s),
+        end_of_event_s: events.unstopped.map(|unstopped| unstopped.end_s),
+        end_of_event_rule: events.unstopped.map(|unstopped| unstopped.end.name().to_owned()),
+        without_interval: without.collect(),
     }
 }
 
 /// The metrics of a channel, and the drift taken out of it.
 pub fn metric_records(channel: &str, of: &Integrated, time_zero_s: f64) -> Vec<MetricV1> {
-    let mut records: Vec<MetricV1> = of.metrics.iter().map(|metric| metric_record(channel, metric)).collect();
+    let one = |(k, metric): (usize, &Metric)| {
+        let mut record = metric_record(channel, metric);
+        // A check of the arithmetic has no interval, and a missing value none to give a reason for.
+        if metric.value.is_some() && metric.interval.is_none() && metric.id != definitions::CLOSURE.id {
+            record.interval_by = of.metrics_without.get(k).cloned().flatten();
+        }
+        record
+    };
+    let mut records: Vec<MetricV1> = of.metrics.iter().enumerate().map(one).collect();
     if let Some(drift) = of.drift {
         let from_s = of.motion.velocity.t0_s() - time_zero_s;
         let metric = Metric::found(&definitions::DRIFT, drift.acceleration_m_per_s2)

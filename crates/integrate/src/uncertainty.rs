@@ -126,6 +126,10 @@ pub struct Intervals {
     pub events: Vec<Option<Interval>>,
     /// Of the metrics, in the order of [`pulse_metrics`].
     pub metrics: Vec<Option<Interval>>,
+    /// How many replicates do not have an event.
+    pub without_event: Vec<usize>,
+    /// How many replicates do not have a metric.
+    pub without_metric: Vec<usize>,
 }
 
 /// Events with an interval, as they are called in the record.
@@ -139,7 +143,8 @@ pub const EVENT_NAMES: [&str; 7] = [
     "time_of_rebound_s",
 ];
 
-fn event_values(events: &CrashEvents, v0: f64) -> [Option<f64>; EVENT_NAMES.len()] {
+/// The events in the order of [`EVENT_NAMES`], from the impact speed, m/s.
+pub fn event_values(events: &CrashEvents, v0: f64) -> [Option<f64>; EVENT_NAMES.len()] {
     [
         events.crush.map(|crush| crush.displacement_m),
         events.crush.map(|crush| crush.time_s),
@@ -202,7 +207,12 @@ pub fn propagate(
     };
     let mut events: Vec<Option<Interval>> = (0..quantities).map(of).collect();
     let metrics = events.split_off(EVENT_NAMES.len().min(quantities));
-    Intervals { events, metrics }
+    let without = |quantity: usize| {
+        replicates.iter().filter(|values| values.as_ref().is_none_or(|values| values[quantity].is_none())).count()
+    };
+    let mut without_event: Vec<usize> = (0..quantities).map(without).collect();
+    let without_metric = without_event.split_off(EVENT_NAMES.len().min(quantities));
+    Intervals { events, metrics, without_event, without_metric }
 }
 
 fn of_metric(metric: &Metric) -> Option<f64> {

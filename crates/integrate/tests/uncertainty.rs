@@ -305,6 +305,9 @@ fn a_value_that_some_replicates_do_not_have_has_no_interval() {
     };
     let found = propagate(&a, &motion, &settings, None, None, &stated, |_| ());
     assert_eq!(found.events[0], None);
+    // It is said how many: 15.5 ± 0.3 m/s against 15.6 m/s, a gain of ± 1 % and more.
+    assert!((10..90).contains(&found.without_event[0]), "{:?}", found.without_event);
+    assert_eq!(found.without_metric[0], 0);
     // The peak is there in every replicate.
     assert!(found.metrics[0].is_some());
 }

@@ -72,6 +72,10 @@ catalogue! {
         "t_c/t_m: 0.5 symmetric, 2/pi an undamped spring, lower front-loaded (Huang, 2002)" "Huang, Vehicle Crash Mechanics (2002)";
     DELTA_V = "delta-v" "delta_v" "m/s" Checked
         "v0 - v_s, impact speed minus the lowest velocity after t_m" "definition";
+    MAXIMUM_DELTA_V = "edr-maximum-delta-v" "maximum_delta_v" "m/s" FromMemory
+        "sample of largest magnitude of the recorded change of velocity, from time zero to 300 ms, with its sign" "49 CFR 563.5";
+    TIME_OF_MAXIMUM_DELTA_V = "edr-maximum-delta-v-time" "time_of_maximum_delta_v" "s" FromMemory
+        "time of the sample of maximum_delta_v, the first of equals" "49 CFR 563.5";
     RESTITUTION = "restitution-barrier" "coefficient_of_restitution" "1" Checked
         "e = -v_s/v0 against a rigid barrier" "definition";
     RESTITUTION_TWO = "restitution-two-bodies" "coefficient_of_restitution" "1" Checked

@@ -1,6 +1,6 @@
 use crumple_signal::{Displacement, Signal, Velocity};
 
-use crate::{MetricsError, same_grid};
+use crate::{MetricsError, Unstopped, same_grid, unstopped};
 
 /// The moment of largest crush: the first zero of velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +37,8 @@ pub struct CrashEvents {
     pub end_velocity_m_per_s: f64,
     /// Zeros of velocity after the first, s from time zero, either direction. Not used for anything.
     pub later_zeros_s: Vec<f64>,
+    /// End of the event and lowest velocity up to it, where the velocity never reaches zero.
+    pub unstopped: Option<Unstopped>,
 }
 
 /// Finds dynamic crush and rebound in a motion.
@@ -44,7 +46,8 @@ pub struct CrashEvents {
 /// Dynamic crush is at the first sample k ≥ 1 at or after `time_zero_s` with `v[k] ≤ 0`: `t_m = t[k-1] +
 /// T·v[k-1]/(v[k-1] - v[k])`, `C = x[k-1] + (t_m - t[k-1])·v[k-1]/2`, which is the trapezoid up to the interpolated
 /// zero. Interpolating linearly errs by at most `T²·max|a'|/(8·|a|)` in t_m. The rebound velocity is the lowest
-/// sample from k on. A record that ends while the velocity is positive has neither; its last sample is not a crush.
+/// sample from k on. A record that ends while the velocity is positive has neither; its last sample is not a crush. It has the lowest
+/// velocity up to the [end of the event](unstopped).
 /// Noise around zero makes many later zeros, which is why only the first counts.
 pub fn crash_events(
     velocity: &Signal<Velocity>,
@@ -82,7 +85,8 @@ pub fn crash_events(
             still_separating: lowest + 1 == v.len() && v[lowest] < 0.0,
         }
     });
-    Ok(CrashEvents { crush, rebound, end_velocity_m_per_s: v[v.len() - 1], later_zeros_s })
+    let unstopped = if crush.is_none() { unstopped(velocity, time_zero_s) } else { None };
+    Ok(CrashEvents { crush, rebound, end_velocity_m_per_s: v[v.len() - 1], later_zeros_s, unstopped })
 }
 
 impl CrashEvents {
@@ -92,9 +96,19 @@ impl CrashEvents {
         self.rebound.map(|rebound| -rebound.velocity_m_per_s / impact_speed_m_per_s + 0.0)
     }
 
-    /// Change of velocity v0 - v_s, m/s.
+    /// Change of velocity, m/s: v0 - v_s, or where the velocity never reaches zero v0 less the lowest up to the end of the event.
     pub fn delta_v_m_per_s(&self, impact_speed_m_per_s: f64) -> Option<f64> {
-        self.rebound.map(|rebound| impact_speed_m_per_s - rebound.velocity_m_per_s)
+        self.lowest().map(|(velocity_m_per_s, _)| impact_speed_m_per_s - velocity_m_per_s)
+    }
+
+    /// When the velocity is the one of [`delta_v_m_per_s`](Self::delta_v_m_per_s), s from time zero.
+    pub fn time_of_delta_v_s(&self) -> Option<f64> {
+        self.lowest().map(|(_, time_s)| time_s)
+    }
+
+    fn lowest(&self) -> Option<(f64, f64)> {
+        let stopped = self.rebound.map(|rebound| (rebound.velocity_m_per_s, rebound.time_s));
+        stopped.or_else(|| self.unstopped.map(|unstopped| (unstopped.velocity_m_per_s, unstopped.time_s)))
     }
 }
 

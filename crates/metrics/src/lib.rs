@@ -5,7 +5,8 @@
 //! [`definitions::CATALOGUE`] and the part of the record it belongs to. A metric that a record does not show is a
 //! [`Metric`] without a value whose definition says why; it is never a number in disguise.
 //!
-//! - the pulse: [`crash_events`], [`pulse_metrics`], [`sliding_mean`], [`olc`], [`vpi`], [`force_deflection`]
+//! - the pulse: [`crash_events`], [`pulse_metrics`], [`sliding_mean`], [`olc`], [`vpi`], [`force_deflection`]; of a recorder
+//!   [`maximum_delta_v`]
 //! - the occupant: [`hic`], [`clip_contiguous`], [`clip_cumulative`], [`gadd_severity_index`], [`ride_down`]
 //! - roadside hardware: [`asi`], [`thiv_phd`], [`oiv_ora`]
 //! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]
@@ -36,6 +37,7 @@ mod olc;
 mod peak;
 mod pulse_metrics;
 mod quantile;
+mod recorder;
 mod residuals;
 mod resultant;
 mod ride_down;
@@ -44,6 +46,7 @@ mod sliding_mean;
 mod square_wave;
 mod stiffness;
 mod time_zero;
+mod unstopped;
 mod vpi;
 
 pub use asi::{AsiLimits, AsiMethod, asi};
@@ -69,6 +72,7 @@ pub use olc::{OlcOptions, olc};
 pub use peak::{Peak, peak};
 pub use pulse_metrics::{Pulse, pulse_metrics};
 pub use quantile::quantile;
+pub use recorder::maximum_delta_v;
 pub use residuals::{Residuals, fit_percent, residuals, rmse};
 pub use resultant::resultant;
 pub use ride_down::{RideDown, ride_down};
@@ -80,6 +84,7 @@ pub use time_zero::{
     EDR_CHANGE_M_PER_S, EDR_INTERVAL_S, ThresholdRule, event_end_by_velocity_change, time_zero_by_threshold,
     time_zero_by_velocity_change,
 };
+pub use unstopped::{EventEnd, Unstopped, unstopped};
 pub use vpi::{VpiOptions, vpi};
 
 /// Why a metric cannot be computed from what was given.

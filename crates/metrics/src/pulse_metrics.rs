@@ -6,7 +6,7 @@ use crate::definitions::{
     SEPARATION, TIME_OF_CRUSH, TIME_OF_PEAK, X_MEAN,
 };
 use crate::{
-    CrashEvents, Definition, Metric, MetricsError, OlcOptions, VpiOptions, absorbed_energy,
+    CrashEvents, Definition, EventEnd, Metric, MetricsError, OlcOptions, VpiOptions, absorbed_energy,
     acceleration_after_separation, average_square_wave, average_stiffness, centroid_time_by_moment,
     centroid_time_from_crush, energy_equivalent_speed, equivalent_square_wave, kinetic_energy, loading_work_per_kg,
     mean_deceleration, olc, peak, same_grid, sliding_mean_of_velocity, vpi,
@@ -77,6 +77,19 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         Some((c, r)) => recovered.over(c.time_s, r.time_s),
         None => recovered,
     };
+    let delta_v = bound(metric(&DELTA_V, pulse.events.delta_v_m_per_s(v0)), lower);
+    let delta_v = match pulse.events.unstopped {
+        Some(unstopped) => {
+            let remark = match unstopped.end {
+                EventEnd::Quiet => "",
+                EventEnd::Record => ": lower bound, it still changes there",
+            };
+            let (name, end_ms) = (unstopped.end.name(), 1e3 * unstopped.end_s);
+            let remark = format!("the velocity never reaches zero, the event ends at {end_ms:.1} ms by {name}{remark}");
+            delta_v.over(0.0, unstopped.time_s).remarked(&remark)
+        }
+        None => delta_v,
+    };
     let drift = match rebound {
         Some(r) => acceleration_after_separation(pulse.velocity, zero_s + r.time_s).counted_from(zero_s),
         None => Metric::absent(&SEPARATION, &no_crush),
@@ -93,7 +106,7 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
             crush.and_then(|c| centroid_time_by_moment(pulse.acceleration, zero_s, c.time_s)),
         )),
         loading(metric(&CENTROID_RATIO, crush.map(|c| centroid_time_from_crush(c.displacement_m, v0) / c.time_s))),
-        bound(metric(&DELTA_V, pulse.events.delta_v_m_per_s(v0)), lower),
+        delta_v,
         bound(metric(&RESTITUTION, pulse.events.restitution(v0)), lower),
         recovered,
         loading(metric(&ESW, crush.map(|c| equivalent_square_wave(v0, c.displacement_m)))),
@@ -146,6 +159,40 @@ mod tests {
         let crush = find(&metrics, "dynamic_crush");
         assert_eq!((crush.value, crush.definition.as_str()), (None, "absent: the record ends at v = 2.000 m/s"));
         assert_eq!(find(&metrics, "peak_acceleration").value, Some(2.0));
+        assert_eq!(find(&metrics, "delta_v").value, None, "2 m/s a second are no impact");
+    }
+
+    #[test]
+    fn a_velocity_that_never_reaches_zero_has_its_change_and_says_where_the_event_ends() {
+        // 9 m/s in 45 ms, then free.
+        let v: Vec<f64> = (0..200).map(|k| 15.0 - 0.2 * f64::from(k).min(45.0)).collect();
+        let of = |v: Vec<f64>| {
+            let grid = |samples| Signal::<Velocity>::new(0.0, 1e-3, samples).unwrap();
+            let n = v.len();
+            let x = Signal::new(0.0, 1e-3, vec![0.1; n]).unwrap();
+            let velocity = grid(v);
+            let events = crash_events(&velocity, &x, 0.0).unwrap();
+            let acceleration = Signal::new(0.0, 1e-3, vec![-2.0; n]).unwrap();
+            let metrics = pulse_metrics(&Pulse {
+                acceleration: &acceleration,
+                velocity: &velocity,
+                displacement: &x,
+                events: &events,
+                impact_speed_m_per_s: 15.0,
+                mass_kg: None,
+                time_zero_s: 0.0,
+            });
+            find(&metrics.unwrap(), "delta_v").clone()
+        };
+        let delta_v = of(v.clone());
+        assert!((delta_v.value.unwrap() - 9.0).abs() < 1e-12, "{delta_v:?}");
+        assert!((delta_v.window.unwrap().to_s - 0.045).abs() < 1e-12, "{delta_v:?}");
+        // 0.2 m/s are lost in the millisecond from 44 ms on, less than 0.222.
+        let said = "the event ends at 64.0 ms by 20 ms with no more than 0.8 km/h (49 CFR 563)";
+        assert!(delta_v.definition.ends_with(said), "{}", delta_v.definition);
+        let cut = of(v[..40].to_vec());
+        assert!((cut.value.unwrap() - 7.8).abs() < 1e-12, "{cut:?}");
+        assert!(cut.definition.ends_with("by end of the record: lower bound, it still changes there"), "{cut:?}");
     }
 
     #[test]

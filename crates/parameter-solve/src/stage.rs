@@ -44,6 +44,9 @@ impl Stage for ParameterSolve {
     }
 
     fn run(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
+        let events = input.record_if::<EventsV1>("/events")?;
+        let windowed = events.and_then(|events| up_to_the_end_of_the_event(settings, &events, out));
+        let settings = windowed.as_ref().unwrap_or(settings);
         let mut candidates = Vec::new();
         let mut judgements = Vec::new();
         let mut channel = String::new();
@@ -134,6 +137,20 @@ impl Stage for ParameterSolve {
             Outcome::Done
         })
     }
+}
+
+/// The settings with the end of the event as the end of the window, where the velocity never reaches zero and no end is stated.
+fn up_to_the_end_of_the_event(settings: &StageSettings, events: &EventsV1, out: &mut Output) -> Option<StageSettings> {
+    let open = settings.solve.fit_to_s.is_none() && events.time_of_dynamic_crush_s.is_none();
+    let end_s = events.end_of_event_s.filter(|end_s| open && *end_s > settings.solve.fit_from_s)?;
+    out.notes().info(format!(
+        "the velocity never reaches zero: fitted up to the end of the event at {:.1} ms ({}); --fit-to states another",
+        1e3 * end_s,
+        events.end_of_event_rule.as_deref().unwrap_or("rule not stated")
+    ));
+    let mut settings = settings.clone();
+    settings.solve.fit_to_s = Some(end_s);
+    Some(settings)
 }
 
 /// Candidates from the events and the displacement.

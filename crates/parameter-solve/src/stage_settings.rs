@@ -23,7 +23,7 @@ const FRONT_MASS_FRACTION: f64 = 0.25;
 const FREE_SHARES: (f64, f64) = (0.02, 0.95);
 
 /// Options with every default filled in.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct StageSettings {
     models: Vec<&'static str>,
     methods: Vec<&'static str>,

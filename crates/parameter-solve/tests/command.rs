@@ -19,8 +19,11 @@ fn kelvin() -> Kelvin {
 
 /// The artifact integration would write for a car with these events.
 fn write_integrated(path: &Path, mass_kg: Option<f64>, stops: bool) {
-    let events = if stops { kelvin().events(IMPACT_SPEED_M_PER_S) } else { CrushEvents::default() };
-    let builder = integrated(&Model::Kelvin(kelvin()), mass_kg, &events).unwrap();
+    let (events, end) = match stops {
+        true => (kelvin().events(IMPACT_SPEED_M_PER_S), None),
+        false => (CrushEvents::default(), Some(0.06)),
+    };
+    let builder = integrated(&Model::Kelvin(kelvin()), mass_kg, &events, end).unwrap();
     let provenance = Provenance::new("integrate", "0", "{}".to_owned(), Vec::new());
     builder.write(path, &provenance, Compression::None).unwrap();
 }
@@ -309,4 +312,22 @@ fn numbers_of_replicates_without_an_interval_are_refused() {
         assert!(String::from_utf8_lossy(&done.stderr).contains("from 20 to 100000"), "{flags:?}");
     }
     assert!(!folder.path().join("5.mcap").exists());
+}
+
+#[test]
+fn a_record_that_does_not_stop_is_fitted_up_to_the_end_of_its_event() {
+    let folder = tempfile::tempdir().unwrap();
+    write_integrated(&folder.path().join("3.mcap"), Some(873.0), false);
+    let end_of_fit = |flags: &[&str]| {
+        let output = run(folder.path(), &[&["--models", "maxwell", "--force"], flags].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
+        let candidate: CandidateV1 = artifact.record("/parameters/maxwell/direct-fit/1").unwrap().unwrap();
+        candidate.fit.unwrap().to_s
+    };
+    // The record goes on to 100 ms; a fit picks every so many samples, here of 0.1 ms.
+    let by_event = end_of_fit(&["--method", "direct-fit"]);
+    assert!((0.0585..=0.06 + 1e-9).contains(&by_event), "{by_event}");
+    let stated = end_of_fit(&["--method", "direct-fit", "--fit-to", "80ms"]);
+    assert!((0.0785..=0.08 + 1e-9).contains(&stated), "{stated}");
 }

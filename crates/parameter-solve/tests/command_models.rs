@@ -156,7 +156,7 @@ fn a_vehicle_that_never_stops_is_judged_over_the_window_of_its_fits() {
     // Two real roots: it creeps to rest.
     let creeping = Maxwell { mass_kg: 873.0, stiffness_n_per_m: 3e6, damping_n_s_per_m: 2e4 };
     let folder = tempfile::tempdir().unwrap();
-    let builder = integrated(&Model::Maxwell(creeping), Some(873.0), &CrushEvents::default()).unwrap();
+    let builder = integrated(&Model::Maxwell(creeping), Some(873.0), &CrushEvents::default(), None).unwrap();
     write(builder, &folder.path().join("3.mcap"));
     let flags = ["--models", "elastoplastic,maxwell,nonlinear-1", "--mass-uncertainty", "10kg"];
     let solved = done(folder.path(), &flags);

@@ -226,7 +226,12 @@ fn collect_notes(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
             remarks_are_in = true;
         }
         if let Some(diagnosis) = artifact.record::<DiagnosisV1>("/diagnosis").map_err(Refused::from)? {
-            let text = format!("no acceptable result: {}", diagnosis.reason);
+            let text = if diagnosis.has_result {
+                run.without = Some(diagnosis.reason.clone());
+                diagnosis.reason.clone()
+            } else {
+                format!("no acceptable result: {}", diagnosis.reason)
+            };
             add(&diagnosis.stage, Note { severity: Severity::Warning, text });
         }
     }
@@ -262,7 +267,14 @@ fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
     );
     add(run.measured.raw.is_none(), "acceleration as read (crumple-ingest writes it)");
     add(run.measured.filtered.is_none(), "filtered acceleration (crumple-filter writes it)");
-    add(run.events.is_none(), "crash events, velocity, displacement and metrics (crumple-integrate writes them)");
+    add(
+        run.events.is_none() && run.metrics.is_empty(),
+        "crash events, velocity, displacement and metrics (crumple-integrate writes them)",
+    );
+    add(
+        run.events.is_none() && !run.metrics.is_empty(),
+        "crash events, velocity and displacement: no motion of a vehicle was integrated, the notes say why",
+    );
     add(
         run.events.is_some() && run.measured.displacement.is_none(),
         "velocity and displacement (crumple-integrate writes them)",

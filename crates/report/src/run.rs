@@ -39,6 +39,8 @@ pub struct Run {
     pub notes: Vec<StageNote>,
     /// Where the artifacts came from, in stage order.
     pub provenance: Vec<StageRecord>,
+    /// Why a stage has a result but not what later ones work on: nothing was to be simulated.
+    pub without: Option<String>,
     /// What is not in the report, and which stage would supply it.
     pub missing: Vec<String>,
 }
@@ -244,6 +246,18 @@ impl Run {
     pub fn metric(&self, name: &str) -> Option<&MetricV1> {
         let of_name = || self.metrics.iter().filter(|metric| metric.name == name);
         of_name().find(|metric| Some(metric.channel.as_str()) == self.channel_id()).or_else(|| of_name().next())
+    }
+
+    /// Metrics of channels that the pulse has none of: criteria of occupants, the barrier, the tables of a recorder.
+    pub fn metrics_of_others(&self) -> impl Iterator<Item = &MetricV1> {
+        let pulse = self.channel_id();
+        self.metrics.iter().filter(move |metric| {
+            let of_pulse = |other: &MetricV1| Some(other.channel.as_str()) == pulse;
+            pulse.is_some()
+                && !metric.channel.is_empty()
+                && !of_pulse(metric)
+                && !self.metrics.iter().any(|other| of_pulse(other) && other.name == metric.name)
+        })
     }
 
     /// Whether the models are of inputs and outputs and nothing speaks of a crash.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_artifact::records::{EventsV1, FitV1, ModeV1, SimulationV1, UncertaintyV1};
+use crumple_artifact::records::{EventsV1, FitV1, MetricV1, ModeV1, SimulationV1, UncertaintyV1};
 use serde::Serialize;
 
 use crate::ranking::by_id;
@@ -16,6 +16,9 @@ pub struct Summary<'a> {
     test: TestSummary<'a>,
     events: Option<&'a EventsV1>,
     metrics: BTreeMap<&'a str, MetricSummary<'a>>,
+    /// Metrics of channels that the pulse has none of: occupants, barrier, recorder.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    other_metrics: Vec<OtherMetricSummary<'a>>,
     models: Vec<ModelSummary<'a>>,
     candidates: Vec<CandidateSummary<'a>>,
     best: Option<String>,
@@ -56,6 +59,15 @@ struct MetricSummary<'a> {
     low: Option<f64>,
     high: Option<f64>,
     interval_by: Option<&'a str>,
+}
+
+#[derive(Debug, Serialize)]
+struct OtherMetricSummary<'a> {
+    name: &'a str,
+    channel: &'a str,
+    location: Option<&'a str>,
+    #[serde(flatten)]
+    metric: MetricSummary<'a>,
 }
 
 #[derive(Debug, Serialize)]
@@ -128,20 +140,9 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
             .metrics
             .iter()
             .filter_map(|metric| run.metric(&metric.name))
-            .map(|metric| {
-                let summary = MetricSummary {
-                    value: metric.value,
-                    unit: &metric.unit,
-                    definition_id: metric.definition_id.as_deref(),
-                    from_s: metric.from_s,
-                    to_s: metric.to_s,
-                    low: metric.low,
-                    high: metric.high,
-                    interval_by: metric.interval_by.as_deref(),
-                };
-                (metric.name.as_str(), summary)
-            })
+            .map(|metric| (metric.name.as_str(), metric_summary(metric)))
             .collect(),
+        other_metrics: run.metrics_of_others().map(|metric| other_metric(run, metric)).collect(),
         models: run.models.iter().map(model).collect(),
         candidates: run
             .candidates
@@ -187,6 +188,25 @@ fn by_aicc(run: &Run) -> Vec<String> {
     let mut found: Vec<(f64, String)> = run.candidates.iter().filter_map(with).collect();
     found.sort_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| by_id(x, y)));
     found.into_iter().map(|(_, id)| id).collect()
+}
+
+fn metric_summary(metric: &MetricV1) -> MetricSummary<'_> {
+    MetricSummary {
+        value: metric.value,
+        unit: &metric.unit,
+        definition_id: metric.definition_id.as_deref(),
+        from_s: metric.from_s,
+        to_s: metric.to_s,
+        low: metric.low,
+        high: metric.high,
+        interval_by: metric.interval_by.as_deref(),
+    }
+}
+
+fn other_metric<'a>(run: &'a Run, metric: &'a MetricV1) -> OtherMetricSummary<'a> {
+    let channel = metric.channel.split('+').find_map(|id| run.test.channel(id));
+    let location = channel.map(|channel| channel.location.as_str()).filter(|location| !location.is_empty());
+    OtherMetricSummary { name: &metric.name, channel: &metric.channel, location, metric: metric_summary(metric) }
 }
 
 fn model(model: &Model) -> ModelSummary<'_> {

@@ -102,7 +102,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         }
         say(format_args!("{:<16} {}", "report", cli.output.display()));
     }
-    if run.no_candidate_simulated() {
+    if run.no_candidate_simulated() && run.without.is_none() {
         say(format_args!("{:<16} no acceptable result: not one candidate could be simulated", "report"));
         return Ok(ExitStatus::NoAcceptableResult);
     }
@@ -141,8 +141,25 @@ fn lines(run: &Run, ranking: &Ranking) -> Vec<String> {
                     decimals(MILLI * t_m, 1)
                 ));
             }
-            _ => lines.push("the velocity does not reach zero: no dynamic crush".to_owned()),
+            _ => {
+                let change =
+                    events.delta_v_m_per_s.zip(events.time_of_delta_v_s).map_or_else(String::new, |(v, t_s)| {
+                        let (v, t_ms) = (decimals(KM_PER_H_PER_M_PER_S * v, 1), decimals(MILLI * t_s, 1));
+                        format!(", change of velocity {v} km/h at {t_ms} ms")
+                    });
+                lines.push(format!("the velocity does not reach zero: no dynamic crush{change}"));
+            }
         }
+    }
+    let of_name = |name: &str| {
+        run.metrics.iter().filter(|m| m.name == name).filter_map(|m| Some((m, m.value?))).collect::<Vec<_>>()
+    };
+    for (metric, hic) in of_name("hic15") {
+        lines.push(format!("{}: HIC15 {}", metric_place(run, &metric.channel), decimals(hic, 1)));
+    }
+    for (metric, change) in of_name("maximum_delta_v") {
+        let change = decimals(KM_PER_H_PER_M_PER_S * change, 1);
+        lines.push(format!("{}: maximum delta-v {change} km/h as recorded", metric.channel));
     }
     if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
         let fit = best.simulation.as_ref().and_then(|s| s.fit_percent).unwrap_or(f64::NAN);
@@ -161,6 +178,12 @@ fn lines(run: &Run, ranking: &Ranking) -> Vec<String> {
     }
     lines.extend(run.missing.iter().map(|what| format!("not in the report: {what}")));
     lines
+}
+
+/// The location of the first of the channels of a metric, else their ids.
+fn metric_place<'a>(run: &'a Run, channels: &'a str) -> &'a str {
+    let first = channels.split('+').find_map(|id| run.test.channel(id));
+    first.map(|channel| channel.location.as_str()).filter(|location| !location.is_empty()).unwrap_or(channels)
 }
 
 #[cfg(test)]

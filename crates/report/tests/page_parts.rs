@@ -278,3 +278,67 @@ fn a_record_that_is_no_crash_has_no_empty_cards_and_no_units_of_its_own() {
     // exp(-t) is below 1 % from 4.6 s on, the next sample stands at 4.8 s; the record has 80.
     assert!(page.contains("\"range\":[0,7.2]"));
 }
+
+fn metric(channel: &str, name: &str, value: f64, unit: &str, definition: &str) -> MetricV1 {
+    MetricV1 {
+        name: name.into(),
+        value: Some(value),
+        unit: unit.into(),
+        channel: channel.into(),
+        definition: definition.into(),
+        ..MetricV1::default()
+    }
+}
+
+#[test]
+fn criteria_of_occupants_stand_open_with_their_place_and_in_the_summary() {
+    let mut run = crash();
+    let head = |id: &str| Channel { location: "driver, head".into(), ..Channel::new(id, QuantityKind::Acceleration) };
+    run.test.channels = vec![head("1"), head("2")];
+    run.metrics = vec![
+        metric("93", "peak_acceleration", 400.0, "m/s^2", "largest |a|"),
+        metric("94", "peak_acceleration", 390.0, "m/s^2", "largest |a|"),
+        metric("1+2", "hic15", 412.0, "1", "head injury criterion; lower bound: resultant of x and y alone"),
+    ];
+    let page = page(&run);
+    let (_, open) = page.split_once("<h3>Occupants, barrier and recorder</h3>").unwrap();
+    let (open, folded) = open.split_once("<details><summary>Metrics of 1 other channel").unwrap();
+    assert!(open.contains("driver, head (1+2)") && open.contains("(lower bound)") && !open.contains("390"), "{open}");
+    assert!(!folded.split("</details>").next().unwrap().contains("hic15"));
+    let json: serde_json::Value = serde_json::from_str(&summary(&run, &Ranking::of(&[])).to_json().unwrap()).unwrap();
+    let other = &json["other_metrics"][0];
+    assert_eq!((&other["name"], &other["channel"]), (&"hic15".into(), &"1+2".into()));
+    assert_eq!((&other["location"], &other["value"]), (&"driver, head".into(), &412.0.into()));
+    assert_eq!(json["other_metrics"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn a_vehicle_that_does_not_stop_has_its_change_of_velocity_with_the_end_of_its_event() {
+    let mut run = crash();
+    run.events = Some(record(serde_json::json!({
+        "channel": "93", "time_zero_s": 0.0, "time_zero_rule": "file", "dynamic_crush_m": null, "time_of_dynamic_crush_s": null,
+        "centroid_time_s": null, "rebound_velocity_m_per_s": null, "coefficient_of_restitution": null, "delta_v_m_per_s": 10.0,
+        "time_of_delta_v_s": 0.144, "end_of_event_s": 0.1513, "end_of_event_rule": "20 ms with no more than 0.8 km/h (49 CFR 563)",
+        "without_interval": [{"name": "delta_v_m_per_s", "reason": "no interval: 3 of 400 replicates do not have it"}]
+    })));
+    let page = page(&run);
+    assert!(page.contains("at 144.0\u{a0}ms, velocity does not reach zero"), "{page}");
+    assert!(page.contains("no interval: 3 of 400 replicates do not have it"));
+    assert!(page.contains("up to the end of the event at 151.3 ms (20 ms with no more than 0.8 km/h (49 CFR 563))"));
+}
+
+#[test]
+fn a_recorder_without_a_speed_has_its_change_of_velocity_on_the_card() {
+    let mut run = crash();
+    run.events = None;
+    run.test.pulse = Some("dv_derivative".into());
+    let acceleration = QuantityKind::Acceleration;
+    run.test.channels = vec![Channel::new("dv_derivative", acceleration)];
+    let change = metric("dv", "maximum_delta_v", -60.0 / 3.6, "m/s", "as recorded");
+    run.metrics = vec![MetricV1 { from_s: Some(0.1), to_s: Some(0.1), ..change }];
+    let page = page(&run);
+    assert!(
+        page.contains("−60.0 <small>km/h</small>") && page.contains("at 100.0\u{a0}ms, maximum as recorded"),
+        "{page}"
+    );
+}

@@ -133,7 +133,9 @@ impl Stage for Simulate {
             out.notes().warning(format!("models are moved by {drive}"));
         }
 
-        let window = Window { to_s: settings.to_s };
+        // Where the velocity never reaches zero the comparison ends with the event.
+        let end_of_event_s = events.end_of_event_s.filter(|_| events.time_of_dynamic_crush_s.is_none());
+        let window = Window { to_s: settings.to_s.or(end_of_event_s) };
         let results: Vec<Result<Simulation, SimulateError>> = candidates
             .par_iter()
             .map(|(_, candidate)| {

@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 
 use crumple_artifact::records::{CandidateV1, RatingV1, SimulationV1, UncertaintyV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
-use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, Model, Nonlinear1, SecantChain};
+use crumple_lumped::{CrushEvents, DoubleSpringMassDamper, Elastoplastic, Kelvin, Model, Nonlinear1, SecantChain};
 use crumple_signal::{QuantityKind, Sampled};
 use crumple_testkit::{IMPACT_SPEED_M_PER_S, integrated};
 
@@ -29,8 +29,13 @@ fn candidate(model: &str, parameters: BTreeMap<String, f64>) -> CandidateV1 {
 
 /// One artifact with the test's motion and these candidates.
 fn write(path: &Path, candidates: &[(&str, CandidateV1)]) {
-    let events = MODEL.events(IMPACT_SPEED_M_PER_S);
-    let mut builder = integrated(&Model::Kelvin(MODEL), Some(873.0), &events).unwrap();
+    write_with(path, candidates, None);
+}
+
+/// The same of a record that does not stop, whose event ends at a stated time.
+fn write_with(path: &Path, candidates: &[(&str, CandidateV1)], end_of_event_s: Option<f64>) {
+    let events = if end_of_event_s.is_none() { MODEL.events(IMPACT_SPEED_M_PER_S) } else { CrushEvents::default() };
+    let mut builder = integrated(&Model::Kelvin(MODEL), Some(873.0), &events, end_of_event_s).unwrap();
     for (id, candidate) in candidates {
         builder.put(&format!("/parameters/{id}"), candidate).unwrap();
     }
@@ -501,4 +506,17 @@ fn a_chain_that_was_fitted_is_simulated_beside_the_others() {
     let output = run_pipeline(folder.path(), &format!("[simulate.chain.car]\n{masses}\n"));
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("give one of them another name"));
+}
+
+#[test]
+fn a_record_that_does_not_stop_is_compared_up_to_the_end_of_its_event() {
+    let folder = tempfile::tempdir().unwrap();
+    let kelvin = candidate("kelvin", Model::Kelvin(MODEL).parameters());
+    write_with(&folder.path().join("5.mcap"), &[("kelvin/direct-fit/1", kelvin)], Some(0.05));
+    let output = run(folder.path());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let artifact = Artifact::open(&folder.path().join("6.mcap")).unwrap();
+    let simulation: SimulationV1 = artifact.record("/simulation/kelvin/direct-fit/1").unwrap().unwrap();
+    // On the record's grid of 0.1 ms; it goes on to 100 ms.
+    assert!((simulation.to_s - 0.05).abs() < 1e-9, "{}", simulation.to_s);
 }

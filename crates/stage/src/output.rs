@@ -11,11 +11,12 @@ pub struct Output {
     pub(crate) builder: ArtifactBuilder,
     pub(crate) notes: Notes,
     pub(crate) summary: Vec<String>,
+    pub(crate) without: Option<String>,
 }
 
 impl Output {
     pub(crate) fn new() -> Self {
-        Self { builder: ArtifactBuilder::new(), notes: Notes::new(), summary: Vec::new() }
+        Self { builder: ArtifactBuilder::new(), notes: Notes::new(), summary: Vec::new(), without: None }
     }
 
     /// Adds a record under a topic. Error: the topic is taken, or a number in it is not finite.
@@ -36,6 +37,14 @@ impl Output {
     /// Adds a line to the short summary on stderr.
     pub fn summary(&mut self, line: impl Into<String>) {
         self.summary.push(line.into());
+    }
+
+    /// States why a result that is done holds nothing that later stages work on: they then have no acceptable result, for this reason. A line
+    /// of the summary too.
+    pub fn nothing_for_later_stages(&mut self, reason: impl Into<String>) {
+        let reason = reason.into();
+        self.summary.push(reason.clone());
+        self.without = Some(reason);
     }
 
     /// Starts to show the progress of work with `total` parts.

@@ -99,6 +99,7 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
             );
         }
         return Ok(match existing.record::<DiagnosisV1>("/diagnosis").ok().flatten() {
+            Some(diagnosis) if diagnosis.has_result => ExitStatus::Done,
             Some(diagnosis) => no_acceptable_result(S::NAME, &diagnosis.reason),
             None => ExitStatus::Done,
         });
@@ -119,8 +120,12 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
             None => return Err(name_the_inputs(error, &common.inputs)),
         },
     };
-    if let Outcome::NoAcceptableResult(reason) = &outcome {
-        out.put("/diagnosis", &DiagnosisV1 { stage: S::NAME.to_owned(), reason: reason.clone() })?;
+    let diagnosis = match &outcome {
+        Outcome::NoAcceptableResult(reason) => Some((reason.clone(), false)),
+        Outcome::Done => out.without.clone().map(|reason| (reason, true)),
+    };
+    if let Some((reason, has_result)) = diagnosis {
+        out.put("/diagnosis", &DiagnosisV1 { stage: S::NAME.to_owned(), reason, has_result })?;
     }
     if !out.notes.is_empty() {
         let notes = out.notes.to_texts();

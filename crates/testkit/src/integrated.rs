@@ -10,7 +10,8 @@ use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
 /// Speed of the impact, m/s.
 pub const IMPACT_SPEED_M_PER_S: f64 = 9.7;
 
-/// Test of a car of this mass, these events, and the displacement of channel `a` over 100 ms at 10 kHz from contact on.
+/// Test of a car of this mass, these events, where it does not stop the end of the event, and the displacement of channel `a` over
+/// 100 ms at 10 kHz from contact on.
 ///
 /// # Errors
 /// A model without a motion.
@@ -18,6 +19,7 @@ pub fn integrated(
     model: &Model,
     mass_kg: Option<f64>,
     events: &CrushEvents,
+    end_of_event_s: Option<f64>,
 ) -> Result<ArtifactBuilder, Box<dyn Error>> {
     let mut builder = ArtifactBuilder::new();
     let test = TestDescription {
@@ -34,6 +36,8 @@ pub fn integrated(
         dynamic_crush_m: events.dynamic_crush_m,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
         impact_speed_m_per_s: Some(IMPACT_SPEED_M_PER_S),
+        end_of_event_s,
+        end_of_event_rule: end_of_event_s.map(|_| "end of the record".to_owned()),
         ..EventsV1::default()
     };
     builder.put("/events", &crash)?;

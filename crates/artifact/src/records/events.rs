@@ -14,6 +14,15 @@ pub struct EventIntervalV1 {
     pub interval_by: String,
 }
 
+/// Why an event has no interval.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MissingIntervalV1 {
+    /// Field of [`EventsV1`], e.g. `dynamic_crush_m`.
+    pub name: String,
+    /// The reason in words.
+    pub reason: String,
+}
+
 /// The events of a crash on one channel; times count from time zero. Topic `/events`.
 ///
 /// `null` means that the record does not show the event; a note says why.
@@ -35,7 +44,8 @@ pub struct EventsV1 {
     pub rebound_velocity_m_per_s: Option<f64>,
     /// Coefficient of restitution e = -rebound velocity / impact speed.
     pub coefficient_of_restitution: Option<f64>,
-    /// Change of velocity, impact speed minus rebound velocity, m/s.
+    /// Change of velocity, impact speed minus rebound velocity, m/s; of a velocity that never reaches zero impact speed minus the lowest
+    /// velocity up to `end_of_event_s`.
     pub delta_v_m_per_s: Option<f64>,
     /// Time of the rebound velocity, s.
     pub time_of_rebound_s: Option<f64>,
@@ -48,4 +58,16 @@ pub struct EventsV1 {
     /// Intervals of the events, where the uncertainty of the measurement was stated.
     #[serde(default)]
     pub intervals: Vec<EventIntervalV1>,
+    /// Time of the lowest velocity of an event whose velocity never reaches zero, s; elsewhere it is `time_of_rebound_s`.
+    #[serde(default)]
+    pub time_of_delta_v_s: Option<f64>,
+    /// End of an event whose velocity never reaches zero, s; `null` where it does, or where nothing happens.
+    #[serde(default)]
+    pub end_of_event_s: Option<f64>,
+    /// What ends it: `20 ms with no more than 0.8 km/h (49 CFR 563)` or `end of the record`.
+    #[serde(default)]
+    pub end_of_event_rule: Option<String>,
+    /// Events that have no interval although the uncertainty of the measurement was stated, and why.
+    #[serde(default)]
+    pub without_interval: Vec<MissingIntervalV1>,
 }

@@ -29,6 +29,7 @@ pub struct MetricV1 {
     pub low: Option<f64>,
     /// Its upper end.
     pub high: Option<f64>,
-    /// How the interval was found, e.g. `5-95 % of 400 replicates` or `range over 4 channels`.
+    /// How the interval was found, e.g. `5-95 % of 400 replicates` or `range over 4 channels`; without one why there is none, where one
+    /// was to be expected.
     pub interval_by: Option<String>,
 }

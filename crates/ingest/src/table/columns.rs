@@ -159,6 +159,12 @@ fn check_for_acceleration(
             file.rsplit_once('.').is_some_and(|(_, e)| e.len() == 3 && e.bytes().all(|b| b.is_ascii_digit()));
         let hint = if is_curve {
             "a signal file of an NHTSA test is read by giving its .EV5 file; else add --unit g"
+        } else if selected.is_none()
+            && data.len() > 1
+            && !data.iter().any(|k| names_acceleration(&header.columns[*k].title))
+        {
+            "if it is a crash, add --unit g or --unit m/s^2, whichever it is; inputs and outputs that are no crash need none: \
+             --allow-missing, and then crumple-identify --methods n4sid --inputs COLUMN --outputs COLUMN"
         } else {
             "add --unit g or --unit m/s^2, whichever it is: a unit is never guessed from the numbers"
         };

@@ -187,7 +187,7 @@ fn section(
     let title = heading.last().cloned().unwrap_or_default();
     let mut columns = Vec::new();
     let mut rewritten = false;
-    let mut of_words = Vec::new();
+    let (mut of_words, mut with_words) = (Vec::new(), Vec::new());
     for k in 0..width {
         let name = names.get(k).filter(|n| !n.is_empty()).cloned().unwrap_or_else(|| format!("column {}", k + 1));
         let column: Vec<&[u8]> = table.iter().map(|row| row.get(k).copied().unwrap_or_default()).collect();
@@ -203,13 +203,23 @@ fn section(
             columns.push(of_two_units(&name, dual, &column, pairs, numbers, decimal, &mut notes));
             continue;
         }
-        let plain = |cell: &&[u8]| field(cell, decimal).is_some() || is_gap(cell);
-        // In the pulse itself such a cell is an error of its line, which the reader of the table names.
-        let pulse = names_velocity_change(&name) || names_acceleration(&name);
-        if k > 0 && !pulse && !column.iter().all(plain) && column.iter().any(|cell| field(cell, decimal).is_none()) {
-            of_words.push(name);
-            rewritten = true;
-            continue;
+        let is_number = |cell: &&[u8]| field(cell, decimal).is_some();
+        let word = column.iter().position(|cell| !is_number(cell) && !is_gap(cell));
+        if let Some(row) = word.filter(|_| k > 0) {
+            let numbers = column.iter().any(is_number);
+            // In the pulse itself such a cell is an error of its line, which the reader of the table names; whether it is one, its own name
+            // says, or the title of the table.
+            let of_the_pulse = is_of_the_pulse(&name) || (numbers && title_of_a_pulse(&title));
+            if !of_the_pulse {
+                if numbers {
+                    let (cell, line) = (decode(unquoted(column[row])), lines[rows.start + row].number);
+                    with_words.push(format!("{name} ({cell:?} in line {line})"));
+                } else {
+                    of_words.push(name);
+                }
+                rewritten = true;
+                continue;
+            }
         }
         let title = match dual {
             Some((name, [unit, _])) => {
@@ -223,14 +233,35 @@ fn section(
     if !of_words.is_empty() {
         notes.info(format!("columns of words in the table {title:?} are not read: {}", of_words.join(", ")));
     }
-    let words = heading.iter().map(|line| line.to_lowercase()).next_back().unwrap_or_default();
+    if !with_words.is_empty() {
+        notes.info(format!(
+            "columns with words among their numbers in the table {title:?} are not read: {}",
+            with_words.join(", ")
+        ));
+    }
     let change = columns.iter().any(|c| names_velocity_change(&c.title));
-    let acceleration = columns.iter().any(|c| names_acceleration(&c.title));
-    let is_pulse = change
-        || acceleration
-        || ["crash pulse", "delta-v", "delta v", "velocity change"].iter().any(|w| words.contains(w));
+    let acceleration = columns.iter().any(|c| is_acceleration(&c.title));
+    let is_pulse = change || acceleration || title_of_a_pulse(&title);
     let text = plain_text(lines, header, rows, delimiter, &columns);
     Section { title, heading, text, is_pulse, only_a_change: change && !acceleration, notes, rewritten }
+}
+
+/// Whether a column is named as a change of velocity or an acceleration.
+fn is_of_the_pulse(name: &str) -> bool {
+    names_velocity_change(name) || is_acceleration(name)
+}
+
+/// Whether a column is named as an acceleration; the pedal of that name is none, nor is cruise control.
+fn is_acceleration(name: &str) -> bool {
+    const OTHER: [&str; 8] = ["accelerator", "pedal", "cruise", "accept", "accur", "access", "accum", "accord"];
+    let name = name.to_lowercase();
+    !OTHER.iter().any(|word| name.contains(word)) && names_acceleration(&name)
+}
+
+/// Whether the line above the names says that the table is the pulse.
+fn title_of_a_pulse(title: &str) -> bool {
+    let title = title.to_lowercase();
+    ["crash pulse", "delta-v", "delta v", "velocity change"].iter().any(|words| title.contains(words))
 }
 
 /// The column in the unit in which it is printed more finely; both are compared where both units are known.
@@ -369,6 +400,23 @@ mod tests {
         assert_eq!(incomplete(text, "a.csv").unwrap(), ["line 2: Complete File Recorded,No"]);
         assert_eq!(incomplete(b"Complete File Recorded (Yes, No),Yes\n", "a.csv").unwrap(), [""; 0]);
         assert_eq!(incomplete(b"Complete File Recorded (Yes, No)\n", "a.csv").unwrap(), [""; 0]);
+    }
+
+    #[test]
+    fn a_pedal_is_no_acceleration_and_a_word_in_the_pulse_is_an_error_of_its_line() {
+        let text = b"Pre-Crash Data\nTime (sec),Accelerator Pedal Switch,\"Accelerator Pedal, % Full\",\"Speed, km/h\"\n-2,Off,0,60\n-1,On,9,SNA\n\n\
+                     Longitudinal Crash Pulse\nTime (msec),Longitudinal (km/h),Status\n0,0,ok\n10,SNA,ok\n20,-4,ok\n";
+        let [before, pulse] = sections(text, "a.csv").unwrap().try_into().unwrap();
+        assert!(!before.is_pulse && pulse.is_pulse);
+        let said = before.notes.to_texts().join("\n");
+        assert!(
+            said.contains("columns of words in the table \"Pre-Crash Data\" are not read: Accelerator Pedal Switch"),
+            "{said}"
+        );
+        assert!(said.contains("are not read: Speed, km/h (\"SNA\" in line 4)"), "{said}");
+        assert!(String::from_utf8_lossy(&before.text).contains("-1,9\n"));
+        // The change itself stays, word and all; the column of words beside it goes.
+        assert!(String::from_utf8_lossy(&pulse.text).ends_with("10,SNA\n20,-4\n"), "{:?}", pulse.notes);
     }
 
     #[test]

@@ -131,7 +131,8 @@ fn order(place: Place, named: bool, before: f64, now: f64, line_before: usize) -
     let hint = if named {
         "remove the repeated rows, or export with more decimals in the time column"
     } else {
-        "no column is named as time, so the first is taken for it: name it time_s, or state --sample-time if there is none"
+        "no column is named as time, so the first is taken for it: name it time_s, or state --sample-time if there is none; \
+         inputs and outputs that are no crash also take --allow-missing, and then crumple-identify"
     };
     IngestError::content(place, found, "times that increase from row to row", hint)
 }

@@ -50,6 +50,29 @@ fn channel_words(run: &Run, id: &str) -> String {
     words
 }
 
+/// The change of velocity, m/s, with what it is: of the events, else the one a recorder kept.
+fn change_of_velocity(run: &Run) -> (Option<f64>, Option<String>) {
+    let in_m_per_s = |v: f64| format!("{}{NBSP}m/s", decimals(v, 2));
+    let at = |t_s: f64| format!("at {}{NBSP}ms", decimals(MILLI * t_s, 1));
+    if let Some(events) = &run.events
+        && let Some(change) = events.delta_v_m_per_s
+    {
+        let remark = match (events.end_of_event_s, events.time_of_delta_v_s) {
+            (Some(_), Some(t_s)) => format!("{}, {}, velocity does not reach zero", in_m_per_s(change), at(t_s)),
+            _ => in_m_per_s(change),
+        };
+        return (Some(change), Some(remark));
+    }
+    let recorded = run.metric("maximum_delta_v").and_then(|metric| Some((metric, metric.value?)));
+    match recorded {
+        Some((metric, change)) => {
+            let when = metric.from_s.map_or_else(String::new, |t_s| format!(", {}", at(t_s)));
+            (Some(change), Some(format!("{}{when}, maximum as recorded", in_m_per_s(change))))
+        }
+        None => (None, None),
+    }
+}
+
 fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
     let events = run.events.as_ref();
     let mut cards = String::new();
@@ -71,14 +94,8 @@ fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
         .and_then(|e| Some(e.centroid_time_s? / t_m?))
         .map(|r| format!("t<sub>c</sub>/t<sub>m</sub> = {}", decimals(r, 3)));
     card("Time of crush t<sub>m</sub>", t_m, MILLI, 1, "ms", ratio);
-    card(
-        "Velocity change Δv",
-        events.and_then(|e| e.delta_v_m_per_s),
-        KM_PER_H_PER_M_PER_S,
-        1,
-        "km/h",
-        events.and_then(|e| e.delta_v_m_per_s).map(|v| format!("{}{NBSP}m/s", decimals(v, 2))),
-    );
+    let (change, remark) = change_of_velocity(run);
+    card("Velocity change Δv", change, KM_PER_H_PER_M_PER_S, 1, "km/h", remark);
     card(
         "Restitution e",
         events.and_then(|e| e.coefficient_of_restitution),

@@ -49,8 +49,45 @@ pub(super) fn write(out: &mut String, run: &Run) {
         out.push_str("<p class=\"caption\">Point at a name for its definition, or the reason why a value is absent; point at an interval for how it was found.</p>\n</div>\n");
     }
     out.push_str("</div>\n");
+    of_their_own(out, run);
     other_channels(out, run);
     out.push_str("</section>\n");
+}
+
+/// Metrics that only other channels have, open to view: occupants, barrier, recorder.
+fn of_their_own(out: &mut String, run: &Run) {
+    let rows: Vec<&MetricV1> = run.metrics_of_others().collect();
+    if rows.is_empty() {
+        return;
+    }
+    out.push_str(
+        "<h3>Occupants, barrier and recorder</h3>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">Place</th>\
+         <th scope=\"col\">Metric</th><th scope=\"col\" class=\"n\">Value</th></tr></thead>\n<tbody>\n",
+    );
+    for metric in rows {
+        let shown = match metric.value {
+            Some(x) if metric.definition.contains("lower bound") => format!("{} (lower bound)", value(x, &metric.unit)),
+            Some(x) => value(x, &metric.unit),
+            None => format!("{ABSENT} ({})", metric.definition),
+        };
+        out.push_str(&format!(
+            "<tr><th scope=\"row\">{}</th><td><abbr title=\"{}\">{}</abbr></td><td class=\"n\">{}</td></tr>\n",
+            html(&place(run, &metric.channel)),
+            html(&definition(metric)),
+            html(&metric.name.replace('_', " ")),
+            html(&shown)
+        ));
+    }
+    out.push_str("</tbody>\n</table></div>\n");
+}
+
+/// Where the channels of a metric sit, `001+002` for several, and their ids.
+fn place(run: &Run, channels: &str) -> String {
+    let first = channels.split('+').find_map(|id| run.test.channel(id));
+    match first.map(|channel| channel.location.as_str()).filter(|location| !location.is_empty()) {
+        Some(location) => format!("{location} ({channels})"),
+        None => channels.to_owned(),
+    }
 }
 
 /// Metrics of the other channels, folded: a column a channel, the pulse first.
@@ -58,7 +95,12 @@ fn other_channels(out: &mut String, run: &Run) {
     let Some(pulse) = run.channel_id() else { return };
     let mut channels = vec![pulse];
     let mut names: Vec<(&str, &MetricV1)> = Vec::new();
-    for metric in run.metrics.iter().filter(|m| m.channel != pulse && !m.channel.is_empty()) {
+    let of_their_own: Vec<&MetricV1> = run.metrics_of_others().collect();
+    let listed = |metric: &&MetricV1| {
+        let own = of_their_own.iter().any(|other| std::ptr::eq(*other, *metric));
+        metric.channel != pulse && !metric.channel.is_empty() && !own
+    };
+    for metric in run.metrics.iter().filter(listed) {
         if !channels.contains(&metric.channel.as_str()) {
             channels.push(&metric.channel);
         }
@@ -131,6 +173,9 @@ fn table(out: &mut String, rows: &[Row]) {
             // A value that is not there says why, in print too.
             None => format!("{ABSENT} <span class=\"why\">{}</span>", html(&row.definition)),
         };
+        if let (Some(_), None, Some(reason)) = (row.value, row.interval, row.interval_by) {
+            value.push_str(&format!("<br><span class=\"why\">{}</span>", html(reason)));
+        }
         if let Some((low, high)) = row.interval.filter(|_| row.value.is_some()) {
             value.push_str(&format!(
                 "<br><span class=\"interval\" title=\"{}\">{}</span>",
@@ -156,10 +201,20 @@ fn event_rows(e: &EventsV1) -> Vec<Row<'_>> {
             unit,
             definition: definition.to_owned(),
             interval: found.map(|interval| (interval.low, interval.high)),
-            interval_by: found.map(|interval| interval.interval_by.as_str()),
+            interval_by: found.map(|interval| interval.interval_by.as_str()).or_else(|| {
+                let without = e.without_interval.iter().find(|without| without.name == field);
+                without.map(|without| without.reason.as_str())
+            }),
         }
     };
-    vec![
+    let change = match (&e.end_of_event_rule, e.end_of_event_s) {
+        (Some(rule), Some(end_s)) => format!(
+            "Impact speed minus the lowest velocity up to the end of the event at {} ({rule}); the velocity does not reach zero.",
+            value(end_s, "s")
+        ),
+        _ => "Impact speed minus rebound velocity.".to_owned(),
+    };
+    let mut rows = vec![
         row(
             "dynamic_crush_m",
             "dynamic crush C",
@@ -196,7 +251,7 @@ fn event_rows(e: &EventsV1) -> Vec<Row<'_>> {
             "1",
             "−rebound velocity / impact speed.",
         ),
-        row("delta_v_m_per_s", "change of velocity", e.delta_v_m_per_s, "m/s", "Impact speed minus rebound velocity."),
+        row("delta_v_m_per_s", "change of velocity", e.delta_v_m_per_s, "m/s", &change),
         row(
             "impact_speed_m_per_s",
             "impact speed",
@@ -211,5 +266,17 @@ fn event_rows(e: &EventsV1) -> Vec<Row<'_>> {
             "s",
             "Offset of time zero on the time axis of the file.",
         ),
-    ]
+    ];
+    if e.end_of_event_s.is_some() {
+        let rule = e.end_of_event_rule.as_deref().unwrap_or("rule not stated");
+        rows.push(row(
+            "time_of_delta_v_s",
+            "time of the change of velocity",
+            e.time_of_delta_v_s,
+            "s",
+            "Time of the lowest velocity.",
+        ));
+        rows.push(row("end_of_event_s", "end of the event", e.end_of_event_s, "s", rule));
+    }
+    rows
 }

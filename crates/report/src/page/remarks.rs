@@ -146,12 +146,18 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
             decimals(ratio, 3)
         ));
     }
-    if run.events.as_ref().is_some_and(|e| e.time_of_dynamic_crush_s.is_none()) {
-        limits.push(
+    if let Some(events) = run.events.as_ref().filter(|e| e.time_of_dynamic_crush_s.is_none()) {
+        let end = match (events.end_of_event_s, &events.end_of_event_rule) {
+            (Some(end_s), Some(rule)) => format!(
+                " Its change is counted, and models are fitted, up to the end of the event at {} ms ({rule}).",
+                decimals(1e3 * end_s, 1)
+            ),
+            _ => String::new(),
+        };
+        limits.push(format!(
             "The velocity does not reach zero within the record. That is a legal answer: the vehicle was still moving \
-             forward when the record ended, so dynamic crush, restitution and all that builds on them are absent."
-                .to_owned(),
-        );
+             forward when the record ended, so dynamic crush, restitution and all that builds on them are absent.{end}"
+        ));
     }
     let items: String = limits.iter().map(|text| format!("<li>{}</li>\n", html(text))).collect();
     out.push_str(&format!(
