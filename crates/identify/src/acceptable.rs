@@ -3,7 +3,7 @@
 use crumple_identify::{IdentifyError, IoData, fit_measures, mirrored_poles, simulate_fitted};
 use crumple_signal::Notes;
 
-use crate::by_state_space::Found;
+use crate::found::Found;
 
 /// Fits below this, percent, do not pass without a word.
 const LEAST_FIT_PERCENT: f64 = -100.0;

@@ -143,15 +143,32 @@ pub(crate) fn lagged_factor(columns: &[(&[f64], usize)], first: usize, samples: 
 /// Fits every order of a list on the same rows and returns the models with their information criteria, in the order of
 /// the list. Orders that cannot be fitted are errors in their place.
 ///
-/// For a scan over the delay fix `na`, `nb` and list `nk`; the smallest BIC is the usual choice.
+/// The rows are those after the longest memory of the list. An order with a memory of more than half of the samples, or with
+/// parameters for half of them, would leave the others too little to be judged by: it is left out. For a scan over the delay
+/// fix `na`, `nb` and list `nk`; the smallest BIC is the usual choice.
 pub fn arx_scan(data: &IoData, orders: &[ArxOrder]) -> Vec<Result<(Arx, InformationCriteria), IdentifyError>> {
-    let memory = orders.iter().map(ArxOrder::states).max().unwrap_or(0);
+    let samples = data.samples();
+    let parameters = |order: &ArxOrder| order.na + order.nb * data.inputs().len();
+    let needed = |order: &ArxOrder| (2 * order.states()).max(2 * parameters(order) + 1);
+    let fitting = orders.iter().filter(|order| needed(order) <= samples);
+    let memory = fitting.map(ArxOrder::states).max().unwrap_or(0);
     orders
         .par_iter()
         .map(|order| {
+            if needed(order) > samples {
+                return Err(IdentifyError::TooShort {
+                    method: "arx",
+                    samples,
+                    needed: needed(order),
+                    why: format!(
+                        "{} parameters after {} samples of memory, in a scan that judges by half of the samples",
+                        parameters(order),
+                        order.states()
+                    ),
+                });
+            }
             let model = fit(data, *order, memory)?;
-            let parameters = model.a.len() + model.b.iter().map(Vec::len).sum::<usize>();
-            let criteria = InformationCriteria::new(model.loss, model.rows as f64, parameters);
+            let criteria = InformationCriteria::new(model.loss, model.rows as f64, parameters(order));
             Ok((model, criteria))
         })
         .collect()
@@ -274,6 +291,24 @@ mod tests {
         let scan = arx_scan(&data, &orders);
         let best = scan.iter().flatten().min_by(|a, b| a.1.bic.total_cmp(&b.1.bic)).unwrap();
         assert_eq!(best.0.order.nk, 2);
+    }
+
+    #[test]
+    fn a_scan_leaves_out_structures_that_the_record_is_too_short_for() {
+        let data = record(2, 0.1, 60);
+        let short: Vec<ArxOrder> = (0..6).map(|nk| ArxOrder { na: 2, nb: 2, nk }).collect();
+        // One that no sample is left for; and one that fits alone, but leaves the others next to no rows.
+        let long = [ArxOrder { na: 2, nb: 2, nk: 70 }, ArxOrder { na: 1, nb: 1, nk: 50 }];
+        let orders: Vec<ArxOrder> = long.iter().chain(&short).copied().collect();
+        let scan = arx_scan(&data, &orders);
+        assert!(arx(&data, long[1]).is_ok());
+        assert_eq!(
+            scan[0].clone().unwrap_err().to_string(),
+            "60 samples, arx needs 142 (4 parameters after 71 samples of memory, in a scan that judges by half of the samples)"
+        );
+        assert!(matches!(scan[1], Err(IdentifyError::TooShort { needed: 100, .. })), "{:?}", scan[1]);
+        assert_eq!(scan[2..], arx_scan(&data, &short));
+        assert!(scan[2..].iter().all(Result::is_ok));
     }
 
     #[test]
