@@ -295,6 +295,6 @@ pub(crate) fn uncertainty(
         method: crate::candidate::LINEARISED,
         standard_deviation,
         condition: largest / smallest,
-        residual_autocorrelation: rho,
+        residual_autocorrelation: Some(rho),
     })
 }
