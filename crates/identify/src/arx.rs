@@ -74,29 +74,15 @@ fn fit(data: &IoData, order: ArxOrder, first: usize) -> Result<Arx, IdentifyErro
         });
     }
     let p = na + nb * m;
-    if p == 0 {
-        return Err(IdentifyError::OrderZero);
-    }
     let samples = data.samples();
-    if samples < first + p + 1 {
-        return Err(IdentifyError::TooShort {
-            method: "arx",
-            samples,
-            needed: first + p + 1,
-            why: format!("{p} parameters after {first} samples of memory"),
-        });
-    }
+    enough(samples, p, first)?;
     let (y, u) = (&data.outputs()[0], data.inputs());
     let mut columns: Vec<(&[f64], usize)> = (1..=na).map(|lag| (&y[..], lag)).collect();
     columns.extend(u.iter().flat_map(|u| (nk..nk + nb).map(move |lag| (&u[..], lag))));
     columns.push((y, 0));
     let factor = lagged_factor(&columns, first, samples);
     let rows = factor.rows();
-    let Solution { coefficients, residual_squares, condition, inverse_square, .. } =
-        factor.solve(1, 0.0).ok_or(IdentifyError::NotConverged("the regression of arx"))?;
-    if condition > CONDITION_LIMIT {
-        return Err(IdentifyError::IllConditioned { method: "arx", condition, limit: CONDITION_LIMIT });
-    }
+    let Solution { coefficients, residual_squares, condition, inverse_square, .. } = solved(&factor, 1)?;
     let variance = residual_squares[0] / (rows - p) as f64;
     Ok(Arx {
         order,
@@ -108,6 +94,29 @@ fn fit(data: &IoData, order: ArxOrder, first: usize) -> Result<Arx, IdentifyErro
         condition,
         sample_time_s: data.sample_time_s(),
     })
+}
+
+/// Errors: no parameters, or no row to spare for `parameters` of an output after `first` samples of memory.
+pub(crate) fn enough(samples: usize, parameters: usize, first: usize) -> Result<(), IdentifyError> {
+    if parameters == 0 {
+        return Err(IdentifyError::OrderZero);
+    }
+    let needed = first + parameters + 1;
+    if samples < needed {
+        let why = format!("{parameters} parameters after {first} samples of memory");
+        return Err(IdentifyError::TooShort { method: "arx", samples, needed, why });
+    }
+    Ok(())
+}
+
+/// The regression of so many outputs. Errors: not determined by the data.
+pub(crate) fn solved(factor: &TriangularFactor, outputs: usize) -> Result<Solution, IdentifyError> {
+    let solution = factor.solve(outputs, 0.0).ok_or(IdentifyError::NotConverged("the regression of arx"))?;
+    if solution.condition > CONDITION_LIMIT {
+        let (condition, limit) = (solution.condition, CONDITION_LIMIT);
+        return Err(IdentifyError::IllConditioned { method: "arx", condition, limit });
+    }
+    Ok(solution)
 }
 
 /// Triangular factor of the rows `first..samples` of signals, each late by its lag.
@@ -241,14 +250,11 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
+    use crate::random::uniform;
 
+    /// Uniform on [-1, 1).
     fn noise(k: usize) -> f64 {
-        // A multiplicative hash of the index, uniform on [-1, 1).
-        let mut x = (k as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        x ^= x >> 32;
-        x = x.wrapping_mul(0xD6E8_FEB8_6659_FD93);
-        x ^= x >> 32;
-        (x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        2.0 * uniform(4, k) - 1.0
     }
 
     /// Output of the ARX(2,2,nk) model below, driven by noise.

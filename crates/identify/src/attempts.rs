@@ -30,6 +30,9 @@ pub struct Attempts<'a> {
     pub hint: &'static str,
 }
 
+/// Gives the model of a record.
+pub type Identify<'a> = Box<dyn Fn(&IoData, Chosen) -> Result<Found, IdentifyError> + Sync + 'a>;
+
 /// One model that is asked for.
 pub struct Attempt<'a> {
     /// Its id.
@@ -37,7 +40,7 @@ pub struct Attempt<'a> {
     /// States asked for.
     pub order: usize,
     /// The model of a record, which may be another one of the same shape, with the choices that are made already.
-    pub identify: Box<dyn Fn(&IoData, Chosen) -> Result<Found, IdentifyError> + Sync + 'a>,
+    pub identify: Identify<'a>,
     /// What is known of it before it is there.
     pub remark: Option<String>,
 }

@@ -97,3 +97,20 @@ fn why_a_method_gives_nothing_is_told_once() {
     let told = notes.notes.iter().filter(|note| note.contains("misses the record by far"));
     assert_eq!(told.count(), 1, "{:?}", notes.notes);
 }
+
+#[test]
+fn a_model_that_follows_next_to_nothing_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = three_states(folder.path(), 0.0);
+    let output = folder.path().join("4.mcap");
+    // White noise for a free decay.
+    let flags = ["--methods=era,n4sid", "--orders=2", "--channel=u", "--inputs=none", "--outputs=u"];
+    let run = identify(&input, &output, &flags);
+    assert_eq!(run.code, Some(0), "{}", run.said);
+    let result = Artifact::open(&output).unwrap();
+    for id in ["era-2", "n4sid-2"] {
+        let whole: IdentificationV1 = result.record(&format!("/identification/{id}")).unwrap().unwrap();
+        assert!(whole.fit_percent.unwrap() < 20.0, "{id} {:?}", whole.fit_percent);
+        assert!(whole.notes.iter().any(|note| note.contains("below 29.3 %")), "{id} {:?}", whole.notes);
+    }
+}
