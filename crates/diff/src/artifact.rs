@@ -104,6 +104,7 @@ fn append(report: &mut TopicReport, more: TopicReport) {
     report.different += more.different;
     report.saw_rel(more.max_rel);
     report.differences.extend(more.differences);
+    report.aside.extend(more.aside);
 }
 
 fn compare_records(

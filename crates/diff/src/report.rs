@@ -57,6 +57,9 @@ pub struct TopicReport {
     pub max_rel: Option<f64>,
     /// Every differing value of a record; of a waveform the first differing sample and the worst.
     pub differences: Vec<Difference>,
+    /// What differs and is no result: told for information.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub aside: Vec<Difference>,
 }
 
 impl TopicReport {

@@ -12,6 +12,9 @@ const SHOWN: usize = 5;
 /// Longest text value shown; the rest is cut.
 const LONGEST: usize = 80;
 
+/// What differs and does not count.
+const INFORMATION: &str = "  (for information)";
+
 /// What is shown.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct TextOptions {
@@ -27,13 +30,13 @@ pub fn write_text(report: &Report, options: TextOptions, out: &mut dyn Write) ->
         if let Some(side) = file.only_in {
             writeln!(out, "{}: only in {}", file.name, path_of(report, side))?;
         }
-        for topic in file.topics.iter().filter(|topic| !topic.same) {
+        for topic in file.topics.iter().filter(|topic| !topic.same || !topic.aside.is_empty()) {
             // summary.json is one topic of its own name.
             let prefix = if topic.topic == file.name { "" } else { prefix.as_str() };
             write_topic(report, topic, prefix, options, out)?;
         }
         for difference in &file.provenance {
-            let counts = if report.provenance_counts { "" } else { "  (for information)" };
+            let counts = if report.provenance_counts { "" } else { INFORMATION };
             match only_side(difference).filter(|_| difference.place.is_empty()) {
                 Some(side) => writeln!(out, "{prefix}provenance: only in {}{counts}", path_of(report, side))?,
                 None => writeln!(out, "{prefix}{}{counts}", line("provenance", &difference.place, difference))?,
@@ -86,6 +89,13 @@ fn write_topic(
     let more = topic.differences.len().saturating_sub(shown);
     if more > 0 {
         writeln!(out, "{prefix}{}: {more} more (--all shows them)", topic.topic)?;
+    }
+    for difference in topic.aside.iter().take(shown) {
+        writeln!(out, "{prefix}{}{INFORMATION}", line(&topic.topic, &difference.place, difference))?;
+    }
+    let more = topic.aside.len().saturating_sub(shown);
+    if more > 0 {
+        writeln!(out, "{prefix}{}: {more} more{INFORMATION} (--all shows them)", topic.topic)?;
     }
     Ok(())
 }
@@ -148,7 +158,15 @@ fn verdict(report: &Report) -> String {
             || ", none differs".to_owned(),
             |(rel, topic)| format!(", the largest relative difference is {rel:.1e} in {topic}"),
         );
-        return format!("same within tolerance: {values} values in {} topics{places}{largest}", topics().count());
+        let aside = match topics().map(|topic| topic.aside.len()).sum::<usize>() {
+            0 => String::new(),
+            1 => "; one text differs and is no result".to_owned(),
+            several => format!("; {several} texts differ and are no result"),
+        };
+        return format!(
+            "same within tolerance: {values} values in {} topics{places}{largest}{aside}",
+            topics().count()
+        );
     }
     let different = topics().filter(|topic| !topic.same).count();
     let missing = report.files.iter().filter(|file| file.only_in.is_some()).count();

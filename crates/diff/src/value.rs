@@ -8,10 +8,11 @@ use crate::candidate::{Candidate, same_ranking};
 use crate::polynomial;
 use crate::report::{Difference, TopicReport};
 use crate::unit::Unit;
-use crate::words::same_words;
+use crate::words::{same_but_for_numbers, same_words};
 use crate::{Base, Settings, Tolerance};
 
-/// Compares two values: numbers by tolerance (also decimal numbers inside texts), texts exactly, maps by key.
+/// Compares two values: numbers by tolerance (also decimal numbers inside texts), texts exactly, maps by key. Notes that differ in
+/// numbers alone, and the digest of the source, are put aside.
 ///
 /// Lists whose elements have a unique `id` or `name` are paired by it, whatever their order; other lists by index.
 pub fn compare_json(topic: &str, a: &Value, b: &Value, settings: &Settings) -> TopicReport {
@@ -157,14 +158,26 @@ impl Walk<'_> {
         {
             return;
         }
-        self.report.differs(Difference {
-            place: at.place,
-            a: Some(a.clone()),
-            b: Some(b.clone()),
-            abs,
-            rel,
-            ..Difference::default()
-        });
+        let aside = self.is_aside(&at.place, a, b);
+        let difference =
+            Difference { place: at.place, a: Some(a.clone()), b: Some(b.clone()), abs, rel, ..Difference::default() };
+        if aside {
+            self.report.aside.push(difference);
+        } else {
+            self.report.differs(difference);
+        }
+    }
+
+    /// Whether a text that differs is no result: a note that says the same with other numbers (which the records hold), and the
+    /// digest of the file that the record came in, unless provenance counts.
+    fn is_aside(&self, place: &str, a: &Value, b: &Value) -> bool {
+        let (Some(x), Some(y)) = (a.as_str(), b.as_str()) else { return false };
+        if self.settings.tolerances.base == Base::Exact {
+            return false;
+        }
+        let is_note = place.rsplit_once('[').is_some_and(|(list, _)| list == "notes" || list.ends_with(".notes"));
+        let is_source = self.report.topic == "/test" && place == "source.digest" && !self.settings.provenance;
+        is_source || (is_note && same_but_for_numbers(x, y))
     }
 
     fn tolerance(&self, at: &At) -> Tolerance {

@@ -16,7 +16,19 @@ pub(crate) fn same_words(a: &str, b: &str, tolerance: Tolerance) -> bool {
         && a.iter().zip(&b).all(|pair| match pair {
             (Piece::Words(x), Piece::Words(y)) => x == y,
             (Piece::Decimal(x), Piece::Decimal(y)) => tolerance.allows(*x, *y, x.abs().max(y.abs())),
+            (Piece::Count(x), Piece::Count(y)) => x == y,
             _ => false,
+        })
+}
+
+/// Whether two texts differ in nothing but numbers: decimal ones, and whole ones that stand alone.
+pub(crate) fn same_but_for_numbers(a: &str, b: &str) -> bool {
+    let number = |piece: &Piece<'_>| !matches!(piece, Piece::Words(_));
+    let (a, b) = (split(a), split(b));
+    a.len() == b.len()
+        && a.iter().zip(&b).all(|(x, y)| match (x, y) {
+            (Piece::Words(x), Piece::Words(y)) => x == y,
+            _ => number(x) && number(y),
         })
 }
 
@@ -24,6 +36,8 @@ pub(crate) fn same_words(a: &str, b: &str, tolerance: Tolerance) -> bool {
 enum Piece<'a> {
     Words(&'a str),
     Decimal(f64),
+    /// A whole number that is no part of a name.
+    Count(&'a str),
 }
 
 fn split(text: &str) -> Vec<Piece<'_>> {
@@ -31,10 +45,15 @@ fn split(text: &str) -> Vec<Piece<'_>> {
     let mut words_from = 0;
     let mut at = 0;
     while at < text.len() {
-        let starts_word = !text[..at].ends_with(|c: char| c.is_alphanumeric() || c == '.' || c == '_');
-        match decimal(&text[at..]).filter(|_| starts_word) {
-            Some((value, length)) => {
-                pieces.extend([Piece::Words(&text[words_from..at]), Piece::Decimal(value)]);
+        let before = &text[..at];
+        let starts_word = !before.ends_with(|c: char| c.is_alphanumeric() || c == '.' || c == '_');
+        let found =
+            decimal(&text[at..]).map(|(value, length)| (Piece::Decimal(value), length)).or_else(|| count(&text[at..]));
+        match found.filter(|(piece, _)| {
+            starts_word && !(matches!(piece, Piece::Count(_)) && before.ends_with(['-', '/', ':']))
+        }) {
+            Some((piece, length)) => {
+                pieces.extend([Piece::Words(&text[words_from..at]), piece]);
                 at += length;
                 words_from = at;
             }
@@ -70,6 +89,15 @@ fn decimal(text: &str) -> Option<(f64, usize)> {
     if goes_on { None } else { Some((text[..length].parse().ok()?, length)) }
 }
 
+/// A whole number at the start of a text that does not go on as a name, a version or a decimal number, and its length.
+fn count(text: &str) -> Option<(Piece<'_>, usize)> {
+    let length = text.bytes().take_while(u8::is_ascii_digit).count();
+    let rest = &text[length..];
+    let goes_on = rest.starts_with(|c: char| c.is_alphanumeric() || c == '_')
+        || (rest.starts_with(['.', '-', '/', ':']) && rest[1..].starts_with(|c: char| c.is_alphanumeric()));
+    (length > 0 && !goes_on).then_some((Piece::Count(&text[..length]), length))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -89,5 +117,17 @@ mod tests {
         assert!(same("µ 3.5 µ", "µ 3.50 µ"));
         assert!(!same("1.", "1.5"));
         assert!(!same("1.5e", "1.5"));
+    }
+
+    #[test]
+    fn texts_may_be_alike_but_for_their_numbers() {
+        assert!(same_but_for_numbers("zero level 0.01 m/s^2 of 30 samples", "zero level 1.5e-3 m/s^2 of 31 samples"));
+        assert!(same_but_for_numbers("the mass is 900 kg", "the mass is 900.5 kg"));
+        assert!(!same_but_for_numbers("at -2.5 s", "at 2.5 s"));
+        assert!(!same_but_for_numbers("era-4: fit 3.5 %", "era-6: fit 3.5 %"), "names");
+        assert!(!same_but_for_numbers("kelvin/fit/1 is best", "kelvin/fit/2 is best"), "names");
+        assert!(!same_but_for_numbers("k1_n_per_m", "k2_n_per_m"));
+        assert!(!same_but_for_numbers("version 0.1.0", "version 0.2.0"));
+        assert!(!same_but_for_numbers("30 samples", "30 samples are clipped"));
     }
 }

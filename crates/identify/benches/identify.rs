@@ -51,11 +51,7 @@ fn peak_mib(work: impl FnOnce()) -> Option<f64> {
 }
 
 fn noise(k: usize) -> f64 {
-    let mut x = (k as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    x ^= x >> 32;
-    x = x.wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    x ^= x >> 32;
-    (x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    crumple_testkit::uniform(k as u64)
 }
 
 fn era_times() {
@@ -242,14 +238,14 @@ fn transfer_function_times() {
     let options = TransferFunctionOptions::new(4, 1);
     let mut evaluations = 0;
     let whole = shortest(5, || {
-        evaluations = transfer_function_fit(&data, &options).map_or(0, |fit| fit.evaluations);
+        evaluations = transfer_function_fit(&data, &options).map_or(0, |fit| fit.search.evaluations);
     });
     line(&format!("tfest 4/1, 2001 samples, whole fit, {evaluations} evaluations"), "50 ms", whole, &data.outputs()[0]);
     let fit = transfer_function_fit(&data, &options).expect("the fit timed before");
     let near: Vec<_> = fit.modes.iter().map(|mode| mode.pole * 1.05).collect();
     let one = TransferFunctionOptions { starts: Vec::new(), given: vec![near], ..options.clone() };
     let time = shortest(9, || {
-        evaluations = transfer_function_fit(&data, &one).map_or(0, |fit| fit.iterations);
+        evaluations = transfer_function_fit(&data, &one).map_or(0, |fit| fit.search.iterations);
     });
     line(
         &format!("tfest 4/1, one refinement, {evaluations} iterations, with covariance"),

@@ -1,9 +1,9 @@
 //! Which fits may pass as results.
 
-use crumple_identify::{IdentifyError, IoData, fit_measures, mirrored_poles, simulate_fitted};
+use crumple_identify::{IdentifyError, IoData, fit_measures, mirrored_poles, simulate_fitted, weak_fit};
 use crumple_signal::Notes;
 
-use crate::by_state_space::Found;
+use crate::found::Found;
 
 /// Fits below this, percent, do not pass without a word.
 const LEAST_FIT_PERCENT: f64 = -100.0;
@@ -25,7 +25,8 @@ pub fn steady(found: Found, data: &IoData) -> Result<Found, IdentifyError> {
 /// Simulates a model on the record it was identified from.
 ///
 /// Errors: a simulation that misses the record by more than twice what its mean does (fit below -100 %) and accounts for none
-/// of its variance. Where it accounts for some, the level of the record is what is missed, and a note says so.
+/// of its variance. Where it accounts for some, the level of the record is what is missed, and a note says so; another where the
+/// errors have more than half of the variance.
 pub fn simulated(mut found: Found, data: &IoData) -> Result<(Vec<Vec<f64>>, Found), IdentifyError> {
     let simulated = simulate_fitted(&found.model, data)?.0;
     for (measured, model) in data.outputs().iter().zip(&simulated) {
@@ -35,8 +36,7 @@ pub fn simulated(mut found: Found, data: &IoData) -> Result<(Vec<Vec<f64>>, Foun
         };
         match fit.fit_percent.filter(|fit| *fit < LEAST_FIT_PERCENT) {
             Some(percent) if fit.vaf_percent.is_none_or(|vaf| vaf <= 0.0) => return Err(misses(percent, &found)),
-            Some(percent) => found.notes.push(format!("warning: {}", level(percent))),
-            None => {}
+            _ => found.notes.extend(fit.fit_percent.and_then(said).map(|text| format!("warning: {text}"))),
         }
     }
     Ok((simulated, found))
@@ -54,15 +54,19 @@ fn misses(fit_percent: f64, found: &Found) -> IdentifyError {
     IdentifyError::Misses { fit_percent, limit: LEAST_FIT_PERCENT, why }
 }
 
-fn level(percent: f64) -> String {
-    format!(
-        "fit {percent:.1} %: the model misses the level of the record; a linear model has no constant, see --remove-mean"
-    )
+/// What is said of a fit that passes: that the level of the record is missed, or most of its variance.
+fn said(percent: f64) -> Option<String> {
+    if percent < LEAST_FIT_PERCENT {
+        return Some(format!(
+            "fit {percent:.1} %: the model misses the level of the record; a linear model has no constant, see --remove-mean"
+        ));
+    }
+    weak_fit(percent)
 }
 
 /// The same note for a model that was fitted to the simulation itself, so that it is no worse than silence.
 pub fn note_on_fit(id: &str, fit_percent: Option<f64>, notes: &mut Notes) {
-    if let Some(percent) = fit_percent.filter(|fit| *fit < LEAST_FIT_PERCENT) {
-        notes.warning(format!("{id}: {}", level(percent)));
+    if let Some(text) = fit_percent.and_then(said) {
+        notes.warning(format!("{id}: {text}"));
     }
 }

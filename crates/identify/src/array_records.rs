@@ -10,7 +10,7 @@ use crate::by_transfer_function::{Task, condition_note, preparation, validate_co
 use crate::comparison::Comparison;
 use crate::evidence::{foretold, modes, notes_on_modes, of_record, percent, put_evidence, put_transfer_functions};
 use crate::judgement::limits;
-use crate::search_evidence::{Searched, known};
+use crate::search_evidence::{known, put_search};
 use crate::to_records::state_space;
 
 /// Writes the records of one array and a summary line.
@@ -26,7 +26,7 @@ pub fn put_array(
     let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
     notes.extend(notes_on_modes(id, &poles, &record.cuts()));
     notes.info(format!("{id}: one denominator for all paths, a numerator for each"));
-    condition_note(id, fit.condition, notes);
+    condition_note(id, fit.search.condition, notes);
     for measures in fit.fits.iter().flatten() {
         note_on_fit(id, measures.fit_percent, notes);
     }
@@ -46,23 +46,12 @@ pub fn put_array(
     out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
     let (whole, mut supports) =
         of_record("tfest", beyond.poles, record, &fit.simulated, fit.parameters, notes.to_texts());
-    let searched = Searched {
-        hold: &beyond.hold,
-        initial_estimated: fit.initial_estimated,
-        best: (fit.start, fit.iterations, fit.termination),
-        evaluations: fit.evaluations,
-        losses: &fit.losses,
-        condition: fit.condition,
-        denominator_deviations: &fit.denominator_deviations,
-        mode_deviations: &fit.mode_deviations,
-        paper: settings.paper.as_deref(),
-    };
     for (support, deviations) in supports.iter_mut().zip(&fit.numerator_deviations) {
-        searched.put(support);
+        put_search(&fit.search, &beyond.hold, settings.paper.as_deref(), support);
         // Of every input, one after the other.
         support.numerator_deviations = known(&deviations.concat());
     }
-    validate_continuous(task, &fit.state_space, fit.initial_estimated, &mut supports)?;
+    validate_continuous(task, &fit.state_space, fit.search.initial_estimated, &mut supports)?;
     let percent = percent(whole.fit_percent);
     out.put(&format!("/identification/{id}"), &whole)?;
     put_evidence(id, &supports, out)?;
@@ -70,9 +59,9 @@ pub fn put_array(
     out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
         record.data.samples(),
-        fit.termination.name(),
-        fit.iterations,
-        fit.start.name(),
+        fit.search.termination.name(),
+        fit.search.iterations,
+        fit.search.start.name(),
         foretold(&supports)
     ));
     Ok(())

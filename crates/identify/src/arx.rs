@@ -74,29 +74,15 @@ fn fit(data: &IoData, order: ArxOrder, first: usize) -> Result<Arx, IdentifyErro
         });
     }
     let p = na + nb * m;
-    if p == 0 {
-        return Err(IdentifyError::OrderZero);
-    }
     let samples = data.samples();
-    if samples < first + p + 1 {
-        return Err(IdentifyError::TooShort {
-            method: "arx",
-            samples,
-            needed: first + p + 1,
-            why: format!("{p} parameters after {first} samples of memory"),
-        });
-    }
+    enough(samples, p, first)?;
     let (y, u) = (&data.outputs()[0], data.inputs());
     let mut columns: Vec<(&[f64], usize)> = (1..=na).map(|lag| (&y[..], lag)).collect();
     columns.extend(u.iter().flat_map(|u| (nk..nk + nb).map(move |lag| (&u[..], lag))));
     columns.push((y, 0));
     let factor = lagged_factor(&columns, first, samples);
     let rows = factor.rows();
-    let Solution { coefficients, residual_squares, condition, inverse_square, .. } =
-        factor.solve(1, 0.0).ok_or(IdentifyError::NotConverged("the regression of arx"))?;
-    if condition > CONDITION_LIMIT {
-        return Err(IdentifyError::IllConditioned { method: "arx", condition, limit: CONDITION_LIMIT });
-    }
+    let Solution { coefficients, residual_squares, condition, inverse_square, .. } = solved(&factor, 1)?;
     let variance = residual_squares[0] / (rows - p) as f64;
     Ok(Arx {
         order,
@@ -108,6 +94,29 @@ fn fit(data: &IoData, order: ArxOrder, first: usize) -> Result<Arx, IdentifyErro
         condition,
         sample_time_s: data.sample_time_s(),
     })
+}
+
+/// Errors: no parameters, or no row to spare for `parameters` of an output after `first` samples of memory.
+pub(crate) fn enough(samples: usize, parameters: usize, first: usize) -> Result<(), IdentifyError> {
+    if parameters == 0 {
+        return Err(IdentifyError::OrderZero);
+    }
+    let needed = first + parameters + 1;
+    if samples < needed {
+        let why = format!("{parameters} parameters after {first} samples of memory");
+        return Err(IdentifyError::TooShort { method: "arx", samples, needed, why });
+    }
+    Ok(())
+}
+
+/// The regression of so many outputs. Errors: not determined by the data.
+pub(crate) fn solved(factor: &TriangularFactor, outputs: usize) -> Result<Solution, IdentifyError> {
+    let solution = factor.solve(outputs, 0.0).ok_or(IdentifyError::NotConverged("the regression of arx"))?;
+    if solution.condition > CONDITION_LIMIT {
+        let (condition, limit) = (solution.condition, CONDITION_LIMIT);
+        return Err(IdentifyError::IllConditioned { method: "arx", condition, limit });
+    }
+    Ok(solution)
 }
 
 /// Triangular factor of the rows `first..samples` of signals, each late by its lag.
@@ -143,15 +152,32 @@ pub(crate) fn lagged_factor(columns: &[(&[f64], usize)], first: usize, samples: 
 /// Fits every order of a list on the same rows and returns the models with their information criteria, in the order of
 /// the list. Orders that cannot be fitted are errors in their place.
 ///
-/// For a scan over the delay fix `na`, `nb` and list `nk`; the smallest BIC is the usual choice.
+/// The rows are those after the longest memory of the list. An order with a memory of more than half of the samples, or with
+/// parameters for half of them, would leave the others too little to be judged by: it is left out. For a scan over the delay
+/// fix `na`, `nb` and list `nk`; the smallest BIC is the usual choice.
 pub fn arx_scan(data: &IoData, orders: &[ArxOrder]) -> Vec<Result<(Arx, InformationCriteria), IdentifyError>> {
-    let memory = orders.iter().map(ArxOrder::states).max().unwrap_or(0);
+    let samples = data.samples();
+    let parameters = |order: &ArxOrder| order.na + order.nb * data.inputs().len();
+    let needed = |order: &ArxOrder| (2 * order.states()).max(2 * parameters(order) + 1);
+    let fitting = orders.iter().filter(|order| needed(order) <= samples);
+    let memory = fitting.map(ArxOrder::states).max().unwrap_or(0);
     orders
         .par_iter()
         .map(|order| {
+            if needed(order) > samples {
+                return Err(IdentifyError::TooShort {
+                    method: "arx",
+                    samples,
+                    needed: needed(order),
+                    why: format!(
+                        "{} parameters after {} samples of memory, in a scan that judges by half of the samples",
+                        parameters(order),
+                        order.states()
+                    ),
+                });
+            }
             let model = fit(data, *order, memory)?;
-            let parameters = model.a.len() + model.b.iter().map(Vec::len).sum::<usize>();
-            let criteria = InformationCriteria::new(model.loss, model.rows as f64, parameters);
+            let criteria = InformationCriteria::new(model.loss, model.rows as f64, parameters(order));
             Ok((model, criteria))
         })
         .collect()
@@ -224,14 +250,11 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
+    use crate::random::uniform;
 
+    /// Uniform on [-1, 1).
     fn noise(k: usize) -> f64 {
-        // A multiplicative hash of the index, uniform on [-1, 1).
-        let mut x = (k as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        x ^= x >> 32;
-        x = x.wrapping_mul(0xD6E8_FEB8_6659_FD93);
-        x ^= x >> 32;
-        (x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        2.0 * uniform(4, k) - 1.0
     }
 
     /// Output of the ARX(2,2,nk) model below, driven by noise.
@@ -274,6 +297,24 @@ mod tests {
         let scan = arx_scan(&data, &orders);
         let best = scan.iter().flatten().min_by(|a, b| a.1.bic.total_cmp(&b.1.bic)).unwrap();
         assert_eq!(best.0.order.nk, 2);
+    }
+
+    #[test]
+    fn a_scan_leaves_out_structures_that_the_record_is_too_short_for() {
+        let data = record(2, 0.1, 60);
+        let short: Vec<ArxOrder> = (0..6).map(|nk| ArxOrder { na: 2, nb: 2, nk }).collect();
+        // One that no sample is left for; and one that fits alone, but leaves the others next to no rows.
+        let long = [ArxOrder { na: 2, nb: 2, nk: 70 }, ArxOrder { na: 1, nb: 1, nk: 50 }];
+        let orders: Vec<ArxOrder> = long.iter().chain(&short).copied().collect();
+        let scan = arx_scan(&data, &orders);
+        assert!(arx(&data, long[1]).is_ok());
+        assert_eq!(
+            scan[0].clone().unwrap_err().to_string(),
+            "60 samples, arx needs 142 (4 parameters after 71 samples of memory, in a scan that judges by half of the samples)"
+        );
+        assert!(matches!(scan[1], Err(IdentifyError::TooShort { needed: 100, .. })), "{:?}", scan[1]);
+        assert_eq!(scan[2..], arx_scan(&data, &short));
+        assert!(scan[2..].iter().all(Result::is_ok));
     }
 
     #[test]

@@ -7,14 +7,13 @@ use crumple_signal::TestDescription;
 use crumple_stage::records::{ArxScanModelV1, ArxScanV1};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Refused};
 
-use crate::acceptable::simulated;
 use crate::arx_structure::ArxRanges;
-use crate::by_state_space::Found;
+use crate::attempts::{Attempt, Attempts};
 use crate::comparison::Comparison;
-use crate::input_output::{Record, record};
+use crate::found::Found;
+use crate::input_output::Record;
 use crate::judgement::Equation;
 use crate::settings::Settings;
-use crate::state_space_records::{Task, put};
 
 /// What to do about a regression that does not work.
 const HINT: &str =
@@ -60,8 +59,7 @@ fn of_structure(order: ArxOrder, data: &IoData) -> Result<Found, IdentifyError> 
     Ok(Found { deviations: Some(Box::new(move |poles| model.mode_deviations(poles))), ..found })
 }
 
-/// The structures asked for, and the best of the scan. What one structure does not allow is a warning; an error only if
-/// there is no model at all.
+/// The structures asked for, and the best of the scan.
 pub fn run(
     settings: &Settings,
     test: &TestDescription,
@@ -70,55 +68,32 @@ pub fn run(
     out: &mut Output,
 ) -> anyhow::Result<Outcome> {
     let Some(beyond) = &settings.beyond_era else { return Ok(Outcome::Done) };
-    let record = record(settings, beyond, test, inputs)?;
-    let (data, whole) = (record.data.delayed(beyond.delay), record.whole.delayed(beyond.delay));
-    let mut structures: Vec<ArxOrder> = beyond.arx_orders.iter().map(|structure| structure.0).collect();
-    let mut remark = None;
+    let all = Attempts::new("arx", (settings, beyond), test, inputs, HINT)?;
+    let mut structures: Vec<(ArxOrder, Option<String>)> =
+        beyond.arx_orders.iter().map(|structure| (structure.0, None)).collect();
     if let Some(ranges) = &beyond.arx_scan {
-        let best = scan(ranges, &record, &data, out)?;
-        remark = Some((
-            best,
-            format!("the smallest BIC of the one-step prediction over the structures {ranges}, see /scan"),
-        ));
-        if !structures.contains(&best) {
-            structures.push(best);
+        let best = scan(ranges, &all.record, &all.data, out)?;
+        let remark =
+            Some(format!("the smallest BIC of the one-step prediction over the structures {ranges}, see /scan"));
+        match structures.iter_mut().find(|(order, _)| *order == best) {
+            Some((_, known)) => *known = remark,
+            None => structures.push((best, remark)),
         }
     }
-    let (mut written, mut failure) = (0, None);
-    for order in structures {
-        let id = format!("arx-{}-{}-{}", order.na, order.nb, order.nk);
-        match of_structure(order, &data).and_then(|found| simulated(found, &data)) {
-            Ok((simulated, mut found)) => {
-                found.notes.extend(remark.iter().filter(|(best, _)| *best == order).map(|(_, text)| text.clone()));
-                let refit = |y: &[Vec<f64>]| {
-                    let again = IoData::new(data.inputs().to_vec(), y.to_vec(), data.sample_time_s()).ok()?;
-                    Some(of_structure(order, &again).ok()?.model)
-                };
-                let task = Task {
-                    id: &id,
-                    method: "arx",
-                    order: order.states(),
-                    record: &record,
-                    hold: &beyond.hold,
-                    data: &data,
-                    whole: &whole,
-                    bootstrap: settings.bootstrap.as_ref(),
-                    refit: &refit,
-                };
-                put(&task, &found, &simulated, comparison, out)?;
-                written += 1;
-            }
-            Err(error) => {
-                out.notes().warning(format!("{id}: {error}"));
-                failure.get_or_insert(error);
-            }
-        }
-    }
-    match failure.filter(|_| written == 0) {
-        Some(error @ IdentifyError::Misses { .. }) => Ok(Outcome::NoAcceptableResult(error.to_string())),
-        Some(error) => Err(error).refuse_with_hint(HINT),
-        None => Ok(Outcome::Done),
-    }
+    let attempts: Vec<Attempt<'_>> = structures
+        .into_iter()
+        .map(|(order, remark)| Attempt {
+            id: id_of(&order),
+            order: order.states(),
+            identify: Box::new(move |data, _| of_structure(order, data)),
+            remark,
+        })
+        .collect();
+    all.put(&attempts, comparison, out)
+}
+
+fn id_of(order: &ArxOrder) -> String {
+    format!("arx-{}-{}-{}", order.na, order.nb, order.nk)
 }
 
 /// Writes the table of a scan and returns the structure with the smallest BIC.
@@ -134,6 +109,15 @@ fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) ->
     let orders = ranges.all();
     let found = arx_scan(data, &orders);
     let rows = found.iter().flatten().map(|(model, _)| model.rows).next();
+    let without = found.iter().filter(|result| result.is_err()).count();
+    if let Some(Err(error)) = found.iter().find(|result| result.is_err())
+        && without < orders.len()
+    {
+        out.notes().warning(format!(
+            "arx scan: {without} of {} structures have no model and are left out, the first because: {error}",
+            orders.len()
+        ));
+    }
     let models: Vec<ArxScanModelV1> = orders
         .iter()
         .zip(&found)
@@ -158,7 +142,7 @@ fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) ->
         let known = models.iter().enumerate().filter_map(|(k, model)| Some((k, of(model)?)));
         known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
     };
-    let name = |k: usize| format!("arx-{}-{}-{}", orders[k].na, orders[k].nb, orders[k].nk);
+    let name = |k: usize| id_of(&orders[k]);
     let (by_bic, by_aicc) = (smallest(|model| model.bic), smallest(|model| model.aicc));
     let output = record.answers[0].id.clone();
     out.put(

@@ -5,7 +5,7 @@ use crumple_identify::{
     OkidRealization, Order, fir, simulate_fitted,
 };
 
-use crate::by_state_space::{Chosen, Found};
+use crate::found::{Chosen, Found};
 use crate::hankel_settings::HankelSettings;
 
 /// Lags that a criterion looks at, at most.

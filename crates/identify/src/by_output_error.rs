@@ -4,7 +4,7 @@ use crumple_identify::{IdentifyError, IoData, OutputErrorOptions, Stop, output_e
 use crumple_lti::Complex;
 
 use crate::beyond_era::BeyondEra;
-use crate::by_state_space::Found;
+use crate::found::Found;
 
 /// Output error of one order.
 pub fn of_order(order: usize, data: &IoData, beyond: &BeyondEra) -> Result<Found, IdentifyError> {

@@ -22,7 +22,7 @@ use crate::evidence::{
 use crate::input_output::{Cut, Record, record};
 use crate::judgement::{Band, Judged, put_spreads, spread};
 use crate::paper;
-use crate::search_evidence::{Searched, known};
+use crate::search_evidence::{known, put_search};
 use crate::settings::Settings;
 use crate::to_records::state_space;
 
@@ -146,7 +146,7 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> No
             ));
         }
     }
-    condition_note(id, fit.condition, &mut notes);
+    condition_note(id, fit.search.condition, &mut notes);
     note_on_fit(id, fit.fit.and_then(|fit| fit.fit_percent), &mut notes);
     notes
 }
@@ -199,29 +199,18 @@ fn put(
     out.put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &input, &output, record.delay_s))?;
     out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
     let mut support = evidence(Some(drive), answer, &fit.simulated, fit.criteria.parameters);
-    let searched = Searched {
-        hold: &beyond.hold,
-        initial_estimated: fit.initial_estimated,
-        best: (fit.start, fit.iterations, fit.termination),
-        evaluations: fit.evaluations,
-        losses: &fit.losses,
-        condition: fit.condition,
-        denominator_deviations: &fit.denominator_deviations,
-        mode_deviations: &fit.mode_deviations,
-        paper: settings.paper.as_deref(),
-    };
-    searched.put(&mut support);
+    put_search(&fit.search, &beyond.hold, settings.paper.as_deref(), &mut support);
     support.numerator_deviations = known(&fit.numerator_deviations);
     support.denominator_covariance = fit.denominator_covariance();
     support.zeros_re_per_s = fit.zeros.iter().map(|zero| zero.re).collect();
     support.zeros_im_rad_per_s = fit.zeros.iter().map(|zero| zero.im).collect();
     support.zero_re_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.0)).collect();
     support.zero_im_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.1)).collect();
-    validate_continuous(task, &fit.state_space, fit.initial_estimated, std::slice::from_mut(&mut support))?;
+    validate_continuous(task, &fit.state_space, fit.search.initial_estimated, std::slice::from_mut(&mut support))?;
 
     let judged = judged(fit, answer, options.delay);
     let grid = judged.grid_hz();
-    let initial = if fit.initial_estimated { InitialConditions::Estimate } else { InitialConditions::Zero };
+    let initial = if fit.search.initial_estimated { InitialConditions::Estimate } else { InitialConditions::Zero };
     let poles = vec![judged.poles.clone()];
     let again = TransferFunctionOptions { starts: Vec::new(), given: poles, initial, ..options.clone() };
     let found = spread(
@@ -261,9 +250,9 @@ fn put(
     out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
         answer.sampled.len(),
-        fit.termination.name(),
-        fit.iterations,
-        fit.start.name(),
+        fit.search.termination.name(),
+        fit.search.iterations,
+        fit.search.start.name(),
         foretold(supports)
     ));
     Ok(())

@@ -1,6 +1,6 @@
 //! What a reader should know before believing an identified mode.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use crumple_lti::Mode;
 use crumple_signal::Notes;
@@ -19,6 +19,19 @@ const WEAK_GAP: f64 = 3.0;
 /// Growth of a pole over the whole record below which it is rounding: an integrator's pole is never exactly zero.
 const GROWTH: f64 = 1e-6;
 
+/// Fit, percent, below which a model leaves more than half of the variance of the record: `100 (1 - sqrt(1/2))`.
+const WEAK_FIT_PERCENT: f64 = 100.0 * (1.0 - FRAC_1_SQRT_2);
+
+/// What to say of a fit below 29.3 %, where the errors of a model have more than half of the variance of the record: that its
+/// modes are not the record's. `None` above.
+pub fn weak_fit(fit_percent: f64) -> Option<String> {
+    (fit_percent < WEAK_FIT_PERCENT).then(|| {
+        format!(
+            "fit {fit_percent:.1} %, below {WEAK_FIT_PERCENT:.1} %: the model leaves more than half of the record's variance, and its modes say little of the record"
+        )
+    })
+}
+
 /// A frequency at which a filter that the signals went through leaves 1/√2 of the amplitude (-3 dB).
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilterEdge {
@@ -36,7 +49,7 @@ impl FilterEdge {
 }
 
 /// Notes on the realisation `id`, one per mode (conjugates once): growth, artefacts of sampling, and frequencies that may
-/// belong to the filter with these `edges` rather than to the car; and on a weakly founded order.
+/// belong to the filter with these `edges` rather than to the car; on a weakly founded order; and on a weak fit.
 pub fn caveats(id: &str, model: &Realization, edges: &[FilterEdge]) -> Notes {
     let mut notes = Notes::new();
     let order = model.order();
@@ -50,6 +63,9 @@ pub fn caveats(id: &str, model: &Realization, edges: &[FilterEdge]) -> Notes {
         } else {
             notes.info(text);
         }
+    }
+    if let Some(text) = model.fit_percent.and_then(weak_fit) {
+        notes.warning(format!("{id}: {text}"));
     }
     if let Err(reason) = &model.continuous {
         notes.warning(format!("{id}: no continuous model: {reason}"));
@@ -113,5 +129,18 @@ fn describe(mode: &Mode) -> String {
         }
         Some(damping) => format!("at {:.2} Hz (damping ratio {damping:.4})", mode.natural_frequency_hz()),
         None => "at 0 Hz".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fit_is_weak_where_more_than_half_of_the_variance_is_left() {
+        let of_errors = |share: f64| 100.0 * (1.0 - share.sqrt());
+        assert_eq!(weak_fit(of_errors(0.49)), None);
+        assert!(weak_fit(of_errors(0.51)).is_some_and(|text| text.contains("below 29.3 %")));
+        assert!(weak_fit(-250.0).is_some());
     }
 }

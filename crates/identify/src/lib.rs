@@ -53,6 +53,7 @@ mod realization;
 mod regularised_fir;
 mod residual;
 mod residual_noise;
+mod search_outcome;
 mod section_chain;
 mod selection;
 mod separable;
@@ -77,7 +78,7 @@ pub use arx::{Arx, ArxOrder, arx, arx_scan};
 pub use bootstrap::{
     BandPoint, Bootstrap, BootstrapOptions, Sample, Spread, bootstrap, bootstrap_equation_errors, bootstrap_outputs,
 };
-pub use caveats::{FilterEdge, caveats, mode_notes};
+pub use caveats::{FilterEdge, caveats, mode_notes, weak_fit};
 pub use clusters::{PoleCluster, Quartiles};
 pub use compare::{FitMeasures, compare, fit_measures, simulate_fitted};
 pub use continuation::{continued, sampled};
@@ -107,6 +108,7 @@ pub use realization::Realization;
 pub use regularised_fir::{Fir, FirOptions, Hyperparameters, fir};
 pub use residual::{ResidualTests, effective_samples, residual_tests};
 pub use residual_noise::{Resampling, ResidualNoise};
+pub use search_outcome::SearchOutcome;
 pub use selection::{Contender, Ranked, Selection, select};
 pub use shift_form::ShiftForm;
 pub use stabilization::{

@@ -7,7 +7,8 @@ use crate::input_matrices::{grows, input_matrices};
 use crate::{IdentifyError, IoData};
 
 /// The model with its poles outside the unit circle mirrored (`z -> 1/conj z`) and `B`, `D` and the initial state fitted
-/// again to the simulated output, and how many were mirrored; `None` where it does not grow over the record.
+/// again to the simulated output, and how many were mirrored; `None` where it does not grow by a factor of 1e8 over the
+/// record: a pole just outside the circle, or a record so short that a simulation survives it, stays as it is.
 ///
 /// For models that were not found by simulating: a realisation of an estimated impulse response may have a pole that grows,
 /// and a simulation over a record longer than that response then follows nothing. A pole that was mirrored is not that
@@ -21,7 +22,7 @@ pub fn mirrored_poles(model: &StateSpace, data: &IoData) -> Result<Option<(State
     Ok(Some((model, mirrored)))
 }
 
-/// Mirrors poles outside the unit circle (`z -> 1/conj z`) when the model would grow over `samples`, in modal
+/// Mirrors poles outside the unit circle (`z -> 1/conj z`) when the model [`grows`] over `samples`, in modal
 /// coordinates. Errors: an eigenvector basis that does not span the space.
 pub(crate) fn stabilized(
     a: DMatrix<f64>,

@@ -4,13 +4,13 @@ use crumple_identify::{IdentifyError, IoData, compare, continued, fit_measures, 
 use crumple_lti::{Complex, InputHold, Mode, StateSpace, to_continuous, to_transfer_function};
 use crumple_stage::Output;
 
-use crate::by_state_space::Found;
 use crate::comparison::Comparison;
 use crate::evidence::{
     foretold, modes, notes_on_modes, of_record, percent, prediction_tests, put_evidence, put_transfer_functions,
     validate_all,
 };
 use crate::evidence_options::BootstrapSettings;
+use crate::found::Found;
 use crate::input_output::{Cut, Record};
 use crate::judgement::{Band, Judged, limits, put_spreads, spread_of_equation, spread_of_outputs, zeros_of};
 use crate::to_records::{shapes, state_space};

@@ -6,11 +6,11 @@ use nalgebra::DMatrix;
 use crate::chain_in_seconds::{state_powers, unscaled};
 use crate::covariance::{propagated, unknowns_covariance};
 use crate::residual::effective_samples;
+use crate::search_outcome::SearchOutcome;
 use crate::section_chain::SectionChain;
 use crate::separable::{SeparableFit, minimize};
-use crate::termination::{Stop, Termination};
+use crate::termination::Stop;
 use crate::transfer_function_search::{Search, best_search};
-use crate::transfer_starts::Start;
 use crate::{FitMeasures, IdentifyError, IoData, TransferFunctionOptions, fit_measures};
 
 /// Refinements with other weights; the second changes little.
@@ -23,34 +23,18 @@ pub struct TransferFunctionArray {
     pub entries: Vec<Vec<TransferFunction>>,
     /// Standard deviations of the numerators' coefficients, `[output][input]`, highest power first.
     pub numerator_deviations: Vec<Vec<Vec<f64>>>,
-    /// The same of the denominator without its leading 1.
-    pub denominator_deviations: Vec<f64>,
     /// The whole as one model, with as many states as poles times the lesser of the numbers of inputs and outputs.
     pub state_space: StateSpace,
     /// Poles, 1/s, with frequency and damping.
     pub modes: Vec<Mode>,
-    /// Standard deviations of frequency (rad/s) and damping ratio of every mode; `None` where not determined.
-    pub mode_deviations: Vec<Option<(f64, f64)>>,
-    /// Condition number of the column-scaled sensitivities of all unknowns.
-    pub condition: f64,
     /// Measures of every simulated output.
     pub fits: Vec<Option<FitMeasures>>,
     /// Simulated outputs.
     pub simulated: Vec<Vec<f64>>,
     /// Number of unknowns: poles, numerators, initial motions.
     pub parameters: usize,
-    /// Whether initial conditions were estimated.
-    pub initial_estimated: bool,
-    /// Kind of the best start.
-    pub start: Start,
-    /// Its iterations.
-    pub iterations: usize,
-    /// Evaluations of all starts.
-    pub evaluations: usize,
-    /// Why the best one stopped.
-    pub termination: Termination,
-    /// Mean square of the errors of every refined start, outputs divided by their root mean squares, best first.
-    pub losses: Vec<f64>,
+    /// The search that found them.
+    pub search: SearchOutcome,
 }
 
 /// Finds transfer functions from every input to every output, all with one denominator, as
@@ -119,25 +103,12 @@ pub fn transfer_function_array(
     Ok(TransferFunctionArray {
         entries,
         numerator_deviations: (0..q).map(|i| (0..m).map(|j| deviations[entry(i, j)].to_vec()).collect()).collect(),
-        denominator_deviations: deviations[numerators..numerators + n].to_vec(),
         state_space: state_space(&search, &chain, duration, &gain)?,
         modes: chain.poles().into_iter().map(Mode::continuous).collect(),
-        mode_deviations: (0..n)
-            .map(|i| {
-                let (w, zeta) = (deviations[numerators + n + i], deviations[numerators + 2 * n + i]);
-                (w.is_finite() && zeta.is_finite()).then_some((w, zeta))
-            })
-            .collect(),
-        condition,
         fits: data.outputs().iter().zip(&simulated).map(|(y, yh)| fit_measures(y, yh)).collect(),
         simulated,
         parameters: unknowns.len(),
-        initial_estimated: problem.free,
-        start: search.start,
-        iterations: best.iterations,
-        evaluations: search.evaluations,
-        termination: best.termination,
-        losses: search.losses.clone(),
+        search: SearchOutcome::new(&search, condition, n, &deviations[numerators..]),
     })
 }
 
@@ -274,7 +245,8 @@ mod tests {
     fn deviations_cover_the_error_of_noisy_paths() {
         let (data, truth) = record(2, 2, 0.2);
         let fit = transfer_function_array(&data, &TransferFunctionOptions::new(4, 3)).unwrap();
-        for ((found, deviation), exact) in fit.modes.iter().zip(&fit.mode_deviations).zip(truth.poles().unwrap()) {
+        for ((found, deviation), exact) in fit.modes.iter().zip(&fit.search.mode_deviations).zip(truth.poles().unwrap())
+        {
             let (w, zeta) = deviation.unwrap();
             // Four deviations; the data are fixed.
             assert!((found.natural_frequency_rad_per_s - exact.norm()).abs() < 4.0 * w && w < 0.02 * exact.norm());

@@ -7,10 +7,9 @@ use crate::chain_in_seconds::{cascade, combined, in_seconds, unscaled};
 use crate::covariance::{propagated, unknowns_covariance};
 use crate::propagation::root_deviations;
 use crate::residual::effective_samples;
-use crate::termination::Termination;
+use crate::search_outcome::SearchOutcome;
 use crate::transfer_function_options::TransferFunctionOptions;
 use crate::transfer_function_search::{Search, best_search};
-use crate::transfer_starts::Start;
 use crate::{FitMeasures, IdentifyError, InformationCriteria, IoData, fit_measures};
 
 /// A transfer function and the evidence for it.
@@ -25,22 +24,16 @@ pub struct TransferFunctionFit {
     pub initial_numerator: Vec<f64>,
     /// Poles, 1/s, with frequency and damping.
     pub modes: Vec<Mode>,
-    /// Standard deviations of frequency (rad/s) and damping ratio of every mode; `None` where not determined.
-    pub mode_deviations: Vec<Option<(f64, f64)>>,
     /// Zeros, 1/s.
     pub zeros: Vec<Complex>,
     /// Standard deviations of the numerator's coefficients (as many as zeros + 1, highest power first), from the
     /// covariance of the linearised fit inflated for correlated residuals.
     pub numerator_deviations: Vec<f64>,
-    /// The same of the denominator without its leading 1.
-    pub denominator_deviations: Vec<f64>,
     /// Covariance of both: the numerator's `zeros + 1` coefficients, then the denominator's; `None` where the
     /// sensitivities do not determine it.
     pub coefficient_covariance: Option<DMatrix<f64>>,
     /// Standard deviations of the real and imaginary parts of the zeros, 1/s; `None` where not determined.
     pub zero_deviations: Vec<Option<(f64, f64)>>,
-    /// Condition number of the column-scaled sensitivities of all unknowns.
-    pub condition: f64,
     /// Mean square of the error, square of the output's unit.
     pub loss: f64,
     /// Measures of the simulated output.
@@ -49,24 +42,14 @@ pub struct TransferFunctionFit {
     pub simulated: Vec<f64>,
     /// Criteria with the effective number of samples.
     pub criteria: InformationCriteria,
-    /// Whether the initial conditions were estimated.
-    pub initial_estimated: bool,
-    /// Kind of the best start.
-    pub start: Start,
-    /// Its iterations.
-    pub iterations: usize,
-    /// Evaluations of all starts.
-    pub evaluations: usize,
-    /// Why the best one stopped.
-    pub termination: Termination,
-    /// Loss of every refined start, best first.
-    pub losses: Vec<f64>,
+    /// The search that found it.
+    pub search: SearchOutcome,
 }
 
 impl TransferFunctionFit {
     /// Covariance of the denominator's coefficients after the leading 1, by rows; empty where it is not finite.
     pub fn denominator_covariance(&self) -> Vec<Vec<f64>> {
-        let n = self.denominator_deviations.len();
+        let n = self.search.denominator_deviations.len();
         let Some(all) = &self.coefficient_covariance else { return Vec::new() };
         let own = all.view((all.nrows() - n, all.ncols() - n), (n, n));
         if own.iter().any(|x| !x.is_finite()) {
@@ -174,25 +157,12 @@ impl Search {
             state_space: cascade(&chain, forced, duration, gain, direct)?,
             initial_numerator,
             modes: chain.poles().into_iter().map(Mode::continuous).collect(),
-            mode_deviations: (0..n)
-                .map(|i| {
-                    let (w, zeta) = (deviations[b_count + n + i], deviations[b_count + 2 * n + i]);
-                    (w.is_finite() && zeta.is_finite()).then_some((w, zeta))
-                })
-                .collect(),
             numerator_deviations: deviations[..b_count].to_vec(),
-            denominator_deviations: deviations[b_count..b_count + n].to_vec(),
-            condition,
             loss,
             fit: fit_measures(&data.outputs()[0], &simulated),
             simulated,
             criteria: InformationCriteria::new(loss, effective, unknowns.len()),
-            initial_estimated: problem.free,
-            start: self.start,
-            iterations: best.iterations,
-            evaluations: self.evaluations,
-            termination: best.termination,
-            losses: self.losses.clone(),
+            search: SearchOutcome::new(&self, condition, n, &deviations[b_count..]),
         })
     }
 }

@@ -3,8 +3,8 @@
 use crumple_lti::StateSpace;
 use nalgebra::DMatrix;
 
-use crate::arx::lagged_factor;
-use crate::least_squares::{CONDITION_LIMIT, Solution};
+use crate::arx::{enough, lagged_factor, solved};
+use crate::least_squares::Solution;
 use crate::{ArxOrder, IdentifyError, IoData};
 
 /// `y[k] = -sum A_i y[k-i] + sum_j B_j u[k-nk-j] + e[k]` with matrices for coefficients.
@@ -27,23 +27,13 @@ pub struct VectorArx {
 /// Fits an ARX model to any number of outputs and inputs by least squares. What is said of [`arx`](crate::arx()) holds
 /// here, for every output.
 ///
-/// Errors: too few samples, condition above [`CONDITION_LIMIT`] (collinear outputs, noise-free data of lower order).
+/// Errors: too few samples, condition above [`CONDITION_LIMIT`](crate::CONDITION_LIMIT) (collinear outputs, noise-free data of lower order).
 pub fn vector_arx(data: &IoData, order: ArxOrder) -> Result<VectorArx, IdentifyError> {
     let ArxOrder { na, nb, nk } = order;
     let (m, q) = (data.inputs().len(), data.outputs().len());
     let p = q * na + m * nb;
     let (first, samples) = (order.states(), data.samples());
-    if p == 0 {
-        return Err(IdentifyError::OrderZero);
-    }
-    if samples < first + p + 1 {
-        return Err(IdentifyError::TooShort {
-            method: "arx",
-            samples,
-            needed: first + p + 1,
-            why: format!("{p} parameters of every output after {first} samples of memory"),
-        });
-    }
+    enough(samples, p, first)?;
     let mut columns: Vec<(&[f64], usize)> = Vec::with_capacity(p + q);
     for lag in 1..=na {
         columns.extend(data.outputs().iter().map(|y| (&y[..], lag)));
@@ -53,11 +43,7 @@ pub fn vector_arx(data: &IoData, order: ArxOrder) -> Result<VectorArx, IdentifyE
     }
     columns.extend(data.outputs().iter().map(|y| (&y[..], 0)));
     let factor = lagged_factor(&columns, first, samples);
-    let Solution { coefficients, residual_squares, condition, .. } =
-        factor.solve(q, 0.0).ok_or(IdentifyError::NotConverged("the regression of arx"))?;
-    if condition > CONDITION_LIMIT {
-        return Err(IdentifyError::IllConditioned { method: "arx", condition, limit: CONDITION_LIMIT });
-    }
+    let Solution { coefficients, residual_squares, condition, .. } = solved(&factor, q)?;
     let rows = factor.rows() as f64;
     Ok(VectorArx {
         order,

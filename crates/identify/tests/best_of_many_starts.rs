@@ -143,10 +143,10 @@ fn check(name: &str, u: Vec<f64>, y: Vec<f64>, dt: f64) {
         "{name}: ours {:.12e} ({:.4} %, {}, start {}, {} of {} refined starts there), best of 200: {:.12e}, {} within 1e-6",
         ours.loss,
         ours.fit.unwrap().fit_percent.unwrap(),
-        ours.termination.name(),
-        ours.start.name(),
-        ours.losses.iter().filter(|l| **l < ours.loss * (1.0 + 1e-6)).count(),
-        ours.losses.len(),
+        ours.search.termination.name(),
+        ours.search.start.name(),
+        ours.search.losses.iter().filter(|l| **l < ours.loss * (1.0 + 1e-6)).count(),
+        ours.search.losses.len(),
         losses[0],
         losses.iter().filter(|l| **l < losses[0] * (1.0 + 1e-6)).count()
     );

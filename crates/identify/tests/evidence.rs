@@ -260,7 +260,7 @@ fn bootstrap_of_a_transfer_function_agrees_with_records_and_with_its_covariance(
     for s in truth {
         let of = |fit: &crumple_identify::TransferFunctionFit| {
             let k = (0..4).min_by(|a, b| (fit.modes[*a].pole - s).norm().total_cmp(&(fit.modes[*b].pole - s).norm()));
-            (fit.modes[k.unwrap()].natural_frequency_rad_per_s, fit.mode_deviations[k.unwrap()].unwrap().0)
+            (fit.modes[k.unwrap()].natural_frequency_rad_per_s, fit.search.mode_deviations[k.unwrap()].unwrap().0)
         };
         let spread = deviation(&found.iter().map(|fit| of(fit).0).collect::<Vec<_>>());
         let stated = of(&found[0]).1;

@@ -65,6 +65,26 @@ fn a_short_record_chooses_among_the_orders_it_has_room_for() {
 }
 
 #[test]
+fn a_thinned_record_chooses_among_the_orders_it_has_room_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = three_states(folder.path(), 0.02);
+    let output = folder.path().join("4.mcap");
+    let flags = ["--methods=n4sid", "--orders=auto", "--inputs=u", "--outputs=y", "--samples=346", "--thin=4"];
+    let run = identify(&input, &output, &flags);
+    assert_eq!(run.code, Some(0), "{}", run.said);
+    let result = Artifact::open(&output).unwrap();
+    let notes: NotesV1 = result.record("/notes").unwrap().unwrap();
+    // Every fourth of 346 samples are 87, of which three at each end go: 13 block rows of past and future need 77.
+    let text = notes.notes.iter().find(|note| note.contains("of 1 to 11 has")).unwrap_or_else(|| {
+        panic!("{:?}", notes.notes);
+    });
+    let order = text.split(' ').nth(2).unwrap();
+    let whole: IdentificationV1 = result.record(&format!("/identification/n4sid-{order}")).unwrap().unwrap();
+    // The criterion is not that of the model written, which its record tells.
+    assert!(whole.notes.iter().any(|note| note.contains("one horizon of 13 block rows")), "{:?}", whole.notes);
+}
+
+#[test]
 fn why_a_method_gives_nothing_is_told_once() {
     let folder = tempfile::tempdir().unwrap();
     let golden = crumple_testkit::workspace().join("fixtures/double/golden");
@@ -76,4 +96,21 @@ fn why_a_method_gives_nothing_is_told_once() {
     let notes: NotesV1 = Artifact::open(&output).unwrap().record("/notes").unwrap().unwrap();
     let told = notes.notes.iter().filter(|note| note.contains("misses the record by far"));
     assert_eq!(told.count(), 1, "{:?}", notes.notes);
+}
+
+#[test]
+fn a_model_that_follows_next_to_nothing_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = three_states(folder.path(), 0.0);
+    let output = folder.path().join("4.mcap");
+    // White noise for a free decay.
+    let flags = ["--methods=era,n4sid", "--orders=2", "--channel=u", "--inputs=none", "--outputs=u"];
+    let run = identify(&input, &output, &flags);
+    assert_eq!(run.code, Some(0), "{}", run.said);
+    let result = Artifact::open(&output).unwrap();
+    for id in ["era-2", "n4sid-2"] {
+        let whole: IdentificationV1 = result.record(&format!("/identification/{id}")).unwrap().unwrap();
+        assert!(whole.fit_percent.unwrap() < 20.0, "{id} {:?}", whole.fit_percent);
+        assert!(whole.notes.iter().any(|note| note.contains("below 29.3 %")), "{id} {:?}", whole.notes);
+    }
 }

@@ -7,7 +7,9 @@ mod program;
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::Artifact;
-use crumple_artifact::records::{ArxScanV1, EvidenceV1, ExponentialSumV1, IdentificationV1, ModesV1, StateSpaceV1};
+use crumple_artifact::records::{
+    ArxScanV1, EvidenceV1, ExponentialSumV1, IdentificationV1, ModesV1, NotesV1, StateSpaceV1,
+};
 use crumple_lti::{Complex, StateSpace, simulate};
 use crumple_signal::{Channel, QuantityKind};
 use crumple_testkit::uniform;
@@ -65,6 +67,27 @@ fn a_structure_of_arx_is_fitted_as_asked_and_a_scan_finds_it() {
     assert_eq!(run.code, Some(3), "{}", run.said);
     let run = identify(&input, &output, &[&common[..], &["--arx-orders=2,2"]].concat());
     assert_eq!(run.code, Some(2), "{}", run.said);
+}
+
+#[test]
+fn structures_of_arx_tell_of_the_delay_and_of_those_without_a_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let (input, output) = (delayed(folder.path()), folder.path().join("4.mcap"));
+    let common = ["--methods=arx", "--inputs=u", "--outputs=y", "--delay=2", "--samples=60"];
+    // A delay of 70 samples is more than the window has.
+    for flags in ["--arx-orders=2,2,0;2,2,70", "--arx-scan=2,2,0-70"] {
+        let run = identify(&input, &output, &[&common[..], &[flags, "--force"]].concat());
+        assert_eq!(run.code, Some(0), "{flags} {}", run.said);
+        let result = Artifact::open(&output).unwrap();
+        let whole: IdentificationV1 = result.record("/identification/arx-2-2-0").unwrap().unwrap();
+        assert!(whole.notes.iter().any(|note| note.contains("acts 2 samples late")), "{:?}", whole.notes);
+        let notes: NotesV1 = result.record("/notes").unwrap().unwrap();
+        let told = notes.notes.iter().filter(|note| note.contains("60 samples, arx needs"));
+        assert_eq!(told.count(), 1, "{:?}", notes.notes);
+    }
+    // The answer where nothing is left, told once.
+    let run = identify(&input, &output, &[&common[..], &["--arx-orders=2,2,70", "--force"]].concat());
+    assert_eq!((run.code, run.said.matches("arx needs").count()), (Some(3), 1), "{}", run.said);
 }
 
 #[test]

@@ -8,11 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Numbers in [-1, 1) that look random.
 fn noise(k: usize) -> f64 {
-    let mut x = (k as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    x ^= x >> 32;
-    x = x.wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    x ^= x >> 32;
-    (x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    crumple_testkit::uniform(k as u64)
 }
 
 /// Unit of time of the simulations here, s: coefficients of all powers are then of one size.
@@ -67,10 +63,10 @@ fn coefficients_of_the_printed_model_come_back_to_nine_digits() {
     let fit = transfer_function_fit(&crash(0.0), &TransferFunctionOptions::new(4, 1)).unwrap();
     println!(
         "{:?} from {} after {} iterations, {} evaluations, loss {:.1e}",
-        fit.termination,
-        fit.start.name(),
-        fit.iterations,
-        fit.evaluations,
+        fit.search.termination,
+        fit.search.start.name(),
+        fit.search.iterations,
+        fit.search.evaluations,
         fit.loss
     );
     println!("{:?} / {:?}", fit.transfer_function.numerator(), fit.transfer_function.denominator());
@@ -94,7 +90,7 @@ fn noise_is_covered_by_the_standard_deviations_and_blurs_the_numerator() {
     for noise_m in [1e-4, 1e-3] {
         let fit = transfer_function_fit(&crash(noise_m), &TransferFunctionOptions::new(4, 1)).unwrap();
         let found = fit.transfer_function.denominator()[1..].iter().chain(fit.transfer_function.numerator());
-        let deviations = fit.denominator_deviations.iter().chain(&fit.numerator_deviations);
+        let deviations = fit.search.denominator_deviations.iter().chain(&fit.numerator_deviations);
         for ((found, exact), deviation) in found.zip(DENOMINATOR[1..].iter().chain(&NUMERATOR)).zip(deviations) {
             println!("{noise_m}: {found:.6e} +- {deviation:.1e}, exact {exact:.6e}");
             // Four deviations; the data are fixed.
@@ -129,9 +125,11 @@ fn rest_is_found_by_the_test_and_other_orders_and_holds_come_back() {
             ..TransferFunctionOptions::new(n, numerator.len() - 1)
         };
         let fit = transfer_function_fit(&data, &options).unwrap();
-        assert!(!fit.initial_estimated, "order {n}");
-        for ((found, exact), deviation) in
-            fit.transfer_function.denominator()[1..].iter().zip(&denominator[1..]).zip(&fit.denominator_deviations)
+        assert!(!fit.search.initial_estimated, "order {n}");
+        for ((found, exact), deviation) in fit.transfer_function.denominator()[1..]
+            .iter()
+            .zip(&denominator[1..])
+            .zip(&fit.search.denominator_deviations)
         {
             assert!((found - exact).abs() < 4.0 * deviation, "order {n}: {found} {exact} +- {deviation}");
         }
@@ -145,7 +143,13 @@ fn every_start_alone_reaches_the_optimum() {
     for start in [Start::Svf, Start::Gpmf, Start::Iv, Start::N4sid, Start::Exponentials, Start::Random] {
         let options = TransferFunctionOptions { starts: vec![start], ..TransferFunctionOptions::new(4, 1) };
         let fit = transfer_function_fit(&data, &options).unwrap();
-        println!("{}: loss {:.9e}, {} evaluations, {:?}", start.name(), fit.loss, fit.evaluations, fit.termination);
+        println!(
+            "{}: loss {:.9e}, {} evaluations, {:?}",
+            start.name(),
+            fit.loss,
+            fit.search.evaluations,
+            fit.search.termination
+        );
         // A stationary point to the gradient test; the loss is flat there to its square.
         assert!(fit.loss <= best * (1.0 + 1e-9), "{}", start.name());
     }

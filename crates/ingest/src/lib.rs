@@ -37,6 +37,7 @@ mod stage;
 mod table;
 mod tdm;
 mod tdms;
+mod time_unit;
 mod time_zero;
 mod twins;
 mod uneven;

@@ -93,7 +93,7 @@ fn the_accord_record_without_header_asks_for_its_unit() {
     // Minimum and its time as stated with the record.
     let (at, minimum) = pulse.samples.samples().iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).unwrap();
     assert!((minimum / G + 24.862).abs() < 5e-4 && (pulse.samples.time_s(at) - 0.058).abs() < 1e-9);
-    assert!(notes(&ingested).contains("no unit of time is stated: taken as s"));
+    assert!(notes(&ingested).contains("no unit of time is stated for column"));
 }
 
 #[test]

@@ -17,7 +17,7 @@ const DAMPER: Spelling = Spelling { symbol: 'c', unit: "n_s_per_m", place: "m_pe
 impl Spelling {
     fn write(&self, number: usize, law: &PiecewiseLinear, out: &mut BTreeMap<String, f64>) {
         let symbol = format!("{}{number}", self.symbol);
-        if let Some(value) = law.as_constant() {
+        if let (Some(value), 1) = (law.as_constant(), law.points().count()) {
             out.insert(format!("{symbol}_{}", self.unit), value);
             return;
         }
@@ -110,6 +110,18 @@ mod tests {
         assert_eq!(names["k1_knot2_m"], 0.2);
         assert!(!names.contains_key("k1_knot1_m"));
         assert_eq!(SecantChain::from_parameters(&names).unwrap(), chain());
+    }
+
+    #[test]
+    fn knots_of_the_same_value_keep_their_names() {
+        let flat = PiecewiseLinear::new(&[(0.0, 9e5), (0.2, 3.5e5), (0.3, 3.5e5)]).unwrap();
+        let constant = PiecewiseLinear::new(&[(0.0, 4e3), (2.0, 4e3)]).unwrap();
+        let chain = SecantChain::new(&[250.0], &[flat], &[constant]).unwrap();
+        let names = chain.parameters();
+        for name in ["k1_knot3_n_per_m", "k1_knot3_m", "c1_knot1_n_s_per_m", "c1_knot2_n_s_per_m"] {
+            assert!(names.contains_key(name), "{name} {names:?}");
+        }
+        assert_eq!(SecantChain::from_parameters(&names).unwrap(), chain);
     }
 
     #[test]

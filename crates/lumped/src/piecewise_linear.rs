@@ -8,15 +8,17 @@ use crate::error::finite;
 /// spring is as stiff in tension as in compression.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PiecewiseLinear {
-    /// Rising, the first zero.
+    /// As stated; rising, the first zero.
     knots: Vec<f64>,
     values: Vec<f64>,
+    /// Knots from the first on that the curve needs: one that has, with all after it, the value of the one before says nothing.
+    needed: usize,
 }
 
 impl PiecewiseLinear {
     /// The same everywhere.
     pub fn constant(value: f64) -> Self {
-        Self { knots: vec![0.0], values: vec![value] }
+        Self { knots: vec![0.0], values: vec![value], needed: 1 }
     }
 
     /// `(knot, value)` with knots that rise from zero or more. A first knot above zero holds down to zero. Errors: none at all,
@@ -42,31 +44,35 @@ impl PiecewiseLinear {
         }
         knots.extend(points.iter().map(|p| p.0));
         values.extend(points.iter().map(|p| p.1));
-        // A last knot at the value of the one before it says what holds without it.
-        while values.len() > 1 && values[values.len() - 1] == values[values.len() - 2] {
-            knots.pop();
-            values.pop();
-        }
-        Ok(Self { knots, values })
+        let last = values.last().copied().unwrap_or(start);
+        let needed = values.iter().rposition(|value| *value != last).map_or(1, |before| before + 2);
+        Ok(Self { knots, values, needed })
+    }
+
+    /// The knots that the curve needs and their values.
+    fn shape(&self) -> (&[f64], &[f64]) {
+        (&self.knots[..self.needed], &self.values[..self.needed])
     }
 
     /// The coefficient at a displacement or speed.
     pub fn at(&self, q: f64) -> f64 {
-        let piece = piece(&self.knots, &self.values, q.abs(), true);
+        let (knots, values) = self.shape();
+        let piece = piece(knots, values, q.abs(), true);
         piece.constant + piece.slope * q.abs()
     }
 
     /// Energy in a secant spring with this stiffness, `integral from 0 to |q| of k(s) s ds`.
     pub fn energy(&self, q: f64) -> f64 {
-        work(&self.knots, &self.values, q.abs())
+        let (knots, values) = self.shape();
+        work(knots, values, q.abs())
     }
 
-    /// Its value if it is the same everywhere.
+    /// Its value if it is the same everywhere, with however many knots it was stated.
     pub fn as_constant(&self) -> Option<f64> {
-        (self.values.len() == 1).then_some(self.values[0])
+        (self.needed == 1).then_some(self.values[0])
     }
 
-    /// Knots and values, the first knot zero; a last knot at the value of the one before it was left out.
+    /// Knots and values as stated, the first knot zero: those of the same value too, so that a name always finds its knot.
     pub fn points(&self) -> impl Iterator<Item = (f64, f64)> {
         self.knots.iter().copied().zip(self.values.iter().copied())
     }
@@ -78,11 +84,11 @@ impl PiecewiseLinear {
 
     /// The pieces over the whole axis, from minus to plus infinity: `coefficient = constant + slope q`.
     pub(crate) fn regions(&self) -> Vec<Region> {
-        let right: Vec<Region> = self
-            .knots
+        let (knots, values) = self.shape();
+        let right: Vec<Region> = knots
             .iter()
             .map(|knot| {
-                let p = piece(&self.knots, &self.values, *knot, true);
+                let p = piece(knots, values, *knot, true);
                 Region { constant: p.constant, slope: p.slope, low: p.from, high: p.to }
             })
             .collect();
@@ -142,5 +148,10 @@ mod tests {
         assert!(PiecewiseLinear::new(&[(0.0, f64::NAN)]).is_err());
         let flat = PiecewiseLinear::new(&[(0.0, 7.0), (0.2, 7.0), (0.4, 7.0)]).unwrap();
         assert_eq!(flat.as_constant(), Some(7.0));
+        assert_eq!((flat.points().count(), flat.regions().len()), (3, 1));
+        assert_eq!(PiecewiseLinear::new(&[(0.3, 7.0)]).unwrap().as_constant(), Some(7.0));
+        let step = PiecewiseLinear::new(&[(0.0, 7.0), (0.2, 5.0), (0.4, 5.0)]).unwrap();
+        assert_eq!((step.as_constant(), step.points().last()), (None, Some((0.4, 5.0))));
+        assert_eq!((step.at(0.3), step.regions().len()), (5.0, 4));
     }
 }

@@ -103,8 +103,8 @@ pub struct Uncertainty {
     pub standard_deviation: BTreeMap<&'static str, f64>,
     /// Condition number of the sensitivity matrix, columns scaled to one length.
     pub condition: f64,
-    /// Lag-1 autocorrelation of the residuals that entered; 0 where none did.
-    pub residual_autocorrelation: f64,
+    /// Lag-1 autocorrelation of the residuals that entered; `None` where none did.
+    pub residual_autocorrelation: Option<f64>,
 }
 
 /// What is said of the parameters that stopped on a bound; `None` where none did. Zero is the limit of what is physical, and an

@@ -67,7 +67,7 @@ impl CoefficientSpread {
             },
             standard_deviation,
             condition,
-            residual_autocorrelation: 0.0,
+            residual_autocorrelation: None,
         })
     }
 }

@@ -160,7 +160,7 @@ fn pair(fine: &DoubleResiduals<'_>, best: &Minimum, evaluations: u64) -> DoubleF
             method: crate::candidate::LINEARISED,
             standard_deviation,
             condition,
-            residual_autocorrelation: correlation,
+            residual_autocorrelation: Some(correlation),
         })
     });
     DoubleFit {

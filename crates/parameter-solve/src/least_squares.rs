@@ -316,6 +316,6 @@ pub(crate) fn uncertainty(
         method: crate::candidate::LINEARISED,
         standard_deviation,
         condition: largest / smallest,
-        residual_autocorrelation: rho,
+        residual_autocorrelation: Some(rho),
     })
 }

@@ -246,12 +246,18 @@ impl Measurement {
 }
 
 impl TwoPassFilter {
-    /// Samples after which a pass has forgotten what it met.
+    /// Samples after which a pass has forgotten what it met: as many as its slowest pole takes to fall to [`FORGOTTEN`]; never
+    /// fewer than the two inputs that an output depends on, without end where a pole does not decay.
     fn memory_samples(&self) -> usize {
-        // Poles of a low-pass of second order are a complex pair of magnitude sqrt(-b2); anything else is followed long.
-        let magnitude = (-self.coefficients[4]).max(0.0).sqrt();
-        let samples = (FORGOTTEN.ln() / magnitude.ln()).ceil();
-        if samples.is_finite() && samples > 0.0 { samples as usize } else { 0 }
+        let [.., b1, b2] = self.coefficients;
+        // Roots of z² - b1 z - b2.
+        let square = b1 * b1 + 4.0 * b2;
+        let largest = if square < 0.0 { (-b2).sqrt() } else { 0.5 * (b1.abs() + square.sqrt()) };
+        if largest == 0.0 {
+            return 2;
+        }
+        let samples = (FORGOTTEN.ln() / largest.ln()).ceil();
+        if largest < 1.0 && samples.is_finite() { samples.max(2.0) as usize } else { usize::MAX }
     }
 
     /// Forward and backward, with the same extension and the same start of each pass as the filter stage; every lane by itself.
@@ -293,5 +299,26 @@ impl TwoPassFilter {
             (x2, x1) = (x1, x);
             (y2, y1) = (y1, *value);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn memory(poles: [f64; 2]) -> usize {
+        let [p, q] = poles;
+        TwoPassFilter { coefficients: [1.0, 0.0, 0.0, p + q, -p * q], samples_added: 0 }.memory_samples()
+    }
+
+    #[test]
+    fn a_filter_forgets_as_its_slowest_pole_decays() {
+        // ln 1e-10 / ln 0.9 = 218.5; the roots are exact to a rounding.
+        assert_eq!([memory([0.9, 0.5]), memory([0.9, 0.0]), memory([-0.9, 0.5])], [219; 3]);
+        assert_eq!(memory([0.0, 0.0]), 2);
+        assert_eq!([memory([1.0, 0.5]), memory([1.2, 0.1]), memory([f64::NAN, 0.1])], [usize::MAX; 3]);
+        // A complex pair of magnitude 0.9.
+        let pair = TwoPassFilter { coefficients: [1.0, 0.0, 0.0, 1.2, -0.81], samples_added: 0 };
+        assert_eq!(pair.memory_samples(), 219);
     }
 }

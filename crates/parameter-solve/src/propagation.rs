@@ -70,8 +70,8 @@ pub struct Repetition {
 
 /// The inputs of repetition `index`: four numbers from its own stream of a fixed seed.
 ///
-/// Another impact speed adds `δv (t - t_start)` to the displacement, another zero level `δb (t - t_start)²/2`, since the
-/// integration starts there; another time zero moves the label of contact, with the displacement made zero again there and, where
+/// Another impact speed adds `δv t` to the displacement `t` after contact, another zero level `δb (t - t_start)²/2` less what that
+/// is at contact, since the integration starts at `t_start`: at contact, or at the first sample; another time zero moves the label of contact, with the displacement made zero again there and, where
 /// the integration starts at contact, the velocity made the impact speed.
 pub fn repetition(observed: &Observed, inputs: &InputUncertainty, index: usize) -> Option<Repetition> {
     perturbed_by(observed, &drawn(inputs, index, observed.waves.len()))
@@ -143,11 +143,8 @@ fn shifted(wave: &SeenWave, v0: f64, errors: &Errors, bias: f64) -> SeenWave {
         let first = wave.first as f64 + (late / m.dt_s - 1e-6).ceil();
         wave.record.picked(&m, first, wave.last(), wave.stride)
     };
-    let start_s = match (m.from_contact, late == 0.0) {
-        (true, true) => m.time_s(m.contact_index()),
-        (true, false) => late,
-        (false, _) => m.first_s,
-    };
+    // Where the integration starts: at the new contact, between two samples or at one, if the record has begun there.
+    let start_s = if m.from_contact { late.max(m.first_s) } else { m.first_s };
     // Value and slope of what is integrated at the new contact, on the old axis.
     let at_contact = |before: (f64, f64)| match late {
         0.0 => before,
@@ -161,11 +158,12 @@ fn shifted(wave: &SeenWave, v0: f64, errors: &Errors, bias: f64) -> SeenWave {
             timed.map(|(t, v)| v - lost + speed + bias * (t - start_s)).collect()
         }
         FitQuantity::Displacement => {
-            let more = |t: f64| speed * (t - start_s) + 0.5 * bias * (t - start_s) * (t - start_s);
+            // Another speed moves the vehicle from contact on, another zero level what is integrated.
+            let bent = |t: f64| 0.5 * bias * (t - start_s) * (t - start_s);
             let (origin, velocity) = at_contact((0.0, v0));
             let lost = if m.from_contact { velocity - v0 } else { 0.0 };
-            let at_contact = origin + more(late.max(start_s));
-            timed.map(|(t, x)| x + more(t) - at_contact - lost * (t - late)).collect()
+            let at_contact = origin + bent(late.max(start_s));
+            timed.map(|(t, x)| x + (speed - lost) * (t - late) + bent(t) - at_contact).collect()
         }
     };
     SeenWave { measurement: Measurement { first_s: m.first_s - late, ..m }, first, samples, ..wave.clone() }

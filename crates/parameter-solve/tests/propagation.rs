@@ -84,6 +84,52 @@ fn a_contact_that_leaves_too_little_of_the_window_is_no_repetition() {
     }
 }
 
+/// Largest difference of the samples that are compared, m.
+fn apart(a: &Observed, b: &Observed) -> f64 {
+    let pairs = a.waves[0].samples.iter().zip(&b.waves[0].samples);
+    assert_eq!(a.waves[0].samples.len(), b.waves[0].samples.len());
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn another_zero_level_acts_from_contact_on_also_between_two_samples() {
+    let a = acceleration(&Model::Nonlinear1(CAR));
+    let bias = 3.0;
+    let higher: Vec<f64> = a.iter().map(|a| a + bias).collect();
+    for share in [0.0, 0.4] {
+        for from_contact in [true, false] {
+            let of = |a: &[f64]| observed(a, share * DT_S, from_contact, (0.0, 0.08));
+            let found = perturbed(&of(&a), 0.0, 0.0, bias, 0.0).unwrap().observed;
+            // Rounding of displacements below a metre; half an interval of 3 m/s² over 80 ms are 1e-5 m.
+            assert!(apart(&found, &of(&higher)) < 1e-13, "{share} {from_contact}");
+        }
+    }
+}
+
+#[test]
+fn a_record_that_begins_after_contact_takes_another_speed_from_contact_and_a_zero_level_from_its_first_sample() {
+    let first_s = 5.3 * DT_S;
+    // Nothing slows the vehicle before the first sample.
+    let of = |speed: f64, a: f64, from_contact: bool| {
+        let time = |k: usize| first_s + k as f64 * DT_S;
+        let x = (0..1000).map(|k| speed * time(k) + 0.5 * a * (time(k) - first_s).powi(2)).collect();
+        let measurement = Measurement {
+            dt_s: DT_S,
+            first_s,
+            samples: 1000,
+            filter: None,
+            from_contact,
+            rule: IntegrationRule::Trapezoid,
+        };
+        Observed::new(&Signal::new(first_s, DT_S, x).unwrap(), 0.0, measurement, speed, (0.001, 0.08), 10_000).unwrap()
+    };
+    for from_contact in [true, false] {
+        let found = perturbed(&of(V0, -150.0, from_contact), 0.0, 0.5, 3.0, 0.0).unwrap().observed;
+        // Rounding of displacements below a metre.
+        assert!(apart(&found, &of(V0 + 0.5, -147.0, from_contact)) < 1e-14, "{from_contact}");
+    }
+}
+
 #[test]
 fn another_time_zero_gives_what_the_whole_way_with_it_gives() {
     let a = acceleration(&Model::Nonlinear1(CAR));

@@ -1,14 +1,13 @@
 //! The time column of a table.
 
 use crumple_signal::Notes;
-use crumple_signal::unit::{Dimension, choices, factor};
 use crumple_signal::value::Frequency;
 
 use super::header::{Header, Unit, is_time_name};
 use super::rows::Rows;
 use crate::grid::{self, Grid, GridError};
 use crate::recording::Stated;
-use crate::{IngestError, Place, Settings, uneven};
+use crate::{IngestError, Place, Settings, time_unit, uneven};
 
 /// The time column and its grid.
 #[derive(Debug, Clone)]
@@ -147,18 +146,9 @@ fn unit(
     comment: Option<&Stated<String>>,
     notes: &mut Notes,
 ) -> Result<f64, IngestError> {
-    let known = |symbol: &str, from: &str| {
-        factor(symbol, Dimension::Time).ok_or_else(|| {
-            IngestError::content(
-                Place::file(file).in_column(title),
-                format!("{symbol:?}, stated by {from}, is no unit of time"),
-                format!("one of {}", choices(Dimension::Time)),
-                "use --time-unit s or --time-unit ms",
-            )
-        })
-    };
+    let place = || Place::file(file).in_column(title);
     if let Some(symbol) = &settings.time_unit {
-        let flag = known(symbol, "--time-unit")?;
+        let flag = time_unit::stated(place(), symbol, "--time-unit")?;
         if matches!(header, Unit::Time(of_header) if *of_header != flag) {
             notes.warning(format!("--time-unit {symbol} is not the unit that the header of column {title} states"));
         }
@@ -168,32 +158,11 @@ fn unit(
         Unit::Time(factor) => return Ok(*factor),
         Unit::Unstated => {}
         Unit::Unknown(_) | Unit::Signal(..) => {
-            return Err(IngestError::content(
-                Place::file(file).in_column(title),
-                "the unit in the header of the time column is no unit of time",
-                format!("one of {}", choices(Dimension::Time)),
-                "use --time-unit s or --time-unit ms",
-            ));
+            return Err(time_unit::refused(place(), "the unit in the header of the time column is no unit of time"));
         }
     }
     if let Some(stated) = comment {
-        return known(&stated.value, &stated.from);
+        return time_unit::stated(place(), &stated.value, &stated.from);
     }
-    let step = grid::median_step(times);
-    let (symbol, factor) = match step {
-        1e-7..0.02 => ("s", 1.0),
-        0.02..=20.0 => ("ms", 1e-3),
-        _ => {
-            return Err(IngestError::NotStated {
-                file: file.to_owned(),
-                what: format!("the unit of time: column {title} has steps of {step}"),
-                expected: "a unit in the header, such as time_s".to_owned(),
-                hint: "add --time-unit s, ms or us".to_owned(),
-            });
-        }
-    };
-    notes.info(format!(
-        "no unit of time is stated: taken as {symbol}, since the steps are {step:.6}; --time-unit overrides"
-    ));
-    Ok(factor)
+    time_unit::of_steps(file, &format!("column {title}"), "a unit in the header, such as time_s", times, notes)
 }

@@ -3,14 +3,13 @@
 use std::collections::BTreeMap;
 
 use crumple_signal::Notes;
-use crumple_signal::unit::{Dimension, choices, factor};
 
 use super::units::Label;
 use super::{Waveform, list};
 use crate::grid::{self, Grid, GridError};
 use crate::table::header::{Unit, is_time_name};
 use crate::uneven::{self, Interpolation};
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, Place, Settings, time_unit};
 
 /// The channel of times of a group.
 struct Clock {
@@ -178,35 +177,9 @@ fn grid_of(
 ) -> Result<(Grid, Option<Resampling>), IngestError> {
     let place = || Place::file(file).in_column(label.title.clone());
     let unit = match (&settings.time_unit, &label.unit) {
-        (Some(symbol), _) => factor(symbol, Dimension::Time).ok_or_else(|| {
-            IngestError::content(
-                place(),
-                format!("{symbol:?}, stated by --time-unit or the sidecar, is no unit of time"),
-                format!("one of {}", choices(Dimension::Time)),
-                "use --time-unit s or --time-unit ms",
-            )
-        })?,
+        (Some(symbol), _) => time_unit::stated(place(), symbol, "--time-unit or the sidecar")?,
         (None, Unit::Time(factor)) => *factor,
-        (None, _) => {
-            let step = grid::median_step(values);
-            let (symbol, factor) = match step {
-                1e-7..0.02 => ("s", 1.0),
-                0.02..=20.0 => ("ms", 1e-3),
-                _ => {
-                    return Err(IngestError::NotStated {
-                        file: file.to_owned(),
-                        what: format!("the unit of time: {} has steps of {step}", label.title),
-                        expected: "a unit of the channel, such as s".to_owned(),
-                        hint: "add --time-unit s, ms or us".to_owned(),
-                    });
-                }
-            };
-            notes.info(format!(
-                "no unit of time is stated for {}: taken as {symbol}, since the steps are {step:.6}; --time-unit overrides",
-                label.title
-            ));
-            factor
-        }
+        (None, _) => time_unit::of_steps(file, &label.title, "a unit of the channel, such as s", values, notes)?,
     };
     let inverse = (1.0 / unit).round();
     let times: Vec<f64> = values.iter().map(|t| if unit < 1.0 { t / inverse } else { t * unit }).collect();

@@ -70,10 +70,12 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
                 );
             }
             if let Some(u) = pair.uncertainty[dual].as_ref().filter(|_| !own) {
+                let widened = u.residual_autocorrelation.map_or_else(String::new, |correlation| {
+                    format!(", widened for a residual autocorrelation of {correlation:.4}")
+                });
                 remarks.push(format!(
-                    "standard deviations: linearised, widened for a residual autocorrelation of {:.4}; they hold for the \
-                     given masses and if the model is true, and say nothing of other solutions",
-                    u.residual_autocorrelation
+                    "standard deviations: linearised{widened}; they hold for the given masses and if the model is true, and \
+                     say nothing of other solutions"
                 ));
             }
             let mut fit = pair.fit.clone();
