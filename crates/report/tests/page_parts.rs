@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::{
-    CandidateV1, EventsV1, FitV1, MetricV1, ResponseV1, SensorFitV1, SimulationV1, UncertaintyV1,
+    CandidateV1, EventIntervalV1, EventsV1, FitV1, MetricV1, ResponseV1, SensorFitV1, SimulationV1, UncertaintyV1,
 };
 use crumple_report::{Candidate, Model, OtherSensor, Page, Ranking, Run, summary};
 use crumple_signal::{Axis, Channel, QuantityKind, Sampled};
@@ -339,6 +339,26 @@ fn a_recorder_without_a_speed_has_its_change_of_velocity_on_the_card() {
     let page = page(&run);
     assert!(
         page.contains("−60.0 <small>km/h</small>") && page.contains("at 100.0\u{a0}ms, maximum as recorded"),
+        "{page}"
+    );
+}
+
+#[test]
+fn the_intervals_of_events_stand_on_their_cards() {
+    let mut run = crash();
+    let events = run.events.as_mut().unwrap();
+    events.dynamic_crush_m = Some(0.7499);
+    events.intervals = vec![EventIntervalV1 {
+        name: "dynamic_crush_m".into(),
+        low: 0.7398,
+        high: 0.7591,
+        interval_by: "5-95 % of 400 replicates".into(),
+    }];
+    let page = page(&run);
+    assert!(
+        page.contains(
+            "749.9 <small>mm</small></p><p title=\"5-95 % of 400 replicates\">739.8 to 759.1\u{a0}mm (5-95 %)</p>"
+        ),
         "{page}"
     );
 }

@@ -1,7 +1,7 @@
 //! Title, what was tested, and the key figures.
 
 use crate::escape::html;
-use crate::people::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP, at_most, decimals};
+use crate::people::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP, at_most, decimals, range};
 use crate::{Ranking, Run};
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
@@ -76,32 +76,58 @@ fn change_of_velocity(run: &Run) -> (Option<f64>, Option<String>) {
 fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
     let events = run.events.as_ref();
     let mut cards = String::new();
-    let mut card = |name: &str, value: Option<f64>, factor: f64, places: usize, unit: &str, remark: Option<String>| {
+    // The interval of an event, as its uncertain measurement gives it, stands under the figure.
+    let interval = |field: &str, si: &str| {
+        let found = events?.intervals.iter().find(|interval| interval.name == field)?;
+        let words = range(found.low, found.high, si);
+        // `5-95 %` of `5-95 % of 400 replicates`; the rest on pointing at it.
+        let kind = found.interval_by.split(" of ").next().unwrap_or_default();
+        Some(format!("<p title=\"{}\">{} ({})</p>", html(&found.interval_by), html(&words), html(kind)))
+    };
+    let mut card = |name: &str,
+                    value: Option<f64>,
+                    factor: f64,
+                    places: usize,
+                    unit: &str,
+                    interval: Option<String>,
+                    remark: Option<String>| {
         if value.is_none() && remark.is_none() {
             return;
         }
         let number = value.map_or_else(|| ABSENT.to_owned(), |v| decimals(factor * v, places));
         let unit = if value.is_some() && !unit.is_empty() { format!(" <small>{unit}</small>") } else { String::new() };
         let remark = remark.map_or_else(String::new, |text| format!("<p>{text}</p>"));
+        let interval = interval.filter(|_| value.is_some()).unwrap_or_default();
         cards.push_str(&format!(
-            "<div class=\"card\"><h3>{name}</h3><p class=\"number\">{number}{unit}</p>{remark}</div>\n"
+            "<div class=\"card\"><h3>{name}</h3><p class=\"number\">{number}{unit}</p>{interval}{remark}</div>\n"
         ));
     };
     let absent = events.filter(|e| e.dynamic_crush_m.is_none()).map(|_| "velocity does not reach zero".to_owned());
-    card("Dynamic crush C", events.and_then(|e| e.dynamic_crush_m), MILLI, 1, "mm", absent);
+    card(
+        "Dynamic crush C",
+        events.and_then(|e| e.dynamic_crush_m),
+        MILLI,
+        1,
+        "mm",
+        interval("dynamic_crush_m", "m"),
+        absent,
+    );
     let t_m = run.time_of_crush_s();
     let ratio = events
         .and_then(|e| Some(e.centroid_time_s? / t_m?))
         .map(|r| format!("t<sub>c</sub>/t<sub>m</sub> = {}", decimals(r, 3)));
-    card("Time of crush t<sub>m</sub>", t_m, MILLI, 1, "ms", ratio);
+    card("Time of crush t<sub>m</sub>", t_m, MILLI, 1, "ms", interval("time_of_dynamic_crush_s", "s"), ratio);
     let (change, remark) = change_of_velocity(run);
-    card("Velocity change Δv", change, KM_PER_H_PER_M_PER_S, 1, "km/h", remark);
+    // A change that a recorder kept is none of the events.
+    let of_change = interval("delta_v_m_per_s", "m/s").filter(|_| events.is_some_and(|e| e.delta_v_m_per_s == change));
+    card("Velocity change Δv", change, KM_PER_H_PER_M_PER_S, 1, "km/h", of_change, remark);
     card(
         "Restitution e",
         events.and_then(|e| e.coefficient_of_restitution),
         1.0,
         3,
         "",
+        interval("coefficient_of_restitution", ""),
         events
             .and_then(|e| e.rebound_velocity_m_per_s)
             .map(|v| format!("rebound {}{NBSP}km/h", decimals(KM_PER_H_PER_M_PER_S * v.abs(), 1))),
@@ -113,6 +139,7 @@ fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
         G_PER_M_PER_S2,
         1,
         "g",
+        None,
         t_peak.map(|t| format!("at {}{NBSP}ms", decimals(MILLI * t, 1))),
     );
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
@@ -128,7 +155,7 @@ fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
         (None, false) => Some(ranking.no_best.as_deref().map_or_else(|| "no candidate qualifies".to_owned(), html)),
         (None, true) => None,
     };
-    card("Best model, fit", fit, 1.0, 2, "%", remark);
+    card("Best model, fit", fit, 1.0, 2, "%", None, remark);
     if !cards.is_empty() {
         out.push_str(&format!("<div class=\"cards\">\n{cards}</div>\n"));
     }
