@@ -15,14 +15,25 @@ pub fn acceleration_of_velocity_change(change: &Sampled) -> Result<Sampled, Sign
     Sampled::new(change.t0_s(), dt_s, (0..v.len()).map(slope).collect())
 }
 
-/// The step in which a change of velocity is printed, m/s: the smallest difference between two of its values that is no rounding of
-/// the conversion to SI; `None` for a constant.
+/// Units in which recorders print a velocity: km/h, mph, m/s.
+const PRINTED_UNITS_M_PER_S: [f64; 3] = [1.0 / 3.6, 0.44704, 1.0];
+
+/// The step in which a change of velocity is printed, m/s: the largest of 1, 0.5, 0.1, 0.05, 0.01 and 0.001 km/h, mph or m/s of which all its
+/// values are multiples; else the smallest difference between two of them that is no rounding. `None` for a constant.
 pub fn printed_step_m_per_s(change: &Sampled) -> Option<f64> {
     let mut values = change.samples().to_vec();
     values.sort_unstable_by(f64::total_cmp);
     let range = values.last()? - values.first()?;
     // 1e-9 of the range: products with a unit differ in the last bits only.
-    values.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-9 * range).reduce(f64::min)
+    let differences = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-9 * range);
+    let smallest = differences.reduce(f64::min)?;
+    let is_multiple = |value: f64, step: f64| (value / step - (value / step).round()).abs() < 1e-6;
+    [1.0, 0.5, 0.1, 0.05, 0.01, 0.001]
+        .into_iter()
+        .flat_map(|part| PRINTED_UNITS_M_PER_S.map(|unit| part * unit))
+        .filter(|step| values.iter().all(|value| is_multiple(*value, *step)))
+        .reduce(f64::max)
+        .or(Some(smallest))
 }
 
 /// What an acceleration derived from a change of velocity can be used for.
@@ -83,6 +94,12 @@ mod tests {
         // 1 km/h; rounding of the differences.
         assert!((printed_step_m_per_s(&sampled(&km_per_h)).unwrap() - 1.0 / 3.6).abs() < 1e-12);
         assert_eq!(printed_step_m_per_s(&sampled(&[2.0, 2.0])), None);
+        // Tenths of a km/h whose neighbours are never one tenth apart.
+        let tenths: Vec<f64> = [0, -14, -47, -93, -121].iter().map(|v| f64::from(*v) / 36.0).collect();
+        assert!((printed_step_m_per_s(&sampled(&tenths)).unwrap() - 1.0 / 36.0).abs() < 1e-12);
+        // Of no printed step: the smallest difference.
+        let odd = [0.0, -1.0 / 7.0, -std::f64::consts::PI];
+        assert!((printed_step_m_per_s(&sampled(&odd)).unwrap() - 1.0 / 7.0).abs() < 1e-12);
         let mut notes = Notes::new();
         derivative_note(&Sampled::new(0.0, 0.01, km_per_h).unwrap(), "dv", &mut notes);
         let text = notes.to_texts().join("");

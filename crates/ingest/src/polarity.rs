@@ -12,8 +12,12 @@ const CLEAR_CHANGE_M_PER_S: f64 = 0.25;
 const CLEAR_PART: f64 = 0.05;
 
 /// Gain of speed over impact speed that only a pulse of the wrong sign shows: a frontal impact loses 1.0 to 1.35 times the impact
-/// speed, and a record may end early. More than the upper limit speaks of a wrong unit.
+/// speed, and a record may end early.
 const CERTAIN: std::ops::RangeInclusive<f64> = 0.6..=1.6;
+
+/// Gain of speed over impact speed above which no sign makes an impact of it: a perfect rebound loses twice the impact speed, and a
+/// tenth is left to gain and impact speed. More speaks of a wrong unit.
+const IMPOSSIBLE: f64 = 2.2;
 
 /// Whether the sign of the pulse is certainly wrong, and what `--sign auto` says of it.
 pub fn certainly_wrong(pulse: Option<&Sampled>, impact_speed_m_per_s: Option<f64>) -> (bool, String) {
@@ -69,7 +73,7 @@ pub fn check(
     let ratio = impact_speed_m_per_s.filter(|v| *v > 0.0).map(|v| change / v);
     let way_out = match (polarity, ratio) {
         (Polarity::Turned, _) => "it was turned as read: leave --sign out".to_owned(),
-        (_, Some(ratio)) if ratio > *CERTAIN.end() => {
+        (_, Some(ratio)) if ratio > IMPOSSIBLE => {
             format!("{ratio:.1} times the impact speed is no impact of either sign: check the unit (--unit) and the impact speed first")
         }
         (_, None) => "if this is a frontal impact with deceleration positive, use --sign flip; a motion from rest, a shock or a drop may \

@@ -11,7 +11,8 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
     let mut notes = Notes::new();
     if wrong_sign(&motion.velocity, time_zero_s, impact_speed_m_per_s) {
         notes.warning(format!(
-            "{WRONG_SIGN}; the velocity rises from {impact_speed_m_per_s:.3} m/s to twice that, no events are written"
+            "{WRONG_SIGN}; the velocity rises from {impact_speed_m_per_s:.3} to {:.3} m/s, no events are written",
+            motion.velocity.samples().iter().copied().fold(impact_speed_m_per_s, f64::max)
         ));
         return notes;
     }

@@ -95,6 +95,9 @@ fn say_what_is_open(chain: &FittedChain, solutions: &[ChainSolution], out: &mut 
     if let Some(text) = open(best) {
         warn(text);
     }
+    if !best.on_bound.is_empty() {
+        warn(format!("on a bound of the search, not determined by the record: {}", best.on_bound.join(", ")));
+    }
     if let Some(text) = dual(chain, best) {
         warn(text);
     }
@@ -185,7 +188,7 @@ fn open(solution: &ChainSolution) -> Option<String> {
     Some(format!(
         "the record determines {} directions of {} free numbers; without an interval: {}{weakest}",
         knowledge.rank,
-        knowledge.interval.len(),
+        knowledge.order.len(),
         open.join(", ")
     ))
 }

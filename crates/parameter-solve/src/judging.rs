@@ -65,11 +65,10 @@ pub fn judge_all(
         return Ok(none);
     }
     if events.dynamic_crush_m.is_none() {
-        out.notes().info(format!(
-            "the vehicle does not stop within the record: its models are judged over the window they were fitted to, up to \
-             {:.1} mm and not to a dynamic crush; what unloads is not seen",
-            1e3 * crush_m
-        ));
+        out.notes().info(
+            "the vehicle does not stop within the record: its models are judged over the window they were fitted to and not to a \
+             dynamic crush; what unloads is not seen",
+        );
     }
     settings.judging.check(mass_kg, impact_speed_m_per_s)?;
     let (measurement, known) = measurement(input, events, &events.channel, &displacement)?;

@@ -64,6 +64,14 @@ impl Stage for ParameterSolve {
                         .to_owned(),
                 ));
             }
+            if speeds_up(input, &events)? {
+                out.put("/test", &TestV1::from(&described))?;
+                return Ok(Outcome::NoAcceptableResult(
+                    "the vehicle goes further than its impact speed alone takes it: no spring and no damper does that; see whether the \
+                     pulse has the wrong sign (crumple-ingest --sign flip) or unit"
+                        .to_owned(),
+                ));
+            }
             candidates = from_events(settings, input, &described, &events, out)?;
             let mass_kg = settings.mass_kg.or(described.mass_kg);
             judgements = judge_all(&mut candidates, settings, input, &events, mass_kg, out)?;
@@ -137,6 +145,21 @@ impl Stage for ParameterSolve {
             Outcome::Done
         })
     }
+}
+
+/// More of the way at constant speed than this part, and the record shows a vehicle that speeds up; a drifting zero level of
+/// 0.1 g adds 1 % of 10 m/s in 100 ms.
+const SPEEDS_UP: f64 = 1.05;
+
+/// Whether the vehicle, which never stops, is at the end of its record beyond where its impact speed alone would have taken it.
+fn speeds_up(input: &Inputs, events: &EventsV1) -> anyhow::Result<bool> {
+    let wave = input.wave_if(&format!("{}/displacement", events.channel));
+    let Some(displacement) = wave.map(Wave::signal::<Displacement>).transpose().refuse()? else { return Ok(false) };
+    let (Some(speed), Some(end_m)) = (events.impact_speed_m_per_s, displacement.samples().last()) else {
+        return Ok(false);
+    };
+    let alone_m = speed * (displacement.end_s() - events.time_zero_s);
+    Ok(events.dynamic_crush_m.is_none() && alone_m > 0.0 && *end_m > SPEEDS_UP * alone_m)
 }
 
 /// The settings with the end of the event as the end of the window, where the velocity never reaches zero and no end is stated.

@@ -11,6 +11,7 @@ use crumple_artifact::records::{
 };
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_lumped::{CrushEvents, DoubleSpringMassDamper, Kelvin, Model};
+use crumple_signal::{QuantityKind, Sampled};
 use crumple_testkit::{IMPACT_SPEED_M_PER_S, integrated};
 
 fn kelvin() -> Kelvin {
@@ -330,4 +331,24 @@ fn a_record_that_does_not_stop_is_fitted_up_to_the_end_of_its_event() {
     assert!((0.0585..=0.06 + 1e-9).contains(&by_event), "{by_event}");
     let stated = end_of_fit(&["--method", "direct-fit", "--fit-to", "80ms"]);
     assert!((0.0785..=0.08 + 1e-9).contains(&stated), "{stated}");
+}
+
+#[test]
+fn a_vehicle_that_speeds_up_has_no_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut builder = ArtifactBuilder::new();
+    let still = integrated(&Model::Kelvin(kelvin()), Some(873.0), &CrushEvents::default(), None).unwrap();
+    let provenance = Provenance::new("integrate", "0", "{}".to_owned(), Vec::new());
+    still.write(&folder.path().join("still.mcap"), &provenance, Compression::None).unwrap();
+    let still = Artifact::open(&folder.path().join("still.mcap")).unwrap();
+    builder.put("/test", &still.record::<TestV1>("/test").unwrap().unwrap()).unwrap();
+    builder.put("/events", &still.record::<EventsV1>("/events").unwrap().unwrap()).unwrap();
+    // 20 g forwards.
+    let x = (0..1001).map(|k| 1e-4 * f64::from(k)).map(|t| IMPACT_SPEED_M_PER_S * t + 98.0 * t * t).collect();
+    builder.wave("a/displacement", QuantityKind::Displacement, Sampled::new(0.0, 1e-4, x).unwrap()).unwrap();
+    builder.write(&folder.path().join("3.mcap"), &provenance, Compression::None).unwrap();
+    let output = run(folder.path(), &[]);
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(4), "{error}");
+    assert!(error.contains("crumple-ingest --sign flip"), "{error}");
 }

@@ -218,6 +218,16 @@ fn a_second_sensor_is_drawn_with_the_mass_that_sits_on_it() {
             ..MetricV1::default()
         });
     }
+    run.metrics.push(MetricV1 {
+        name: "peak_acceleration".into(),
+        value: Some(400.0),
+        unit: "m/s^2".into(),
+        channel: "93+94".into(),
+        low: Some(390.0),
+        high: Some(400.0),
+        interval_by: Some("range over 2 channels".into()),
+        ..MetricV1::default()
+    });
     let page = page(&run);
     let traces = traces(&page, "sensors");
     assert_eq!(traces["sensor 95"]["visible"], true);
@@ -229,6 +239,8 @@ fn a_second_sensor_is_drawn_with_the_mass_that_sits_on_it() {
     );
     assert!(page.contains("<summary>Metrics of 2 other channels, beside the pulse's</summary>"));
     assert!(!page.contains("peak acceleration (94)"));
+    // The range is no channel, and has its two ends.
+    assert!(page.contains("title=\"over 93+94\">range</abbr>") && page.contains("39.77 to 40.79\u{a0}g"), "{page}");
 }
 
 #[test]

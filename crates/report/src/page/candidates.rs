@@ -122,7 +122,11 @@ fn how_well_known(candidate: &Candidate) -> Vec<String> {
     let mut remarks = Vec::new();
     if let Some(u) = &candidate.record.uncertainty {
         if let Some(rank) = u.rank {
-            remarks.push(format!("Directions that the record determines: {rank} of {}.", u.order.len()));
+            remarks.push(format!(
+                "Independent directions in the parameters that the waves respond to: {rank} of {}; how well each parameter is known, \
+                 its interval says.",
+                u.order.len()
+            ));
         }
         remarks.extend(u.weakest_direction.iter().map(|text| format!("Known least: {text}.")));
         if let Some(condition) = u.condition {

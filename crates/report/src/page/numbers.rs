@@ -111,7 +111,10 @@ fn other_channels(out: &mut String, run: &Run) {
     if names.is_empty() {
         return;
     }
-    let others = channels.len() - 1;
+    // `93+94+99`: the range over these channels, a column of its own at the end.
+    let is_range = |id: &str| id.contains('+') && run.test.channel(id).is_none();
+    channels.sort_by_key(|id| is_range(id));
+    let others = channels.iter().filter(|id| !is_range(id)).count() - 1;
     out.push_str(&format!(
         "<details><summary>Metrics of {others} other channel{}, beside the pulse's</summary>\n<div class=\"scroll\"><table>\n\
          <thead><tr><th scope=\"col\">Metric</th>",
@@ -119,10 +122,11 @@ fn other_channels(out: &mut String, run: &Run) {
     ));
     for id in &channels {
         let place = run.test.channel(id).map(|channel| channel.location.as_str()).unwrap_or_default();
+        let (title, head) = if is_range(id) { (format!("over {id}"), "range") } else { (place.to_owned(), *id) };
         out.push_str(&format!(
             "<th scope=\"col\" class=\"n\"><abbr title=\"{}\">{}</abbr></th>",
-            html(place),
-            html(id)
+            html(&title),
+            html(head)
         ));
     }
     out.push_str("</tr></thead>\n<tbody>\n");
@@ -134,7 +138,11 @@ fn other_channels(out: &mut String, run: &Run) {
         ));
         for id in &channels {
             let found = run.metrics.iter().find(|m| m.name == name && m.channel == *id);
-            let shown = found.and_then(|m| Some(value(m.value?, &m.unit))).unwrap_or_else(|| ABSENT.to_owned());
+            let shown = found.and_then(|m| match is_range(id) {
+                true => Some(range(m.low?, m.high?, &m.unit)),
+                false => Some(value(m.value?, &m.unit)),
+            });
+            let shown = shown.unwrap_or_else(|| ABSENT.to_owned());
             out.push_str(&format!("<td class=\"n\">{}</td>", html(&shown)));
         }
         out.push_str("</tr>\n");
