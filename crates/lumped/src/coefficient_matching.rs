@@ -202,54 +202,70 @@ impl CoefficientMatching {
         let cubic = [u.scale(-2.0), u * u + t * v - (kappa * w).scale(4.0), kappa * (v * v) + t * t * w - t * u * v];
         let found = cubic_roots(cubic[0], cubic[1], cubic[2]);
 
-        let mut solutions = Vec::with_capacity(6);
-        for (place, root) in found.iter().enumerate() {
-            let zeta = root.value;
-            let [ct, ck] = [t, kappa].map(ComplexDd::real);
-            let rest = ComplexDd::real(u) - zeta;
-            let square_1 =
-                denoise(ct * ct - (ck * zeta).scale(Dd::of(4.0)), t.hi * t.hi + 4.0 * kappa.hi * zeta.norm());
-            let kw = (kappa * w).scale(4.0);
-            let square_0 = denoise(rest * rest - ComplexDd::real(kw), rest.norm().powi(2) + kw.hi.abs());
-            let product = ct * rest - ComplexDd::real((kappa * v).scale(2.0));
-            // The larger by its root, the other by division: no sign to guess and nothing lost in the smaller.
-            // Where a set is its own dual the root of the cubic is double. Coefficients off by a rounding split it by less than
-            // can be seen, so it is known to the square root of the noise only; without this the four sets there would come
-            // out complex, though two of them are real for every polynomial.
-            let third = found.iter().map(|other| (other.value - zeta).norm()).fold(0.0, f64::max) / u.hi.abs();
-            let blur = (OWN_DUAL.0 / third).min(OWN_DUAL.1);
-            let own_dual = root.multiplicity > 1
-                && square_1.norm() <= blur * (t.hi * t.hi + kappa.hi * u.hi.abs())
-                && square_0.norm() <= blur * (rest.norm().powi(2) + kw.hi.abs());
-            let none = own_dual || (square_1.norm() == 0.0 && square_0.norm() == 0.0);
-            let (r1, r0) = if none {
-                (ComplexDd::default(), ComplexDd::default())
-            } else if square_1.norm() * (1.0 + rest.norm().powi(2)) >= square_0.norm() * (1.0 + t.hi * t.hi) {
-                let r1 = square_1.sqrt();
-                (r1, product / r1)
-            } else {
-                let r0 = square_0.sqrt();
-                (product / r0, r0)
-            };
-            let first = self.solution([ct, rest, r1, r0], reduced, unit);
-            let base = solutions.len();
-            if none {
-                solutions.push(MatchedSolution {
-                    dual: base,
-                    root: place,
-                    multiplicity: 2 * root.multiplicity,
-                    ..first
-                });
-            } else {
-                let second = self.solution([ct, rest, -r1, -r0], reduced, unit);
-                solutions.push(MatchedSolution {
-                    dual: base + 1,
-                    root: place,
-                    multiplicity: root.multiplicity,
-                    ..first
-                });
-                solutions.push(MatchedSolution { dual: base, root: place, multiplicity: root.multiplicity, ..second });
+        let solutions_with = |most_blur: f64| {
+            let mut solutions = Vec::with_capacity(6);
+            for (place, root) in found.iter().enumerate() {
+                let zeta = root.value;
+                let [ct, ck] = [t, kappa].map(ComplexDd::real);
+                let rest = ComplexDd::real(u) - zeta;
+                let square_1 =
+                    denoise(ct * ct - (ck * zeta).scale(Dd::of(4.0)), t.hi * t.hi + 4.0 * kappa.hi * zeta.norm());
+                let kw = (kappa * w).scale(4.0);
+                let square_0 = denoise(rest * rest - ComplexDd::real(kw), rest.norm().powi(2) + kw.hi.abs());
+                let product = ct * rest - ComplexDd::real((kappa * v).scale(2.0));
+                // The larger by its root, the other by division: no sign to guess and nothing lost in the smaller.
+                // Where a set is its own dual the root of the cubic is double. Coefficients off by a rounding split it by less than
+                // can be seen, so it is known to the square root of the noise only; without this the four sets there would come
+                // out complex, though two of them are real for every polynomial.
+                let third = found.iter().map(|other| (other.value - zeta).norm()).fold(0.0, f64::max) / u.hi.abs();
+                let blur = (OWN_DUAL.0 / third).min(most_blur);
+                let own_dual = root.multiplicity > 1
+                    && square_1.norm() <= blur * (t.hi * t.hi + kappa.hi * u.hi.abs())
+                    && square_0.norm() <= blur * (rest.norm().powi(2) + kw.hi.abs());
+                let none = own_dual || (square_1.norm() == 0.0 && square_0.norm() == 0.0);
+                let (r1, r0) = if none {
+                    (ComplexDd::default(), ComplexDd::default())
+                } else if square_1.norm() * (1.0 + rest.norm().powi(2)) >= square_0.norm() * (1.0 + t.hi * t.hi) {
+                    let r1 = square_1.sqrt();
+                    (r1, product / r1)
+                } else {
+                    let r0 = square_0.sqrt();
+                    (product / r0, r0)
+                };
+                let first = self.solution([ct, rest, r1, r0], reduced, unit);
+                let base = solutions.len();
+                if none {
+                    solutions.push(MatchedSolution {
+                        dual: base,
+                        root: place,
+                        multiplicity: 2 * root.multiplicity,
+                        ..first
+                    });
+                } else {
+                    let second = self.solution([ct, rest, -r1, -r0], reduced, unit);
+                    solutions.push(MatchedSolution {
+                        dual: base + 1,
+                        root: place,
+                        multiplicity: root.multiplicity,
+                        ..first
+                    });
+                    solutions.push(MatchedSolution {
+                        dual: base,
+                        root: place,
+                        multiplicity: root.multiplicity,
+                        ..second
+                    });
+                }
             }
+            solutions
+        };
+        // Two are real for every polynomial. Where none is, a set is its own dual at a root that is almost triple, and so known still worse.
+        let mut solutions = solutions_with(OWN_DUAL.1);
+        for wider in [1e1, 1e2, 1e3] {
+            if solutions.iter().any(|solution: &MatchedSolution| solution.real) {
+                break;
+            }
+            solutions = solutions_with(wider * OWN_DUAL.1);
         }
         let roots = found
             .iter()

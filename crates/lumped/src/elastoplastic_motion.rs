@@ -7,7 +7,7 @@ use crate::{Drive, Dynamics, Elastoplastic, ElementForce, Energy, LumpedError, M
 
 /// Pieces after which the motion is given up, beside one a sample.
 const MAX_PIECES: usize = 200_000;
-/// Part of an interval below which a zero of the acceleration is the start itself.
+/// Part of a sampling interval below which a zero of the acceleration is the start itself.
 const AT_ONCE: f64 = 1e-12;
 
 /// Which line of the force the mass is on.
@@ -123,7 +123,7 @@ impl Elastoplastic {
                 }
                 let before = contact;
                 let stiffness = self.stiffness(before.branch);
-                let h = contact.advance(self, push, left);
+                let h = contact.advance(self, push, left, dt_s);
                 let s = cosine_integrals(stiffness / mass, h);
                 // Integral of y, and those of it.
                 let [once, twice, thrice]: [f64; 3] = std::array::from_fn(|i| {
@@ -186,14 +186,14 @@ impl Contact {
     }
 
     /// Moves on by `left` seconds or to the next event, whichever is first; returns how far.
-    fn advance(&mut self, model: &Elastoplastic, push: Push, left: f64) -> f64 {
+    fn advance(&mut self, model: &Elastoplastic, push: Push, left: f64, dt_s: f64) -> f64 {
         let w2 = model.stiffness(self.branch) / model.mass_kg;
         let (y, v) = (self.y, self.v);
         let at = |tau: f64| moved(y, v, w2, push, &cosine_integrals(w2, tau));
         let rate = |tau: f64, y: f64| push.value + push.slope * tau - w2 * y;
         let mut h = left;
         if !(self.branch == Branch::Unloading && self.swings_free(model, push, w2, left)) {
-            h = next_rest_of_acceleration(push.value - w2 * y, push.slope - w2 * v, w2, left);
+            h = next_rest_of_acceleration(push.value - w2 * y, push.slope - w2 * v, w2, left, AT_ONCE * dt_s);
         }
         let (mut end, mut speed) = at(h);
         // The velocity rises or falls throughout: it changes its sign once at the most.
@@ -233,10 +233,9 @@ impl Contact {
     }
 }
 
-/// When the acceleration, now `a` with the rate `j`, is zero next, up to `left`: `a cos w t + j sin(w t)/w`.
-fn next_rest_of_acceleration(a: f64, j: f64, w2: f64, left: f64) -> f64 {
+/// When the acceleration, now `a` with the rate `j`, is zero next, later than `at_once` and up to `left`: `a cos w t + j sin(w t)/w`.
+fn next_rest_of_acceleration(a: f64, j: f64, w2: f64, left: f64, at_once: f64) -> f64 {
     let w = w2.sqrt();
-    let at_once = AT_ONCE * left;
     let zero = if w * left < 1e-8 {
         // A line within the interval.
         let zero = -a / j;

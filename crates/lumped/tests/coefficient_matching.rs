@@ -223,6 +223,27 @@ fn moved(from: &crumple_lumped::CoefficientMatch, to: &crumple_lumped::Coefficie
     farthest
 }
 
+#[test]
+fn a_model_that_is_its_own_dual_at_an_almost_triple_root_is_among_its_solutions() {
+    let (m1, m2, k2, c2) = (742.3742401942137, 620.9862746850353, 104_672.412_810_573_27, 16_121.864_349_323_625);
+    let mu = (m1 + m2) / m2;
+    let model = DoubleSpringMassDamper {
+        m1_kg: m1,
+        m2_kg: m2,
+        k1_n_per_m: mu * k2,
+        k2_n_per_m: k2,
+        c1_n_s_per_m: mu * c2,
+        c2_n_s_per_m: c2,
+    };
+    let [_, t, u, v, w] = model.characteristic_polynomial();
+    let found = CoefficientMatching::new([t, u, v, w], m1, m2, Reading::Binary).unwrap().solve();
+    assert_eq!(found.solutions.iter().map(|s| s.multiplicity).sum::<usize>(), 6);
+    let own: Vec<_> = found.solutions.iter().filter(|s| s.real).collect();
+    assert_eq!(own.len(), 1);
+    // The root is known to the square root of the rounding of the coefficients, 2e-8, over its distance from the third, 2e-4.
+    assert!((own[0].k2_n_per_m.re / k2 - 1.0).abs() < 1e-4 && own[0].physical);
+}
+
 proptest! {
     #[test]
     fn next_to_a_model_that_is_its_own_dual_no_solution_is_lost(

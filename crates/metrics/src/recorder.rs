@@ -10,8 +10,8 @@ const LAST_S: f64 = 0.3;
 
 /// Maximum delta-V and the time to it, of a cumulative change of velocity along one axis (49 CFR 563.5).
 ///
-/// The sample of largest magnitude from `time_zero_s` to 300 ms after it, less the value at time zero (0 but for a table that begins before
-/// it), and its time; the first of equals. The value keeps its sign: a frontal impact is negative. It is right to half of the step
+/// The sample of largest magnitude from `time_zero_s` to 300 ms after it, less the value at time zero where the table begins before it (one
+/// that begins at time zero or later counts from there, whatever its first row), and its time; the first of equals. The value keeps its sign: a frontal impact is negative. It is right to half of the step
 /// in which the recorder prints, the time to half a sampling interval. The trapezoid of an acceleration derived from the table would lose what the
 /// smoothing takes off the peak. Absent without a sample at or after time zero.
 pub fn maximum_delta_v(change: &Sampled, time_zero_s: f64) -> [Metric; 2] {
@@ -19,10 +19,11 @@ pub fn maximum_delta_v(change: &Sampled, time_zero_s: f64) -> [Metric; 2] {
     // 1e-6 of a sample: the slack of decimal time stamps.
     let slack_s = 1e-6 * change.dt_s();
     let first = change.index_at_or_after(time_zero_s - slack_s);
-    let Some(start) = v.get(first) else {
+    let Some(row) = v.get(first) else {
         return [&MAXIMUM_DELTA_V, &TIME_OF_MAXIMUM_DELTA_V]
             .map(|definition| Metric::absent(definition, "no sample at or after time zero"));
     };
+    let start = if first > 0 { *row } else { 0.0 };
     let counting = (first..v.len()).take_while(|k| change.time_s(*k) - time_zero_s <= LAST_S + slack_s);
     let largest =
         counting.fold(first, |k, other| if (v[other] - start).abs() > (v[k] - start).abs() { other } else { k });
@@ -49,6 +50,9 @@ mod tests {
         assert_eq!(of(&[9.0, 0.0, -3.0, -5.0, -5.0, -4.0]), (Some(-5.0), Some(0.02)));
         assert_eq!(of(&[0.0, -1.0, -3.0, 4.0]).0, Some(5.0), "against the value at time zero");
         assert_eq!(of(&[0.0]), (None, None));
+        // A table whose first row is 10 ms after time zero has lost something by then.
+        let [dv, _] = maximum_delta_v(&Sampled::new(0.01, 0.01, vec![-3.0, -40.5, -40.0]).unwrap(), 0.0);
+        assert_eq!(dv.value, Some(-40.5));
         let late: Vec<f64> = (0..60).map(f64::from).collect();
         // Sample 1 is time zero, sample 31 is 300 ms.
         let (dv, time) = of(&late);

@@ -36,6 +36,11 @@ pub(crate) fn dual(chain: &SecantChain) -> Option<SecantChain> {
     SecantChain::new(&[of.m1_kg, of.m2_kg], &springs, &dampers).ok()
 }
 
+/// Springs, then dampers; `None` where one is no constant.
+fn constants(chain: &SecantChain) -> Option<Vec<f64>> {
+    chain.springs().iter().chain(chain.dampers()).map(PiecewiseLinear::as_constant).collect()
+}
+
 /// Whether no wave is of another mass than the last: then nothing tells a chain of two from its dual.
 pub(crate) fn sees_the_last_only(waves: &Observed, masses: usize) -> bool {
     waves.waves.iter().all(|wave| wave.mass.is_none_or(|mass| mass + 1 == masses))
@@ -53,8 +58,9 @@ pub(crate) enum DualOf {
 /// The dual of the chain at `theta`; `None` where it has none, or is its own.
 pub(crate) fn dual_of(family: &FreeChain, chain: &SecantChain, theta: &[f64]) -> Option<DualOf> {
     let dual = dual(chain)?;
-    let (own, other) = (chain.parameters(), dual.parameters());
-    if own.iter().all(|(name, value)| (value - other[name]).abs() <= SAME * value.abs()) {
+    // By value, not by name: a law with knots of one value is a constant under another name.
+    let (own, other) = (constants(chain)?, constants(&dual)?);
+    if own.iter().zip(&other).all(|(value, other)| (value - other).abs() <= SAME * value.abs()) {
         return None;
     }
     Some(match family.point(&dual) {

@@ -125,7 +125,8 @@ pub fn fit_chain(
         let dual = sees_the_last_only(&waves, masses).then(|| dual_of(&family, &own.chain, &own.theta)).flatten();
         let other = match dual {
             Some(DualOf::At(theta)) => {
-                let on_bound = problem.on_bound(&theta);
+                // What the search stopped at is the bound of the minimum: that of the other place in its dual.
+                let on_bound = family.exchanged(&minimum.on_bound);
                 solution(&problem, &Optimum { theta, on_bound, ..minimum.clone() }, evaluations)
             }
             Some(DualOf::Outside(chain)) => {

@@ -105,8 +105,9 @@ fn repeat(
     theta: &[f64],
     mass_ratio: f64,
 ) -> Option<BTreeMap<String, f64>> {
-    let by = if family.has_rest() { 0.0 } else { mass_ratio.ln() };
-    let start: Vec<f64> = theta.iter().map(|x| x + by).collect();
+    // Without a rest everything is a share of the mass; with one the masses that are looked for, so that something is left for it.
+    let by = |i: usize| if !family.has_rest() || family.is_mass(i) { mass_ratio.ln() } else { 0.0 };
+    let start: Vec<f64> = theta.iter().enumerate().map(|(i, x)| x + by(i)).collect();
     let found = ChainProblem::new(family, waves, through_filter).follow(&start)?;
     let mut values: BTreeMap<String, f64> = family.all_names().into_iter().zip(family.values(&found.theta)).collect();
     let events = family.model(&found.theta)?.events(waves.impact_speed_m_per_s, HORIZON_S).ok();

@@ -65,12 +65,6 @@ impl<'a> ChainProblem<'a> {
         bounds(self.family, FOLLOWING.0, FOLLOWING.1)
     }
 
-    /// Which coordinates stand on a bound.
-    pub fn on_bound(&self, theta: &[f64]) -> Vec<bool> {
-        let limits = self.bounds();
-        theta.iter().zip(limits.lower.iter().zip(&limits.upper)).map(|(x, (low, high))| x <= low || x >= high).collect()
-    }
-
     /// The minimum near `start`.
     pub fn follow(&self, start: &[f64]) -> Option<Optimum> {
         descend(self, start, &self.bounds())

@@ -72,6 +72,8 @@ pub(crate) struct FreeChain {
     springs: Vec<Vec<(f64, f64)>>,
     dampers: Vec<Vec<(f64, f64)>>,
     rest: Option<usize>,
+    /// Whether a mass is stated to be the rest, wherever it stands.
+    leaves_a_rest: bool,
     total_kg: f64,
     total_known: bool,
     free: Vec<(Place, Axis)>,
@@ -105,6 +107,7 @@ impl FreeChain {
             springs: Vec::new(),
             dampers: Vec::new(),
             rest: None,
+            leaves_a_rest: stated.elements.iter().any(|element| element.mass_kg == StatedMass::Rest),
             total_kg,
             total_known: stated.total_mass_kg.is_some(),
             free: Vec::new(),
@@ -194,13 +197,16 @@ impl FreeChain {
         }
         // Bounds of the search give way to what was given, however far outside it is.
         let least = known.first().copied().unwrap_or(size);
-        let most = known.last().copied().unwrap_or(size);
+        let most = known.last().copied();
         if matches!(place, Place::Mass(_)) && !self.total_known && (lower.is_none() || upper.is_none()) {
             let problem = "without a mass of the vehicle a free mass needs both bounds".to_owned();
             return Err(SolveError::Bounds { name, problem });
         }
         let from = lower.unwrap_or((bounds.0 * size).min(1e-3 * least));
-        let to = upper.unwrap_or((bounds.1 * size).max(if bounds.1 < 1.0 { most } else { 1e3 * most }));
+        // Where a mass is the rest, a free one leaves something for it, unless it was started beyond.
+        let unsaid = if self.leaves_a_rest { 0.0 } else { size };
+        let beyond = if bounds.1 < 1.0 { most.unwrap_or(unsaid) } else { 1e3 * most.unwrap_or(size) };
+        let to = upper.unwrap_or((bounds.1 * size).max(beyond));
         if from >= to {
             let problem = format!("nothing is left between {from} and {to}");
             return Err(SolveError::Bounds { name, problem });
@@ -305,6 +311,17 @@ impl FreeChain {
             other.masses.iter_mut().for_each(|kg| *kg *= ratio);
         }
         other
+    }
+
+    /// What is said of every free number, of the dual of two masses, where first and second spring and damper change places.
+    pub fn exchanged(&self, of: &[bool]) -> Vec<bool> {
+        let other = |place: Place| match place {
+            Place::Mass(i) => Place::Mass(i),
+            Place::Spring(i, j) => Place::Spring(1 - i.min(1), j),
+            Place::Damper(i, j) => Place::Damper(1 - i.min(1), j),
+        };
+        let at = |place: Place| self.free.iter().position(|(free, _)| *free == other(place));
+        self.free.iter().map(|(place, _)| at(*place).is_some_and(|k| of.get(k) == Some(&true))).collect()
     }
 
     /// Whether this free number is a mass.

@@ -1,6 +1,6 @@
 //! What uncertain mass, speed, zero level and time zero do to crush and parameters.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -202,6 +202,9 @@ pub fn propagate_unfiltered(
     })
 }
 
+/// Fewer values have no 5 and 95 % points.
+const LEAST_REPETITIONS: usize = 20;
+
 /// Percentiles of what `one` gives for the errors drawn: of the mass relative to `mass_kg`, the others in their units.
 pub(crate) fn by_repetition<N: Ord + Clone + Send>(
     mass_kg: f64,
@@ -213,13 +216,18 @@ pub(crate) fn by_repetition<N: Ord + Clone + Send>(
     let found: Vec<Option<BTreeMap<N, f64>>> =
         (0..repetitions).into_par_iter().map(|index| one(&drawn(&relative, index, sensors))).collect();
     let found: Vec<_> = found.into_iter().flatten().collect();
-    if found.len() < 20 {
+    if found.len() < LEAST_REPETITIONS {
         return None;
     }
     let mut interval_90 = BTreeMap::new();
     let mut standard_deviation = BTreeMap::new();
-    for name in found[0].keys().cloned() {
+    // A repetition may lack what the others have, such as a crush.
+    let names: BTreeSet<N> = found.iter().flat_map(|values| values.keys().cloned()).collect();
+    for name in names {
         let mut values: Vec<f64> = found.iter().filter_map(|f| f.get(&name).copied()).collect();
+        if values.len() < LEAST_REPETITIONS {
+            continue;
+        }
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let power: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
         standard_deviation.insert(name.clone(), (power / (values.len() - 1) as f64).sqrt());

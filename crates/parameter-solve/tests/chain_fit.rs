@@ -304,3 +304,31 @@ fn a_chain_without_meaning_is_refused() {
     });
     assert_eq!(given, SolveError::NothingFree);
 }
+
+#[test]
+fn a_law_given_by_knots_of_one_value_has_the_dual_of_a_constant() {
+    // Fixed knots of one value and a constant are one chain under two sets of names.
+    let damper = |speeds: &[f64]| speeds.iter().map(|v| (*v, Stated::Fixed(4e3))).collect();
+    let chain = |speeds: &[f64]| {
+        let mut stated = known_masses(&[400.0, 1000.0]);
+        stated.elements[0].damping = damper(speeds);
+        stated
+    };
+    let truth = SecantChain::new(
+        &[400.0, 1000.0],
+        &[9e5, 4e5].map(PiecewiseLinear::constant),
+        &[4e3, 6e3].map(PiecewiseLinear::constant),
+    )
+    .unwrap();
+    let waves = exact(&truth, &[1], FitQuantity::Displacement);
+    let [flat, constant] =
+        [&[0.0, 2.0][..], &[0.0]].map(|speeds| fit_chain(&chain(speeds), &waves, false, 24).unwrap());
+    let duals = [&flat[0].dual, &constant[0].dual].map(|dual| match dual {
+        Some(ChainDual::NotAsStated(dual)) => dual.parameters(),
+        other => panic!("{other:?}"),
+    });
+    for (name, value) in &duals[0] {
+        // Two descents to one minimum.
+        assert!((value / duals[1][name] - 1.0).abs() < 1e-6, "{name}");
+    }
+}

@@ -162,7 +162,8 @@ fn an_uncertain_mass_goes_into_springs_and_dampers_one_to_one_and_not_into_the_c
     assert_eq!(spread.repetitions, 100);
     let (low, high) = spread.interval_90["k1_n_per_m"];
     // 14 of 1400 kg: 1.645 % on either side, of 100 draws known to a fifth.
-    assert!((1.0 - low / SPRINGS[0]).abs() > 0.013 && (high / SPRINGS[0] - 1.0) < 0.020, "{low} {high}");
+    let usual = 0.013..0.020;
+    assert!(usual.contains(&(1.0 - low / SPRINGS[0])) && usual.contains(&(high / SPRINGS[0] - 1.0)), "{low} {high}");
     for (name, (from, to)) in &spread.interval_90 {
         if name == "dynamic_crush_m" {
             // Followed to 1e-7 of the cost of a misfit of rounding.

@@ -37,6 +37,10 @@ pub(super) struct Warping<'a> {
     band: usize,
     /// The least path costs no more.
     highest: f64,
+    /// See [`KEPT`].
+    kept: usize,
+    /// See [`TRIANGLE`].
+    triangle: usize,
     /// The widest vectors of this processor.
     arch: Arch,
 }
@@ -56,7 +60,15 @@ impl<'a> Warping<'a> {
     }
 
     fn with_limit(t: &[f64], c: &'a [f64], band: usize, highest: f64) -> Self {
-        Self { c, t_reversed: t.iter().rev().copied().collect(), band, highest, arch: Arch::new() }
+        Self {
+            c,
+            t_reversed: t.iter().rev().copied().collect(),
+            band,
+            highest,
+            kept: KEPT,
+            triangle: TRIANGLE,
+            arch: Arch::new(),
+        }
     }
 
     /// The cell of both ends.
@@ -97,12 +109,12 @@ impl<'a> Warping<'a> {
         if length == 0 {
             return end;
         }
-        if length <= TRIANGLE {
+        if length <= self.triangle {
             return Cone::new(self, &front, end).path(visit);
         }
-        let mut kept = Vec::with_capacity(KEPT);
+        let mut kept = Vec::with_capacity(self.kept);
         // The diagonal of `end` itself is of no use.
-        self.fill(&front, end.0 + end.1 - 1, end, length.div_ceil(KEPT), |between| kept.push(between));
+        self.fill(&front, end.0 + end.1 - 1, end, length.div_ceil(self.kept), |between| kept.push(between));
         kept.insert(0, front);
         let mut cell = end;
         while let Some(front) = kept.pop() {
@@ -163,6 +175,11 @@ mod tests {
                     let mut path = Vec::new();
                     Warping::with_limit(&t, &c, band, highest).visit_path(|i, j| path.push((i, j)));
                     assert_eq!(path, plain, "{n} samples, band {band}, costs up to {highest}");
+                    // Small parts, as very long curves have large ones: several levels of fronts kept between fronts kept.
+                    let mut deep = Vec::new();
+                    let parts = Warping { kept: 3, triangle: 8, ..Warping::with_limit(&t, &c, band, highest) };
+                    parts.visit_path(|i, j| deep.push((i, j)));
+                    assert_eq!(deep, plain, "{n} samples, band {band}, costs up to {highest}, small parts");
                 }
             }
         }
