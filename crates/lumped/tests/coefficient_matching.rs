@@ -2,13 +2,15 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
-use crumple_lumped::{CoefficientMatching, Complex, DoubleSpringMassDamper, Model, Reading, matching_sensitivity};
+use crumple_lumped::{
+    CoefficientMatch, CoefficientMatching, Complex, DoubleSpringMassDamper, Model, Reading, matching_sensitivity,
+};
 use proptest::prelude::*;
 
 /// The Honda Civic polynomial of the transfer-function paper, with the 35.7 of its equation 5.
 const CIVIC: [f64; 4] = [35.7, 6024.0, 185_000.0, 414_600.0];
 
-fn solve(polynomial: [f64; 4], m1: f64, m2: f64) -> crumple_lumped::CoefficientMatch {
+fn solve(polynomial: [f64; 4], m1: f64, m2: f64) -> CoefficientMatch {
     CoefficientMatching::new(polynomial, m1, m2, Reading::Decimal).unwrap().solve()
 }
 
@@ -205,13 +207,13 @@ fn a_model_that_is_its_own_dual_is_listed_once_with_its_multiplicity() {
 }
 
 /// Every solution as often as it counts.
-fn counted(found: &crumple_lumped::CoefficientMatch) -> Vec<[Complex; 4]> {
+fn counted(found: &CoefficientMatch) -> Vec<[Complex; 4]> {
     let parameters = |s: &crumple_lumped::MatchedSolution| [s.k1_n_per_m, s.k2_n_per_m, s.c1_n_s_per_m, s.c2_n_s_per_m];
     found.solutions.iter().flat_map(|s| std::iter::repeat_n(parameters(s), s.multiplicity)).collect()
 }
 
 /// Largest distance of a solution of one match from its partner in the other, relative to the largest parameter.
-fn moved(from: &crumple_lumped::CoefficientMatch, to: &crumple_lumped::CoefficientMatch) -> f64 {
+fn moved(from: &CoefficientMatch, to: &CoefficientMatch) -> f64 {
     let (from, mut left) = (counted(from), counted(to));
     let size: Vec<f64> = (0..4).map(|i| from.iter().map(|p| p[i].norm()).fold(0.0, f64::max)).collect();
     let mut farthest = 0.0_f64;
@@ -223,9 +225,8 @@ fn moved(from: &crumple_lumped::CoefficientMatch, to: &crumple_lumped::Coefficie
     farthest
 }
 
-#[test]
-fn a_model_that_is_its_own_dual_at_an_almost_triple_root_is_among_its_solutions() {
-    let (m1, m2, k2, c2) = (742.3742401942137, 620.9862746850353, 104_672.412_810_573_27, 16_121.864_349_323_625);
+/// `k1 = mu k2`, `c1 = mu c2` with `mu = (m1 + m2)/m2`: a model that is its own dual; mu and what its polynomial gives back.
+fn own_dual_solved(m1: f64, m2: f64, k2: f64, c2: f64) -> (f64, CoefficientMatch) {
     let mu = (m1 + m2) / m2;
     let model = DoubleSpringMassDamper {
         m1_kg: m1,
@@ -236,7 +237,13 @@ fn a_model_that_is_its_own_dual_at_an_almost_triple_root_is_among_its_solutions(
         c2_n_s_per_m: c2,
     };
     let [_, t, u, v, w] = model.characteristic_polynomial();
-    let found = CoefficientMatching::new([t, u, v, w], m1, m2, Reading::Binary).unwrap().solve();
+    (mu, CoefficientMatching::new([t, u, v, w], m1, m2, Reading::Binary).unwrap().solve())
+}
+
+#[test]
+fn a_model_that_is_its_own_dual_at_an_almost_triple_root_is_among_its_solutions() {
+    let (m1, m2, k2, c2) = (742.3742401942137, 620.9862746850353, 104_672.412_810_573_27, 16_121.864_349_323_625);
+    let (_, found) = own_dual_solved(m1, m2, k2, c2);
     assert_eq!(found.solutions.iter().map(|s| s.multiplicity).sum::<usize>(), 6);
     let own: Vec<_> = found.solutions.iter().filter(|s| s.real).collect();
     assert_eq!(own.len(), 1);
@@ -249,17 +256,7 @@ proptest! {
     fn next_to_a_model_that_is_its_own_dual_no_solution_is_lost(
         m1 in 100.0..900.0f64, m2 in 100.0..900.0f64, k2 in 1e5..1e6f64, c2 in 1e3..3e4f64,
     ) {
-        let mu = (m1 + m2) / m2;
-        let model = DoubleSpringMassDamper {
-            m1_kg: m1,
-            m2_kg: m2,
-            k1_n_per_m: mu * k2,
-            k2_n_per_m: k2,
-            c1_n_s_per_m: mu * c2,
-            c2_n_s_per_m: c2,
-        };
-        let [_, t, u, v, w] = model.characteristic_polynomial();
-        let found = CoefficientMatching::new([t, u, v, w], m1, m2, Reading::Binary).unwrap().solve();
+        let (mu, found) = own_dual_solved(m1, m2, k2, c2);
         prop_assert_eq!(found.solutions.iter().map(|s| s.multiplicity).sum::<usize>(), 6);
         prop_assert!(found.solutions.iter().any(|s| s.real));
         // Four solutions meet there: the rounding of t, u, v, w, some 4e-16, moves them by its fourth root, 1.4e-4, times the
@@ -289,7 +286,7 @@ proptest! {
             CoefficientMatching::new(polynomial, model.m1_kg, model.m2_kg, Reading::Binary).unwrap().solve()
         };
         // Bisect to where the number of real solutions changes, if it does: a double root or a border lies there.
-        let real = |m: &crumple_lumped::CoefficientMatch| m.solutions.iter().filter(|s| s.real).map(|s| s.multiplicity).sum::<usize>();
+        let real = |m: &CoefficientMatch| m.solutions.iter().filter(|s| s.real).map(|s| s.multiplicity).sum::<usize>();
         let (mut low, mut high) = (1.0, stretch);
         for _ in 0..40 {
             let middle = 0.5 * (low + high);
