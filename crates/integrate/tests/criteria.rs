@@ -8,6 +8,7 @@ use crumple_artifact::records::{ChannelFilterV1, DiagnosisV1, EventsV1, MetricV1
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_signal::{Axis, Channel, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Sampled, TestDescription};
 use crumple_testkit::program::Program;
+use crumple_testkit::write_filtered;
 
 const PROGRAM: Program = Program { exe: env!("CARGO_BIN_EXE_crumple-integrate"), output: "3-integrate.mcap" };
 
@@ -31,18 +32,10 @@ fn filtered(folder: &Path, waves: &[(Channel, Sampled)], impact_speed_m_per_s: O
         title: "criteria".to_owned(),
         mass_kg: Some(1500.0),
         impact_speed_m_per_s,
-        pulse: Some(waves[0].0.id.clone()),
-        channels: waves.iter().map(|(channel, _)| channel.clone()).collect(),
         ..TestDescription::default()
     };
-    let mut builder = ArtifactBuilder::new();
-    builder.put("/test", &TestV1::from(&test)).unwrap();
-    for (channel, samples) in waves {
-        builder.wave(&channel.id, channel.quantity, samples.clone()).unwrap();
-    }
-    let path = folder.join("2-filter.mcap");
-    builder.write(&path, &Provenance::new("filter", "0", "{}".to_owned(), vec![]), Compression::None).unwrap();
-    path
+    let channels: Vec<_> = waves.iter().map(|(channel, wave)| (channel.clone(), Some(wave.clone()))).collect();
+    write_filtered(folder, test, &channels).unwrap()
 }
 
 fn result(input: &Path, flags: &[&str]) -> Artifact {

@@ -5,10 +5,11 @@
 
 use std::path::{Path, PathBuf};
 
-use crumple_artifact::records::{DiagnosisV1, EventsV1, MetricV1, MetricsV1, NotesV1, TestV1};
-use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
+use crumple_artifact::Artifact;
+use crumple_artifact::records::{DiagnosisV1, EventsV1, MetricV1, MetricsV1, NotesV1};
 use crumple_signal::{Axis, Channel, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled, TestDescription};
 use crumple_testkit::program::Program;
+use crumple_testkit::write_filtered;
 
 const PROGRAM: Program = Program { exe: env!("CARGO_BIN_EXE_crumple-integrate"), output: "3-integrate.mcap" };
 
@@ -26,25 +27,10 @@ fn half_sine(peak: f64, from_s: f64, length_s: f64, end_s: f64) -> Sampled {
     Sampled::new(-0.05, 1e-4, (0..=samples).map(|k| at(f64::from(k) * 1e-4 - 0.05)).collect()).unwrap()
 }
 
-/// Writes what the filter would have written: all channels are listed, those with samples have them.
+/// Written as the filter would have, without a mass.
 fn filtered(folder: &Path, channels: &[(Channel, Option<Sampled>)], impact_speed_m_per_s: Option<f64>) -> PathBuf {
-    let test = TestDescription {
-        title: "unusual".to_owned(),
-        impact_speed_m_per_s,
-        pulse: Some(channels[0].0.id.clone()),
-        channels: channels.iter().map(|(channel, _)| channel.clone()).collect(),
-        ..TestDescription::default()
-    };
-    let mut builder = ArtifactBuilder::new();
-    builder.put("/test", &TestV1::from(&test)).unwrap();
-    for (channel, samples) in channels {
-        if let Some(samples) = samples {
-            builder.wave(&channel.id, channel.quantity, samples.clone()).unwrap();
-        }
-    }
-    let path = folder.join("2-filter.mcap");
-    builder.write(&path, &Provenance::new("filter", "0", "{}".to_owned(), vec![]), Compression::None).unwrap();
-    path
+    let test = TestDescription { title: "unusual".to_owned(), impact_speed_m_per_s, ..TestDescription::default() };
+    write_filtered(folder, test, channels).unwrap()
 }
 
 fn result(input: &Path, flags: &[&str]) -> Artifact {

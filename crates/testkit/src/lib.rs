@@ -1,5 +1,6 @@
 //! Helpers for the workspace's tests, and the fixture generator. A dev-dependency only.
 
+mod filtered;
 pub mod fixture;
 mod integrated;
 mod known_truth;
@@ -12,6 +13,7 @@ mod white_noise;
 
 use std::path::PathBuf;
 
+pub use filtered::write_filtered;
 pub use integrated::{IMPACT_SPEED_M_PER_S, integrated};
 pub use known_truth::{KnownTruth, known_truths, known_truths_in, other_records, write_known_truth};
 pub use table_5::table_5;
