@@ -1,21 +1,49 @@
 //! Linear motions of any number of masses with their derivatives by the parameters.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::allocator::Allocator;
+use nalgebra::{Const, DefaultAllocator, Dim, Dyn, OMatrix, OVector, U1};
 
-use crate::{Instants, Motion, Sensitivity, State};
+use crate::{Instants, Motion, Sensitivity};
 
 /// Taylor terms after scaling to a norm of 1/2, as in `exact_step`.
 const TERMS: usize = 16;
 
+type Square<D> = OMatrix<f64, D, D>;
+
 /// `z' = A z` in a time unit in which the fastest swing is of size one: state `(x, tau v, ...)`, time in `tau`.
 ///
-/// Unbalanced, the exponential of a car (stiffness over mass near 1e3/s²) loses three digits.
-pub(crate) struct LinearMotion {
+/// Unbalanced, the exponential of a car (stiffness over mass near 1e3/s²) loses three digits. Sizes of the usual models are known to
+/// the compiler: a fit marches millions of steps of a few products.
+struct LinearMotion<D: Dim>
+where
+    DefaultAllocator: Allocator<D, D> + Allocator<D>,
+{
     masses: usize,
     tau_s: f64,
-    a: DMatrix<f64>,
-    da: Vec<DMatrix<f64>>,
-    start: DVector<f64>,
+    a: Square<D>,
+    da: Vec<Square<D>>,
+    start: OVector<f64, D>,
+}
+
+/// Masses in a row that meet the barrier at `v0`; parameters are the places in `masses, springs, dampers`.
+pub(crate) fn chain(
+    [masses_kg, springs, dampers]: [&[f64]; 3],
+    parameters: &[usize],
+    v0: f64,
+    at: &Instants,
+) -> Sensitivity {
+    let values = [masses_kg, springs, dampers];
+    match masses_kg.len() {
+        1 => LinearMotion::chain(Const::<2>, values, parameters, v0).sensitivity(at),
+        2 => LinearMotion::chain(Const::<4>, values, parameters, v0).sensitivity(at),
+        3 => LinearMotion::chain(Const::<6>, values, parameters, v0).sensitivity(at),
+        n => LinearMotion::chain(Dyn(2 * n), values, parameters, v0).sensitivity(at),
+    }
+}
+
+/// One mass on spring and damper in series that meets the barrier at `v0`; parameters are the places in `mass, spring, damper`.
+pub(crate) fn maxwell(values: [f64; 3], parameters: &[usize], v0: f64, at: &Instants) -> Sensitivity {
+    LinearMotion::maxwell(values, parameters, v0).sensitivity(at)
 }
 
 /// Time unit of these rates, 1/s².
@@ -24,14 +52,43 @@ fn time_unit(rates: impl Iterator<Item = f64>) -> f64 {
     if fastest > 0.0 && fastest.is_finite() { fastest.sqrt().recip() } else { 1.0 }
 }
 
-impl LinearMotion {
-    /// Masses in a row that meet the barrier at `v0`; parameters are the places in `masses, springs, dampers`.
-    pub fn chain(masses_kg: &[f64], springs: &[f64], dampers: &[f64], parameters: &[usize], v0: f64) -> Self {
+impl LinearMotion<Const<3>> {
+    /// State `(x, tau v, tau² F/m)`.
+    fn maxwell([mass_kg, spring, damper]: [f64; 3], parameters: &[usize], v0: f64) -> Self {
+        let tau_s = time_unit([spring / mass_kg, (spring / damper).powi(2)].into_iter());
+        let stiffness = spring * tau_s * tau_s / mass_kg;
+        let decay = spring * tau_s / damper;
+        let mut a = Square::<Const<3>>::zeros();
+        a[(0, 1)] = 1.0;
+        a[(1, 2)] = -1.0;
+        a[(2, 1)] = stiffness;
+        a[(2, 2)] = -decay;
+        let by = |place: &usize| {
+            let mut d = Square::<Const<3>>::zeros();
+            (d[(2, 1)], d[(2, 2)]) = match place {
+                0 => (-stiffness / mass_kg, 0.0),
+                1 => (stiffness / spring, -decay / spring),
+                _ => (0.0, decay / damper),
+            };
+            d
+        };
+        let da = parameters.iter().map(by).collect();
+        Self { masses: 1, tau_s, a, da, start: [0.0, v0 * tau_s, 0.0].into() }
+    }
+}
+
+impl<D: Dim> LinearMotion<D>
+where
+    DefaultAllocator: Allocator<D, D> + Allocator<D>,
+{
+    /// `size`: twice the number of masses.
+    fn chain(size: D, [masses_kg, springs, dampers]: [&[f64]; 3], parameters: &[usize], v0: f64) -> Self {
         let n = masses_kg.len();
+        let zeros = || Square::<D>::zeros_generic(size, size);
         let next = |of: &[f64], i: usize| of.get(i + 1).copied().unwrap_or(0.0);
         let tau_s = time_unit((0..n).map(|i| (springs[i] + next(springs, i)) / masses_kg[i]));
         let build = |springs: &[f64], dampers: &[f64], rows: bool| {
-            let mut a = DMatrix::zeros(2 * n, 2 * n);
+            let mut a = zeros();
             for i in 0..n {
                 if rows {
                     a[(i, n + i)] = 1.0;
@@ -54,60 +111,34 @@ impl LinearMotion {
         let one = |i: usize| -> Vec<f64> { (0..n).map(|j| if i == j { 1.0 } else { 0.0 }).collect() };
         let none = vec![0.0; n];
         // A is linear in springs and dampers, and its rows are over the masses.
-        let da = parameters
-            .iter()
-            .map(|&place| match place / n {
-                0 => {
-                    let mut d = DMatrix::zeros(2 * n, 2 * n);
-                    d.set_row(n + place, &(a.row(n + place) / -masses_kg[place]));
-                    d
+        let by = |&place: &usize| match place / n {
+            0 => {
+                let mut d = zeros();
+                for column in 0..2 * n {
+                    d[(n + place, column)] = a[(n + place, column)] / -masses_kg[place];
                 }
-                1 => build(&one(place - n), &none, false),
-                _ => build(&none, &one(place - 2 * n), false),
-            })
-            .collect();
-        let mut start = DVector::zeros(2 * n);
+                d
+            }
+            1 => build(&one(place - n), &none, false),
+            _ => build(&none, &one(place - 2 * n), false),
+        };
+        let da = parameters.iter().map(by).collect();
+        let mut start = OVector::<f64, D>::zeros_generic(size, U1);
         start.rows_mut(n, n).fill(v0 * tau_s);
         Self { masses: n, tau_s, a, da, start }
     }
 
-    /// One mass on spring and damper in series, state `(x, tau v, tau² F/m)`; parameters are the places in
-    /// `mass, spring, damper`.
-    pub fn maxwell(mass_kg: f64, spring: f64, damper: f64, parameters: &[usize], v0: f64) -> Self {
-        let tau_s = time_unit([spring / mass_kg, (spring / damper).powi(2)].into_iter());
-        let stiffness = spring * tau_s * tau_s / mass_kg;
-        let decay = spring * tau_s / damper;
-        let mut a = DMatrix::zeros(3, 3);
-        a[(0, 1)] = 1.0;
-        a[(1, 2)] = -1.0;
-        a[(2, 1)] = stiffness;
-        a[(2, 2)] = -decay;
-        let da = parameters
-            .iter()
-            .map(|place| {
-                let mut d = DMatrix::zeros(3, 3);
-                (d[(2, 1)], d[(2, 2)]) = match place {
-                    0 => (-stiffness / mass_kg, 0.0),
-                    1 => (stiffness / spring, -decay / spring),
-                    _ => (0.0, decay / damper),
-                };
-                d
-            })
-            .collect();
-        Self { masses: 1, tau_s, a, da, start: DVector::from_vec(vec![0.0, v0 * tau_s, 0.0]) }
-    }
-
     /// `exp(A t)` and its derivatives, `t` in s: scaling, Taylor series, squaring, each step differentiated.
-    fn exponential(&self, t_s: f64) -> (DMatrix<f64>, Vec<DMatrix<f64>>) {
-        let n = self.a.nrows();
+    fn exponential(&self, t_s: f64) -> (Square<D>, Vec<Square<D>>) {
+        let (size, _) = self.a.shape_generic();
         let t = t_s / self.tau_s;
         let norm = self.a.column_iter().map(|c| c.lp_norm(1)).fold(0.0, f64::max) * t.abs();
         // Beyond 2^60 the result is zero or infinite anyway.
         let squarings = if norm > 0.5 { ((2.0 * norm).log2().ceil() as i32).clamp(0, 60) } else { 0 };
         let h = t * 0.5_f64.powi(squarings);
         let x = &self.a * h;
-        let dx: Vec<DMatrix<f64>> = self.da.iter().map(|d| d * h).collect();
-        let mut phi = DMatrix::identity(n, n) + &x;
+        let dx: Vec<_> = self.da.iter().map(|d| d * h).collect();
+        let mut phi = Square::<D>::identity_generic(size, size) + &x;
         let mut derivatives = dx.clone();
         let (mut term, mut dterm) = (x.clone(), dx.clone());
         for k in 2..=TERMS {
@@ -131,36 +162,34 @@ impl LinearMotion {
     }
 
     /// Marches over the instants; a sensitivity goes `s(t+dt) = phi s + dphi z`.
-    pub fn sensitivity(&self, at: &Instants) -> Sensitivity {
+    fn sensitivity(&self, at: &Instants) -> Sensitivity {
         let parameters = self.da.len();
-        let (mut z, mut s) = (self.start.clone(), vec![DVector::zeros(self.a.nrows()); parameters]);
+        let nothing = || OVector::<f64, D>::zeros_generic(self.a.shape_generic().0, U1);
+        let (mut z, mut s) = (self.start.clone(), vec![nothing(); parameters]);
         if at.first_s > 0.0 {
             let (phi, derivatives) = self.exponential(at.first_s);
             s = derivatives.iter().map(|d| d * &z).collect();
             z = phi * z;
         }
         let (phi, derivatives) = self.exponential(at.dt_s);
-        let empty = || vec![Motion::with_capacity(at.samples); self.masses];
+        let empty = || vec![Motion::zeros(at.samples); self.masses];
         let mut found = Sensitivity { motions: empty(), derivatives: (0..parameters).map(|_| empty()).collect() };
         let (n, per_tau) = (self.masses, self.tau_s.recip());
-        let push = |motions: &mut [Motion], z: &DVector<f64>, rate: &DVector<f64>| {
+        let fill = |motions: &mut [Motion], k: usize, z: &OVector<f64, D>, rate: &OVector<f64, D>| {
             for (i, motion) in motions.iter_mut().enumerate() {
-                motion.push(State {
-                    displacement_m: z[i],
-                    velocity_m_per_s: z[n + i] * per_tau,
-                    acceleration_m_per_s2: rate[n + i] * per_tau * per_tau,
-                });
+                motion.displacement_m[k] = z[i];
+                motion.velocity_m_per_s[k] = z[n + i] * per_tau;
+                motion.acceleration_m_per_s2[k] = rate[n + i] * per_tau * per_tau;
             }
         };
-        let mut rate = DVector::zeros(self.a.nrows());
-        let mut moved = rate.clone();
-        for _ in 0..at.samples {
+        let (mut rate, mut moved) = (nothing(), nothing());
+        for k in 0..at.samples {
             rate.gemv(1.0, &self.a, &z, 0.0);
-            push(&mut found.motions, &z, &rate);
+            fill(&mut found.motions, k, &z, &rate);
             for j in 0..parameters {
                 rate.gemv(1.0, &self.a, &s[j], 0.0);
                 rate.gemv(1.0, &self.da[j], &z, 1.0);
-                push(&mut found.derivatives[j], &s[j], &rate);
+                fill(&mut found.derivatives[j], k, &s[j], &rate);
                 moved.gemv(1.0, &phi, &s[j], 0.0);
                 moved.gemv(1.0, &derivatives[j], &z, 1.0);
                 s[j].copy_from(&moved);

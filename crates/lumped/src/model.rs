@@ -1,6 +1,8 @@
+use crate::error::positive;
 use crate::exact_step::exact_step;
+use crate::linear_motion::chain;
 use crate::{
-    CrushEvents, DoubleSpringMassDamper, Drive, Elastoplastic, Kelvin, LumpedError, Maxwell, ModelKind, Motion,
+    CrushEvents, DoubleSpringMassDamper, Elastoplastic, Instants, Kelvin, LumpedError, Maxwell, ModelKind, Motion,
     Nonlinear1, Nonlinear2, Response, TripleSpringMassDamper,
 };
 
@@ -93,9 +95,10 @@ impl Model {
             Self::Nonlinear1(m) => (vec![m.mass_kg], vec![m.motion(v0, dt_s, samples)?]),
             Self::Nonlinear2(m) => (vec![m.mass_kg], vec![m.motion(v0, dt_s, samples)?]),
             Self::TripleSpringMassDamper(m) => {
-                let chain = m.chain()?;
-                let response = chain.respond(&Drive::Impact(v0), dt_s, samples)?;
-                (chain.masses_kg().to_vec(), response.motions)
+                positive("dt_s", dt_s)?;
+                let values = [&m.masses_kg[..], &m.springs_n_per_m, &m.dampers_n_s_per_m];
+                let found = chain(values, &[], v0, &Instants { first_s: 0.0, dt_s, samples });
+                (m.masses_kg.to_vec(), found.motions)
             }
             Self::DoubleSpringMassDamper(m) => (vec![m.m1_kg, m.m2_kg], march(m, v0, dt_s, samples)),
         };

@@ -1,8 +1,10 @@
 //! Exact-to-rounding motion of one mass on a secant spring and a damper with piecewise-linear coefficients.
 
+use pulp::Arch;
+
 use crate::curve::{BEYOND, Curve, Piece};
 use crate::falling_zero::falling_zero;
-use crate::secant_step::{LANES, Law, ORDER, REST, Step, longest};
+use crate::secant_step::{Fill, LANES, Law, ORDER, REST, Step, longest};
 use crate::{CrushEvents, LumpedError, ModelKind, Motion};
 
 /// Steps after which the search for an event or the motion gives up.
@@ -143,6 +145,7 @@ impl SecantMotion {
     /// The motion at `k dt`, k = 0 .. `samples`.
     pub fn motion(&self, impact_speed_m_per_s: f64, dt_s: f64, samples: usize) -> Result<Motion, LumpedError> {
         let mut motion = Motion::zeros(samples);
+        let arch = Arch::new();
         let mut next = 0;
         let end_s = dt_s * samples as f64;
         self.walk(impact_speed_m_per_s, end_s, |step| {
@@ -157,7 +160,7 @@ impl SecantMotion {
             }
             let Motion { displacement_m, velocity_m_per_s, acceleration_m_per_s2 } = &mut motion;
             let waves = [displacement_m, velocity_m_per_s, acceleration_m_per_s2].map(|wave| &mut wave[next..end]);
-            step.fill(next, dt_s, waves);
+            arch.dispatch(Fill { step, first_s: 0.0, dt_s, first: next, waves });
             next = end;
             next < samples
         })?;
@@ -178,7 +181,8 @@ impl SecantMotion {
             let stop = step.start_s + step.length_s;
             let time = |k: usize| first_s + k as f64 * dt_s;
             while next < out.len() && time(next) <= stop {
-                let found = step.waves(std::array::from_fn(|lane| time(next + lane) - step.start_s)).0;
+                let tau: [f64; LANES] = std::array::from_fn(|lane| time(next + lane) - step.start_s);
+                let [found, ..] = step.waves(&tau);
                 // Lanes beyond the step or the end are not used.
                 for x in found {
                     if next < out.len() && time(next) <= stop {
@@ -286,7 +290,7 @@ fn border(step: &Step, length: f64, spring: &Piece, damper: &Piece, sx: f64, sv:
         let mut low = if here > 0.0 { 0.0 } else { length * INSIDE };
         let mut high = None;
         let (x, v) = looked.get_or_insert_with(|| {
-            let (x, v, _) = step.waves(parts);
+            let [x, v, _] = step.waves(&parts);
             (x, v)
         });
         for part in 0..LANES {

@@ -1,8 +1,10 @@
 //! Derivatives of the nonlinear motions: the variational equation along the Taylor series of the motion.
 
+use pulp::{Arch, Simd, WithSimd};
+
 use crate::curve::{Curve, Knot};
 use crate::secant_motion::SecantMotion;
-use crate::secant_step::{LANES, Law, ORDER, Step};
+use crate::secant_step::{LANES, Law, ORDER, Step, put, times};
 use crate::{Instants, LumpedError, Motion, Sensitivity};
 
 /// A small change of the motion, at the start of a step.
@@ -12,9 +14,9 @@ struct Change {
     v: f64,
 }
 
-/// Parameters whose changes are expanded side by side: each sum of products is a chain that waits for itself, and four of them fill
+/// Parameters whose changes are expanded side by side: each sum of products is a chain that waits for itself, and the others fill
 /// the time.
-const ABREAST: usize = 4;
+const ABREAST: usize = 8;
 
 /// The changes over a step by a few parameters, as series: coefficients by order, then by parameter.
 struct Series {
@@ -27,30 +29,32 @@ struct Series {
 impl Series {
     /// Displacement, velocity and acceleration of the change by one of the parameters, at several times after the step's start, where
     /// the motion itself has `states`.
-    fn waves(
+    #[inline(always)]
+    fn waves<const L: usize>(
         &self,
         parameter: usize,
         step: &Step,
-        tau: [f64; LANES],
-        states: &([f64; LANES], [f64; LANES], [f64; LANES]),
-    ) -> [[f64; LANES]; 3] {
-        let (mut x, mut v) = ([0.0; LANES], [0.0; LANES]);
+        tau: &[f64; L],
+        [sx, sv, _]: &[[f64; L]; 3],
+    ) -> [[f64; L]; 3] {
+        let (mut x, mut v) = ([0.0; L], [0.0; L]);
         for (of_x, of_v) in self.x.iter().zip(&self.v).rev() {
-            for lane in 0..LANES {
+            for lane in 0..L {
                 x[lane] = x[lane] * tau[lane] + of_x[parameter];
                 v[lane] = v[lane] * tau[lane] + of_v[parameter];
             }
         }
-        let law = &step.law;
+        let (law, change) = (&step.law, &self.laws[parameter]);
         let acceleration = std::array::from_fn(|lane| {
-            let (sx, sv) = (states.0[lane], states.1[lane]);
+            let (sx, sv) = (sx[lane], sv[lane]);
             let own = (law.k0 + 2.0 * law.k1 * sx) * x[lane] + (law.c0 + 2.0 * law.c1 * sv) * v[lane];
-            self.laws[parameter].acceleration(sx, sv) - own
+            change.acceleration(sx, sv) - own
         });
         [x, v, acceleration]
     }
 
     /// Displacement and velocity of the changes at the end of the step.
+    #[inline(always)]
     fn end(&self, step: &Step) -> [Change; ABREAST] {
         let at = |series: &[[f64; ABREAST]; ORDER + 1]| {
             let mut sum = [0.0; ABREAST];
@@ -72,11 +76,13 @@ struct Products {
     vv: [f64; ORDER + 1],
 }
 
+#[inline(always)]
 fn convolve(a: &[f64; ORDER + 1], b: &[f64; ORDER + 1], k: usize) -> f64 {
     (0..=k).map(|i| a[i] * b[k - i]).sum()
 }
 
 impl Products {
+    #[inline(always)]
     fn of(step: &Step) -> Self {
         Self {
             xx: std::array::from_fn(|k| convolve(&step.x, &step.x, k)),
@@ -85,6 +91,7 @@ impl Products {
     }
 
     /// `y'' = -(k0 + 2 k1 x) y - (c0 + 2 c1 v) y' - (change of the law)`.
+    #[inline(always)]
     fn series(&self, step: &Step, start: [Change; ABREAST], laws: [Law; ABREAST]) -> Series {
         let none = [[0.0; ABREAST]; ORDER + 1];
         let mut found = Series { x: none, v: none, laws };
@@ -154,53 +161,101 @@ impl SecantMotion {
         at: &Instants,
         parameters: &[usize],
     ) -> Result<Sensitivity, LumpedError> {
-        let mut motion = Motion::with_capacity(at.samples);
-        let mut derivatives: Vec<Vec<Motion>> =
-            parameters.iter().map(|_| vec![Motion::with_capacity(at.samples)]).collect();
+        let arch = Arch::new();
+        let mut motion = Motion::zeros(at.samples);
+        let mut derivatives = vec![vec![motion.clone()]; parameters.len()];
         let blocks = parameters.len().div_ceil(ABREAST);
         let mut changes = vec![[Change::default(); ABREAST]; blocks];
         let mut next = 0;
         let end_s = at.first_s + at.dt_s * at.samples as f64;
         let time = |k: usize| at.first_s + k as f64 * at.dt_s;
-        // Series of the parameters' changes over a step, and blocks of its instants; kept to be filled again.
+        // Series of the parameters' changes over a step, kept to be filled again.
         let mut series = Vec::with_capacity(blocks);
+        // Places of a last block that no parameter fills change nothing.
+        let none = Law { k0: 0.0, k1: 0.0, c0: 0.0, c1: 0.0 };
         self.walk(impact_speed_m_per_s, end_s, |step| {
             let stop = step.start_s + step.length_s;
             let first = next;
             while next < at.samples && time(next) <= stop {
                 next += 1;
             }
-            series.clear();
-            if !parameters.is_empty() {
-                let products = Products::of(step);
-                // Places of a last block that no parameter fills change nothing.
-                let none = Law { k0: 0.0, k1: 0.0, c0: 0.0, c1: 0.0 };
-                let laws = |block: &[usize]| -> [Law; ABREAST] {
-                    std::array::from_fn(|p| block.get(p).map_or(none, |place| self.change_of_law(step, *place)))
-                };
-                let of_blocks = parameters.chunks(ABREAST).zip(&changes);
-                series.extend(of_blocks.map(|(block, change)| products.series(step, *change, laws(block))));
-            }
-            for block in (first..next).step_by(LANES) {
-                let tau = std::array::from_fn(|lane| time(block + lane) - step.start_s);
-                let states = step.waves(tau);
-                // Lanes beyond the step are not used.
-                let lanes = LANES.min(next - block);
-                motion.displacement_m.extend_from_slice(&states.0[..lanes]);
-                motion.velocity_m_per_s.extend_from_slice(&states.1[..lanes]);
-                motion.acceleration_m_per_s2.extend_from_slice(&states.2[..lanes]);
-                for (k, derivative) in derivatives.iter_mut().enumerate() {
-                    let [x, v, a] = series[k / ABREAST].waves(k % ABREAST, step, tau, &states);
-                    derivative[0].displacement_m.extend_from_slice(&x[..lanes]);
-                    derivative[0].velocity_m_per_s.extend_from_slice(&v[..lanes]);
-                    derivative[0].acceleration_m_per_s2.extend_from_slice(&a[..lanes]);
-                }
-            }
-            for (series, change) in series.iter().zip(&mut changes) {
-                *change = series.end(step);
-            }
+            let laws = |block: &[usize]| -> [Law; ABREAST] {
+                std::array::from_fn(|p| block.get(p).map_or(none, |place| self.change_of_law(step, *place)))
+            };
+            let laws = parameters.chunks(ABREAST).map(laws).collect();
+            let (series, changes) = (&mut series, &mut changes);
+            let (motion, derivatives) = (&mut motion, &mut derivatives);
+            arch.dispatch(Expand { step, at, instants: (first, next), laws, series, changes, motion, derivatives });
             next < at.samples
         })?;
         Ok(Sensitivity { motions: vec![motion], derivatives })
+    }
+}
+
+/// The motion and its changes over one step.
+struct Expand<'a> {
+    step: &'a Step,
+    at: &'a Instants,
+    /// The instants in the step, from .. to.
+    instants: (usize, usize),
+    /// What the parameters change in the law, block by block.
+    laws: Vec<[Law; ABREAST]>,
+    series: &'a mut Vec<Series>,
+    /// Changes at the start of the step, and then at its end.
+    changes: &'a mut [[Change; ABREAST]],
+    motion: &'a mut Motion,
+    derivatives: &'a mut [Vec<Motion>],
+}
+
+impl WithSimd for Expand<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, _: S) {
+        self.series.clear();
+        if !self.laws.is_empty() {
+            let products = Products::of(self.step);
+            for (laws, change) in self.laws.iter().zip(&mut *self.changes) {
+                let series = products.series(self.step, *change, *laws);
+                *change = series.end(self.step);
+                self.series.push(series);
+            }
+        }
+        match size_of::<S::f64s>() {
+            64 => self.fill::<32>(),
+            32 => self.fill::<16>(),
+            _ => self.fill::<LANES>(),
+        }
+    }
+}
+
+impl Expand<'_> {
+    #[inline(always)]
+    fn fill<const L: usize>(&mut self) {
+        let (mut from, to) = self.instants;
+        while to - from > LANES {
+            from = self.block::<L>(from);
+        }
+        while to > from {
+            from = self.block::<LANES>(from);
+        }
+    }
+
+    #[inline(always)]
+    fn block<const L: usize>(&mut self, from: usize) -> usize {
+        let to = (from + L).min(self.instants.1);
+        let tau = times::<L>(self.at.first_s, self.at.dt_s, from, self.step);
+        let states = self.step.waves(&tau);
+        let put_all = |motion: &mut Motion, [x, v, a]: &[[f64; L]; 3]| {
+            put(&mut motion.displacement_m[from..to], x);
+            put(&mut motion.velocity_m_per_s[from..to], v);
+            put(&mut motion.acceleration_m_per_s2[from..to], a);
+        };
+        put_all(self.motion, &states);
+        for (k, derivative) in self.derivatives.iter_mut().enumerate() {
+            let series = &self.series[k / ABREAST];
+            put_all(&mut derivative[0], &series.waves(k % ABREAST, self.step, &tau, &states));
+        }
+        to
     }
 }

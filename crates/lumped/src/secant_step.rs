@@ -1,12 +1,15 @@
 //! One step of a nonlinear motion: Taylor series on one piece of spring and damper.
 
+use pulp::{Simd, WithSimd};
+
 use crate::State;
 
 /// Terms of the Taylor series.
 pub(crate) const ORDER: usize = 20;
 /// Rest of the series after a step, relative to the motion.
 pub(crate) const REST: f64 = 1e-17;
-/// Instants evaluated side by side.
+/// Instants evaluated side by side where few are wanted. Where there are many, as many as keep the processor's vectors busy; the
+/// result is the same to the bit.
 pub(crate) const LANES: usize = 8;
 
 /// One step: the Taylor coefficients of the motion about its start, valid for `length`.
@@ -57,43 +60,83 @@ impl Step {
         product(&coefficient, &product(&self.v, &self.v))
     }
 
-    /// The motion at `first dt`, `(first + 1) dt` and so on, as many as the slices hold: several instants at a time, which
-    /// the processor works on side by side.
-    pub fn fill(&self, first: usize, dt_s: f64, [x, v, a]: [&mut [f64]; 3]) {
-        let tau = |at: usize| {
-            let at = at as f64;
-            std::array::from_fn(|lane| (at + lane as f64) * dt_s - self.start_s)
-        };
-        let whole = x.len() - x.len() % LANES;
-        let blocks = x.as_chunks_mut::<LANES>().0.iter_mut().zip(v.as_chunks_mut::<LANES>().0);
-        for (block, ((x, v), a)) in blocks.zip(a.as_chunks_mut::<LANES>().0).enumerate() {
-            (*x, *v, *a) = self.waves(tau(first + block * LANES));
-        }
-        let rest = x.len() - whole;
-        if rest > 0 {
-            let (x_rest, v_rest, a_rest) = self.waves(tau(first + whole));
-            x[whole..].copy_from_slice(&x_rest[..rest]);
-            v[whole..].copy_from_slice(&v_rest[..rest]);
-            a[whole..].copy_from_slice(&a_rest[..rest]);
-        }
-    }
-
     /// Displacement, velocity and acceleration at several instants.
-    #[inline]
-    pub fn waves(&self, tau: [f64; LANES]) -> ([f64; LANES], [f64; LANES], [f64; LANES]) {
-        let (mut x, mut v) = ([0.0; LANES], [0.0; LANES]);
+    #[inline(always)]
+    pub fn waves<const L: usize>(&self, tau: &[f64; L]) -> [[f64; L]; 3] {
+        let (mut x, mut v) = ([0.0; L], [0.0; L]);
         for (of_x, of_v) in self.x.iter().zip(&self.v).rev() {
-            for lane in 0..LANES {
+            for lane in 0..L {
                 x[lane] = x[lane] * tau[lane] + of_x;
                 v[lane] = v[lane] * tau[lane] + of_v;
             }
         }
-        (x, v, std::array::from_fn(|lane| self.law.acceleration(x[lane], v[lane])))
+        let a = std::array::from_fn(|lane| self.law.acceleration(x[lane], v[lane]));
+        [x, v, a]
+    }
+}
+
+/// The motion of a step at `first_s + k dt_s`, k from `first` on, as many as the waves hold.
+pub(crate) struct Fill<'a> {
+    pub step: &'a Step,
+    pub first_s: f64,
+    pub dt_s: f64,
+    pub first: usize,
+    pub waves: [&'a mut [f64]; 3],
+}
+
+impl WithSimd for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        match size_of::<S::f64s>() {
+            64 => self.fill::<32>(),
+            32 => self.fill::<16>(),
+            _ => self.fill::<LANES>(),
+        }
+    }
+}
+
+impl Fill<'_> {
+    #[inline(always)]
+    fn fill<const L: usize>(mut self) {
+        let many = self.waves[0].len();
+        let mut done = 0;
+        while many - done > LANES {
+            done = self.block::<L>(done);
+        }
+        while many > done {
+            done = self.block::<LANES>(done);
+        }
+    }
+
+    #[inline(always)]
+    fn block<const L: usize>(&mut self, from: usize) -> usize {
+        let tau = times::<L>(self.first_s, self.dt_s, self.first + from, self.step);
+        let found = self.step.waves(&tau);
+        self.waves.iter_mut().zip(&found).for_each(|(wave, found)| put(&mut wave[from..], found));
+        (from + L).min(self.waves[0].len())
+    }
+}
+
+/// The instants from number `at` on, after the start of a step.
+#[inline(always)]
+pub(crate) fn times<const L: usize>(first_s: f64, dt_s: f64, at: usize, step: &Step) -> [f64; L] {
+    let at = at as f64;
+    std::array::from_fn(|lane| first_s + (at + lane as f64) * dt_s - step.start_s)
+}
+
+/// Lanes beyond the end are not used.
+#[inline(always)]
+pub(crate) fn put<const L: usize>(wave: &mut [f64], found: &[f64; L]) {
+    match wave.first_chunk_mut::<L>() {
+        Some(all) => *all = *found,
+        None => wave.copy_from_slice(&found[..wave.len()]),
     }
 }
 
 impl Law {
-    #[inline]
+    #[inline(always)]
     pub fn acceleration(&self, x: f64, v: f64) -> f64 {
         -((self.k0 + self.k1 * x) * x + (self.c0 + self.c1 * v) * v)
     }

@@ -1,7 +1,7 @@
 //! Motions at chosen instants with their derivatives by the parameters, for fits.
 
 use crate::elastoplastic_sensitivity::elastoplastic;
-use crate::linear_motion::LinearMotion;
+use crate::linear_motion::{chain, maxwell};
 use crate::{Chain, LumpedError, Model, Motion};
 
 /// Instants `first_s + k dt_s`, k = 0 .. `samples`, after contact.
@@ -49,24 +49,15 @@ impl Model {
         let v0 = impact_speed_m_per_s;
         let found = match self {
             Self::Kelvin(m) => {
-                LinearMotion::chain(&[m.mass_kg], &[m.stiffness_n_per_m], &[m.damping_n_s_per_m], parameters, v0)
-                    .sensitivity(at)
+                chain([&[m.mass_kg], &[m.stiffness_n_per_m], &[m.damping_n_s_per_m]], parameters, v0, at)
             }
-            Self::Maxwell(m) => {
-                LinearMotion::maxwell(m.mass_kg, m.stiffness_n_per_m, m.damping_n_s_per_m, parameters, v0)
-                    .sensitivity(at)
+            Self::Maxwell(m) => maxwell([m.mass_kg, m.stiffness_n_per_m, m.damping_n_s_per_m], parameters, v0, at),
+            Self::DoubleSpringMassDamper(m) => {
+                let (springs, dampers) = ([m.k1_n_per_m, m.k2_n_per_m], [m.c1_n_s_per_m, m.c2_n_s_per_m]);
+                chain([&[m.m1_kg, m.m2_kg], &springs, &dampers], parameters, v0, at)
             }
-            Self::DoubleSpringMassDamper(m) => LinearMotion::chain(
-                &[m.m1_kg, m.m2_kg],
-                &[m.k1_n_per_m, m.k2_n_per_m],
-                &[m.c1_n_s_per_m, m.c2_n_s_per_m],
-                parameters,
-                v0,
-            )
-            .sensitivity(at),
             Self::TripleSpringMassDamper(m) => {
-                LinearMotion::chain(&m.masses_kg, &m.springs_n_per_m, &m.dampers_n_s_per_m, parameters, v0)
-                    .sensitivity(at)
+                chain([&m.masses_kg, &m.springs_n_per_m, &m.dampers_n_s_per_m], parameters, v0, at)
             }
             Self::Elastoplastic(m) => elastoplastic(m, v0, at, parameters),
             Self::Nonlinear1(m) => m.law().sensitivity(v0, at, parameters)?,
@@ -95,7 +86,7 @@ impl Chain {
             let expected = "the place of a mass, spring or damper of the chain";
             return Err(LumpedError::Value { name: "parameter", value: *place as f64, expected });
         }
-        let found = LinearMotion::chain(masses, springs, dampers, parameters, impact_speed_m_per_s).sensitivity(at);
+        let found = chain([masses, springs, dampers], parameters, impact_speed_m_per_s, at);
         let motions = || found.motions.iter().chain(found.derivatives.iter().flatten());
         match motions().filter_map(Motion::first_not_finite).min() {
             Some(k) => Err(LumpedError::ChainDiverges { time_s: at.first_s + k as f64 * at.dt_s }),

@@ -1,6 +1,7 @@
 //! How a motion becomes the displacement in an artifact: sampling, channel filter, integration.
 
 use crumple_lumped::{Instants, LumpedError, Model, Motion, Sensitivity};
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::FitQuantity;
 
@@ -46,6 +47,8 @@ pub struct Measurement {
 const FORGOTTEN: f64 = 1e-10;
 /// Samples of which the mean starts a pass, as in the filter stage.
 const START_SAMPLES: usize = 10;
+/// Waves that go through a measurement side by side.
+const ABREAST: usize = 8;
 /// A sample this close to contact is at contact, in intervals: rounding of decimal time stamps.
 const ON_GRID: f64 = 1e-6;
 
@@ -121,12 +124,13 @@ impl Measurement {
     ) -> Result<Vec<Vec<f64>>, LumpedError> {
         let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples: self.samples_of_the_model(last).unwrap_or(0) };
         let found = respond(&at)?;
-        let of = |(motions, speed): (&Vec<Motion>, f64)| {
-            let motion = motions.get(mass).map_or(&[][..], |motion| &motion.acceleration_m_per_s2);
-            self.seen(motion, quantity, speed, last)
-        };
-        let derivatives = found.derivatives.iter().map(|motions| (motions, 0.0));
-        Ok(std::iter::once((&found.motions, v0_m_per_s)).chain(derivatives).map(of).collect())
+        fn of(motions: &[Motion], mass: usize) -> &[f64] {
+            motions.get(mass).map_or(&[], |motion| &motion.acceleration_m_per_s2)
+        }
+        let derivatives: Vec<&[f64]> = found.derivatives.iter().map(|motions| of(motions, mass)).collect();
+        let mut seen = vec![self.seen(of(&found.motions, mass), quantity, v0_m_per_s, last)];
+        seen.extend(self.all_seen(&derivatives, quantity, last));
+        Ok(seen)
     }
 
     /// Samples of the acceleration that sample `last` of the record depends on.
@@ -146,17 +150,20 @@ impl Measurement {
         seen
     }
 
-    /// The same of many of equal length, four at a time through the filter: its recursion waits for itself, not for the processor.
+    /// The same of many of equal length, several at a time: filter and integration wait for themselves, not for the processor.
     fn all_seen(&self, accelerations: &[&[f64]], quantity: FitQuantity, last: usize) -> Vec<Vec<f64>> {
+        let arch = Arch::new();
         let mut seen = Vec::with_capacity(accelerations.len());
-        let mut four = accelerations.chunks_exact(4);
-        for chunk in &mut four {
-            seen.extend(self.seen_together([chunk[0], chunk[1], chunk[2], chunk[3]], quantity, 0.0, last));
+        for chunk in accelerations.chunks(ABREAST) {
+            // Places of a last chunk that nothing fills repeat its first.
+            let accelerations = std::array::from_fn(|lane| *chunk.get(lane).unwrap_or(&chunk[0]));
+            let found = arch.dispatch(Together { measurement: self, accelerations, quantity, last });
+            seen.extend(found.into_iter().take(chunk.len()));
         }
-        seen.extend(four.remainder().iter().map(|a| self.seen(a, quantity, 0.0, last)));
         seen
     }
 
+    #[inline(always)]
     fn seen_together<const N: usize>(
         &self,
         accelerations: [&[f64]; N],
@@ -167,81 +174,123 @@ impl Measurement {
         let (zero, count) = (self.contact_index(), self.reach(last));
         let gap = (self.time_s(zero) / self.dt_s).max(0.0);
         let instants = accelerations.iter().map(|a| a.len()).min().unwrap_or(0);
-        let mut a = vec![[0.0; N]; zero.min(count)];
+        let accelerations = accelerations.map(|a| &a[..instants]);
+        let before = zero.min(count);
+        let samples = before + instants.saturating_sub(1);
+        let added = self.filter.map_or(0, |filter| filter.samples_added.min(samples.saturating_sub(1)));
+        let mut waves: Vec<[f64; N]> = Vec::with_capacity(samples + 2 * added);
+        waves.resize(added + before, [0.0; N]);
         // The record has the value after a jump at contact.
-        a.extend((1..instants).map(|k| accelerations.map(|a| a[k - 1] + gap * (a[k] - a[k - 1]))));
+        waves.extend((1..instants).map(|k| accelerations.map(|a| a[k - 1] + gap * (a[k] - a[k - 1]))));
         if let Some(filter) = &self.filter {
-            a = filter.run(&a);
+            filter.run(&mut waves, added);
         }
-        a.truncate(last.min(self.samples.saturating_sub(1)) + 1);
-        std::array::from_fn(|lane| {
-            let a: Vec<f64> = a.iter().map(|values| values[lane]).collect();
-            match quantity {
-                FitQuantity::Acceleration => a,
-                FitQuantity::Velocity => self.integrate(&a, v0_m_per_s, zero, gap).0,
-                FitQuantity::Displacement => self.integrate(&a, v0_m_per_s, zero, gap).1,
-            }
-        })
+        let end = added + samples.min(last.min(self.samples.saturating_sub(1)) + 1);
+        let seen = &mut waves[added..end];
+        if quantity != FitQuantity::Acceleration {
+            self.integrate(seen, quantity, v0_m_per_s, zero, gap);
+        }
+        std::array::from_fn(|lane| seen.iter().map(|values| values[lane]).collect())
     }
 
-    /// Velocity and displacement as the integrate stage has them: from the first sample, the displacement shifted to zero at
-    /// contact; or from contact.
-    fn integrate(&self, a: &[f64], v0: f64, zero: usize, gap: f64) -> (Vec<f64>, Vec<f64>) {
-        let dt = self.dt_s;
-        let mut x = vec![0.0; a.len()];
-        let mut speeds = vec![v0; a.len()];
-        let step = |v: &mut f64, x: &mut f64, before: f64, after: f64| match self.rule {
-            IntegrationRule::Trapezoid => {
-                let next = *v + 0.5 * dt * (before + after);
-                *x += 0.5 * dt * (*v + next);
-                *v = next;
-            }
-            IntegrationRule::ForwardEuler => {
-                *x += dt * *v;
-                *v += dt * before;
-            }
-        };
+    /// Acceleration to velocity or displacement in its place, as the integrate stage has them: from the first sample, the displacement
+    /// shifted to zero at contact; or from contact. Every lane by itself.
+    #[inline(always)]
+    fn integrate<const N: usize>(&self, waves: &mut [[f64; N]], quantity: FitQuantity, v0: f64, zero: usize, gap: f64) {
+        let is_velocity = quantity == FitQuantity::Velocity;
         if self.from_contact || zero == 0 {
-            let (mut v, mut s) = (v0, v0 * gap * dt);
-            if zero > 0 && gap > 0.0 && zero < a.len() {
-                let at_zero = a[zero] - (a[zero] - a[zero - 1]) * gap;
+            let start: [(f64, f64); N] = std::array::from_fn(|lane| self.at_first_sample(waves, (zero, lane), v0, gap));
+            let zero = zero.min(waves.len());
+            waves[..zero].fill([if is_velocity { v0 } else { 0.0 }; N]);
+            self.sum(&mut waves[zero..], is_velocity, (start.map(|s| s.0), start.map(|s| s.1)), 0);
+            return;
+        }
+        let around = self.sum(waves, is_velocity, ([v0; N], [0.0; N]), zero);
+        if zero < waves.len() && !is_velocity {
+            let shift: [f64; N] = std::array::from_fn(|lane| {
+                // The velocity taken as linear between the samples around contact.
+                let (before, after) = (around.0[lane], around.1[lane]);
+                let v_contact = after - (after - before) * gap;
+                waves[zero][lane] - 0.5 * gap * self.dt_s * (after + v_contact)
+            });
+            waves.iter_mut().for_each(|x| x.iter_mut().zip(&shift).for_each(|(x, shift)| *x -= shift));
+        }
+    }
+
+    /// Velocity and displacement at the first sample after contact, from there on.
+    fn at_first_sample<const N: usize>(
+        &self,
+        a: &[[f64; N]],
+        (zero, lane): (usize, usize),
+        v0: f64,
+        gap: f64,
+    ) -> (f64, f64) {
+        let dt = self.dt_s;
+        if zero == 0 || gap <= 0.0 || zero >= a.len() {
+            return (v0, v0 * gap * dt);
+        }
+        let at_zero = a[zero][lane] - (a[zero][lane] - a[zero - 1][lane]) * gap;
+        match self.rule {
+            IntegrationRule::Trapezoid => {
+                let v = v0 + 0.5 * gap * dt * (at_zero + a[zero][lane]);
+                (v, 0.5 * gap * dt * (v0 + v))
+            }
+            IntegrationRule::ForwardEuler => (v0 + gap * dt * at_zero, v0 * gap * dt),
+        }
+    }
+
+    /// Sums; gives the velocities before and at sample `at`.
+    #[inline(always)]
+    fn sum<const N: usize>(
+        &self,
+        waves: &mut [[f64; N]],
+        is_velocity: bool,
+        (mut v, mut s): ([f64; N], [f64; N]),
+        at: usize,
+    ) -> ([f64; N], [f64; N]) {
+        let dt = self.dt_s;
+        let mut around = (v, v);
+        for k in 0..waves.len() {
+            let after = waves.get(k + 1).copied();
+            let before = std::mem::replace(&mut waves[k], if is_velocity { v } else { s });
+            if k + 1 == at {
+                around.0 = v;
+            } else if k == at {
+                around.1 = v;
+            }
+            let Some(after) = after else { break };
+            for lane in 0..N {
                 match self.rule {
                     IntegrationRule::Trapezoid => {
-                        v = v0 + 0.5 * gap * dt * (at_zero + a[zero]);
-                        s = 0.5 * gap * dt * (v0 + v);
+                        let next = v[lane] + 0.5 * dt * (before[lane] + after[lane]);
+                        s[lane] += 0.5 * dt * (v[lane] + next);
+                        v[lane] = next;
                     }
-                    IntegrationRule::ForwardEuler => v = v0 + gap * dt * at_zero,
+                    IntegrationRule::ForwardEuler => {
+                        s[lane] += dt * v[lane];
+                        v[lane] += dt * before[lane];
+                    }
                 }
             }
-            for k in zero..a.len() {
-                (speeds[k], x[k]) = (v, s);
-                if k + 1 < a.len() {
-                    step(&mut v, &mut s, a[k], a[k + 1]);
-                }
-            }
-            return (speeds, x);
         }
-        let (mut v, mut s) = (v0, 0.0);
-        let mut at_contact = (v0, v0);
-        for k in 0..a.len() {
-            (speeds[k], x[k]) = (v, s);
-            if k + 1 == zero {
-                at_contact.0 = v;
-            } else if k == zero {
-                at_contact.1 = v;
-            }
-            if k + 1 < a.len() {
-                step(&mut v, &mut s, a[k], a[k + 1]);
-            }
-        }
-        if zero < a.len() {
-            // The velocity taken as linear between the samples around contact.
-            let (before, after) = at_contact;
-            let v_contact = after - (after - before) * gap;
-            let shift = x[zero] - 0.5 * gap * dt * (after + v_contact);
-            x.iter_mut().for_each(|x| *x -= shift);
-        }
-        (speeds, x)
+        around
+    }
+}
+
+/// Several waves through one measurement, compiled for each width of the processor's vectors; the result is the same to the bit.
+struct Together<'a> {
+    measurement: &'a Measurement,
+    accelerations: [&'a [f64]; ABREAST],
+    quantity: FitQuantity,
+    last: usize,
+}
+
+impl WithSimd for Together<'_> {
+    type Output = [Vec<f64>; ABREAST];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.measurement.seen_together(self.accelerations, self.quantity, 0.0, self.last)
     }
 }
 
@@ -260,37 +309,37 @@ impl TwoPassFilter {
         if largest < 1.0 && samples.is_finite() { samples.max(2.0) as usize } else { usize::MAX }
     }
 
-    /// Forward and backward, with the same extension and the same start of each pass as the filter stage; every lane by itself.
-    fn run<const N: usize>(&self, samples: &[[f64; N]]) -> Vec<[f64; N]> {
-        let n = samples.len();
-        if n < 4 {
-            return samples.to_vec();
+    /// Forward and backward over all but the first `added` waves, with the same extension and the same start of each pass as the
+    /// filter stage; every lane by itself. The extension stands before and after them.
+    #[inline(always)]
+    fn run<const N: usize>(&self, waves: &mut Vec<[f64; N]>, added: usize) {
+        let samples = waves.len() - added;
+        if samples < 4 {
+            return;
         }
-        let added = self.samples_added.min(n - 1);
-        let mirrored = |end: [f64; N], x: &[f64; N]| std::array::from_fn(|lane| 2.0 * end[lane] - x[lane]);
-        let (first, last) = (samples[0], samples[n - 1]);
-        let mut extended: Vec<[f64; N]> = Vec::with_capacity(n + 2 * added);
-        extended.extend(samples[1..=added].iter().rev().map(|x| mirrored(first, x)));
-        extended.extend_from_slice(samples);
-        extended.extend(samples[n - 1 - added..n - 1].iter().rev().map(|x| mirrored(last, x)));
+        let mirrored = |end: [f64; N], x: [f64; N]| std::array::from_fn(|lane| 2.0 * end[lane] - x[lane]);
+        let (first, last) = (waves[added], waves[added + samples - 1]);
+        for k in 1..=added {
+            waves[added - k] = mirrored(first, waves[added + k]);
+            waves.push(mirrored(last, waves[added + samples - 1 - k]));
+        }
         let from_rest = added == 0;
-        self.pass(&mut extended, from_rest);
-        extended.reverse();
-        self.pass(&mut extended, from_rest);
-        extended.reverse();
-        extended[added..added + n].to_vec()
+        self.pass(waves.iter_mut(), from_rest);
+        self.pass(waves.iter_mut().rev(), from_rest);
     }
 
-    fn pass<const N: usize>(&self, values: &mut [[f64; N]], from_rest: bool) {
+    #[inline(always)]
+    fn pass<'a, const N: usize>(&self, mut values: impl Iterator<Item = &'a mut [f64; N]>, from_rest: bool) {
         let [a0, a1, a2, b1, b2] = self.coefficients;
-        let head = &values[..START_SAMPLES.min(values.len())];
-        let mean = |lane: usize| head.iter().map(|x| x[lane]).sum::<f64>() / head.len() as f64;
+        let head: [Option<&mut [f64; N]>; START_SAMPLES] = std::array::from_fn(|_| values.next());
+        let known = head.iter().flatten().count() as f64;
+        let mean = |lane: usize| head.iter().flatten().map(|x| x[lane]).sum::<f64>() / known;
         let start: [f64; N] = std::array::from_fn(|lane| if from_rest { 0.0 } else { mean(lane) });
-        let (mut x2, mut x1) = (values[0], values[1]);
+        let mut head = head.into_iter().flatten();
+        let mut first = || head.next().map_or([0.0; N], |value| std::mem::replace(value, start));
+        let (mut x2, mut x1) = (first(), first());
         let (mut y2, mut y1) = (start, start);
-        values[0] = start;
-        values[1] = start;
-        for value in &mut values[2..] {
+        let mut step = |value: &mut [f64; N]| {
             let x = *value;
             // The last output last: the next sample waits for it.
             *value = std::array::from_fn(|lane| {
@@ -298,7 +347,9 @@ impl TwoPassFilter {
             });
             (x2, x1) = (x1, x);
             (y2, y1) = (y1, *value);
-        }
+        };
+        head.for_each(&mut step);
+        values.for_each(step);
     }
 }
 
