@@ -1,11 +1,16 @@
 //! Where a distance that is positive first meets zero.
 
+/// Steps below this share of the instant may be rounding.
+const STALLED: f64 = 1e-10;
+
 /// Zero of a function that is positive at `low` and not at `high`, by Newton's method kept inside the bracket.
 ///
 /// `distance` gives value and rate. A Newton step that leaves the bracket, or that a rate of zero makes no number, is replaced
-/// by the middle; ends when a step is two roundings of the instant, or after 60.
+/// by the middle; ends when a step is two roundings of the instant, when small steps no longer shrink, which is the rounding of
+/// the distance, or after 60.
 pub(crate) fn falling_zero(mut low: f64, mut high: f64, distance: impl Fn(f64) -> (f64, f64)) -> f64 {
     let mut tau = 0.5 * (low + high);
+    let mut before = f64::INFINITY;
     for _ in 0..60 {
         let (d, rate) = distance(tau);
         if d > 0.0 {
@@ -14,11 +19,15 @@ pub(crate) fn falling_zero(mut low: f64, mut high: f64, distance: impl Fn(f64) -
             high = tau;
         }
         let newton = tau - d / rate;
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if (next - tau).abs() <= 2.0 * f64::EPSILON * tau {
+        let inside = newton > low && newton < high;
+        let next = if inside { newton } else { 0.5 * (low + high) };
+        let (step, wanted) = ((next - tau).abs(), (newton - tau).abs());
+        // Newton's steps shrink by their square.
+        let stalled = inside && before <= STALLED * tau && step >= 0.5 * before;
+        if step.min(wanted) <= 2.0 * f64::EPSILON * tau || stalled {
             break;
         }
-        tau = next;
+        (tau, before) = (next, if inside { step } else { f64::INFINITY });
     }
     tau
 }

@@ -45,11 +45,12 @@ impl Series {
             }
         }
         let (law, change) = (&step.law, &self.laws[parameter]);
-        let acceleration = std::array::from_fn(|lane| {
+        let mut acceleration = [0.0; L];
+        for lane in 0..L {
             let (sx, sv) = (sx[lane], sv[lane]);
             let own = (law.k0 + 2.0 * law.k1 * sx) * x[lane] + (law.c0 + 2.0 * law.c1 * sv) * v[lane];
-            change.acceleration(sx, sv) - own
-        });
+            acceleration[lane] = change.acceleration(sx, sv) - own;
+        }
         [x, v, acceleration]
     }
 
@@ -76,18 +77,17 @@ struct Products {
     vv: [f64; ORDER + 1],
 }
 
-#[inline(always)]
-fn convolve(a: &[f64; ORDER + 1], b: &[f64; ORDER + 1], k: usize) -> f64 {
-    (0..=k).map(|i| a[i] * b[k - i]).sum()
-}
-
 impl Products {
     #[inline(always)]
     fn of(step: &Step) -> Self {
-        Self {
-            xx: std::array::from_fn(|k| convolve(&step.x, &step.x, k)),
-            vv: std::array::from_fn(|k| convolve(&step.v, &step.v, k)),
+        let mut found = Self { xx: [0.0; ORDER + 1], vv: [0.0; ORDER + 1] };
+        for i in 0..=ORDER {
+            for j in 0..=ORDER - i {
+                found.xx[i + j] += step.x[i] * step.x[j];
+                found.vv[i + j] += step.v[i] * step.v[j];
+            }
         }
+        found
     }
 
     /// `y'' = -(k0 + 2 k1 x) y - (c0 + 2 c1 v) y' - (change of the law)`.

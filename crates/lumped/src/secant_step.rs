@@ -9,7 +9,7 @@ pub(crate) const ORDER: usize = 20;
 /// Rest of the series after a step, relative to the motion.
 pub(crate) const REST: f64 = 1e-17;
 /// Instants evaluated side by side where few are wanted. Where there are many, as many as keep the processor's vectors busy; the
-/// result is the same to the bit.
+/// result is the same to the bit. What is compiled for wide vectors is written in plain loops: closures would not be.
 pub(crate) const LANES: usize = 8;
 
 /// One step: the Taylor coefficients of the motion about its start, valid for `length`.
@@ -70,7 +70,10 @@ impl Step {
                 v[lane] = v[lane] * tau[lane] + of_v;
             }
         }
-        let a = std::array::from_fn(|lane| self.law.acceleration(x[lane], v[lane]));
+        let mut a = [0.0; L];
+        for lane in 0..L {
+            a[lane] = self.law.acceleration(x[lane], v[lane]);
+        }
         [x, v, a]
     }
 }
@@ -123,7 +126,11 @@ impl Fill<'_> {
 #[inline(always)]
 pub(crate) fn times<const L: usize>(first_s: f64, dt_s: f64, at: usize, step: &Step) -> [f64; L] {
     let at = at as f64;
-    std::array::from_fn(|lane| first_s + (at + lane as f64) * dt_s - step.start_s)
+    let mut tau = [0.0; L];
+    for (lane, tau) in tau.iter_mut().enumerate() {
+        *tau = first_s + (at + lane as f64) * dt_s - step.start_s;
+    }
+    tau
 }
 
 /// Lanes beyond the end are not used.

@@ -2,6 +2,7 @@
 
 use crumple_lumped::{Instants, LumpedError, Model, Motion, Sensitivity};
 use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
 
 use crate::FitQuantity;
 
@@ -105,12 +106,19 @@ impl Measurement {
             return Ok(places.iter().map(|_| self.seen(&[], quantity, 0.0, last)).collect());
         };
         let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples };
-        let found = model.sensitivity(v0_m_per_s, &at, places)?;
-        let motions =
-            found.derivatives.iter().map(|motions| mass.and_then(|mass| motions.get(mass)).or(motions.last()));
-        let accelerations: Vec<&[f64]> =
-            motions.map(|motion| motion.map_or(&[][..], |motion| &motion.acceleration_m_per_s2)).collect();
-        Ok(self.all_seen(&accelerations, quantity, last))
+        let of_some = |places: &[usize]| -> Result<Vec<Vec<f64>>, LumpedError> {
+            let found = model.sensitivity(v0_m_per_s, &at, places)?;
+            let motions =
+                found.derivatives.iter().map(|motions| mass.and_then(|mass| motions.get(mass)).or(motions.last()));
+            let accelerations: Vec<&[f64]> =
+                motions.map(|motion| motion.map_or(&[][..], |motion| &motion.acceleration_m_per_s2)).collect();
+            Ok(self.all_seen(&accelerations, quantity, last))
+        };
+        // In parts of equal size, on as many threads as are idle.
+        let parts = places.len().div_ceil(ABREAST).max(1);
+        let size = places.len().div_ceil(parts).max(1);
+        let parts: Vec<Vec<Vec<f64>>> = places.par_chunks(size).map(of_some).collect::<Result<_, _>>()?;
+        Ok(parts.into_iter().flatten().collect())
     }
 
     /// The same of a model that is no [`Model`]: `respond` gives the motion of every mass, and its derivatives by each free number if
@@ -179,9 +187,13 @@ impl Measurement {
         let samples = before + instants.saturating_sub(1);
         let added = self.filter.map_or(0, |filter| filter.samples_added.min(samples.saturating_sub(1)));
         let mut waves: Vec<[f64; N]> = Vec::with_capacity(samples + 2 * added);
-        waves.resize(added + before, [0.0; N]);
         // The record has the value after a jump at contact.
-        waves.extend((1..instants).map(|k| accelerations.map(|a| a[k - 1] + gap * (a[k] - a[k - 1]))));
+        waves.resize(added + samples, [0.0; N]);
+        for (lane, a) in accelerations.iter().enumerate() {
+            for (wave, pair) in waves[added + before..].iter_mut().zip(a.windows(2)) {
+                wave[lane] = pair[0] + gap * (pair[1] - pair[0]);
+            }
+        }
         if let Some(filter) = &self.filter {
             filter.run(&mut waves, added);
         }
@@ -317,39 +329,50 @@ impl TwoPassFilter {
         if samples < 4 {
             return;
         }
-        let mirrored = |end: [f64; N], x: [f64; N]| std::array::from_fn(|lane| 2.0 * end[lane] - x[lane]);
-        let (first, last) = (waves[added], waves[added + samples - 1]);
+        waves.resize(samples + 2 * added, [0.0; N]);
+        let end = added + samples - 1;
+        let (first, last) = (waves[added], waves[end]);
         for k in 1..=added {
-            waves[added - k] = mirrored(first, waves[added + k]);
-            waves.push(mirrored(last, waves[added + samples - 1 - k]));
+            for lane in 0..N {
+                waves[added - k][lane] = 2.0 * first[lane] - waves[added + k][lane];
+                waves[end + k][lane] = 2.0 * last[lane] - waves[end - k][lane];
+            }
         }
         let from_rest = added == 0;
-        self.pass(waves.iter_mut(), from_rest);
-        self.pass(waves.iter_mut().rev(), from_rest);
+        self.pass::<N, false>(waves, from_rest);
+        self.pass::<N, true>(waves, from_rest);
     }
 
+    /// One pass in place, from the end on if `BACKWARD`. Plain loops: closures would not be compiled for the vectors of the caller.
     #[inline(always)]
-    fn pass<'a, const N: usize>(&self, mut values: impl Iterator<Item = &'a mut [f64; N]>, from_rest: bool) {
+    fn pass<const N: usize, const BACKWARD: bool>(&self, waves: &mut [[f64; N]], from_rest: bool) {
         let [a0, a1, a2, b1, b2] = self.coefficients;
-        let head: [Option<&mut [f64; N]>; START_SAMPLES] = std::array::from_fn(|_| values.next());
-        let known = head.iter().flatten().count() as f64;
-        let mean = |lane: usize| head.iter().flatten().map(|x| x[lane]).sum::<f64>() / known;
-        let start: [f64; N] = std::array::from_fn(|lane| if from_rest { 0.0 } else { mean(lane) });
-        let mut head = head.into_iter().flatten();
-        let mut first = || head.next().map_or([0.0; N], |value| std::mem::replace(value, start));
-        let (mut x2, mut x1) = (first(), first());
+        let last = waves.len() - 1;
+        let place = |k: usize| if BACKWARD { last - k } else { k };
+        let mut start = [0.0; N];
+        if !from_rest {
+            let head = START_SAMPLES.min(waves.len());
+            for k in 0..head {
+                for (start, x) in start.iter_mut().zip(&waves[place(k)]) {
+                    *start += x;
+                }
+            }
+            start.iter_mut().for_each(|start| *start /= head as f64);
+        }
+        let (mut x2, mut x1) = (waves[place(0)], waves[place(1)]);
         let (mut y2, mut y1) = (start, start);
-        let mut step = |value: &mut [f64; N]| {
-            let x = *value;
-            // The last output last: the next sample waits for it.
-            *value = std::array::from_fn(|lane| {
-                (a0 * x[lane] + a1 * x1[lane] + a2 * x2[lane] + b2 * y2[lane]) + b1 * y1[lane]
-            });
+        waves[place(0)] = start;
+        waves[place(1)] = start;
+        for k in 2..waves.len() {
+            let wave = &mut waves[place(k)];
+            let x = *wave;
+            for lane in 0..N {
+                // The last output last: the next sample waits for it.
+                wave[lane] = (a0 * x[lane] + a1 * x1[lane] + a2 * x2[lane] + b2 * y2[lane]) + b1 * y1[lane];
+            }
             (x2, x1) = (x1, x);
-            (y2, y1) = (y1, *value);
-        };
-        head.for_each(&mut step);
-        values.for_each(step);
+            (y2, y1) = (y1, *wave);
+        }
     }
 }
 

@@ -213,6 +213,12 @@ impl Observed {
         self.waves.iter().map(|wave| (wave.samples.len(), wave.weight * wave.resolution)).collect()
     }
 
+    /// Sum of squares of what no wave is believed to be free of, in units of [`Self::scale_m`].
+    pub(crate) fn unresolved(&self) -> f64 {
+        let unit = self.scale_m();
+        self.blocks().iter().map(|(n, resolution)| *n as f64 * (resolution / unit).powi(2)).sum()
+    }
+
     /// Largest value of the first wave: a displacement in metres, unless it is another quantity.
     pub fn scale_m(&self) -> f64 {
         self.waves.first().map_or(f64::MIN_POSITIVE, |wave| largest(&wave.samples))

@@ -138,8 +138,7 @@ struct Side<'a, N> {
 impl<'a, N> Side<'a, N> {
     fn new(of: &'a Minimum<'a, N>, held: usize) -> Self {
         let unit = of.observed.scale_m();
-        let floor =
-            of.observed.blocks().iter().map(|(n, resolution)| *n as f64 * (resolution / unit).powi(2)).sum::<f64>();
+        let floor = of.observed.unresolved();
         let least = of.misfit.iter().map(|r| (r / unit).powi(2)).sum::<f64>() + floor;
         let expected = of.expected.get(held).copied().flatten();
         let first_step = (FIRST_SHARE * expected.unwrap_or(1.0)).clamp(STEPS.0, STEPS.1);

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::StopReason;
-use crate::least_squares::{Bounds, Optimum, Response, derivatives, descend};
+use crate::least_squares::{Bounds, Optimum, derivatives, descend};
 use crate::observed::{FreeParameter, Observed, Problem};
 
 /// A model at the minimum, with the sensitivities there.
@@ -49,7 +49,7 @@ impl Refined {
 /// Descends from `model` to the least misfit, all parameters of `free` moving.
 ///
 /// Bounded Levenberg-Marquardt in the coordinates of [`FreeParameter`], then from both sides of the direction along which
-/// the misfit rises least, as long as that finds something better. Local: the result depends on the start. `None`
+/// the misfit rises least, as long as that finds something better and the misfit is more than what is resolved. Local: the result depends on the start. `None`
 /// where the model has no finite response.
 ///
 /// A parameter that comes near zero, or away from it, is described anew there and the descent goes on.
@@ -72,7 +72,8 @@ fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observed)
     let mut best = descend(&problem, &problem.start(), &bounds(free))?;
     let mut evaluations = best.evaluations;
     for _ in 0..3 {
-        if best.cost <= problem.exact() || best.on_bound.iter().any(|held| *held) {
+        // Below the resolution no other minimum can be told to be better.
+        if best.cost <= observed.unresolved() || best.on_bound.iter().any(|held| *held) {
             break;
         }
         let Some(weak) = weakest(&best) else { break };
@@ -137,7 +138,7 @@ mod tests {
     use crumple_signal::{Displacement, Signal};
 
     use super::*;
-    use crate::least_squares::central_differences;
+    use crate::least_squares::{Response, central_differences};
     use crate::observed::free_masses;
     use crate::{IntegrationRule, Measurement, TwoPassFilter, free_parameters};
 
