@@ -34,6 +34,7 @@ impl Criteria<'_> {
     pub fn records(&self, out: &mut Output) -> anyhow::Result<Vec<MetricV1>> {
         let mut records = Vec::new();
         let sites = sites(self.test, self.input);
+        let titles: Vec<String> = sites.iter().map(|(_, site)| title_of(&channels_of(site))).collect();
         let (mut lines, mut bounds) = (Vec::new(), Vec::new());
         let notes = out.notes();
         for (group, parts) in
@@ -44,13 +45,19 @@ impl Criteria<'_> {
                 self.say_what_is_left_out(group, parts, of_group().count() == 0, notes);
             }
             for (part, site) in of_group().filter(|_| self.takes(group)) {
-                records.extend(self.of_body(*part, site, (&mut lines, &mut bounds), notes)?);
+                let channels = channels_of(site);
+                let mut place = title_of(&channels);
+                // Redundant sensors of one place are told apart.
+                if titles.iter().filter(|title| **title == place).count() > 1 {
+                    place += &format!(", channel {}", ids(&channels));
+                }
+                records.extend(self.of_body(*part, &channels, place, (&mut lines, &mut bounds), notes)?);
             }
         }
         if !bounds.is_empty() {
             notes.warning(format!(
                 "criteria are lower bounds where the resultant is of one or two axes alone: {}",
-                bounds.join(", ")
+                bounds.join("; ")
             ));
         }
         if self.takes(MetricGroup::RideDown) {
@@ -138,16 +145,11 @@ impl Criteria<'_> {
     fn of_body(
         &self,
         part: BodyPart,
-        site: &Site<'_>,
+        channels: &[&Channel],
+        place: String,
         (lines, bounds): (&mut Vec<String>, &mut Vec<String>),
         notes: &mut Notes,
     ) -> anyhow::Result<Vec<MetricV1>> {
-        let axes: Vec<&Channel> = site.axes.iter().flatten().copied().collect();
-        let channels = match site.whole {
-            Some(whole) if axes.len() < 3 => vec![whole],
-            _ => axes,
-        };
-        let place = title_of(&channels);
         let signals: Vec<_> = channels.iter().map(|channel| self.acceleration(channel)).collect::<Result<_, _>>()?;
         let Ok(resultant) = resultant(&signals.iter().collect::<Vec<_>>()) else {
             notes.warning(format!("{place}: its axes are on different time grids, no criteria"));
@@ -161,7 +163,7 @@ impl Criteria<'_> {
             remarks.push(format!("lower bound: resultant of {of} alone"));
             bounds.push(format!("{place} ({of})"));
         }
-        remarks.extend(class_remark(&channels, part.cfc(), notes));
+        remarks.extend(class_remark(channels, part.cfc(), notes));
         let mut metrics = match part {
             BodyPart::Head => vec![hic(&resultant, HIC15_WINDOW_S), hic(&resultant, HIC36_WINDOW_S)],
             BodyPart::Headform => vec![hic(&resultant, HIC36_WINDOW_S), hic_d(&resultant)],
@@ -169,7 +171,7 @@ impl Criteria<'_> {
         };
         metrics.extend([clip_contiguous(&resultant, CLIP_3MS_S), clip_cumulative(&resultant, CLIP_3MS_S)]);
         lines.push(line(&place, &metrics, partial));
-        Ok(metrics.into_iter().map(|metric| self.record(&channels, metric, &remarks)).collect())
+        Ok(metrics.into_iter().map(|metric| self.record(channels, metric, &remarks)).collect())
     }
 
     /// Ride-down of every chest along x against the pulse, both from time zero.
@@ -348,6 +350,15 @@ fn line(place: &str, metrics: &[Metric], lower_bound: bool) -> String {
     let values: Vec<String> = metrics.iter().filter_map(of).collect();
     let values = if values.is_empty() { "no criterion, the notes say why".to_owned() } else { values.join(", ") };
     format!("{place}: {values}{}", if lower_bound { " (lower bounds: not all axes)" } else { "" })
+}
+
+/// The channels a resultant is made of: three axes, a channel that is the resultant, or the axes there are.
+fn channels_of<'a>(site: &Site<'a>) -> Vec<&'a Channel> {
+    let axes: Vec<&Channel> = site.axes.iter().flatten().copied().collect();
+    match site.whole {
+        Some(whole) if axes.len() < 3 => vec![whole],
+        _ => axes,
+    }
 }
 
 /// The location of channels at one place, else their ids.
