@@ -4,7 +4,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::curve::{Curve, Knot};
 use crate::secant_motion::SecantMotion;
-use crate::secant_step::{LANES, Law, ORDER, Step, put, times};
+use crate::secant_step::{Blocks, Law, ORDER, Step, put, times, work_through};
 use crate::{Instants, LumpedError, Motion, Sensitivity};
 
 /// A small change of the motion, at the start of a step.
@@ -221,29 +221,20 @@ impl WithSimd for Expand<'_> {
                 self.series.push(series);
             }
         }
-        match size_of::<S::f64s>() {
-            64 => self.fill::<32>(),
-            32 => self.fill::<16>(),
-            _ => self.fill::<LANES>(),
-        }
+        let from = self.instants.0;
+        work_through::<S>(&mut self, from);
     }
 }
 
-impl Expand<'_> {
+impl Blocks for Expand<'_> {
     #[inline(always)]
-    fn fill<const L: usize>(&mut self) {
-        let (mut from, to) = self.instants;
-        while to - from > LANES {
-            from = self.block::<L>(from);
-        }
-        while to > from {
-            from = self.block::<LANES>(from);
-        }
+    fn end(&self) -> usize {
+        self.instants.1
     }
 
     #[inline(always)]
-    fn block<const L: usize>(&mut self, from: usize) -> usize {
-        let to = (from + L).min(self.instants.1);
+    fn block<const L: usize>(&mut self, from: usize) {
+        let to = (from + L).min(self.end());
         let tau = times::<L>(self.at.first_s, self.at.dt_s, from, self.step);
         let states = self.step.waves(&tau);
         let put_all = |motion: &mut Motion, [x, v, a]: &[[f64; L]; 3]| {
@@ -256,6 +247,5 @@ impl Expand<'_> {
             let series = &self.series[k / ABREAST];
             put_all(&mut derivative[0], &series.waves(k % ABREAST, self.step, &tau, &states));
         }
-        to
     }
 }

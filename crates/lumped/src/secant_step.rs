@@ -78,6 +78,37 @@ impl Step {
     }
 }
 
+/// Work over the instants of a step, several side by side.
+pub(crate) trait Blocks {
+    /// Where the instants end.
+    fn end(&self) -> usize;
+
+    /// Does those from `from` on, as many as `L` or as there are.
+    fn block<const L: usize>(&mut self, from: usize);
+}
+
+/// All blocks from `from` on: as many instants at a time as keep the vectors of the processor busy, the last few by themselves.
+#[inline(always)]
+pub(crate) fn work_through<S: Simd>(work: &mut impl Blocks, from: usize) {
+    match size_of::<S::f64s>() {
+        64 => in_blocks_of::<32>(work, from),
+        32 => in_blocks_of::<16>(work, from),
+        _ => in_blocks_of::<LANES>(work, from),
+    }
+}
+
+#[inline(always)]
+fn in_blocks_of<const L: usize>(work: &mut impl Blocks, mut from: usize) {
+    let end = work.end();
+    while end - from > LANES {
+        work.block::<L>(from);
+        from = (from + L).min(end);
+    }
+    if end > from {
+        work.block::<LANES>(from);
+    }
+}
+
 /// The motion of a step at `first_s + k dt_s`, k from `first` on, as many as the waves hold.
 pub(crate) struct Fill<'a> {
     pub step: &'a Step,
@@ -91,34 +122,22 @@ impl WithSimd for Fill<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        match size_of::<S::f64s>() {
-            64 => self.fill::<32>(),
-            32 => self.fill::<16>(),
-            _ => self.fill::<LANES>(),
-        }
+    fn with_simd<S: Simd>(mut self, _: S) {
+        work_through::<S>(&mut self, 0);
     }
 }
 
-impl Fill<'_> {
+impl Blocks for Fill<'_> {
     #[inline(always)]
-    fn fill<const L: usize>(mut self) {
-        let many = self.waves[0].len();
-        let mut done = 0;
-        while many - done > LANES {
-            done = self.block::<L>(done);
-        }
-        while many > done {
-            done = self.block::<LANES>(done);
-        }
+    fn end(&self) -> usize {
+        self.waves[0].len()
     }
 
     #[inline(always)]
-    fn block<const L: usize>(&mut self, from: usize) -> usize {
+    fn block<const L: usize>(&mut self, from: usize) {
         let tau = times::<L>(self.first_s, self.dt_s, self.first + from, self.step);
         let found = self.step.waves(&tau);
         self.waves.iter_mut().zip(&found).for_each(|(wave, found)| put(&mut wave[from..], found));
-        (from + L).min(self.waves[0].len())
     }
 }
 
