@@ -1,0 +1,115 @@
+//! Models moved by something else than the impact.
+
+use crumple_lumped::{Elastoplastic, Nonlinear1};
+
+use super::*;
+
+#[test]
+fn a_model_that_is_nearly_one_mass_gives_the_pulse_back_when_driven_by_it() {
+    let folder = tempfile::tempdir().unwrap();
+    // The shape of the transfer-function paper's best set: masses locked together, weak springs.
+    let locked =
+        DoubleSpringMassDamper { k1_n_per_m: 1.0, k2_n_per_m: 1.0, c1_n_s_per_m: 1.0, c2_n_s_per_m: 7e6, ..DOUBLE };
+    let id = "double-spring-mass-damper/coefficient-matching/1";
+    let locked = Model::DoubleSpringMassDamper(locked);
+    write(&folder.path().join("5.mcap"), &[(id, candidate("double-spring-mass-damper", locked.parameters()))]);
+    let output = run_with(folder.path(), &["--drive", "pulse-as-force"]);
+    // The artifact has no pulse yet.
+    assert_eq!(output.status.code(), Some(3));
+    let pulse = write_pulse(folder.path());
+    let output = run_with(folder.path(), &[&pulse, "--drive", "pulse-as-force"]);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    assert!(stderr.contains("circular"), "{stderr}");
+    let artifact = Artifact::open(&folder.path().join("6.mcap")).unwrap();
+    let simulation: SimulationV1 = artifact.record(&format!("/simulation/{id}")).unwrap().unwrap();
+    // The answer that went in, but for the give of the damper between the masses, m2 v0/c2 at most.
+    assert!(simulation.rmse_displacement_m.unwrap() < 582.0 * 9.7 / 7e6, "{simulation:?}");
+    assert!(simulation.energy_closure.unwrap() < 1e-9 && simulation.drive.unwrap().contains("circular"));
+    let usage = run_with(folder.path(), &["--drive", "puls-as-force"]);
+    assert_eq!(usage.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&usage.stderr).contains("did you mean \"pulse-as-force\"?"));
+    assert_eq!(run_with(folder.path(), &["--drive", "force"]).status.code(), Some(2));
+}
+
+/// The program with a pipeline file of this text.
+#[test]
+fn a_chain_is_moved_by_a_force_on_a_named_mass_or_by_the_barrier() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder.path().join("5.mcap"), &[]);
+    let mut builder = ArtifactBuilder::new();
+    let constant = |value: f64| Sampled::new(0.0, 1e-4, vec![value; 1002]).unwrap();
+    builder.wave("push", QuantityKind::Force, constant(5e4)).unwrap();
+    builder.wave("sled", QuantityKind::Acceleration, constant(100.0)).unwrap();
+    let second = folder.path().join("drives.mcap");
+    builder.write(&second, &Provenance::new("x", "0", "{}".to_owned(), Vec::new()), Compression::None).unwrap();
+    let masses = r#"masses = [{ name = "engine", mass = "200 kg", stiffness = [["0 m", "2 MN/m"], ["0.1 m", "1 MN/m"]] },
+                              { name = "cabin", mass = "800 kg", stiffness = "1 MN/m", damping = "5 kN*s/m" }]"#;
+    let text = format!(
+        "[simulate.chain.pushed]\ndrive = 'force'\ndrive_wave = 'push'\ndrive_mass = 'cabin'\n{masses}\n\
+         [simulate.chain.rolling]\nspeed = '9 m/s'\ndrive = 'force'\ndrive_wave = 'push'\n{masses}\n\
+         [simulate.chain.on-a-sled]\ndrive = 'base'\ndrive_wave = 'sled'\n{masses}\n"
+    );
+    std::fs::write(folder.path().join("p.toml"), text).unwrap();
+    let pipeline = folder.path().join("p.toml");
+    let output = run_with(folder.path(), &[second.to_str().unwrap(), "--pipeline", pipeline.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let artifact = Artifact::open(&folder.path().join("6.mcap")).unwrap();
+    let wave = |id: &str, what: &str| artifact.waves()[&format!("chain/{id}/1/{what}")].sampled.samples().to_vec();
+    // From rest only what the force acts on starts: F/m.
+    assert_eq!((wave("pushed", "acceleration")[0], wave("pushed", "m1/acceleration")[0]), (5e4 / 800.0, 0.0));
+    assert_eq!((wave("rolling", "velocity")[0], wave("rolling", "m1/velocity")[0]), (9.0, 9.0));
+    // Force and the first spring at rest: (5e4 - 0)/200; the damper behind sees no speed yet.
+    assert_eq!(wave("rolling", "m1/acceleration")[0], 250.0);
+    assert_eq!(wave("on-a-sled", "velocity")[0], 0.0);
+    assert!(wave("on-a-sled", "displacement")[1000] > 0.2);
+    for id in ["pushed", "rolling", "on-a-sled"] {
+        let simulation: SimulationV1 = artifact.record(&format!("/simulation/chain/{id}/1")).unwrap().unwrap();
+        assert!(simulation.energy_closure.unwrap() < 1e-11 && simulation.drive.is_some(), "{id}");
+    }
+}
+
+#[test]
+fn a_nonlinear_and_an_elastoplastic_model_are_driven_by_a_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let nonlinear = Model::Nonlinear1(Nonlinear1 {
+        mass_kg: 900.0,
+        k1_n_per_m: 2e4,
+        k2_n_per_m: 4e5,
+        c1_n_s_per_m: 5e4,
+        c2_n_s_per_m: 1e4,
+        c3_n_s_per_m: 2e3,
+        v_thresh_m_per_s: 3.0,
+        crush_m: 0.5,
+        v0_m_per_s: 9.7,
+    });
+    let plastic = Model::Elastoplastic(Elastoplastic {
+        mass_kg: 900.0,
+        loading_stiffness_n_per_m: 3e5,
+        unloading_stiffness_n_per_m: 6e6,
+        release: true,
+    });
+    let (id, other) = ("nonlinear-1/direct-fit/1", "elastoplastic/closed-form/1");
+    write(
+        &folder.path().join("5.mcap"),
+        &[
+            (id, candidate("nonlinear-1", nonlinear.parameters())),
+            (other, candidate("elastoplastic", plastic.parameters())),
+        ],
+    );
+    let mut builder = ArtifactBuilder::new();
+    builder.wave("push", QuantityKind::Force, Sampled::new(0.0, 1e-4, vec![5e4; 1002]).unwrap()).unwrap();
+    let second = folder.path().join("drives.mcap");
+    builder.write(&second, &Provenance::new("x", "0", "{}".to_owned(), Vec::new()), Compression::None).unwrap();
+    let output = run_with(folder.path(), &[second.to_str().unwrap(), "--drive", "force", "--drive-wave", "push"]);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    let artifact = Artifact::open(&folder.path().join("6.mcap")).unwrap();
+    for id in [id, other] {
+        let wave = |what: &str| artifact.waves()[&format!("{id}/{what}")].sampled.samples().to_vec();
+        // From rest, F/m.
+        assert_eq!((wave("velocity")[0], wave("acceleration")[0]), (0.0, 5e4 / 900.0), "{id}");
+        let simulation: SimulationV1 = artifact.record(&format!("/simulation/{id}")).unwrap().unwrap();
+        assert!(simulation.energy_closure.unwrap() < 1e-11 && simulation.drive.is_some(), "{id}");
+    }
+}
