@@ -13,11 +13,19 @@ pub fn weigh(observed: &mut Observed, found: &Refined) -> bool {
     observed.weigh(&observed.rmse(&found.misfit_m), WORTH_ANOTHER)
 }
 
-/// Parameters that the search left on a bound, other than zero: that value is the bound's, so it is held and has no interval.
+/// A damper below this share of `M/T`, of the mass and the window of a fit, stands for none: the least that searches in logarithms
+/// reach is 1e-5 of it.
+const NO_DAMPER: f64 = 1e-4;
+
+/// Parameters that the search left on a bound, other than zero: that value is the bound's, so it is held and has no interval. A
+/// damper on its lower bound is not held: zero is what it goes to.
 pub fn held(candidate: &Candidate) -> impl Iterator<Item = &'static str> {
     let values = candidate.model.parameters();
+    let mass_kg: f64 = values.iter().filter(|(name, _)| name.ends_with("_kg")).map(|(_, kg)| kg).sum();
+    let window_s = candidate.fit.as_ref().map_or(f64::INFINITY, |fit| fit.to_s);
     let names = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
-    names.iter().copied().filter(move |name| values.get(*name).is_some_and(|value| *value != 0.0))
+    let nothing = move |name: &str| if name.ends_with("_n_s_per_m") { NO_DAMPER * mass_kg / window_s } else { 0.0 };
+    names.iter().copied().filter(move |name| values.get(*name).is_some_and(|value| *value > nothing(name)))
 }
 
 /// A fit takes the values of the minimum.

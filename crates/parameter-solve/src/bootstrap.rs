@@ -6,8 +6,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
-use crate::observed::{Observed, Problem, rest_mass};
+use crate::observed::{FreeParameter, Observed, Problem, rest_mass};
 use crate::refine::{Refined, follow};
+use crumple_lumped::Model;
 use crumple_metrics::{autocorrelation_time, quantile};
 
 /// Replicates that say something of the ends of an interval.
@@ -35,13 +36,16 @@ pub struct Bootstrap<N: Ord = &'static str> {
 /// that what hangs together stays together. Every replicate starts from the minimum and draws from its own stream of a fixed
 /// seed: the result does not depend on threads. Says nothing of other minima, nor of an error that is the same in
 /// the whole record. `None` with fewer than 20 fits, or for a misfit of rounding alone.
-pub fn bootstrap(refined: &Refined, observed: &Observed, replicates: usize) -> Option<Bootstrap> {
-    let rest = rest_mass(&refined.model, &refined.free).map(|(name, _)| name);
-    let names = refined.free.iter().map(|parameter| parameter.name).chain(rest).collect();
+///
+/// `with_rest`: whether a last mass that is the rest of the total has an interval too.
+pub fn bootstrap(refined: &Refined, observed: &Observed, replicates: usize, with_rest: bool) -> Option<Bootstrap> {
+    let rest = |model: &Model, free: &[FreeParameter]| rest_mass(model, free).filter(|_| with_rest);
+    let rest_name = rest(&refined.model, &refined.free).map(|(name, _)| name);
+    let names = refined.free.iter().map(|parameter| parameter.name).chain(rest_name).collect();
     replicate(observed, &refined.misfit_m, replicates, names, |again| {
         let problem = Problem::new(refined.model, refined.free.clone(), again);
         let optimum = follow(&problem, &problem.start())?;
-        let rest = rest_mass(&problem.model(&optimum.theta)?, &problem.free).map(|(_, kg)| kg);
+        let rest = rest(&problem.model(&optimum.theta)?, &problem.free).map(|(_, kg)| kg);
         Some(problem.free.iter().zip(&optimum.theta).map(|(p, theta)| p.at(*theta)).chain(rest).collect())
     })
 }

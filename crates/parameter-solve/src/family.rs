@@ -35,6 +35,16 @@ pub(crate) struct Coordinate {
     pub box_upper: f64,
 }
 
+/// Largest spring of a chain in a search, in units of `M (π/2T)²`, and largest damper in units of `M/T`: M the mass, T the window.
+const STIFFEST: f64 = 1e4;
+const STRONGEST: f64 = 1e3;
+
+/// Largest spring, N/m, and damper, N s/m, that a search gives a chain of this mass over a window of this length.
+pub fn largest_of_chain(mass_kg: f64, length_s: f64) -> (f64, f64) {
+    let rate = std::f64::consts::FRAC_PI_2 / length_s;
+    (STIFFEST * mass_kg * rate * rate, STRONGEST * mass_kg / length_s)
+}
+
 /// A model family with its known and its free parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Family {
@@ -124,9 +134,9 @@ impl Family {
                 "unloading_stiffness_n_per_m" => push(place, Map::Logarithm(spring), (1e-2, 1e5), (1.0, 300.0)),
                 _ if name.ends_with("n_s_per_m") => {
                     let searched = if kind == ModelKind::Maxwell { (0.1, 30.0) } else { (0.01, 3.0) };
-                    push(place, Map::Logarithm(damper), (1e-5, 1e3), searched);
+                    push(place, Map::Logarithm(damper), (1e-5, STRONGEST), searched);
                 }
-                _ => push(place, Map::Logarithm(spring), (1e-4, 1e4), (0.2, 30.0)),
+                _ => push(place, Map::Logarithm(spring), (1e-4, STIFFEST), (0.2, 30.0)),
             }
         }
         // A knot that is a share of another needs that one first.

@@ -7,7 +7,7 @@ use crate::bootstrap::{Bootstrap, bootstrap};
 use crate::covariance::{Covariance, covariance_of_blocks};
 use crate::dual_scale::DualScale;
 use crate::identifiability::weakest_direction;
-use crate::observed::{FreeParameter, Observed, rest_mass};
+use crate::observed::{FreeParameter, Observed, masses_of, rest_mass};
 use crate::profile::{Profile, profile};
 use crate::refine::Refined;
 use crumple_lumped::Model;
@@ -95,10 +95,15 @@ pub fn judge(
             interval.insert(parameter.name, (None, None));
         }
     }
-    if let Some((rest, value)) = rest_mass(given.unwrap_or(&refined.model), &free) {
+    // A mass that a bound holds leaves the rest of the total open too.
+    let model = given.unwrap_or(&refined.model);
+    let all_masses = free.iter().filter(|p| p.name.ends_with("_kg")).count() + 1 == masses_of(model).len();
+    if let Some((rest, value)) = rest_mass(model, &refined.free) {
         let (deviation, ends) = of_the_rest(value, &free, &found, &interval);
-        standard_deviation.insert(rest, deviation);
-        interval.insert(rest, ends);
+        if all_masses {
+            standard_deviation.insert(rest, deviation);
+        }
+        interval.insert(rest, if all_masses { ends } else { (None, None) });
     }
     let correlation = found.correlation();
     let waves = observed.split(&refined.misfit_m);
@@ -117,12 +122,14 @@ pub fn judge(
             let half_width = |i| kept.iter().position(|&k| k == i).map(|k| found.half_width[k]);
             let expected: Vec<Option<f64>> = (0..refined.free.len()).map(half_width).collect();
             let mut found = profile(refined, observed, &expected, found.effective_samples);
-            found.extend(profile_of_the_rest(refined, &found));
+            found.extend(profile_of_the_rest(refined, &found).filter(|_| all_masses));
             found
         } else {
             Vec::new()
         },
-        bootstrap: (options.bootstrap > 0).then(|| bootstrap(refined, observed, options.bootstrap)).flatten(),
+        bootstrap: (options.bootstrap > 0)
+            .then(|| bootstrap(refined, observed, options.bootstrap, all_masses))
+            .flatten(),
         free,
         covariance: found,
         quantity,

@@ -3,8 +3,8 @@
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1};
 use crumple_parameter_solve::{
     Candidate, FollowedEvents, FreeParameter, JudgeOptions, MassFit, Measurement, Method, Observed, Propagation,
-    RESOLUTION_M, Refined, free_masses, free_parameters, judge, largest_draw, propagate, propagate_closed_form,
-    propagate_conditioned, propagate_unfiltered, refine, unloads_rigidly,
+    RESOLUTION_M, Refined, free_masses, free_parameters, judge, largest_draw, largest_of_chain, propagate,
+    propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine, unloads_rigidly,
 };
 use crumple_signal::{Displacement, Signal};
 use crumple_stage::records::EventsV1;
@@ -26,6 +26,21 @@ const CONDITIONS: f64 = 5e-3;
 
 /// Shift of time zero from which a fit under side conditions may have its least misfit in another minimum.
 const ONE_MINIMUM_S: f64 = 2.5e-4;
+
+/// The minimum seen through the filter is looked for within the bounds of the search.
+fn within_the_search(free: &mut [FreeParameter], model: &Model, window_s: f64) {
+    let values = model.parameters();
+    let mass_kg = values.iter().filter(|(name, _)| name.ends_with("_kg")).map(|(_, kg)| kg).sum();
+    let (stiffest, strongest) = largest_of_chain(mass_kg, window_s);
+    for parameter in free {
+        let largest = match parameter.name {
+            name if name.ends_with("_n_s_per_m") => strongest,
+            name if name.ends_with("_n_per_m") => stiffest,
+            _ => continue,
+        };
+        parameter.limit = parameter.limit.min(largest.max(parameter.value));
+    }
+}
 
 /// What all candidates share.
 struct Scene<'a> {
@@ -191,6 +206,11 @@ impl Scene<'_> {
                 free.extend(free_masses(model, (lower, upper)));
             }
             free.retain(|parameter| !held(candidate).any(|name| name == parameter.name));
+            if let Some(fit) = &candidate.fit
+                && matches!(model, Model::DoubleSpringMassDamper(_) | Model::TripleSpringMassDamper(_))
+            {
+                within_the_search(&mut free, model, fit.to_s);
+            }
             refine(model, &free, observed)
         };
         let mut found = match &candidate.model {
@@ -266,7 +286,7 @@ impl Scene<'_> {
             && self.settings.solve.mass_fit != MassFit::Known
             && let Some(rest) = candidate.model.kind().parameter_names().iter().rfind(|name| name.ends_with("_kg"))
         {
-            // A mass on a bound leaves the rest of the total without an interval too.
+            // Without any mass that was followed there is no word on the rest of the total.
             judgement.interval.entry(rest).or_insert((None, None));
         }
         let propagation = self.propagation(candidate, observed, refined);

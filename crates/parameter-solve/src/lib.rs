@@ -94,7 +94,7 @@ pub use elastoplastic::{
 };
 pub use error::SolveError;
 pub use evidence::Evidence;
-pub use family::MassFit;
+pub use family::{MassFit, largest_of_chain};
 pub use firefly::{FireflyOptions, FireflyResult, FireflyUnits, firefly_nonlinear2};
 pub use free_chain::{Stated, StatedChain, StatedElement, StatedMass};
 pub use identifiability::weakest_direction;

@@ -338,7 +338,7 @@ pub fn free_masses(model: &Model, (lower, upper): (f64, f64)) -> Vec<FreeParamet
 }
 
 /// Masses of a model from the barrier on.
-fn masses_of(model: &Model) -> Vec<(&'static str, f64)> {
+pub(crate) fn masses_of(model: &Model) -> Vec<(&'static str, f64)> {
     let values = model.parameters();
     let names = model.kind().parameter_names().iter();
     names.filter(|name| name.ends_with("_kg")).map(|name| (*name, values[*name])).collect()

@@ -1,6 +1,5 @@
 //! Reads the events and the displacement, solves, writes the candidates.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use crumple_parameter_solve::{
@@ -128,8 +127,9 @@ impl Stage for ParameterSolve {
             }
         }
         for (candidate, judged) in candidates.iter().zip(&judgements) {
-            out.put(&format!("/parameters/{}", candidate.id()), &record(candidate, judged.as_ref(), &channel))?;
-            out.summary(parameters_line(&candidate.id(), &candidate.model.parameters()));
+            let record = record(candidate, judged.as_ref(), &channel);
+            out.put(&format!("/parameters/{}", candidate.id()), &record)?;
+            out.summary(parameters_line(&candidate.id(), &record));
             if let Some(text) = judged.as_ref().map(|judged| judged.line(candidate)).filter(|text| !text.is_empty()) {
                 out.summary(text);
             }
@@ -137,7 +137,7 @@ impl Stage for ParameterSolve {
         let chains = fit_chains(settings, input, out)?;
         for (id, chain) in &chains {
             out.put(&format!("/parameters/{id}"), chain)?;
-            out.summary(parameters_line(id, &chain.parameters));
+            out.summary(parameters_line(id, chain));
         }
         Ok(if candidates.is_empty() && chains.is_empty() {
             Outcome::NoAcceptableResult("no model could be solved for; the notes say why".to_owned())
@@ -430,9 +430,14 @@ fn record(candidate: &Candidate, judged: Option<&Judged>, channel: &str) -> Cand
     }
 }
 
-/// `kelvin/closed-form/1: stiffness 321.9 kN/m, ...` in the units of the trade.
-fn parameters_line(id: &str, parameters: &BTreeMap<String, f64>) -> String {
-    let parameters: Vec<String> = parameters
+/// `kelvin/closed-form/1: stiffness 321.9 kN/m, ...` in the units of the trade, and how many of them the record leaves open.
+fn parameters_line(id: &str, candidate: &CandidateV1) -> String {
+    let open = match (candidate.undetermined().len(), candidate.asked().count()) {
+        (0, _) => String::new(),
+        (n, of) => format!("; {n} of {of} not determined"),
+    };
+    let parameters: Vec<String> = candidate
+        .parameters
         .iter()
         .map(|(name, value)| {
             if let Some(name) = name.strip_suffix("_n_s_per_m") {
@@ -449,5 +454,5 @@ fn parameters_line(id: &str, parameters: &BTreeMap<String, f64>) -> String {
         })
         .map(|text| text.replace('_', " "))
         .collect();
-    format!("{id}: {}", parameters.join(", "))
+    format!("{id}: {}{open}", parameters.join(", "))
 }

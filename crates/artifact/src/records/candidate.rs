@@ -25,6 +25,38 @@ pub struct CandidateV1 {
     pub notes: Vec<String>,
 }
 
+impl CandidateV1 {
+    /// Why the value of a parameter is in doubt; `None` where it is not.
+    ///
+    /// Zero on a bound is the limit of what is physical, and an answer. Elsewhere a bound is not the record's, and a standard
+    /// deviation as large as the value, or an interval open at both ends, with a deviation or without, says that the value is one of many.
+    pub fn doubt(&self, name: &str) -> Option<&'static str> {
+        let value = *self.parameters.get(name)?;
+        if self.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|other| other == name)) {
+            return (value != 0.0).then_some("on a bound");
+        }
+        let known = self.uncertainty.as_ref()?;
+        let open = [&known.interval_low, &known.interval_high].iter().all(|end| end.get(name) == Some(&None));
+        let loose = known.standard_deviation.get(name).is_some_and(|deviation| *deviation >= value.abs());
+        (open || loose).then_some("not determined")
+    }
+
+    /// Parameters that were asked of the record: those of which a deviation, an interval or a bound is known.
+    pub fn asked(&self) -> impl Iterator<Item = &str> {
+        self.parameters.keys().map(String::as_str).filter(|name| {
+            let judged =
+                |u: &UncertaintyV1| u.standard_deviation.contains_key(*name) || u.interval_low.contains_key(*name);
+            let held = |fit: &FitV1| fit.active_bounds.iter().any(|bound| bound == name);
+            self.uncertainty.as_ref().is_some_and(judged) || self.fit.as_ref().is_some_and(held)
+        })
+    }
+
+    /// Names of the parameters that the record does not determine.
+    pub fn undetermined(&self) -> Vec<&str> {
+        self.asked().filter(|name| self.doubt(name).is_some()).collect()
+    }
+}
+
 /// A fit by iteration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FitV1 {

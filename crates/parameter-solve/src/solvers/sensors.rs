@@ -76,7 +76,7 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
         Method::LShade => Search::LShade(settings.l_shade),
         _ => {
             let starts = settings.fit_starts.max(6 * family.coordinates.len());
-            Search::Starts(starts, given_starts(task, &family, to_s))
+            Search::Starts(starts, given_starts(task, &family, &masses_kg, to_s))
         }
     };
     let weigh: Vec<bool> = sensors.iter().map(|(_, sensor)| sensor.noise.is_none()).collect();
@@ -145,11 +145,45 @@ fn window_end(task: &Task<'_>) -> Option<f64> {
     })
 }
 
+/// Springs beside the soft one, as multiples of it, and least damper, in units of mass over the time of crush, of [`one_soft_pair`].
+const NEARLY_RIGID: f64 = 100.0;
+const SOME_DAMPING: f64 = 0.01;
+
+/// A chain that is nearly one mass: the Kelvin model of this crush and time at one place, of all that is behind it, and nearly rigid
+/// elsewhere.
+fn one_soft_pair(
+    kind: ModelKind,
+    masses_kg: &[f64],
+    soft: usize,
+    v0: f64,
+    (time_s, crush_m): (f64, f64),
+) -> Option<Model> {
+    let behind_kg: f64 = masses_kg[soft..].iter().sum();
+    let kelvin = kelvin_from_events(behind_kg, v0, time_s, crush_m).ok()?.model;
+    let damper = kelvin.damping_n_s_per_m.max(SOME_DAMPING * behind_kg / time_s);
+    let value = |name: &&str| -> Option<f64> {
+        let place = name[1..].split('_').next()?.parse::<usize>().ok()?.checked_sub(1)?;
+        let rigid = if place == soft { 1.0 } else { NEARLY_RIGID };
+        Some(match name.as_bytes()[0] {
+            b'm' => *masses_kg.get(place)?,
+            b'k' => rigid * kelvin.stiffness_n_per_m,
+            _ => rigid * damper,
+        })
+    };
+    let named = kind.parameter_names().iter().map(|name| Some(((*name).to_owned(), value(name)?)));
+    Model::from_parameters(kind, &named.collect::<Option<_>>()?).ok()
+}
+
 /// Points that other solvers of this crate give: closed forms, and the fit of a nonlinear model to the displacement.
-fn given_starts(task: &Task<'_>, family: &Family, to_s: Option<f64>) -> Vec<Vec<f64>> {
+fn given_starts(task: &Task<'_>, family: &Family, masses_kg: &[f64], to_s: Option<f64>) -> Vec<Vec<f64>> {
     let e = task.evidence;
     let events = e.time_of_dynamic_crush_s.zip(e.dynamic_crush_m);
     let (v0, m) = (e.impact_speed_m_per_s, e.mass_kg);
+    if let (ModelKind::DoubleSpringMassDamper | ModelKind::TripleSpringMassDamper, Some(crush)) = (task.model, events) {
+        let places = 0..masses_kg.len();
+        let models = places.filter_map(|soft| one_soft_pair(task.model, masses_kg, soft, v0, crush));
+        return models.map(|model| family.theta(&model)).collect();
+    }
     let model = match (task.model, events, e.displacement) {
         (ModelKind::Kelvin, Some((t, c)), _) => kelvin_from_events(m, v0, t, c).ok().map(|s| Model::Kelvin(s.model)),
         (ModelKind::Elastoplastic, Some((_, c)), _) => {
