@@ -59,6 +59,13 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
         notes.warning(
             "still separating: the lowest velocity is the last sample, so restitution and delta-v are lower bounds",
         );
+    }
+    if rebound.velocity_m_per_s.abs() > impact_speed_m_per_s {
+        notes.warning(format!(
+            "the rebound at {:.3} m/s is faster than the impact at {impact_speed_m_per_s:.3} m/s, which no passive vehicle does: check \
+             the unit of the acceleration, the zero level and the impact speed",
+            rebound.velocity_m_per_s
+        ));
     } else if rebound.velocity_m_per_s == 0.0 {
         notes.info("the velocity never gets below zero: no rebound, coefficient of restitution 0");
     }
@@ -121,6 +128,14 @@ mod tests {
     fn a_pulse_of_the_wrong_polarity_is_flagged() {
         let notes = notes_of(vec![2.0; 3]);
         assert!(notes[0].starts_with("warning: the record ends at v = 6.000 m/s, faster than the impact"), "{notes:?}");
+    }
+
+    #[test]
+    fn a_rebound_faster_than_the_impact_is_flagged() {
+        // From 4 m/s by 1 m/s a sample to -5 m/s.
+        let faster = "warning: the rebound at -5.000 m/s is faster than the impact at 4.000 m/s";
+        assert!(notes_of(vec![-2.0; 10]).iter().any(|note| note.starts_with(faster)));
+        assert!(notes_of(vec![-2.0; 9]).iter().all(|note| !note.contains("faster than the impact")));
     }
 
     #[test]

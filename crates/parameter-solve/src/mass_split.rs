@@ -38,12 +38,17 @@ pub fn masses(mass_kg: f64, split: MassSplit) -> Result<(f64, f64, String), Solv
             (m1, m2, "both masses given".to_owned())
         }
     };
-    let total = if (m1 + m2 - mass_kg).abs() > 5e-3 * mass_kg {
-        format!("; their sum {:.1} kg is not the test mass {mass_kg:.1} kg", m1 + m2)
+    let total = sum_remark(m1 + m2, mass_kg);
+    Ok((m1, m2, format!("m1 = {m1:.2} kg, m2 = {m2:.2} kg: {source}{total}")))
+}
+
+/// Masses that were given need not be those of the test.
+fn sum_remark(sum_kg: f64, mass_kg: f64) -> String {
+    if (sum_kg - mass_kg).abs() > 5e-3 * mass_kg {
+        format!("; their sum {sum_kg:.1} kg is not the test mass {mass_kg:.1} kg")
     } else {
         String::new()
-    };
-    Ok((m1, m2, format!("m1 = {m1:.2} kg, m2 = {m2:.2} kg: {source}{total}")))
+    }
 }
 
 /// Masses of engine, suspension and chassis, and compartment, with the sentence that says where they come from.
@@ -57,7 +62,8 @@ pub fn triple_masses(
             crate::error::positive(name, mass)?;
         }
         let [a, b, c] = masses;
-        return Ok((masses, format!("m1 = {a:.2} kg, m2 = {b:.2} kg, m3 = {c:.2} kg: given")));
+        let total = sum_remark(a + b + c, mass_kg);
+        return Ok((masses, format!("m1 = {a:.2} kg, m2 = {b:.2} kg, m3 = {c:.2} kg: given{total}")));
     }
     let (front, rear, _) = masses(mass_kg, split)?;
     let half = 0.5 * front;

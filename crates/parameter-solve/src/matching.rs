@@ -103,9 +103,8 @@ pub fn match_identified(
         remarks.push(numerator_remark(identified.numerator.as_deref(), solution));
         remarks.push(match matching_sensitivity(&model) {
             Some(gain) => format!("1 % in one coefficient moves a parameter by up to {:.3} %", gain.amax()),
-            None if [model.c1_n_s_per_m, model.c2_n_s_per_m].contains(&0.0) => {
-                "a damper is zero, at the border of what is physical: no share of a coefficient moves it by a share of itself".to_owned()
-            }
+            None if [model.c1_n_s_per_m, model.c2_n_s_per_m].contains(&0.0) => at_the_border("damper"),
+            None if [model.k1_n_per_m, model.k2_n_per_m].contains(&0.0) => at_the_border("spring"),
             None => "a multiple solution: a change of the coefficients moves it by its square root".to_owned(),
         });
         let uncertainty = identified.spread.as_ref().and_then(|spread| spread.of_match(&model));
@@ -197,6 +196,12 @@ fn coordinate_remark(physical: &PhysicalCoordinates) -> String {
     )
 }
 
+fn at_the_border(what: &str) -> String {
+    format!(
+        "a {what} is zero, at the border of what is physical: no share of a coefficient moves it by a share of itself"
+    )
+}
+
 /// Which root of the cubic the start of the motion speaks for.
 fn start_remark(zeta: f64, found: &CoefficientMatch) -> String {
     let real = found.roots.iter().enumerate().filter(|(_, root)| root.zeta.im == 0.0);
@@ -224,10 +229,10 @@ fn verdict(found: &CoefficientMatch) -> String {
         }
         Some(bound) => format!(
             "m2/m1 = {ratio:.4} is above its bound {bound:.5}, so no parameter set with these masses is physical: {}",
-            if real > 2 {
-                "at the real roots of the cubic c1 c2 < 0"
-            } else {
-                "at the only real root of the cubic c1 c2 < 0"
+            match found.roots.iter().filter(|root| root.zeta.im == 0.0).count() {
+                0 | 1 => "at the only real root of the cubic c1 c2 < 0",
+                _ if real > 2 => "at the real roots of the cubic c1 c2 < 0",
+                _ => "at the only root of the cubic with real springs and dampers c1 c2 < 0",
             }
         ),
         None => "the polynomial is not that of a passive chain of two masses, whatever the masses".to_owned(),
