@@ -7,6 +7,7 @@
 mod artifact;
 mod candidate;
 mod error;
+mod first;
 mod head;
 mod polynomial;
 mod provenance;
