@@ -103,7 +103,7 @@ fn print(args: &Args, report: &Report) -> io::Result<()> {
         writeln!(stdout)
     } else {
         if !report.same {
-            for line in load::head_of(&args.a, &args.b) {
+            for line in load::head_of(&args.a, &args.b, report) {
                 writeln!(stdout, "{line}")?;
             }
         }
