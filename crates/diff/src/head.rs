@@ -1,6 +1,13 @@
 //! The head of a comparison of two runs: what the crash and the best model were on either side, for people.
 
+use std::collections::BTreeSet;
+
 use serde_json::Value;
+
+use crate::Report;
+
+/// Parameters that differ by less, relative to the larger, are not told where they do not count.
+const TOLD_RELATIVE: f64 = 0.01;
 
 /// Events of a summary that the head tells: key, name, factor to people's unit, decimals, unit.
 const EVENTS: [(&str, &str, f64, usize, &str); 4] = [
@@ -30,6 +37,28 @@ pub fn head(a: &Value, b: &Value) -> Vec<String> {
     lines
 }
 
+/// Parameters of candidates of both summaries that differ by more than 1 % and are no difference of the report: the record does not
+/// determine them, or the tolerance is wide. `kelvin/closed-form/1, stiffness_n_per_m: 357000.0  768000.0  (for information)`.
+pub fn tolerated_parameters(a: &Value, b: &Value, report: &Report) -> Vec<String> {
+    let topics = report.files.iter().flat_map(|file| &file.topics).filter(|topic| !topic.topic.starts_with('/'));
+    let told: BTreeSet<&str> = topics.flat_map(|topic| &topic.differences).map(|d| d.place.as_str()).collect();
+    let candidates = |side: &'_ Value| side["candidates"].as_array().cloned().unwrap_or_default();
+    let others = candidates(b);
+    let mut lines = Vec::new();
+    for candidate in candidates(a) {
+        let Some(id) = candidate["id"].as_str() else { continue };
+        let Some(other) = others.iter().find(|other| other["id"] == id) else { continue };
+        for (name, value) in candidate["parameters"].as_object().into_iter().flatten() {
+            let Some((x, y)) = value.as_f64().zip(other["parameters"][name].as_f64()) else { continue };
+            let apart = (x - y).abs() > TOLD_RELATIVE * x.abs().max(y.abs());
+            if apart && !told.contains(format!("candidates[{id}].parameters.{name}").as_str()) {
+                lines.push(format!("{id}, {name}: {value}  {}  (for information)", other["parameters"][name]));
+            }
+        }
+    }
+    lines
+}
+
 fn line(name: &str, a: &str, b: &str) -> String {
     if a == b { format!("{name}: {a}") } else { format!("{name}: {a} -> {b}") }
 }
@@ -48,6 +77,21 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+
+    #[test]
+    fn parameters_that_the_record_does_not_determine_are_told_though_they_are_no_difference() {
+        let side = |k: f64, c: f64| {
+            json!({"candidates": [{"id": "kelvin/fit/1", "parameters": {"c": c, "k": k, "m": 900.0},
+                "uncertainty": {"standard_deviation": {"k": 1e6, "c": 1.0}, "interval_low": {}, "interval_high": {}}}]})
+        };
+        let (a, b) = (side(1000.0, 50.0), side(2000.0, 90.0));
+        let topic = crate::compare_json("summary.json", &a, &b, &crate::Settings::default());
+        assert_eq!(topic.differences.len(), 1, "c alone: {topic:?}");
+        let file = crate::FileReport { name: "summary.json".into(), topics: vec![topic], ..Default::default() };
+        let report = Report::new("one".into(), "two".into(), false, vec![file]);
+        assert_eq!(tolerated_parameters(&a, &b, &report), ["kelvin/fit/1, k: 1000.0  2000.0  (for information)"]);
+        assert!(tolerated_parameters(&a, &side(1000.5, 90.0), &report).is_empty(), "a thousandth");
+    }
 
     #[test]
     fn both_sides_stand_in_people_s_units() {

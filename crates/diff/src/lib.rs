@@ -7,6 +7,7 @@
 mod artifact;
 mod candidate;
 mod error;
+mod first;
 mod head;
 mod polynomial;
 mod provenance;
@@ -21,7 +22,7 @@ mod words;
 
 pub use artifact::compare_artifacts;
 pub use error::DiffError;
-pub use head::head;
+pub use head::{head, tolerated_parameters};
 pub use report::{Difference, FileReport, Report, Side, TopicReport};
 pub use text::{TextOptions, write_text};
 pub use tolerance::{Base, Tolerance, Tolerances};

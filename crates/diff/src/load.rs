@@ -5,7 +5,9 @@ use std::fs;
 use std::path::Path;
 
 use crumple_artifact::Artifact;
-use crumple_diff::{DiffError, FileReport, Settings, Side, compare_artifacts, compare_json, head};
+use crumple_diff::{
+    DiffError, FileReport, Report, Settings, Side, compare_artifacts, compare_json, head, tolerated_parameters,
+};
 
 const SUMMARY: &str = "summary.json";
 
@@ -50,13 +52,17 @@ pub fn compare_paths(a: &Path, b: &Path, settings: &Settings) -> Result<Vec<File
 }
 
 /// What people want to know first of two runs that differ; empty where there are no two summaries.
-pub fn head_of(a: &Path, b: &Path) -> Vec<String> {
+pub fn head_of(a: &Path, b: &Path, report: &Report) -> Vec<String> {
     let summary = |path: &Path| {
         let path = if path.is_dir() { path.join(SUMMARY) } else { path.to_owned() };
         path.extension().is_some_and(|extension| extension == "json").then(|| read_json(&path).ok())?
     };
     match (summary(a), summary(b)) {
-        (Some(a), Some(b)) => head(&a, &b),
+        (Some(a), Some(b)) => {
+            let mut lines = head(&a, &b);
+            lines.extend(tolerated_parameters(&a, &b, report));
+            lines
+        }
         _ => Vec::new(),
     }
 }

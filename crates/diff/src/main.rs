@@ -50,7 +50,7 @@ struct Args {
     #[arg(long)]
     provenance: bool,
 
-    /// Show every difference, not the first five of a topic.
+    /// Show every difference, not five of a topic and three waveforms of a file.
     #[arg(long)]
     all: bool,
     /// Print the comparison as JSON, with every difference.
@@ -103,7 +103,7 @@ fn print(args: &Args, report: &Report) -> io::Result<()> {
         writeln!(stdout)
     } else {
         if !report.same {
-            for line in load::head_of(&args.a, &args.b) {
+            for line in load::head_of(&args.a, &args.b, report) {
                 writeln!(stdout, "{line}")?;
             }
         }

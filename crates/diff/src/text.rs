@@ -1,14 +1,19 @@
-//! The report for people: one line a difference.
+//! The report for people: one line a difference, what people ask first before the rest.
 
+use std::collections::{BTreeSet, HashSet};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
+use crumple_artifact::WAVE_PREFIX;
 use serde_json::Value;
 
+use crate::first::{First, order};
 use crate::report::{Difference, FileReport, Report, Side, TopicReport};
 
 /// Differences of a topic that are shown without `--all`.
 const SHOWN: usize = 5;
+/// Waveforms of a file that are shown without `--all`.
+const SHOWN_WAVES: usize = 3;
 /// Longest text value shown; the rest is cut.
 const LONGEST: usize = 80;
 
@@ -22,18 +27,32 @@ pub struct TextOptions {
     pub all: bool,
 }
 
-/// Writes the report, its verdict last.
+/// Writes the report: files on one side only, what people ask first, the rest, the verdict.
 pub fn write_text(report: &Report, options: TextOptions, out: &mut dyn Write) -> io::Result<()> {
     for file in &report.files {
-        // Of two single files the name is known.
-        let prefix = if report.files.len() > 1 { format!("{}: ", file.name) } else { String::new() };
         if let Some(side) = file.only_in {
             writeln!(out, "{}: only in {}", file.name, path_of(report, side))?;
         }
-        for topic in file.topics.iter().filter(|topic| !topic.same || !topic.aside.is_empty()) {
-            // summary.json is one topic of its own name.
-            let prefix = if topic.topic == file.name { "" } else { prefix.as_str() };
-            write_topic(report, topic, prefix, options, out)?;
+    }
+    let told = write_first(report, options, out)?;
+    for file in &report.files {
+        let waves = if options.all { None } else { largest_waves(file) };
+        let mut topics: Vec<&TopicReport> = differing(file).collect();
+        topics.sort_by_key(|topic| topic.topic == "/notes");
+        let mut waves_left = 0;
+        for topic in topics {
+            let is_left =
+                |waves: &BTreeSet<&str>| topic.topic.starts_with(WAVE_PREFIX) && !waves.contains(topic.topic.as_str());
+            if waves.as_ref().is_some_and(is_left) {
+                waves_left += 1;
+            } else {
+                write_topic(report, topic, &prefix(report, file, topic), &told, options, out)?;
+            }
+        }
+        let prefix = file_prefix(report, file);
+        if waves_left > 0 {
+            let s = if waves_left == 1 { "" } else { "s" };
+            writeln!(out, "{prefix}{waves_left} more waveform{s} (--all shows them)")?;
         }
         for difference in &file.provenance {
             let counts = if report.provenance_counts { "" } else { INFORMATION };
@@ -46,6 +65,68 @@ pub fn write_text(report: &Report, options: TextOptions, out: &mut dyn Write) ->
     writeln!(out, "{}", verdict(report))
 }
 
+/// Differences that were written, and repetitions of them.
+type Told = HashSet<*const Difference>;
+
+/// Writes what people ask first, from all files, each once; all of it but for metrics, of which a topic shows a few.
+fn write_first(report: &Report, options: TextOptions, out: &mut dyn Write) -> io::Result<Told> {
+    let mut told = Told::new();
+    let mut names = BTreeSet::new();
+    for kind in First::ALL {
+        for file in &report.files {
+            for topic in differing(file) {
+                let mut asked: Vec<(&Difference, String)> = topic
+                    .differences
+                    .iter()
+                    .filter_map(|d| Some((d, First::of(&topic.topic, &d.place).filter(|(of, _)| *of == kind)?.1)))
+                    .collect();
+                asked.sort_by_key(|(difference, _)| order(difference));
+                let prefix = prefix(report, file, topic);
+                let mut shown = 0;
+                for (difference, name) in asked {
+                    let sides = (value(difference.a.as_ref()), value(difference.b.as_ref()));
+                    let repeated = !options.all && names.contains(&(name.clone(), sides.clone()));
+                    if !repeated {
+                        if kind == First::Metrics && shown == SHOWN && !options.all {
+                            break;
+                        }
+                        shown += 1;
+                        names.insert((name, sides));
+                        write_record_line(report, topic, difference, &prefix, out)?;
+                    }
+                    told.insert(std::ptr::from_ref(difference));
+                }
+            }
+        }
+    }
+    Ok(told)
+}
+
+/// The waveforms that differ most, relative to their size; `None` where all that differ are few.
+fn largest_waves(file: &FileReport) -> Option<BTreeSet<&str>> {
+    let mut waves: Vec<&TopicReport> = differing(file).filter(|topic| topic.topic.starts_with(WAVE_PREFIX)).collect();
+    if waves.len() <= SHOWN_WAVES {
+        return None;
+    }
+    let size = |topic: &TopicReport| topic.max_rel.unwrap_or(f64::INFINITY);
+    waves.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    Some(waves[..SHOWN_WAVES].iter().map(|topic| topic.topic.as_str()).collect())
+}
+
+fn differing(file: &FileReport) -> impl Iterator<Item = &TopicReport> {
+    file.topics.iter().filter(|topic| !topic.same || !topic.aside.is_empty())
+}
+
+/// Of two single files the name is known.
+fn file_prefix(report: &Report, file: &FileReport) -> String {
+    if report.files.len() > 1 { format!("{}: ", file.name) } else { String::new() }
+}
+
+/// summary.json is one topic of its own name.
+fn prefix(report: &Report, file: &FileReport, topic: &TopicReport) -> String {
+    if topic.topic == file.name { String::new() } else { file_prefix(report, file) }
+}
+
 fn path_of(report: &Report, side: Side) -> &str {
     match side {
         Side::A => &report.a,
@@ -53,25 +134,26 @@ fn path_of(report: &Report, side: Side) -> &str {
     }
 }
 
+/// Writes what was not told of a topic.
 fn write_topic(
     report: &Report,
     topic: &TopicReport,
     prefix: &str,
+    told: &Told,
     options: TextOptions,
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let shown = if options.all { usize::MAX } else { SHOWN };
+    let mut left: Vec<&Difference> =
+        topic.differences.iter().filter(|difference| !told.contains(&std::ptr::from_ref(*difference))).collect();
+    left.sort_by_key(|difference| order(difference));
     // The frame of a waveform (grid, length) may differ beside its samples.
     let samples = topic.differences.iter().filter(|d| d.sample.is_some()).count();
     let differing = topic.different - (topic.differences.len() - samples) as u64;
     let mut first_sample = true;
-    for difference in topic.differences.iter().take(shown) {
-        if let ("", Some(side)) = (difference.place.as_str(), only_side(difference)) {
-            writeln!(out, "{prefix}{}: only in {}", topic.topic, path_of(report, side))?;
-            continue;
-        }
+    for difference in left.iter().take(shown) {
         let Some(time_s) = difference.time_s else {
-            writeln!(out, "{prefix}{}", line(&topic.topic, &difference.place, difference))?;
+            write_record_line(report, topic, difference, prefix, out)?;
             continue;
         };
         let which = match (first_sample, samples, differing) {
@@ -86,7 +168,7 @@ fn write_topic(
         writeln!(out, "{prefix}{text}, {which}{count} of {} samples", topic.values)?;
         first_sample = false;
     }
-    let more = topic.differences.len().saturating_sub(shown);
+    let more = left.len().saturating_sub(shown);
     if more > 0 {
         writeln!(out, "{prefix}{}: {more} more (--all shows them)", topic.topic)?;
     }
@@ -98,6 +180,19 @@ fn write_topic(
         writeln!(out, "{prefix}{}: {more} more{INFORMATION} (--all shows them)", topic.topic)?;
     }
     Ok(())
+}
+
+fn write_record_line(
+    report: &Report,
+    topic: &TopicReport,
+    difference: &Difference,
+    prefix: &str,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    match (difference.place.as_str(), only_side(difference)) {
+        ("", Some(side)) => writeln!(out, "{prefix}{}: only in {}", topic.topic, path_of(report, side)),
+        _ => writeln!(out, "{prefix}{}", line(&topic.topic, &difference.place, difference)),
+    }
 }
 
 fn only_side(difference: &Difference) -> Option<Side> {

@@ -5,6 +5,11 @@
 mod program;
 
 use std::fs;
+use std::path::Path;
+
+use crumple_artifact::records::CandidateV1;
+use crumple_artifact::{ArtifactBuilder, Compression, Provenance};
+use crumple_signal::{QuantityKind, Sampled};
 
 use program::{Made, diff, pair};
 
@@ -69,8 +74,8 @@ fn run_folders_are_compared_file_by_file() {
     insta::assert_snapshot!(found.stdout, @"
     dynamic crush: 750.0 mm -> 751.0 mm
     2-filter.mcap: only in one
-    3-integrate.mcap: /wave/93, sample 3 (t = -0.009700 s): -42.5  0.0  (abs 42.5, rel 0.85), the only one of 200 samples
     summary.json, events.dynamic_crush_m: 0.75  0.751  (abs 0.001, rel 0.001332)
+    3-integrate.mcap: /wave/93, sample 3 (t = -0.009700 s): -42.5  0.0  (abs 42.5, rel 0.85), the only one of 200 samples
     different: 2 of 4 topics in 3 files, 1 file on one side only
     ");
 
@@ -80,4 +85,53 @@ fn run_folders_are_compared_file_by_file() {
     let found = diff(root.path(), &["one", "empty"]);
     assert_eq!(found.code, 2);
     assert!(found.stderr.starts_with("error: empty: no run folder"), "{}", found.stderr);
+}
+
+/// A run whose candidate has this stiffness, in an artifact and in the summary.
+fn run_of(folder: &Path, stiffness_n_per_m: f64) {
+    fs::create_dir(folder).unwrap();
+    let candidate = serde_json::json!({
+        "model": "kelvin", "method": "direct-fit", "physical": true, "equivalent_to": null, "uncertainty": null,
+        "parameters": {"k1_n_per_m": stiffness_n_per_m, "mass_kg": 900.0}, "notes": [],
+        "fit": {"channel": "93", "quantity": "displacement", "from_s": 0.0, "to_s": 0.1, "samples": 100, "rmse": stiffness_n_per_m,
+                "iterations": 3, "evaluations": 4, "stop_reason": "cost", "active_bounds": [], "sensors": []},
+    });
+    let record: CandidateV1 = serde_json::from_value(candidate.clone()).unwrap();
+    let mut builder = ArtifactBuilder::new();
+    builder.put("/parameters/kelvin/direct-fit/1", &record).unwrap();
+    for wave in ["a", "b", "c", "d", "e"] {
+        let samples = vec![0.0, stiffness_n_per_m, 1.0];
+        builder.wave(wave, QuantityKind::Displacement, Sampled::new(0.0, 1e-4, samples).unwrap()).unwrap();
+    }
+    let provenance = Provenance::new("parameter-solve", "0.1.0", "{}".into(), Vec::new());
+    builder.write(&folder.join("5-parameter-solve.mcap"), &provenance, Compression::None).unwrap();
+    let mut listed = candidate;
+    listed["id"] = "kelvin/direct-fit/1".into();
+    let summary =
+        serde_json::json!({"candidates": [listed], "metrics": {"olc": {"value": stiffness_n_per_m, "unit": "m/s^2"}}});
+    fs::write(folder.join("summary.json"), summary.to_string()).unwrap();
+}
+
+#[test]
+fn parameters_and_metrics_come_before_the_rest_and_waveforms_are_few() {
+    let root = tempfile::tempdir().unwrap();
+    run_of(&root.path().join("one"), 2.0);
+    run_of(&root.path().join("two"), 4.0);
+    let found = diff(root.path(), &["one", "two"]);
+    assert_eq!(found.code, 1, "{}", found.stderr);
+    insta::assert_snapshot!(found.stdout, @"
+    5-parameter-solve.mcap: /parameters/kelvin/direct-fit/1, parameters.k1_n_per_m: 2.0  4.0  (abs 2, rel 0.5)
+    summary.json, metrics.olc.value: 2.0  4.0  (abs 2, rel 0.5)
+    5-parameter-solve.mcap: /parameters/kelvin/direct-fit/1, fit.rmse: 2.0  4.0  (abs 2, rel 0.5)
+    5-parameter-solve.mcap: /wave/a, sample 1 (t = 0.000100 s): 2.0  4.0  (abs 2, rel 0.5), the only one of 3 samples
+    5-parameter-solve.mcap: /wave/b, sample 1 (t = 0.000100 s): 2.0  4.0  (abs 2, rel 0.5), the only one of 3 samples
+    5-parameter-solve.mcap: /wave/c, sample 1 (t = 0.000100 s): 2.0  4.0  (abs 2, rel 0.5), the only one of 3 samples
+    5-parameter-solve.mcap: 2 more waveforms (--all shows them)
+    summary.json, candidates[kelvin/direct-fit/1].fit.rmse: 2.0  4.0  (abs 2, rel 0.5)
+    different: 7 of 7 topics in 2 files
+    ");
+    // Everything, the summary's repetitions too.
+    let all = diff(root.path(), &["one", "two", "--all"]).stdout;
+    assert_eq!(all.matches("parameters.k1_n_per_m: 2.0  4.0").count(), 2, "{all}");
+    assert_eq!(all.matches("/wave/").count(), 5, "{all}");
 }

@@ -1,5 +1,6 @@
 //! The figures of the report, one file each. A figure whose record is absent is left out.
 
+mod at_first;
 mod bode;
 mod elements;
 mod force;

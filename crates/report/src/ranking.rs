@@ -95,12 +95,15 @@ fn no_crush(run: &Run) -> Option<String> {
 /// [`WORTH_NAMING_PERCENT`].
 pub fn qualifies(candidate: &Candidate) -> bool {
     candidate.record.physical
-        && candidate.record.fit.as_ref().is_none_or(|fit| {
-            fit.active_bounds
-                .iter()
-                .all(|name| candidate.record.parameters.get(name).is_some_and(|value| *value == 0.0))
-        })
+        && free_of_bounds(candidate)
         && candidate.simulation.as_ref().and_then(|s| s.fit_percent).is_some_and(|fit| fit >= WORTH_NAMING_PERCENT)
+}
+
+/// Whether no parameter was left on a bound of its search other than zero.
+pub fn free_of_bounds(candidate: &Candidate) -> bool {
+    candidate.record.fit.as_ref().is_none_or(|fit| {
+        fit.active_bounds.iter().all(|name| candidate.record.parameters.get(name).is_some_and(|value| *value == 0.0))
+    })
 }
 
 /// `fitted` holds fits in steps of [`FIT_STEP_PERCENT`], best first.

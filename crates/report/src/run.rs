@@ -1,5 +1,7 @@
 //! What a report is made from, wherever it was read.
 
+use std::collections::BTreeMap;
+
 use crumple_artifact::records::{
     CandidateV1, ChannelFilterV1, EventsV1, IdentificationV1, MatchingV1, MetricV1, ModeV1, ResponseV1, SimulationV1,
     StabilizationV1, TransferFunctionV1, UncertaintyV1,
@@ -7,6 +9,9 @@ use crumple_artifact::records::{
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
 
 use crate::people::candidate_name;
+
+/// A 95 % interval whose ends are further apart than this factor leaves a parameter hardly determined.
+const HARDLY_DETERMINED: f64 = 1e3;
 
 /// Everything that is known about a run. Parts whose stage has not run are empty.
 #[derive(Debug, Clone, Default)]
@@ -153,6 +158,35 @@ impl Candidate {
         let open = [&known.interval_low, &known.interval_high].iter().all(|end| end.get(name) == Some(&None));
         let loose = known.standard_deviation.get(name).is_some_and(|deviation| *deviation >= value.abs());
         (open || loose).then_some("not determined")
+    }
+
+    /// Whether the 95 % interval of a parameter that counts as determined spans more than [`HARDLY_DETERMINED`]: the record says little
+    /// more than its sign. Words only; what picks the best does not look at it.
+    pub fn is_hardly_determined(&self, name: &str) -> bool {
+        let Some(known) = self.record.uncertainty.as_ref().filter(|_| self.doubt(name).is_none()) else { return false };
+        let end = |of: &BTreeMap<String, Option<f64>>| of.get(name).copied().flatten();
+        let ends = end(&known.interval_low).zip(end(&known.interval_high));
+        ends.is_some_and(|(low, high)| {
+            low * high > 0.0 && high.abs().max(low.abs()) > HARDLY_DETERMINED * high.abs().min(low.abs())
+        })
+    }
+
+    /// Names of the parameters that this record hardly determines.
+    pub fn hardly_determined_parameters(&self) -> Vec<&str> {
+        self.asked().filter(|name| self.is_hardly_determined(name)).map(String::as_str).collect()
+    }
+
+    /// `2 of 6 parameters not or hardly determined by this record`; `None` where it determines all that were asked of it.
+    pub fn undetermined_in_words(&self) -> Option<String> {
+        let (open, of) = self.undetermined();
+        let hardly = self.hardly_determined_parameters().len();
+        let how = match (open, hardly) {
+            (0, 0) => return None,
+            (_, 0) => "not",
+            (0, _) => "hardly",
+            _ => "not or hardly",
+        };
+        Some(format!("{} of {of} parameters {how} determined by this record", open + hardly))
     }
 
     /// How many of the parameters this record does not determine, and of how many that were asked of it.

@@ -27,6 +27,9 @@ pub struct Summary<'a> {
     no_best: Option<String>,
     /// Parameters of the best that this record does not determine.
     best_undetermined: Vec<&'a str>,
+    /// Where the 95 % interval of a parameter spans more than a factor of a thousand.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    best_hardly_determined: Vec<&'a str>,
     ranking: Vec<String>,
     /// The figure that orders `ranking`.
     ranked_by: &'static str,
@@ -167,6 +170,11 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
             .as_deref()
             .and_then(|id| run.candidate(id))
             .map_or_else(Vec::new, Candidate::undetermined_parameters),
+        best_hardly_determined: ranking
+            .best
+            .as_deref()
+            .and_then(|id| run.candidate(id))
+            .map_or_else(Vec::new, Candidate::hardly_determined_parameters),
         ranking: ranking.order.clone(),
         ranked_by: "simulation.fit_percent: displacement fit over simulation.from_s to simulation.to_s, highest first",
         ranking_by_aicc: by_aicc(run),

@@ -163,10 +163,7 @@ fn lines(run: &Run, ranking: &Ranking) -> Vec<String> {
     }
     if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
         let fit = best.simulation.as_ref().and_then(|s| s.fit_percent).unwrap_or(f64::NAN);
-        let open = match best.undetermined() {
-            (0, _) => String::new(),
-            (n, of) => format!("; {n} of {of} parameters not determined by this record"),
-        };
+        let open = best.undetermined_in_words().map_or_else(String::new, |open| format!("; {open}"));
         lines.push(format!("best model: {}, displacement fit {} %{open}", best.name_with_dual(), decimals(fit, 2)));
     }
     if let Some(reason) = ranking.no_best.as_deref().filter(|_| !ranking.order.is_empty()) {

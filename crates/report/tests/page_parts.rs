@@ -262,8 +262,106 @@ fn a_chain_of_the_users_own_is_shown_at_first() {
     run.candidates.push(candidate("chain/mine/1", &[("k1_n_per_m", 1.0)], 60.0));
     let page = page(&run);
     let traces = traces(&page, "models");
-    assert_eq!(traces["Kelvin, direct fit 4 (95.0 %)"]["visible"], "legendonly");
-    assert_eq!(traces["Chain, mine 1 (60.0 %)"]["visible"], true);
+    assert_eq!(traces["Kelvin, direct fit 4 (95.00 %)"]["visible"], "legendonly");
+    assert_eq!(traces["Chain, mine 1 (60.00 %)"]["visible"], true);
+}
+
+#[test]
+fn of_sets_of_one_model_that_fit_alike_the_first_is_shown_and_those_on_bounds_wait() {
+    let mut run = crash();
+    let mut add = |id: &str, fit_percent: f64, on_bound: bool| {
+        let mut candidate = candidate(id, &[("k_n_per_m", 1e9)], fit_percent);
+        candidate.record.fit = Some(fit(if on_bound { &["k_n_per_m"] } else { &[] }, vec![]));
+        run.candidates.push(candidate);
+    };
+    for (k, fit_percent) in [99.0704, 99.0697, 99.0698].into_iter().enumerate() {
+        add(&format!("triple-spring-mass-damper/direct-fit/{}", k + 1), fit_percent, false);
+    }
+    add("nonlinear-1/direct-fit/1", 99.5, true);
+    add("nonlinear-2/direct-fit/1", 99.4, true);
+    add("maxwell/direct-fit/1", 98.6, false);
+    add("kelvin/closed-form/1", 97.4, false);
+    add("kelvin/direct-fit/1", 97.8, false);
+    add("elastoplastic/closed-form/1", 30.0, false);
+    let page = page(&run);
+    let traces = traces(&page, "models");
+    let shown: Vec<&str> = traces.iter().filter(|(_, t)| t["visible"] == true).map(|(name, _)| name.as_str()).collect();
+    // The two fits of Kelvin's model are apart.
+    assert_eq!(
+        shown,
+        [
+            "<b>Triple spring-mass-damper, direct fit 1 (99.070 %)</b>",
+            "Kelvin, closed form 1 (97.40 %)",
+            "Kelvin, direct fit 1 (97.80 %)",
+            "Maxwell, direct fit 1 (98.60 %)",
+        ]
+    );
+    let colours: std::collections::BTreeSet<_> =
+        shown.iter().map(|name| traces[*name]["line"]["color"].to_string()).collect();
+    assert_eq!(colours.len(), 4, "{colours:?}");
+    assert_eq!(traces["Triple spring-mass-damper, direct fit 2 (99.070 %)"]["visible"], "legendonly");
+    assert_eq!(traces["Nonlinear 1, direct fit 1 (99.50 %)"]["visible"], "legendonly");
+    assert!(page.contains("of parameter sets of one model that fit alike the first"));
+}
+
+#[test]
+fn fits_that_are_equal_to_two_decimals_have_a_third_in_the_legend() {
+    let mut run = crash();
+    for (k, fit_percent) in [99.9942, 99.97, 91.08].into_iter().enumerate() {
+        run.candidates.push(candidate(&format!("m{k}/fit/1"), &[("k_n_per_m", 1.0)], fit_percent));
+    }
+    let names = |run: &Run| traces(&page(run), "models").into_keys().collect::<Vec<_>>().join(", ");
+    let two = names(&run);
+    assert!(two.contains("(99.99 %)") && two.contains("(91.08 %)"), "{two}");
+    run.candidates[0].simulation.as_mut().unwrap().fit_percent = Some(99.9738);
+    let three = names(&run);
+    assert!(three.contains("(99.974 %)") && three.contains("(99.970 %)") && three.contains("(91.08 %)"), "{three}");
+}
+
+#[test]
+fn the_best_and_the_sensors_it_was_compared_with_are_shown_over_the_pulse() {
+    let mut run = crash();
+    run.other_sensors = ["94", "96"]
+        .map(|channel| OtherSensor { channel: channel.into(), velocity: None, displacement: ramp(9.5) })
+        .into();
+    let mut best = candidate("kelvin/closed-form/1", &[("k_n_per_m", 3e5)], 99.0);
+    best.simulation.as_mut().unwrap().other_sensors = record(serde_json::json!([
+        {"channel": "94", "mass": 1, "rmse_displacement_m": 1e-3, "fit_percent": 97.0}
+    ]));
+    run.candidates.push(best);
+    let with = traces(&page(&run), "sensors");
+    assert_ne!(with["compartment of Kelvin, closed form 1"]["visible"], "legendonly");
+    assert_eq!((&with["sensor 94"]["visible"], &with["sensor 96"]["visible"]), (&true.into(), &"legendonly".into()));
+    run.candidates[0].record.physical = false;
+    assert!(!traces(&page(&run), "sensors").contains_key("compartment of Kelvin, closed form 1"), "no best");
+}
+
+#[test]
+fn an_interval_over_more_than_three_decades_is_hardly_determined_in_words_alone() {
+    let mut run = crash();
+    let mut best = candidate("maxwell/direct-fit/1", &[("c_n_s_per_m", 54e3), ("k_n_per_m", 3e5)], 99.0);
+    let ends = |c: f64, k: f64| [("c_n_s_per_m".to_owned(), Some(c)), ("k_n_per_m".to_owned(), Some(k))].into();
+    best.record.uncertainty = Some(UncertaintyV1 {
+        standard_deviation: [("c_n_s_per_m".to_owned(), 34e3), ("k_n_per_m".to_owned(), 1e4)].into(),
+        interval_low: ends(17.0, 3e3),
+        interval_high: ends(1.8e8, 2.9e6),
+        ..UncertaintyV1::default()
+    });
+    assert_eq!(
+        (best.hardly_determined_parameters(), best.undetermined(), best.left_open()),
+        (vec!["c_n_s_per_m"], (0, 2), 0)
+    );
+    let mut also_open = best.clone();
+    also_open.record.uncertainty.as_mut().unwrap().standard_deviation.insert("k_n_per_m".to_owned(), 4e5);
+    assert_eq!(also_open.undetermined_in_words().unwrap(), "2 of 2 parameters not or hardly determined by this record");
+    run.candidates.push(best);
+    let page = page(&run);
+    assert!(page.contains("1 of 2 parameters hardly determined by this record"), "{page}");
+    assert!(page.contains("<span class=\"no\">hardly determined</span>; 95\u{a0}%: 0.0170 to 180000"), "{page}");
+    let text = summary(&run, &Ranking::of(&run.candidates)).to_json().unwrap();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(json["best_undetermined"], serde_json::json!([]));
+    assert_eq!(json["best_hardly_determined"], serde_json::json!(["c_n_s_per_m"]));
 }
 
 #[test]

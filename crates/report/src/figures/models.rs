@@ -3,6 +3,7 @@
 use crumple_signal::Sampled;
 use serde_json::{Value, json};
 
+use super::at_first::at_first;
 use super::time_view_ms;
 use crate::escape::html;
 use crate::figure::{
@@ -14,11 +15,6 @@ use crate::{Candidate, Ranking, Run, pairs_of_equals};
 
 /// Candidates that are shown at first; the others wait in the legend.
 const SHOWN: usize = 4;
-
-/// The best, and what a person stated.
-fn shown(place: usize, candidate: &Candidate) -> bool {
-    place < SHOWN || candidate.is_chain()
-}
 
 /// Test and candidates; `None` without a simulated displacement.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
@@ -34,6 +30,15 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         return None;
     }
     drawn.sort_by_key(|(index, candidate, _)| (ranking.place(&candidate.id).unwrap_or(usize::MAX), *index));
+
+    let ranked: Vec<&Candidate> = drawn.iter().map(|(_, candidate, _)| *candidate).collect();
+    let shown = at_first(&ranked, ranking, SHOWN);
+    let fits = fit_texts(&ranked);
+    // The curves that are shown together have the colours before they repeat.
+    let is_shown = |candidate: &Candidate| shown.contains(candidate.id.as_str());
+    let mut coloured = ranked.clone();
+    coloured.sort_by_key(|candidate| !is_shown(candidate));
+    let look_of = |id: &str| coloured.iter().position(|candidate| candidate.id == id).unwrap_or_default();
 
     let measured = &run.measured;
     let mut traces = Vec::new();
@@ -57,23 +62,24 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     for (place, (index, candidate, displacement)) in drawn.iter().enumerate() {
         let others = stands_for.iter().enumerate().filter(|(i, of)| **of == *index && i != index).count();
         equals += others;
+        let look = look_of(&candidate.id);
         let style = json!({
-            "legendgroup": candidate.id, "visible": if shown(place, candidate) { json!(true) } else { json!("legendonly") },
-            "line": {"color": colour::SERIES[place % colour::SERIES.len()], "width": 1.9,
-                     "dash": colour::DASHES[place % colour::DASHES.len()]},
+            "legendgroup": candidate.id, "visible": if is_shown(candidate) { json!(true) } else { json!("legendonly") },
+            "line": {"color": colour::SERIES[look % colour::SERIES.len()], "width": 1.9,
+                     "dash": colour::DASHES[look % colour::DASHES.len()]},
         });
         let mut push = |signal: &Sampled, factor: f64, axis: &str, unit: &str| {
             let trace = with(over_time(signal, factor, COMPUTED_POINTS), style.clone());
             traces.push(with(
                 trace,
-                json!({"name": name(candidate, others, ranking), "showlegend": axis == "y", "yaxis": axis,
+                json!({"name": name(candidate, fits[place].as_deref(), others, ranking), "showlegend": axis == "y", "yaxis": axis,
                        "hovertemplate": format!("{unit}<extra>{}</extra>", html(&candidate_name(&candidate.id)))}),
             ));
         };
         push(displacement, MILLI, "y", "%{y:.1f} mm");
         if let Some(residual) = measured.displacement.as_ref().and_then(|test| residual(test, displacement)) {
             push(&residual, MILLI, "y2", "%{y:.2f} mm");
-            if shown(place, candidate) {
+            if is_shown(candidate) {
                 largest_mm = largest_mm.max(MILLI * largest_within(&residual, window));
             }
         }
@@ -128,7 +134,12 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     Some(Figure {
         id: "models",
         title: "Models over the test",
-        caption: caption(window, equals, drawn.len(), drawn.iter().any(|(_, candidate, _)| candidate.is_chain())),
+        caption: caption(
+            window,
+            equals,
+            shown.len() < drawn.len(),
+            ranked.iter().any(|candidate| candidate.is_chain()),
+        ),
         height_px,
         half_width: false,
         traces,
@@ -136,7 +147,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     })
 }
 
-fn caption(window: Option<(f64, f64)>, equals: usize, drawn: usize, chains: bool) -> String {
+fn caption(window: Option<(f64, f64)>, equals: usize, hidden: bool, chains: bool) -> String {
     let mut text = String::new();
     if let Some((from, to)) = window {
         text.push_str(&format!(
@@ -148,9 +159,12 @@ fn caption(window: Option<(f64, f64)>, equals: usize, drawn: usize, chains: bool
     text.push_str(
         "The residual is test minus model. Click a name in the legend to show or hide a model in all panels.",
     );
-    if drawn > SHOWN {
-        let chains = if chains { " and the chains of your own" } else { "" };
-        text.push_str(&format!(" The {SHOWN} best{chains} are shown at first."));
+    if hidden {
+        let chains = if chains { ", and the chains of your own" } else { "" };
+        text.push_str(&format!(
+            " Shown at first are up to {SHOWN}{chains}: the best, then those without a parameter on a bound of the search, and of parameter \
+             sets of one model that fit alike the first."
+        ));
     }
     if equals > 0 {
         text.push_str(" Parameter sets that give exactly the same record (duals) are drawn once.");
@@ -158,12 +172,22 @@ fn caption(window: Option<(f64, f64)>, equals: usize, drawn: usize, chains: bool
     text
 }
 
-fn name(candidate: &Candidate, equals: usize, ranking: &Ranking) -> String {
+/// Fits in percent to two decimals, as in the table of candidates; to three where two are equal in print.
+fn fit_texts(candidates: &[&Candidate]) -> Vec<Option<String>> {
+    let fits = candidates.iter().map(|candidate| candidate.simulation.as_ref()?.fit_percent);
+    let texts: Vec<_> = fits.map(|fit| fit.map(|fit| (fit, decimals(fit, 2)))).collect();
+    let twice = |text: &str| texts.iter().flatten().filter(|(_, other)| other == text).count() > 1;
+    let text = |known: &Option<(f64, String)>| {
+        let (fit, text) = known.as_ref()?;
+        Some(if twice(text) { decimals(*fit, 3) } else { text.clone() })
+    };
+    texts.iter().map(text).collect()
+}
+
+fn name(candidate: &Candidate, fit: Option<&str>, equals: usize, ranking: &Ranking) -> String {
     let mut name = html(&candidate_name(&candidate.id));
     let mut remarks = Vec::new();
-    if let Some(fit) = candidate.simulation.as_ref().and_then(|s| s.fit_percent) {
-        remarks.push(format!("{} %", decimals(fit, 1)));
-    }
+    remarks.extend(fit.map(|fit| format!("{fit} %")));
     if equals > 0 {
         remarks.push("and its dual: same record".to_owned());
     }

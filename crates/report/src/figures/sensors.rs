@@ -2,6 +2,7 @@
 
 use serde_json::json;
 
+use super::at_first::at_first;
 use super::time_view_ms;
 use crate::escape::html;
 use crate::figure::{
@@ -16,8 +17,8 @@ const SHOWN: usize = 3;
 
 /// Velocity and displacement of every other sensor; `None` without one.
 ///
-/// Sensors that a model has a mass for are shown at first, with the masses of its best candidates over them; the others
-/// wait in the legend.
+/// Shown at first are the compartment of the best model over the pulse, the sensors that it was compared with, and those that a model
+/// has a mass for, with that mass of the best candidates over them; the others wait in the legend.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     if run.other_sensors.is_empty() {
         return None;
@@ -49,13 +50,37 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         MEASURED_POINTS,
     );
     let mut series = 0;
+    let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
+    if let Some(best) = best
+        && let Some(displacement) = &best.displacement
+    {
+        push(
+            &format!("compartment of {}", html(&candidate_name(&best.id))),
+            "best",
+            json!({"line": {"color": colour::EVENT, "width": 1.9, "dash": "dash"}}),
+            [best.velocity.as_ref(), Some(displacement)],
+            COMPUTED_POINTS,
+        );
+        names += 1;
+    }
+    let compared =
+        best.and_then(|best| best.simulation.as_ref()).map(|s| s.other_sensors.as_slice()).unwrap_or_default();
     for sensor in &run.other_sensors {
-        let models: Vec<(&Candidate, usize)> =
-            ranked.iter().filter_map(|candidate| Some((*candidate, mass_at(candidate, sensor)?))).take(SHOWN).collect();
+        let with_mass: Vec<&Candidate> =
+            ranked.iter().copied().filter(|candidate| mass_at(candidate, sensor).is_some()).collect();
+        let shown = at_first(&with_mass, ranking, SHOWN);
+        let mut drawn = with_mass;
+        drawn.sort_by_key(|candidate| !shown.contains(candidate.id.as_str()));
+        let models: Vec<(&Candidate, usize)> = drawn
+            .into_iter()
+            .take(SHOWN.max(shown.len()))
+            .filter_map(|candidate| Some((candidate, mass_at(candidate, sensor)?)))
+            .collect();
         let place = run.test.channel(&sensor.channel).map(|c| c.location.clone()).filter(|place| !place.is_empty());
         let name =
             format!("sensor {}{}", sensor.channel, place.map_or_else(String::new, |place| format!(" ({place})")));
-        let visible = if models.is_empty() { json!("legendonly") } else { json!(true) };
+        let is_compared = compared.iter().any(|other| other.channel == sensor.channel);
+        let visible = if models.is_empty() && !is_compared { json!("legendonly") } else { json!(true) };
         let line = if models.is_empty() {
             json!({"color": colour::SERIES[series % colour::SERIES.len()], "width": 1.4, "dash": "dot"})
         } else {
@@ -72,10 +97,12 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         names += 1 + models.len();
         for (candidate, mass) in models {
             let Some((displacement, velocity)) = candidate.masses.get(mass - 1) else { continue };
+            let visible = if shown.contains(candidate.id.as_str()) { json!(true) } else { json!("legendonly") };
             push(
                 &format!("mass {mass} of {}", html(&candidate_name(&candidate.id))),
                 &format!("{} {}", sensor.channel, candidate.id),
-                json!({"line": {"color": colour::SERIES[series % colour::SERIES.len()], "width": 1.9,
+                json!({"visible": visible,
+                       "line": {"color": colour::SERIES[series % colour::SERIES.len()], "width": 1.9,
                                 "dash": colour::DASHES[(series + 1) % colour::DASHES.len()]}}),
                 [velocity.as_ref(), Some(displacement)],
                 COMPUTED_POINTS,
@@ -105,7 +132,8 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         id: "sensors",
         title: "Other sensors on the vehicle",
         caption: "Each sensor integrated from its own acceleration. A mass of a model is drawn over the sensor that sits on it, for the best \
-                  candidates; sensors that no mass stands for wait in the legend."
+                  candidates, and the compartment of the best model over the pulse; sensors that the best model was not compared with and no \
+                  mass stands for wait in the legend."
             .to_owned(),
         height_px,
         half_width: false,

@@ -163,6 +163,9 @@ fn parameters(candidate: &Candidate) -> String {
             let on_bound = candidate.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.contains(name));
             let (deviation, doubt) = match (candidate.doubt(name), deviations.and_then(|d| d.get(name))) {
                 (Some(doubt), _) => (String::new(), format!(" <span class=\"no\">{doubt}</span>")),
+                (None, _) if candidate.is_hardly_determined(name) => {
+                    (String::new(), " <span class=\"no\">hardly determined</span>".to_owned())
+                }
                 (None, _) if on_bound => (String::new(), " (the limit of what is physical)".to_owned()),
                 (None, Some(&d)) => (format!("{NBSP}±{NBSP}{}", significant(parameter(name, d).1, 2)), String::new()),
                 (None, None) => (String::new(), String::new()),

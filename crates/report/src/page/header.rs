@@ -145,12 +145,9 @@ fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
     let fit = best.and_then(|b| b.simulation.as_ref()?.fit_percent);
     let remark = match (best, run.candidates.is_empty()) {
-        (Some(best), _) => Some(match best.undetermined() {
-            (0, _) => html(&best.name_with_dual()),
-            (n, of) => format!(
-                "{}; <span class=\"no\">{n} of {of} parameters not determined by this record</span>",
-                html(&best.name_with_dual())
-            ),
+        (Some(best), _) => Some(match best.undetermined_in_words() {
+            None => html(&best.name_with_dual()),
+            Some(open) => format!("{}; <span class=\"no\">{open}</span>", html(&best.name_with_dual())),
         }),
         (None, false) => Some(ranking.no_best.as_deref().map_or_else(|| "no candidate qualifies".to_owned(), html)),
         (None, true) => None,
