@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crumple_artifact::records::{
     CandidateV1, ChannelFilterV1, EventsV1, IdentificationV1, MatchingV1, MetricV1, ModeV1, ResponseV1, SimulationV1,
-    StabilizationV1, TransferFunctionV1, UncertaintyV1,
+    StabilizationV1, TransferFunctionV1,
 };
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
 
@@ -141,29 +141,16 @@ impl Candidate {
         let fit = self.record.fit.as_ref();
         let sees_the_front = fit.is_some_and(|fit| fit.sensors.iter().any(|sensor| sensor.mass == 1));
         let two = self.record.parameters.contains_key("m2_kg") && !self.record.parameters.contains_key("m3_kg");
-        let mut asked = self.asked();
+        let mut asked = self.record.asked();
         self.is_chain() && two && !sees_the_front && asked.any(|name| name.ends_with("_kg"))
-    }
-
-    /// Why this record does not determine the parameter; `None`: it does, or nothing is known of its uncertainty.
-    ///
-    /// Zero on a bound is the limit of what is physical, and an answer. Elsewhere a bound is not the record's, and a standard
-    /// deviation as large as the value, or an interval open at both ends, with a deviation or without, says that the value is one of many.
-    pub fn doubt(&self, name: &str) -> Option<&'static str> {
-        let value = *self.record.parameters.get(name)?;
-        if self.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|other| other == name)) {
-            return (value != 0.0).then_some("on a bound");
-        }
-        let known = self.record.uncertainty.as_ref()?;
-        let open = [&known.interval_low, &known.interval_high].iter().all(|end| end.get(name) == Some(&None));
-        let loose = known.standard_deviation.get(name).is_some_and(|deviation| *deviation >= value.abs());
-        (open || loose).then_some("not determined")
     }
 
     /// Whether the 95 % interval of a parameter that counts as determined spans more than [`HARDLY_DETERMINED`]: the record says little
     /// more than its sign. Words only; what picks the best does not look at it.
     pub fn is_hardly_determined(&self, name: &str) -> bool {
-        let Some(known) = self.record.uncertainty.as_ref().filter(|_| self.doubt(name).is_none()) else { return false };
+        let Some(known) = self.record.uncertainty.as_ref().filter(|_| self.record.doubt(name).is_none()) else {
+            return false;
+        };
         let end = |of: &BTreeMap<String, Option<f64>>| of.get(name).copied().flatten();
         let ends = end(&known.interval_low).zip(end(&known.interval_high));
         ends.is_some_and(|(low, high)| {
@@ -173,7 +160,7 @@ impl Candidate {
 
     /// Names of the parameters that this record hardly determines.
     pub fn hardly_determined_parameters(&self) -> Vec<&str> {
-        self.asked().filter(|name| self.is_hardly_determined(name)).map(String::as_str).collect()
+        self.record.asked().filter(|name| self.is_hardly_determined(name)).collect()
     }
 
     /// `2 of 6 parameters not or hardly determined by this record`; `None` where it determines all that were asked of it.
@@ -191,7 +178,7 @@ impl Candidate {
 
     /// How many of the parameters this record does not determine, and of how many that were asked of it.
     pub fn undetermined(&self) -> (usize, usize) {
-        (self.undetermined_parameters().len(), self.asked().count())
+        (self.record.undetermined().len(), self.record.asked().count())
     }
 
     /// Parameters that may be anything as far as is known: those that the record does not determine, and all of a candidate of which
@@ -199,21 +186,6 @@ impl Candidate {
     pub fn left_open(&self) -> usize {
         let stated = self.is_chain() && self.record.fit.is_none();
         if self.record.uncertainty.is_none() && !stated { self.record.parameters.len() } else { self.undetermined().0 }
-    }
-
-    /// Names of the parameters that this record does not determine.
-    pub fn undetermined_parameters(&self) -> Vec<&str> {
-        self.asked().filter(|name| self.doubt(name).is_some()).map(String::as_str).collect()
-    }
-
-    /// Parameters that were asked of the record: those of which a deviation, an interval or a bound is known.
-    fn asked(&self) -> impl Iterator<Item = &String> {
-        self.record.parameters.keys().filter(|name| {
-            let judged =
-                |u: &UncertaintyV1| u.standard_deviation.contains_key(*name) || u.interval_low.contains_key(*name);
-            self.record.uncertainty.as_ref().is_some_and(judged)
-                || self.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.contains(name))
-        })
     }
 }
 

@@ -169,7 +169,7 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
             .best
             .as_deref()
             .and_then(|id| run.candidate(id))
-            .map_or_else(Vec::new, Candidate::undetermined_parameters),
+            .map_or_else(Vec::new, |best| best.record.undetermined()),
         best_hardly_determined: ranking
             .best
             .as_deref()

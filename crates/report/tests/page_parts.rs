@@ -133,7 +133,7 @@ fn the_card_of_the_best_says_what_the_record_does_not_determine() {
     assert_eq!((best.undetermined(), open.undetermined()), ((1, 3), (2, 3)));
     // Also where nothing bounds it, so that it has no deviation.
     open.record.uncertainty.as_mut().unwrap().standard_deviation.remove("k_n_per_m");
-    assert_eq!((open.undetermined(), open.undetermined_parameters()), ((2, 3), vec!["k_n_per_m", "x_m"]));
+    assert_eq!((open.undetermined(), open.record.undetermined()), ((2, 3), vec!["k_n_per_m", "x_m"]));
     run.candidates.push(best);
     let ranking = Ranking::of(&run.candidates);
     let json: serde_json::Value = serde_json::from_str(&summary(&run, &ranking).to_json().unwrap()).unwrap();

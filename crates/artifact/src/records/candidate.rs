@@ -29,7 +29,7 @@ impl CandidateV1 {
     /// Why the value of a parameter is in doubt; `None` where it is not.
     ///
     /// Zero on a bound is the limit of what is physical, and an answer. Elsewhere a bound is not the record's, and a standard
-    /// deviation as large as the value, or an interval open at both ends, with a deviation or without, says that the value is one of many.
+    /// deviation as large as a value that is not zero, or an interval open at both ends, says that the value is one of many.
     pub fn doubt(&self, name: &str) -> Option<&'static str> {
         let value = *self.parameters.get(name)?;
         if self.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|other| other == name)) {
@@ -37,7 +37,7 @@ impl CandidateV1 {
         }
         let known = self.uncertainty.as_ref()?;
         let open = [&known.interval_low, &known.interval_high].iter().all(|end| end.get(name) == Some(&None));
-        let loose = known.standard_deviation.get(name).is_some_and(|deviation| *deviation >= value.abs());
+        let loose = value != 0.0 && known.standard_deviation.get(name).is_some_and(|d| *d >= value.abs());
         (open || loose).then_some("not determined")
     }
 

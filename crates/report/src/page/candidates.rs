@@ -161,7 +161,7 @@ fn parameters(candidate: &Candidate) -> String {
         .map(|(name, &value)| {
             let (symbol, shown, unit) = parameter(name, value);
             let on_bound = candidate.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.contains(name));
-            let (deviation, doubt) = match (candidate.doubt(name), deviations.and_then(|d| d.get(name))) {
+            let (deviation, doubt) = match (candidate.record.doubt(name), deviations.and_then(|d| d.get(name))) {
                 (Some(doubt), _) => (String::new(), format!(" <span class=\"no\">{doubt}</span>")),
                 (None, _) if candidate.is_hardly_determined(name) => {
                     (String::new(), " <span class=\"no\">hardly determined</span>".to_owned())
