@@ -262,17 +262,38 @@ fn sensor_waves(
 /// The motion of a channel.
 pub fn motion(input: &Inputs, channel: &str, quantity: FitQuantity, mass_kg: f64) -> anyhow::Result<Sampled> {
     let hint = "crumple-integrate writes the motion of the pulse and of the channels named with --channels there";
+    let wave = |what: &str| {
+        let id = format!("{channel}/{what}");
+        input.wave_if(&id).map_or_else(|| Err(not_integrated(input, channel, what)), Ok)
+    };
     Ok(match quantity {
-        FitQuantity::Displacement => input
-            .wave(&format!("{channel}/displacement"))?
-            .signal::<Displacement>()
-            .refuse_with_hint(hint)?
-            .into_sampled(),
-        FitQuantity::Velocity => {
-            input.wave(&format!("{channel}/velocity"))?.signal::<Velocity>().refuse_with_hint(hint)?.into_sampled()
+        FitQuantity::Displacement => {
+            wave("displacement")?.signal::<Displacement>().refuse_with_hint(hint)?.into_sampled()
         }
+        FitQuantity::Velocity => wave("velocity")?.signal::<Velocity>().refuse_with_hint(hint)?.into_sampled(),
         FitQuantity::Acceleration => acceleration(input, channel, mass_kg)?,
     })
+}
+
+/// The refusal of a sensor whose motion no input holds: where other channels were integrated it was not among them, else the
+/// artifact is missing.
+fn not_integrated(input: &Inputs, channel: &str, what: &str) -> anyhow::Error {
+    let integrated: Vec<&str> = input.waves().filter_map(|(id, _)| id.strip_suffix(&format!("/{what}"))).collect();
+    if integrated.is_empty() {
+        return input.missing(&format!("/wave/{channel}/{what}"));
+    }
+    let known = input.test().is_ok_and(|test| test.channel(channel).is_some());
+    let (found, hint) = if known {
+        let hint = format!("add {channel:?} to channels of [integrate], or crumple-integrate --channels all,{channel}");
+        (format!("channel {channel}, which sensors names, was not integrated"), hint)
+    } else {
+        let hint = "sensors = [\"place=channel\"] takes ids of channels; crumple-artifact show lists them".to_owned();
+        (format!("the test has no channel {channel:?}, which sensors names"), hint)
+    };
+    Refused::new(found)
+        .expected(format!("a channel whose {what} the inputs hold: {}", integrated.join(", ")))
+        .hint(hint)
+        .into()
 }
 
 /// The acceleration of a channel from the filter's artifact, else from the force that integrate made of it.

@@ -27,7 +27,8 @@ fn write_integrated(path: &Path) {
         title: "three masses".to_owned(),
         mass_kg: Some(1500.0),
         impact_speed_m_per_s: Some(V0),
-        channels: channels.iter().map(|id| Channel::new(*id, QuantityKind::Acceleration)).collect(),
+        // One more than was integrated.
+        channels: channels.iter().chain(&["104"]).map(|id| Channel::new(*id, QuantityKind::Acceleration)).collect(),
         ..TestDescription::default()
     };
     builder.put("/test", &TestV1::from(&test)).unwrap();
@@ -191,4 +192,21 @@ fn a_chain_that_makes_no_sense_is_refused_with_its_place() {
         assert_eq!(output.status.code(), Some(code), "{text}{stderr}");
         assert!(stderr.contains(expected), "{stderr}");
     }
+}
+
+#[test]
+fn a_sensor_that_was_not_integrated_is_named_with_where_to_add_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |sensors: &str| {
+        let text = format!("[parameter-solve]\nmodels = ['double-spring-mass-damper']\nsensors = ['{sensors}']\n");
+        let output = run(folder.path(), &text, &[]);
+        assert_eq!(output.status.code(), Some(3), "{sensors}");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let stderr = refused("m1=104");
+    let expected = "channel 104, which sensors names, was not integrated\n  expected: a channel whose displacement the inputs hold: \
+                    101, 102, 103\n  hint: add \"104\" to channels of [integrate], or crumple-integrate --channels all,104\n";
+    assert!(stderr.contains(expected), "{stderr}");
+    let stderr = refused("m1=frnt");
+    assert!(stderr.contains("the test has no channel \"frnt\", which sensors names"), "{stderr}");
 }

@@ -2,8 +2,11 @@
 
 use crumple_signal::QuantityKind;
 use crumple_simulate::Excitation;
-use crumple_stage::{Inputs, Refused, Usage, unknown_name};
+use crumple_stage::{Inputs, Refused, Usage, nearest, unknown_name};
 use serde::Serialize;
+
+/// Waveforms that a refusal lists.
+const SHOWN: usize = 12;
 
 const DRIVES: [&str; 4] = ["impact", "force", "base", "pulse-as-force"];
 
@@ -41,8 +44,8 @@ impl Driven {
     pub fn excitation<'a>(&self, input: &'a Inputs, pulse: &str) -> anyhow::Result<Excitation<'a>> {
         let record = match &self.drive_wave {
             Some(id) => {
-                let wave = input.wave(id)?;
                 let wanted = if self.drive == "force" { QuantityKind::Force } else { QuantityKind::Acceleration };
+                let Some(wave) = input.wave_if(id) else { return Err(not_there(input, id, wanted)) };
                 if wave.quantity != wanted {
                     return Err(Refused::new(format!("waveform {id} is {}", wave.quantity))
                         .expected(format!("{wanted}, to drive models by"))
@@ -62,6 +65,15 @@ impl Driven {
         })
     }
 
+    /// How far the comparison with the test holds where it is not the impact that moves the models. Of a pulse given back as a force
+    /// [`Driven::words`] say all.
+    pub fn caution(&self) -> Option<&'static str> {
+        matches!(self.drive, "force" | "base").then_some(
+            "fits and errors still compare with the test as recorded: they judge and rank no model unless the test was moved so too, \
+             and under a displacement fit of 50 % no model is called the best",
+        )
+    }
+
     /// What moves the models where it is not the impact alone.
     pub fn words(&self) -> Option<String> {
         let wave = self.drive_wave.as_deref().unwrap_or("the pulse");
@@ -76,4 +88,40 @@ impl Driven {
             _ => None,
         }
     }
+}
+
+/// The refusal of a waveform that no input holds. Filtering drops what is neither an acceleration nor a load cell of the barrier,
+/// unless it is told to hand it on.
+fn not_there(input: &Inputs, id: &str, wanted: QuantityKind) -> anyhow::Error {
+    let mut here: Vec<&str> = input.waves().filter(|(_, wave)| wave.quantity == wanted).map(|(id, _)| id).collect();
+    let all = here.len();
+    here.truncate(SHOWN);
+    let more = if all > SHOWN { format!(" and {} more", all - SHOWN) } else { String::new() };
+    let held = if here.is_empty() { "none".to_owned() } else { format!("{}{more}", here.join(", ")) };
+    let test = input.test().ok();
+    let channels = || test.iter().flat_map(|test| &test.channels).map(|channel| channel.id.as_str());
+    let there = input.waves().map(|(id, _)| id).find(|other| same_words(other, id));
+    let hint = if let Some(there) = there {
+        format!("did you mean {there:?}?")
+    } else if let Some(channel) = channels().find(|channel| same_words(channel, id)) {
+        let also = if channel == id { String::new() } else { format!(", and drive_wave = {channel:?}") };
+        format!(
+            "filtering drops it unless told: pass = [{channel:?}] in [filter], or crumple-filter --pass {channel}{also}"
+        )
+    } else if let Some(near) = nearest(id, channels().chain(here.iter().copied())) {
+        format!("did you mean {near:?}?")
+    } else {
+        "crumple-artifact show 1-ingest.mcap lists the channels of the test".to_owned()
+    };
+    Refused::new(format!("the drive wave {id} is in none of the inputs"))
+        .expected(format!("a waveform of {wanted} in them: {held}"))
+        .hint(hint)
+        .into()
+}
+
+/// Whether two names differ in case and separators only: a column `Wall force` is the channel `wall_force`.
+fn same_words(a: &str, b: &str) -> bool {
+    let letters =
+        |text: &str| -> String { text.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect() };
+    letters(a) == letters(b)
 }

@@ -13,7 +13,7 @@ mod simulate;
 pub use excitation::Excitation;
 pub use information::{Information, information, parameters_of};
 pub use measures::max_abs_error;
-pub use other_sensor::{OtherSensor, SensorFit, beside, beside_mass};
+pub use other_sensor::{OtherSensor, SensorFit, beside, beside_mass, is_on_engine};
 pub use ratings::{Rating, iso_ratings, ratings};
 pub use simulate::{
     Comparison, Measured, SimulateError, Simulation, Window, simulate, simulate_chain, simulate_driven,

@@ -2,7 +2,7 @@
 
 use crumple_lumped::Motion;
 use crumple_metrics::{fit_percent, rmse};
-use crumple_signal::Sampled;
+use crumple_signal::{Channel, Sampled};
 
 use crate::Simulation;
 
@@ -28,6 +28,13 @@ pub struct SensorFit {
     pub rmse_m: f64,
     /// Displacement fit, percent.
     pub fit_percent: Option<f64>,
+}
+
+/// Whether a sensor sits on the engine: as its location says, and without a location, as in a plain table, its name. The rule by
+/// which integration tells what moves apart from the compartment.
+pub fn is_on_engine(channel: &Channel) -> bool {
+    let said = if channel.location.trim().is_empty() { &channel.id } else { &channel.location };
+    said.to_lowercase().contains("engine")
 }
 
 /// Compares the displacement of the sensor with that of its mass over the window of the simulation: the engine's with the mass

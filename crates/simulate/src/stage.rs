@@ -8,7 +8,7 @@ use crumple_signal::value::Time;
 use crumple_signal::{Acceleration, Displacement, QuantityKind, Sampled, TestDescription, Velocity};
 use crumple_simulate::{
     Information, Measured, OtherSensor, Rating, SensorFit, SimulateError, Simulation, Window, beside, beside_mass,
-    information, simulate_chain, simulate_driven,
+    information, is_on_engine, simulate_chain, simulate_driven,
 };
 use crumple_stage::records::{CandidateV1, EnergyV1, EventsV1, OtherSensorV1, RatingV1, SimulationV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Usage, Wave, total_mass_remark};
@@ -130,7 +130,8 @@ impl Stage for Simulate {
         let excitation = settings.driven.excitation(input, channel)?;
         let drive = settings.driven.words();
         if let Some(drive) = &drive {
-            out.notes().warning(format!("models are moved by {drive}"));
+            let caution = settings.driven.caution().map_or_else(String::new, |text| format!("; {text}"));
+            out.notes().warning(format!("models are moved by {drive}{caution}"));
         }
 
         // Where the velocity never reaches zero the comparison ends with the event.
@@ -317,7 +318,7 @@ fn other_sensors(input: &Inputs, test: &TestDescription, pulse: &str) -> anyhow:
         if let Some(wave) = input.wave_if(&format!("{}/displacement", channel.id)) {
             found.push(OtherSensor {
                 channel: channel.id.clone(),
-                on_engine: channel.location.to_lowercase().contains("engine"),
+                on_engine: is_on_engine(channel),
                 displacement: wave.signal::<Displacement>().refuse()?.into_sampled(),
             });
         }

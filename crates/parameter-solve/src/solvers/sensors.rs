@@ -104,8 +104,41 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     }
 }
 
-/// The sensors that sit on a mass of the model; without any, the compartment's displacement.
+/// Why a model cannot be fitted: two sensors of different places fall on one of its masses, which moves one way only. One channel
+/// named for two places is one sensor, and two sensors of one place are two looks at it.
+pub(crate) fn shared_mass(places: &[(Place, &str)], count: usize) -> Option<String> {
+    let on_masses = || places.iter().filter_map(|(place, channel)| Some((place.mass(count)?, *place, *channel)));
+    let (mass, first, second) = on_masses().enumerate().find_map(|(k, (mass, place, channel))| {
+        let mut before = on_masses().take(k);
+        let other = before.find(|(m, p, c)| *m == mass && *p != place && *c != channel)?;
+        Some((mass, (other.1, other.2), (place, channel)))
+    })?;
+    // The compartment is the pulse, which every fit needs: the other one has to go.
+    let goes = if second.0 == Place::Compartment { first } else { second };
+    let instead = match goes.0 {
+        Place::Mass(1) if count == 1 => {
+            format!("write front={} in sensors instead, which a model of one mass is not fitted to", goes.1)
+        }
+        place => format!("leave {place}={} out of sensors, or this model out of models", goes.1),
+    };
+    Some(format!(
+        "not fitted: sensors {} ({}) and {} ({}) both fall on mass {} of its {count}, which moves one way only; {instead}",
+        first.1,
+        first.0,
+        second.1,
+        second.0,
+        mass + 1
+    ))
+}
+
+/// The sensors that sit on a mass of the model; without any, the compartment's displacement. `None` with a warning where there is
+/// nothing to fit to, or no way to ([`shared_mass`]).
 fn sensors_of<'a>(task: &Task<'a>, count: usize, notes: &mut Notes) -> Option<Vec<(usize, Sensor<'a>)>> {
+    let places: Vec<_> = task.evidence.sensors.iter().map(|sensor| (sensor.place, sensor.channel)).collect();
+    if let Some(reason) = shared_mass(&places, count) {
+        notes.warning(format!("{}: {reason}", task.model));
+        return None;
+    }
     let mut sensors = Vec::new();
     for sensor in task.evidence.sensors {
         match sensor.place.mass(count) {
@@ -210,4 +243,35 @@ fn given_starts(task: &Task<'_>, family: &Family, masses_kg: &[f64], to_s: Optio
         _ => None,
     };
     model.iter().map(|model| family.theta(model)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_places_on_one_mass_leave_the_model_out_and_say_what_to_write() {
+        let stated = [(Place::Compartment, "floor"), (Place::Mass(1), "front"), (Place::Mass(2), "engine")];
+        assert_eq!(shared_mass(&stated, 3), None);
+        assert_eq!(
+            shared_mass(&stated, 2).unwrap(),
+            "not fitted: sensors floor (compartment) and engine (m2) both fall on mass 2 of its 2, which moves one way only; leave \
+             m2=engine out of sensors, or this model out of models"
+        );
+        let one = shared_mass(&stated, 1).unwrap();
+        assert!(
+            one.ends_with("write front=front in sensors instead, which a model of one mass is not fitted to"),
+            "{one}"
+        );
+        // Front and chassis are one mass of two; a model of one has neither.
+        let parts = [(Place::Front, "a"), (Place::Chassis, "b"), (Place::Compartment, "c")];
+        assert!(shared_mass(&parts, 2).unwrap().contains("a (front) and b (chassis) both fall on mass 1"));
+        assert_eq!(shared_mass(&parts, 1), None);
+    }
+
+    #[test]
+    fn a_sensor_named_for_two_places_and_two_sensors_of_one_place_are_no_conflict() {
+        assert_eq!(shared_mass(&[(Place::Compartment, "93"), (Place::Mass(2), "93")], 2), None);
+        assert_eq!(shared_mass(&[(Place::Compartment, "93"), (Place::Compartment, "94")], 2), None);
+    }
 }

@@ -113,3 +113,37 @@ fn a_nonlinear_and_an_elastoplastic_model_are_driven_by_a_force() {
         assert!(simulation.energy_closure.unwrap() < 1e-11 && simulation.drive.is_some(), "{id}");
     }
 }
+
+#[test]
+fn a_drive_wave_that_filtering_dropped_is_answered_with_how_to_hand_it_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let kelvin = ("kelvin/direct-fit/1", candidate("kelvin", Model::Kelvin(MODEL).parameters()));
+    let forces = ["wall_force"].map(|id| Channel::new(id, QuantityKind::Force));
+    write_channels(&folder.path().join("5.mcap"), &[kelvin], &forces);
+    let refused = |wave: &str, more: &[&str]| {
+        let output = run_with(folder.path(), &[more, &["--drive", "force", "--drive-wave", wave]].concat());
+        assert_eq!(output.status.code(), Some(3), "{wave}");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let stderr = refused("wall_force", &[]);
+    let expected = "the drive wave wall_force is in none of the inputs\n  expected: a waveform of force in them: none\n  hint: \
+                    filtering drops it unless told: pass = [\"wall_force\"] in [filter], or crumple-filter --pass wall_force\n";
+    assert!(stderr.contains(expected), "{stderr}");
+    // As its column is named.
+    let stderr = refused("Wall force", &[]);
+    assert!(stderr.contains("--pass wall_force, and drive_wave = \"wall_force\""), "{stderr}");
+
+    // Handed on.
+    let mut builder = ArtifactBuilder::new();
+    builder.wave("wall_force", QuantityKind::Force, Sampled::new(0.0, 1e-4, vec![5e4; 1002]).unwrap()).unwrap();
+    let second = folder.path().join("2.mcap");
+    builder.write(&second, &Provenance::new("filter", "0", "{}".to_owned(), Vec::new()), Compression::None).unwrap();
+    let second = second.to_str().unwrap();
+    let stderr = refused("wal_force", &[second]);
+    assert!(stderr.contains("in them: wall_force\n  hint: did you mean \"wall_force\"?"), "{stderr}");
+    let output = run_with(folder.path(), &[second, "--drive", "force", "--drive-wave", "wall_force"]);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    // A fit beside a test that was moved otherwise is no verdict.
+    assert!(stderr.contains("they judge and rank no model unless the test was moved so too"), "{stderr}");
+}

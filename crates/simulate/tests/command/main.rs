@@ -4,15 +4,16 @@
 
 mod chains;
 mod drives;
+mod sensors;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{CandidateV1, RatingV1, SimulationV1, UncertaintyV1};
+use crumple_artifact::records::{CandidateV1, EventsV1, RatingV1, SimulationV1, TestV1, UncertaintyV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_lumped::{CrushEvents, DoubleSpringMassDamper, Kelvin, Model, SecantChain};
-use crumple_signal::{QuantityKind, Sampled};
+use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
 use crumple_testkit::{IMPACT_SPEED_M_PER_S, integrated};
 
 const MODEL: Kelvin = Kelvin { mass_kg: 873.0, stiffness_n_per_m: 330_000.0, damping_n_s_per_m: 2_500.0 };
@@ -42,6 +43,36 @@ fn write_with(path: &Path, candidates: &[(&str, CandidateV1)], end_of_event_s: O
     for (id, candidate) in candidates {
         builder.put(&format!("/parameters/{id}"), candidate).unwrap();
     }
+    let provenance = Provenance::new("parameter-solve", "0", "{}".to_owned(), Vec::new());
+    builder.write(path, &provenance, Compression::None).unwrap();
+}
+
+/// The same of a test with further channels.
+fn write_channels(path: &Path, candidates: &[(&str, CandidateV1)], channels: &[Channel]) {
+    let mut builder = ArtifactBuilder::new();
+    let crush = MODEL.events(IMPACT_SPEED_M_PER_S);
+    let events = EventsV1 {
+        channel: "a".to_owned(),
+        time_zero_rule: "file".to_owned(),
+        dynamic_crush_m: crush.dynamic_crush_m,
+        time_of_dynamic_crush_s: crush.time_of_dynamic_crush_s,
+        ..EventsV1::default()
+    };
+    builder.put("/events", &events).unwrap();
+    let response = Model::Kelvin(MODEL).respond(IMPACT_SPEED_M_PER_S, 1e-4, 1001).unwrap();
+    let displacement = Sampled::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap();
+    builder.wave("a/displacement", QuantityKind::Displacement, displacement).unwrap();
+    for (id, candidate) in candidates {
+        builder.put(&format!("/parameters/{id}"), candidate).unwrap();
+    }
+    let test = TestDescription {
+        title: "a car".to_owned(),
+        mass_kg: Some(873.0),
+        impact_speed_m_per_s: Some(IMPACT_SPEED_M_PER_S),
+        channels: [&[Channel::new("a", QuantityKind::Acceleration)], channels].concat(),
+        ..TestDescription::default()
+    };
+    builder.put("/test", &TestV1::from(&test)).unwrap();
     let provenance = Provenance::new("parameter-solve", "0", "{}".to_owned(), Vec::new());
     builder.write(path, &provenance, Compression::None).unwrap();
 }
