@@ -39,7 +39,7 @@ impl First {
         let of_candidate = || place.strip_prefix("candidates[")?.split_once(']').map(|(_, within)| within);
         let kind = if place.starts_with("events.") {
             Self::Events
-        } else if of_candidate().is_some_and(|within| within.starts_with(".parameters.")) {
+        } else if of_candidate().is_some_and(|within| within.is_empty() || within.starts_with(".parameters.")) {
             Self::Parameters
         } else if place.starts_with("metrics.") && place.ends_with(".value") {
             Self::Metrics

@@ -68,11 +68,12 @@ pub fn write_text(report: &Report, options: TextOptions, out: &mut dyn Write) ->
 /// Differences that were written, and repetitions of them.
 type Told = HashSet<*const Difference>;
 
-/// Writes what people ask first, from all files, each once; all of it but for metrics, of which a topic shows a few.
+/// Writes what people ask first, from all files, each once; all of it but for metrics, of which a few are shown.
 fn write_first(report: &Report, options: TextOptions, out: &mut dyn Write) -> io::Result<Told> {
     let mut told = Told::new();
     let mut names = BTreeSet::new();
     for kind in First::ALL {
+        let mut shown = 0;
         for file in &report.files {
             for topic in differing(file) {
                 let mut asked: Vec<(&Difference, String)> = topic
@@ -82,16 +83,14 @@ fn write_first(report: &Report, options: TextOptions, out: &mut dyn Write) -> io
                     .collect();
                 asked.sort_by_key(|(difference, _)| order(difference));
                 let prefix = prefix(report, file, topic);
-                let mut shown = 0;
                 for (difference, name) in asked {
                     let sides = (value(difference.a.as_ref()), value(difference.b.as_ref()));
-                    let repeated = !options.all && names.contains(&(name.clone(), sides.clone()));
-                    if !repeated {
+                    if names.insert((name, sides)) || options.all {
+                        // Further ones are of the rest.
                         if kind == First::Metrics && shown == SHOWN && !options.all {
-                            break;
+                            continue;
                         }
                         shown += 1;
-                        names.insert((name, sides));
                         write_record_line(report, topic, difference, &prefix, out)?;
                     }
                     told.insert(std::ptr::from_ref(difference));

@@ -1,5 +1,6 @@
 //! What a candidate takes over from the minimum seen through the filter, and how several sensors are weighed there.
 
+use crumple_lumped::Model;
 use crumple_parameter_solve::{
     Candidate, Observed, Refined, bounds_remark, errors_in_words, errors_remark, is_errors_remark,
 };
@@ -13,18 +14,23 @@ pub fn weigh(observed: &mut Observed, found: &Refined) -> bool {
     observed.weigh(&observed.rmse(&found.misfit_m), WORTH_ANOTHER)
 }
 
-/// A damper below this share of `M/T`, of the mass and the window of a fit, stands for none: the least that searches in logarithms
-/// reach is 1e-5 of it.
+/// A damper of a chain below this share of `M/T`, of the mass and the window of a fit, stands for none: the least that searches in
+/// logarithms reach is 1e-5 of it.
 const NO_DAMPER: f64 = 1e-4;
 
 /// Parameters that the search left on a bound, other than zero: that value is the bound's, so it is held and has no interval. A
-/// damper on its lower bound is not held: zero is what it goes to.
+/// damper of a chain of masses (one of them is Kelvin's) on its lower bound is not held: zero is what it goes to.
 pub fn held(candidate: &Candidate) -> impl Iterator<Item = &'static str> {
     let values = candidate.model.parameters();
     let mass_kg: f64 = values.iter().filter(|(name, _)| name.ends_with("_kg")).map(|(_, kg)| kg).sum();
     let window_s = candidate.fit.as_ref().map_or(f64::INFINITY, |fit| fit.to_s);
     let names = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
-    let nothing = move |name: &str| if name.ends_with("_n_s_per_m") { NO_DAMPER * mass_kg / window_s } else { 0.0 };
+    let is_chain = matches!(
+        candidate.model,
+        Model::Kelvin(_) | Model::DoubleSpringMassDamper(_) | Model::TripleSpringMassDamper(_)
+    );
+    let least = if is_chain { NO_DAMPER * mass_kg / window_s } else { 0.0 };
+    let nothing = move |name: &str| if name.ends_with("_n_s_per_m") { least } else { 0.0 };
     names.iter().copied().filter(move |name| values.get(*name).is_some_and(|value| *value > nothing(name)))
 }
 

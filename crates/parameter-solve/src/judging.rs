@@ -27,7 +27,7 @@ const CONDITIONS: f64 = 5e-3;
 /// Shift of time zero from which a fit under side conditions may have its least misfit in another minimum.
 const ONE_MINIMUM_S: f64 = 2.5e-4;
 
-/// The minimum seen through the filter is looked for within the bounds of the search.
+/// The minimum seen through the filter does not leave the search at its stiff end; springs and dampers may go on to zero.
 fn within_the_search(free: &mut [FreeParameter], model: &Model, window_s: f64) {
     let values = model.parameters();
     let mass_kg = values.iter().filter(|(name, _)| name.ends_with("_kg")).map(|(_, kg)| kg).sum();

@@ -145,7 +145,7 @@ impl Candidate {
         self.is_chain() && two && !sees_the_front && asked.any(|name| name.ends_with("_kg"))
     }
 
-    /// Whether the 95 % interval of a parameter that counts as determined spans more than [`HARDLY_DETERMINED`]: the record says little
+    /// Whether the 95 % interval of a parameter that counts as determined spans more than a factor of 1000: the record says little
     /// more than its sign. Words only; what picks the best does not look at it.
     pub fn is_hardly_determined(&self, name: &str) -> bool {
         let Some(known) = self.record.uncertainty.as_ref().filter(|_| self.record.doubt(name).is_none()) else {

@@ -32,7 +32,6 @@ fn a_model_that_is_nearly_one_mass_gives_the_pulse_back_when_driven_by_it() {
     assert_eq!(run_with(folder.path(), &["--drive", "force"]).status.code(), Some(2));
 }
 
-/// The program with a pipeline file of this text.
 #[test]
 fn a_chain_is_moved_by_a_force_on_a_named_mass_or_by_the_barrier() {
     let folder = tempfile::tempdir().unwrap();
