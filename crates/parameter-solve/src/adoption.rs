@@ -62,3 +62,41 @@ pub fn adopt(candidate: &mut Candidate, observed: &Observed, refined: &Refined) 
         candidate.notes.extend(bounds_remark(&candidate.model, &fit.active_bounds));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crumple_lumped::{Kelvin, Maxwell};
+    use crumple_parameter_solve::{Fit, FitQuantity, Method, StopReason};
+
+    use super::*;
+
+    fn on_bounds(model: Model) -> Candidate {
+        let fit = Fit {
+            from_s: 0.0,
+            to_s: 0.1,
+            samples: 100,
+            quantity: FitQuantity::Displacement,
+            rmse: 0.0,
+            iterations: 1,
+            evaluations: 1,
+            stop_reason: StopReason::CostConverged,
+            active_bounds: vec!["stiffness_n_per_m", "damping_n_s_per_m"],
+            sensors: Vec::new(),
+        };
+        let method = Method::DirectFit;
+        Candidate { model, method, index: 1, equivalent_to: None, fit: Some(fit), uncertainty: None, notes: Vec::new() }
+    }
+
+    #[test]
+    fn a_damper_at_nothing_is_free_to_be_zero_and_a_large_one_is_held() {
+        // 1e-4 of 1000 kg over 0.1 s is 1 N s/m.
+        let kelvin =
+            |c: f64| on_bounds(Model::Kelvin(Kelvin { mass_kg: 1e3, stiffness_n_per_m: 1e5, damping_n_s_per_m: c }));
+        let both = ["stiffness_n_per_m", "damping_n_s_per_m"];
+        assert_eq!(held(&kelvin(0.1)).collect::<Vec<_>>(), both[..1]);
+        assert_eq!(held(&kelvin(10.0)).collect::<Vec<_>>(), both);
+        // In series a damper of nothing is no model.
+        let maxwell = Maxwell { mass_kg: 1e3, stiffness_n_per_m: 1e5, damping_n_s_per_m: 0.1 };
+        assert_eq!(held(&on_bounds(Model::Maxwell(maxwell))).collect::<Vec<_>>(), both);
+    }
+}
