@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use crate::double_residuals::DoubleResiduals;
 use crate::error::positive;
+use crate::family::{STIFFEST, STRONGEST};
 use crate::levenberg_marquardt::{Minimum, Residuals, Settings, minimise};
 use crate::search::{REPORTED, distinct, search};
 use crate::window::Window;
@@ -103,7 +104,7 @@ pub fn fit_double(
     let logarithms = |springs: f64, dampers: f64| Vector4::new(springs, springs, dampers, dampers).map(f64::ln);
     let settings = Settings {
         lower: logarithms(1e-4, 1e-5),
-        upper: logarithms(1e4, 1e3),
+        upper: logarithms(STIFFEST, STRONGEST),
         max_iterations: 200,
         cost_tolerance: 1e-15,
         step_tolerance: 1e-13,

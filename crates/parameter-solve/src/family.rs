@@ -36,8 +36,8 @@ pub(crate) struct Coordinate {
 }
 
 /// Largest spring of a chain in a search, in units of `M (π/2T)²`, and largest damper in units of `M/T`: M the mass, T the window.
-const STIFFEST: f64 = 1e4;
-const STRONGEST: f64 = 1e3;
+pub(crate) const STIFFEST: f64 = 1e4;
+pub(crate) const STRONGEST: f64 = 1e3;
 
 /// Largest spring, N/m, and damper, N s/m, that a search gives a chain of this mass over a window of this length.
 pub fn largest_of_chain(mass_kg: f64, length_s: f64) -> (f64, f64) {
