@@ -1,0 +1,1 @@
+//! Each rule names a violation that is planted in a small workspace.
