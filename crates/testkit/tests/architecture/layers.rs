@@ -26,6 +26,9 @@ pub const LAYERS: [&[&str]; 7] = [
     &["testkit"],
 ];
 
+/// The layer of the programs.
+pub const PROGRAMS: usize = 5;
+
 /// Crates that compute, and what they never name.
 const NUMERICS: [&str; 7] = ["sysid", "lumped-fit", "estimation", "linalg", "lti", "lumped", "metrics"];
 const OUTER: [&[&str]; 6] =

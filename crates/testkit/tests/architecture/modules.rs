@@ -22,6 +22,9 @@ pub struct Arrow {
 struct Import {
     name: String,
     path: Vec<String>,
+    /// With any `pub`, however far it reaches.
+    is_handed_on: bool,
+    /// With a `pub` that reaches everywhere.
     is_public: bool,
     line: usize,
 }
@@ -32,6 +35,8 @@ struct Module {
     parent: Option<usize>,
     root: usize,
     children: BTreeMap<String, usize>,
+    /// Children with a `pub` that reaches everywhere.
+    public_children: BTreeSet<String>,
     defined: BTreeSet<String>,
     imports: Vec<Import>,
     /// Paths of `use path::*`.
@@ -109,7 +114,7 @@ impl<'a> Modules<'a> {
             };
             for import in module.imports.iter().chain(&module.inner) {
                 // A re-export is an arrow where the file uses the name too.
-                if !import.is_public || module.words.contains(&import.name) {
+                if !import.is_handed_on || module.words.contains(&import.name) {
                     add(&import.path, import.line);
                 }
             }
@@ -127,6 +132,30 @@ impl<'a> Modules<'a> {
         let mut arrows: Vec<Arrow> = arrows.into_iter().collect();
         arrows.dedup_by(|a, b| (a.from, a.to, &a.name) == (b.from, b.to, &b.name));
         arrows
+    }
+
+    /// What the library hands out: files and names of items in them, found from `lib.rs` through `pub use` and `pub mod`.
+    pub fn exported(&self) -> BTreeSet<(usize, String)> {
+        let mut exported = BTreeSet::new();
+        let (mut seen, mut queue) = (BTreeSet::new(), Vec::from_iter(self.library));
+        while let Some(id) = queue.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            let module = &self.modules[id];
+            exported.extend(module.defined.iter().map(|name| (module.source, name.clone())));
+            queue.extend(module.public_children.iter().filter_map(|name| module.children.get(name)));
+            for import in module.imports.iter().filter(|import| import.is_public) {
+                match self.resolve(id, &import.path, false, 0) {
+                    Some(Target::Item(source)) => {
+                        exported.extend(import.path.last().map(|name| (source, name.clone())));
+                    }
+                    Some(Target::Module(of)) => queue.push(of),
+                    None => {}
+                }
+            }
+        }
+        exported
     }
 
     /// Where a path leads, seen from a module; `as_module`: a module is meant where a module and an item share the name.
@@ -185,14 +214,14 @@ fn read(source: &Source, index: usize, parent: Option<usize>, root: usize) -> (M
     let text = |at: usize| tokens.get(at).map_or("", |token| token.text.as_str());
     // Braces of modules written out do not count: their items are taken for the file's.
     let (mut depth, mut inline) = (0_usize, Vec::new());
-    let (mut at, mut is_public) = (0, false);
+    let (mut at, mut is_handed_on, mut is_public) = (0, false, false);
     while at < tokens.len() {
         match text(at) {
             "{" | "(" | "[" => depth += 1,
             "}" if depth == 0 && inline.pop().is_some() => {}
             "}" | ")" | "]" => depth = depth.saturating_sub(1),
             "pub" => {
-                is_public = true;
+                (is_handed_on, is_public) = (true, text(at + 1) != "(");
                 if text(at + 1) == "(" {
                     at += 1;
                     while at < tokens.len() && text(at) != ")" {
@@ -207,13 +236,16 @@ fn read(source: &Source, index: usize, parent: Option<usize>, root: usize) -> (M
                 let mut imports = Vec::new();
                 read_tree(&tokens[at + 1..end], &[], &mut imports, &mut module.globs);
                 for (name, path, line) in imports {
-                    let import = Import { name, path, is_public, line };
+                    let import = Import { name, path, is_handed_on, is_public, line };
                     if depth == 0 { module.imports.push(import) } else { module.inner.push(import) }
                 }
                 at = end;
             }
             "mod" if depth == 0 && text(at + 2) == ";" => {
                 children.push(text(at + 1).to_owned());
+                if is_public {
+                    module.public_children.insert(text(at + 1).to_owned());
+                }
                 at += 2;
             }
             "mod" if depth == 0 && text(at + 2) == "{" => {
@@ -242,7 +274,7 @@ fn read(source: &Source, index: usize, parent: Option<usize>, root: usize) -> (M
             }
             _ => {}
         }
-        is_public = false;
+        (is_handed_on, is_public) = (false, false);
         at += 1;
     }
     (module, children)

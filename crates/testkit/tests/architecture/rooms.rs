@@ -110,7 +110,9 @@ pub fn check_order(package: &Package, arrows: &[Arrow]) -> Vec<Violation> {
             match (place(user), place(used)) {
                 (Some(a), Some(b)) if b < a => broken(from, arrow.line, message("which stands above it")),
                 (Some(a), Some(b)) if a == b => broken(from, arrow.line, message("which stands beside it")),
-                (Some(_), None) if folder == root => broken(from, arrow.line, message("which stands above all rooms")),
+                (Some(_), None) if folder == root && used.ends_with(".rs") => {
+                    broken(from, arrow.line, message("which stands above all rooms"))
+                }
                 _ => {}
             }
         }

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::layers::{LAYERS, layer};
+use crate::layers::{PROGRAMS, layer};
+use crate::modules::Modules;
 use crate::rule::Violation;
 use crate::source::{Package, Source};
 
@@ -147,23 +148,30 @@ fn check_names(source: &Source) -> Vec<Violation> {
     violations
 }
 
-/// Rule 8: a name of a public type occurs once a layer above `signal`, in libraries.
+/// Rule 8: the name of a type that a library hands out occurs once a layer above `signal`. Programs never meet: there it holds for each
+/// one's library, and for the public types of its `stage/`.
 pub fn check_type_names(packages: &[Package]) -> Vec<Violation> {
     let mut violations = Vec::new();
-    for number in 1..LAYERS.len() {
-        let mut places: BTreeMap<String, (&Source, usize)> = BTreeMap::new();
-        for package in packages.iter().filter(|package| layer(&package.name) == Some(number)) {
-            let root = format!("crates/{}/src", package.name);
-            let programs = [format!("{root}/main.rs"), format!("{root}/stage/"), format!("{root}/bin/")];
-            let library =
-                package.sources.iter().filter(|s| !programs.iter().any(|program| s.path.starts_with(program.as_str())));
-            for source in library {
-                for (name, line, _) in types(source).into_iter().filter(|(_, _, is_public)| *is_public) {
-                    let Some((other, at)) = places.get(&name) else {
-                        places.insert(name, (source, line));
-                        continue;
-                    };
-                    let message = format!("{name} is a public type of {}:{at} too: give one another name", other.path);
+    let mut places: BTreeMap<(String, String), (String, usize)> = BTreeMap::new();
+    for package in packages {
+        let Some(number) = layer(&package.name).filter(|number| *number > 0) else { continue };
+        let of_programs = number >= PROGRAMS;
+        let exported = Modules::new(package).exported();
+        let stage = format!("crates/{}/src/stage/", package.name);
+        for (index, source) in package.sources.iter().enumerate() {
+            for (name, line, is_public) in types(source) {
+                let group = match (source.path.starts_with(&stage), of_programs) {
+                    (true, _) => stage.clone(),
+                    (false, true) => package.name.clone(),
+                    (false, false) => format!("layer {number}"),
+                };
+                if !is_public || group != stage && !exported.contains(&(index, name.clone())) {
+                    continue;
+                }
+                let place = (source.path.clone(), line);
+                let (other, at) = places.entry((group, name.clone())).or_insert_with(|| place.clone());
+                if (&*other, *at) != (&place.0, place.1) {
+                    let message = format!("{name} is a public type of {other}:{at} too: give one another name");
                     violations.push(Violation { rule: 8, subject: format!("{}::{name}", source.path), line, message });
                 }
             }
