@@ -132,7 +132,7 @@ test *args: build
 bench *args:
     RAYON_NUM_THREADS=1 cargo bench --quiet --workspace --bench '*' -- "$@"
 
-# Formatting, lints, crate arrows, documentation.
+# Formatting, lints, the rules of the house (crates/testkit/tests/architecture), documentation.
 [group('development')]
 lint:
     cargo fmt --all --check
@@ -143,14 +143,14 @@ lint:
 # Runs the fixtures and compares with the committed results.
 [group('development')]
 golden: build
-    #!/usr/bin/env bash
-    set -euo pipefail
+    #!/bin/sh
+    set -eu
     rm -rf target/golden
     for fixture in fixtures/*/; do
         fresh="target/golden/$(basename "$fixture")"
         just flags=-q out="$fresh" run "$fixture/crash.csv"
         for expected in "$fixture"golden/*; do
-            {{ bin }}/crumple-diff "$expected" "$fresh/$(basename "$expected")"
+            {{ quote(bin / "crumple-diff") }} "$expected" "$fresh/$(basename "$expected")"
         done
     done
 
@@ -180,6 +180,16 @@ bytes *args:
 [group('development')]
 papers:
     CRUMPLE_WRITE_PAPERS=1 cargo test --quiet --package crumple-parameter-solve --test papers
+
+# What every change must pass, and what is too slow for that: before an issue is called resolved.
+[group('development')]
+ci-full:
+    .ci/run
+    cargo nextest run --workspace --run-ignored only --no-tests pass
+    just papers
+    RAYON_NUM_THREADS=1 just bytes target/bytes-1.txt
+    RAYON_NUM_THREADS=4 just bytes target/bytes-4.txt
+    just bytes --compare target/bytes-1.txt target/bytes-4.txt
 
 # Shell completions and man pages of all programs, into target/shell.
 [group('development')]

@@ -1,10 +1,10 @@
 //! Rules 1 and 10: which crate may use which, what numerics never name, how large a crate is.
 
 use crate::rule::Violation;
-use crate::source::Package;
+use crate::source::{Package, Source};
 
-/// Crates by layer, foundations first. A crate may use crates of lower layers; those of the last layer but one are programs and use none
-/// of each other.
+/// Crates by layer, foundations first. A crate may use crates of lower layers; those of the last layer but one are
+/// programs and use none of each other.
 pub const LAYERS: [&[&str]; 7] = [
     &["signal", "linalg"],
     &["lti", "estimation", "artifact"],
@@ -79,7 +79,7 @@ pub fn check(package: &Package) -> Vec<Violation> {
             }
         }
     }
-    let lines: usize = package.sources.iter().map(|source| source.lines()).sum();
+    let lines: usize = package.sources.iter().map(Source::lines).sum();
     if lines > CRATE_LINES {
         let message = format!("crate {name} has {lines} lines without tests, {CRATE_LINES} at most: make two of it");
         violations.push(Violation { rule: 10, subject: format!("crates/{name}"), line: 1, message });

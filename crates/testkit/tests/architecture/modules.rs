@@ -124,7 +124,7 @@ impl<'a> Modules<'a> {
             for glob in &module.globs {
                 if let Some(Target::Module(of)) = self.resolve(id, glob, true, 0) {
                     for word in module.words.iter().filter(|word| self.lookup(of, word, false, 0).is_some()) {
-                        add(&[&glob[..], &[word.clone()]].concat(), 0);
+                        add(&[&glob[..], std::slice::from_ref(word)].concat(), 0);
                     }
                 }
             }
@@ -134,7 +134,8 @@ impl<'a> Modules<'a> {
         arrows
     }
 
-    /// What the library hands out: files and names of items in them, found from `lib.rs` through `pub use` and `pub mod`.
+    /// What the library hands out: files and names of items in them, found from `lib.rs` through `pub use` and
+    /// `pub mod`.
     pub fn exported(&self) -> BTreeSet<(usize, String)> {
         let mut exported = BTreeSet::new();
         let (mut seen, mut queue) = (BTreeSet::new(), Vec::from_iter(self.library));
@@ -158,7 +159,8 @@ impl<'a> Modules<'a> {
         exported
     }
 
-    /// Where a path leads, seen from a module; `as_module`: a module is meant where a module and an item share the name.
+    /// Where a path leads, seen from a module; `as_module`: a module is meant where a module and an item share the
+    /// name.
     fn resolve(&self, from: usize, path: &[String], as_module: bool, depth: usize) -> Option<Target> {
         if depth > 20 {
             return None;

@@ -25,7 +25,8 @@ const SOUND: [(&str, &str); 12] = [
     ("crates/lti/src/poles/mod.rs", "//! Poles.\n//! May use `matrix`.\n\nmod find;\n\npub use find::poles;\n"),
     (
         "crates/lti/src/poles/find.rs",
-        "//! Finds poles.\n\nuse crate::matrix;\n\n/// Finds them.\npub fn poles() {\n    let _ = matrix::eigen();\n}\n",
+        "//! Finds poles.\n\nuse crate::matrix;\n\n/// Finds them.\npub fn poles() {\n    let _ = \
+         matrix::eigen();\n}\n",
     ),
     ("crates/linalg/Cargo.toml", "[dependencies]\n"),
     ("crates/filter/Cargo.toml", "[dependencies]\ncrumple-stage.workspace = true\ncrumple-lti.workspace = true\n"),
@@ -88,11 +89,13 @@ fn names_a_planted_circle_of_files_through_a_re_export() {
     let files = [
         (
             "crates/lti/src/matrix/mod.rs",
-            "//! Matrices.\n//! May use `error`.\n\nmod eigen;\nmod sort;\n\npub use eigen::{Eigen, eigen};\npub use sort::sorted;\n",
+            "//! Matrices.\n//! May use `error`.\n\nmod eigen;\nmod sort;\n\npub use eigen::{Eigen, eigen};\npub use \
+             sort::sorted;\n",
         ),
         (
             "crates/lti/src/matrix/eigen.rs",
-            "//! Eigenvalues.\n\n/// Some.\npub struct Eigen;\n\n/// Finds them.\npub fn eigen() -> Eigen {\n    crate::matrix::sorted(Eigen)\n}\n",
+            "//! Eigenvalues.\n\n/// Some.\npub struct Eigen;\n\n/// Finds them.\npub fn eigen() -> Eigen {\n    \
+             crate::matrix::sorted(Eigen)\n}\n",
         ),
         (
             "crates/lti/src/matrix/sort.rs",
@@ -212,7 +215,8 @@ fn names_a_planted_type_name_that_occurs_twice() {
         ("crates/lti/src/poles/find.rs", "//! Finds poles.\n\nstruct Eigen;\n\n/// It.\npub fn poles() {}\n"),
         (
             "crates/lti/src/lib.rs",
-            "//! Systems.\n//! rooms: poles | matrix\n\nmod error;\nmod matrix;\nmod poles;\n\npub use matrix::Eigen;\n",
+            "//! Systems.\n//! rooms: poles | matrix\n\nmod error;\nmod matrix;\nmod poles;\n\npub use \
+             matrix::Eigen;\n",
         ),
     ];
     names(

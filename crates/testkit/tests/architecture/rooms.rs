@@ -10,6 +10,8 @@ use crate::source::{Package, Source};
 const FILES: usize = 14;
 /// Most lines of a folder's files without tests.
 const LINES: usize = 1_800;
+/// What lies in `src` and belongs to programs.
+const PROGRAMS: [&str; 3] = ["stage", "bin", "main.rs"];
 /// Most lines of a stage's `main.rs`.
 const MAIN_LINES: usize = 30;
 
@@ -61,7 +63,8 @@ pub fn check_layout(package: &Package) -> Vec<Violation> {
     violations
 }
 
-/// Rule 4: the line `//! rooms: a | b c | d` of `lib.rs`, or of a folder's `mod.rs`, is the order in which its rooms use each other.
+/// Rule 4: the line `//! rooms: a | b c | d` of `lib.rs`, or of a folder's `mod.rs`, is the order in which its rooms
+/// use each other.
 pub fn check_order(package: &Package, arrows: &[Arrow]) -> Vec<Violation> {
     let root = format!("crates/{}/src", package.name);
     let mut violations = Vec::new();
@@ -73,7 +76,7 @@ pub fn check_order(package: &Package, arrows: &[Arrow]) -> Vec<Violation> {
         let line = head.text.lines().position(|line| line.starts_with("//! rooms:"));
         let is_required = folder == root || folder == format!("{root}/stage");
         let mut below: Vec<&str> = package.sources.iter().filter_map(|source| room_of(folder, source)).collect();
-        below.retain(|name| !name.ends_with(".rs") && (folder != root || !["stage", "bin"].contains(name)));
+        below.retain(|name| !name.ends_with(".rs") && (folder != root || !PROGRAMS.contains(name)));
         below.sort_unstable();
         below.dedup();
         let Some(line) = line else {
@@ -83,7 +86,7 @@ pub fn check_order(package: &Package, arrows: &[Arrow]) -> Vec<Violation> {
             }
             continue;
         };
-        let text = head.text.lines().nth(line).unwrap_or_default().trim_start_matches("//! rooms:");
+        let text = order_text(head, line);
         let order: Vec<Vec<&str>> = text.split('|').map(|group| group.split_whitespace().collect()).collect();
         let place = |room: &str| order.iter().position(|group| group.contains(&room.trim_end_matches(".rs")));
         let mut broken = |source: &Source, line: usize, message: String| {
@@ -101,6 +104,11 @@ pub fn check_order(package: &Package, arrows: &[Arrow]) -> Vec<Violation> {
             }
         }
         for arrow in arrows {
+            // Programs stand above the library's rooms.
+            let is_program = |source: &Source| room_of(&root, source).is_some_and(|room| PROGRAMS.contains(&room));
+            if folder == root && is_program(&package.sources[arrow.from]) {
+                continue;
+            }
             let (from, to) = (&package.sources[arrow.from], &package.sources[arrow.to]);
             let (Some(user), Some(used)) = (room_of(folder, from), room_of(folder, to)) else { continue };
             if user == used || ["error.rs", "mod.rs", "lib.rs"].contains(&used) {
@@ -111,7 +119,7 @@ pub fn check_order(package: &Package, arrows: &[Arrow]) -> Vec<Violation> {
                 (Some(a), Some(b)) if b < a => broken(from, arrow.line, message("which stands above it")),
                 (Some(a), Some(b)) if a == b => broken(from, arrow.line, message("which stands beside it")),
                 (Some(_), None) if folder == root && used.ends_with(".rs") => {
-                    broken(from, arrow.line, message("which stands above all rooms"))
+                    broken(from, arrow.line, message("which stands above all rooms"));
                 }
                 _ => {}
             }
@@ -120,13 +128,27 @@ pub fn check_order(package: &Package, arrows: &[Arrow]) -> Vec<Violation> {
     violations
 }
 
+/// The order from this line on; it goes on where a line ends or begins with `|`.
+fn order_text(head: &Source, line: usize) -> String {
+    let lines = head.text.lines().skip(line).map(|line| line.trim_start_matches("//!").trim());
+    let mut text = String::new();
+    for line in lines {
+        if !text.is_empty() && !text.ends_with('|') && !line.starts_with('|') {
+            break;
+        }
+        text += line;
+    }
+    text.trim_start_matches("rooms:").to_owned()
+}
+
 /// The file or folder of `folder` that the source is or lies in.
 fn room_of<'a>(folder: &str, source: &'a Source) -> Option<&'a str> {
     let rest = source.path.strip_prefix(folder)?.strip_prefix('/')?;
     Some(rest.split('/').next().unwrap_or(rest))
 }
 
-/// Rule 5: in a stage's package `main.rs` is short, only `main.rs` and `stage/` know the stage, and ingest reads files in `files/`.
+/// Rule 5: in a stage's package `main.rs` is short, only `main.rs` and `stage/` know the stage, and ingest reads files
+/// in `files/`.
 pub fn check_stage(package: &Package) -> Vec<Violation> {
     let uses_stage = package
         .manifest
@@ -135,7 +157,8 @@ pub fn check_stage(package: &Package) -> Vec<Violation> {
         .is_some_and(|table| table.contains_key("crumple-stage"));
     let root = format!("crates/{}/src", package.name);
     let mut violations = Vec::new();
-    if uses_stage {
+    // `run` starts programs and computes nothing: all of it may know the stage.
+    if uses_stage && package.name != "run" {
         for source in &package.sources {
             let inside = source.path.strip_prefix(&root).unwrap_or_default();
             let is_program = inside == "/main.rs" || inside.starts_with("/stage/") || inside.starts_with("/bin/");

@@ -148,8 +148,8 @@ fn check_names(source: &Source) -> Vec<Violation> {
     violations
 }
 
-/// Rule 8: the name of a type that a library hands out occurs once a layer above `signal`. Programs never meet: there it holds for each
-/// one's library, and for the public types of its `stage/`.
+/// Rule 8: the name of a type that a library hands out occurs once a layer above `signal`. Programs never meet: there
+/// it holds for each one's library, and for the public types of its `stage/`.
 pub fn check_type_names(packages: &[Package]) -> Vec<Violation> {
     let mut violations = Vec::new();
     let mut places: BTreeMap<(String, String), (String, usize)> = BTreeMap::new();

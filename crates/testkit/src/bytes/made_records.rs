@@ -9,7 +9,7 @@ use std::path::Path;
 use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_signal::STANDARD_GRAVITY_M_PER_S2 as G;
 
-use crate::uniform;
+use crate::random::uniform;
 
 const DT_S: f64 = 1e-4;
 const BEFORE: usize = 500;
@@ -69,7 +69,8 @@ fn process() -> String {
 /// An ISO-MME test: structure, engine, two occupants, cells of the barrier, yaw rate.
 fn occupants(folder: &Path) -> io::Result<()> {
     fs::create_dir_all(folder.join("Channel"))?;
-    let test = "Data format edition number  :1.6\r\nTitle                       :occupants\r\nMass test object 1          :1500 kg\r\n\
+    let test = "Data format edition number  :1.6\r\nTitle                       :occupants\r\nMass test object \
+        1          :1500 kg\r\n\
                 Velocity test object 1      :14 m/s\r\n";
     fs::write(folder.join("T1.mme"), test)?;
     let force = -1500.0 * G / 4.0;
@@ -93,7 +94,8 @@ fn occupants(folder: &Path) -> io::Result<()> {
     ];
     for (place, (code, unit, factor)) in channels.iter().enumerate() {
         let mut text = format!(
-            "Test object number          :1\r\nChannel code                :{code}\r\nUnit                        :{unit}\r\n\
+            "Test object number          :1\r\nChannel code                :{code}\r\nUnit                        \
+             :{unit}\r\n\
              Reference channel           :implicit\r\nSampling interval           :0.0001\r\n\
              Time of first sample        :-0.05\r\nNumber of samples           :2501\r\n"
         );

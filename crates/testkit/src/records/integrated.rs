@@ -10,8 +10,8 @@ use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
 /// Speed of the impact, m/s.
 pub const IMPACT_SPEED_M_PER_S: f64 = 9.7;
 
-/// Test of a car of this mass, these events, where it does not stop the end of the event, and the displacement of channel `a` over
-/// 100 ms at 10 kHz from contact on.
+/// Test of a car of this mass, these events, where it does not stop the end of the event, and the displacement of
+/// channel `a` over 100 ms at 10 kHz from contact on.
 ///
 /// # Errors
 /// A model without a motion.

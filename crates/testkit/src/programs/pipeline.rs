@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::Once;
 
-use crate::workspace;
+use crate::places::workspace;
 
 /// Path of a release binary, e.g. `crumple-filter`; everything is built first (a no-op once built).
 pub fn binary(name: &str) -> PathBuf {

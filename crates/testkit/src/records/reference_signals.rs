@@ -6,6 +6,8 @@ use std::path::Path;
 use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, Sampled};
 use serde_json::Value;
 
+use crate::places::shared;
+
 /// The case file, read; `None` (and a printed line) where it is absent.
 pub struct Reference(Value);
 
@@ -15,7 +17,7 @@ pub type Case = Value;
 impl Reference {
     /// Reads the shared file.
     pub fn open() -> Option<Self> {
-        crate::shared("reference/metrics.json").map(|path| Self::read(&path))
+        shared("reference/metrics.json").map(|path| Self::read(&path))
     }
 
     /// Reads the file that `CRUMPLE_METRICS_CASES` names, else the shared one.

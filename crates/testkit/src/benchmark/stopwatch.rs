@@ -27,8 +27,9 @@ pub fn best_ms<T>(mut work: impl FnMut() -> T) -> f64 {
     best
 }
 
-/// The same for work of microseconds: as many calls in a row as take half a millisecond are one measurement, and the shortest
-/// time of one call is given, µs. The shortest, because whatever else runs on the machine can only add to a time.
+/// The same for work of microseconds: as many calls in a row as take half a millisecond are one measurement, and the
+/// shortest time of one call is given, µs. The shortest, because whatever else runs on the machine can only add to a
+/// time.
 pub fn best_us(mut work: impl FnMut()) -> f64 {
     let start = Instant::now();
     work();

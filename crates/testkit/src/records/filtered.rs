@@ -7,7 +7,8 @@ use crumple_artifact::records::TestV1;
 use crumple_artifact::{ArtifactBuilder, Compression, Provenance};
 use crumple_signal::{Channel, Sampled, TestDescription};
 
-/// Writes `2-filter.mcap` of this test, its first channel the pulse: all channels are listed, those with samples have them.
+/// Writes `2-filter.mcap` of this test, its first channel the pulse: all channels are listed, those with samples have
+/// them.
 ///
 /// # Errors
 /// A file that cannot be written, two channels of one id.

@@ -7,7 +7,7 @@ use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError,
 use crumple_signal::STANDARD_GRAVITY_M_PER_S2;
 use serde_json::{Value, json};
 
-use crate::shared;
+use crate::places::shared;
 
 /// Sampling of records made here.
 const RATE_HZ: u32 = 10_000;
@@ -37,8 +37,8 @@ impl KnownTruth {
     }
 }
 
-/// Every record of the folder `CRUMPLE_KNOWN_TRUTH`, else of the shared reference material, by name; none (and the skip line)
-/// where that is absent.
+/// Every record of the folder `CRUMPLE_KNOWN_TRUTH`, else of the shared reference material, by name; none (and the skip
+/// line) where that is absent.
 pub fn known_truths() -> Vec<KnownTruth> {
     match std::env::var_os("CRUMPLE_KNOWN_TRUTH") {
         Some(folder) => known_truths_in(Path::new(&folder)),
@@ -66,6 +66,18 @@ pub fn known_truths_in(folder: &Path) -> Vec<KnownTruth> {
     records.sort_by(|a, b| a.name.cmp(&b.name));
     assert!(!records.is_empty(), "{} holds no record", folder.display());
     records
+}
+
+/// `truth.json` of the record of this name, for tests that need one and no other; [`known_truths`] goes over all.
+///
+/// Looks in the folder `CRUMPLE_KNOWN_TRUTH`, else among the shared reference material; prints the skip line
+/// where the record is absent. A file that is there and cannot be read is the test's failure, not a skip.
+pub fn known_truth(record: &str) -> Option<Value> {
+    let known = known_truths().into_iter().find(|known| known.name == record);
+    if known.is_none() {
+        eprintln!("SKIPPED: no record {record} among those with known parameters");
+    }
+    known.map(|known| known.truth)
 }
 
 /// Writes a record as the reference material has them: 10 kHz, 20 ms before contact, 250 ms after it, exact samples.

@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Model};
 use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, value::Speed};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde_json::{Value, json};
+
+use crate::random::NormalDeviates;
 
 const RATE_HZ: u32 = 10_000;
 /// Samples before contact: 50 ms.
@@ -172,21 +172,12 @@ fn fixture(car: &Car) -> Result<Fixture, LumpedError> {
 
 /// A structural mode at the sensor's mount and sensor noise, the same on every run.
 fn add_ring_and_noise(acceleration_g: &mut [f64]) {
-    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut noise = NormalDeviates::seeded(1);
     for (k, a) in acceleration_g.iter_mut().enumerate() {
         let t = (k as f64 - BEFORE as f64) / f64::from(RATE_HZ);
         if t > 0.0 {
             *a += 5.0 * (-25.0 * t).exp() * (std::f64::consts::TAU * 120.0 * t).sin();
         }
-        *a += 0.3 * normal(&mut random);
+        *a += 0.3 * noise.draw();
     }
-}
-
-/// A standard normal number by Box and Muller's rule.
-fn normal(random: &mut ChaCha8Rng) -> f64 {
-    // 53 bits each; the first in (0, 1] so that its logarithm is finite.
-    let unit = 2.0_f64.powi(-53);
-    let radius = ((random.next_u64() >> 11) + 1) as f64 * unit;
-    let angle = (random.next_u64() >> 11) as f64 * unit;
-    (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * angle).cos()
 }
