@@ -167,8 +167,10 @@ golden-update: build
         [ "$(basename "$fixture")" = double ] || rm -f "$fixture/golden/6-simulate.mcap"
     done
 
-# Digests of everything the programs write over the fixtures, pipelines, methods and solvers, into OUT (default target/bytes.txt), for
-# changes that must not change a byte: `just bin=OTHER/release bytes A`, then `just bytes --compare A B [--content | --masked]`.
+# For changes that must not change a byte: `just bytes A` before, `just bytes B` after, `just bytes --compare A B [--content | --masked]`;
+# `just bin=OTHER/release bytes A` for programs built elsewhere. What a line holds: crates/testkit/src/bytes/digest.rs.
+#
+# Digests of everything the programs write over fixtures, pipelines, methods and solvers, into OUT (default: target/bytes.txt).
 [group('development')]
 [no-cd]
 [no-exit-message]
