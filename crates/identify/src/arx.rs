@@ -4,9 +4,9 @@ use crumple_lti::StateSpace;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::least_squares::{CONDITION_LIMIT, Solution, TriangularFactor};
 use crate::propagation::discrete_mode_deviations;
 use crate::{IdentifyError, InformationCriteria, IoData};
+use crumple_linalg::{CONDITION_LIMIT, Solution, TriangularFactor};
 
 /// Samples per independent part of a long record. Parts are combined in order, so the result does not depend on the
 /// number of threads.
@@ -250,11 +250,11 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crate::random::uniform;
+    use crumple_estimation::random::uniform_at;
 
     /// Uniform on [-1, 1).
     fn noise(k: usize) -> f64 {
-        2.0 * uniform(4, k) - 1.0
+        2.0 * uniform_at(4, k) - 1.0
     }
 
     /// Output of the ARX(2,2,nk) model below, driven by noise.

@@ -1,6 +1,8 @@
 //! The order of a subspace model, where it is left to the record.
 
-use crumple_identify::{Contender, IdentifyError, IoData, Subspace, effective_samples, select, simulate_fitted};
+use crumple_identify::{
+    Contender, IdentifyError, IoData, Subspace, autoregressive_effective_samples, select, simulate_fitted,
+};
 use rayon::prelude::*;
 
 /// Errors below this share of the root mean square of an output are rounding: models that are exact compare by their parameters.
@@ -37,7 +39,7 @@ fn contender(subspace: &Subspace<'_>, thin: bool, whole: &IoData, order: usize) 
             return Err(IdentifyError::NotConverged("simulation"));
         }
         log_loss += loss.max(floor).ln();
-        effective += effective_samples(&error);
+        effective += autoregressive_effective_samples(&error);
     }
     Ok(Contender {
         id: order.to_string(),

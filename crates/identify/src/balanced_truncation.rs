@@ -1,6 +1,7 @@
 //! A model of lower order by balanced truncation.
 
-use crumple_lti::{StateSpace, jacobi_svd};
+use crumple_linalg::jacobi_svd;
+use crumple_lti::StateSpace;
 use nalgebra::DMatrix;
 
 /// Doublings of a Gramian's sum; 2^40 steps cover every pole inside `1 - 1e-10`.

@@ -4,7 +4,7 @@ use crumple_lti::{Complex, Mode};
 use rayon::prelude::*;
 
 use crate::residual_noise::{Resampling, ResidualNoise};
-use crate::statistics::{quantile, standard_deviation};
+use crumple_estimation::statistics::{quantile, standard_deviation};
 
 /// Share of the replicates below and above the intervals.
 const TAIL: f64 = 0.05;
@@ -214,7 +214,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crate::random::uniform;
+    use crumple_estimation::random::uniform_at;
 
     #[test]
     fn poles_go_to_their_nearest_each_once() {
@@ -241,10 +241,10 @@ mod tests {
         // By frequency and by damping: records whose interval holds the estimate, and the truth.
         let mut holds = [[0; 2]; 2];
         for stream in 0..20 {
-            let u: Vec<f64> = (0..800).map(|k| uniform(300 + stream, k) - 0.5).collect();
+            let u: Vec<f64> = (0..800).map(|k| uniform_at(300 + stream, k) - 0.5).collect();
             let mut y = vec![0.0; 800];
             for k in 2..800 {
-                let white = 0.2 * (uniform(400 + stream, k) - 0.5);
+                let white = 0.2 * (uniform_at(400 + stream, k) - 0.5);
                 y[k] = white - a[0] * y[k - 1] - a[1] * y[k - 2] + b[0] * u[k] + b[1] * u[k - 1] + b[2] * u[k - 2];
             }
             let data = IoData::single(u.clone(), y.clone(), DT_S).unwrap();
@@ -277,7 +277,7 @@ mod tests {
     fn spread_of_a_mean_is_its_standard_error_and_failures_count() {
         // The estimator is the mean of the record, shown as a pole.
         let n = 400;
-        let residual: Vec<f64> = (0..n).map(|k| uniform(5, k) - 0.5).collect();
+        let residual: Vec<f64> = (0..n).map(|k| uniform_at(5, k) - 0.5).collect();
         let model = Sample { poles: vec![Complex::new(-7.0, 0.0)], ..Sample::default() };
         let mean = |y: &[f64]| y.iter().sum::<f64>() / y.len() as f64;
         let refit = |y: &[f64]| {

@@ -4,8 +4,8 @@ use crumple_lti::{Complex, StateSpace};
 use nalgebra::DMatrix;
 
 use crate::output_error::OutputErrorOptions;
-use crate::separable::{Basis, Separable, SeparableFit};
 use crate::{IdentifyError, IoData};
+use crumple_estimation::minimise::variable_projection::{Basis, Separable, SeparableFit};
 
 /// Poles are kept inside a circle of radius `tanh` of this: 1 - 4e-9.
 const EDGE: f64 = 10.0;

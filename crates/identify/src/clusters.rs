@@ -1,7 +1,7 @@
 //! Poles of many orders gathered to modes.
 
 use crate::stabilization::{DiagramPole, StabilizationOptions, distance};
-use crate::statistics::quantile;
+use crumple_estimation::statistics::quantile;
 
 /// Median and quartiles.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,7 @@
 //! The eigensystem realization algorithm with data correlations (ERA/DC).
 
-use crumple_lti::{LtiError, StateSpace, jacobi_svd};
+use crumple_linalg::jacobi_svd;
+use crumple_lti::{LtiError, StateSpace};
 use nalgebra::{DMatrix, DVector};
 
 use crate::correlations::{CorrelationSize, Correlations};

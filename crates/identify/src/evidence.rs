@@ -1,7 +1,7 @@
 //! Evidence common to the methods beside `era`, as records.
 
 use crumple_identify::{
-    InformationCriteria, ResidualTests, effective_samples, fit_measures, mode_notes, residual_tests,
+    InformationCriteria, ResidualTests, autoregressive_effective_samples, fit_measures, mode_notes, residual_tests,
 };
 use crumple_lti::{Complex, Mode};
 use crumple_signal::{Notes, QuantityKind};
@@ -21,7 +21,7 @@ pub fn evidence(input: Option<&Cut>, output: &Cut, simulated: &[f64], parameters
     let residual: Vec<f64> = output.sampled.samples().iter().zip(simulated).map(|(y, yh)| y - yh).collect();
     let finite = |x: f64| x.is_finite().then_some(x);
     let loss = finite(residual.iter().map(|e| e * e).sum::<f64>() / residual.len().max(1) as f64);
-    let effective = effective_samples(&residual);
+    let effective = autoregressive_effective_samples(&residual);
     let criteria = loss.map(|loss| InformationCriteria::new(loss, effective, parameters));
     let tests = residual_tests(&residual, input.map(|cut| cut.sampled.samples()), LAGS);
     EvidenceV1 {

@@ -4,8 +4,8 @@ use crumple_lti::Complex;
 
 use crate::ExponentialOptions;
 use crate::pole_problem::scaled_poles;
-use crate::random::uniform;
 use crate::transfer_starts::{exponential_poles, random_poles};
+use crumple_estimation::random::uniform_at;
 
 /// Slowest and fastest decay of a start for a slow curve, in units of one over the record.
 const SLOWEST: f64 = 0.1;
@@ -60,7 +60,7 @@ fn slow_starts(terms: usize, options: &ExponentialOptions) -> Vec<Vec<Complex>> 
         // Streams of their own.
         let stream = 1000 + k;
         if options.real {
-            (0..terms).map(|i| Complex::new(-decay(uniform(stream, i)), 0.0)).collect()
+            (0..terms).map(|i| Complex::new(-decay(uniform_at(stream, i)), 0.0)).collect()
         } else {
             random_poles(stream, terms, FASTEST_OF_SLOW)
         }

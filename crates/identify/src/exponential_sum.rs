@@ -4,15 +4,15 @@ use crumple_lti::Complex;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::covariance::{propagated, unknowns_covariance};
 use crate::exponential_starts::starting_exponents;
 use crate::exponential_terms::{ExponentialTerm, Part, parts, terms, values};
 use crate::pole_problem::PoleProblem;
-use crate::residual::effective_samples;
 use crate::section_chain::sections_of;
-use crate::separable::{Separable, SeparableFit, minimize};
-use crate::termination::{Stop, Termination};
 use crate::{FitMeasures, Hold, IdentifyError, InformationCriteria, fit_measures};
+use crumple_estimation::minimise::separable_covariance::{propagated, unknowns_covariance};
+use crumple_estimation::minimise::variable_projection::{Separable, SeparableFit, minimize};
+use crumple_estimation::minimise::{Stop, Termination};
+use crumple_estimation::statistics::autoregressive_effective_samples;
 
 /// Starting points that are refined to the end, of all that were tried.
 const REFINED: usize = 8;
@@ -118,7 +118,7 @@ pub fn exponential_sum(
         return Err(IdentifyError::NoStart { method: "exponentials", starts });
     };
     let simulated: Vec<f64> = record.iter().zip(&best.residual).map(|(y, e)| y - e * scale).collect();
-    let effective = effective_samples(&best.residual);
+    let effective = autoregressive_effective_samples(&best.residual);
     let c: Vec<f64> = best.coefficients.column(0).iter().copied().collect();
     let (covariance, condition) = unknowns_covariance(&problem, &best, effective);
     let terms_of = |unknowns: &[f64]| {
@@ -255,7 +255,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crate::random::uniform;
+    use crumple_estimation::random::uniform_at;
 
     fn sum(terms: &[(f64, f64)], dt: f64, samples: usize) -> Vec<f64> {
         (0..samples).map(|k| terms.iter().map(|(c, s)| c * (s * k as f64 * dt).exp()).sum()).collect()
@@ -306,7 +306,7 @@ mod tests {
 
     /// Standard normal numbers of a stream (Box and Muller).
     fn normal(stream: usize, k: usize) -> f64 {
-        let (a, b) = (uniform(stream, 2 * k), uniform(stream, 2 * k + 1));
+        let (a, b) = (uniform_at(stream, 2 * k), uniform_at(stream, 2 * k + 1));
         (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
     }
 

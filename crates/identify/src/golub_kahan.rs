@@ -1,6 +1,6 @@
 //! The leading singular triplets of a large Hankel matrix.
 
-use crumple_lti::{dot, jacobi_svd};
+use crumple_linalg::{dot, jacobi_svd};
 use nalgebra::DMatrix;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};

@@ -70,13 +70,13 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crate::random::uniform;
+    use crumple_estimation::random::uniform_at;
 
     /// One output that remembers its input for `memory` samples, with white noise.
     fn echo(memory: usize, noise: f64) -> IoData {
-        let u: Vec<f64> = (0..2000).map(|k| uniform(1, k) - 0.5).collect();
+        let u: Vec<f64> = (0..2000).map(|k| uniform_at(1, k) - 0.5).collect();
         let y = (0..2000)
-            .map(|k| u[k] + k.checked_sub(memory).map_or(0.0, |past| u[past]) + noise * (uniform(2, k) - 0.5))
+            .map(|k| u[k] + k.checked_sub(memory).map_or(0.0, |past| u[past]) + noise * (uniform_at(2, k) - 0.5))
             .collect();
         IoData::single(u, y, 1e-3).unwrap()
     }

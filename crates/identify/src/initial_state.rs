@@ -1,10 +1,11 @@
 //! The initial state of a model on a record.
 
-use crumple_lti::{StateSpace, dot};
+use crumple_linalg::dot;
+use crumple_lti::StateSpace;
 use nalgebra::DMatrix;
 
-use crate::least_squares::TriangularFactor;
 use crate::{IdentifyError, IoData};
+use crumple_linalg::TriangularFactor;
 
 /// Directions of the state that the record shows with less than this fraction of the strongest are left at zero.
 const TRUNCATION: f64 = 1e-13;

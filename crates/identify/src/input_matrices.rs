@@ -1,11 +1,12 @@
 //! Input matrix, direct term and initial state of a model whose `A` and `C` are known.
 
-use crumple_lti::{StateSpace, dot};
+use crumple_linalg::dot;
+use crumple_lti::StateSpace;
 use nalgebra::DMatrix;
 
 use crate::initial_state::{columns_of, left_multiply};
-use crate::least_squares::TriangularFactor;
 use crate::{IdentifyError, IoData};
+use crumple_linalg::TriangularFactor;
 
 /// Singular values below this fraction of the largest count as zero: states that the record does not show.
 const TRUNCATION: f64 = 1e-12;

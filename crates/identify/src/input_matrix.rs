@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::least_squares::TriangularFactor;
+use crumple_linalg::TriangularFactor;
 
 /// Directions of the state that the parameters show with less than this fraction of the strongest are left at zero.
 const TRUNCATION: f64 = 1e-12;

@@ -1,6 +1,6 @@
 //! Regression of signals on their own past and that of others.
 
-use crumple_lti::dot;
+use crumple_linalg::dot;
 use nalgebra::DMatrix;
 
 use crate::IdentifyError;
@@ -148,7 +148,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crate::random::uniform;
+    use crumple_estimation::random::uniform_at;
 
     fn regression(signals: &[Vec<f64>], lags: usize) -> LaggedRegression<'_> {
         let mut columns = vec![(0, lags)];
@@ -162,10 +162,10 @@ mod tests {
 
     /// An answer with two poles to white noise, with noise of its own.
     fn signals(noise: f64) -> Vec<Vec<f64>> {
-        let u: Vec<f64> = (0..600).map(|k| uniform(1, k) - 0.5).collect();
+        let u: Vec<f64> = (0..600).map(|k| uniform_at(1, k) - 0.5).collect();
         let mut y = vec![0.0; 600];
         for k in 2..600 {
-            y[k] = 1.6 * y[k - 1] - 0.8 * y[k - 2] + u[k - 1] + noise * (uniform(2, k) - 0.5);
+            y[k] = 1.6 * y[k - 1] - 0.8 * y[k - 2] + u[k - 1] + noise * (uniform_at(2, k) - 0.5);
         }
         vec![u, y]
     }

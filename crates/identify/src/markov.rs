@@ -1,6 +1,7 @@
 //! Markov parameters: what a system answers to a unit impulse.
 
-use crumple_lti::{StateSpace, dot};
+use crumple_linalg::dot;
+use crumple_lti::StateSpace;
 
 use crate::EraError;
 use crate::initial_state::{columns_of, rows_of};

@@ -69,7 +69,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crate::random::uniform;
+    use crumple_estimation::random::uniform_at;
     use crumple_lti::simulate;
 
     #[test]
@@ -79,7 +79,7 @@ mod tests {
             let b = nalgebra::dmatrix![1.0; 0.5; 0.2];
             StateSpace::new(a, b, nalgebra::dmatrix![1.0, 0.0, 0.3], nalgebra::dmatrix![0.1], Some(0.01)).unwrap()
         };
-        let u: Vec<f64> = (0..400).map(|k| uniform(3, k) - 0.5).collect();
+        let u: Vec<f64> = (0..400).map(|k| uniform_at(3, k) - 0.5).collect();
         let y = simulate(&truth(0.8), std::slice::from_ref(&u), &[0.0; 3]).unwrap().swap_remove(0);
         let data = IoData::single(u, y, 0.01).unwrap();
         assert_eq!(mirrored_poles(&truth(0.8), &data).unwrap(), None);

@@ -6,9 +6,9 @@ use nalgebra::DMatrix;
 use crate::factors::factorize;
 use crate::golub_kahan::GolubKahan;
 use crate::hankel::Hankel;
-use crate::residual::effective_samples;
 use crate::shift_pair::{Shift, ShiftPair};
 use crate::{EraError, MarkovParameters, OrderPoles, Subspace};
+use crumple_estimation::statistics::autoregressive_effective_samples;
 
 /// Hankel matrices up to this size are decomposed whole.
 const DENSE_UP_TO: usize = 64;
@@ -118,7 +118,7 @@ fn evidence(
     }
     let samples = residual.len() as f64;
     let square = residual.iter().map(|e| e * e).sum::<f64>() / samples;
-    let effective = effective_samples(&residual).max(2.0);
+    let effective = autoregressive_effective_samples(&residual).max(2.0);
     let noise = 2.0 * square * samples / effective * effective.ln();
     let strengths: Vec<f64> = energies.into_iter().map(|energy| energy / noise.max(f64::MIN_POSITIVE)).collect();
     let shapes = c.column_iter().map(|column| column.iter().copied().collect()).collect();

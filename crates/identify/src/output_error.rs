@@ -5,12 +5,12 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::cascade_filter::CascadeFilter;
-use crate::covariance::{nonlinear_covariance, propagated};
 use crate::output_error_starts::starts;
-use crate::residual::effective_samples;
-use crate::separable::{SeparableFit, evaluate, minimize};
-use crate::termination::{Stop, Termination};
 use crate::{IdentifyError, InformationCriteria, IoData};
+use crumple_estimation::minimise::separable_covariance::{nonlinear_covariance, propagated};
+use crumple_estimation::minimise::variable_projection::{SeparableFit, evaluate, minimize};
+use crumple_estimation::minimise::{Stop, Termination};
+use crumple_estimation::statistics::autoregressive_effective_samples;
 
 /// Starting points that are refined, of all that were tried.
 const REFINED: usize = 6;
@@ -96,7 +96,7 @@ pub fn output_error(data: &IoData, options: OutputErrorOptions) -> Result<Output
     };
     let loss = best.cost / count;
     let parameters = best.theta.len() + best.coefficients.len();
-    let effective = best.residual.chunks_exact(data.samples()).map(effective_samples).sum();
+    let effective = best.residual.chunks_exact(data.samples()).map(autoregressive_effective_samples).sum();
     let (covariance, condition) = nonlinear_covariance(&problem, &best, effective);
     let poles = CascadeFilter::poles(&best.theta);
     let deviations = match covariance {
@@ -133,8 +133,8 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crate::random::uniform;
-    use crate::separable::Separable;
+    use crumple_estimation::minimise::variable_projection::Separable;
+    use crumple_estimation::random::uniform_at;
     use crumple_lti::simulate;
 
     fn data(m: usize, q: usize, delay: usize) -> (IoData, Vec<Complex>) {
@@ -144,7 +144,7 @@ mod tests {
         let c = DMatrix::from_fn(q, 3, |i, j| 1.0 - 0.4 * j as f64 + 0.7 * i as f64);
         let d = DMatrix::from_fn(q, m, |i, j| 0.2 + 0.1 * (i + j) as f64);
         let model = StateSpace::new(a, b, c, d, Some(0.01)).unwrap();
-        let u: Vec<Vec<f64>> = (0..m).map(|j| (0..300).map(|k| uniform(j + 40, k) - 0.5).collect()).collect();
+        let u: Vec<Vec<f64>> = (0..m).map(|j| (0..300).map(|k| uniform_at(j + 40, k) - 0.5).collect()).collect();
         let late: Vec<Vec<f64>> = u
             .iter()
             .map(|u| std::iter::repeat_n(0.0, delay).chain(u[..300 - delay].iter().copied()).collect())
@@ -178,7 +178,7 @@ mod tests {
         const DT_S: f64 = 1e-3;
         for system in 0..20 {
             // Fourth order, slow and stiff: two real poles apart, and a pair; gains of either sign.
-            let draw = |k: usize| uniform(900 + system, k);
+            let draw = |k: usize| uniform_at(900 + system, k);
             let (slow, fast) = (-1.0 - 2.0 * draw(0), -20.0 - 60.0 * draw(1));
             let (re, im) = (-5.0 - 30.0 * draw(2), 40.0 + 100.0 * draw(3));
             let a = nalgebra::dmatrix![slow, 0.0, 0.0, 0.0; 0.0, fast, 0.0, 0.0; 0.0, 0.0, re, im; 0.0, 0.0, -im, re];
@@ -186,7 +186,7 @@ mod tests {
             let c = DMatrix::from_fn(1, 4, |_, j| (draw(4 + j) - 0.5) * [1.0, 30.0, 60.0, 60.0][j]);
             let model = StateSpace::new(a, b, c, DMatrix::zeros(1, 1), None).unwrap();
             let held = crumple_lti::discretize_first_order_hold(&model, DT_S).unwrap();
-            let u: Vec<f64> = (0..500).map(|k| uniform(950 + system, k) - 0.5).collect();
+            let u: Vec<f64> = (0..500).map(|k| uniform_at(950 + system, k) - 0.5).collect();
             let mut x = nalgebra::DVector::zeros(4);
             let mut y = Vec::new();
             for k in 0..u.len() {
@@ -197,7 +197,7 @@ mod tests {
             let rms = crate::io_data::scale(&y);
             for (k, y) in y.iter_mut().enumerate() {
                 // Uniform noise of 10 %: deviation 1/sqrt 12 without the factor.
-                *y += 0.1 * 12.0_f64.sqrt() * rms * (uniform(980 + system, k) - 0.5);
+                *y += 0.1 * 12.0_f64.sqrt() * rms * (uniform_at(980 + system, k) - 0.5);
             }
             let data = IoData::single(u, y, DT_S).unwrap();
             let sampled = output_error(&data, OutputErrorOptions::new(4)).unwrap();
@@ -220,7 +220,7 @@ mod tests {
         let (mut squares, mut expected) = (0.0, 0.0);
         for seed in 0..records {
             // Uniform noise of 5 %: deviation 1/sqrt 12 without the factor.
-            let noise = |k: usize| 0.05 * rms * 12.0_f64.sqrt() * (uniform(5000 + seed, k) - 0.5);
+            let noise = |k: usize| 0.05 * rms * 12.0_f64.sqrt() * (uniform_at(5000 + seed, k) - 0.5);
             let y = clean.outputs()[0].iter().enumerate().map(|(k, y)| y + noise(k)).collect();
             let noisy = IoData::new(clean.inputs().to_vec(), vec![y], 0.01).unwrap();
             let found = output_error(&noisy, OutputErrorOptions { random_starts: 0, ..OutputErrorOptions::new(3) });

@@ -5,9 +5,9 @@ use rayon::prelude::*;
 
 use crate::balanced_truncation::balanced_truncation;
 use crate::output_error::OutputErrorOptions;
-use crate::random::uniform;
 use crate::transfer_starts::{Start, StartProblem};
 use crate::{ArxOrder, Hold, IoData, Subspace, SubspaceOptions, Weighting, arx};
+use crumple_estimation::random::uniform_at;
 
 /// Continuous transfer functions are starts up to this order: above, their coefficients have lost the digits.
 const MOST_CONTINUOUS: usize = 10;
@@ -45,7 +45,7 @@ pub(crate) fn starts(data: &IoData, options: OutputErrorOptions) -> Vec<Vec<f64>
     for start in 0..options.random_starts {
         let random: Vec<Complex> = (0..n.div_ceil(2))
             .flat_map(|k| {
-                let (radius, angle) = (uniform(start, 2 * k), uniform(start, 2 * k + 1));
+                let (radius, angle) = (uniform_at(start, 2 * k), uniform_at(start, 2 * k + 1));
                 let z = Complex::from_polar(0.7 + 0.299 * radius, std::f64::consts::PI * angle);
                 [z, z.conj()]
             })

@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 
 use crate::section_chain::{Drive, Section, SectionChain, States};
-use crate::separable::{Basis, Separable};
 use crate::{Complex, Hold};
+use crumple_estimation::minimise::variable_projection::{Basis, Separable};
 
 /// Growth beyond `exp` of half of this over the record is not tried.
 const GROWTH: f64 = 40.0;
@@ -302,7 +302,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crate::separable::evaluate;
+    use crumple_estimation::minimise::variable_projection::evaluate;
 
     fn check(problem: &PoleProblem, theta: &[f64]) {
         let point = evaluate(problem, theta).unwrap();

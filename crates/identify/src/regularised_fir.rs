@@ -4,9 +4,9 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
 
 use crate::fir_kernel::{Kernel, KernelShape};
-use crate::least_squares::CONDITION_LIMIT;
 use crate::stretches::triangular_factor;
 use crate::{IdentifyError, IoData};
+use crumple_linalg::CONDITION_LIMIT;
 
 /// Decay of the variance over all taps, in powers of e, at the corners of the grid.
 const DECAYS: [f64; 10] = [0.3, 1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 40.0, 80.0, 160.0];

@@ -1,6 +1,6 @@
 //! New noise like that in the residuals of a fit, for the bootstrap.
 
-use crumple_lti::dot;
+use crumple_linalg::dot;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -206,13 +206,13 @@ fn autoregression(residual: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::uniform;
+    use crumple_estimation::random::uniform_at;
 
     fn autoregressive(rho: f64, n: usize) -> Vec<f64> {
         let mut e = 0.0;
         (0..n + 100)
             .map(|k| {
-                e = rho * e + uniform(3, k) - 0.5;
+                e = rho * e + uniform_at(3, k) - 0.5;
                 e
             })
             .skip(100)
@@ -252,7 +252,7 @@ mod tests {
     #[test]
     fn what_outputs_have_in_common_stays_common() {
         let common = autoregressive(0.7, 2000);
-        let own: Vec<f64> = common.iter().enumerate().map(|(k, e)| 2.0 * e + 0.1 * (uniform(9, k) - 0.5)).collect();
+        let own: Vec<f64> = common.iter().enumerate().map(|(k, e)| 2.0 * e + 0.1 * (uniform_at(9, k) - 0.5)).collect();
         let correlation = |a: &[f64], b: &[f64]| dot(a, b) / (dot(a, a) * dot(b, b)).sqrt();
         let there = correlation(&common, &own);
         for resampling in [Resampling::Blocks, Resampling::Autoregression] {

@@ -1,6 +1,6 @@
 //! The state matrix from singular vectors: what one sample later makes of the states.
 
-use crumple_lti::jacobi_svd;
+use crumple_linalg::jacobi_svd;
 use nalgebra::{DMatrix, DVector};
 
 /// How the state matrix follows from the decomposition `H0 = U S V'`.

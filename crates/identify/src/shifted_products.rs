@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lti::dot;
+use crumple_linalg::dot;
 use nalgebra::DMatrix;
 
 /// A pivot of the Cholesky factor (column norms 1) below which QR is left to it: columns within 1e-2 of dependent. Above,
@@ -86,13 +86,13 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crate::random::uniform;
     use crate::stretches::triangular_factor;
+    use crumple_estimation::random::uniform_at;
 
     fn noisy(stream: usize, samples: usize) -> Vec<f64> {
         let mut y = vec![0.0; samples];
         for k in 2..samples {
-            y[k] = 1.2 * y[k - 1] - 0.6 * y[k - 2] + uniform(stream, k) - 0.5;
+            y[k] = 1.2 * y[k - 1] - 0.6 * y[k - 2] + uniform_at(stream, k) - 0.5;
         }
         y
     }
@@ -119,7 +119,7 @@ mod tests {
         let columns = [(0, 0), (0, 1), (0, 2)];
         assert!(triangular_factor_by_products(&[&wave], &columns, 200).is_none());
         assert!(triangular_factor_by_products(&[&[0.0; 300]], &columns, 200).is_none());
-        let fading: Vec<f64> = (0..300).map(|k| (-f64::from(k)).exp() * (uniform(1, k as usize) + 0.1)).collect();
+        let fading: Vec<f64> = (0..300).map(|k| (-f64::from(k)).exp() * (uniform_at(1, k as usize) + 0.1)).collect();
         assert!(triangular_factor_by_products(&[&fading], &[(0, 0), (0, 5)], 200).is_none());
     }
 }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::least_squares::TriangularFactor;
+use crumple_linalg::TriangularFactor;
 
 /// Samples per independent part of a long record.
 const PART: usize = 5_120;

@@ -1,16 +1,17 @@
 //! Subspace identification: N4SID, MOESP and CVA.
 
-use crumple_lti::{InputHold, StateSpace, jacobi_svd, matrix_exponential, to_continuous};
+use crumple_linalg::jacobi_svd;
+use crumple_lti::{InputHold, StateSpace, matrix_exponential, to_continuous};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::input_matrices::input_matrices;
 use crate::mirrored_poles::stabilized;
-use crate::pseudo_inverse::{numerical_rank, pseudo_inverse_times};
 use crate::shifted_products::triangular_factor_by_products;
 use crate::stretches::triangular_factor;
 use crate::weighting::{Projection, Weighting};
 use crate::{IdentifyError, IoData};
+use crumple_linalg::{numerical_rank, pseudo_inverse_times};
 
 /// Singular values of the inputs below this fraction of the largest excite nothing that a record in `f64` can show.
 const SILENT: f64 = 1e-10;
@@ -225,7 +226,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crate::random::uniform;
+    use crumple_estimation::random::uniform_at;
     use crumple_lti::simulate;
 
     #[test]
@@ -234,7 +235,7 @@ mod tests {
         let b = nalgebra::dmatrix![1.0, 0.0; 0.5, -1.0; 0.2, 2.0];
         let c = nalgebra::dmatrix![1.0, 0.0, 0.3; 0.0, 1.0, -1.0];
         let truth = StateSpace::new(a, b, c, DMatrix::from_element(2, 2, 0.1), Some(0.01)).unwrap();
-        let u: Vec<Vec<f64>> = (0..2).map(|j| (0..400).map(|k| 1e4 * (uniform(j, k) - 0.5)).collect()).collect();
+        let u: Vec<Vec<f64>> = (0..2).map(|j| (0..400).map(|k| 1e4 * (uniform_at(j, k) - 0.5)).collect()).collect();
         let y = simulate(&truth, &u, &[100.0, 0.0, 0.0]).unwrap();
         let data = IoData::new(u, y, 0.01).unwrap();
         for weighting in Weighting::ALL {

@@ -75,7 +75,7 @@ pub fn thinned(data: &IoData, every: usize) -> Result<IoData, IdentifyError> {
     let cut = |signals: &[Vec<f64>]| -> Vec<Vec<f64>> {
         signals
             .iter()
-            .map(|s| s.windows(filter.len()).step_by(every).map(|w| crumple_lti::dot(w, &filter)).collect())
+            .map(|s| s.windows(filter.len()).step_by(every).map(|w| crumple_linalg::dot(w, &filter)).collect())
             .collect()
     };
     IoData::new(cut(data.inputs()), cut(data.outputs()), data.sample_time_s() * every as f64)
@@ -86,11 +86,11 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crate::random::uniform;
+    use crumple_estimation::random::uniform_at;
 
     fn wave(frequency_hz: f64, noise: f64) -> IoData {
         let y = (0..2000)
-            .map(|k| (2.0 * PI * frequency_hz * f64::from(k) * 1e-4).sin() + noise * (uniform(0, k as usize) - 0.5));
+            .map(|k| (2.0 * PI * frequency_hz * f64::from(k) * 1e-4).sin() + noise * (uniform_at(0, k as usize) - 0.5));
         IoData::new(Vec::new(), vec![y.collect()], 1e-4).unwrap()
     }
 

@@ -1,17 +1,18 @@
 //! Continuous transfer functions of several inputs and outputs with one denominator.
 
-use crumple_lti::{Mode, StateSpace, TransferFunction, dot};
+use crumple_linalg::dot;
+use crumple_lti::{Mode, StateSpace, TransferFunction};
 use nalgebra::DMatrix;
 
 use crate::chain_in_seconds::{state_powers, unscaled};
-use crate::covariance::{propagated, unknowns_covariance};
-use crate::residual::effective_samples;
 use crate::search_outcome::SearchOutcome;
 use crate::section_chain::SectionChain;
-use crate::separable::{SeparableFit, minimize};
-use crate::termination::Stop;
 use crate::transfer_function_search::{Search, best_search};
 use crate::{FitMeasures, IdentifyError, IoData, TransferFunctionOptions, fit_measures};
+use crumple_estimation::minimise::Stop;
+use crumple_estimation::minimise::separable_covariance::{propagated, unknowns_covariance};
+use crumple_estimation::minimise::variable_projection::{SeparableFit, minimize};
+use crumple_estimation::statistics::autoregressive_effective_samples;
 
 /// Refinements with other weights; the second changes little.
 const REWEIGHTED: usize = 2;
@@ -76,7 +77,7 @@ pub fn transfer_function_array(
     };
     let values = describe(&unknowns);
     let residuals: Vec<&[f64]> = best.residual.chunks_exact(samples).collect();
-    let effective = residuals.iter().map(|residual| effective_samples(residual)).sum();
+    let effective = residuals.iter().map(|residual| autoregressive_effective_samples(residual)).sum();
     let (covariance, condition) = unknowns_covariance(problem, best, effective);
     let deviations: Vec<f64> = match &covariance {
         Some(covariance) => {
@@ -180,7 +181,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crate::random::uniform;
+    use crumple_estimation::random::uniform_at;
     use crumple_lti::{Complex, discretize_first_order_hold, simulate, to_transfer_function};
 
     const DT_S: f64 = 2e-3;
@@ -199,11 +200,11 @@ mod tests {
         let sampled = discretize_first_order_hold(&model, DT_S).unwrap().state_space().unwrap();
         // The shifted state of that form at rest is -G u at the start; with u[0] = 0 they are the same.
         let u: Vec<Vec<f64>> = (0..m)
-            .map(|j| (0..400).map(|k| if k == 0 { 0.0 } else { uniform(j + 7, k / 4) - 0.5 }).collect())
+            .map(|j| (0..400).map(|k| if k == 0 { 0.0 } else { uniform_at(j + 7, k / 4) - 0.5 }).collect())
             .collect();
         let mut y = simulate(&sampled, &u, &[0.3, -0.2, 0.1, 0.4]).unwrap();
         for (i, y) in y.iter_mut().enumerate() {
-            y.iter_mut().enumerate().for_each(|(k, y)| *y += noise * (uniform(i + 90, k) - 0.5));
+            y.iter_mut().enumerate().for_each(|(k, y)| *y += noise * (uniform_at(i + 90, k) - 0.5));
         }
         (IoData::new(u, y, DT_S).unwrap(), model)
     }

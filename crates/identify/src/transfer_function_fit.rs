@@ -4,13 +4,13 @@ use crumple_lti::{Complex, Mode, StateSpace, TransferFunction};
 use nalgebra::DMatrix;
 
 use crate::chain_in_seconds::{cascade, combined, in_seconds, unscaled};
-use crate::covariance::{propagated, unknowns_covariance};
 use crate::propagation::root_deviations;
-use crate::residual::effective_samples;
 use crate::search_outcome::SearchOutcome;
 use crate::transfer_function_options::TransferFunctionOptions;
 use crate::transfer_function_search::{Search, best_search};
 use crate::{FitMeasures, IdentifyError, InformationCriteria, IoData, fit_measures};
+use crumple_estimation::minimise::separable_covariance::{propagated, unknowns_covariance};
+use crumple_estimation::statistics::autoregressive_effective_samples;
 
 /// A transfer function and the evidence for it.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,7 +111,7 @@ impl Search {
             all
         };
         let values = describe(&unknowns);
-        let effective = effective_samples(&best.residual);
+        let effective = autoregressive_effective_samples(&best.residual);
         let (covariance, condition) = unknowns_covariance(problem, best, effective);
         let n = options.poles;
         let b_count = options.zeros + 1;

@@ -2,8 +2,8 @@
 
 use crumple_lti::Complex;
 
-use crate::termination::Stop;
 use crate::transfer_starts::Start;
+use crumple_estimation::minimise::Stop;
 
 /// What the input does between its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,12 +5,12 @@ use rayon::prelude::*;
 
 use crate::chain_in_seconds::combined;
 use crate::pole_problem::{PoleProblem, scaled_poles};
-use crate::residual::chi_square_95;
 use crate::section_chain::sections_of;
-use crate::separable::{Separable, SeparableFit, evaluate, minimize};
 use crate::transfer_function_options::{InitialConditions, TransferFunctionOptions};
 use crate::transfer_starts::{Start, StartProblem};
 use crate::{IdentifyError, IoData};
+use crumple_estimation::minimise::variable_projection::{Separable, SeparableFit, evaluate, minimize};
+use crumple_estimation::statistics::chi_square_95;
 
 /// Starting points that are refined, of all that were tried.
 const REFINED: usize = 14;

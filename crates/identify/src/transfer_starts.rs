@@ -2,14 +2,15 @@
 
 use std::f64::consts::PI;
 
-use crumple_lti::{Complex, dot, polynomial_roots, undo_zero_order_hold};
+use crumple_linalg::dot;
+use crumple_lti::{Complex, polynomial_roots, undo_zero_order_hold};
 use nalgebra::{DMatrix, DVector};
 
 use crate::io_data::scale;
-use crate::least_squares::TriangularFactor;
-use crate::random::uniform;
 use crate::section_chain::{Drive, SectionChain, sections_of};
 use crate::{EraOptions, Hold, IoData, Order, Subspace, SubspaceOptions, Weighting, era};
+use crumple_estimation::random::uniform_at;
+use crumple_linalg::TriangularFactor;
 
 /// Break frequencies of the filters that are tried, evenly spaced in the logarithm.
 const FILTERS: usize = 8;
@@ -277,10 +278,10 @@ impl StartProblem<'_> {
 /// Random stable poles with moduli from 1 to `fastest`.
 pub(crate) fn random_poles(start: usize, count: usize, fastest: f64) -> Vec<Complex> {
     let mut poles = Vec::with_capacity(count);
-    let modulus = |k: usize| (fastest.max(2.0).ln() * uniform(start, 3 * k)).exp();
+    let modulus = |k: usize| (fastest.max(2.0).ln() * uniform_at(start, 3 * k)).exp();
     for k in 0..count / 2 {
         let w = modulus(k);
-        let damping = 2.0 * uniform(start, 3 * k + 1).powi(2) + 0.01;
+        let damping = 2.0 * uniform_at(start, 3 * k + 1).powi(2) + 0.01;
         if damping < 1.0 {
             let s = Complex::new(-damping * w, w * (1.0 - damping * damping).sqrt());
             poles.extend([s, s.conj()]);

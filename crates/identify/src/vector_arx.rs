@@ -4,8 +4,8 @@ use crumple_lti::StateSpace;
 use nalgebra::DMatrix;
 
 use crate::arx::{enough, lagged_factor, solved};
-use crate::least_squares::Solution;
 use crate::{ArxOrder, IdentifyError, IoData};
+use crumple_linalg::Solution;
 
 /// `y[k] = -sum A_i y[k-i] + sum_j B_j u[k-nk-j] + e[k]` with matrices for coefficients.
 #[derive(Debug, Clone, PartialEq)]
@@ -121,7 +121,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crate::random::uniform;
+    use crumple_estimation::random::uniform_at;
     use crumple_lti::simulate;
 
     #[test]
@@ -134,7 +134,7 @@ mod tests {
             condition: 1.0,
             sample_time_s: 0.1,
         };
-        let u: Vec<Vec<f64>> = (0..2).map(|j| (0..300).map(|k| uniform(j, k) - 0.5).collect()).collect();
+        let u: Vec<Vec<f64>> = (0..2).map(|j| (0..300).map(|k| uniform_at(j, k) - 0.5).collect()).collect();
         let model = truth.state_space().unwrap();
         let y = simulate(&model, &u, &[0.1, -0.2, 0.3, 0.4]).unwrap();
         let data = IoData::new(u, y, 0.1).unwrap();
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn two_copies_of_one_output_are_refused() {
-        let u: Vec<f64> = (0..100).map(|k| uniform(0, k)).collect();
+        let u: Vec<f64> = (0..100).map(|k| uniform_at(0, k)).collect();
         let data = IoData::new(vec![u.clone()], vec![u.clone(), u], 0.1).unwrap();
         let error = vector_arx(&data, ArxOrder { na: 1, nb: 1, nk: 1 }).unwrap_err();
         assert!(matches!(error, IdentifyError::IllConditioned { .. }), "{error}");

@@ -1,9 +1,9 @@
 //! The weighted projections of the subspace methods.
 
-use crumple_lti::jacobi_svd;
+use crumple_linalg::jacobi_svd;
 use nalgebra::DMatrix;
 
-use crate::pseudo_inverse::{numerical_rank, pseudo_inverse_times};
+use crumple_linalg::{numerical_rank, pseudo_inverse_times};
 
 /// How the projection of the future on the past is weighted before its singular values are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use crate::observed::{FreeParameter, Observed, Problem, rest_mass};
 use crate::refine::{Refined, follow};
+use crumple_estimation::statistics::{autocorrelation_time, quantile};
 use crumple_lumped::Model;
-use crumple_metrics::{autocorrelation_time, quantile};
 
 /// Replicates that say something of the ends of an interval.
 pub const REPLICATES: usize = 200;

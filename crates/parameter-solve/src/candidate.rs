@@ -2,10 +2,10 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::Model;
 
-use crate::least_squares::Optimum;
 use crate::parameter_words::all_in_words;
 use crate::window::Window;
 use crate::{FitQuantity, Method, SensorFit, StopReason};
+use crumple_estimation::minimise::levenberg_marquardt::Optimum;
 
 /// One set of parameters.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,9 +25,6 @@ pub struct Candidate {
     /// Reductions and assumptions, in words.
     pub notes: Vec<String>,
 }
-
-/// What the uncertainty of a fit by iteration is made from.
-pub(crate) const LINEARISED: &str = "linearised, autocorrelated residuals";
 
 impl Candidate {
     /// `<model>/<method>/<index>`.

@@ -7,9 +7,9 @@ use crate::chain_knowledge::{ChainKnowledge, knowledge};
 use crate::chain_problem::{ChainProblem, windows};
 use crate::free_chain::{FreeChain, StatedChain};
 use crate::free_model::FreeModel;
-use crate::least_squares::{Optimum, derivatives};
 use crate::sensor_fit::{Search, all, bounds, distinct, fit_sensors};
 use crate::{Observed, SolveError, StopReason};
+use crumple_estimation::minimise::levenberg_marquardt::{Optimum, derivatives};
 
 /// Sets that are reported at most, each with its dual, and how near their errors must be to the best.
 const REPORTED: usize = 3;

@@ -2,19 +2,19 @@
 
 use std::collections::BTreeMap;
 
-use crumple_metrics::lag_1_autocorrelation;
+use crumple_estimation::statistics::lag_1_autocorrelation;
 use nalgebra::DMatrix;
 
 use crate::Observed;
-use crate::covariance::{Covariance, covariance_of_blocks};
 use crate::free_chain::FreeChain;
 use crate::identifiability::{Named, direction_in_words};
-use crate::least_squares::Optimum;
+use crumple_estimation::minimise::levenberg_marquardt::Optimum;
+use crumple_estimation::statistics::{Covariance, covariance_of_blocks};
 
 /// Both ends of an interval; `None`: open.
 type Ends = (Option<f64>, Option<f64>);
 
-/// How well the free numbers are known, linearised about the minimum; see [`covariance`](crate::covariance).
+/// How well the free numbers are known, linearised about the minimum; see [`covariance`](crumple_estimation::statistics::covariance).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChainKnowledge {
     /// Standard deviations, in the unit of each; none without a bound on it.

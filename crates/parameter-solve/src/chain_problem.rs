@@ -5,11 +5,11 @@ use nalgebra::DMatrix;
 
 use crate::free_chain::FreeChain;
 use crate::free_model::{FreeModel, places};
-use crate::least_squares::{Bounds, Optimum, Response, descend};
 use crate::sensor_fit::bounds;
 use crate::sensor_problem::{Observed as Seen, SensorProblem};
 use crate::window::Window;
 use crate::{Observed, SeenWave};
+use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
 
 /// Iterations, and the relative decrease of the cost worth going on for, where a minimum is followed.
 const FOLLOWING: (u32, f64) = (200, 1e-7);

@@ -1,10 +1,11 @@
 //! A model whose displacement is a closed form, fitted to a record: the problem and its best of starts.
 
 use crate::candidate::Fit;
-use crate::least_squares::{Bounds, Optimum, Response, uncertainty};
+use crate::linearised::uncertainty;
 use crate::sensor_fit::all;
 use crate::window::Window;
 use crate::{SolveError, Uncertainty};
+use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response};
 
 /// Displacement of a model minus the record over the window, in units of the crush.
 pub(crate) struct ClosedForm<'a, F> {

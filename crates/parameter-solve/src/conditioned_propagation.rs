@@ -8,9 +8,9 @@ use nalgebra::DMatrix;
 
 use crate::Observed;
 use crate::closed_form_propagation::FollowedEvents;
-use crate::least_squares::{Bounds, Response, descend};
 use crate::observed::SeenWave;
 use crate::propagation::{InputUncertainty, Propagation, Repetition, by_repetition, perturbed_by};
+use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Response, descend};
 
 /// Rounds of the augmented Lagrangian, and what the conditions are met to, of crush and speed.
 const ROUNDS: usize = 12;

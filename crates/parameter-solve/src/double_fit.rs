@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lti::jacobi_svd;
+use crumple_linalg::jacobi_svd;
 use crumple_lumped::DoubleSpringMassDamper;
 use crumple_signal::{Displacement, Signal};
 use nalgebra::{DMatrix, Matrix4, Vector4};
@@ -11,11 +11,11 @@ use rayon::prelude::*;
 use crate::double_residuals::DoubleResiduals;
 use crate::error::positive;
 use crate::family::{STIFFEST, STRONGEST};
-use crate::levenberg_marquardt::{Minimum, Residuals, Settings, minimise};
 use crate::search::{REPORTED, distinct, search};
 use crate::window::Window;
 use crate::{Fit, FitQuantity, SolveError, Uncertainty};
-use crumple_metrics::lag_1_autocorrelation;
+use crumple_estimation::minimise::levenberg_marquardt_4::{Minimum, Residuals, Settings, minimise};
+use crumple_estimation::statistics::lag_1_autocorrelation;
 
 /// Names of the fitted parameters, in the order of theta.
 pub(crate) const NAMES: [&str; 4] = ["k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m"];
@@ -158,7 +158,7 @@ fn pair(fine: &DoubleResiduals<'_>, best: &Minimum, evaluations: u64) -> DoubleF
         let standard_deviation: BTreeMap<_, _> =
             (0..4).filter_map(|j| relative[j].map(|d| (NAMES[j], d * p[j]))).collect();
         Some(Uncertainty {
-            method: crate::candidate::LINEARISED,
+            method: crate::linearised::LINEARISED,
             standard_deviation,
             condition,
             residual_autocorrelation: Some(correlation),

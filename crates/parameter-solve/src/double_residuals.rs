@@ -3,8 +3,8 @@
 use crumple_lumped::{DoubleSpringMassDamper, exact_step, exact_step_with_derivatives};
 use nalgebra::{Dyn, Matrix4, OMatrix, U5, Vector4};
 
-use crate::levenberg_marquardt::Residuals;
 use crate::window::Window;
+use crumple_estimation::minimise::levenberg_marquardt_4::Residuals;
 
 /// The fit in logarithms: `theta = ln(k1, k2, c1, c2)` over their scales, so that every trial is positive.
 ///

@@ -3,9 +3,9 @@ use crumple_signal::{Displacement, Signal};
 
 use crate::closed_form_fit::{ClosedForm, fit_logarithms};
 use crate::error::positive;
-use crate::least_squares::Bounds;
 use crate::window::Window;
 use crate::{Fit, NonlinearFitOptions, SolveError, Uncertainty};
+use crumple_estimation::minimise::levenberg_marquardt::Bounds;
 
 /// The elastoplastic model with the crush, speed and restitution of the record: `k_E = m v0²/C²`, `k_P = k_E/e²`.
 ///

@@ -1,8 +1,8 @@
 //! What a record does not determine, in words.
 
 use crate::FitQuantity;
-use crate::covariance::Covariance;
 use crate::observed::FreeParameter;
+use crumple_estimation::statistics::Covariance;
 
 /// Parts below this share of the largest part of the weakest direction are left out of the sentence.
 const WORTH_NAMING: f64 = 0.2;
@@ -115,7 +115,7 @@ fn size(value: f64, quantity: FitQuantity) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::covariance::covariance;
+    use crumple_estimation::statistics::covariance;
     use nalgebra::DMatrix;
 
     fn spring(name: &'static str, value: f64) -> FreeParameter {

@@ -6,9 +6,9 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::error::positive;
-use crate::interior_point::{Evaluated, InteriorPoint, Program, interior_point};
 use crate::window::Window;
 use crate::{Fit, FitQuantity, NonlinearFitOptions, SolveError};
+use crumple_estimation::minimise::interior_point::{Evaluated, InteriorPoint, Program, interior_point};
 
 const NAMES: [&str; 6] =
     ["k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m", "c3_n_s_per_m", "v_thresh_m_per_s"];

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 
 use crate::FitQuantity;
 use crate::bootstrap::{Bootstrap, bootstrap};
-use crate::covariance::{Covariance, covariance_of_blocks};
 use crate::dual_scale::DualScale;
 use crate::identifiability::weakest_direction;
 use crate::observed::{FreeParameter, Observed, masses_of, rest_mass};
 use crate::profile::{Profile, profile};
 use crate::refine::Refined;
+use crumple_estimation::statistics::lag_1_autocorrelation;
+use crumple_estimation::statistics::{Covariance, covariance_of_blocks};
 use crumple_lumped::Model;
-use crumple_metrics::lag_1_autocorrelation;
 
 /// What is computed beyond the covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -5,9 +5,9 @@ use crumple_signal::{Displacement, Signal};
 
 use crate::closed_form_fit::{ClosedForm, fit_logarithms};
 use crate::error::positive;
-use crate::least_squares::Bounds;
 use crate::window::Window;
 use crate::{Fit, NonlinearFitOptions, SolveError, Uncertainty};
+use crumple_estimation::minimise::levenberg_marquardt::Bounds;
 
 /// Starts of the spring and of the damper, in their units.
 const SPRINGS: [f64; 5] = [0.3, 1.0, 3.0, 10.0, 30.0];

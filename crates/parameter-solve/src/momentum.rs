@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::NonlinearFitOptions;
-use crate::nonnegative::nonnegative_least_squares;
 use crate::window::Window;
+use crumple_linalg::nonnegative_least_squares;
 
 /// A knot vector of both coefficients and the values there.
 #[derive(Debug, Clone)]
@@ -78,7 +78,7 @@ impl Momentum {
     pub fn solve(&self, spring: &[Vec<f64>], damper: &[Vec<f64>]) -> (Vec<f64>, f64) {
         let columns: Vec<&Vec<f64>> = spring.iter().chain(damper).collect();
         let n = columns.len();
-        let dot = |a: &[f64], b: &[f64]| crumple_lti::dot(a, b);
+        let dot = |a: &[f64], b: &[f64]| crumple_linalg::dot(a, b);
         let norms: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt().max(f64::MIN_POSITIVE)).collect();
         let gram = DMatrix::from_fn(n, n, |i, j| dot(columns[i], columns[j]) / (norms[i] * norms[j]));
         let b = DVector::from_fn(n, |i, _| dot(columns[i], &self.lost) / norms[i]);

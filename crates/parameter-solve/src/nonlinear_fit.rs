@@ -5,12 +5,13 @@ use crumple_signal::{Displacement, Signal};
 use rayon::prelude::*;
 
 use crate::error::positive;
-use crate::least_squares::{Bounds, Response, descend, uncertainty};
+use crate::linearised::uncertainty;
 use crate::momentum::{Momentum, Start};
 use crate::nonlinear_problem::{Displacements, chain1, chain2, conditions_at_crush, units};
 use crate::sensor_fit::all;
 use crate::window::Window;
 use crate::{Fit, SolveError, Uncertainty};
+use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Response, descend};
 
 /// What a fit of a nonlinear model is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]

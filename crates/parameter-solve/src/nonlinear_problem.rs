@@ -4,8 +4,8 @@ use crumple_lumped::{Instants, Model, Nonlinear1};
 use nalgebra::DMatrix;
 
 use crate::NonlinearFitOptions;
-use crate::least_squares::Response;
 use crate::window::Window;
+use crumple_estimation::minimise::levenberg_marquardt::Response;
 
 /// For each of theta the places of the parameters it moves, and how far.
 pub(crate) type Chain = Vec<Vec<(usize, f64)>>;

@@ -7,8 +7,8 @@ use crumple_signal::{Displacement, Sampled, Signal};
 
 use nalgebra::DMatrix;
 
-use crate::least_squares::Response;
 use crate::{FitQuantity, Measurement, SolveError};
+use crumple_estimation::minimise::levenberg_marquardt::Response;
 
 /// One wave of a record and where it is compared.
 #[derive(Debug, Clone)]

@@ -1,13 +1,13 @@
 //! A fitted model followed to the minimum of its misfit as measured.
 
-use crumple_lti::jacobi_svd;
+use crumple_linalg::jacobi_svd;
 use crumple_lumped::Model;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::StopReason;
-use crate::least_squares::{Bounds, Optimum, derivatives, descend};
 use crate::observed::{FreeParameter, Observed, Problem};
+use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, derivatives, descend};
 
 /// A model at the minimum, with the sensitivities there.
 #[derive(Debug, Clone)]
@@ -138,9 +138,9 @@ mod tests {
     use crumple_signal::{Displacement, Signal};
 
     use super::*;
-    use crate::least_squares::{Response, central_differences};
     use crate::observed::free_masses;
     use crate::{IntegrationRule, Measurement, TwoPassFilter, free_parameters};
+    use crumple_estimation::minimise::levenberg_marquardt::{Response, central_differences};
 
     /// CFC 60 at 10 kHz.
     const FILTER: TwoPassFilter = TwoPassFilter {

@@ -1,12 +1,12 @@
 //! Search for the minima of the double model's error.
 
-use crumple_lti::jacobi_svd;
+use crumple_linalg::jacobi_svd;
 use nalgebra::{DMatrix, Matrix4, Vector4};
 use rayon::prelude::*;
 
 use crate::double_residuals::DoubleResiduals;
-use crate::levenberg_marquardt::{Minimum, Settings, minimise};
 use crate::starts::start;
+use crumple_estimation::minimise::levenberg_marquardt_4::{Minimum, Settings, minimise};
 
 /// Minima kept.
 pub(crate) const REPORTED: usize = 3;

@@ -1,13 +1,13 @@
 //! Any model fitted to any sensors: search, descent, weights.
 
-use crumple_lti::jacobi_svd;
+use crumple_linalg::jacobi_svd;
 use rayon::prelude::*;
 
 use crate::free_model::FreeModel;
-use crate::l_shade::{LShadeOptions, LShadeStop, l_shade};
-use crate::least_squares::{Bounds, Optimum, Response, descend};
 use crate::sensor_problem::{Observed, SensorProblem};
 use crate::starts::start_in;
+use crumple_estimation::minimise::l_shade::{LShadeOptions, LShadeStop, l_shade};
+use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
 
 /// Minima kept.
 const REPORTED: usize = 3;

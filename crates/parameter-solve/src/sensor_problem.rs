@@ -5,8 +5,8 @@ use nalgebra::DMatrix;
 
 use crate::FitQuantity;
 use crate::free_model::{FreeModel, places};
-use crate::least_squares::Response;
 use crate::window::Window;
+use crumple_estimation::minimise::levenberg_marquardt::Response;
 
 /// A sensor's window, and the weight of its residuals.
 #[derive(Debug, Clone)]

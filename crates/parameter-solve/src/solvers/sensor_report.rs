@@ -5,12 +5,13 @@ use crumple_signal::Notes;
 
 use crate::family::Family;
 use crate::free_model::FreeModel;
-use crate::least_squares::{Optimum, Response, uncertainty};
+use crate::linearised::uncertainty;
 use crate::sensor_fit::Fitted;
 use crate::sensor_problem::{Observed, SensorProblem};
 use crate::solver::Task;
 use crate::solvers::sensors::is_plain;
 use crate::{Candidate, Fit, Sensor, SensorFit, bounds_remark, errors_in_words, errors_remark};
+use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response};
 
 /// Sets that are reported at most.
 const REPORTED: usize = 3;
@@ -150,7 +151,9 @@ impl<'a> Report<'a> {
             }
             // Where the dual leads if it is followed: the second best explanation.
             let settings = crate::sensor_fit::bounds(self.family, 200, 1e-15);
-            if let Some(followed) = crate::least_squares::descend(&self.problem(), &dual, &settings) {
+            if let Some(followed) =
+                crumple_estimation::minimise::levenberg_marquardt::descend(&self.problem(), &dual, &settings)
+            {
                 let apart = |m: &Optimum| m.theta.iter().zip(&followed.theta).any(|(a, b)| (a - b).abs() > 0.01);
                 if minima.iter().all(apart) {
                     own.push(vec![format!(
@@ -194,7 +197,7 @@ impl<'a> Report<'a> {
             let theta = self.family.theta(&Model::DoubleSpringMassDamper(dual));
             let settings = crate::sensor_fit::bounds(self.family, 0, 1e-15);
             // Where a bound keeps the dual out it is none of the candidates.
-            let other = crate::least_squares::descend(&self.problem(), &theta, &settings)
+            let other = crumple_estimation::minimise::levenberg_marquardt::descend(&self.problem(), &theta, &settings)
                 .filter(|other| other.cost <= minimum.cost * (1.0 + 1e-6) + 1e-20);
             let mut pair: Vec<Candidate> = [Some(minimum), other.as_ref()]
                 .into_iter()

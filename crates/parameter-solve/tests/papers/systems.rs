@@ -1,8 +1,8 @@
 //! State spaces, transfer functions, sums of exponentials, polynomials.
 
+use crumple_linalg::jacobi_svd;
 use crumple_lti::{
-    Complex, StateSpace, TransferFunction, discretize_zero_order_hold, eigenvalues, eigenvectors, jacobi_svd,
-    polynomial_roots,
+    Complex, StateSpace, TransferFunction, discretize_zero_order_hold, eigenvalues, eigenvectors, polynomial_roots,
 };
 use nalgebra::DMatrix;
 use serde_json::{Value, json};

@@ -1,9 +1,9 @@
 //! Covariance of fitted parameters under residuals that hang together in time.
 
-use crumple_lti::jacobi_svd;
+use crumple_linalg::jacobi_svd;
 use nalgebra::{DMatrix, DVector};
 
-use crumple_metrics::{autocorrelation_time, autocovariance, first_zero_lag};
+use super::autocorrelation::{autocorrelation_time, autocovariance, first_zero_lag};
 
 /// Singular values below this share of the largest are those of the differences, not of the model.
 const RANK_TOLERANCE: f64 = 1e-8;
@@ -49,11 +49,7 @@ pub fn covariance(j_m: &DMatrix<f64>, residuals_m: &[f64], resolution_m: f64) ->
 
 /// The same for residuals of several waves, one after the other, in one unit: `(samples, resolution)` of each. Errors hang
 /// together within a wave, not from one to another; each wave pays for as many parameters as it has part in the fit.
-pub(crate) fn covariance_of_blocks(
-    j_m: &DMatrix<f64>,
-    residuals_m: &[f64],
-    blocks: &[(usize, f64)],
-) -> Option<Covariance> {
+pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[(usize, f64)]) -> Option<Covariance> {
     let (n, p) = j_m.shape();
     let whole = blocks.iter().map(|(samples, _)| samples).sum::<usize>() == n && blocks.iter().all(|b| b.0 > 0);
     if p == 0 || n <= p || residuals_m.len() != n || !whole {
@@ -158,7 +154,7 @@ fn middle(u: &DMatrix<f64>, lags: &[f64]) -> DMatrix<f64> {
 }
 
 /// The factor of a 95 % interval by Student's distribution, by interpolation in `1/freedom`: within 1 % from 2 on, 15 % below.
-pub(crate) fn student_95(freedom: f64) -> f64 {
+pub fn student_95(freedom: f64) -> f64 {
     const TABLE: [(f64, f64); 12] = [
         (1.0, 12.706),
         (1.5, 6.3),

@@ -1,14 +1,13 @@
 //! Covariance of what a separable fit found, and of what follows from it.
 
-use crumple_lti::dot;
+use crumple_linalg::{Solution, TriangularFactor, dot};
 use nalgebra::DMatrix;
 
-use crate::least_squares::{Solution, TriangularFactor};
-use crate::separable::{Separable, SeparableFit, evaluate, projected_jacobian};
+use super::variable_projection::{Separable, SeparableFit, evaluate, projected_jacobian};
 
 /// Covariance of all unknowns of a fit (poles, then linear ones), for as many independent samples as there effectively
 /// are, and the condition number of their column-scaled sensitivities.
-pub(crate) fn unknowns_covariance(
+pub fn unknowns_covariance(
     problem: &impl Separable,
     best: &SeparableFit,
     effective: f64,
@@ -45,7 +44,7 @@ pub(crate) fn unknowns_covariance(
 
 /// Covariance of the nonlinear unknowns alone, the linear ones projected out: the same block of [`unknowns_covariance`] at a
 /// fraction of its cost where there are many outputs. The condition number is that of their projected sensitivities.
-pub(crate) fn nonlinear_covariance(
+pub fn nonlinear_covariance(
     problem: &impl Separable,
     best: &SeparableFit,
     effective: f64,
@@ -69,11 +68,7 @@ pub(crate) fn nonlinear_covariance(
 }
 
 /// Covariance of `describe(unknowns)` by central differences.
-pub(crate) fn propagated(
-    describe: &impl Fn(&[f64]) -> Vec<f64>,
-    unknowns: &[f64],
-    covariance: &DMatrix<f64>,
-) -> DMatrix<f64> {
+pub fn propagated(describe: &impl Fn(&[f64]) -> Vec<f64>, unknowns: &[f64], covariance: &DMatrix<f64>) -> DMatrix<f64> {
     let count = describe(unknowns).len();
     let mut jacobian = DMatrix::zeros(count, unknowns.len());
     for i in 0..unknowns.len() {

@@ -1,10 +1,9 @@
 //! Nonlinear least squares where most unknowns are linear: variable projection with bounded Levenberg-Marquardt.
 
-use crumple_lti::dot;
+use crumple_linalg::{TriangularFactor, dot};
 use nalgebra::{DMatrix, DVector};
 
-use crate::least_squares::TriangularFactor;
-use crate::termination::{Stop, Termination};
+use super::termination::{Stop, Termination};
 
 /// A column that is this much shorter after what others explain is removed is taken for dependent on them.
 const DEPENDENT: f64 = 1e-11;
@@ -16,7 +15,7 @@ const COST_TOLERANCE: f64 = 1e-13;
 const DAMPING_LIMIT: f64 = 1e16;
 
 /// A model `y = known(theta) + basis(theta) c`, the same basis for every output, each output with its own `c`.
-pub(crate) trait Separable: Sync {
+pub trait Separable: Sync {
     /// Measured outputs, each of the same length.
     fn targets(&self) -> &[Vec<f64>];
 
@@ -33,40 +32,47 @@ pub(crate) trait Separable: Sync {
 }
 
 /// What a model offers to combine linearly.
-pub(crate) struct Basis {
+pub struct Basis {
     /// Signals.
-    pub(crate) columns: Vec<Vec<f64>>,
+    pub columns: Vec<Vec<f64>>,
     /// Part without free coefficients, per output; empty: none.
-    pub(crate) known: Vec<Vec<f64>>,
+    pub known: Vec<Vec<f64>>,
 }
 
 /// A stationary point, or the best seen.
 #[derive(Debug, Clone)]
-pub(crate) struct SeparableFit {
-    pub(crate) theta: Vec<f64>,
+pub struct SeparableFit {
+    /// Nonlinear unknowns.
+    pub theta: Vec<f64>,
     /// One column per output.
-    pub(crate) coefficients: DMatrix<f64>,
+    pub coefficients: DMatrix<f64>,
     /// Residuals, output after output.
-    pub(crate) residual: Vec<f64>,
+    pub residual: Vec<f64>,
     /// Sum of squared residuals.
-    pub(crate) cost: f64,
-    pub(crate) iterations: usize,
-    pub(crate) evaluations: usize,
-    pub(crate) termination: Termination,
+    pub cost: f64,
+    /// Steps tried.
+    pub iterations: usize,
+    /// Evaluations of the basis.
+    pub evaluations: usize,
+    /// Why the descent ended.
+    pub termination: Termination,
 }
 
 /// Everything known at one point.
-pub(crate) struct Point {
-    pub(crate) coefficients: DMatrix<f64>,
-    pub(crate) residual: Vec<f64>,
-    pub(crate) cost: f64,
+pub struct Point {
+    /// Linear unknowns, one column per output.
+    pub coefficients: DMatrix<f64>,
+    /// Residuals, output after output.
+    pub residual: Vec<f64>,
+    /// Their sum of squares.
+    pub cost: f64,
     /// Orthonormal basis of the span of the columns.
     q: Vec<Vec<f64>>,
 }
 
 /// Solves the linear part at `theta`: orthonormal columns by Gram-Schmidt with reorthogonalisation, each first scaled
 /// to norm 1; a dependent column gets the coefficient 0.
-pub(crate) fn evaluate(problem: &impl Separable, theta: &[f64]) -> Option<Point> {
+pub fn evaluate(problem: &impl Separable, theta: &[f64]) -> Option<Point> {
     let Basis { columns, known } = problem.basis(theta)?;
     let targets = problem.targets();
     let count = columns.len();
@@ -150,7 +156,7 @@ pub(crate) fn evaluate(problem: &impl Separable, theta: &[f64]) -> Option<Point>
 
 /// The Jacobian of the residual after Kaufman: `-(I - Q Q') d(known + basis c)/dtheta`, one signal per parameter. Its
 /// product with the residual is the exact gradient.
-pub(crate) fn projected_jacobian(problem: &impl Separable, theta: &[f64], point: &Point) -> Option<Vec<Vec<f64>>> {
+pub fn projected_jacobian(problem: &impl Separable, theta: &[f64], point: &Point) -> Option<Vec<Vec<f64>>> {
     let mut jacobian = problem.sensitivities(theta, &point.coefficients)?;
     let samples = problem.targets()[0].len();
     for column in &mut jacobian {
@@ -174,7 +180,7 @@ pub(crate) fn projected_jacobian(problem: &impl Separable, theta: &[f64], point:
 ///
 /// Golub & Pereyra, SIAM J. Numer. Anal. 10, 1973; Kaufman, BIT 15, 1975; damping after Marquardt with the gain-ratio
 /// rule of Nielsen (1999). Bounds by clamping steps and holding parameters whose descent leads outwards.
-pub(crate) fn minimize(problem: &impl Separable, start: &[f64], stop: Stop) -> Option<SeparableFit> {
+pub fn minimize(problem: &impl Separable, start: &[f64], stop: Stop) -> Option<SeparableFit> {
     let bounds = problem.bounds();
     let mut theta: Vec<f64> = start.iter().zip(&bounds).map(|(x, (low, high))| x.clamp(*low, *high)).collect();
     let mut point = evaluate(problem, &theta)?;

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 ///
 /// `gram` is small and scaled to a diagonal of ones by the caller; squaring the condition is fine for a start that is
 /// refined afterwards. Ends after a bounded number of exchanges with the best point so far.
-pub(crate) fn nonnegative_least_squares(gram: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
+pub fn nonnegative_least_squares(gram: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     let n = b.len();
     let mut x = DVector::zeros(n);
     let mut free = vec![false; n];

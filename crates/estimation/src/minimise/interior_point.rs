@@ -2,34 +2,43 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use crate::StopReason;
+use super::stop_reason::StopReason;
 
 /// Minimise `f(x)` with `c(x) = 0` and `G x + h >= 0`.
-pub(crate) trait Program {
+pub trait Program {
     /// `f`, its gradient, `c` and its Jacobian; `None` where there is no finite response.
     fn evaluate(&self, x: &DVector<f64>) -> Option<Evaluated>;
 }
 
 /// What a program says at a point.
 #[derive(Debug, Clone)]
-pub(crate) struct Evaluated {
+pub struct Evaluated {
+    /// Cost `f(x)`.
     pub f: f64,
+    /// Its gradient, one entry an unknown.
     pub gradient: DVector<f64>,
     /// A first Hessian of `f`, e.g. that of Gauss and Newton.
     pub hessian: DMatrix<f64>,
+    /// Residuals of the equations, `c(x) = 0` at a solution.
     pub c: DVector<f64>,
+    /// Derivatives of the equations, one row an equation.
     pub jacobian: DMatrix<f64>,
 }
 
 /// Where the method ended.
 #[derive(Debug, Clone)]
-pub(crate) struct InteriorPoint {
+pub struct InteriorPoint {
+    /// The last point.
     pub x: DVector<f64>,
+    /// Cost there.
     pub f: f64,
     /// Largest violation of an equation or inequality.
     pub infeasibility: f64,
+    /// Steps taken.
     pub iterations: u32,
+    /// Evaluations of the program.
     pub evaluations: u64,
+    /// Why it ended there.
     pub stop: StopReason,
 }
 
@@ -44,7 +53,7 @@ const MAX_ITERATIONS: u32 = 400;
 /// multiple of the identity added until the matrix of the step has the right inertia.
 ///
 /// Local, as every method of its kind. Nocedal & Wright, *Numerical Optimization*, 2006, chapter 19.
-pub(crate) fn interior_point(
+pub fn interior_point(
     program: &impl Program,
     start: &DVector<f64>,
     (g, h): (&DMatrix<f64>, &DVector<f64>),

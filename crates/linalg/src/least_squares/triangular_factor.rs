@@ -1,6 +1,7 @@
 //! Tall least-squares problems by orthogonal transformations, without holding the whole matrix.
 
-use crumple_lti::{dot, jacobi_svd};
+use crate::product::dot;
+use crate::svd::jacobi_svd;
 use nalgebra::DMatrix;
 
 /// Condition number of the column-scaled equations above which a solution is refused.
@@ -11,7 +12,7 @@ pub const CONDITION_LIMIT: f64 = 1e12;
 /// Householder reflections of `[R; block]`, two at a time: the same backward error as one QR of the whole, and no normal
 /// equations. Cost `2 rows columns²`; memory one block.
 #[derive(Debug, Clone)]
-pub(crate) struct TriangularFactor {
+pub struct TriangularFactor {
     columns: usize,
     rows: usize,
     /// Upper triangle, column after column.
@@ -20,17 +21,17 @@ pub(crate) struct TriangularFactor {
 
 impl TriangularFactor {
     /// Of a matrix without rows so far.
-    pub(crate) fn new(columns: usize) -> Self {
+    pub fn new(columns: usize) -> Self {
         Self { columns, rows: 0, r: vec![0.0; columns * columns] }
     }
 
     /// Number of rows per block that stays in the fastest cache.
-    pub(crate) fn block_rows(columns: usize) -> usize {
+    pub fn block_rows(columns: usize) -> usize {
         (4096 / columns.max(1)).clamp(96, 1024)
     }
 
     /// Adds the rows of a block: `rows` entries of the first column, then of the second, ... The block is destroyed.
-    pub(crate) fn push(&mut self, rows: usize, block: &mut [f64]) {
+    pub fn push(&mut self, rows: usize, block: &mut [f64]) {
         let p = self.columns;
         debug_assert_eq!(block.len(), rows * p);
         self.rows += rows;
@@ -93,7 +94,7 @@ impl TriangularFactor {
     }
 
     /// Adds the rows that another factor stands for.
-    pub(crate) fn merge(&mut self, other: &Self) {
+    pub fn merge(&mut self, other: &Self) {
         debug_assert_eq!(self.columns, other.columns);
         let rows = self.rows + other.rows;
         let mut block = other.r.clone();
@@ -102,12 +103,12 @@ impl TriangularFactor {
     }
 
     /// Number of rows taken so far.
-    pub(crate) fn rows(&self) -> usize {
+    pub fn rows(&self) -> usize {
         self.rows
     }
 
     /// The factor as a matrix.
-    pub(crate) fn matrix(&self) -> DMatrix<f64> {
+    pub fn matrix(&self) -> DMatrix<f64> {
         DMatrix::from_column_slice(self.columns, self.columns, &self.r)
     }
 
@@ -116,7 +117,7 @@ impl TriangularFactor {
     /// Columns are scaled to norm 1, then a singular value decomposition of the triangle tells the condition number.
     /// Singular values below `truncation` of the largest count as zero (the solution of least norm in scaled columns).
     /// `None` if the decomposition does not settle or a column is not finite.
-    pub(crate) fn solve(&self, targets: usize, truncation: f64) -> Option<Solution> {
+    pub fn solve(&self, targets: usize, truncation: f64) -> Option<Solution> {
         let p = self.columns - targets;
         let r = self.matrix();
         if r.iter().any(|x| !x.is_finite()) {
@@ -198,17 +199,17 @@ fn four_products(x: &[f64], y: &[f64], c: &[f64], d: &[f64]) -> [f64; 4] {
 
 /// What [`TriangularFactor::solve`] found.
 #[derive(Debug, Clone)]
-pub(crate) struct Solution {
+pub struct Solution {
     /// One column per target.
-    pub(crate) coefficients: DMatrix<f64>,
+    pub coefficients: DMatrix<f64>,
     /// Sum of squared residuals of every target.
-    pub(crate) residual_squares: Vec<f64>,
+    pub residual_squares: Vec<f64>,
     /// Number of singular values that count.
-    pub(crate) rank: usize,
+    pub rank: usize,
     /// Condition number of the column-scaled equations, before truncation.
-    pub(crate) condition: f64,
+    pub condition: f64,
     /// `(X' X)⁻¹`, to be multiplied by the noise variance.
-    pub(crate) inverse_square: DMatrix<f64>,
+    pub inverse_square: DMatrix<f64>,
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ impl Default for LShadeOptions {
 
 /// Why the search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum LShadeStop {
+pub enum LShadeStop {
     /// All evaluations are used up.
     Evaluations,
     /// All members have the same cost to rounding.
@@ -32,11 +32,15 @@ pub(crate) enum LShadeStop {
 
 /// What the search found.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct LShadeResult {
+pub struct LShadeResult {
     /// Best point of the unit box.
+    /// The best point.
     pub point: Vec<f64>,
+    /// Its cost.
     pub cost: f64,
+    /// Evaluations of the cost.
     pub evaluations: u64,
+    /// Why the search ended.
     pub stop: LShadeStop,
 }
 
@@ -87,7 +91,7 @@ struct Trial {
 /// performance of SHADE using linear population size reduction", CEC 2014. Trial points of a generation are drawn one after
 /// the other and evaluated side by side, so the result does not depend on the number of threads. Ends near a minimum, not
 /// in it.
-pub(crate) fn l_shade(axes: usize, options: &LShadeOptions, cost: impl Fn(&[f64]) -> f64 + Sync) -> LShadeResult {
+pub fn l_shade(axes: usize, options: &LShadeOptions, cost: impl Fn(&[f64]) -> f64 + Sync) -> LShadeResult {
     let cost = |point: &[f64]| {
         let found = cost(point);
         if found.is_nan() { f64::INFINITY } else { found }

@@ -3,17 +3,13 @@
 //! Sensitivities are the problem's own where it has them, else differences. The fit of the double model to its compartment
 //! has its own descent, of fixed size.
 
-use std::collections::BTreeMap;
-
-use crumple_lti::jacobi_svd;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::{StopReason, Uncertainty};
-use crumple_metrics::lag_1_autocorrelation;
+use super::stop_reason::StopReason;
 
 /// Residuals at a point; `false` if the model has no finite response there.
-pub(crate) trait Response: Sync {
+pub trait Response: Sync {
     /// Number of residuals.
     fn rows(&self) -> usize;
     /// Fills `out`.
@@ -31,9 +27,12 @@ pub(crate) trait Response: Sync {
 
 /// Where to stay and when to stop.
 #[derive(Debug, Clone)]
-pub(crate) struct Bounds {
+pub struct Bounds {
+    /// Smallest value of each unknown.
     pub lower: Vec<f64>,
+    /// Largest value of each unknown.
     pub upper: Vec<f64>,
+    /// Steps after which the best point so far is the result.
     pub max_iterations: u32,
     /// Smallest relative decrease of the cost worth going on for.
     pub cost_tolerance: f64,
@@ -41,15 +40,20 @@ pub(crate) struct Bounds {
 
 /// Where a descent ended.
 #[derive(Debug, Clone)]
-pub(crate) struct Optimum {
+pub struct Optimum {
+    /// The unknowns.
     pub theta: Vec<f64>,
     /// Sum of squares.
     pub cost: f64,
     /// Triangle of the sensitivities.
     pub r: DMatrix<f64>,
+    /// Unknowns that their bound holds: the cost falls beyond it.
     pub on_bound: Vec<bool>,
+    /// Steps tried.
     pub iterations: u32,
+    /// Evaluations of the residuals, those for differences too.
     pub evaluations: u64,
+    /// Why the descent ended.
     pub stop: StopReason,
 }
 
@@ -66,7 +70,7 @@ struct Linear {
 
 /// Descends from `start`, which is moved into the bounds; `None` if it has no finite response. Parameters should be of
 /// size one. Method and steps as in `levenberg_marquardt`.
-pub(crate) fn descend(problem: &impl Response, start: &[f64], bounds: &Bounds) -> Option<Optimum> {
+pub fn descend(problem: &impl Response, start: &[f64], bounds: &Bounds) -> Option<Optimum> {
     let n = start.len();
     let clamp =
         |theta: &[f64]| -> Vec<f64> { (0..n).map(|i| theta[i].clamp(bounds.lower[i], bounds.upper[i])).collect() };
@@ -176,7 +180,7 @@ fn linearise(
 
 /// The derivatives of the residuals at a minimum from central differences, one-sided at a bound; `None` where one has no finite
 /// response. Off by a third of the squared step times the third derivative, and rounding over the step: both near 1e-10.
-pub(crate) fn central_differences(problem: &impl Response, theta: &[f64], bounds: &Bounds) -> Option<DMatrix<f64>> {
+pub fn central_differences(problem: &impl Response, theta: &[f64], bounds: &Bounds) -> Option<DMatrix<f64>> {
     let rows = problem.rows();
     let mut found = DMatrix::zeros(rows, theta.len());
     let mut moved = theta.to_vec();
@@ -199,7 +203,7 @@ pub(crate) fn central_differences(problem: &impl Response, theta: &[f64], bounds
 }
 
 /// The derivatives of the residuals at a minimum: the problem's own, or central differences where it has none.
-pub(crate) fn derivatives(problem: &impl Response, theta: &[f64], bounds: &Bounds) -> Option<DMatrix<f64>> {
+pub fn derivatives(problem: &impl Response, theta: &[f64], bounds: &Bounds) -> Option<DMatrix<f64>> {
     let mut own = DMatrix::zeros(problem.rows(), theta.len());
     if problem.sensitivities(theta, &mut own) == Some(true) {
         return Some(own);
@@ -280,42 +284,4 @@ fn damped_step(
             return step.iter().all(|x| x.is_finite()).then_some(step);
         }
     }
-}
-
-/// Linearised deviations of the parameters `factor_i theta_i`, as the fit of the double model has them: `sigma² (J'J)^-1`,
-/// widened for the lag-1 autocorrelation of the residuals. Those on a bound have none; `None` where nothing is left.
-pub(crate) fn uncertainty(
-    best: &Optimum,
-    residuals: &[f64],
-    names: &[&'static str],
-    factors: &[f64],
-) -> Option<Uncertainty> {
-    let free: Vec<usize> = (0..names.len()).filter(|&i| !best.on_bound[i]).collect();
-    let norms: Vec<f64> = best.r.column_iter().map(|c| c.norm()).collect();
-    if free.is_empty() || free.iter().any(|&i| norms[i] == 0.0) || residuals.len() <= free.len() {
-        return None;
-    }
-    let n = names.len();
-    let scaled = DMatrix::from_fn(n, free.len(), |i, j| best.r[(i, free[j])] / norms[free[j]]);
-    let svd = jacobi_svd(&scaled)?;
-    let (largest, smallest) = (svd.values[0], svd.values[free.len() - 1]);
-    if smallest <= 0.0 {
-        return None;
-    }
-    let rho = lag_1_autocorrelation(residuals);
-    let variance = best.cost / (residuals.len() - free.len()) as f64 * (1.0 + rho) / (1.0 - rho);
-    let standard_deviation: BTreeMap<_, _> = free
-        .iter()
-        .enumerate()
-        .map(|(j, &i)| {
-            let inverse: f64 = (0..free.len()).map(|k| (svd.right[(j, k)] / svd.values[k]).powi(2)).sum();
-            (names[i], (variance * inverse).sqrt() / norms[i] * factors[i].abs())
-        })
-        .collect();
-    standard_deviation.values().all(|d| d.is_finite()).then_some(Uncertainty {
-        method: crate::candidate::LINEARISED,
-        standard_deviation,
-        condition: largest / smallest,
-        residual_autocorrelation: Some(rho),
-    })
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use crate::inner_product::dot;
+use crate::product::dot;
 
 /// Sweeps after which it counts as stuck; two to four are usual.
 const MAX_SWEEPS: usize = 60;

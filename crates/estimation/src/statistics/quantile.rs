@@ -1,3 +1,5 @@
+//! Order statistics of small samples.
+
 /// The value below which a share of the sorted values lies, linear between order statistics (type 7 of Hyndman & Fan, 1996);
 /// `None` without values. A share beyond 0 and 1 is taken for these.
 pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {

@@ -1,9 +1,7 @@
-//! Order statistics of small samples.
-
-pub(crate) use crumple_metrics::quantile;
+//! The spread of a small sample.
 
 /// Standard deviation about the mean, with `n - 1`; `None` for fewer than two values.
-pub(crate) fn standard_deviation(values: &[f64]) -> Option<f64> {
+pub fn standard_deviation(values: &[f64]) -> Option<f64> {
     let n = values.len() as f64;
     if values.len() < 2 {
         return None;

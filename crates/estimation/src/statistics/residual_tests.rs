@@ -1,6 +1,6 @@
 //! What residuals say about a model.
 
-use crumple_lti::dot;
+use crumple_linalg::dot;
 
 /// Whiteness of residuals and their independence of the input.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,14 +46,14 @@ pub fn residual_tests(residual: &[f64], input: Option<&[f64]>, lags: usize) -> O
 }
 
 /// 95 % point of chi-square with `n` degrees of freedom (Wilson & Hilferty 1931, within 1 % for n >= 2).
-pub(crate) fn chi_square_95(n: f64) -> f64 {
+pub fn chi_square_95(n: f64) -> f64 {
     let h = 2.0 / (9.0 * n);
     n * (1.0 - h + 1.644_853_6 * h.sqrt()).powi(3)
 }
 
 /// Number of independent samples that correlated residuals are worth, `N (1 - rho)/(1 + rho)` with `rho` the lag-one
 /// autocorrelation, from 2 to N: exact for a first-order autoregression.
-pub fn effective_samples(residual: &[f64]) -> f64 {
+pub fn autoregressive_effective_samples(residual: &[f64]) -> f64 {
     let n = residual.len() as f64;
     let energy = dot(residual, residual);
     if residual.len() < 2 || energy <= 0.0 {
@@ -68,20 +68,20 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crate::random::uniform;
+    use crate::random::uniform_at;
 
     #[test]
     fn white_noise_passes_and_a_smooth_error_fails() {
-        let white: Vec<f64> = (0..2000).map(|k| uniform(7, k) - 0.5).collect();
-        let input: Vec<f64> = (0..2000).map(|k| uniform(8, k) - 0.5).collect();
+        let white: Vec<f64> = (0..2000).map(|k| uniform_at(7, k) - 0.5).collect();
+        let input: Vec<f64> = (0..2000).map(|k| uniform_at(8, k) - 0.5).collect();
         let tests = residual_tests(&white, Some(&input), 20).unwrap();
         assert!(tests.whiteness < tests.whiteness_limit && tests.lag_one.abs() < 0.05, "{tests:?}");
         // 21 lags: the largest of as many normal numbers is seldom above 3.4 deviations.
         assert!(tests.input_correlation.unwrap() < 1.75, "{tests:?}");
-        assert!(effective_samples(&white) > 1800.0);
+        assert!(autoregressive_effective_samples(&white) > 1800.0);
         let smooth: Vec<f64> = (0..2000).map(|k| (f64::from(k) * 0.01).sin()).collect();
         assert!(residual_tests(&smooth, None, 20).unwrap().whiteness > 1e4);
-        assert!(effective_samples(&smooth) < 10.0);
+        assert!(autoregressive_effective_samples(&smooth) < 10.0);
         assert_eq!(residual_tests(&[0.0; 50], None, 20), None);
     }
 

@@ -1,11 +1,11 @@
 //! Bounded Levenberg-Marquardt for four parameters.
 
-use std::fmt;
-
 use nalgebra::{Dyn, Matrix4, OMatrix, SMatrix, U5, Vector4};
 
+use super::stop_reason::StopReason;
+
 /// A residual vector that depends on four parameters.
-pub(crate) trait Residuals {
+pub trait Residuals {
     /// Residuals at `theta`; `None` if the response is not finite there.
     fn residuals(&self, theta: &Vector4<f64>) -> Option<Vec<f64>>;
     /// Rows `[dr/dtheta, r]`, one for each residual.
@@ -14,9 +14,12 @@ pub(crate) trait Residuals {
 
 /// When to stop and where to stay.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Settings {
+pub struct Settings {
+    /// Smallest value of each unknown.
     pub lower: Vector4<f64>,
+    /// Largest value of each unknown.
     pub upper: Vector4<f64>,
+    /// Steps after which the best point so far is the result.
     pub max_iterations: u32,
     /// Smallest relative decrease of the cost, predicted and found, that is worth going on for.
     pub cost_tolerance: f64,
@@ -26,49 +29,23 @@ pub(crate) struct Settings {
     pub gradient_tolerance: f64,
 }
 
-/// Why a fit stopped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StopReason {
-    /// The residuals are orthogonal to every sensitivity: a stationary point.
-    GradientConverged,
-    /// The cost no longer decreases.
-    CostConverged,
-    /// The parameters no longer move.
-    StepConverged,
-    /// The iteration limit was reached; the parameters are the best seen.
-    IterationLimit,
-}
-
-impl StopReason {
-    /// The name in records.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::GradientConverged => "gradient-converged",
-            Self::CostConverged => "cost-converged",
-            Self::StepConverged => "step-converged",
-            Self::IterationLimit => "iteration-limit",
-        }
-    }
-}
-
-impl fmt::Display for StopReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
 /// Where a fit ended.
 #[derive(Debug, Clone)]
-pub(crate) struct Minimum {
+pub struct Minimum {
+    /// The unknowns.
     pub theta: Vector4<f64>,
     /// Sum of squares.
     pub cost: f64,
     /// Upper triangle of the sensitivities there: `J'J = R'R`.
     pub r: Matrix4<f64>,
     /// Parameters that stand on a bound and would leave it outwards.
+    /// Unknowns that their bound holds: the cost falls beyond it.
     pub on_bound: [bool; 4],
+    /// Steps tried.
     pub iterations: u32,
+    /// Evaluations of the residuals.
     pub evaluations: u64,
+    /// Why the descent ended.
     pub stop: StopReason,
 }
 
@@ -101,7 +78,7 @@ fn linearise(problem: &impl Residuals, theta: &Vector4<f64>) -> Option<Linear> {
 /// leaves the box. Local: the result depends on the start. `None` if the start has no finite response.
 ///
 /// Madsen, Nielsen, Tingleff, *Methods for non-linear least squares problems*, 2nd ed., 2004, section 3.2.
-pub(crate) fn minimise(problem: &impl Residuals, start: &Vector4<f64>, settings: &Settings) -> Option<Minimum> {
+pub fn minimise(problem: &impl Residuals, start: &Vector4<f64>, settings: &Settings) -> Option<Minimum> {
     let mut theta = clamp(start, settings);
     let mut linear = linearise(problem, &theta)?;
     let mut evaluations = 1;

@@ -1,8 +1,8 @@
 //! How residuals hang together in time, and what that leaves of their number.
 //!
-//! Two rules for two uses. Of a lumped model's misfit, slow and not like any simple noise: the autocorrelation time of this file.
-//! `crumple-identify` has rules of its own: criteria of models count `N (1 - r)/(1 + r)` with the lag-1 autocorrelation, right for a
-//! first-order autoregression, and blocks of a bootstrap follow Sokal's window.
+//! Two rules for two uses. Of a lumped model's misfit, slow and not like any simple noise: the autocorrelation time of this file
+//! (Geyer). Criteria of linear models count `N (1 - r)/(1 + r)` with the lag-1 autocorrelation, right for a first-order
+//! autoregression: [`autoregressive_effective_samples`](super::autoregressive_effective_samples).
 
 use realfft::RealFftPlanner;
 
