@@ -1,8 +1,8 @@
-//! Linear algebra of small dense matrices, beside what nalgebra has: singular values to full relative accuracy, least squares
-//! without normal equations, inner products in a fixed order.
+//! Linear algebra of small dense matrices, beside what nalgebra has: singular values to full relative accuracy, least
+//! squares without normal equations, inner products in a fixed order.
 //!
-//! Every function gives the same bits for the same input: sums run in an order that is written down, and no routine picks
-//! another one by the processor. Matrices are nalgebra's `DMatrix<f64>`, column-major; vectors are slices.
+//! Every function gives the same bits for the same input: sums run in an order that is written down, and no routine
+//! picks another one by the processor. Matrices are nalgebra's `DMatrix<f64>`, column-major; vectors are slices.
 //!
 //! rooms: least_squares | svd | product
 

@@ -1,4 +1,8 @@
 //! A primal-dual interior-point method for few variables, as the single-mass paper uses one.
+//!
+//! Minimises `f(x)` subject to equations `c(x) = 0` and linear inequalities `G x + h >= 0`. Variables should be of size
+//! one: the tolerance, 1e-8, is absolute on stationarity, complementarity and feasibility alike. Meant for some ten
+//! variables: every step takes an eigenvalue decomposition of the whole matrix.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -10,7 +14,7 @@ pub trait Program {
     fn evaluate(&self, x: &DVector<f64>) -> Option<Evaluated>;
 }
 
-/// What a program says at a point.
+/// Values and derivatives of a program at a point.
 #[derive(Debug, Clone)]
 pub struct Evaluated {
     /// Cost `f(x)`.
@@ -46,11 +50,13 @@ pub struct InteriorPoint {
 const FRACTION: f64 = 0.995;
 /// Optimality and feasibility, in units in which everything is of size one.
 const TOLERANCE: f64 = 1e-8;
+/// Steps after which the best point so far is the result.
 const MAX_ITERATIONS: u32 = 400;
 
-/// Slacks for the inequalities, a logarithmic barrier that falls by `mu <- max(tol/10, min(0.2 mu, mu^1.5))`, damped BFGS
-/// for the Hessian of the Lagrangian (begun with the program's own, and again where a step had to be cut), an l1 merit function with backtracking, and a
-/// multiple of the identity added until the matrix of the step has the right inertia.
+/// Slacks for the inequalities, a logarithmic barrier that falls by `mu <- max(tol/10, min(0.2 mu, mu^1.5))`, damped
+/// BFGS for the Hessian of the Lagrangian (begun with the program's own, and again where a step had to be cut), an l1
+/// merit function with backtracking, and a multiple of the identity added until the matrix of the step has the right
+/// inertia. `g` has one row and `h` one entry an inequality. `None` if the program has no finite value at the start.
 ///
 /// Local, as every method of its kind. Nocedal & Wright, *Numerical Optimization*, 2006, chapter 19.
 pub fn interior_point(
@@ -102,8 +108,8 @@ pub fn interior_point(
         let dz = s.map(|s| mu / s) - &z - sigma.component_mul(&ds);
 
         let penalty = 1.5 * next_y.amax().max(z.amax()).max(1e-3);
-        let reach = |of: &DVector<f64>, by: &DVector<f64>| {
-            of.iter().zip(by).filter(|(_, d)| **d < 0.0).map(|(v, d)| -FRACTION * v / d).fold(1.0, f64::min)
+        let reach = |values: &DVector<f64>, step: &DVector<f64>| {
+            values.iter().zip(step).filter(|(_, d)| **d < 0.0).map(|(v, d)| -FRACTION * v / d).fold(1.0, f64::min)
         };
         let merit = |at: &Evaluated, x: &DVector<f64>, s: &DVector<f64>| {
             at.f - mu * s.iter().map(|s| s.ln()).sum::<f64>() + penalty * (at.c.lp_norm(1) + (g * x + h - s).lp_norm(1))
@@ -112,19 +118,19 @@ pub fn interior_point(
         let slope =
             here.gradient.dot(&dx) - mu * ds.component_div(&s).sum() - penalty * (here.c.lp_norm(1) + slack.lp_norm(1));
         let mut step = reach(&s, &ds);
-        let mut found = None;
+        let mut accepted = None;
         for _ in 0..40 {
             let (tried, tried_s) = (&x + &dx * step, &s + &ds * step);
             evaluations += 1;
             if let Some(there) = program.evaluate(&tried)
                 && merit(&there, &tried, &tried_s) <= now + 1e-4 * step * slope.min(0.0) + 1e-15 * now.abs()
             {
-                found = Some((tried, tried_s, there));
+                accepted = Some((tried, tried_s, there));
                 break;
             }
             step *= 0.5;
         }
-        let Some((next, next_s, there)) = found else { break StopReason::StepConverged };
+        let Some((next, next_s, there)) = accepted else { break StopReason::StepConverged };
         z += &dz * reach(&z, &dz);
         y = next_y;
         let moved = &next - &x;
@@ -142,8 +148,8 @@ pub fn interior_point(
     Some(InteriorPoint { f: here.f, infeasibility: here.c.amax().max(below), x, iterations, evaluations, stop })
 }
 
-/// `[[W + d I, J'], [J, 0]] [dx, -y] = right`, `d` the least of a row of tens that gives as many negative eigenvalues as
-/// there are equations.
+/// `[[W + d I, J'], [J, 0]] [dx, -y] = right`, `d` the least of a row of tens that gives as many negative eigenvalues
+/// as there are equations.
 fn solve(curved: &DMatrix<f64>, jacobian: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
     let (n, equations) = (curved.nrows(), jacobian.nrows());
     let mut correction = 0.0;
@@ -207,12 +213,12 @@ mod tests {
     fn finds_the_nearest_point_of_a_circle_and_respects_a_wall() {
         let start = DVector::from_vec(vec![0.3, 0.9]);
         let loose = (DMatrix::identity(2, 2), DVector::from_vec(vec![5.0, 5.0]));
-        let found = interior_point(&Curved, &start, (&loose.0, &loose.1)).unwrap();
+        let minimum = interior_point(&Curved, &start, (&loose.0, &loose.1)).unwrap();
         // (2, 1) over its length; the tolerance of the method.
-        assert!((found.x[0] - 2.0 / 5.0_f64.sqrt()).abs() < 1e-7 && found.infeasibility < 1e-8, "{found:?}");
+        assert!((minimum.x[0] - 2.0 / 5.0_f64.sqrt()).abs() < 1e-7 && minimum.infeasibility < 1e-8, "{minimum:?}");
         // x at most 0.6: the corner of wall and circle.
         let wall = (DMatrix::from_row_slice(1, 2, &[-1.0, 0.0]), DVector::from_vec(vec![0.6]));
-        let found = interior_point(&Curved, &start, (&wall.0, &wall.1)).unwrap();
-        assert!((found.x[0] - 0.6).abs() < 1e-7 && (found.x[1] - 0.8).abs() < 1e-7, "{found:?}");
+        let minimum = interior_point(&Curved, &start, (&wall.0, &wall.1)).unwrap();
+        assert!((minimum.x[0] - 0.6).abs() < 1e-7 && (minimum.x[1] - 0.8).abs() < 1e-7, "{minimum:?}");
     }
 }

@@ -1,4 +1,8 @@
 //! L-SHADE: differential evolution that learns its own step, for problems without a structure to use.
+//!
+//! The box is `[0, 1]` on every axis: the caller maps it to its unknowns and thereby sets their bounds. A trial point
+//! that would leave the box is put half-way between its parent and the bound, so every point evaluated lies inside. No
+//! derivative is used, and a cost may be infinite or not a number in parts of the box.
 
 use std::f64::consts::PI;
 
@@ -30,11 +34,10 @@ pub enum LShadeStop {
     Converged,
 }
 
-/// What the search found.
+/// Where the search ended.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LShadeResult {
-    /// Best point of the unit box.
-    /// The best point.
+    /// Best point of the unit box, one coordinate an axis.
     pub point: Vec<f64>,
     /// Its cost.
     pub cost: f64,
@@ -44,41 +47,49 @@ pub struct LShadeResult {
     pub stop: LShadeStop,
 }
 
-/// Members at the start for each variable, and at the end.
+/// Members at the start for each variable.
 const MEMBERS_EACH: usize = 18;
+/// Members at the end.
 const MEMBERS_LAST: usize = 4;
 /// Successful steps remembered.
 const MEMORY: usize = 6;
-/// Share of the best that members move towards, and size of the archive of the beaten.
+/// Share of the best members, of which each trial moves towards one.
 const BEST_SHARE: f64 = 0.11;
+/// Size of the archive of replaced points, in numbers of members.
 const ARCHIVE: f64 = 2.6;
 
+/// The distributions that the search draws from, all from one stream.
 struct Random(ChaCha8Rng);
 
 impl Random {
-    /// Even between 0 and 1, never 0.
-    fn even(&mut self) -> f64 {
+    /// Uniform between 0 and 1, never 0.
+    fn uniform(&mut self) -> f64 {
         ((self.0.next_u64() >> 11) as f64 + 0.5) * (0.5_f64).powi(53)
     }
 
+    /// A whole number from 0 to `count - 1`.
     fn below(&mut self, count: usize) -> usize {
-        ((self.even() * count as f64) as usize).min(count - 1)
+        ((self.uniform() * count as f64) as usize).min(count - 1)
     }
 
+    /// A normal deviate, by the transform of Box and Muller.
     fn normal(&mut self, mean: f64, deviation: f64) -> f64 {
-        mean + deviation * (-2.0 * self.even().ln()).sqrt() * (2.0 * PI * self.even()).cos()
+        mean + deviation * (-2.0 * self.uniform().ln()).sqrt() * (2.0 * PI * self.uniform()).cos()
     }
 
+    /// A deviate of the Cauchy distribution, by the inverse of its distribution function.
     fn cauchy(&mut self, mean: f64, width: f64) -> f64 {
-        mean + width * (PI * (self.even() - 0.5)).tan()
+        mean + width * (PI * (self.uniform() - 0.5)).tan()
     }
 }
 
+/// A point of the population and its cost.
 struct Member {
     point: Vec<f64>,
     cost: f64,
 }
 
+/// A point that would replace a member, with the constants it was made with.
 struct Trial {
     point: Vec<f64>,
     scale: f64,
@@ -88,17 +99,17 @@ struct Trial {
 /// Minimises `cost` over the unit box; points without a finite cost count as infinite.
 ///
 /// Success-history adaptation with linear reduction of the population: R. Tanabe, A. Fukunaga, "Improving the search
-/// performance of SHADE using linear population size reduction", CEC 2014. Trial points of a generation are drawn one after
-/// the other and evaluated side by side, so the result does not depend on the number of threads. Ends near a minimum, not
-/// in it.
+/// performance of SHADE using linear population size reduction", CEC 2014. Trial points of a generation are drawn one
+/// after the other and evaluated side by side, so the result does not depend on the number of threads. Ends near a
+/// minimum, not in it.
 pub fn l_shade(axes: usize, options: &LShadeOptions, cost: impl Fn(&[f64]) -> f64 + Sync) -> LShadeResult {
     let cost = |point: &[f64]| {
-        let found = cost(point);
-        if found.is_nan() { f64::INFINITY } else { found }
+        let value = cost(point);
+        if value.is_nan() { f64::INFINITY } else { value }
     };
     let mut random = Random(ChaCha8Rng::seed_from_u64(options.seed));
     let first = (MEMBERS_EACH * axes).max(MEMBERS_LAST);
-    let points: Vec<Vec<f64>> = (0..first).map(|_| (0..axes).map(|_| random.even()).collect()).collect();
+    let points: Vec<Vec<f64>> = (0..first).map(|_| (0..axes).map(|_| random.uniform()).collect()).collect();
     let costs: Vec<f64> = points.par_iter().map(|point| cost(point)).collect();
     let mut members: Vec<Member> = points.into_iter().zip(costs).map(|(point, cost)| Member { point, cost }).collect();
     let mut evaluations = first as u64;
@@ -133,7 +144,7 @@ pub fn l_shade(axes: usize, options: &LShadeOptions, cost: impl Fn(&[f64]) -> f6
             }
         }
         if !gains.is_empty() {
-            memory[oldest] = learnt(&gains, memory[oldest].1);
+            memory[oldest] = successful_means(&gains, memory[oldest].1);
             oldest = (oldest + 1) % MEMORY;
         }
         let done = (evaluations as f64 / options.evaluations as f64).min(1.0);
@@ -160,29 +171,29 @@ fn trial(
 ) -> Trial {
     let crossover = crossover.map_or(0.0, |mean| random.normal(mean, 0.1).clamp(0.0, 1.0));
     let scale = loop {
-        let found = random.cauchy(scale, 0.1);
-        if found > 0.0 {
-            break found.min(1.0);
+        let drawn = random.cauchy(scale, 0.1);
+        if drawn > 0.0 {
+            break drawn.min(1.0);
         }
     };
     let best = &members[random.below(((BEST_SHARE * members.len() as f64).round() as usize).max(2))].point;
     let first = loop {
-        let found = random.below(members.len());
-        if found != i {
-            break found;
+        let drawn = random.below(members.len());
+        if drawn != i {
+            break drawn;
         }
     };
     let second = loop {
-        let found = random.below(members.len() + archive.len());
-        if found != i && found != first {
-            break members.get(found).map_or_else(|| &archive[found - members.len()], |member| &member.point);
+        let drawn = random.below(members.len() + archive.len());
+        if drawn != i && drawn != first {
+            break members.get(drawn).map_or_else(|| &archive[drawn - members.len()], |member| &member.point);
         }
     };
     let (x, first) = (&members[i].point, &members[first].point);
     let always = random.below(x.len());
     let point = (0..x.len())
         .map(|j| {
-            if j != always && random.even() > crossover {
+            if j != always && random.uniform() > crossover {
                 return x[j];
             }
             let moved = x[j] + scale * (best[j] - x[j]) + scale * (first[j] - second[j]);
@@ -199,14 +210,15 @@ fn trial(
     Trial { point, scale, crossover }
 }
 
-/// Lehmer means of the steps that won, weighted by what they won.
-fn learnt(gains: &[(f64, f64, f64)], crossover: Option<f64>) -> (f64, Option<f64>) {
+/// Lehmer means `sum w s² / sum w s` of scale and crossover over the trials that replaced a member, weighted by the
+/// decrease of the cost. A crossover of which all were zero stays zero (`None`), as its authors have it.
+fn successful_means(gains: &[(f64, f64, f64)], crossover: Option<f64>) -> (f64, Option<f64>) {
     let total: f64 = gains.iter().map(|(gain, ..)| gain).sum();
-    let mean = |of: &dyn Fn(&(f64, f64, f64)) -> f64| {
+    let mean = |constant_of: &dyn Fn(&(f64, f64, f64)) -> f64| {
         let (mut squares, mut sum) = (0.0, 0.0);
         for gain in gains {
-            squares += gain.0 / total * of(gain).powi(2);
-            sum += gain.0 / total * of(gain);
+            squares += gain.0 / total * constant_of(gain).powi(2);
+            sum += gain.0 / total * constant_of(gain);
         }
         if sum > 0.0 { squares / sum } else { 0.0 }
     };
@@ -227,20 +239,20 @@ mod tests {
     #[test]
     fn finds_the_least_of_many_minima_and_always_the_same() {
         let options = LShadeOptions { evaluations: 30_000, seed: 5 };
-        let found = l_shade(6, &options, rastrigin);
+        let result = l_shade(6, &options, rastrigin);
         // 10.24 e^2 near the minimum: a cost of 1e-8 is 1e-5 from it.
-        assert!(found.cost < 1e-8, "{found:?}");
-        assert_eq!(l_shade(6, &options, rastrigin), found);
+        assert!(result.cost < 1e-8, "{result:?}");
+        assert_eq!(l_shade(6, &options, rastrigin), result);
         let one = rayon::ThreadPoolBuilder::new()
             .num_threads(1)
             .build()
             .map(|p| p.install(|| l_shade(6, &options, rastrigin)));
-        assert_eq!(one.ok(), Some(found));
+        assert_eq!(one.ok(), Some(result));
     }
 
     #[test]
     fn a_cost_that_is_nowhere_finite_ends_all_the_same() {
-        let found = l_shade(2, &LShadeOptions { evaluations: 200, seed: 1 }, |_| f64::NAN);
-        assert!(found.cost.is_infinite() && found.evaluations >= 200);
+        let result = l_shade(2, &LShadeOptions { evaluations: 200, seed: 1 }, |_| f64::NAN);
+        assert!(result.cost.is_infinite() && result.evaluations >= 200);
     }
 }

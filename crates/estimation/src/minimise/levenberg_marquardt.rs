@@ -1,7 +1,13 @@
 //! Bounded Levenberg-Marquardt for any number of parameters.
 //!
-//! Sensitivities are the problem's own where it has them, else differences. The fit of the double model to its compartment
-//! has its own descent, of fixed size.
+//! Minimises `sum r_i(theta)²` within `lower <= theta <= upper`. Sensitivities are the problem's own where it has them,
+//! else differences (one-sided in the descent: relative error near 1e-8; central at the minimum: near 1e-10). Unknowns
+//! should be of size one: the caller scales. Each iteration solves `min |J d + r|² + lambda |D d|²` by QR of the
+//! triangle of `J`, never by normal equations; `D` has the largest column norms seen (Marquardt), `lambda` follows
+//! Nielsen's gain ratio. Local: the result depends on the start. Four unknowns have a twin of fixed size,
+//! [`levenberg_marquardt_4`](super::levenberg_marquardt_4).
+//!
+//! Madsen, Nielsen, Tingleff, *Methods for non-linear least squares problems*, 2nd ed., 2004, section 3.2.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -18,14 +24,14 @@ pub trait Response: Sync {
     fn exact(&self) -> f64 {
         0.0
     }
-    /// Fills the first columns of `out` with the derivatives of the residuals; `None` if the problem has none of its own
-    /// and differences must do, `Some(false)` where they are not finite.
+    /// Fills the first columns of `out` with the derivatives of the residuals; `None` if the problem has none of its
+    /// own and differences must do, `Some(false)` where they are not finite.
     fn sensitivities(&self, _theta: &[f64], _out: &mut DMatrix<f64>) -> Option<bool> {
         None
     }
 }
 
-/// Where to stay and when to stop.
+/// The box to stay in and when to stop.
 #[derive(Debug, Clone)]
 pub struct Bounds {
     /// Smallest value of each unknown.
@@ -47,7 +53,7 @@ pub struct Optimum {
     pub cost: f64,
     /// Triangle of the sensitivities.
     pub r: DMatrix<f64>,
-    /// Unknowns that their bound holds: the cost falls beyond it.
+    /// Unknowns that stand on a bound beyond which the cost falls.
     pub on_bound: Vec<bool>,
     /// Steps tried.
     pub iterations: u32,
@@ -63,13 +69,14 @@ const DIFFERENCE: f64 = 1e-7;
 /// Step of the central differences at a minimum, in the same units.
 const CENTRAL_DIFFERENCE: f64 = 1e-5;
 
+/// The linearised problem, reduced by QR: `|J d + r|² = |R d + q|² + rest`.
 struct Linear {
     r: DMatrix<f64>,
     q: DVector<f64>,
 }
 
 /// Descends from `start`, which is moved into the bounds; `None` if it has no finite response. Parameters should be of
-/// size one. Method and steps as in `levenberg_marquardt`.
+/// size one. Method and sources: see the head of this file.
 pub fn descend(problem: &impl Response, start: &[f64], bounds: &Bounds) -> Option<Optimum> {
     let n = start.len();
     let clamp =
@@ -91,7 +98,7 @@ pub fn descend(problem: &impl Response, start: &[f64], bounds: &Bounds) -> Optio
         for i in 0..n {
             scale[i] = linear.r.column(i).norm().max(scale[i]);
         }
-        let on_bound = held(&theta, &linear, bounds);
+        let on_bound = fixed_at_bound(&theta, &linear, bounds);
         let gradient = linear.r.tr_mul(&linear.q);
         let size = cost.sqrt();
         if (0..n).filter(|&i| !on_bound[i]).all(|i| gradient[i].abs() <= 1e-14 * linear.r.column(i).norm() * size) {
@@ -142,10 +149,12 @@ pub fn descend(problem: &impl Response, start: &[f64], bounds: &Bounds) -> Optio
             growth *= 2.0;
         }
     };
-    let on_bound = held(&theta, &linear, bounds);
+    let on_bound = fixed_at_bound(&theta, &linear, bounds);
     Some(Optimum { theta, cost, r: linear.r, on_bound, iterations, evaluations, stop })
 }
 
+/// Sensitivities and residuals at `theta`, reduced to a triangle; `None` where one of them is not finite. Counts
+/// evaluations.
 fn linearise(
     problem: &impl Response,
     theta: &[f64],
@@ -161,9 +170,9 @@ fn linearise(
     }
     *evaluations += u64::from(own.is_some());
     if own.is_none() {
-        let found: Vec<(Option<Vec<f64>>, u64)> =
+        let columns: Vec<(Option<Vec<f64>>, u64)> =
             (0..n).into_par_iter().map(|i| difference(problem, theta, here, bounds, i)).collect();
-        for (i, (column, spent)) in found.into_iter().enumerate() {
+        for (i, (column, spent)) in columns.into_iter().enumerate() {
             *evaluations += spent;
             matrix.column_mut(i).copy_from_slice(&column?);
         }
@@ -178,11 +187,12 @@ fn linearise(
     (r.iter().chain(q.iter()).all(|x| x.is_finite())).then_some(Linear { r, q })
 }
 
-/// The derivatives of the residuals at a minimum from central differences, one-sided at a bound; `None` where one has no finite
-/// response. Off by a third of the squared step times the third derivative, and rounding over the step: both near 1e-10.
+/// The derivatives of the residuals at a minimum from central differences, one-sided at a bound; `None` where one has
+/// no finite response. Off by a third of the squared step times the third derivative, and rounding over the step: both
+/// near 1e-10.
 pub fn central_differences(problem: &impl Response, theta: &[f64], bounds: &Bounds) -> Option<DMatrix<f64>> {
     let rows = problem.rows();
-    let mut found = DMatrix::zeros(rows, theta.len());
+    let mut jacobian = DMatrix::zeros(rows, theta.len());
     let mut moved = theta.to_vec();
     let (mut above, mut below) = (vec![0.0; rows], vec![0.0; rows]);
     for j in 0..theta.len() {
@@ -196,10 +206,10 @@ pub fn central_differences(problem: &impl Response, theta: &[f64], bounds: &Boun
         }
         moved[j] = theta[j];
         for (k, (a, b)) in above.iter().zip(&below).enumerate() {
-            found[(k, j)] = (a - b) / (up - down);
+            jacobian[(k, j)] = (a - b) / (up - down);
         }
     }
-    Some(found)
+    Some(jacobian)
 }
 
 /// The derivatives of the residuals at a minimum: the problem's own, or central differences where it has none.
@@ -211,7 +221,8 @@ pub fn derivatives(problem: &impl Response, theta: &[f64], bounds: &Bounds) -> O
     central_differences(problem, theta, bounds)
 }
 
-/// The derivative by one of theta from a difference, if there is a finite response on either side, and the evaluations spent.
+/// The derivative by one of theta from a difference, if there is a finite response on either side, and the evaluations
+/// spent.
 fn difference(
     problem: &impl Response,
     theta: &[f64],
@@ -233,7 +244,8 @@ fn difference(
     (None, 2)
 }
 
-fn held(theta: &[f64], linear: &Linear, bounds: &Bounds) -> Vec<bool> {
+/// Unknowns on a bound with the descent direction pointing outwards.
+fn fixed_at_bound(theta: &[f64], linear: &Linear, bounds: &Bounds) -> Vec<bool> {
     let gradient = linear.r.tr_mul(&linear.q);
     (0..theta.len())
         .map(|i| {
@@ -242,6 +254,8 @@ fn held(theta: &[f64], linear: &Linear, bounds: &Bounds) -> Vec<bool> {
         .collect()
 }
 
+/// The damped step inside the box: an unknown that would leave it moves to the bound, and the others are solved for
+/// again given that. `None` where the step is not finite.
 fn damped_step(
     linear: &Linear,
     scale: &DVector<f64>,
@@ -251,7 +265,7 @@ fn damped_step(
     bounds: &Bounds,
 ) -> Option<DVector<f64>> {
     let n = theta.len();
-    let mut fixed: Vec<Option<f64>> = on_bound.iter().map(|held| held.then_some(0.0)).collect();
+    let mut fixed: Vec<Option<f64>> = on_bound.iter().map(|fixed| fixed.then_some(0.0)).collect();
     loop {
         let mut stacked = DMatrix::zeros(2 * n, n);
         let mut right = DVector::zeros(2 * n);

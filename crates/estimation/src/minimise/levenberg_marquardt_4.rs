@@ -1,4 +1,7 @@
-//! Bounded Levenberg-Marquardt for four parameters.
+//! Bounded Levenberg-Marquardt for four parameters, the sizes known to the compiler.
+//!
+//! The same method as [`levenberg_marquardt`](super::levenberg_marquardt) without its heap memory: the springs and
+//! dampers of a two-mass model are four, and a fit of it starts from dozens of points.
 
 use nalgebra::{Dyn, Matrix4, OMatrix, SMatrix, U5, Vector4};
 
@@ -38,8 +41,7 @@ pub struct Minimum {
     pub cost: f64,
     /// Upper triangle of the sensitivities there: `J'J = R'R`.
     pub r: Matrix4<f64>,
-    /// Parameters that stand on a bound and would leave it outwards.
-    /// Unknowns that their bound holds: the cost falls beyond it.
+    /// Unknowns that stand on a bound beyond which the cost falls.
     pub on_bound: [bool; 4],
     /// Steps tried.
     pub iterations: u32,
@@ -56,6 +58,7 @@ struct Linear {
     cost: f64,
 }
 
+/// Derivatives and residuals at `theta`, reduced to a triangle; `None` where one of them is not finite.
 fn linearise(problem: &impl Residuals, theta: &Vector4<f64>) -> Option<Linear> {
     let rows = problem.rows(theta)?;
     let cost = rows.column(4).norm_squared();
@@ -74,7 +77,7 @@ fn linearise(problem: &impl Residuals, theta: &Vector4<f64>) -> Option<Linear> {
 /// Minimises the sum of squares from `start` (moved into the bounds).
 ///
 /// Steps solve `min |R d + q|² + lambda |D d|²` by QR, `D` the largest column norms seen (Marquardt's scaling);
-/// lambda follows Nielsen's rule. A parameter on a bound whose gradient points outwards is held, and no step
+/// lambda follows Nielsen's rule. A parameter on a bound whose gradient points outwards is fixed, and no step
 /// leaves the box. Local: the result depends on the start. `None` if the start has no finite response.
 ///
 /// Madsen, Nielsen, Tingleff, *Methods for non-linear least squares problems*, 2nd ed., 2004, section 3.2.
@@ -89,7 +92,7 @@ pub fn minimise(problem: &impl Residuals, start: &Vector4<f64>, settings: &Setti
         for i in 0..4 {
             scale[i] = linear.r.column(i).norm().max(scale[i]);
         }
-        let on_bound = held(&theta, &linear, settings);
+        let on_bound = fixed_at_bound(&theta, &linear, settings);
         if is_stationary(&linear, on_bound, settings) {
             break StopReason::GradientConverged;
         }
@@ -134,22 +137,24 @@ pub fn minimise(problem: &impl Residuals, start: &Vector4<f64>, settings: &Setti
             growth *= 2.0;
         }
     };
-    let on_bound = held(&theta, &linear, settings);
+    let on_bound = fixed_at_bound(&theta, &linear, settings);
     Some(Minimum { theta, cost: linear.cost, r: linear.r, on_bound, iterations, evaluations, stop })
 }
 
+/// The nearest point of the box.
 fn clamp(theta: &Vector4<f64>, settings: &Settings) -> Vector4<f64> {
     theta.zip_zip_map(&settings.lower, &settings.upper, f64::clamp)
 }
 
 /// Parameters on a bound with the descent direction pointing outwards.
-fn held(theta: &Vector4<f64>, linear: &Linear, settings: &Settings) -> [bool; 4] {
+fn fixed_at_bound(theta: &Vector4<f64>, linear: &Linear, settings: &Settings) -> [bool; 4] {
     let gradient = linear.r.tr_mul(&linear.q);
     std::array::from_fn(|i| {
         (theta[i] <= settings.lower[i] && gradient[i] >= 0.0) || (theta[i] >= settings.upper[i] && gradient[i] <= 0.0)
     })
 }
 
+/// Whether the residuals are orthogonal to the sensitivity of every parameter that is not fixed at its bound.
 fn is_stationary(linear: &Linear, on_bound: [bool; 4], settings: &Settings) -> bool {
     let gradient = linear.r.tr_mul(&linear.q);
     let size = linear.cost.sqrt();
@@ -167,7 +172,7 @@ fn damped_step(
     on_bound: [bool; 4],
     room: &[(f64, f64); 4],
 ) -> Option<Vector4<f64>> {
-    let mut fixed = on_bound.map(|held| held.then_some(0.0));
+    let mut fixed = on_bound.map(|fixed| fixed.then_some(0.0));
     loop {
         let mut stacked = SMatrix::<f64, 8, 4>::zeros();
         let mut right = SMatrix::<f64, 8, 1>::zeros();

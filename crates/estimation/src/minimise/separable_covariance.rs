@@ -1,4 +1,7 @@
-//! Covariance of what a separable fit found, and of what follows from it.
+//! Covariance of the unknowns of a separable fit, and of quantities that follow from them.
+//!
+//! `P = s² (J'J)^-1`, `s²` the mean square of the residuals over the degrees of freedom, widened by samples over
+//! effective samples where residuals are correlated. Linear: right while the response is straight over the interval.
 
 use crumple_linalg::{Solution, TriangularFactor, dot};
 use nalgebra::DMatrix;
@@ -42,8 +45,9 @@ pub fn unknowns_covariance(
     (Some(inverse_square * (variance * rows as f64 / effective)), condition)
 }
 
-/// Covariance of the nonlinear unknowns alone, the linear ones projected out: the same block of [`unknowns_covariance`] at a
-/// fraction of its cost where there are many outputs. The condition number is that of their projected sensitivities.
+/// Covariance of the nonlinear unknowns alone, the linear ones projected out: the same block of [`unknowns_covariance`]
+/// at a fraction of its cost where there are many outputs. The condition number is that of their projected
+/// sensitivities.
 pub fn nonlinear_covariance(
     problem: &impl Separable,
     best: &SeparableFit,

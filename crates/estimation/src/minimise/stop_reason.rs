@@ -1,4 +1,7 @@
 //! Why a bounded descent stopped, and how records name it.
+//!
+//! All of these are results: the point is the best that was seen. Only [`StopReason::IterationLimit`] says that going
+//! on could still lower the cost.
 
 use std::fmt;
 

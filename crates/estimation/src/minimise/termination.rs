@@ -1,4 +1,4 @@
-//! When an iterative fit stops, and why it did.
+//! When a variable-projection fit stops, and why it did.
 
 /// Why an iterative fit stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

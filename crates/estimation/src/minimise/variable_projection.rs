@@ -1,4 +1,11 @@
 //! Nonlinear least squares where most unknowns are linear: variable projection with bounded Levenberg-Marquardt.
+//!
+//! The model is `y = known(theta) + B(theta) c`. For a given `theta` the best `c` is a linear least-squares problem, so
+//! the search runs over `theta` alone: `min over theta of |(I - Q Q') (y - known)|²`, `Q` an orthonormal basis of the
+//! columns of `B`. [`evaluate`] solves the linear part, [`projected_jacobian`] differentiates the projected residual,
+//! [`minimize`] searches. Accuracy: coefficients to rounding times the condition of the scaled columns; the minimum to
+//! the square root of the cost tolerance (1e-13) in `theta`, or to the gradient tolerance of [`Stop`], whichever ends
+//! the search. Local: it depends on the start.
 
 use crumple_linalg::{TriangularFactor, dot};
 use nalgebra::{DMatrix, DVector};
@@ -31,7 +38,7 @@ pub trait Separable: Sync {
     fn sensitivities(&self, theta: &[f64], coefficients: &DMatrix<f64>) -> Option<Vec<Vec<f64>>>;
 }
 
-/// What a model offers to combine linearly.
+/// The signals that a model combines linearly, at one `theta`; all of the length of the targets.
 pub struct Basis {
     /// Signals.
     pub columns: Vec<Vec<f64>>,
@@ -39,7 +46,7 @@ pub struct Basis {
     pub known: Vec<Vec<f64>>,
 }
 
-/// A stationary point, or the best seen.
+/// Where a search ended: a stationary point, or the best point seen; `termination` tells which.
 #[derive(Debug, Clone)]
 pub struct SeparableFit {
     /// Nonlinear unknowns.
@@ -71,7 +78,8 @@ pub struct Point {
 }
 
 /// Solves the linear part at `theta`: orthonormal columns by Gram-Schmidt with reorthogonalisation, each first scaled
-/// to norm 1; a dependent column gets the coefficient 0.
+/// to norm 1; a dependent column (what others leave of it is below 1e-11 of its norm) gets the coefficient 0. `None`
+/// where a signal, a coefficient or the cost is not finite.
 pub fn evaluate(problem: &impl Separable, theta: &[f64]) -> Option<Point> {
     let Basis { columns, known } = problem.basis(theta)?;
     let targets = problem.targets();
@@ -179,7 +187,9 @@ pub fn projected_jacobian(problem: &impl Separable, theta: &[f64], point: &Point
 /// Minimises the sum of squared residuals from `start` on. `None` if the start itself is not finite.
 ///
 /// Golub & Pereyra, SIAM J. Numer. Anal. 10, 1973; Kaufman, BIT 15, 1975; damping after Marquardt with the gain-ratio
-/// rule of Nielsen (1999). Bounds by clamping steps and holding parameters whose descent leads outwards.
+/// rule of Nielsen (1999). Bounds by clamping steps and fixing parameters whose descent leads outwards. Cost of an
+/// iteration: one evaluation of the basis, one of the sensitivities, `2 rows (unknowns + columns)²` for the
+/// orthogonalisation.
 pub fn minimize(problem: &impl Separable, start: &[f64], stop: Stop) -> Option<SeparableFit> {
     let bounds = problem.bounds();
     let mut theta: Vec<f64> = start.iter().zip(&bounds).map(|(x, (low, high))| x.clamp(*low, *high)).collect();
@@ -204,28 +214,15 @@ pub fn minimize(problem: &impl Separable, start: &[f64], stop: Stop) -> Option<S
         evaluations += k;
         let gradient: Vec<f64> = jacobian.iter().map(|j| dot(j, &point.residual)).collect();
         let norms: Vec<f64> = jacobian.iter().map(|j| dot(j, j).sqrt()).collect();
-        let held: Vec<bool> = (0..k)
-            .map(|i| {
-                let (low, high) = bounds[i];
-                (theta[i] <= low && gradient[i] > 0.0) || (theta[i] >= high && gradient[i] < 0.0)
-            })
-            .collect();
-        let free: Vec<usize> = (0..k).filter(|&i| !held[i] && norms[i] > 0.0).collect();
+        let at_bound = fixed_at_bound(&theta, &gradient, &bounds);
+        let free: Vec<usize> = (0..k).filter(|&i| !at_bound[i] && norms[i] > 0.0).collect();
+        let converged = |reason| if at_bound.iter().any(|fixed| *fixed) { Termination::OnBound } else { reason };
         let steepest = free.iter().map(|&i| gradient[i].abs() / norms[i]).fold(0.0, f64::max);
         if free.is_empty() || steepest <= stop.gradient * point.cost.sqrt() {
-            let bound = held.iter().any(|h| *h);
-            termination = if bound { Termination::OnBound } else { Termination::GradientConverged };
+            termination = converged(Termination::GradientConverged);
             break;
         }
-        let mut factor = TriangularFactor::new(free.len() + 1);
-        let rows = point.residual.len();
-        let mut whole = Vec::with_capacity(rows * (free.len() + 1));
-        for &i in &free {
-            whole.extend_from_slice(&jacobian[i]);
-        }
-        whole.extend(point.residual.iter().map(|r| -r));
-        factor.push(rows, &mut whole);
-        let triangle = factor.matrix();
+        let triangle = triangle_of(&jacobian, &free, &point.residual);
         for &i in &free {
             scales[i] = scales[i].max(norms[i]);
         }
@@ -241,8 +238,7 @@ pub fn minimize(problem: &impl Separable, start: &[f64], stop: Stop) -> Option<S
                 + triangle[(count, count)].powi(2);
             let predicted = point.cost - remaining;
             if damping <= 1.0 && predicted <= COST_TOLERANCE * point.cost {
-                let bound = held.iter().any(|h| *h);
-                termination = if bound { Termination::OnBound } else { Termination::CostConverged };
+                termination = converged(Termination::CostConverged);
                 break 'outer;
             }
             let mut trial = theta.clone();
@@ -283,7 +279,31 @@ pub fn minimize(problem: &impl Separable, start: &[f64], stop: Stop) -> Option<S
     })
 }
 
-/// Minimises `|J x + r|² + damping |D x|²` from the triangle of `[J, -r]`.
+/// Which unknowns stand on a bound that the descent would cross: they are fixed for this step.
+fn fixed_at_bound(theta: &[f64], gradient: &[f64], bounds: &[(f64, f64)]) -> Vec<bool> {
+    (0..theta.len())
+        .map(|i| {
+            let (low, high) = bounds[i];
+            (theta[i] <= low && gradient[i] > 0.0) || (theta[i] >= high && gradient[i] < 0.0)
+        })
+        .collect()
+}
+
+/// The triangular factor of `[J, -r]`, columns of the free unknowns only.
+fn triangle_of(jacobian: &[Vec<f64>], free: &[usize], residual: &[f64]) -> DMatrix<f64> {
+    let mut factor = TriangularFactor::new(free.len() + 1);
+    let rows = residual.len();
+    let mut whole = Vec::with_capacity(rows * (free.len() + 1));
+    for &i in free {
+        whole.extend_from_slice(&jacobian[i]);
+    }
+    whole.extend(residual.iter().map(|r| -r));
+    factor.push(rows, &mut whole);
+    factor.matrix()
+}
+
+/// Minimises `|J x + r|² + damping |D x|²` from the triangle of `[J, -r]`; `D` has the largest column norms seen so
+/// far. `None` where the step is not finite.
 fn damped_step(triangle: &DMatrix<f64>, free: &[usize], scales: &[f64], damping: f64) -> Option<Vec<f64>> {
     let count = free.len();
     let mut factor = TriangularFactor::new(count + 1);

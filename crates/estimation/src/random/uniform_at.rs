@@ -1,4 +1,7 @@
-//! Random numbers that depend on their place alone.
+//! Random numbers that depend on their stream and index alone.
+//!
+//! Meant for starts and resampling in parallel: each draw names its place in the sequence, so no generator is shared
+//! and no order of evaluation matters.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};

@@ -1,4 +1,7 @@
-//! Covariance of fitted parameters under residuals that hang together in time.
+//! Covariance of fitted parameters under residuals that are correlated in time.
+//!
+//! The misfit of a lumped model to a crash is slow: neighbouring residuals are nearly equal, and the textbook
+//! covariance `s² (J'J)^-1` is far too small. Here the residuals' own autocovariance stands between the sensitivities.
 
 use crumple_linalg::jacobi_svd;
 use nalgebra::{DMatrix, DVector};
@@ -9,20 +12,21 @@ use super::autocorrelation::{autocorrelation_time, autocovariance, first_zero_la
 const RANK_TOLERANCE: f64 = 1e-8;
 /// The band of the residual autocovariance, in lags of its first zero.
 const BAND: usize = 3;
-/// How much shorter the autocorrelation time of residuals is than that of the noise, in parts of `p τ/N`: by trial on straight
-/// lines through noise of known autocorrelation, see the tests.
+/// How much shorter the autocorrelation time of residuals is than that of the noise, in parts of `p τ/N`: by trial on
+/// straight lines through noise of known autocorrelation, see the tests.
 const REMOVED: f64 = 3.0;
 /// An error of the size of the resolution hangs together over this share of the window.
 const RESOLUTION_SHARE: usize = 4;
 
-/// What residuals and sensitivities say of the parameters, in their coordinates.
+/// The covariance of fitted parameters, in the coordinates of the sensitivities, with rank and weakest direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Covariance {
     /// Covariance of the estimate, from the residuals and the resolution.
     pub matrix: DMatrix<f64>,
     /// Half-width of the 95 % interval of each coordinate; infinite where the record says nothing.
     pub half_width: DVector<f64>,
-    /// Largest over smallest singular value of the sensitivities with columns of one length; infinite without full rank.
+    /// Largest over smallest singular value of the sensitivities with columns of one length; infinite without full
+    /// rank.
     pub condition: f64,
     /// Directions that the record determines at all.
     pub rank: usize,
@@ -30,25 +34,26 @@ pub struct Covariance {
     pub weakest: DVector<f64>,
     /// Root mean square change of the displacement for one unit along it, m.
     pub weakest_change_m: f64,
-    /// Independent samples that the residuals are worth.
+    /// Number of independent samples that the residuals are worth.
     pub effective_samples: f64,
 }
 
 /// The sandwich `P = (J'J)^-1 J' Λ J (J'J)^-1` from sensitivities `j_m` and residuals, both in metres.
 ///
-/// `Λ` is the banded matrix of the residuals' autocovariance with triangular weights (Newey & West 1987), three times as
-/// wide as its first zero; a fit of `p` parameters has removed part of slow noise from them, for which `Λ` is raised by
-/// `Ne/(Ne - p)`, `Ne` the number of samples over the autocorrelation time, and to that time's widening of white noise if it
-/// is less on average. To it comes an error of the resolution that
-/// hangs together over a quarter of the window. Intervals use Student's factor for `Ne - p` (at least 1) degrees of
-/// freedom on the first part, 1.96 on the second. Linear: right while the response is straight over the interval; true
-/// only if the model is. `None` for no parameters, more parameters than samples, or a parameter without any effect.
+/// `Λ` is the banded matrix of the residuals' autocovariance with triangular weights (Newey & West 1987), three times
+/// as wide as its first zero; a fit of `p` parameters has removed part of slow noise from them, for which `Λ` is raised
+/// by `Ne/(Ne - p)`, `Ne` the number of samples over the autocorrelation time, and to that time's widening of white
+/// noise if it is less on average. To it comes an error of the resolution that is correlated over a quarter of the
+/// window. Intervals use Student's factor for `Ne - p` (at least 1) degrees of freedom on the first part, 1.96 on the
+/// second. Linear: right while the response is straight over the interval; true only if the model is. `None` for no
+/// parameters, more parameters than samples, or a parameter without any effect.
 pub fn covariance(j_m: &DMatrix<f64>, residuals_m: &[f64], resolution_m: f64) -> Option<Covariance> {
     covariance_of_blocks(j_m, residuals_m, &[(residuals_m.len(), resolution_m)])
 }
 
-/// The same for residuals of several waves, one after the other, in one unit: `(samples, resolution)` of each. Errors hang
-/// together within a wave, not from one to another; each wave pays for as many parameters as it has part in the fit.
+/// The same for residuals of several waves, one after the other, in one unit: `(samples, resolution)` of each. Errors
+/// hang together within a wave, not from one to another; each wave pays for as many parameters as it has part in the
+/// fit.
 pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[(usize, f64)]) -> Option<Covariance> {
     let (n, p) = j_m.shape();
     let whole = blocks.iter().map(|(samples, _)| samples).sum::<usize>() == n && blocks.iter().all(|b| b.0 > 0);
@@ -69,7 +74,7 @@ pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[(
     let mut effective_samples = 0.0;
     let mut noise = DMatrix::zeros(rank, rank);
     let mut resolution = DMatrix::zeros(rank, rank);
-    // What the autocorrelation times say of the trace of the noise.
+    // Trace of the noise as the autocorrelation times give it.
     let mut expected = 0.0;
     let mut first = 0;
     for (samples, resolution_m) in blocks.iter().copied() {
@@ -95,7 +100,8 @@ pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[(
     }
     let freedom = (effective_samples - p as f64).max(1.0);
     let raise = effective_samples.max(freedom + 1.0) / freedom;
-    // A short band sees too little of slow noise: on average over the directions never less than the autocorrelation time says.
+    // A short band sees too little of slow noise: on average over the directions never less than the autocorrelation
+    // time says.
     let share = expected / noise.trace();
     let noise = noise * (raise * if share.is_finite() { share.max(1.0) } else { 1.0 });
 
@@ -153,7 +159,8 @@ fn middle(u: &DMatrix<f64>, lags: &[f64]) -> DMatrix<f64> {
     sum
 }
 
-/// The factor of a 95 % interval by Student's distribution, by interpolation in `1/freedom`: within 1 % from 2 on, 15 % below.
+/// The factor of a 95 % interval by Student's distribution, by interpolation in `1/freedom`: within 1 % from 2 on, 15 %
+/// below.
 pub fn student_95(freedom: f64) -> f64 {
     const TABLE: [(f64, f64); 12] = [
         (1.0, 12.706),

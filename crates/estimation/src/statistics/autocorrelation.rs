@@ -1,8 +1,8 @@
-//! How residuals hang together in time, and what that leaves of their number.
+//! Autocorrelation of residuals in time, and how many independent samples it leaves.
 //!
-//! Two rules for two uses. Of a lumped model's misfit, slow and not like any simple noise: the autocorrelation time of this file
-//! (Geyer). Criteria of linear models count `N (1 - r)/(1 + r)` with the lag-1 autocorrelation, right for a first-order
-//! autoregression: [`autoregressive_effective_samples`](super::autoregressive_effective_samples).
+//! Two rules for two uses. Of a lumped model's misfit, slow and not like any simple noise: the autocorrelation time of
+//! this file (Geyer). Criteria of linear models count `N (1 - r)/(1 + r)` with the lag-1 autocorrelation, right for a
+//! first-order autoregression: [`autoregressive_effective_samples`](super::autoregressive_effective_samples).
 
 use realfft::RealFftPlanner;
 
@@ -19,8 +19,8 @@ pub fn lag_1_autocorrelation(residuals: &[f64]) -> f64 {
     (product / power).clamp(0.0, 0.999_999)
 }
 
-/// Autocovariance of residuals about zero at lags 0 .. `lags`, each divided by their number (so that any triangular window of
-/// it is positive semidefinite).
+/// Autocovariance of residuals about zero at lags 0 .. `lags`, each divided by their number (so that any triangular
+/// window of it is positive semidefinite).
 pub fn autocovariance(residuals: &[f64], lags: usize) -> Vec<f64> {
     let n = residuals.len().max(1) as f64;
     (0..lags.min(residuals.len())).map(|lag| at_lag(residuals, lag) / n).collect()
@@ -36,13 +36,14 @@ pub fn first_zero_lag(covariance: &[f64]) -> usize {
     covariance.iter().skip(1).position(|c| *c <= 0.0).map_or(covariance.len(), |k| k + 1).max(1)
 }
 
-/// Autocorrelation time in samples: `1 + 2 sum r_k` over the lags before the first that is not positive; at least 1, and 1 for
-/// residuals that are all zero.
+/// Autocorrelation time in samples: `1 + 2 sum r_k` over the lags before the first that is not positive; at least 1,
+/// and 1 for residuals that are all zero.
 ///
 /// Time: lags up to that one times the samples; above 20,000 samples all lags by two Fourier transforms.
 ///
-/// Geyer's initial positive sequence ("Practical Markov chain Monte Carlo", Statistical Science 7(4), 1992), about zero and not
-/// about the mean: a constant misfit is one sample. A slow swing of `m` periods in the window counts as about `3 m` samples.
+/// Geyer's initial positive sequence ("Practical Markov chain Monte Carlo", Statistical Science 7(4), 1992), about zero
+/// and not about the mean: a constant misfit is one sample. A slow swing of `m` periods in the window counts as about
+/// `3 m` samples.
 pub fn autocorrelation_time(residuals: &[f64]) -> f64 {
     let power = at_lag(residuals, 0);
     if power <= 0.0 || !power.is_finite() {
@@ -59,8 +60,8 @@ pub fn autocorrelation_time(residuals: &[f64]) -> f64 {
 /// Residuals up to which lags are summed one by one: a tenth of a second for residuals of one sign.
 const DIRECT_UP_TO: usize = 20_000;
 
-/// `sum r[k] r[k + lag]` for all lags: the inverse transform of the power spectrum, with as many zeros as samples behind the
-/// residuals so that nothing comes around. Rounding: some 1e-16 of the power.
+/// `sum r[k] r[k + lag]` for all lags: the inverse transform of the power spectrum, with as many zeros as samples
+/// behind the residuals so that nothing comes around. Rounding: some 1e-16 of the power.
 fn all_lags(residuals: &[f64]) -> Vec<f64> {
     let length = (2 * residuals.len()).next_power_of_two();
     let mut planner = RealFftPlanner::<f64>::new();
@@ -82,8 +83,8 @@ fn all_lags(residuals: &[f64]) -> Vec<f64> {
     padded
 }
 
-/// Independent samples that residuals are worth: their number over [`autocorrelation_time`], at least 1. `None` for residuals
-/// that are all zero, or none.
+/// Independent samples that residuals are worth: their number over [`autocorrelation_time`], at least 1. `None` for
+/// residuals that are all zero, or none.
 pub fn effective_samples(residuals: &[f64]) -> Option<f64> {
     let varies = residuals.iter().any(|r| *r != 0.0) && residuals.iter().all(|r| r.is_finite());
     varies.then(|| (residuals.len() as f64 / autocorrelation_time(residuals)).max(1.0))

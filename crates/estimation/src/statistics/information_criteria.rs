@@ -1,4 +1,8 @@
 //! Information criteria: how much better a model must fit to deserve its parameters.
+//!
+//! All of them weigh the mean square `V` of the residuals against the number `p` of free parameters for `N` samples;
+//! for correlated residuals `N` is the number of independent ones. Only differences between models of the same data
+//! count: 2 is weak evidence, 10 is strong (Burnham & Anderson 2002, section 2.6).
 
 /// Criteria of one model; the smallest wins among models of the same data.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -7,7 +11,7 @@ pub struct InformationCriteria {
     pub loss: f64,
     /// Number of estimated parameters, `p`.
     pub parameters: usize,
-    /// Number of samples they are judged by, `N`: the effective number where residuals are correlated.
+    /// Number of samples, `N`: the effective number where residuals are correlated.
     pub samples: f64,
     /// `N ln V + 2 p` (Akaike 1974).
     pub aic: f64,

@@ -1,4 +1,7 @@
-//! What residuals say about a model.
+//! Tests of residuals: are they white, and are they independent of the input?
+//!
+//! A model that explains its data leaves residuals without memory (Box-Pierce) and without correlation with past
+//! inputs. A failed test means that dynamics are missing; a passed one does not prove the model.
 
 use crumple_linalg::dot;
 

@@ -1,4 +1,6 @@
 //! The spread of a small sample.
+//!
+//! With `n - 1`: the mean is taken from the same values.
 
 /// Standard deviation about the mean, with `n - 1`; `None` for fewer than two values.
 pub fn standard_deviation(values: &[f64]) -> Option<f64> {

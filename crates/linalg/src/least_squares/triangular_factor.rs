@@ -1,4 +1,8 @@
 //! Tall least-squares problems by orthogonal transformations, without holding the whole matrix.
+//!
+//! `min |A x - b|` with `A` of `rows x columns`: push `[A, b]` in blocks of rows, then [`TriangularFactor::solve`]. The
+//! error of the solution is that of one Householder QR: rounding times the condition number of the column-scaled `A`,
+//! which is returned.
 
 use crate::product::dot;
 use crate::svd::jacobi_svd;
@@ -9,8 +13,8 @@ pub const CONDITION_LIMIT: f64 = 1e12;
 
 /// The triangular factor of a tall matrix that arrives in blocks of rows.
 ///
-/// Householder reflections of `[R; block]`, two at a time: the same backward error as one QR of the whole, and no normal
-/// equations. Cost `2 rows columns²`; memory one block.
+/// Householder reflections of `[R; block]`, two at a time: the same backward error as one QR of the whole, and no
+/// normal equations. Cost `2 rows columns²`; memory one block.
 #[derive(Debug, Clone)]
 pub struct TriangularFactor {
     columns: usize,
@@ -20,7 +24,7 @@ pub struct TriangularFactor {
 }
 
 impl TriangularFactor {
-    /// Of a matrix without rows so far.
+    /// The factor of a matrix with `columns` columns and no rows yet.
     pub fn new(columns: usize) -> Self {
         Self { columns, rows: 0, r: vec![0.0; columns * columns] }
     }
@@ -169,8 +173,8 @@ struct Reflection {
 }
 
 impl Reflection {
-    /// How often the tail is to be taken from a column whose product with it is given; the entry on the triangle's row is
-    /// dealt with here.
+    /// How often the tail is to be taken from a column whose product with it is given; the entry on the triangle's row
+    /// is dealt with here.
     #[inline]
     fn share(self, top: &mut f64, product: f64) -> f64 {
         let share = self.factor * (*top * self.head + product);
@@ -197,7 +201,7 @@ fn four_products(x: &[f64], y: &[f64], c: &[f64], d: &[f64]) -> [f64; 4] {
     std::array::from_fn(|k| sums[k].iter().sum::<f64>() + rest[k])
 }
 
-/// What [`TriangularFactor::solve`] found.
+/// The solution of a least-squares problem, by [`TriangularFactor::solve`].
 #[derive(Debug, Clone)]
 pub struct Solution {
     /// One column per target.

@@ -1,4 +1,6 @@
-//! Pseudo-inverses of small matrices.
+//! Numerical rank and pseudo-inverse of small matrices, both from singular values.
+//!
+//! One tolerance for both, 1e-12 of the largest value: what lies below is taken for rounding of data of size one.
 
 use crate::svd::jacobi_svd;
 use nalgebra::DMatrix;
