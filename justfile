@@ -167,6 +167,15 @@ golden-update: build
         [ "$(basename "$fixture")" = double ] || rm -f "$fixture/golden/6-simulate.mcap"
     done
 
+# Digests of everything the programs write over the fixtures, pipelines, methods and solvers, into OUT (default target/bytes.txt), for
+# changes that must not change a byte: `just bin=OTHER/release bytes A`, then `just bytes --compare A B [--content | --masked]`.
+[group('development')]
+[no-cd]
+[no-exit-message]
+bytes *args:
+    @[ {{ quote(bin) }} != {{ quote(env("CARGO_TARGET_DIR", justfile_directory() / "target") / "release") }} ] || [ "${1-}" = --compare ] || just build
+    @cargo run --quiet --manifest-path {{ quote(justfile_directory() / "Cargo.toml") }} --package crumple-testkit --bin bytes -- --bin {{ quote(bin) }} "$@"
+
 # The three papers' numbers, recomputed and compared: writes docs/papers.md, ends with `N of M items`.
 [group('development')]
 papers:
