@@ -135,7 +135,9 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
     }
     let mut progress = out.progress("writing", out.builder.samples());
     out.builder
-        .write_reporting(&common.output, &provenance, common.compress.into(), &mut |samples| progress.advance(samples))
+        .write_replacing(&common.output, &common.dependents, &provenance, common.compress.into(), &mut |samples| {
+            progress.advance(samples)
+        })
         .with_context(|| format!("the result of {} is lost", S::NAME))?;
     drop(progress);
     if !common.quiet {
