@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crumple_signal::{QuantityKind, Sampled};
 use mcap::records::{MessageHeader, Metadata};
@@ -14,7 +14,7 @@ use crate::finite::first_non_finite;
 use crate::provenance::{PROVENANCE, Provenance};
 use crate::records::{Record, WaveBlockV1};
 use crate::time_origin::{log_time, origin_ns, to_ns};
-use crate::{BLOCK_SAMPLES, LIBRARY, WAVE_PREFIX, Wave, viewer_safe_schema, write_atomically};
+use crate::{BLOCK_SAMPLES, LIBRARY, WAVE_PREFIX, Wave, replace_atomically, viewer_safe_schema};
 
 /// Name of the metadata record that ends the data.
 pub(crate) const CONTENT: &str = "content";
@@ -84,9 +84,9 @@ impl ArtifactBuilder {
         self.records.iter().map(|r| (r.topic.as_str(), r.schema, r.payload.as_slice()))
     }
 
-    /// Writes the artifact to `path` in one step (see [`write_atomically`]) and returns its content digest.
+    /// Writes the artifact to `path` in one step (see [`write_atomically`](crate::write_atomically)) and returns its content digest.
     pub fn write(&self, path: &Path, provenance: &Provenance, compression: Compression) -> Result<String, WriteError> {
-        self.write_reporting(path, provenance, compression, &mut |_| ())
+        self.write_replacing(path, &[], provenance, compression, &mut |_| ())
     }
 
     /// Samples of all waveforms together: the work of writing.
@@ -94,10 +94,12 @@ impl ArtifactBuilder {
         self.waves.values().map(|wave| wave.sampled.len() as u64).sum()
     }
 
-    /// [`write`](Self::write) that tells how many samples have been written since the last call.
-    pub fn write_reporting(
+    /// [`write`](Self::write) that tells how many samples have been written since the last call, and removes
+    /// `dependents`, files made from the old artifact, right before the new one appears (see [`replace_atomically`]).
+    pub fn write_replacing(
         &self,
         path: &Path,
+        dependents: &[PathBuf],
         provenance: &Provenance,
         compression: Compression,
         report: &mut dyn FnMut(u64),
@@ -111,7 +113,7 @@ impl ArtifactBuilder {
                 Self::Io(error)
             }
         }
-        write_atomically(path, |file| {
+        replace_atomically(path, dependents, |file| {
             self.write_blocks(file, provenance, compression, report)
                 .map_err(|source| Failure::Write(WriteError::Container { path: path.to_owned(), source }))
         })

@@ -19,7 +19,7 @@ mod schema;
 mod time_origin;
 mod wave;
 
-pub use atomic::write_atomically;
+pub use atomic::{remove_in_order, replace_atomically, write_atomically};
 pub use builder::{ArtifactBuilder, Compression};
 pub use codec::Codec;
 pub use digest::{ContentDigest, blake3_text};

@@ -11,7 +11,18 @@ const LAYERS: [&[&str]; 6] = [
     &["lti", "estimation", "artifact"],
     &["metrics", "lumped"],
     &["stage"],
-    &["ingest", "filter", "integrate", "identify", "parameter-solve", "simulate", "report", "diff", "artifact-cli"],
+    &[
+        "ingest",
+        "filter",
+        "integrate",
+        "identify",
+        "parameter-solve",
+        "simulate",
+        "report",
+        "diff",
+        "artifact-cli",
+        "run",
+    ],
     &["testkit"],
 ];
 

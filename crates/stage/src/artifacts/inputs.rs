@@ -6,9 +6,9 @@ use crumple_artifact::records::{DiagnosisV1, TestV1};
 use crumple_artifact::{Artifact, InputDigest, ReadError, Record, Wave, same_type};
 use crumple_signal::TestDescription;
 
-use crate::error::{RefuseExt, Refused};
-use crate::progress::Progress;
-use crate::stages::{stage_order, writer_of};
+use crate::error::{MissingTopic, RefuseExt, Refused};
+use crate::names::stages::{stage_order, writer_of};
+use crate::terminal::progress::Progress;
 
 /// What a stage works on, and the digests that go into its provenance.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ pub(crate) struct Diagnosed {
 impl Diagnosed {
     /// The reason why a topic is missing, if the stage that writes it has said that it has no acceptable result.
     pub(crate) fn reason_for(&self, missing: &MissingTopic) -> Option<String> {
-        let writer = writer_of(&missing.topic);
+        let writer = missing.writer();
         self.diagnoses
             .iter()
             .find(|diagnosis| writer == format!("crumple-{}", diagnosis.stage))
@@ -45,23 +45,6 @@ impl<I> Loaded<I> {
     /// An input that no stage stands behind, such as a file as users have it.
     pub fn new(input: I, digests: Vec<InputDigest>) -> Self {
         Self { input, digests, diagnosed: Diagnosed::default() }
-    }
-}
-
-/// A topic that a stage needs is in none of its inputs.
-///
-/// Where an earlier stage had no acceptable result, this is no fault of the input: the stage has none either.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("topic {topic} is in none of the inputs: {given}")]
-pub struct MissingTopic {
-    topic: String,
-    given: String,
-}
-
-impl MissingTopic {
-    /// One thing to do: the binary that writes the topic.
-    pub(crate) fn hint(&self) -> String {
-        format!("give the artifact of {} too", writer_of(&self.topic))
     }
 }
 
@@ -191,6 +174,6 @@ impl Inputs {
             .iter()
             .map(|a| format!("{} ({})", a.path().display(), a.stage().unwrap_or("no stage stated")))
             .collect();
-        MissingTopic { topic: topic.to_owned(), given: given.join(", ") }.into()
+        MissingTopic::new(topic, given.join(", "), writer_of(topic)).into()
     }
 }

@@ -8,19 +8,21 @@ use clap::error::ErrorKind;
 use clap::{Arg, Command, CommandFactory, FromArgMatches};
 
 use crate::error::{ExitStatus, render, status_of};
-use crate::say::say;
+use crate::terminal::say::say;
 
 /// Parses the command line, runs the program, prints its error with cause and hint, and returns its exit code.
 pub fn tool_main<C: CommandFactory + FromArgMatches>(run: impl FnOnce(C) -> anyhow::Result<ExitStatus>) -> ExitCode {
     finish(parse::<C>(C::command()).map_err(Ok).and_then(|(cli, _)| run(cli).map_err(Err)))
 }
 
-/// Flag that prints a completion script or the man page instead of running; hidden, since packagers use it and nobody else.
+/// Flag that prints a completion script or the man page instead of running; hidden, since packagers use it and nobody
+/// else.
 const GENERATE: &str = "generate";
 const SHELLS: [(&str, clap_complete::Shell); 3] =
     [("bash", clap_complete::Shell::Bash), ("zsh", clap_complete::Shell::Zsh), ("fish", clap_complete::Shell::Fish)];
 
-/// Parses a command line; `Err` is the exit status after help, version, a completion script or a usage error was printed.
+/// Parses a command line; `Err` is the exit status after help, version, a completion script or a usage error was
+/// printed.
 pub(crate) fn parse<C: FromArgMatches>(command: Command) -> Result<(C, clap::ArgMatches), ExitStatus> {
     let kinds = PossibleValuesParser::new(SHELLS.iter().map(|(name, _)| *name).chain(["man"]));
     let flag = Arg::new(GENERATE).long(GENERATE).value_parser(kinds).hide(true).exclusive(true);

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::say::say;
+use crate::terminal::say::say;
 
 /// Silence before the first sign; most work is over by then.
 const PATIENCE: Duration = Duration::from_secs(1);

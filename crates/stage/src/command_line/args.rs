@@ -19,6 +19,11 @@ pub struct Common {
     #[arg(short, long, value_name = "FILE")]
     pub pipeline: Option<PathBuf>,
 
+    /// File made from the output: removed right before a new output appears, so that it never stands beside one it was
+    /// not made from; kept where the output is up to date or the stage fails. Several: in the order of removal.
+    #[arg(long = "dependent", value_name = "FILE")]
+    pub dependents: Vec<PathBuf>,
+
     /// Compute even if the output is up to date.
     #[arg(long)]
     pub force: bool,

@@ -1,5 +1,5 @@
-//! The names of the stages and which of them writes what, for messages and for a stable order. Nothing here knows what a
-//! stage does.
+//! The names of the stages and which of them writes what, for messages and for a stable order. Nothing here knows what
+//! a stage does.
 
 /// Stages in the order of the pipeline.
 pub const STAGES: [&str; 7] = ["ingest", "filter", "integrate", "identify", "parameter-solve", "simulate", "report"];

@@ -6,7 +6,8 @@ use std::str::FromStr;
 use crumple_signal::value::{Damping, Length, Mass, Speed, Stiffness};
 use toml::{Table, Value};
 
-use crate::{Usage, check_keys, table_at, typed};
+use crate::chain_table::keys::{check_keys, table_at, typed};
+use crate::error::Usage;
 
 const MASS_KEYS: [&str; 4] = ["name", "mass", "stiffness", "damping"];
 
@@ -35,7 +36,8 @@ pub enum LawOfTable<N> {
 /// Reads a value with its unit in SI: place, value.
 pub type InSi<'a> = &'a dyn Fn(&str, &Value) -> anyhow::Result<f64>;
 
-/// How the numbers of a `masses` table are read, each from its place, its value and the reader of a value with its unit.
+/// How the numbers of a `masses` table are read, each from its place, its value and the reader of a value with its
+/// unit.
 #[derive(Debug, Clone, Copy)]
 pub struct NumberReaders<M, N> {
     /// A mass.
@@ -52,8 +54,8 @@ pub struct NumberReaders<M, N> {
 
 /// Reads the key `masses` of the table at `place`.
 ///
-/// Refused: no masses, unknown keys, a mass without mass or stiffness, two of one name, a value that is neither a number nor a list
-/// of pairs. Whether the numbers make a chain is not seen here.
+/// Refused: no masses, unknown keys, a mass without mass or stiffness, two of one name, a value that is neither a
+/// number nor a list of pairs. Whether the numbers make a chain is not seen here.
 pub fn read_masses<M, N: Clone>(
     place: &str,
     table: &Table,
@@ -184,7 +186,8 @@ mod tests {
             (one("mass = \"3 kg\", stiffness = [[\"0 mm\"]]"), "list of pairs of a knot and a value"),
             (one("name = 3, mass = \"3 kg\", stiffness = \"3 kN/m\""), "mass 1: name is no text"),
             (
-                "masses = [{ name = \"m2\", mass = \"3 kg\", stiffness = \"1 N/m\" }, { mass = \"3 kg\", stiffness = \"1 N/m\" }]"
+                "masses = [{ name = \"m2\", mass = \"3 kg\", stiffness = \"1 N/m\" }, \
+                 { mass = \"3 kg\", stiffness = \"1 N/m\" }]"
                     .to_owned(),
                 "two masses are named \"m2\"",
             ),

@@ -9,8 +9,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::error::Usage;
-use crate::nearest::nearest;
-use crate::stages::STAGES;
+use crate::names::nearest::nearest;
+use crate::names::stages::STAGES;
 
 /// Keys beside the tables: what a pipeline says of itself.
 const HEADER_KEYS: [&str; 2] = ["title", "description"];
@@ -147,7 +147,7 @@ mod tests {
     use clap::{CommandFactory, FromArgMatches};
 
     use super::*;
-    use crate::args::Cli;
+    use crate::command_line::args::Cli;
     use crate::error::render;
 
     #[derive(Debug, Default, PartialEq, clap::Args, serde::Serialize, serde::Deserialize)]
@@ -202,9 +202,11 @@ mod tests {
         error: p.toml: unknown key "titel"
           hint: did you mean "title"?
         "#);
-        insta::assert_snapshot!(text("[filter]\nimpact_speed = 35"), @r#"
-        error: p.toml, options of filter: "35" has no unit: write a speed, e.g. 35 m/s (units: m/s, km/h, mph, mm/s, ft/s) in `impact_speed`
-        "#);
+        assert_eq!(
+            text("[filter]\nimpact_speed = 35"),
+            "error: p.toml, options of filter: \"35\" has no unit: write a speed, e.g. 35 m/s (units: m/s, km/h, mph, \
+             mm/s, ft/s) in `impact_speed`"
+        );
     }
 
     #[test]

@@ -14,14 +14,14 @@ use crumple_signal::{Note, Severity};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::args::{Cli, Common};
-use crate::error::{ExitStatus, Usage, find_in_chain};
-use crate::inputs::{Loaded, MissingTopic, open};
-use crate::output::Output;
-use crate::pipeline::{canonical_json, is_flag, merge};
-use crate::progress::be_quiet;
-use crate::say::say;
-use crate::tool::{finish, parse};
+use crate::artifacts::inputs::{Loaded, open};
+use crate::artifacts::output::Output;
+use crate::command_line::args::{Cli, Common};
+use crate::command_line::pipeline::{canonical_json, is_flag, merge};
+use crate::error::{ExitStatus, MissingTopic, Usage, find_in_chain};
+use crate::process::tool::{finish, parse};
+use crate::terminal::progress::be_quiet;
+use crate::terminal::say::say;
 
 /// How a computation ended that did not fail.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -45,7 +45,8 @@ pub trait Stage {
     /// What the stage works on.
     type Input;
 
-    /// Learns which options were typed as flags, for a stage where that says more than the same value in a pipeline file.
+    /// Learns which options were typed as flags, for a stage where that says more than the same value in a pipeline
+    /// file.
     fn typed(_options: &mut Self::Options, _is_flag: &dyn Fn(&str) -> bool) {}
     /// Fills in the defaults and checks what can be checked without data.
     fn resolve(options: Self::Options) -> anyhow::Result<Self::Settings>;
@@ -64,7 +65,8 @@ pub fn main<S: Stage>() -> ExitCode {
         .about(S::ABOUT)
         .after_help(
             "Values typed by a person carry their unit: 873kg, 35km/h, 0s.\n\
-             Exit codes: 0 done, 1 unforeseen failure, 2 usage, 3 input refused, 4 no acceptable result (its diagnosis is written).",
+             Exit codes: 0 done, 1 unforeseen failure, 2 usage, 3 input refused, 4 no acceptable result \
+             (its diagnosis is written).",
         );
     let parsed = parse::<Cli<S::Options>>(command);
     finish(parsed.map_err(Ok).and_then(|(cli, matches)| {
@@ -133,7 +135,9 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
     }
     let mut progress = out.progress("writing", out.builder.samples());
     out.builder
-        .write_reporting(&common.output, &provenance, common.compress.into(), &mut |samples| progress.advance(samples))
+        .write_replacing(&common.output, &common.dependents, &provenance, common.compress.into(), &mut |samples| {
+            progress.advance(samples)
+        })
         .with_context(|| format!("the result of {} is lost", S::NAME))?;
     drop(progress);
     if !common.quiet {

@@ -4,7 +4,7 @@ use anyhow::Context;
 use crumple_artifact::{ArtifactBuilder, Record};
 use crumple_signal::{Notes, QuantityKind, Sampled};
 
-use crate::progress::Progress;
+use crate::terminal::progress::Progress;
 
 /// Collects records, waveforms, notes and the summary of a stage.
 pub struct Output {
@@ -39,8 +39,8 @@ impl Output {
         self.summary.push(line.into());
     }
 
-    /// States why a result that is done holds nothing that later stages work on: they then have no acceptable result, for this reason. A line
-    /// of the summary too.
+    /// States why a result that is done holds nothing that later stages work on: they then have no acceptable result,
+    /// for this reason. A line of the summary too.
     pub fn nothing_for_later_stages(&mut self, reason: impl Into<String>) {
         let reason = reason.into();
         self.summary.push(reason.clone());
