@@ -4,17 +4,12 @@
 //! `11HEADCGCGH3ACXA`. The word tables hold the codes met in vehicle tests; a code that is not in them keeps its letters.
 //! Written codes differ from the rule in known ways ([`IsoCode::parse`]); what was made of them is said in remarks.
 
-mod filter_class;
-mod wildcard;
-mod words;
-
 use std::fmt;
 
-pub use filter_class::FilterClass;
-pub use wildcard::wildcard;
-
+use super::filter_class::FilterClass;
+use super::wildcard::wildcard;
+use super::words::{fine_location_words, is_dummy_location, main_location_words, position_words};
 use crate::{Axis, QuantityKind};
-use words::{fine_location_words, is_dummy_location, main_location_words, position_words};
 
 /// A code of sixteen characters: capital letters, digits, `?` for what is not known, `_` where a writer left a place open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

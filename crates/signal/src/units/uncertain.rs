@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use crate::unit::UnitError;
+use crate::units::unit::UnitError;
 
 /// How the error of an input is distributed about zero.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -74,7 +74,7 @@ impl<'de, V: FromStr<Err = UnitError>> Deserialize<'de> for Uncertain<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::value::{Mass, Share, Speed};
+    use crate::units::value::{Mass, Share, Speed};
 
     #[test]
     fn a_value_is_a_standard_deviation_unless_it_is_called_uniform() {

@@ -4,7 +4,7 @@
 //! bare number, and writes itself in SI with its unit.
 
 use crate::QuantityKind;
-use crate::unit::{Dimension, UnitError, parse_value};
+use crate::units::unit::{Dimension, UnitError, parse_value};
 
 macro_rules! value {
     ($(#[$doc:meta] $name:ident($dimension:expr, $unit:literal)),* $(,)?) => {$(
