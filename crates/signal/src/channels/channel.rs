@@ -164,8 +164,8 @@ impl Channel {
         }
     }
 
-    /// Whether the sensor may sit on the structure of the vehicle: its location does not begin with an occupant, another
-    /// road user or the barrier. An unknown location may.
+    /// Whether the sensor may sit on the structure of the vehicle: its location does not begin with an occupant,
+    /// another road user or the barrier. An unknown location may.
     pub fn may_be_on_vehicle(&self) -> bool {
         let location = self.location.trim().to_lowercase();
         !ELSEWHERE.iter().any(|word| location.starts_with(word))

@@ -34,9 +34,9 @@ pub fn part_of(channel: &Channel) -> Option<BodyPart> {
     if channel.quantity != QuantityKind::Acceleration {
         return None;
     }
-    let said = if channel.location.trim().is_empty() { &channel.id } else { &channel.location };
-    let said = said.to_lowercase();
-    let words: Vec<&str> = said.split(|c: char| !c.is_alphanumeric()).collect();
+    let place = if channel.location.trim().is_empty() { &channel.id } else { &channel.location };
+    let place = place.to_lowercase();
+    let words: Vec<&str> = place.split(|c: char| !c.is_alphanumeric()).collect();
     let has = |word: &str| words.contains(&word);
     if has("headform") || has("fmh") {
         return Some(BodyPart::Headform);
@@ -48,7 +48,7 @@ pub fn part_of(channel: &Channel) -> Option<BodyPart> {
             _ => {}
         }
     }
-    if said.starts_with("vehicle") || NO_HEAD.into_iter().any(has) {
+    if place.starts_with("vehicle") || NO_HEAD.into_iter().any(has) {
         None
     } else if has("head") {
         Some(BodyPart::Head)

@@ -1,4 +1,4 @@
-//! Channels by the name a person gives: an id, a code, another name, a pattern.
+//! Selects channels by the name a person gives: an id, a code, another name, a pattern.
 
 use crate::iso13499::wildcard;
 use crate::{Channel, TestDescription};
@@ -8,8 +8,8 @@ pub fn is_pattern(wanted: &str) -> bool {
     wanted.contains(['*', '?'])
 }
 
-/// The channels meant, as indices: the one with this id; else those with this id or code or other name in any case; else, if it
-/// is a pattern, all whose id, code or other name fits. None, one or several.
+/// The channels that a name selects, as indices: the one with this id; else those with this id or code or other name
+/// in any case; else, if it is a pattern, all whose id, code or other name matches. None, one or several.
 pub fn channels_meant(channels: &[(&Channel, &[String])], wanted: &str) -> Vec<usize> {
     let wanted = wanted.trim();
     if let Some(index) = channels.iter().position(|(channel, _)| channel.id == wanted) {
@@ -25,16 +25,16 @@ pub fn channels_meant(channels: &[(&Channel, &[String])], wanted: &str) -> Vec<u
     };
     let same = |name: &str| name.to_lowercase() == fold;
     for by_other_names in [false, true] {
-        let found = all(&same, by_other_names);
-        if !found.is_empty() {
-            return found;
+        let matches = all(&same, by_other_names);
+        if !matches.is_empty() {
+            return matches;
         }
     }
     if is_pattern(wanted) { all(&|name| wildcard(wanted, name), true) } else { Vec::new() }
 }
 
 impl TestDescription {
-    /// The channels that an id, a code or a pattern such as `1?VEHC*X?` means, see [`channels_meant`].
+    /// The channels that an id, a code or a pattern such as `1?VEHC*X?` selects, see [`channels_meant`].
     pub fn channels_meant(&self, wanted: &str) -> Vec<&Channel> {
         let named: Vec<(&Channel, &[String])> = self.channels.iter().map(|channel| (channel, [].as_slice())).collect();
         channels_meant(&named, wanted).into_iter().map(|k| &self.channels[k]).collect()

@@ -1,8 +1,9 @@
 //! The 16-character channel code of ISO/TS 13499 (ISO-MME), as laboratories write it.
 //!
-//! Test object, position, main location (4), three fine locations (2 each), physical dimension (2), direction, filter class:
-//! `11HEADCGCGH3ACXA`. The word tables hold the codes met in vehicle tests; a code that is not in them keeps its letters.
-//! Written codes differ from the rule in known ways ([`IsoCode::parse`]); what was made of them is said in remarks.
+//! Test object, position, main location (4), three fine locations (2 each), physical dimension (2), direction, filter
+//! class: `11HEADCGCGH3ACXA`. The word tables hold the codes met in vehicle tests; a code that is not in them keeps its
+//! letters. Written codes differ from the rule in known ways ([`IsoCode::parse`]); remarks say how
+//! they were read.
 
 use std::fmt;
 
@@ -11,7 +12,8 @@ use super::wildcard::wildcard;
 use super::words::{fine_location_words, is_dummy_location, main_location_words, position_words};
 use crate::{Axis, QuantityKind};
 
-/// A code of sixteen characters: capital letters, digits, `?` for what is not known, `_` where a writer left a place open.
+/// A code of sixteen characters: capital letters, digits, `?` for what is not known, `_` where a writer left a place
+/// open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct IsoCode([u8; 16]);
 
@@ -55,11 +57,11 @@ pub struct Parts<'a> {
 }
 
 impl IsoCode {
-    /// Reads a code as written, and says what had to be made of it.
+    /// Reads a code as written, with remarks on where it departs from the rule.
     ///
-    /// Besides the rule: small letters; `_` for open places; a suffix from the seventeenth character on that starts with `_`,
-    /// `.` or a blank (`..ACXD_NoName1`); fifteen characters without filter class; thirteen and fourteen without test object
-    /// and position (`VEHC0000__VEX`).
+    /// Besides the rule: small letters; `_` for open places; a suffix from the seventeenth character on that starts
+    /// with `_`, `.` or a blank (`..ACXD_NoName1`); fifteen characters without filter class; thirteen and fourteen
+    /// without test object and position (`VEHC0000__VEX`).
     pub fn parse(text: &str) -> Result<(Self, Vec<String>), CodeError> {
         let mut remarks = Vec::new();
         let written = text.trim();
@@ -70,14 +72,14 @@ impl IsoCode {
         }
         let length = code.chars().count();
         if let Some(found) = code.chars().find(|c| !(c.is_ascii_alphanumeric() || matches!(c, '_' | '?'))) {
-            return Err(CodeError::Character { text: shown(written), found });
+            return Err(CodeError::Character { text: abbreviated(written), found });
         }
         let filled = match length {
             16 => code,
             15 => format!("{code}?"),
             14 => format!("??{code}"),
             13 => format!("??{code}?"),
-            _ => return Err(CodeError::Length { text: shown(written), length }),
+            _ => return Err(CodeError::Length { text: abbreviated(written), length }),
         };
         if length < 16 {
             let missing = match length {
@@ -200,8 +202,8 @@ impl IsoCode {
         }
     }
 
-    /// What the direction says of the sign, where it departs from SAE J211. NHTSA writes 1 for data that follow J211, so the
-    /// digit decides nothing.
+    /// What the direction says of the sign, where it departs from SAE J211. NHTSA writes 1 for data that follow J211,
+    /// so the digit decides nothing.
     pub fn polarity_remark(&self) -> Option<String> {
         let axis = match self.0[14] {
             b'1' => "x",
@@ -210,7 +212,8 @@ impl IsoCode {
             _ => return None,
         };
         Some(format!(
-            "direction {} means {axis} with a sign other than SAE J211; some laboratories write it for J211 data: check the sign",
+            "direction {} means {axis} with a sign other than SAE J211; some laboratories write it for J211 data: \
+             check the sign",
             char::from(self.0[14])
         ))
     }
@@ -241,8 +244,8 @@ impl IsoCode {
         }
     }
 
-    /// Where the sensor sits, in words: `vehicle, crossmember, left, rear`; `occupant front left, head, centre of gravity`.
-    /// The part before the first comma says whose it is.
+    /// Where the sensor sits, in words: `vehicle, crossmember, left, rear`;
+    /// `occupant front left, head, centre of gravity`. The part before the first comma says whose it is.
     pub fn location(&self) -> String {
         let mut words = vec![self.owner()];
         if self.main_location() != "VEHC" {
@@ -254,8 +257,8 @@ impl IsoCode {
         for (k, fine) in self.fine_locations().into_iter().enumerate() {
             let open = fine.bytes().all(|b| matches!(b, b'0' | b'_' | b'?'));
             // The third fine location names the dummy, or repeats the place.
-            let said = k > 0 && self.fine_locations()[..k].contains(&fine);
-            if !open && !said {
+            let repeated = k > 0 && self.fine_locations()[..k].contains(&fine);
+            if !open && !repeated {
                 words.push(fine_location_words(fine).map_or_else(|| fine.to_owned(), str::to_owned));
             }
         }
@@ -296,7 +299,8 @@ impl fmt::Display for IsoCode {
     }
 }
 
-fn shown(text: &str) -> String {
+/// The first 40 characters, for a message.
+fn abbreviated(text: &str) -> String {
     text.chars().take(40).collect()
 }
 

@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+/// What a warning begins with in its text form, as the record of notes has it on disk.
+const WARNING_PREFIX: &str = "warning: ";
+
 /// How much a note matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
@@ -11,7 +14,8 @@ pub enum Severity {
     Warning,
 }
 
-/// A remark in plain words. Its text form starts with `warning: ` where it is one.
+/// A remark in plain words. Its text form, which [`Note::parse`] reads back, starts with `warning: ` if it is a
+/// warning: nothing else in the code writes or reads that prefix.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Note {
     /// How much it matters.
@@ -24,7 +28,7 @@ impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.severity {
             Severity::Info => f.write_str(&self.text),
-            Severity::Warning => write!(f, "warning: {}", self.text),
+            Severity::Warning => write!(f, "{WARNING_PREFIX}{}", self.text),
         }
     }
 }
@@ -32,7 +36,7 @@ impl fmt::Display for Note {
 impl Note {
     /// Reads the text form back.
     pub fn parse(text: &str) -> Self {
-        match text.strip_prefix("warning: ") {
+        match text.strip_prefix(WARNING_PREFIX) {
             Some(rest) => Self { severity: Severity::Warning, text: rest.to_owned() },
             None => Self { severity: Severity::Info, text: text.to_owned() },
         }

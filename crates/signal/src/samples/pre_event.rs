@@ -6,7 +6,8 @@ use crate::Sampled;
 
 /// Shortest stretch of pre-event data that gives a zero level, s.
 const SHORTEST_S: f64 = 0.01;
-/// Runs of exact zeros at the start of a record up to this long are samples like others; longer ones are a muted recorder.
+/// Runs of exact zeros at the start of a record up to this long are samples like others; longer ones are a muted
+/// recorder.
 const FEW_ZEROS: usize = 10;
 /// Slack for time stamps that are sums of a decimal interval, s.
 const SLACK_S: f64 = 1e-9;
@@ -50,8 +51,8 @@ pub struct PreEvent {
 /// δ·t to the velocity and δ·t²/2 to the displacement: 0.1 g over 100 ms is 0.098 m/s and 4.9 mm. Never the mean of the
 /// whole record: a crash pulse has one.
 ///
-/// A record that begins with more than ten samples of exactly 0 was muted until then (NHTSA's TDMS files): that run is not counted.
-/// A window of nothing but such zeros is taken as it is, as computed records have it.
+/// A record that begins with more than ten samples of exactly 0 was muted until then (NHTSA's TDMS files): that run is
+/// not counted. A window of nothing but such zeros is taken as it is, as computed records have it.
 pub fn pre_event(samples: &Sampled, window: PreEventWindow) -> Option<PreEvent> {
     let from = samples.index_at_or_after(window.from_s - SLACK_S);
     let to = samples.index_at_or_after(window.to_s + SLACK_S);
@@ -68,9 +69,9 @@ pub fn pre_event(samples: &Sampled, window: PreEventWindow) -> Option<PreEvent> 
     let n = inside.len() as f64;
     let zero_level = inside.iter().sum::<f64>() / n;
     let noise_floor = (inside.iter().map(|x| (x - zero_level).powi(2)).sum::<f64>() / n).sqrt();
-    let found = PreEvent { zero_level, noise_floor, from_s, to_s, samples: inside.len(), muted };
+    let level = PreEvent { zero_level, noise_floor, from_s, to_s, samples: inside.len(), muted };
     // Samples near the end of the range of numbers have squares beyond it.
-    (zero_level.is_finite() && noise_floor.is_finite()).then_some(found)
+    (zero_level.is_finite() && noise_floor.is_finite()).then_some(level)
 }
 
 #[cfg(test)]
@@ -83,13 +84,13 @@ mod tests {
 
     #[test]
     fn both_ends_of_the_window_belong_to_it() {
-        let found = pre_event(&ramp(-0.06, 1e-3, 200), PreEventWindow::default()).unwrap();
-        assert_eq!((found.samples, found.zero_level), (41, 30.0));
+        let level = pre_event(&ramp(-0.06, 1e-3, 200), PreEventWindow::default()).unwrap();
+        assert_eq!((level.samples, level.zero_level), (41, 30.0));
         // Variance of the integers -20..=20: 20·21/3.
-        assert!((found.noise_floor - 140.0_f64.sqrt()).abs() < 1e-12);
+        assert!((level.noise_floor - 140.0_f64.sqrt()).abs() < 1e-12);
         // -50.0 to -10.0 ms at 10 kHz: samples 0 to 400.
-        let found = pre_event(&ramp(-0.05, 1e-4, 3500), PreEventWindow::default()).unwrap();
-        assert_eq!((found.samples, found.zero_level), (401, 200.0));
+        let level = pre_event(&ramp(-0.05, 1e-4, 3500), PreEventWindow::default()).unwrap();
+        assert_eq!((level.samples, level.zero_level), (401, 200.0));
     }
 
     #[test]
@@ -98,22 +99,22 @@ mod tests {
             let at = |k: usize| if k < muted { 0.0 } else { 2.0 };
             Sampled::new(-0.05, 1e-4, (0..3500).map(at).collect()).unwrap()
         };
-        let of =
+        let level_after =
             |muted| pre_event(&record(muted), PreEventWindow::default()).map(|f| (f.zero_level, f.muted, f.samples));
-        assert_eq!(of(0), Some((2.0, 0, 401)));
-        assert_eq!(of(200), Some((2.0, 200, 201)));
+        assert_eq!(level_after(0), Some((2.0, 0, 401)));
+        assert_eq!(level_after(200), Some((2.0, 200, 201)));
         // Ten zeros may be measured ones.
-        assert_eq!(of(10).map(|(_, muted, samples)| (muted, samples)), Some((0, 401)));
+        assert_eq!(level_after(10).map(|(_, muted, samples)| (muted, samples)), Some((0, 401)));
         // Less than 10 ms are left.
-        assert_eq!(of(350), None);
+        assert_eq!(level_after(350), None);
         // Nothing but zeros: a computed record.
-        assert_eq!(of(500), Some((0.0, 0, 401)));
-        assert_eq!(of(3500), Some((0.0, 0, 401)));
+        assert_eq!(level_after(500), Some((0.0, 0, 401)));
+        assert_eq!(level_after(3500), Some((0.0, 0, 401)));
     }
 
     #[test]
     fn ten_milliseconds_before_the_event_are_enough_and_nine_are_not() {
-        let samples = |t0_s| pre_event(&ramp(t0_s, 1e-3, 200), PreEventWindow::default()).map(|found| found.samples);
+        let samples = |t0_s| pre_event(&ramp(t0_s, 1e-3, 200), PreEventWindow::default()).map(|level| level.samples);
         assert_eq!((samples(-0.02), samples(-0.019), samples(0.0)), (Some(11), None, None));
         assert_eq!(pre_event(&ramp(-0.02, 1e-4, 2701), PreEventWindow::default()).map(|f| f.samples), Some(101));
         assert_eq!(pre_event(&ramp(-0.0199, 1e-4, 2701), PreEventWindow::default()), None);

@@ -166,7 +166,7 @@ impl Sampled {
     }
 }
 
-/// Index of the first NaN or infinity. Whole blocks are judged at once, which the processor does at the speed of memory.
+/// Index of the first NaN or infinity. Whole blocks are checked at once, at the speed of memory.
 fn first_not_finite(samples: &[f64]) -> Option<usize> {
     const BLOCK: usize = 1024;
     let bad = samples.chunks(BLOCK).position(|block| !block.iter().fold(true, |all, x| all & x.is_finite()))?;

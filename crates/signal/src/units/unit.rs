@@ -142,7 +142,8 @@ pub fn factor(symbol: &str, dimension: Dimension) -> Option<f64> {
         .map(|(_, _, factor)| *factor)
 }
 
-/// A symbol without the brackets around it: `[g]` is `g`, `(m/s^2` is `m/s^2`; `m/(s*s)` stays, its bracket belongs to the unit.
+/// A symbol without the brackets around it: `[g]` is `g`, `(m/s^2` is `m/s^2`; `m/(s*s)` stays, its bracket belongs to
+/// the unit.
 pub fn without_brackets(symbol: &str) -> &str {
     let mut symbol = symbol.trim();
     loop {
