@@ -10,16 +10,15 @@ use mcap::McapError;
 use mcap::records::{self, MessageHeader, Record as McapRecord, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-use crate::builder::CONTENT;
-use crate::chunk::{Directory, Topic, unpack};
-use crate::codec::{Codec, decode_wave_block};
-use crate::digest::ContentDigest;
+use super::chunk::{Directory, Topic, unpack};
 use crate::error::ReadError;
-use crate::finite::first_non_finite;
-use crate::provenance::{FORMAT_VERSION, PROVENANCE, Provenance};
+use crate::layout::codec::{Codec, decode_wave_block};
+use crate::layout::digest::ContentDigest;
+use crate::layout::finite::first_non_finite;
+use crate::layout::names::{CONTENT, WAVE_PREFIX, is_later_version};
+use crate::layout::provenance::{FORMAT_VERSION, PROVENANCE, Provenance};
+use crate::layout::wave::{Wave, WaveAssembler};
 use crate::records::{Record, TestV1, WaveBlockV1};
-use crate::wave::WaveAssembler;
-use crate::{WAVE_PREFIX, Wave};
 
 /// Records other than chunks are small; an absurd length is damage or an attack.
 const MAX_RECORD_BYTES: usize = 5 << 30;
@@ -145,20 +144,6 @@ impl Artifact {
 
 fn unread_encoding(encoding: &str) -> String {
     format!("encoding {encoding:?} is not read, json or bincode is needed")
-}
-
-/// Whether a schema is a later version of a known one.
-fn is_later_version(found: &str, known: &str) -> bool {
-    let ((found_name, found_version), (known_name, known_version)) = (split_version(found), split_version(known));
-    found_name == known_name && found_version > known_version
-}
-
-/// `crumple.Events.v1` -> `("crumple.Events", 1)`.
-pub(crate) fn split_version(schema: &str) -> (&str, u32) {
-    match schema.rsplit_once(".v") {
-        Some((name, version)) => (name, version.parse().unwrap_or(0)),
-        None => (schema, 0),
-    }
 }
 
 /// One pass over a file.

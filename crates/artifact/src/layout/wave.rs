@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use crumple_signal::{Quantity, QuantityKind, Sampled, Signal, SignalError};
 
-use crate::codec::WAVE_LAYOUT;
+use crate::layout::codec::WAVE_LAYOUT;
+use crate::layout::time_origin::to_ns;
 use crate::records::WaveBlockV1;
-use crate::time_origin::to_ns;
 
 /// Samples in a block; the last block of a waveform may be shorter.
 pub const BLOCK_SAMPLES: usize = 65_536;

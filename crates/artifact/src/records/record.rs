@@ -1,52 +1,13 @@
-//! The records that stages exchange, as they stand on disk.
-//!
-//! A type here is a contract with other programs: its JSON field names are never changed, only its version is.
-//! What code works with is the domain type it converts to and from. Rules that keep every type readable in both
-//! encodings: no tagged enums, no `flatten`, no skipped fields, no free-form values; unknown is `null` (`Option`);
-//! numbers are finite.
-
-mod arx_scan;
-mod candidate;
-mod channel_filter;
-mod diagnosis;
-mod events;
-mod evidence;
-mod identification;
-mod matching;
-mod metrics;
-mod model;
-mod notes;
-mod quality;
-mod response;
-mod selection;
-mod shapes;
-mod simulation;
-mod stabilization;
-mod test;
-mod wave;
-
-pub use arx_scan::{ArxScanModelV1, ArxScanV1};
-pub use candidate::{CandidateV1, FitV1, ProfileV1, ReplicatesV1, SensorFitV1, UncertaintyV1};
-pub use channel_filter::{ChannelFilterV1, CorridorPointV1};
-pub use diagnosis::DiagnosisV1;
-pub use events::{EventIntervalV1, EventsV1, MissingIntervalV1};
-pub use evidence::{EvidenceV1, SpreadV1};
-pub use identification::IdentificationV1;
-pub use matching::{MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, PhysicalCoordinatesV1};
-pub use metrics::{MetricV1, MetricsV1};
-pub use model::{ExponentialSumV1, ExponentialTermV1, ModeV1, ModesV1, StateSpaceV1, TransferFunctionV1};
-pub use notes::NotesV1;
-pub use quality::QualityV1;
-pub use response::ResponseV1;
-pub use selection::{SelectionModelV1, SelectionV1};
-pub use shapes::{ShapeV1, ShapesV1};
-pub use simulation::{EnergyV1, OtherSensorV1, RatingV1, SimulationV1};
-pub use stabilization::{StabilizationClusterV1, StabilizationPoleV1, StabilizationV1};
-pub use test::{ChannelV1, SourceV1, TestV1};
-pub use wave::WaveBlockV1;
+//! Which types may stand in an artifact, and their schema names.
 
 use schemars::JsonSchema;
 use serde::{Serialize, de::DeserializeOwned};
+
+use super::{
+    ArxScanV1, CandidateV1, ChannelFilterV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1, IdentificationV1,
+    MatchingV1, MetricsV1, ModesV1, NotesV1, QualityV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1,
+    StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1, WaveBlockV1,
+};
 
 /// A type that may stand in an artifact.
 pub trait Record: Serialize + DeserializeOwned + JsonSchema {

@@ -7,17 +7,17 @@ use std::path::Path;
 use crumple_signal::{QuantityKind, Sampled};
 use mcap::records::{MessageHeader, Metadata};
 
-use crate::codec::{Codec, encode_wave_block};
-use crate::digest::ContentDigest;
+use super::atomic::write_atomically;
 use crate::error::WriteError;
-use crate::finite::first_non_finite;
-use crate::provenance::{PROVENANCE, Provenance};
+use crate::layout::codec::{Codec, encode_wave_block};
+use crate::layout::digest::ContentDigest;
+use crate::layout::finite::first_non_finite;
+use crate::layout::names::{CONTENT, LIBRARY, WAVE_PREFIX};
+use crate::layout::provenance::{PROVENANCE, Provenance};
+use crate::layout::schema::viewer_safe_schema;
+use crate::layout::time_origin::{log_time, origin_ns, to_ns};
+use crate::layout::wave::{BLOCK_SAMPLES, Wave};
 use crate::records::{Record, WaveBlockV1};
-use crate::time_origin::{log_time, origin_ns, to_ns};
-use crate::{BLOCK_SAMPLES, LIBRARY, WAVE_PREFIX, Wave, viewer_safe_schema, write_atomically};
-
-/// Name of the metadata record that ends the data.
-pub(crate) const CONTENT: &str = "content";
 
 /// Compression of the chunks. The content digest does not depend on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
