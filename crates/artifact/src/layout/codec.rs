@@ -1,7 +1,7 @@
 //! The two encodings of a message. bincode is used here and nowhere else.
 //!
-//! bincode 2.0.1 with `config::legacy()`: little-endian, integers of fixed width, lengths as `u64`. The layout is frozen
-//! by golden-bytes tests; see `docs/adr/0002-bincode.md` for the crate's state and the way out.
+//! bincode 2.0.1 with `config::legacy()`: little-endian, integers of fixed width, lengths as `u64`. The layout is
+//! frozen by golden-bytes tests; see `docs/adr/0002-bincode.md` for the crate's state and the way out.
 
 use std::fmt;
 

@@ -1,7 +1,7 @@
 //! JSON Schemas that viewers can read.
 //!
-//! Viewers of MCAP files parse a small subset of JSON Schema and drop a topic whose schema has a reference, a union with
-//! null or nested arrays at its root. So the complete schema stands under `$defs/<Type>`, where validators find it
+//! Viewers of MCAP files parse a small subset of JSON Schema and drop a topic whose schema has a reference, a union
+//! with null or nested arrays at its root. So the complete schema stands under `$defs/<Type>`, where validators find it
 //! through `allOf` and viewers do not look, and the root's `properties` hold what viewers can show.
 
 use serde_json::{Map, Value, json};

@@ -8,7 +8,8 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 
 /// A chunk may unpack to this much whatever its size, so that any ordinary writer's chunks fit.
 const FREE_BYTES: u64 = 64 << 20;
-/// Beyond that, the largest ratio of unpacked to packed bytes: constant signals reach it, decompression bombs exceed it.
+/// Beyond that, the largest ratio of unpacked to packed bytes: constant signals reach it, decompression bombs exceed
+/// it.
 const MAX_RATIO: u64 = 4096;
 
 /// What a channel and its schema say of a topic.

@@ -5,7 +5,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 /// Writes `path` through a temporary file beside it: on success the target is replaced in one step, on failure it is
-/// left as it was and the temporary file is removed. A killed process leaves at most a `*.tmp` file, never half a target.
+/// left as it was and the temporary file is removed. A killed process leaves at most a `*.tmp` file, never half a
+/// target.
 ///
 /// Missing parent folders are made.
 pub fn write_atomically<T, E: From<io::Error>>(

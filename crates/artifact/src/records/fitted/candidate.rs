@@ -1,3 +1,5 @@
+//! Record: physical parameters, the fit they come from and their uncertainty.
+
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;

@@ -1,3 +1,5 @@
+//! Record: coefficient matching, from an identified model to masses, springs and dampers.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,3 +1,5 @@
+//! Record: the motion of a candidate beside the test.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,3 +1,5 @@
+//! Record: ARX structures compared.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

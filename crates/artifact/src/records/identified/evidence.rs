@@ -1,3 +1,5 @@
+//! Record: validation of an identified model.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

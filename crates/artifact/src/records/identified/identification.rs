@@ -1,3 +1,5 @@
+//! Record: how a model was identified and how well it fits.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

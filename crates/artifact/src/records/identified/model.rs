@@ -1,3 +1,5 @@
+//! Records: identified models (state space, transfer function, exponential sum) and their modes.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,3 +1,5 @@
+//! Record: models of one output compared.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,3 +1,5 @@
+//! Record: mode shapes over the sensors.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,3 +1,5 @@
+//! Record: stabilisation diagram, poles over the model order.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,3 +1,5 @@
+//! Record: how a channel was filtered.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

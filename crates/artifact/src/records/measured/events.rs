@@ -1,3 +1,5 @@
+//! Record: the events of a crash on one channel.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,3 +1,5 @@
+//! Record: crash metrics.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,3 +1,5 @@
+//! Record: what ingest measured on a channel.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,3 +1,5 @@
+//! Record: the test, its source and its channels.
+
 use crumple_signal::{Axis, Channel, QuantityKind, Source, TestDescription};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

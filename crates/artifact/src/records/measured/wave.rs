@@ -1,3 +1,5 @@
+//! Record: a block of a waveform.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

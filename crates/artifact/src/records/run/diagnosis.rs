@@ -1,3 +1,5 @@
+//! Record: why a run has no acceptable result.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,3 +1,5 @@
+//! Record: the notes of a stage.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
