@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use crumple_artifact::Provenance;
 use serde_json::{Value, json};
 
-use crate::report::Difference;
-use crate::value::compare_json;
+use crate::compare::json::compare_json;
+use crate::differences::report::Difference;
 use crate::{Base, Settings, Tolerances};
 
 /// Stage, version, options and inputs that differ.

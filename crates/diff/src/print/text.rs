@@ -7,8 +7,8 @@ use std::io::{self, Write};
 use crumple_artifact::WAVE_PREFIX;
 use serde_json::Value;
 
-use crate::first::{First, order};
-use crate::report::{Difference, FileReport, Report, Side, TopicReport};
+use crate::differences::report::{Difference, FileReport, Report, Side, TopicReport};
+use crate::print::headline::{First, order};
 
 /// Differences of a topic that are shown without `--all`.
 const SHOWN: usize = 5;

@@ -6,10 +6,10 @@ use crumple_artifact::{Artifact, JsonForm, RawRecord, ReadError, WAVE_PREFIX, Wa
 use serde_json::{Value, json};
 
 use crate::Settings;
-use crate::provenance::compare_provenance;
-use crate::report::{Difference, FileReport, Side, TopicReport};
-use crate::value::compare_json;
-use crate::wave::compare_waves;
+use crate::compare::json::compare_json;
+use crate::compare::provenance::compare_provenance;
+use crate::compare::wave::compare_waves;
+use crate::differences::report::{Difference, FileReport, Side, TopicReport};
 
 /// Compares the content of two artifacts; `name` is what the report calls them.
 ///

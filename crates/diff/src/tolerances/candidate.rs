@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::{Map, Value};
 
 use crate::Tolerance;
-use crate::unit::Unit;
+use crate::tolerances::unit::Unit;
 
 /// Share of its standard deviation by which a parameter may differ: it moves no interval in its second digit.
 const SHARE_OF_DEVIATION: f64 = 0.01;

@@ -1,6 +1,6 @@
 //! What people ask first of two results that differ: the events of the crash, the parameters of candidates, the metrics.
 
-use crate::report::Difference;
+use crate::differences::report::Difference;
 
 /// What people ask first, in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

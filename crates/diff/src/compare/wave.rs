@@ -4,9 +4,9 @@ use crumple_artifact::Wave;
 use serde_json::{Value, json};
 
 use crate::Settings;
-use crate::report::{Difference, TopicReport};
-use crate::tolerance::Base;
-use crate::unit::Unit;
+use crate::differences::report::{Difference, TopicReport};
+use crate::tolerances::table::Base;
+use crate::tolerances::unit::Unit;
 
 /// Two grids are the same if no sample's time moves by more than this part of the sampling interval, plus the
 /// nanosecond to which the start is stored.

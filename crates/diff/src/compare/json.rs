@@ -4,11 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Map, Value};
 
-use crate::candidate::{Candidate, same_ranking};
-use crate::polynomial;
-use crate::report::{Difference, TopicReport};
-use crate::unit::Unit;
-use crate::words::{same_but_for_numbers, same_words};
+use crate::compare::polynomial;
+use crate::compare::words::{same_but_for_numbers, same_words};
+use crate::differences::report::{Difference, TopicReport};
+use crate::tolerances::candidate::{Candidate, same_ranking};
+use crate::tolerances::unit::Unit;
 use crate::{Base, Settings, Tolerance};
 
 /// Compares two values: numbers by tolerance (also decimal numbers inside texts), texts exactly, maps by key. Notes that differ in
