@@ -48,7 +48,7 @@ impl Content<'_> {
         match self {
             Self::Wave(wave) => format!("waveform of {} samples", wave.sampled.len()),
             Self::Records(records) => match records.as_slice() {
-                [one] => one.schema.clone(),
+                [record] => record.schema.clone(),
                 more => format!("{} records", more.len()),
             },
         }
@@ -56,15 +56,15 @@ impl Content<'_> {
 }
 
 fn contents(artifact: &Artifact) -> BTreeMap<String, Content<'_>> {
-    let mut found: BTreeMap<String, Content<'_>> = BTreeMap::new();
+    let mut contents: BTreeMap<String, Content<'_>> = BTreeMap::new();
     for raw in artifact.records() {
-        match found.entry(raw.topic.clone()).or_insert_with(|| Content::Records(Vec::new())) {
+        match contents.entry(raw.topic.clone()).or_insert_with(|| Content::Records(Vec::new())) {
             Content::Records(records) => records.push(raw),
             Content::Wave(_) => {}
         }
     }
-    found.extend(artifact.waves().iter().map(|(id, wave)| (format!("{WAVE_PREFIX}{id}"), Content::Wave(wave))));
-    found
+    contents.extend(artifact.waves().iter().map(|(id, wave)| (format!("{WAVE_PREFIX}{id}"), Content::Wave(wave))));
+    contents
 }
 
 fn topics(a: &Artifact, b: &Artifact, settings: &Settings) -> Result<Vec<TopicReport>, ReadError> {
@@ -72,7 +72,7 @@ fn topics(a: &Artifact, b: &Artifact, settings: &Settings) -> Result<Vec<TopicRe
     let names: BTreeSet<&String> = left.keys().chain(right.keys()).collect();
     let mut reports = Vec::new();
     for topic in names {
-        if settings.tolerances.of(topic, "", None, None).is_any() {
+        if settings.tolerances.tolerance_of(topic, "", None, None).is_any() {
             continue;
         }
         reports.push(match (left.get(topic), right.get(topic)) {

@@ -11,8 +11,8 @@ use crate::tolerances::candidate::{Candidate, same_ranking};
 use crate::tolerances::unit::Unit;
 use crate::{Base, Settings, Tolerance};
 
-/// Compares two values: numbers by tolerance (also decimal numbers inside texts), texts exactly, maps by key. Notes that differ in
-/// numbers alone, and the digest of the source, are put aside.
+/// Compares two values: numbers by tolerance (also decimal numbers inside texts), texts exactly, maps by key. Notes
+/// that differ in numbers alone, and the digest of the source, are put aside.
 ///
 /// Lists whose elements have a unique `id` or `name` are paired by it, whatever their order; other lists by index.
 pub fn compare_json(topic: &str, a: &Value, b: &Value, settings: &Settings) -> TopicReport {
@@ -54,7 +54,7 @@ impl Walk<'_> {
     }
 
     fn object(&mut self, at: &At, a: &Map<String, Value>, b: &Map<String, Value>) {
-        let candidate = Candidate::of(&at.place, a, b);
+        let candidate = Candidate::from_records(&at.place, a, b);
         let entered = candidate.is_some();
         self.candidate = candidate.or(self.candidate.take());
         let moduli = complex_moduli(a, b);
@@ -79,7 +79,7 @@ impl Walk<'_> {
     }
 
     fn array(&mut self, mut at: At, a: &Value, x: &[Value], b: &Value, y: &[Value]) {
-        if let (Some(x), Some(y)) = (by_name(x), by_name(y)) {
+        if let (Some(x), Some(y)) = (elements_by_name(x), elements_by_name(y)) {
             let names: BTreeSet<&str> = x.keys().chain(y.keys()).copied().collect();
             for name in names {
                 self.pair(at.element(name), x.get(name).copied(), y.get(name).copied());
@@ -168,8 +168,8 @@ impl Walk<'_> {
         }
     }
 
-    /// Whether a text that differs is no result: a note that says the same with other numbers (which the records hold), and the
-    /// digest of the file that the record came in, unless provenance counts.
+    /// Whether a text that differs is no result: a note that says the same with other numbers (which the records hold),
+    /// and the digest of the file that the record came in, unless provenance counts.
     fn is_aside(&self, place: &str, a: &Value, b: &Value) -> bool {
         let (Some(x), Some(y)) = (a.as_str(), b.as_str()) else { return false };
         if self.settings.tolerances.base == Base::Exact {
@@ -181,12 +181,12 @@ impl Walk<'_> {
     }
 
     fn tolerance(&self, at: &At) -> Tolerance {
-        self.settings.tolerances.of(&self.report.topic, &at.place, at.unit, self.candidate.as_ref())
+        self.settings.tolerances.tolerance_of(&self.report.topic, &at.place, at.unit, self.candidate.as_ref())
     }
 }
 
 /// The elements of a list by `id` or `name`, if all have one and none twice.
-fn by_name(list: &[Value]) -> Option<BTreeMap<&str, &Value>> {
+fn elements_by_name(list: &[Value]) -> Option<BTreeMap<&str, &Value>> {
     if list.is_empty() {
         return None;
     }

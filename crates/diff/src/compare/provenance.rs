@@ -1,4 +1,4 @@
-//! Provenance: what was done differently, told beside the differences.
+//! Provenance: how two results were made, reported beside the differences.
 
 use std::collections::BTreeMap;
 
@@ -18,12 +18,12 @@ pub(crate) fn compare_provenance(a: Option<&Provenance>, b: Option<&Provenance>)
     };
     let exact =
         Settings { tolerances: Tolerances { base: Base::Exact, ..Tolerances::default() }, ..Settings::default() };
-    let mut found = compare_json("provenance", &to_json(a), &to_json(b), &exact).differences;
-    for difference in &mut found {
+    let mut differences = compare_json("provenance", &to_json(a), &to_json(b), &exact).differences;
+    for difference in &mut differences {
         // By how much an option differs says nothing.
         (difference.abs, difference.rel) = (None, None);
     }
-    found
+    differences
 }
 
 fn to_json(provenance: &Provenance) -> Value {
@@ -60,7 +60,7 @@ mod tests {
             Provenance::new("filter", version, format!(r#"{{"cfc":{cfc}}}"#), vec![input])
         };
         let (a, b) = (make("0.1.0", 60, "blake3:00"), make("0.2.0", 180, "blake3:11"));
-        let places = |found: Vec<Difference>| found.into_iter().map(|d| d.place).collect::<Vec<_>>();
+        let places = |differences: Vec<Difference>| differences.into_iter().map(|d| d.place).collect::<Vec<_>>();
         assert_eq!(places(compare_provenance(Some(&a), Some(&b))), ["config.cfc", "input.ingest", "stage_version"]);
         assert!(compare_provenance(Some(&a), Some(&a)).is_empty());
         assert_eq!(places(compare_provenance(Some(&a), None)), [""]);

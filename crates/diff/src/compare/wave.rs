@@ -20,7 +20,7 @@ const GRID_START_S: f64 = 1e-9;
 pub fn compare_waves(topic: &str, a: &Wave, b: &Wave, settings: &Settings) -> TopicReport {
     let mut report = TopicReport::new(topic);
     let unit = Unit::from_symbol(a.quantity.si_unit());
-    let tolerance = settings.tolerances.of(topic, "", unit, None);
+    let tolerance = settings.tolerances.tolerance_of(topic, "", unit, None);
     if tolerance.is_any() {
         return report;
     }

@@ -47,9 +47,9 @@ fn split(text: &str) -> Vec<Piece<'_>> {
     while at < text.len() {
         let before = &text[..at];
         let starts_word = !before.ends_with(|c: char| c.is_alphanumeric() || c == '.' || c == '_');
-        let found =
+        let number =
             decimal(&text[at..]).map(|(value, length)| (Piece::Decimal(value), length)).or_else(|| count(&text[at..]));
-        match found.filter(|(piece, _)| {
+        match number.filter(|(piece, _)| {
             starts_word && !(matches!(piece, Piece::Count(_)) && before.ends_with(['-', '/', ':']))
         }) {
             Some((piece, length)) => {

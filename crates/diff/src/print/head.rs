@@ -6,10 +6,10 @@ use serde_json::Value;
 
 use crate::Report;
 
-/// Parameters that differ by less, relative to the larger, are not told where they do not count.
-const TOLD_RELATIVE: f64 = 0.01;
+/// Parameters that differ by less, relative to the larger, are not shown where they do not count.
+const SHOWN_RELATIVE: f64 = 0.01;
 
-/// Events of a summary that the head tells: key, name, factor to people's unit, decimals, unit.
+/// Events of a summary that stand in the head: key, name, factor to the printed unit, decimals, unit.
 const EVENTS: [(&str, &str, f64, usize, &str); 4] = [
     ("dynamic_crush_m", "dynamic crush", 1e3, 1, " mm"),
     ("time_of_dynamic_crush_s", "time of dynamic crush", 1e3, 2, " ms"),
@@ -37,11 +37,12 @@ pub fn head(a: &Value, b: &Value) -> Vec<String> {
     lines
 }
 
-/// Parameters of candidates of both summaries that differ by more than 1 % and are no difference of the report: the record does not
-/// determine them, or the tolerance is wide. `kelvin/closed-form/1, stiffness_n_per_m: 357000.0  768000.0  (for information)`.
+/// Parameters of candidates of both summaries that differ by more than 1 % and are no difference of the report: the
+/// record does not determine them, or the tolerance is wide.
+/// `kelvin/closed-form/1, stiffness_n_per_m: 357000.0  768000.0  (for information)`.
 pub fn tolerated_parameters(a: &Value, b: &Value, report: &Report) -> Vec<String> {
     let topics = report.files.iter().flat_map(|file| &file.topics).filter(|topic| !topic.topic.starts_with('/'));
-    let told: BTreeSet<&str> = topics.flat_map(|topic| &topic.differences).map(|d| d.place.as_str()).collect();
+    let reported: BTreeSet<&str> = topics.flat_map(|topic| &topic.differences).map(|d| d.place.as_str()).collect();
     let candidates = |side: &'_ Value| side["candidates"].as_array().cloned().unwrap_or_default();
     let others = candidates(b);
     let mut lines = Vec::new();
@@ -50,8 +51,8 @@ pub fn tolerated_parameters(a: &Value, b: &Value, report: &Report) -> Vec<String
         let Some(other) = others.iter().find(|other| other["id"] == id) else { continue };
         for (name, value) in candidate["parameters"].as_object().into_iter().flatten() {
             let Some((x, y)) = value.as_f64().zip(other["parameters"][name].as_f64()) else { continue };
-            let apart = (x - y).abs() > TOLD_RELATIVE * x.abs().max(y.abs());
-            if apart && !told.contains(format!("candidates[{id}].parameters.{name}").as_str()) {
+            let apart = (x - y).abs() > SHOWN_RELATIVE * x.abs().max(y.abs());
+            if apart && !reported.contains(format!("candidates[{id}].parameters.{name}").as_str()) {
                 lines.push(format!("{id}, {name}: {value}  {}  (for information)", other["parameters"][name]));
             }
         }

@@ -1,10 +1,10 @@
-//! What people ask first of two results that differ: the events of the crash, the parameters of candidates, the metrics.
+//! What a reader asks for first when two results differ: events of the crash, parameters of candidates, metrics.
 
 use crate::differences::report::Difference;
 
-/// What people ask first, in their order.
+/// The kinds of difference that are printed first, in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum First {
+pub(crate) enum Headline {
     /// Crush, its time and the rest of the events.
     Events,
     /// Parameters of candidates, and candidates that one side lacks.
@@ -13,12 +13,12 @@ pub(crate) enum First {
     Metrics,
 }
 
-impl First {
+impl Headline {
     pub(crate) const ALL: [Self; 3] = [Self::Events, Self::Parameters, Self::Metrics];
 
-    /// What the difference tells of these, and its name in a summary, by which a summary's repetition is known; `None`: it is of the
-    /// rest.
-    pub(crate) fn of(topic: &str, place: &str) -> Option<(Self, String)> {
+    /// The kind of a difference, and its name in a summary, by which its repetition in `summary.json` is recognised;
+    /// `None` for all others.
+    pub(crate) fn of_difference(topic: &str, place: &str) -> Option<(Self, String)> {
         if topic == "/events" {
             return Some((Self::Events, format!("events.{place}")));
         }
@@ -51,7 +51,7 @@ impl First {
 }
 
 /// Sort key of the differences of a topic: results of the crash, then what they were made of, remarks last.
-pub(crate) fn order(difference: &Difference) -> usize {
+pub(crate) fn sort_key(difference: &Difference) -> usize {
     let place = difference.place.as_str();
     let last = place.rsplit_once('.').map_or(place, |(_, last)| last);
     match last {
@@ -74,8 +74,8 @@ mod tests {
             ("/parameters/kelvin/fit/1", "parameters.k_n_per_m", "candidates[kelvin/fit/1].parameters.k_n_per_m"),
             ("/metrics", "[olc].value", "metrics.olc.value"),
         ] {
-            let record = First::of(topic, place);
-            assert_eq!(record, First::of("summary.json", name), "{topic}");
+            let record = Headline::of_difference(topic, place);
+            assert_eq!(record, Headline::of_difference("summary.json", name), "{topic}");
             assert_eq!(record.unwrap().1, name);
         }
         for (topic, place) in [
@@ -85,7 +85,7 @@ mod tests {
             ("/metrics", "[3].value"),
             ("/wave/93", "sample 3"),
         ] {
-            assert_eq!(First::of(topic, place), None, "{topic}, {place}");
+            assert_eq!(Headline::of_difference(topic, place), None, "{topic}, {place}");
         }
     }
 }

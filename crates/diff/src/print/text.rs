@@ -1,4 +1,4 @@
-//! The report for people: one line a difference, what people ask first before the rest.
+//! The report for people: one line a difference, headlines before the rest.
 
 use std::collections::{BTreeSet, HashSet};
 use std::fmt::Write as _;
@@ -8,7 +8,7 @@ use crumple_artifact::WAVE_PREFIX;
 use serde_json::Value;
 
 use crate::differences::report::{Difference, FileReport, Report, Side, TopicReport};
-use crate::print::headline::{First, order};
+use crate::print::headline::{Headline, sort_key};
 
 /// Differences of a topic that are shown without `--all`.
 const SHOWN: usize = 5;
@@ -27,14 +27,14 @@ pub struct TextOptions {
     pub all: bool,
 }
 
-/// Writes the report: files on one side only, what people ask first, the rest, the verdict.
+/// Writes the report: files on one side only, headlines, the rest, the conclusion.
 pub fn write_text(report: &Report, options: TextOptions, out: &mut dyn Write) -> io::Result<()> {
     for file in &report.files {
         if let Some(side) = file.only_in {
             writeln!(out, "{}: only in {}", file.name, path_of(report, side))?;
         }
     }
-    let told = write_first(report, options, out)?;
+    let written = write_headlines(report, options, out)?;
     for file in &report.files {
         let waves = if options.all { None } else { largest_waves(file) };
         let mut topics: Vec<&TopicReport> = differing(file).collect();
@@ -46,7 +46,7 @@ pub fn write_text(report: &Report, options: TextOptions, out: &mut dyn Write) ->
             if waves.as_ref().is_some_and(is_left) {
                 waves_left += 1;
             } else {
-                write_topic(report, topic, &prefix(report, file, topic), &told, options, out)?;
+                write_topic(report, topic, &prefix(report, file, topic), &written, options, out)?;
             }
         }
         let prefix = file_prefix(report, file);
@@ -62,43 +62,45 @@ pub fn write_text(report: &Report, options: TextOptions, out: &mut dyn Write) ->
             }
         }
     }
-    writeln!(out, "{}", verdict(report))
+    writeln!(out, "{}", conclusion(report))
 }
 
 /// Differences that were written, and repetitions of them.
-type Told = HashSet<*const Difference>;
+type Written = HashSet<*const Difference>;
 
-/// Writes what people ask first, from all files, each once; all of it but for metrics, of which a few are shown.
-fn write_first(report: &Report, options: TextOptions, out: &mut dyn Write) -> io::Result<Told> {
-    let mut told = Told::new();
+/// Writes the headlines of all files, each once; of metrics only a few.
+fn write_headlines(report: &Report, options: TextOptions, out: &mut dyn Write) -> io::Result<Written> {
+    let mut written = Written::new();
     let mut names = BTreeSet::new();
-    for kind in First::ALL {
+    for kind in Headline::ALL {
         let mut shown = 0;
         for file in &report.files {
             for topic in differing(file) {
                 let mut asked: Vec<(&Difference, String)> = topic
                     .differences
                     .iter()
-                    .filter_map(|d| Some((d, First::of(&topic.topic, &d.place).filter(|(of, _)| *of == kind)?.1)))
+                    .filter_map(|d| {
+                        Some((d, Headline::of_difference(&topic.topic, &d.place).filter(|(of, _)| *of == kind)?.1))
+                    })
                     .collect();
-                asked.sort_by_key(|(difference, _)| order(difference));
+                asked.sort_by_key(|(difference, _)| sort_key(difference));
                 let prefix = prefix(report, file, topic);
                 for (difference, name) in asked {
                     let sides = (value(difference.a.as_ref()), value(difference.b.as_ref()));
                     if names.insert((name, sides)) || options.all {
-                        // Further ones are of the rest.
-                        if kind == First::Metrics && shown == SHOWN && !options.all {
+                        // More of them are written with the rest.
+                        if kind == Headline::Metrics && shown == SHOWN && !options.all {
                             continue;
                         }
                         shown += 1;
                         write_record_line(report, topic, difference, &prefix, out)?;
                     }
-                    told.insert(std::ptr::from_ref(difference));
+                    written.insert(std::ptr::from_ref(difference));
                 }
             }
         }
     }
-    Ok(told)
+    Ok(written)
 }
 
 /// The waveforms that differ most, relative to their size; `None` where all that differ are few.
@@ -133,19 +135,19 @@ fn path_of(report: &Report, side: Side) -> &str {
     }
 }
 
-/// Writes what was not told of a topic.
+/// Writes the differences of a topic that are not written yet.
 fn write_topic(
     report: &Report,
     topic: &TopicReport,
     prefix: &str,
-    told: &Told,
+    written: &Written,
     options: TextOptions,
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let shown = if options.all { usize::MAX } else { SHOWN };
     let mut left: Vec<&Difference> =
-        topic.differences.iter().filter(|difference| !told.contains(&std::ptr::from_ref(*difference))).collect();
-    left.sort_by_key(|difference| order(difference));
+        topic.differences.iter().filter(|difference| !written.contains(&std::ptr::from_ref(*difference))).collect();
+    left.sort_by_key(|difference| sort_key(difference));
     // The frame of a waveform (grid, length) may differ beside its samples.
     let samples = topic.differences.iter().filter(|d| d.sample.is_some()).count();
     let differing = topic.different - (topic.differences.len() - samples) as u64;
@@ -235,7 +237,7 @@ fn value(value: Option<&Value>) -> String {
     }
 }
 
-fn verdict(report: &Report) -> String {
+fn conclusion(report: &Report) -> String {
     let topics = || report.files.iter().flat_map(|file| &file.topics);
     let places = if report.files.len() == 1 { String::new() } else { format!(" in {} files", report.files.len()) };
     if report.same {

@@ -19,7 +19,7 @@ enum Kind {
 }
 
 impl Kind {
-    fn of(path: &Path) -> Result<Self, DiffError> {
+    fn of_path(path: &Path) -> Result<Self, DiffError> {
         let metadata = fs::metadata(path).map_err(|source| DiffError::Io { path: path.to_owned(), source })?;
         Ok(if metadata.is_dir() {
             Self::Folder
@@ -41,7 +41,7 @@ impl Kind {
 
 /// Compares two files or two folders.
 pub fn compare_paths(a: &Path, b: &Path, settings: &Settings) -> Result<Vec<FileReport>, DiffError> {
-    let (kind_a, kind_b) = (Kind::of(a)?, Kind::of(b)?);
+    let (kind_a, kind_b) = (Kind::of_path(a)?, Kind::of_path(b)?);
     if kind_a != kind_b {
         return Err(DiffError::Kinds { a: a.into(), a_is: kind_a.name(), b: b.into(), b_is: kind_b.name() });
     }
@@ -72,7 +72,7 @@ fn name(path: &Path) -> String {
 }
 
 fn compare_files(name: &str, a: &Path, b: &Path, settings: &Settings) -> Result<FileReport, DiffError> {
-    if Kind::of(a)? == Kind::Json {
+    if Kind::of_path(a)? == Kind::Json {
         // The summary's tolerances apply under whatever name it was kept.
         let topic = compare_json(SUMMARY, &read_json(a)?, &read_json(b)?, settings);
         return Ok(FileReport::json(name, topic));

@@ -15,13 +15,14 @@ use crumple_stage::{ExitStatus, Usage, tool_main};
 /// within a tolerance.
 ///
 /// Two folders are compared file by file: every *.mcap and summary.json. The default tolerance takes the same
-/// computation on another processor for the same (1e-9 relative; 1e-6 for what is identified, 1e-5 for what is fitted); --engineering
-/// takes for the same what an engineer would. All of it is in docs/diff.md.
+/// computation on another processor for the same (1e-9 relative; 1e-6 for what is identified, 1e-5 for what is fitted);
+/// --engineering takes for the same what an engineer would. All of it is in docs/diff.md.
 #[derive(Debug, clap::Parser)]
 #[command(
     name = "crumple-diff",
     version,
-    after_help = "Exit codes: 0 same, 1 different, 2 trouble (a file is missing, truncated, corrupted, or the command line is wrong)."
+    after_help = "Exit codes: 0 same, 1 different, 2 trouble (a file is missing, truncated, corrupted, or the command \
+        line is wrong)."
 )]
 struct Args {
     /// First artifact or run folder.
@@ -90,7 +91,7 @@ fn run(args: &Args) -> anyhow::Result<ExitStatus> {
     let report = Report::new(a, b, settings.provenance, files);
     if !args.quiet {
         match print(args, &report) {
-            // A reader that has seen enough closes the pipe; the verdict stands.
+            // A reader that has seen enough closes the pipe; the exit code still tells the result.
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {}
             other => other.context("cannot write to stdout")?,
         }

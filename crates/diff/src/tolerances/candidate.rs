@@ -9,7 +9,8 @@ use crate::tolerances::unit::Unit;
 
 /// Share of its standard deviation by which a parameter may differ: it moves no interval in its second digit.
 const SHARE_OF_DEVIATION: f64 = 0.01;
-/// The same of a parameter beside others that the record leaves open: it gives way with them along the valley they lie in.
+/// The same of a parameter beside others that the record leaves open: it gives way with them along the valley they lie
+/// in.
 const SHARE_BESIDE_OPEN: f64 = 0.1;
 /// Two fits closer than this, in percentage points, are called equally good, as for the best model of a run.
 const EQUAL_FIT_POINTS: f64 = 0.1;
@@ -19,13 +20,14 @@ const EQUAL_FIT_POINTS: f64 = 0.1;
 pub(crate) struct Candidate {
     /// Where it stands: `candidates[kelvin/closed-form/1]`, or nothing where the topic is the candidate.
     place: String,
-    /// The smaller standard deviation of both sides, by parameter; infinite where a side calls the parameter not determined.
+    /// The smaller standard deviation of both sides, by parameter; infinite where a side calls the parameter not
+    /// determined.
     deviations: BTreeMap<String, f64>,
 }
 
 impl Candidate {
     /// Two records with parameters and their uncertainty; `None` for anything else.
-    pub(crate) fn of(place: &str, a: &Map<String, Value>, b: &Map<String, Value>) -> Option<Self> {
+    pub(crate) fn from_records(place: &str, a: &Map<String, Value>, b: &Map<String, Value>) -> Option<Self> {
         let names = a.get("parameters")?.as_object()?.keys();
         let (known_a, known_b) = (a.get("uncertainty")?.as_object()?, b.get("uncertainty")?.as_object()?);
         let deviations = names
@@ -67,8 +69,8 @@ impl Candidate {
     }
 }
 
-/// Whether two rankings of a summary differ only in the order of candidates that are equally good on both sides: fits within 0.1
-/// points, or AICc within 2 (Burnham and Anderson 2002, section 2.6).
+/// Whether two rankings of a summary differ only in the order of candidates that are equally good on both sides: fits
+/// within 0.1 points, or AICc within 2 (Burnham and Anderson 2002, section 2.6).
 pub(crate) fn same_ranking(key: &str, a: &Map<String, Value>, b: &Map<String, Value>) -> bool {
     let (figure, equal) = match key {
         "ranking" => ("fit_percent", EQUAL_FIT_POINTS),
@@ -110,7 +112,9 @@ mod tests {
     fn candidate(stiffness: f64, deviation: f64, fit: f64, energy: f64) -> serde_json::Value {
         json!({
             "parameters": {"k": stiffness, "mass": 873.0},
-            "uncertainty": {"standard_deviation": {"k": deviation}, "interval_low": {"k": 1.0}, "interval_high": {"k": null}},
+            "uncertainty": {
+                "standard_deviation": {"k": deviation}, "interval_low": {"k": 1.0}, "interval_high": {"k": null},
+            },
             "simulation": {"fit_percent": fit, "energy": [{"stored_j": energy}]},
         })
     }
@@ -121,13 +125,13 @@ mod tests {
 
     #[test]
     fn a_parameter_may_differ_by_a_hundredth_of_its_standard_deviation() {
-        let one = candidate(1000.0, 50.0, 99.0, 5.0);
-        assert!(same(&one, &candidate(1000.4, 50.0, 99.0, 5.0)));
-        assert!(!same(&one, &candidate(1000.6, 50.0, 99.0, 5.0)), "0.012 standard deviations");
-        assert!(!same(&one, &candidate(1000.4, 10.0, 99.0, 5.0)), "the smaller deviation of both counts");
+        let reference = candidate(1000.0, 50.0, 99.0, 5.0);
+        assert!(same(&reference, &candidate(1000.4, 50.0, 99.0, 5.0)));
+        assert!(!same(&reference, &candidate(1000.6, 50.0, 99.0, 5.0)), "0.012 standard deviations");
+        assert!(!same(&reference, &candidate(1000.4, 10.0, 99.0, 5.0)), "the smaller deviation of both counts");
         let exact =
             Settings { tolerances: Tolerances { base: Base::Exact, ..Tolerances::default() }, ..Settings::default() };
-        assert!(!compare_json("/parameters/x", &one, &candidate(1000.4, 50.0, 99.0, 5.0), &exact).same);
+        assert!(!compare_json("/parameters/x", &reference, &candidate(1000.4, 50.0, 99.0, 5.0), &exact).same);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::DiffError;
 
-/// A user's word on one pattern of topics and places.
+/// What a user allows for one pattern of topics and places.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rule {
     /// Topic pattern; `*` is any text, `?` one character.
@@ -69,9 +69,18 @@ mod tests {
     #[test]
     fn says_what_is_wrong_with_a_line() {
         let problem = |text: &str| parse_rules(text).unwrap_err().to_string();
-        insta::assert_snapshot!(problem("\"/a\" = { abs = -1.0 }"), @r#"tolerances: "/a": -1 is no tolerance, expected a number from 0"#);
-        insta::assert_snapshot!(problem("\"/a\" = {}"), @r#"tolerances: "/a": nothing is said, expected abs, rel or ignore = true"#);
-        insta::assert_snapshot!(problem("\"/a\" = { ignore = true, abs = 1.0 }"), @r#"tolerances: "/a": ignore stands beside abs or rel, expected one or the other"#);
+        insta::assert_snapshot!(
+            problem("\"/a\" = { abs = -1.0 }"),
+            @"tolerances: \"/a\": -1 is no tolerance, expected a number from 0"
+        );
+        insta::assert_snapshot!(
+            problem("\"/a\" = {}"),
+            @"tolerances: \"/a\": nothing is said, expected abs, rel or ignore = true"
+        );
+        insta::assert_snapshot!(
+            problem("\"/a\" = { ignore = true, abs = 1.0 }"),
+            @"tolerances: \"/a\": ignore stands beside abs or rel, expected one or the other"
+        );
         assert!(problem("\"/a\" = { relative = 1.0 }").contains("unknown field `relative`"));
         assert!(problem("\"/a\" = nan").contains("TOML parse error at line 1"));
     }

@@ -78,13 +78,19 @@ const COMPUTATION: [Row; 17] = [
 
 impl Tolerances {
     /// The tolerance of a number, or of a whole topic where `place` is empty.
-    pub(crate) fn of(&self, topic: &str, place: &str, unit: Option<Unit>, candidate: Option<&Candidate>) -> Tolerance {
+    pub(crate) fn tolerance_of(
+        &self,
+        topic: &str,
+        place: &str,
+        unit: Option<Unit>,
+        candidate: Option<&Candidate>,
+    ) -> Tolerance {
         let table = self.base_of(topic, place, unit);
-        let of_candidate = candidate.filter(|_| self.base != Base::Exact && !table.is_any());
-        let mut found = of_candidate.and_then(|known| known.tolerance(place, unit, table)).unwrap_or(table);
-        if !found.is_any() {
-            found.abs = self.abs.unwrap_or(found.abs);
-            found.rel = self.rel.unwrap_or(found.rel);
+        let in_candidate = candidate.filter(|_| self.base != Base::Exact && !table.is_any());
+        let mut tolerance = in_candidate.and_then(|known| known.tolerance(place, unit, table)).unwrap_or(table);
+        if !tolerance.is_any() {
+            tolerance.abs = self.abs.unwrap_or(tolerance.abs);
+            tolerance.rel = self.rel.unwrap_or(tolerance.rel);
         }
         let rule = self
             .rules
@@ -92,10 +98,10 @@ impl Tolerances {
             .filter(|rule| topic_matches(&rule.topic, topic) && topic_matches(&rule.place, place))
             .max_by_key(|rule| (rule.length(), &rule.topic, &rule.place));
         match rule {
-            None => found,
+            None => tolerance,
             Some(rule) if rule.ignore => Tolerance::ANY,
             Some(rule) => {
-                let rest = if found.is_any() { Tolerance::ZERO } else { found };
+                let rest = if tolerance.is_any() { Tolerance::ZERO } else { tolerance };
                 Tolerance { abs: rule.abs.unwrap_or(rest.abs), rel: rule.rel.unwrap_or(rest.rel) }
             }
         }
@@ -121,27 +127,40 @@ mod tests {
     #[test]
     fn rules_of_the_user_go_before_flags_and_flags_before_the_table() {
         let mut tolerances = Tolerances::default();
-        assert_eq!(tolerances.of("/wave/93", "", None, None), tolerance(0.0, 1e-9));
-        assert_eq!(tolerances.of("/wave/kelvin/closed-form/1/velocity", "", None, None), tolerance(0.0, 1e-5));
+        assert_eq!(tolerances.tolerance_of("/wave/93", "", None, None), tolerance(0.0, 1e-9));
+        assert_eq!(
+            tolerances.tolerance_of("/wave/kelvin/closed-form/1/velocity", "", None, None),
+            tolerance(0.0, 1e-5)
+        );
         tolerances.rel = Some(1e-3);
-        assert_eq!(tolerances.of("/wave/93", "", None, None), tolerance(0.0, 1e-3));
-        assert!(tolerances.of("/parameters/kelvin/fit/1", "fit.iterations", None, None).is_any());
-        assert!(tolerances.of("summary.json", "candidates[kelvin/fit/1].fit.iterations", None, None).is_any());
+        assert_eq!(tolerances.tolerance_of("/wave/93", "", None, None), tolerance(0.0, 1e-3));
+        assert!(tolerances.tolerance_of("/parameters/kelvin/fit/1", "fit.iterations", None, None).is_any());
+        assert!(
+            tolerances.tolerance_of("summary.json", "candidates[kelvin/fit/1].fit.iterations", None, None).is_any()
+        );
         tolerances.rules = parse_rules(
-            "\"/wave/*\" = { abs = 2.0 }\n\"/wave/93\" = { rel = 0.0 }\n\"#*_m\" = { abs = 5.0 }\n\"/notes\" = { ignore = true }",
+            "\"/wave/*\" = { abs = 2.0 }\n\"/wave/93\" = { rel = 0.0 }\n\"#*_m\" = { abs = 5.0 }\n\"/notes\" = { \
+             ignore = true }",
         )
         .unwrap();
-        assert_eq!(tolerances.of("/wave/94", "", None, None), tolerance(2.0, 1e-3));
-        assert_eq!(tolerances.of("/wave/93", "", None, None), tolerance(0.0, 0.0), "the longest pattern counts alone");
-        assert_eq!(tolerances.of("/events", "dynamic_crush_m", None, None).abs, 5.0);
-        assert!(tolerances.of("/notes", "notes[0]", None, None).is_any());
+        assert_eq!(tolerances.tolerance_of("/wave/94", "", None, None), tolerance(2.0, 1e-3));
+        assert_eq!(
+            tolerances.tolerance_of("/wave/93", "", None, None),
+            tolerance(0.0, 0.0),
+            "the longest pattern counts alone"
+        );
+        assert_eq!(tolerances.tolerance_of("/events", "dynamic_crush_m", None, None).abs, 5.0);
+        assert!(tolerances.tolerance_of("/notes", "notes[0]", None, None).is_any());
     }
 
     #[test]
     fn engineers_have_a_tolerance_by_unit() {
         let tolerances = Tolerances { base: Base::Engineering, ..Tolerances::default() };
-        assert_eq!(tolerances.of("/events", "dynamic_crush_m", Some(Unit::Metre), None).abs, 1e-3);
-        assert_eq!(tolerances.of("/events", "coefficient_of_restitution", None, None).rel, 5e-3);
-        assert_eq!(tolerances.of("/model/era-4/discrete", "sample_time_s", Some(Unit::Second), None).abs, 0.0);
+        assert_eq!(tolerances.tolerance_of("/events", "dynamic_crush_m", Some(Unit::Metre), None).abs, 1e-3);
+        assert_eq!(tolerances.tolerance_of("/events", "coefficient_of_restitution", None, None).rel, 5e-3);
+        assert_eq!(
+            tolerances.tolerance_of("/model/era-4/discrete", "sample_time_s", Some(Unit::Second), None).abs,
+            0.0
+        );
     }
 }

@@ -48,12 +48,12 @@ mod tests {
 
     #[test]
     fn names_tell_the_unit() {
-        let of = |key| Unit::of_field(key, None);
-        assert_eq!(of("dynamic_crush_m"), Some(Unit::Metre));
-        assert_eq!(of("time_of_dynamic_crush_s"), Some(Unit::Second));
-        assert_eq!(of("delta_v_m_per_s"), Some(Unit::MetrePerSecond));
+        let unit_of = |key| Unit::of_field(key, None);
+        assert_eq!(unit_of("dynamic_crush_m"), Some(Unit::Metre));
+        assert_eq!(unit_of("time_of_dynamic_crush_s"), Some(Unit::Second));
+        assert_eq!(unit_of("delta_v_m_per_s"), Some(Unit::MetrePerSecond));
         for other in ["stiffness_n_per_m", "damping_n_s_per_m", "re_per_s", "im_rad_per_s", "mass_kg", "value"] {
-            assert_eq!(of(other), None, "{other}");
+            assert_eq!(unit_of(other), None, "{other}");
         }
         assert_eq!(Unit::of_field("value", Some(&json!("m/s"))), Some(Unit::MetrePerSecond));
         assert_eq!(Unit::of_field("value", Some(&json!("m/s^2"))), None);
