@@ -113,9 +113,10 @@ fn test_fault(artifact: &Artifact, test: TestV1) -> Option<String> {
         return Some(format!("the pulse is channel {pulse:?}, which is not listed"));
     }
     test.channels.iter().find_map(|channel| {
-        let found = artifact.waves().get(&channel.id)?.quantity;
-        (found != channel.quantity)
-            .then(|| format!("channel {:?} is listed as {}, its waveform says {found}", channel.id, channel.quantity))
+        let quantity = artifact.waves().get(&channel.id)?.quantity;
+        (quantity != channel.quantity).then(|| {
+            format!("channel {:?} is listed as {}, its waveform says {quantity}", channel.id, channel.quantity)
+        })
     })
 }
 
@@ -131,8 +132,8 @@ fn shape_fault(model: &StateSpaceV1) -> Option<String> {
     ];
     for (name, matrix, rows, columns) in parts {
         if matrix.len() != rows || matrix.iter().any(|row| row.len() != columns) {
-            let found = matrix.iter().map(|row| row.len().to_string()).collect::<Vec<_>>().join(", ");
-            return Some(format!("{name} has rows of [{found}] numbers, expected {rows} of {columns}"));
+            let lengths = matrix.iter().map(|row| row.len().to_string()).collect::<Vec<_>>().join(", ");
+            return Some(format!("{name} has rows of [{lengths}] numbers, expected {rows} of {columns}"));
         }
     }
     (model.sample_time_s < 0.0).then(|| format!("sample_time_s is {}, expected 0 or more", model.sample_time_s))

@@ -4,11 +4,12 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use anyhow::Context;
+use crumple_artifact::records::SCHEMAS;
 use crumple_artifact::{Artifact, ArtifactBuilder, Provenance, Wave, write_atomically};
 use crumple_artifact_cli::{
     PlainError, PlainProvenance, PlainWave, assemble, f64_bytes, parse_lines, plain_records, plain_waves,
 };
-use crumple_stage::{Refused, Usage};
+use crumple_stage::{Refused, Usage, nearest};
 
 const RECORDS: &str = "records.ndjson";
 const WAVES: &str = "waves.ndjson";
@@ -18,8 +19,8 @@ const PROVENANCE: &str = "provenance.json";
 pub fn write(artifact: &Artifact, folder: &Path, force: bool) -> anyhow::Result<()> {
     let records = plain_records(artifact).map_err(Refused::from)?;
     if !force && fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) {
-        let found = format!("{} exists and is not empty", folder.display());
-        return Err(Usage::new(found).hint("give a new folder, or --force").into());
+        let problem = format!("{} exists and is not empty", folder.display());
+        return Err(Usage::new(problem).hint("give a new folder, or --force").into());
     }
     let put = |name: &str, bytes: &[u8]| {
         let path = folder.join(name);
@@ -49,7 +50,10 @@ pub fn read(source: &Path) -> anyhow::Result<(ArtifactBuilder, Provenance)> {
     let refuse = |error: PlainError| Refused::new(error.to_string()).hint("docs/format.md has the record types");
     if !source.is_dir() {
         let records = parse_lines(&source.display().to_string(), &text_of(source)?).map_err(refuse)?;
-        return Ok((assemble(records, Vec::new()).map_err(refuse)?, PlainProvenance::default().into()));
+        return Ok((
+            assemble(records, Vec::new(), &nearest_schema).map_err(refuse)?,
+            PlainProvenance::default().into(),
+        ));
     }
     let lines = |name: &str| -> anyhow::Result<Option<(String, String)>> {
         let path = source.join(name);
@@ -58,8 +62,8 @@ pub fn read(source: &Path) -> anyhow::Result<(ArtifactBuilder, Provenance)> {
         }
         Ok(Some((path.display().to_string(), text_of(&path)?)))
     };
-    let (records, waves) = (lines(RECORDS)?, lines(WAVES)?);
-    if records.is_none() && waves.is_none() {
+    let (records, wave_lines) = (lines(RECORDS)?, lines(WAVES)?);
+    if records.is_none() && wave_lines.is_none() {
         return Err(Refused::new(format!("{}: neither {RECORDS} nor {WAVES} is in it", source.display()))
             .hint("crumple-artifact unpack FILE DIR shows what a folder looks like")
             .into());
@@ -68,18 +72,18 @@ pub fn read(source: &Path) -> anyhow::Result<(ArtifactBuilder, Provenance)> {
         None => Vec::new(),
         Some((name, text)) => parse_lines(&name, &text).map_err(refuse)?,
     };
-    let mut found = Vec::new();
-    if let Some((name, text)) = waves {
+    let mut waves = Vec::new();
+    if let Some((name, text)) = wave_lines {
         for line in parse_lines::<PlainWave>(&name, &text).map_err(refuse)? {
             let wave = wave(source, &line, refuse)?;
-            found.push((line.id, wave));
+            waves.push((line.id, wave));
         }
     }
     let provenance: PlainProvenance = match lines(PROVENANCE)? {
         None => PlainProvenance::default(),
         Some((name, text)) => serde_json::from_str(&text).map_err(|error| Refused::new(format!("{name}: {error}")))?,
     };
-    Ok((assemble(records, found).map_err(refuse)?, provenance.into()))
+    Ok((assemble(records, waves, &nearest_schema).map_err(refuse)?, provenance.into()))
 }
 
 fn wave(folder: &Path, line: &PlainWave, refuse: impl Fn(PlainError) -> Refused) -> anyhow::Result<Wave> {
@@ -92,6 +96,11 @@ fn wave(folder: &Path, line: &PlainWave, refuse: impl Fn(PlainError) -> Refused)
     let path: PathBuf = folder.join(&line.file);
     let bytes = fs::read(&path).map_err(|error| Refused::new(format!("cannot read {}: {error}", path.display())))?;
     Ok(line.with_bytes(&bytes).map_err(refuse)?)
+}
+
+/// The schema that a mistyped name may mean.
+fn nearest_schema(name: &str) -> Option<&'static str> {
+    nearest(name, SCHEMAS.iter().copied())
 }
 
 fn text_of(path: &Path) -> anyhow::Result<String> {
