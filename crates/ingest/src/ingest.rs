@@ -2,11 +2,19 @@
 
 use crumple_signal::{Channel, Notes, QuantityKind, Sampled, Source, TestDescription, part_of};
 
-use crate::bundle::{Bundle, stem};
-use crate::polarity::Polarity;
-use crate::quality::{self, Quality};
-use crate::recording::{Recording, Stated};
-use crate::{IngestError, Place, Settings, Sign, checks, details, polarity, pulse, sidecar, time_zero, twins, unused};
+use crate::checks::channel_quality;
+use crate::checks::redundant_sensors;
+use crate::files::sidecar;
+use crate::formats::reader::{Bundle, stem};
+use crate::pulse::choice;
+use crate::pulse::polarity;
+use crate::pulse::polarity::Polarity;
+use crate::recording::content::{Recording, Stated};
+use crate::recording::details;
+use crate::recording::quality::{self, Quality};
+use crate::recording::unheeded_flags;
+use crate::time::time_zero;
+use crate::{IngestError, Place, Settings, Sign};
 
 /// A channel's samples and what was measured on them.
 #[derive(Debug, Clone)]
@@ -54,13 +62,13 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
     let mut notes = std::mem::take(&mut recording.notes);
     let format = bundle.reader.format();
     let why = format!("a record of the format {format} states this itself, or has no such thing");
-    unused::notes(&choices, |flag| !bundle.reader.heeds().contains(&flag), &why, &mut notes);
+    unheeded_flags::notes(&choices, |flag| !bundle.reader.heeds().contains(&flag), &why, &mut notes);
     let allow_missing = choices.allow_missing.unwrap_or(false) || recording.details.no_pulse;
     // A change of velocity is named as the pulse, and has none of the checks of an acceleration.
     let (pulse, change) = if recording.details.no_pulse {
-        (None, pulse::velocity_change(file, &recording, choices.channel.as_deref(), &mut notes)?)
+        (None, choice::velocity_change(file, &recording, choices.channel.as_deref(), &mut notes)?)
     } else {
-        (pulse::choose(file, &recording, choices.channel.as_deref(), allow_missing, &mut notes)?, None)
+        (choice::choose(file, &recording, choices.channel.as_deref(), allow_missing, &mut notes)?, None)
     };
 
     if let Some(pulse) = pulse {
@@ -125,11 +133,11 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
     } else {
         Polarity::AsRead
     };
-    checks::notes(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
+    channel_quality::notes(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
     let pulse_id = pulse_id.or(change.map(|k| recording.channels[k].channel.id.clone()));
 
     let channels: Vec<Channel> = recording.channels.into_iter().map(|found| found.channel).collect();
-    twins::notes(&channels, &waves, &same_place, speed, &mut notes);
+    redundant_sensors::notes(&channels, &waves, &same_place, speed, &mut notes);
 
     let details = recording.details;
     let words = |stated: Option<Stated<String>>| stated.map(|s| s.value);

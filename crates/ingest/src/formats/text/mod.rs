@@ -1,0 +1,5 @@
+//! Lines, numbers and column names of text files.
+//! May be used by all readers of text.
+
+pub mod lines;
+pub mod numbers;
