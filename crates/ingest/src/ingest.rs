@@ -2,17 +2,14 @@
 
 use crumple_signal::{Channel, Notes, QuantityKind, Sampled, Source, TestDescription, part_of};
 
-use crate::checks::channel_quality;
-use crate::checks::redundant_sensors;
+use crate::checks::{channel_quality, redundant_sensors};
 use crate::files::sidecar;
 use crate::formats::reader::{Bundle, stem};
 use crate::pulse::choice;
-use crate::pulse::polarity;
-use crate::pulse::polarity::Polarity;
+use crate::pulse::polarity::{self, Polarity};
 use crate::recording::content::{Recording, Stated};
-use crate::recording::details;
 use crate::recording::quality::{self, Quality};
-use crate::recording::unheeded_flags;
+use crate::recording::{details, unheeded_flags};
 use crate::time::time_zero;
 use crate::{IngestError, Place, Settings, Sign};
 

@@ -20,8 +20,7 @@ use std::collections::BTreeMap;
 use crumple_signal::{Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
 use crate::ingest::Wave;
-use crate::pulse::polarity;
-use crate::pulse::polarity::Polarity;
+use crate::pulse::polarity::{self, Polarity};
 use crate::time::time_zero;
 
 /// Noise before the event that is too much, m/s^2.

@@ -4,9 +4,9 @@ use std::io::{Cursor, Read};
 
 use zip::ZipArchive;
 
-use crate::formats::iso_mme::{self, is_channel_name};
-use crate::formats::reader::{Bundle, FILE_LIMIT, check_total, is_channel_folder, stem};
-use crate::formats::registry::Reader;
+use crate::formats::iso_mme::IsoMme;
+use crate::formats::iso_mme::file_names::{is_channel_folder, is_channel_name};
+use crate::formats::reader::{Bundle, FILE_LIMIT, Reader, check_total, stem};
 use crate::{IngestError, Place};
 
 /// Most entries that are looked through.
@@ -99,7 +99,7 @@ fn channel_file<'a>(
     }
     let Some(first) = entries.iter().find(|e| is_channel_name(&e.name)) else { return Ok(None) };
     let bytes = inflate(file, zip, first, &mut 0)?;
-    Ok(iso_mme::IsoMme.recognises(&bytes[..bytes.len().min(8192)]).then_some(first))
+    Ok(IsoMme.recognises(&bytes[..bytes.len().min(8192)]).then_some(first))
 }
 
 fn list(zip: &ZipArchive<Cursor<&[u8]>>) -> Vec<Entry> {

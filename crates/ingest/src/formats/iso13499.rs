@@ -8,7 +8,7 @@ use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{Channel, Notes, QuantityKind};
 
 use crate::Settings;
-use crate::formats::iso_mme::{by_code, fitness_of_code};
+use crate::pulse::place_rank;
 use crate::recording::content::{Found, PulseRule};
 use crate::recording::unheeded_flags;
 
@@ -64,6 +64,17 @@ pub fn describe(channel: &mut Channel, name: &str, notes: &mut Notes) {
     by_code(channel, &code);
 }
 
+/// Puts what a code says into a channel, its quantity aside.
+pub fn by_code(channel: &mut Channel, code: &IsoCode) {
+    channel.location = code.location();
+    channel.axis = code.axis();
+    channel.redundant = code.redundant();
+    channel.cfc = code.filter_class().cfc();
+    channel.filter_state = Some(code.filter_class().to_string());
+    channel.code = Some(code.to_string());
+    channel.polarity = code.polarity_remark();
+}
+
 /// How the pulse is found among channels of which some are named by codes: as in an ISO-MME test if all accelerations that may
 /// be the pulse are and one sits at a usual place, else there must be only one.
 pub fn pulse_rule(channels: &mut [Found], settings: &Settings, notes: &mut Notes) -> PulseRule {
@@ -75,7 +86,7 @@ pub fn pulse_rule(channels: &mut [Found], settings: &Settings, notes: &mut Notes
     let candidates: Vec<usize> = (0..channels.len()).filter(|k| channels[*k].fitness.is_some()).collect();
     let vehicle = settings.vehicle_number.unwrap_or(1);
     let fitness: Vec<_> =
-        candidates.iter().map(|k| code_of(&channels[*k]).map(|code| fitness_of_code(&code, vehicle))).collect();
+        candidates.iter().map(|k| code_of(&channels[*k]).map(|code| place_rank::fitness(&code, vehicle))).collect();
     if candidates.len() < 2 || fitness.iter().any(Option::is_none) || !fitness.iter().flatten().any(Option::is_some) {
         return PulseRule::OnlyOne;
     }

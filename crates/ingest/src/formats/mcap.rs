@@ -14,8 +14,7 @@ use crate::formats::messages::{
     self, Component, Sample, Topic, Track, imu_components, is_imu, json_number, json_stamp_ns,
 };
 use crate::formats::protobuf::{self, Decoder};
-use crate::formats::reader::Bundle;
-use crate::formats::registry::Reader;
+use crate::formats::reader::{Bundle, Reader};
 use crate::recording::content::{Details, Fitness, Found, PulseRule, Recording, Stated};
 use crate::recording::unheeded_flags;
 use crate::{IngestError, Place, Settings};

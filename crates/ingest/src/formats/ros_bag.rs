@@ -10,8 +10,7 @@ use std::io::Read;
 use crumple_signal::Notes;
 
 use crate::formats::messages::{self, Topic, Track, imu_components, is_imu};
-use crate::formats::reader::{Bundle, check_total};
-use crate::formats::registry::Reader;
+use crate::formats::reader::{Bundle, Reader, check_total};
 use crate::recording::content::Recording;
 use crate::{IngestError, Place, Settings};
 

@@ -6,7 +6,7 @@
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{Axis, Channel};
 
-use crate::formats::iso_mme::fitness_of_code;
+use crate::pulse::place_rank;
 use crate::recording::content::{Found, PulseRule};
 
 /// Words in an id, a location or a remark that speak of a place elsewhere.
@@ -48,7 +48,7 @@ pub fn doubt(found: &Found, rule: PulseRule) -> Option<String> {
     }
     if let Some((code, _)) = channel.code.as_deref().and_then(|code| IsoCode::parse(code).ok()) {
         let vehicle = code.object().to_digit(10).unwrap_or(1);
-        if fitness_of_code(&code, vehicle).is_none() {
+        if place_rank::fitness(&code, vehicle).is_none() {
             return Some(format!("its code says {}", code.location()));
         }
     }

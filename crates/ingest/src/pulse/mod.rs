@@ -3,4 +3,5 @@
 
 pub mod choice;
 pub mod compartment;
+pub mod place_rank;
 pub mod polarity;

@@ -2,6 +2,9 @@
 
 use crumple_signal::{Channel, Notes, Sampled};
 
+/// Fewer samples than this are no crash record.
+pub const MINIMUM_SAMPLES: usize = 50;
+
 /// Begins the comment of a channel whose file is here and cannot be read.
 pub const NOT_READ: &str = "its file is not read: ";
 

@@ -1,14 +1,12 @@
 //! The stage: files in, `/test`, `/wave/<id>` and `/quality/<id>` out.
 
-use std::cell::RefCell;
 use std::path::PathBuf;
 
 use crumple_artifact::InputDigest;
 use crumple_artifact::records::{QualityV1, TestV1};
-use crumple_stage::{Loaded, Outcome, Output, Refused, Stage, Usage};
+use crumple_stage::{Loaded, Outcome, Output, Progress, Refused, Stage, Usage};
 
-use crate::ingest;
-use crate::{Bundle, IngestError, Ingested, Quality, Settings};
+use crate::{Bundle, IngestError, Ingested, Quality, Settings, ingest};
 
 /// The stage `ingest`.
 pub struct Ingest;
@@ -33,7 +31,7 @@ impl Stage for Ingest {
                 .hint("give one file, or the folder of one test")
                 .into());
         };
-        let bundle = Bundle::open(path).map_err(refused)?;
+        let bundle = Bundle::open_with_progress(path, show_progress).map_err(refused)?;
         let digest = |kind: &str, digest: String| InputDigest { kind: kind.to_owned(), digest };
         // The name goes into the test description, so a renamed copy is another input.
         let kind = format!("{} {}", bundle.reader.format(), bundle.name);
@@ -45,10 +43,6 @@ impl Stage for Ingest {
     }
 
     fn run(settings: &Settings, bundle: &Bundle, out: &mut Output) -> anyhow::Result<Outcome> {
-        if let Some(large) = &bundle.large {
-            // Set once: a second run of the same bundle would go on with the same bar.
-            let _ = bundle.progress.set(RefCell::new(out.progress(format!("reading {}", bundle.name), large.length)));
-        }
         let ingested = ingest(bundle, settings).map_err(refused)?;
         for line in summary(&ingested) {
             out.summary(line);
@@ -61,6 +55,12 @@ impl Stage for Ingest {
         out.notes().extend(ingested.notes);
         Ok(Outcome::Done)
     }
+}
+
+/// Progress of reading, on a terminal or as log lines.
+pub(crate) fn show_progress(what: String, total: u64) -> Box<dyn FnMut(u64)> {
+    let mut progress = Progress::new(what, total);
+    Box::new(move |bytes| progress.advance(bytes))
 }
 
 pub(crate) fn refused(error: IngestError) -> anyhow::Error {

@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::files::sidecar;
 use crate::recording::channel_selection::select;
 use crate::recording::content::Found;
-use crate::stage::ingest::refused;
+use crate::stage::ingest::{refused, show_progress};
 use crate::{Bundle, IngestError, Settings};
 
 /// Command line of the listing.
@@ -148,7 +148,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     if input.as_os_str().is_empty() {
         return Err(Usage::new("no input").hint("give one file, or the folder of one test").into());
     }
-    let bundle = Bundle::open(&input).map_err(refused)?;
+    let bundle = Bundle::open_with_progress(&input, show_progress).map_err(refused)?;
     let lines = list(&bundle, &settings).map_err(refused)?;
     let text = if json {
         let mut text = String::new();

@@ -5,10 +5,8 @@ use std::collections::BTreeMap;
 use crumple_signal::unit::signal_unit;
 use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind, Sampled};
 
-use crate::formats::ev5::code;
 use crate::formats::ev5::records::Curve;
-use crate::formats::ev5::sensor;
-use crate::formats::ev5::signal_file;
+use crate::formats::ev5::{code, sensor, signal_file};
 use crate::recording::content::{Found, NOT_READ};
 use crate::time::grid::{self, Grid, GridError};
 use crate::{IngestError, Place};

@@ -12,8 +12,7 @@ use std::collections::BTreeMap;
 use crumple_signal::unit::signal_unit;
 use crumple_signal::{ChannelStatus, Notes};
 
-use crate::formats::reader::{Bundle, stem};
-use crate::formats::registry::Reader;
+use crate::formats::reader::{Bundle, Reader, stem};
 use crate::recording::content::{Details, Found, PulseRule, Recording, Stated};
 use crate::{IngestError, Place, Settings};
 use records::{Barrier, Test, Vehicle};

@@ -8,6 +8,7 @@ use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, Sampled}
 
 use crate::formats::iso_mme::channel_file::ChannelFile;
 use crate::formats::iso_mme::header::Header;
+use crate::formats::iso13499::by_code;
 use crate::recording::content::Found;
 use crate::time::grid::{self, Grid};
 use crate::{IngestError, Place, Settings};
@@ -98,17 +99,6 @@ pub fn of_code(code: &IsoCode, id: String) -> Channel {
     let mut channel = Channel::new(id, quantity.unwrap_or(QuantityKind::Other));
     by_code(&mut channel, code);
     channel
-}
-
-/// Puts what a code says into a channel, its quantity aside.
-pub fn by_code(channel: &mut Channel, code: &IsoCode) {
-    channel.location = code.location();
-    channel.axis = code.axis();
-    channel.redundant = code.redundant();
-    channel.cfc = code.filter_class().cfc();
-    channel.filter_state = Some(code.filter_class().to_string());
-    channel.code = Some(code.to_string());
-    channel.polarity = code.polarity_remark();
 }
 
 /// An id fit for a topic, each once.

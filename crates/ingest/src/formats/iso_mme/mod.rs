@@ -3,26 +3,23 @@
 
 mod channel;
 mod channel_file;
-mod header;
-mod place;
+pub mod file_names;
+pub mod header;
 mod test_file;
-
-pub(crate) use channel::by_code;
-pub(crate) use place::fitness as fitness_of_code;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind};
 
-use crate::formats::reader::{Bundle, stem};
-use crate::formats::registry::Reader;
+use crate::formats::iso_mme::file_names::{is_channel_name, is_text_part};
+use crate::formats::reader::{Bundle, Reader, stem};
+use crate::pulse::place_rank;
 use crate::recording::content::{Details, Fitness, Found, NOT_READ, PulseRule, Recording};
 use crate::recording::unheeded_flags;
 use crate::{IngestError, Place, Settings};
 use channel_file::ChannelFile;
 use header::Header;
-pub(crate) use header::has_keyword_lines;
 
 /// Reader of ISO-MME tests and single channel files.
 pub struct IsoMme;
@@ -51,16 +48,6 @@ impl Reader for IsoMme {
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
         read(bundle, settings)
     }
-}
-
-/// `test.001`, `test.1234`: three or four digits.
-pub(crate) fn is_channel_name(name: &str) -> bool {
-    name.rsplit_once('.').is_some_and(|(_, e)| matches!(e.len(), 3 | 4) && e.bytes().all(|b| b.is_ascii_digit()))
-}
-
-/// The test file and the channel list.
-fn is_text_part(name: &str) -> bool {
-    name.rsplit_once('.').is_some_and(|(_, e)| e.eq_ignore_ascii_case("mme") || e.eq_ignore_ascii_case("chn"))
 }
 
 fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
@@ -132,7 +119,7 @@ fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> 
         let vehicle = settings.vehicle_number.unwrap_or(1);
         for found in channels.iter_mut().filter(|f| f.channel.quantity == QuantityKind::Acceleration) {
             let code = found.channel.code.as_deref().and_then(|c| IsoCode::parse(c).ok());
-            found.fitness = code.and_then(|(code, _)| place::fitness(&code, vehicle));
+            found.fitness = code.and_then(|(code, _)| place_rank::fitness(&code, vehicle));
         }
         channels.extend(unread);
         if let Some((name, bytes)) = part(".chn") {

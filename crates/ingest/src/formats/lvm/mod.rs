@@ -9,8 +9,7 @@ use std::collections::BTreeMap;
 use crumple_signal::Notes;
 
 use crate::formats::iso13499;
-use crate::formats::reader::Bundle;
-use crate::formats::registry::Reader;
+use crate::formats::reader::{Bundle, Reader};
 use crate::formats::text::lines::without_mark;
 use crate::formats::waveform::{self, Waveform};
 use crate::recording::content::{Details, Found, Recording, Stated};

@@ -7,9 +7,10 @@ use crumple_signal::unit::{Dimension, choices, factor};
 use crumple_signal::{Channel, Notes, QuantityKind, Sampled, SignalError};
 
 use crate::formats::iso13499;
-use crate::formats::table::header::{Column, Header, Unit, axis, cfc, names_acceleration};
+use crate::formats::table::header::{Column, Header};
 use crate::formats::table::rows::Rows;
 use crate::formats::table::time_axis::TimeAxis;
+use crate::formats::text::column_names::{Unit, axis, cfc, names_acceleration, names_velocity_change};
 use crate::recording::channel_selection::is_pattern;
 use crate::recording::content::{Fitness, Found, Stated};
 use crate::recording::unheeded_flags;
@@ -215,13 +216,6 @@ fn check_for_velocity(
         "a column such as \"Delta-V (km/h)\"",
         "add --unit km/h or --unit mph, and --skip-to with the title of the crash table if there are several",
     ))
-}
-
-/// `Delta-V, longitudinal`, `Longitudinal dv`, `velocity change`.
-pub fn names_velocity_change(title: &str) -> bool {
-    let letters: String = title.to_lowercase().chars().filter(|c| c.is_alphanumeric() || *c == '\u{394}').collect();
-    ["deltav", "velocitychange", "changeofvelocity", "\u{394}v"].iter().any(|word| letters.contains(word))
-        || letters == "dv"
 }
 
 fn stated_unit(file: &str, symbol: &str, from: &str, edr: bool) -> Result<f64, IngestError> {

@@ -3,12 +3,12 @@
 use crumple_signal::Notes;
 use crumple_signal::value::Frequency;
 
-use crate::formats::table::header::{Header, Unit, is_time_name};
+use crate::formats::table::header::Header;
 use crate::formats::table::rows::Rows;
+use crate::formats::text::column_names::{Unit, is_time_name};
 use crate::recording::content::Stated;
 use crate::time::grid::{self, Grid, GridError};
-use crate::time::resampling;
-use crate::time::time_unit;
+use crate::time::{resampling, time_unit};
 use crate::{IngestError, Place, Settings};
 
 /// The time column and its grid.

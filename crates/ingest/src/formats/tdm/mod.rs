@@ -4,13 +4,11 @@ mod header;
 
 use crumple_signal::Notes;
 
-use crate::formats::diadem;
-use crate::formats::iso13499;
-use crate::formats::reader::{Bundle, stem};
-use crate::formats::registry::Reader;
+use crate::formats::reader::{Bundle, Reader, stem};
 use crate::formats::tdms::samples::{Strided, numbers};
 use crate::formats::text::lines::{decode, without_mark};
 use crate::formats::waveform::{self, Waveform};
+use crate::formats::{diadem, iso13499};
 use crate::recording::content::{Found, Recording};
 use crate::{IngestError, Place, Settings};
 use header::{Block, Header, TdmChannel};

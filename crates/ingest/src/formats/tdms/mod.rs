@@ -14,11 +14,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crumple_signal::Notes;
 
-use crate::formats::diadem;
-use crate::formats::iso13499;
-use crate::formats::reader::Bundle;
-use crate::formats::registry::Reader;
+use crate::formats::reader::{Bundle, Reader};
 use crate::formats::waveform::{self, Waveform};
+use crate::formats::{diadem, iso13499};
 use crate::recording::content::{Found, PulseRule, Recording};
 use crate::{IngestError, Place, Settings};
 use metadata::{Properties, Property, names};

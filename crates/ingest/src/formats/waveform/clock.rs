@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crumple_signal::Notes;
 
 use super::{Waveform, list};
-use crate::formats::table::header::{Unit, is_time_name};
+use crate::formats::text::column_names::{Unit, is_time_name};
 use crate::formats::waveform::units::Label;
 use crate::time::grid::{self, Grid, GridError};
 use crate::time::resampling::{self, Interpolation};

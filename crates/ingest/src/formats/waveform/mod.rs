@@ -10,7 +10,7 @@ mod units;
 use crumple_signal::{Channel, Notes, QuantityKind, Sampled};
 
 use crate::formats::iso13499;
-use crate::formats::table::header;
+use crate::formats::text::column_names::{self, Unit};
 use crate::recording::content::{Fitness, Found};
 use crate::recording::unheeded_flags;
 use crate::{IngestError, Place, Settings};
@@ -57,8 +57,8 @@ impl Waveform {
         let label = units::label(x_name, x_unit);
         let says_nothing = x_unit.is_empty() && (x_name.is_empty() || x_name.to_lowercase().starts_with('x'));
         match label.unit {
-            header::Unit::Time(factor) => self.steps = Some((start * factor, interval * factor)),
-            header::Unit::Unstated if says_nothing || clock::is_named_time(&label.name) => {
+            Unit::Time(factor) => self.steps = Some((start * factor, interval * factor)),
+            Unit::Unstated if says_nothing || clock::is_named_time(&label.name) => {
                 self.steps = Some((start, interval));
             }
             _ => {
@@ -133,13 +133,13 @@ pub fn channels(
                 continue;
             }
         };
-        if quantity == QuantityKind::Other && !matches!(label.unit, header::Unit::Time(_)) {
+        if quantity == QuantityKind::Other && !matches!(label.unit, Unit::Time(_)) {
             remarks.no_unit.push(id.clone());
         }
         let acceleration = quantity == QuantityKind::Acceleration;
         let mut channel = Channel::new(id.clone(), quantity);
-        channel.axis = header::axis(&label.title);
-        channel.cfc = header::cfc(&label.title).filter(|_| acceleration);
+        channel.axis = column_names::axis(&label.title);
+        channel.cfc = column_names::cfc(&label.title).filter(|_| acceleration);
         iso13499::describe(&mut channel, &label.name, notes);
         channel.comment = comment;
         let fitness =

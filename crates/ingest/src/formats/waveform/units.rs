@@ -3,7 +3,7 @@
 use crumple_signal::unit::{self, Dimension, choices};
 use crumple_signal::{Notes, QuantityKind};
 
-use crate::formats::table::header::{self, Unit, names_acceleration};
+use crate::formats::text::column_names::{self, Unit, names_acceleration};
 use crate::formats::waveform::Waveform;
 use crate::formats::waveform::clock::Clocks;
 use crate::recording::unheeded_flags;
@@ -25,7 +25,7 @@ pub struct Label {
 /// Takes the stated unit, else one in the name: `Acceleration (g)`, `DeltaV (m\s)`. DIAdem allows no `/` in a name.
 pub fn label(title: &str, stated: &str) -> Label {
     let title = title.trim().to_owned();
-    let (bare, in_name) = header::split_unit(&title.replace('\\', "/"));
+    let (bare, in_name) = column_names::split_unit(&title.replace('\\', "/"));
     let in_name = match in_name {
         Unit::Unknown(symbol) => known(&symbol),
         unit => unit,

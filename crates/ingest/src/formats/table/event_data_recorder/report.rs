@@ -4,16 +4,16 @@ use std::collections::BTreeSet;
 
 use crumple_signal::{Notes, QuantityKind};
 
-use super::{OneTable, edr_notes, one_table};
 use crate::formats::reader::Bundle;
-use crate::formats::table::recorder::{self, Section};
+use crate::formats::table::event_data_recorder::tables::{self, Section};
+use crate::formats::table::one_table::{OneTable, one_table};
 use crate::formats::table::section;
 use crate::recording::content::{Details, Found, PulseRule, Recording};
 use crate::{IngestError, Settings};
 
 /// Reads a text that holds several tables, or cells in two units. `None`: it is a table like any other.
 pub fn read(file: &str, text: &[u8], bundle: &Bundle, settings: &Settings) -> Result<Option<Recording>, IngestError> {
-    let mut sections = recorder::sections(text, file)?;
+    let mut sections = tables::sections(text, file)?;
     if sections.len() < 2 && !sections.iter().any(|section| section.rewritten) {
         return Ok(None);
     }
@@ -72,7 +72,7 @@ pub fn read(file: &str, text: &[u8], bundle: &Bundle, settings: &Settings) -> Re
     if !left_out.is_empty() {
         notes.info(format!("other tables of the report, not read: {}", left_out.join(", ")));
     }
-    for line in recorder::incomplete(text, file)? {
+    for line in tables::incomplete(text, file)? {
         details.facts.push(format!("the recorder says that its file is not complete ({line})"));
         notes.warning(format!("the recorder says that its file is not complete ({line}): the event may be cut off"));
     }
@@ -110,7 +110,7 @@ fn of_section(found: &mut Found, section: &Section, number: usize, ids: &mut BTr
 /// A refusal of a table that is one of a recorder, read without its profile, says so.
 pub fn hinted(file: &str, text: &[u8], error: IngestError) -> IngestError {
     let is_report =
-        recorder::sections(text, file).is_ok_and(|sections| sections.iter().any(|section| section.only_a_change));
+        tables::sections(text, file).is_ok_and(|sections| sections.iter().any(|section| section.only_a_change));
     let hint = "a table of an event data recorder (velocity change over time) is read with --profile edr";
     match error {
         IngestError::Content { place, found, expected, .. } if is_report => {
@@ -121,4 +121,16 @@ pub fn hinted(file: &str, text: &[u8], error: IngestError) -> IngestError {
         }
         error => error,
     }
+}
+
+/// What an event data recorder's table is good for.
+pub fn edr_notes(channels: &[Found], details: &mut Details, notes: &mut Notes) {
+    details.no_pulse = !channels.iter().any(|f| f.fitness.is_some());
+    details.facts.push(
+        "event data recorder (49 CFR 563): time zero is the recorder's, some milliseconds after contact".to_owned(),
+    );
+    notes.warning(
+        "event data recorder table: the velocity change is cumulative and coarse (as a rule 10 ms, whole km/h or mph), and how the recorder \
+         filtered it is not stated: peak acceleration and force cannot be taken from it, crush roughly",
+    );
 }

@@ -8,9 +8,8 @@ use crumple_signal::Notes;
 use crumple_signal::unit::signal_unit;
 
 use crate::IngestError;
-use crate::formats::table::columns::names_velocity_change;
-use crate::formats::table::header::{axis, names_acceleration};
 use crate::formats::table::layout::Delimiter;
+use crate::formats::text::column_names::{axis, names_acceleration, names_velocity_change};
 use crate::formats::text::lines::{comment, decode, line_at};
 use crate::formats::text::numbers::{field, is_gap, unquoted};
 
