@@ -1,6 +1,6 @@
 //! From the files of a record to a test description, waveforms and their quality.
 
-use crumple_signal::{Channel, Notes, QuantityKind, Sampled, Source, TestDescription, part_of};
+use crumple_signal::{Channel, Notes, Source, TestDescription, part_of};
 
 use crate::checks::{channel_quality, redundant_sensors};
 use crate::files::sidecar;
@@ -8,23 +8,10 @@ use crate::formats::reader::{Bundle, stem};
 use crate::pulse::choice;
 use crate::pulse::polarity::{self, Polarity};
 use crate::recording::content::{Recording, Stated};
-use crate::recording::quality::{self, Quality};
-use crate::recording::{details, unheeded_flags};
+use crate::recording::wave::Wave;
+use crate::recording::{details, quality, unheeded_flags};
 use crate::time::time_zero;
 use crate::{IngestError, Place, Settings, Sign};
-
-/// A channel's samples and what was measured on them.
-#[derive(Debug, Clone)]
-pub struct Wave {
-    /// Id of the channel.
-    pub id: String,
-    /// What is measured.
-    pub quantity: QuantityKind,
-    /// Samples in SI, t = 0 at first contact.
-    pub samples: Sampled,
-    /// State as read.
-    pub quality: Quality,
-}
 
 /// Result of the stage.
 #[derive(Debug, Clone)]
@@ -205,30 +192,4 @@ fn set_time_zero(
 
 fn overflow(file: &str, found: &str) -> IngestError {
     IngestError::content(Place::file(file), found, "finite numbers", "correct the record, or --time-zero")
-}
-
-impl Settings {
-    /// These settings where they say something, else those below.
-    pub fn over(&self, below: &Self) -> Self {
-        Self {
-            mass: self.mass.or(below.mass),
-            impact_speed: self.impact_speed.or(below.impact_speed),
-            channel: self.channel.clone().or_else(|| below.channel.clone()),
-            unit: self.unit.clone().or_else(|| below.unit.clone()),
-            time_unit: self.time_unit.clone().or_else(|| below.time_unit.clone()),
-            time_zero: self.time_zero.or(below.time_zero),
-            sign: self.sign.or(below.sign),
-            sample_time: self.sample_time.or(below.sample_time),
-            profile: self.profile.or(below.profile),
-            field: self.field.clone().or_else(|| below.field.clone()),
-            resample: self.resample.or(below.resample),
-            skip_to: self.skip_to.clone().or_else(|| below.skip_to.clone()),
-            vehicle_number: self.vehicle_number.or(below.vehicle_number),
-            vehicle: self.vehicle.clone().or_else(|| below.vehicle.clone()),
-            title: self.title.clone().or_else(|| below.title.clone()),
-            barrier: self.barrier.clone().or_else(|| below.barrier.clone()),
-            allow_missing: self.allow_missing.or(below.allow_missing),
-            listing: self.listing,
-        }
-    }
 }

@@ -18,9 +18,10 @@ mod time;
 
 pub use error::{IngestError, Place};
 pub use formats::reader::{Bundle, LargeFile, NamedBytes};
-pub use ingest::{Ingested, Wave, ingest};
+pub use ingest::{Ingested, ingest};
 pub use recording::content::{Details, Fitness, Found, PulseRule, Recording, Stated};
 pub use recording::quality::Quality;
 pub use recording::settings::{Profile, Settings, Sign};
+pub use recording::wave::Wave;
 pub use stage::ingest::Ingest;
 pub use stage::list::{Cli as ListCli, Line, list, run as list_channels};

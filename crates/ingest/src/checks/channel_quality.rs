@@ -19,8 +19,8 @@ use std::collections::BTreeMap;
 
 use crumple_signal::{Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
-use crate::ingest::Wave;
 use crate::pulse::polarity::{self, Polarity};
+use crate::recording::wave::Wave;
 use crate::time::time_zero;
 
 /// Noise before the event that is too much, m/s^2.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{Channel, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled};
 
-use crate::ingest::Wave;
+use crate::recording::wave::Wave;
 use crate::time::time_zero::{SMOOTHING_S, moving_mean};
 
 /// Velocities and displacements are compared up to this time, s.

@@ -13,7 +13,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use crate::formats::messages::{
     self, Component, Sample, Topic, Track, imu_components, is_imu, json_number, json_stamp_ns,
 };
-use crate::formats::protobuf::{self, Decoder};
+use crate::formats::protobuf::decoder::{self, Decoder};
 use crate::formats::reader::{Bundle, Reader};
 use crate::recording::content::{Details, Fitness, Found, PulseRule, Recording, Stated};
 use crate::recording::unheeded_flags;
@@ -219,7 +219,7 @@ fn unit_of_fields(file: &str, settings: &Settings) -> Result<Option<(QuantityKin
 }
 
 /// A protobuf type and the ways to the fields in it; `None` if one leads nowhere.
-type Protobuf = (Decoder, Option<Vec<protobuf::Path>>);
+type Protobuf = (Decoder, Option<Vec<decoder::Path>>);
 
 /// Messages read, and what stood in the way of others.
 #[derive(Default)]
@@ -260,7 +260,7 @@ impl Collected {
             Ok((decoder, ways))
         });
         let (decoder, ways) = decoder.as_ref().ok()?;
-        let values = ways.as_ref()?.iter().map(|way| protobuf::number(message.data, way)).collect::<Option<_>>()?;
+        let values = ways.as_ref()?.iter().map(|way| decoder::number(message.data, way)).collect::<Option<_>>()?;
         let stamp = decoder.stamp_ns(message.data);
         self.stamped(stamp, message.log_time_ns, values)
     }

@@ -7,3 +7,4 @@ pub mod details;
 pub mod quality;
 pub mod settings;
 pub mod unheeded_flags;
+pub mod wave;

@@ -94,6 +94,30 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// These settings where they say something, else those below.
+    pub fn over(&self, below: &Self) -> Self {
+        Self {
+            mass: self.mass.or(below.mass),
+            impact_speed: self.impact_speed.or(below.impact_speed),
+            channel: self.channel.clone().or_else(|| below.channel.clone()),
+            unit: self.unit.clone().or_else(|| below.unit.clone()),
+            time_unit: self.time_unit.clone().or_else(|| below.time_unit.clone()),
+            time_zero: self.time_zero.or(below.time_zero),
+            sign: self.sign.or(below.sign),
+            sample_time: self.sample_time.or(below.sample_time),
+            profile: self.profile.or(below.profile),
+            field: self.field.clone().or_else(|| below.field.clone()),
+            resample: self.resample.or(below.resample),
+            skip_to: self.skip_to.clone().or_else(|| below.skip_to.clone()),
+            vehicle_number: self.vehicle_number.or(below.vehicle_number),
+            vehicle: self.vehicle.clone().or_else(|| below.vehicle.clone()),
+            title: self.title.clone().or_else(|| below.title.clone()),
+            barrier: self.barrier.clone().or_else(|| below.barrier.clone()),
+            allow_missing: self.allow_missing.or(below.allow_missing),
+            listing: self.listing,
+        }
+    }
+
     /// The names a sidecar may use.
     pub const KEYS: [&'static str; 17] = [
         "mass",

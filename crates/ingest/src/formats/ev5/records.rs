@@ -1,6 +1,6 @@
 //! Records of an EV5 file with the fields that are used; positions as in the guide, from 1.
 
-use crate::formats::ev5::specification::Fields;
+use crate::formats::ev5::fields::Fields;
 use crumple_signal::ChannelStatus;
 
 /// TEST.
@@ -27,7 +27,7 @@ pub struct Test {
 }
 
 impl Test {
-    pub(super) fn new(fields: &Fields) -> Self {
+    pub fn new(fields: &Fields) -> Self {
         Self {
             title: fields.words(2),
             date: fields.words(4),
@@ -64,7 +64,7 @@ pub struct Vehicle {
 }
 
 impl Vehicle {
-    pub(super) fn new(fields: &Fields, next: usize) -> Self {
+    pub fn new(fields: &Fields, next: usize) -> Self {
         Self {
             number: fields.integer(1).and_then(|n| u32::try_from(n).ok()).unwrap_or(next as u32),
             make_and_model: [fields.words(2), fields.words(3)],
@@ -95,7 +95,7 @@ pub struct Barrier {
 }
 
 impl Barrier {
-    pub(super) fn new(fields: &Fields) -> Self {
+    pub fn new(fields: &Fields) -> Self {
         Self {
             rigidity: fields.words(1),
             shape: fields.words(2),
@@ -176,7 +176,7 @@ pub struct Curve {
 }
 
 impl Curve {
-    pub(super) fn new(fields: &Fields) -> Result<Self, String> {
+    pub fn new(fields: &Fields) -> Result<Self, String> {
         let text = |k| fields.text(k).unwrap_or_default().to_ascii_uppercase();
         let number = fields
             .integer(2)

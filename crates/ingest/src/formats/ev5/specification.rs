@@ -2,6 +2,7 @@
 //!
 //! NHTSA Test Reference Guide, Volume I (vehicle tests), version 5.
 
+use crate::formats::ev5::fields::Fields;
 use crate::formats::ev5::records::{Barrier, Curve, Test, Vehicle};
 use crate::formats::text::lines::decode;
 use crate::{IngestError, Place};
@@ -19,36 +20,6 @@ pub struct Specification {
     pub curves: Vec<Curve>,
     /// Lines of the instrumentation section that cannot be read, with the reason.
     pub unread_lines: Vec<(usize, String)>,
-}
-
-/// Fields of one record, counted from 1 as in the guide; blanks and missing fields are `None`.
-pub struct Fields<'a>(Vec<&'a str>);
-
-impl<'a> Fields<'a> {
-    /// Field `position`, from 1, if it holds something.
-    pub fn text(&self, position: usize) -> Option<&'a str> {
-        self.0.get(position.checked_sub(1)?).map(|f| f.trim()).filter(|f| !f.is_empty())
-    }
-
-    /// The same as owned words.
-    pub fn words(&self, position: usize) -> Option<String> {
-        self.text(position).map(str::to_owned)
-    }
-
-    /// A finite number.
-    pub fn number(&self, position: usize) -> Option<f64> {
-        self.text(position)?.parse().ok().filter(|x: &f64| x.is_finite())
-    }
-
-    /// A length, mass or speed: zero means not recorded.
-    pub fn positive(&self, position: usize) -> Option<f64> {
-        self.number(position).filter(|x| *x > 0.0)
-    }
-
-    /// A whole number.
-    pub fn integer(&self, position: usize) -> Option<i64> {
-        self.text(position)?.parse().ok()
-    }
 }
 
 /// Whether a line opens a section, and which: `----- TEST -----`, `-----TEST-----`.
@@ -89,7 +60,7 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Specification, IngestError> {
             }
             continue;
         }
-        let fields = Fields(line.split('|').collect());
+        let fields = Fields::split(line);
         match current {
             "TEST" => specification.test = Test::new(&fields),
             "VEHICLE" => {

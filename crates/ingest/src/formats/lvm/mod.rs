@@ -11,7 +11,8 @@ use crumple_signal::Notes;
 use crate::formats::iso13499;
 use crate::formats::reader::{Bundle, Reader};
 use crate::formats::text::lines::without_mark;
-use crate::formats::waveform::{self, Waveform};
+use crate::formats::waveform::channel::Waveform;
+use crate::formats::waveform::conversion;
 use crate::recording::content::{Details, Found, Recording, Stated};
 use crate::{IngestError, Place, Settings};
 use header::{FileHeader, SegmentHeader};
@@ -91,7 +92,7 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, 
         let group = if several { format!("segment_{}", k + 1) } else { String::new() };
         waveforms.extend(segment.waveforms(&group, &file_header, &mut notes));
     }
-    let channels = waveform::channels(file, waveforms, settings, &mut notes)?;
+    let channels = conversion::channels(file, waveforms, settings, &mut notes)?;
     let mut channels: Vec<Found> = channels.into_iter().map(|(_, found)| found).collect();
     let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
     Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })

@@ -7,7 +7,8 @@ use crumple_signal::Notes;
 use crate::formats::reader::{Bundle, Reader, stem};
 use crate::formats::tdms::samples::{Strided, numbers};
 use crate::formats::text::lines::{decode, without_mark};
-use crate::formats::waveform::{self, Waveform};
+use crate::formats::waveform::channel::Waveform;
+use crate::formats::waveform::conversion;
 use crate::formats::{diadem, iso13499};
 use crate::recording::content::{Found, Recording};
 use crate::{IngestError, Place, Settings};
@@ -81,7 +82,7 @@ fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> 
         }
         waveforms.push(waveform(channel, tdx_name, tdx, header.big_endian));
     }
-    let channels = waveform::channels(file, waveforms, settings, &mut notes)?;
+    let channels = conversion::channels(file, waveforms, settings, &mut notes)?;
     let mut channels: Vec<Found> = channels.into_iter().map(|(_, found)| found).collect();
     let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
     let details = diadem::details(&header.root);

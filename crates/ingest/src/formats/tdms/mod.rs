@@ -15,7 +15,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use crumple_signal::Notes;
 
 use crate::formats::reader::{Bundle, Reader};
-use crate::formats::waveform::{self, Waveform};
+use crate::formats::waveform::channel::Waveform;
+use crate::formats::waveform::conversion;
 use crate::formats::{diadem, iso13499};
 use crate::recording::content::{Found, PulseRule, Recording};
 use crate::{IngestError, Place, Settings};
@@ -70,7 +71,7 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, 
         records.push(nhtsa::curve(&object.properties).filter(|_| is_nhtsa));
         waveforms.push(waveform(object, group, name, scales));
     }
-    let channels = waveform::channels(file, waveforms, settings, &mut notes)?;
+    let channels = conversion::channels(file, waveforms, settings, &mut notes)?;
     let mut channels: Vec<Found> = channels
         .into_iter()
         .map(|(k, mut found)| {

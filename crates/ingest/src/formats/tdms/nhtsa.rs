@@ -6,7 +6,8 @@
 use crumple_signal::{Notes, QuantityKind};
 
 use crate::formats::ev5::records::{Barrier, Curve, Test, Vehicle};
-use crate::formats::ev5::{details, sensor};
+use crate::formats::ev5::sensor;
+use crate::formats::ev5::test_details::details;
 use crate::formats::tdms::metadata::{Properties, Property};
 use crate::recording::content::{Details, Found};
 

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use crumple_signal::Notes;
 
-use super::{Waveform, list};
-use crate::formats::text::column_names::{Unit, is_time_name};
-use crate::formats::waveform::units::Label;
+use crate::formats::text::column_names::Unit;
+use crate::formats::waveform::channel::{Waveform, list};
+use crate::formats::waveform::label::{Label, is_named_time};
 use crate::time::grid::{self, Grid, GridError};
 use crate::time::resampling::{self, Interpolation};
 use crate::time::time_unit;
@@ -161,12 +161,6 @@ impl Clocks {
             notes.info(format!("{} holds times and is no channel of its own", list(&names)));
         }
     }
-}
-
-/// `Time`, `t`, `IIWPG Time`: time stands first or last.
-pub fn is_named_time(name: &str) -> bool {
-    let last = name.rsplit([' ', '_', '-', '.']).next().unwrap_or(name);
-    is_time_name(name) || (last.len() > 1 && is_time_name(last))
 }
 
 fn grid_of(

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::formats::waveform::Waveform;
-use crate::formats::waveform::units::Label;
+use crate::formats::waveform::channel::Waveform;
+use crate::formats::waveform::label::Label;
 
 /// `group.channel`, the unit left out, each once: letters, digits, `_`, `-` and `.`; anything else becomes `_`, so that an
 /// id can be a part of a topic and of a file name.
@@ -77,7 +77,7 @@ pub fn find(wanted: &str, ids: &[String], aliases: &[Vec<String>]) -> Option<usi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::waveform::units::label;
+    use crate::formats::waveform::label::label;
 
     #[test]
     fn ids_are_unique_and_names_unambiguous() {
