@@ -7,9 +7,10 @@ use crate::files::sidecar;
 use crate::formats::reader::{Bundle, stem};
 use crate::pulse::choice;
 use crate::pulse::polarity::{self, Polarity};
-use crate::recording::content::{Recording, Stated};
+use crate::recording::content::Recording;
+use crate::recording::details::{self, Stated};
 use crate::recording::wave::Wave;
-use crate::recording::{details, quality, unheeded_flags};
+use crate::recording::{quality, unheeded_flags};
 use crate::time::time_zero;
 use crate::{IngestError, Place, Settings, Sign};
 

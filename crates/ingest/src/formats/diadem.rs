@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::recording::content::{Details, Stated};
+use crate::recording::details::{Details, Stated};
 
 /// Title, vehicle and facts by the names of properties, case aside. Speeds and masses in properties carry no unit and are
 /// told as facts only.

@@ -9,7 +9,8 @@ use crumple_signal::{Channel, Notes, QuantityKind};
 
 use crate::Settings;
 use crate::pulse::place_rank;
-use crate::recording::content::{Found, PulseRule};
+use crate::recording::content::PulseRule;
+use crate::recording::read_channel::Found;
 use crate::recording::unheeded_flags;
 
 /// Test objects a code may begin with.

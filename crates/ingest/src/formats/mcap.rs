@@ -15,7 +15,9 @@ use crate::formats::messages::{
 };
 use crate::formats::protobuf::decoder::{self, Decoder};
 use crate::formats::reader::{Bundle, Reader};
-use crate::recording::content::{Details, Fitness, Found, PulseRule, Recording, Stated};
+use crate::recording::content::{PulseRule, Recording};
+use crate::recording::details::{Details, Stated};
+use crate::recording::read_channel::{Fitness, Found};
 use crate::recording::unheeded_flags;
 use crate::{IngestError, Place, Settings};
 

@@ -8,7 +8,9 @@ use std::collections::BTreeMap;
 use crumple_signal::value::Frequency;
 use crumple_signal::{Axis, Channel, Notes, QuantityKind, Sampled};
 
-use crate::recording::content::{Details, Fitness, Found, PulseRule, Recording};
+use crate::recording::content::{PulseRule, Recording};
+use crate::recording::details::Details;
+use crate::recording::read_channel::{Fitness, Found};
 use crate::time::grid::{self, GridError};
 use crate::time::resampling::{Interpolation, jitter, resample};
 use crate::{IngestError, Place, Settings};

@@ -5,7 +5,8 @@ use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, part_of}
 use crate::IngestError;
 use crate::pulse::compartment;
 use crate::recording::channel_selection::select;
-use crate::recording::content::{Found, MINIMUM_SAMPLES, NOT_READ, PulseRule, Recording};
+use crate::recording::content::{MINIMUM_SAMPLES, PulseRule, Recording};
+use crate::recording::read_channel::{Found, NOT_READ};
 
 /// Index of the pulse among the channels: the one asked for, else the fittest of those that are valid and have data. What
 /// was taken, why, and what else there is goes into a note. `None` only where one may be missing.

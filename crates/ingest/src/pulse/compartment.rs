@@ -7,7 +7,8 @@ use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{Axis, Channel};
 
 use crate::pulse::place_rank;
-use crate::recording::content::{Found, PulseRule};
+use crate::recording::content::PulseRule;
+use crate::recording::read_channel::Found;
 
 /// Words in an id, a location or a remark that speak of a place elsewhere.
 const ELSEWHERE: [&str; 24] = [

@@ -3,7 +3,7 @@
 use crumple_signal::Axis;
 use crumple_signal::iso13499::IsoCode;
 
-use crate::recording::content::Fitness;
+use crate::recording::read_channel::Fitness;
 
 /// The rank of an accelerometer along x on vehicle `vehicle` (or on the sled), at a place that moves with the passenger
 /// compartment; `None` elsewhere, the engine, bumper, subframe and side members first of all. Of two channels of one

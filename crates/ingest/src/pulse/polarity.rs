@@ -2,7 +2,7 @@
 
 use crumple_signal::{Axis, Notes, PreEventWindow, QuantityKind, Sampled, SignalError, pre_event};
 
-use crate::recording::content::Found;
+use crate::recording::read_channel::Found;
 
 /// How long after time zero the pulse is looked at, s.
 const WINDOW_S: f64 = 0.150;

@@ -2,7 +2,7 @@
 
 use crumple_signal::{Channel, channels_meant};
 
-use crate::recording::content::Found;
+use crate::recording::read_channel::Found;
 
 pub use crumple_signal::is_pattern;
 

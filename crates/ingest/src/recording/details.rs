@@ -5,8 +5,40 @@ use crumple_signal::QuantityKind;
 use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
 
-use crate::recording::content::{Details, Stated};
 use crate::{IngestError, Place, Settings};
+
+/// A fact and where it is stated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stated<T> {
+    /// The value.
+    pub value: T,
+    /// Where it stands, in words: `line 3 of crash.csv`, `VEHTWT`.
+    pub from: String,
+}
+
+/// What the record says of the test.
+#[derive(Debug, Clone, Default)]
+pub struct Details {
+    /// Title of the test.
+    pub title: Option<Stated<String>>,
+    /// Vehicle, in words.
+    pub vehicle: Option<Stated<String>>,
+    /// Barrier, in words.
+    pub barrier: Option<Stated<String>>,
+    /// Test mass, kg.
+    pub mass_kg: Option<Stated<f64>>,
+    /// Speed just before contact, m/s, positive.
+    pub impact_speed_m_per_s: Option<Stated<f64>>,
+    /// Time of first contact on the file's axis, s.
+    pub time_zero_s: Option<Stated<f64>>,
+    /// What the record says of the impact speed and is not taken, and why, in words.
+    pub speed_not_taken: Option<String>,
+    /// The record is of a kind that has no crash pulse (an event data recorder's velocity change, say): mass, speed and pulse
+    /// may be missing.
+    pub no_pulse: bool,
+    /// Facts that have no field of their own: static crush, laboratory, date.
+    pub facts: Vec<String>,
+}
 
 /// What comments of a file state, by the names of the sidecar's keys.
 #[derive(Debug, Clone, Default)]

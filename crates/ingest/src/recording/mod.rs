@@ -5,6 +5,7 @@ pub mod channel_selection;
 pub mod content;
 pub mod details;
 pub mod quality;
+pub mod read_channel;
 pub mod settings;
 pub mod unheeded_flags;
 pub mod wave;

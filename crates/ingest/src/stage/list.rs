@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::files::sidecar;
 use crate::recording::channel_selection::select;
-use crate::recording::content::Found;
+use crate::recording::read_channel::Found;
 use crate::stage::ingest::{refused, show_progress};
 use crate::{Bundle, IngestError, Settings};
 

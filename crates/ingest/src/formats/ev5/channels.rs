@@ -7,7 +7,7 @@ use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind, Sampled};
 
 use crate::formats::ev5::records::Curve;
 use crate::formats::ev5::{code, sensor, signal_file};
-use crate::recording::content::{Found, NOT_READ};
+use crate::recording::read_channel::{Found, NOT_READ};
 use crate::time::grid::{self, Grid, GridError};
 use crate::{IngestError, Place};
 

@@ -15,7 +15,8 @@ use crumple_signal::unit::signal_unit;
 use crumple_signal::{ChannelStatus, Notes};
 
 use crate::formats::reader::{Bundle, Reader, stem};
-use crate::recording::content::{Found, PulseRule, Recording};
+use crate::recording::content::{PulseRule, Recording};
+use crate::recording::read_channel::Found;
 use crate::{IngestError, Place, Settings};
 use specification::Specification;
 

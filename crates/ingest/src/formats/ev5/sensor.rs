@@ -3,7 +3,7 @@
 use crumple_signal::Axis;
 
 use crate::formats::ev5::records::Curve;
-use crate::recording::content::Fitness;
+use crate::recording::read_channel::Fitness;
 
 /// `vehicle, left rear seat crossmember`; `driver, head`; `barrier, load cell F-01`. The part before the comma is
 /// `vehicle`, `vehicle 2`, `barrier` or an occupant.

@@ -1,7 +1,7 @@
 //! Details of a test from the records of its specification.
 
 use crate::formats::ev5::records::{Barrier, Test, Vehicle};
-use crate::recording::content::{Details, Stated};
+use crate::recording::details::{Details, Stated};
 
 /// Facts of the test from its records.
 pub fn details(test: &Test, barrier: Option<&Barrier>, vehicle: &Vehicle) -> Details {

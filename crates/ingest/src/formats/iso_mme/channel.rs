@@ -9,7 +9,7 @@ use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, Sampled}
 use crate::formats::iso_mme::channel_file::ChannelFile;
 use crate::formats::iso_mme::header::Header;
 use crate::formats::iso13499::by_code;
-use crate::recording::content::Found;
+use crate::recording::read_channel::Found;
 use crate::time::grid::{self, Grid};
 use crate::{IngestError, Place, Settings};
 

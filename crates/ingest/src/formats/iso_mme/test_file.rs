@@ -5,7 +5,7 @@ use crumple_signal::{Notes, QuantityKind};
 
 use crate::Settings;
 use crate::formats::iso_mme::header::{Header, number};
-use crate::recording::content::{Details, Stated};
+use crate::recording::details::{Details, Stated};
 
 /// A bare speed above this, m/s (162 km/h), is not taken: it may be in km/h.
 const FASTEST_BARE_M_PER_S: f64 = 45.0;

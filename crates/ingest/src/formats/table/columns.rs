@@ -12,7 +12,8 @@ use crate::formats::table::rows::Rows;
 use crate::formats::table::time_axis::TimeAxis;
 use crate::formats::text::column_names::{Unit, axis, cfc, names_acceleration, names_velocity_change};
 use crate::recording::channel_selection::is_pattern;
-use crate::recording::content::{Fitness, Found, Stated};
+use crate::recording::details::Stated;
+use crate::recording::read_channel::{Fitness, Found};
 use crate::recording::unheeded_flags;
 use crate::{IngestError, Place, Profile, Settings};
 

@@ -5,8 +5,9 @@ use crumple_signal::Notes;
 use crate::formats::reader::Bundle;
 use crate::formats::table::{columns, header, layout, rows, time_axis};
 use crate::formats::text::lines::decode;
-use crate::recording::content::{Details, Found, MINIMUM_SAMPLES};
-use crate::recording::details::from_comments;
+use crate::recording::content::MINIMUM_SAMPLES;
+use crate::recording::details::{Details, from_comments};
+use crate::recording::read_channel::Found;
 use crate::recording::unheeded_flags;
 use crate::{IngestError, Place, Profile, Settings};
 

@@ -6,7 +6,7 @@ use crumple_signal::value::Frequency;
 use crate::formats::table::header::Header;
 use crate::formats::table::rows::Rows;
 use crate::formats::text::column_names::{Unit, is_time_name};
-use crate::recording::content::Stated;
+use crate::recording::details::Stated;
 use crate::time::grid::{self, Grid, GridError};
 use crate::time::{resampling, time_unit};
 use crate::{IngestError, Place, Settings};

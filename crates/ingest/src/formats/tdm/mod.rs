@@ -10,7 +10,8 @@ use crate::formats::text::lines::{decode, without_mark};
 use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::formats::{diadem, iso13499};
-use crate::recording::content::{Found, Recording};
+use crate::recording::content::Recording;
+use crate::recording::read_channel::Found;
 use crate::{IngestError, Place, Settings};
 use header::{Block, Header, TdmChannel};
 

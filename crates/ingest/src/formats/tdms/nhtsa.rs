@@ -9,7 +9,8 @@ use crate::formats::ev5::records::{Barrier, Curve, Test, Vehicle};
 use crate::formats::ev5::sensor;
 use crate::formats::ev5::test_details::details;
 use crate::formats::tdms::metadata::{Properties, Property};
-use crate::recording::content::{Details, Found};
+use crate::recording::details::Details;
+use crate::recording::read_channel::Found;
 
 /// A field by its name in the guide, in any of `layers`; what is empty or `NA` counts as absent.
 fn words(layers: &[&Properties], field: &str) -> Option<String> {

@@ -8,7 +8,7 @@ use crate::formats::waveform::channel::{Waveform, list};
 use crate::formats::waveform::clock::Clocks;
 use crate::formats::waveform::label::{self, Label};
 use crate::formats::waveform::{identity, units};
-use crate::recording::content::{Fitness, Found};
+use crate::recording::read_channel::{Fitness, Found};
 use crate::recording::unheeded_flags;
 use crate::{IngestError, Place, Settings};
 

@@ -8,7 +8,9 @@ use crate::formats::reader::Bundle;
 use crate::formats::table::event_data_recorder::tables::{self, Section};
 use crate::formats::table::one_table::{OneTable, one_table};
 use crate::formats::table::section;
-use crate::recording::content::{Details, Found, PulseRule, Recording};
+use crate::recording::content::{PulseRule, Recording};
+use crate::recording::details::Details;
+use crate::recording::read_channel::Found;
 use crate::{IngestError, Settings};
 
 /// Reads a text that holds several tables, or cells in two units. `None`: it is a table like any other.
