@@ -38,10 +38,7 @@ impl Ingested {
 /// Samples are as in the file but for the factor of their unit, and the sign if flipping is asked for.
 pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError> {
     let file = bundle.name.as_str();
-    let beside = match &bundle.sidecar {
-        Some(sidecar) => sidecar::parse(&sidecar.name, &sidecar.bytes)?,
-        None => Settings::default(),
-    };
+    let beside = sidecar::settings(bundle)?;
     let choices = flags.over(&beside);
     let mut recording = bundle.reader.read(bundle, &choices)?;
     let mut notes = std::mem::take(&mut recording.notes);

@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use crumple_artifact::InputDigest;
 use crumple_artifact::records::{QualityV1, TestV1};
-use crumple_stage::{Loaded, Outcome, Output, Progress, Refused, Stage, Usage};
+use crumple_stage::{Loaded, Outcome, Output, Stage, Usage};
 
-use crate::{Bundle, IngestError, Ingested, Quality, Settings, ingest};
+use crumple_ingest::{Bundle, Ingested, Quality, Settings, ingest};
+
+use crate::stage::process::{refused, show_progress};
 
 /// The stage `ingest`.
 pub struct Ingest;
@@ -55,20 +57,6 @@ impl Stage for Ingest {
         out.notes().extend(ingested.notes);
         Ok(Outcome::Done)
     }
-}
-
-/// Progress of reading, on a terminal or as log lines.
-pub(crate) fn show_progress(what: String, total: u64) -> Box<dyn FnMut(u64)> {
-    let mut progress = Progress::new(what, total);
-    Box::new(move |bytes| progress.advance(bytes))
-}
-
-pub(crate) fn refused(error: IngestError) -> anyhow::Error {
-    let mut refused = Refused::new(error.to_string()).hint(error.hint());
-    if let Some(expected) = error.expected() {
-        refused = refused.expected(expected);
-    }
-    refused.into()
 }
 
 fn quality_record(quality: &Quality) -> QualityV1 {
