@@ -1,6 +1,6 @@
 //! Many parameter sets of the double model at once.
 
-use crate::exact_step::exact_step;
+use crate::exact::exact_step::exact_step;
 use crate::{DoubleSpringMassDamper, LumpedError};
 
 /// Sets that are worked on side by side.

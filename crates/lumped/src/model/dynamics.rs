@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use crate::driven::{Driven, Instant};
-use crate::secant_motion::SecantMotion;
+use crate::exact::driven::{Driven, Instant};
+use crate::secant::single_mass::SecantMotion;
 use crate::{
     Chain, ChainResponse, DoubleSpringMassDamper, Drive, Kelvin, LumpedError, Maxwell, Model, ModelKind, Motion,
     PiecewiseLinear, Response, SecantChain, State,

@@ -1,6 +1,6 @@
-use crate::curve::Curve;
 use crate::error::{finite, positive};
-use crate::secant_motion::SecantMotion;
+use crate::secant::curve::Curve;
+use crate::secant::single_mass::SecantMotion;
 use crate::{CrushEvents, LumpedError, Motion};
 
 /// One mass on a stiffening spring and a damper that weakens with speed: the first nonlinear model of the single-mass

@@ -1,8 +1,8 @@
 //! The elastoplastic model under a force or on a moving barrier, event by event.
 
 use crate::error::{finite, positive};
-use crate::falling_zero::falling_zero;
-use crate::stumpff::cosine_integrals;
+use crate::exact::falling_zero::falling_zero;
+use crate::exact::stumpff::cosine_integrals;
 use crate::{Drive, Dynamics, Elastoplastic, ElementForce, Energy, LumpedError, ModelKind, Motion, Response, State};
 
 /// Pieces after which the motion is given up, beside one a sample.

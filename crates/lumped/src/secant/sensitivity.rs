@@ -2,9 +2,9 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::curve::{Curve, Knot};
-use crate::secant_motion::SecantMotion;
-use crate::secant_step::{Blocks, Law, ORDER, Step, put, times, work_through};
+use crate::secant::curve::{Curve, Knot};
+use crate::secant::single_mass::SecantMotion;
+use crate::secant::step::{Blocks, Law, ORDER, Step, put, times, work_through};
 use crate::{Instants, LumpedError, Motion, Sensitivity};
 
 /// A small change of the motion, at the start of a step.

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use crate::error::positive;
-use crate::second_order::{Roots, SecondOrder};
+use crate::exact::second_order::{Roots, SecondOrder};
 use crate::{CrushEvents, LumpedError, State};
 
 /// One mass on a spring and a damper in series: `m x'' = -F`, `F' = k x' - (k/c) F`, `F(0) = 0`.

@@ -1,6 +1,6 @@
 //! Roots of a real cubic with their multiplicities, in double-double arithmetic.
 
-use crate::double_double::{ComplexDd, Dd};
+use crate::matching::double_double::{ComplexDd, Dd};
 
 /// Relative size below which a combination of the coefficients counts as zero: some hundred roundings of double-double
 /// arithmetic. Two roots closer than about `1e-14` of their size are taken as one double root.

@@ -1,8 +1,8 @@
 //! Motion of a chain of masses whose springs and dampers have piecewise-linear secant coefficients, by Taylor series.
 
-use crate::falling_zero::falling_zero;
-use crate::piecewise_linear::{PiecewiseLinear, Region};
-use crate::secant_step::ORDER;
+use crate::exact::falling_zero::falling_zero;
+use crate::secant::piecewise_linear::{PiecewiseLinear, Region};
+use crate::secant::step::ORDER;
 use crate::{Drive, LumpedError};
 
 /// Rest of the series after a step, relative to the motion.

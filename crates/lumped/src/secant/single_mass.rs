@@ -2,9 +2,9 @@
 
 use pulp::Arch;
 
-use crate::curve::{BEYOND, Curve, Piece};
-use crate::falling_zero::falling_zero;
-use crate::secant_step::{Fill, LANES, Law, ORDER, REST, Step, longest};
+use crate::exact::falling_zero::falling_zero;
+use crate::secant::curve::{BEYOND, Curve, Piece};
+use crate::secant::step::{Fill, LANES, Law, ORDER, REST, Step, longest};
 use crate::{CrushEvents, LumpedError, ModelKind, Motion};
 
 /// Steps after which the search for an event or the motion gives up.

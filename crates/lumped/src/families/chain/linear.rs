@@ -1,8 +1,8 @@
 use crumple_lti::{Complex, matrix_exponential, polynomial_roots};
 use nalgebra::{DMatrix, DVector};
 
-use crate::driven::{Driven, Instant};
 use crate::error::{finite, row_of_masses};
+use crate::exact::driven::{Driven, Instant};
 use crate::{CrushEvents, Drive, Energy, LumpedError, ModelKind, Motion, State};
 
 /// Any number of masses in a row: barrier - (k1, c1) - m1 - (k2, c2) - m2 - ... - mN, the compartment last.

@@ -2,9 +2,9 @@
 
 use nalgebra::Matrix4;
 
-use crate::cubic::cubic_roots;
-use crate::double_double::{ComplexDd, Dd};
 use crate::error::{finite, positive};
+use crate::matching::cubic::cubic_roots;
+use crate::matching::double_double::{ComplexDd, Dd};
 use crate::{Complex, DoubleSpringMassDamper, LumpedError};
 
 /// Relative size below which a discriminant counts as zero: two mirror solutions coincide, or a root lies on the

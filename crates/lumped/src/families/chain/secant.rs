@@ -1,9 +1,9 @@
 //! A chain of masses with piecewise-linear springs and dampers.
 
-use crate::chain_motion::{ChainMotion, ChainStep, Series, horner, integral};
-use crate::dynamics::of_chain;
 use crate::error::{finite, positive, row_of_masses};
-use crate::secant_step::ORDER;
+use crate::model::dynamics::of_chain;
+use crate::secant::chain::{ChainMotion, ChainStep, Series, horner, integral};
+use crate::secant::step::ORDER;
 use crate::{
     Chain, ChainResponse, CrushEvents, Drive, Dynamics, Energy, Instants, LumpedError, Motion, PiecewiseLinear, State,
 };

@@ -1,8 +1,8 @@
 //! A coefficient as a person states it: values at knots.
 
 use crate::LumpedError;
-use crate::curve::{piece, work};
 use crate::error::finite;
+use crate::secant::curve::{piece, work};
 
 /// A coefficient that is linear between knots and constant outside, over the size of a displacement or speed: even, so that a
 /// spring is as stiff in tension as in compression.

@@ -1,5 +1,5 @@
 use crate::error::{finite, positive};
-use crate::second_order::{Roots, SecondOrder};
+use crate::exact::second_order::{Roots, SecondOrder};
 use crate::{Complex, CrushEvents, LumpedError, State};
 
 /// One mass on a spring and a damper in parallel: `m x'' = -k x - c x'`.

@@ -1,7 +1,7 @@
 //! Motions at chosen instants with their derivatives by the parameters, for fits.
 
-use crate::elastoplastic_sensitivity::elastoplastic;
-use crate::linear_motion::{chain, maxwell};
+use crate::exact::linear_motion::{chain, maxwell};
+use crate::families::elastoplastic::sensitivity::elastoplastic;
 use crate::{Chain, LumpedError, Model, Motion};
 
 /// Instants `first_s + k dt_s`, k = 0 .. `samples`, after contact.

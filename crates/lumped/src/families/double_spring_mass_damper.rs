@@ -1,9 +1,9 @@
 use crumple_lti::{Complex, polynomial_roots};
 use nalgebra::{Matrix4, RowVector4, Vector4};
 
-use crate::crossing::first_crossing;
 use crate::error::{finite, positive};
-use crate::exact_step::exact_step;
+use crate::exact::crossing::first_crossing;
+use crate::exact::exact_step::exact_step;
 use crate::{CrushEvents, LumpedError, State};
 
 /// Two masses in a row: barrier - (k1, c1) - chassis m1 - (k2, c2) - passenger compartment m2.

@@ -3,7 +3,7 @@
 use crumple_lti::Complex;
 use nalgebra::{Matrix4, RowVector4, Vector4};
 
-use crate::exact_step;
+use crate::exact::exact_step::exact_step;
 
 /// Steps after which the search gives up; at 20 ns each this is 40 ms.
 const MAX_STEPS: usize = 2_000_000;

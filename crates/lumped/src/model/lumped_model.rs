@@ -1,6 +1,6 @@
 use crate::error::positive;
-use crate::exact_step::exact_step;
-use crate::linear_motion::chain;
+use crate::exact::exact_step::exact_step;
+use crate::exact::linear_motion::chain;
 use crate::{
     CrushEvents, DoubleSpringMassDamper, Elastoplastic, Instants, Kelvin, LumpedError, Maxwell, ModelKind, Motion,
     Nonlinear1, Nonlinear2, Response, TripleSpringMassDamper,
