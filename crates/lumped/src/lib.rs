@@ -21,7 +21,6 @@ mod error;
 mod exact;
 mod families;
 mod kind;
-mod many;
 mod matching;
 mod model;
 mod motion;
@@ -39,7 +38,6 @@ pub use families::kelvin::Kelvin;
 pub use families::maxwell::Maxwell;
 pub use families::nonlinear::{Nonlinear1, Nonlinear2};
 pub use kind::model_kind::ModelKind;
-pub use many::compartment_displacements;
 pub use matching::coefficient_matching::{
     Certificate, CoefficientMatch, CoefficientMatching, MatchRoot, MatchedSolution, Reading, matching_sensitivity,
 };
