@@ -16,6 +16,8 @@
 //!
 //! Contact stays closed in all of them (the mass is tied to the barrier) except where `release` is set. So a linear
 //! model describes the loading phase of a crash; what it does after rebound is not a prediction.
+//!
+//! rooms: model matching | families | secant | exact | motion | kind
 
 mod error;
 mod exact;
@@ -28,9 +30,8 @@ mod secant;
 
 pub use crumple_lti::Complex;
 pub use error::LumpedError;
-pub use exact::driven::Drive;
 pub use exact::exact_step::{ExactStep, exact_step, exact_step_with_derivatives};
-pub use families::chain::linear::{Chain, ChainResponse, TripleSpringMassDamper};
+pub use families::chain::linear::{Chain, TripleSpringMassDamper};
 pub use families::chain::secant::SecantChain;
 pub use families::double_spring_mass_damper::DoubleSpringMassDamper;
 pub use families::elastoplastic::closed_form::Elastoplastic;
@@ -38,12 +39,16 @@ pub use families::kelvin::Kelvin;
 pub use families::maxwell::Maxwell;
 pub use families::nonlinear::{Nonlinear1, Nonlinear2};
 pub use kind::model_kind::ModelKind;
+pub use kind::parameter::{Parameter, ParameterKind};
 pub use matching::coefficient_matching::{
     Certificate, CoefficientMatch, CoefficientMatching, MatchRoot, MatchedSolution, Reading, matching_sensitivity,
 };
 pub use matching::physical_coordinates::{PhysicalCoordinates, RealisedModel};
-pub use model::dynamics::{Dynamics, ElementForce, Energy};
 pub use model::lumped_model::Model;
-pub use model::sensitivity::{Instants, Sensitivity};
+pub use model::parameters::parameter_kind;
+pub use motion::chain_response::ChainResponse;
+pub use motion::drive::Drive;
+pub use motion::dynamics::{Dynamics, ElementForce, Energy};
 pub use motion::mass_motion::{CrushEvents, Motion, Response, State};
+pub use motion::sensitivity::{Instants, Sensitivity};
 pub use secant::piecewise_linear::PiecewiseLinear;

@@ -1,7 +1,6 @@
-use std::fmt;
-use std::str::FromStr;
+//! The families of models.
 
-use crate::LumpedError;
+use std::fmt;
 
 /// The model families that candidates are named after.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -51,29 +50,5 @@ impl ModelKind {
 impl fmt::Display for ModelKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-impl FromStr for ModelKind {
-    type Err = LumpedError;
-
-    fn from_str(text: &str) -> Result<Self, LumpedError> {
-        Self::ALL.into_iter().find(|kind| kind.name() == text).ok_or_else(|| LumpedError::UnknownModel {
-            found: text.to_owned(),
-            expected: Self::ALL.map(Self::name).join(", "),
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_name_reads_back() {
-        for kind in ModelKind::ALL {
-            assert_eq!(kind.name().parse(), Ok(kind));
-        }
-        assert!(matches!("Kelvin".parse::<ModelKind>(), Err(LumpedError::UnknownModel { .. })));
     }
 }

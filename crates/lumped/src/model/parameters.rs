@@ -4,62 +4,21 @@ use std::collections::BTreeMap;
 
 use crate::{
     DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, ModelKind, Nonlinear1, Nonlinear2,
-    TripleSpringMassDamper,
+    ParameterKind, SecantChain, TripleSpringMassDamper,
 };
 
-const PARALLEL: &[&str] = &["mass_kg", "stiffness_n_per_m", "damping_n_s_per_m"];
-const ELASTOPLASTIC: &[&str] = &["mass_kg", "loading_stiffness_n_per_m", "unloading_stiffness_n_per_m"];
-const NONLINEAR_1: &[&str] = &[
-    "mass_kg",
-    "k1_n_per_m",
-    "k2_n_per_m",
-    "c1_n_s_per_m",
-    "c2_n_s_per_m",
-    "c3_n_s_per_m",
-    "v_thresh_m_per_s",
-    "crush_m",
-    "v0_m_per_s",
-];
-const NONLINEAR_2: &[&str] = &[
-    "mass_kg",
-    "k1_n_per_m",
-    "k2_n_per_m",
-    "k3_n_per_m",
-    "x1_m",
-    "c1_n_s_per_m",
-    "c2_n_s_per_m",
-    "c3_n_s_per_m",
-    "c4_n_s_per_m",
-    "v1_m_per_s",
-    "v2_m_per_s",
-    "crush_m",
-    "v0_m_per_s",
-];
-const TRIPLE: &[&str] = &[
-    "m1_kg",
-    "m2_kg",
-    "m3_kg",
-    "k1_n_per_m",
-    "k2_n_per_m",
-    "k3_n_per_m",
-    "c1_n_s_per_m",
-    "c2_n_s_per_m",
-    "c3_n_s_per_m",
-];
-const DOUBLE: &[&str] = &["m1_kg", "m2_kg", "k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m"];
-
-impl ModelKind {
-    /// Names of its parameters, masses first.
-    pub const fn parameter_names(self) -> &'static [&'static str] {
-        match self {
-            Self::Kelvin | Self::Maxwell => PARALLEL,
-            Self::Elastoplastic => ELASTOPLASTIC,
-            Self::DoubleSpringMassDamper => DOUBLE,
-            Self::Nonlinear1 => NONLINEAR_1,
-            Self::Nonlinear2 => NONLINEAR_2,
-            Self::TripleSpringMassDamper => TRIPLE,
-        }
+/// What a parameter of a candidate is, from the names of model and parameter in its record.
+///
+/// A family ([`ModelKind`]) has its table, everything else is asked as a chain ([`SecantChain::parameter_kind`]). A model of
+/// another program may have parameters of its own: for these the unit counts that docs/format.md asks every name to end with.
+/// `None` for a parameter that the family does not have, or that ends in none of these units.
+pub fn parameter_kind(model: &str, name: &str) -> Option<ParameterKind> {
+    if let Ok(family) = model.parse::<ModelKind>() {
+        return family.parameter(name).map(|parameter| parameter.kind);
     }
+    // Stiffness and damping are asked before length: their units end like its own.
+    let by_unit = || ParameterKind::ALL.into_iter().find(|kind| kind.symbol_of(name) != name);
+    SecantChain::parameter_kind(name).or_else(by_unit)
 }
 
 impl Model {
@@ -132,9 +91,9 @@ impl Model {
         Ok(model)
     }
 
-    /// The parameters by name.
-    pub fn parameters(&self) -> BTreeMap<String, f64> {
-        let values: Vec<f64> = match self {
+    /// The values of its parameters, in the order of [`ModelKind::parameters`].
+    fn values(&self) -> Vec<f64> {
+        match self {
             Self::Kelvin(m) => vec![m.mass_kg, m.stiffness_n_per_m, m.damping_n_s_per_m],
             Self::Maxwell(m) => vec![m.mass_kg, m.stiffness_n_per_m, m.damping_n_s_per_m],
             Self::Elastoplastic(m) => vec![m.mass_kg, m.loading_stiffness_n_per_m, m.unloading_stiffness_n_per_m],
@@ -168,16 +127,25 @@ impl Model {
             Self::DoubleSpringMassDamper(m) => {
                 vec![m.m1_kg, m.m2_kg, m.k1_n_per_m, m.k2_n_per_m, m.c1_n_s_per_m, m.c2_n_s_per_m]
             }
-        };
-        self.kind().parameter_names().iter().map(|name| (*name).to_owned()).zip(values).collect()
+        }
+    }
+
+    /// The parameters by name.
+    pub fn parameters(&self) -> BTreeMap<String, f64> {
+        self.kind().parameter_names().iter().map(|name| (*name).to_owned()).zip(self.values()).collect()
     }
 
     /// Whether the parameters describe a passive structure: springs positive, dampers positive or zero. The
     /// coefficients of a nonlinear model may be zero at a knot.
     pub fn is_physical(&self) -> bool {
         let nonlinear = matches!(self, Self::Nonlinear1(_) | Self::Nonlinear2(_));
-        let may_vanish = |name: &str| name.contains("n_s_per_m") || (nonlinear && name.ends_with("n_per_m"));
-        self.parameters().iter().all(|(name, &value)| value > 0.0 || (value == 0.0 && may_vanish(name)))
+        let may_vanish = |kind| match kind {
+            ParameterKind::Damping => true,
+            ParameterKind::Stiffness => nonlinear,
+            ParameterKind::Mass | ParameterKind::Length | ParameterKind::Rate => false,
+        };
+        let parameters = self.kind().parameters().iter().zip(self.values());
+        parameters.into_iter().all(|(parameter, value)| value > 0.0 || (value == 0.0 && may_vanish(parameter.kind)))
     }
 }
 
@@ -196,6 +164,17 @@ mod tests {
             assert_eq!(model.parameters(), values);
             assert!(model.is_physical());
         }
+    }
+
+    #[test]
+    fn a_kind_is_that_of_the_family_or_of_a_chain_or_of_the_unit() {
+        assert_eq!(parameter_kind("nonlinear-2", "x1_m"), Some(ParameterKind::Length));
+        assert_eq!(parameter_kind("nonlinear-2", "v1_m_per_s"), Some(ParameterKind::Rate));
+        assert_eq!(parameter_kind("kelvin", "k1_n_per_m"), None);
+        assert_eq!(parameter_kind("chain", "c2_knot1_n_s_per_m"), Some(ParameterKind::Damping));
+        assert_eq!(parameter_kind("sled", "payload_kg"), Some(ParameterKind::Mass));
+        assert_eq!(parameter_kind("sled", "gap_m"), Some(ParameterKind::Length));
+        assert_eq!(parameter_kind("sled", "friction_1"), None);
     }
 
     #[test]

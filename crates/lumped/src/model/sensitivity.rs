@@ -2,27 +2,7 @@
 
 use crate::exact::linear_motion::{chain, maxwell};
 use crate::families::elastoplastic::sensitivity::elastoplastic;
-use crate::{Chain, LumpedError, Model, Motion};
-
-/// Instants `first_s + k dt_s`, k = 0 .. `samples`, after contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Instants {
-    /// First instant, s.
-    pub first_s: f64,
-    /// Their spacing, s.
-    pub dt_s: f64,
-    /// Their number.
-    pub samples: usize,
-}
-
-/// Motions and what a parameter changes in them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sensitivity {
-    /// Motion of every mass, from the barrier on.
-    pub motions: Vec<Motion>,
-    /// `derivatives[p][mass]`: derivative of that motion by the p-th parameter asked for, per its unit.
-    pub derivatives: Vec<Vec<Motion>>,
-}
+use crate::{Instants, LumpedError, Model, Motion, Sensitivity};
 
 impl Model {
     /// The motion of every mass at these instants, and its derivatives by the parameters at these places of
@@ -68,29 +48,5 @@ impl Model {
             return Err(LumpedError::Diverges { model: self.kind(), time_s: at.first_s + k as f64 * at.dt_s });
         }
         Ok(found)
-    }
-}
-
-impl Chain {
-    /// The motion of every mass at these instants after an impact, and its derivatives by the parameters at these places of
-    /// masses, springs, dampers, one list after the other; by the derivative of the matrix exponential, right to rounding.
-    /// Errors: a place that is none, a motion that leaves the range of numbers.
-    pub fn sensitivity(
-        &self,
-        impact_speed_m_per_s: f64,
-        at: &Instants,
-        parameters: &[usize],
-    ) -> Result<Sensitivity, LumpedError> {
-        let (masses, springs, dampers) = self.values();
-        if let Some(place) = parameters.iter().find(|p| **p >= 3 * masses.len()) {
-            let expected = "the place of a mass, spring or damper of the chain";
-            return Err(LumpedError::Value { name: "parameter", value: *place as f64, expected });
-        }
-        let found = chain([masses, springs, dampers], parameters, impact_speed_m_per_s, at);
-        let motions = || found.motions.iter().chain(found.derivatives.iter().flatten());
-        match motions().filter_map(Motion::first_not_finite).min() {
-            Some(k) => Err(LumpedError::ChainDiverges { time_s: at.first_s + k as f64 * at.dt_s }),
-            None => Ok(found),
-        }
     }
 }

@@ -1,4 +1,8 @@
-//! What a model is moved by and what it answers: drive, motion, forces, energies, events.
-//! May use `kind`.
+//! What moves a model and what it answers: drive, motion, forces, energies, events, derivatives.
+//! May use nothing.
 
+pub mod chain_response;
+pub mod drive;
+pub mod dynamics;
 pub mod mass_motion;
+pub mod sensitivity;

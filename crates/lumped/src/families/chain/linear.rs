@@ -3,7 +3,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::error::{finite, row_of_masses};
 use crate::exact::driven::{Driven, Instant};
-use crate::{CrushEvents, Drive, Energy, LumpedError, ModelKind, Motion, State};
+use crate::exact::linear_motion::chain;
+use crate::{ChainResponse, CrushEvents, Drive, Energy, Instants, LumpedError, ModelKind, Motion, Sensitivity, State};
 
 /// Any number of masses in a row: barrier - (k1, c1) - m1 - (k2, c2) - m2 - ... - mN, the compartment last.
 ///
@@ -14,23 +15,6 @@ pub struct Chain {
     masses_kg: Vec<f64>,
     springs_n_per_m: Vec<f64>,
     dampers_n_s_per_m: Vec<f64>,
-}
-
-/// Motion, element forces and energies of a chain.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ChainResponse {
-    /// Sampling interval, s.
-    pub dt_s: f64,
-    /// Motion of every mass, from the barrier on; displacement is absolute.
-    pub motions: Vec<Motion>,
-    /// Displacement of the barrier, m: zero unless it is driven.
-    pub base_m: Vec<f64>,
-    /// Force in every spring, N, positive in compression.
-    pub spring_force_n: Vec<Vec<f64>>,
-    /// Force in every damper, N.
-    pub damper_force_n: Vec<Vec<f64>>,
-    /// Energy at every sample.
-    pub energy: Vec<Energy>,
 }
 
 impl Chain {
@@ -277,6 +261,28 @@ impl Chain {
             k += 1;
         }
         Ok(events)
+    }
+
+    /// The motion of every mass at these instants after an impact, and its derivatives by the parameters at these places of
+    /// masses, springs, dampers, one list after the other; by the derivative of the matrix exponential, right to rounding.
+    /// Errors: a place that is none, a motion that leaves the range of numbers.
+    pub fn sensitivity(
+        &self,
+        impact_speed_m_per_s: f64,
+        at: &Instants,
+        parameters: &[usize],
+    ) -> Result<Sensitivity, LumpedError> {
+        let (masses, springs, dampers) = self.values();
+        if let Some(place) = parameters.iter().find(|p| **p >= 3 * masses.len()) {
+            let expected = "the place of a mass, spring or damper of the chain";
+            return Err(LumpedError::Value { name: "parameter", value: *place as f64, expected });
+        }
+        let found = chain([masses, springs, dampers], parameters, impact_speed_m_per_s, at);
+        let motions = || found.motions.iter().chain(found.derivatives.iter().flatten());
+        match motions().filter_map(Motion::first_not_finite).min() {
+            Some(k) => Err(LumpedError::ChainDiverges { time_s: at.first_s + k as f64 * at.dt_s }),
+            None => Ok(found),
+        }
     }
 }
 

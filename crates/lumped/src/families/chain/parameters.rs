@@ -2,30 +2,31 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::{LumpedError, PiecewiseLinear, SecantChain};
+use crate::{LumpedError, ParameterKind, PiecewiseLinear, SecantChain};
 
 /// What a coefficient is called: `k2_n_per_m`, or `k2_knot1_m` and `k2_knot1_n_per_m`.
 struct Spelling {
     symbol: char,
-    unit: &'static str,
-    place: &'static str,
+    value: ParameterKind,
+    place: ParameterKind,
 }
 
-const SPRING: Spelling = Spelling { symbol: 'k', unit: "n_per_m", place: "m" };
-const DAMPER: Spelling = Spelling { symbol: 'c', unit: "n_s_per_m", place: "m_per_s" };
+const SPRING: Spelling = Spelling { symbol: 'k', value: ParameterKind::Stiffness, place: ParameterKind::Length };
+const DAMPER: Spelling = Spelling { symbol: 'c', value: ParameterKind::Damping, place: ParameterKind::Rate };
 
 impl Spelling {
     fn write(&self, number: usize, law: &PiecewiseLinear, out: &mut BTreeMap<String, f64>) {
         let symbol = format!("{}{number}", self.symbol);
+        let (unit, unit_of_place) = (self.value.unit_in_name(), self.place.unit_in_name());
         if let (Some(value), 1) = (law.as_constant(), law.points().count()) {
-            out.insert(format!("{symbol}_{}", self.unit), value);
+            out.insert(format!("{symbol}_{unit}"), value);
             return;
         }
         for (j, (knot, value)) in (1..).zip(law.points()) {
             if knot > 0.0 {
-                out.insert(format!("{symbol}_knot{j}_{}", self.place), knot);
+                out.insert(format!("{symbol}_knot{j}_{unit_of_place}"), knot);
             }
-            out.insert(format!("{symbol}_knot{j}_{}", self.unit), value);
+            out.insert(format!("{symbol}_knot{j}_{unit}"), value);
         }
     }
 
@@ -37,7 +38,8 @@ impl Spelling {
         taken: &mut BTreeSet<String>,
     ) -> Result<PiecewiseLinear, LumpedError> {
         let symbol = format!("{}{number}", self.symbol);
-        let constant = format!("{symbol}_{}", self.unit);
+        let (unit, unit_of_place) = (self.value.unit_in_name(), self.place.unit_in_name());
+        let constant = format!("{symbol}_{unit}");
         if let Some(value) = parameters.get(&constant) {
             taken.insert(constant);
             return PiecewiseLinear::new(&[(0.0, *value)]);
@@ -45,7 +47,7 @@ impl Spelling {
         let mut points = Vec::new();
         loop {
             let name = |unit: &str| format!("{symbol}_knot{}_{unit}", points.len() + 1);
-            let (knot, value) = (name(self.place), name(self.unit));
+            let (knot, value) = (name(unit_of_place), name(unit));
             let Some(coefficient) = parameters.get(&value) else { break };
             points.push((parameters.get(&knot).copied().unwrap_or(0.0), *coefficient));
             taken.extend([knot, value]);
@@ -91,6 +93,30 @@ impl SecantChain {
         }
         Self::new(&masses, &springs, &dampers)
     }
+
+    /// What the parameter of a chain is that has this name: one of [`parameters`](Self::parameters), of a chain of any length with
+    /// any number of knots. `None` for any other name.
+    pub fn parameter_kind(name: &str) -> Option<ParameterKind> {
+        let after_number = |text: &'_ str| -> Option<usize> {
+            let digits = text.bytes().take_while(u8::is_ascii_digit).count();
+            (digits > 0 && text[digits..].starts_with('_')).then_some(digits + 1)
+        };
+        let spelling = match name.as_bytes().first()? {
+            b'm' => None,
+            b'k' => Some(&SPRING),
+            b'c' => Some(&DAMPER),
+            _ => return None,
+        };
+        let rest = &name[1 + after_number(&name[1..])?..];
+        let Some(Spelling { value, place, .. }) = spelling else {
+            return (rest == ParameterKind::Mass.unit_in_name()).then_some(ParameterKind::Mass);
+        };
+        let (unit, kinds) = match rest.strip_prefix("knot") {
+            Some(knot) => (&knot[after_number(knot)?..], &[*value, *place][..]),
+            None => (rest, &[*value][..]),
+        };
+        kinds.iter().copied().find(|kind| kind.unit_in_name() == unit)
+    }
 }
 
 #[cfg(test)]
@@ -108,8 +134,41 @@ mod tests {
     fn a_chain_reads_its_own_parameters_back() {
         let names = chain().parameters();
         assert_eq!(names["k1_knot2_m"], 0.2);
+        assert!(names.keys().all(|name| SecantChain::parameter_kind(name).is_some()), "{names:?}");
         assert!(!names.contains_key("k1_knot1_m"));
         assert_eq!(SecantChain::from_parameters(&names).unwrap(), chain());
+    }
+
+    #[test]
+    fn a_name_tells_what_the_parameter_is() {
+        use ParameterKind::{Damping, Length, Mass, Rate, Stiffness};
+        let kinds = [
+            ("m12_kg", Mass),
+            ("k2_n_per_m", Stiffness),
+            ("k2_knot10_n_per_m", Stiffness),
+            ("k2_knot10_m", Length),
+            ("c1_n_s_per_m", Damping),
+            ("c1_knot2_n_s_per_m", Damping),
+            ("c1_knot2_m_per_s", Rate),
+        ];
+        for (name, kind) in kinds {
+            assert_eq!(SecantChain::parameter_kind(name), Some(kind), "{name}");
+        }
+        for name in [
+            "",
+            "m",
+            "m_kg",
+            "mass_kg",
+            "m1",
+            "m1_n_per_m",
+            "k1_m",
+            "k1_knot_m",
+            "k1_knot2_m_per_s",
+            "c1_n_per_m",
+            "x1_m",
+        ] {
+            assert_eq!(SecantChain::parameter_kind(name), None, "{name}");
+        }
     }
 
     #[test]

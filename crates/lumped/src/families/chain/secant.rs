@@ -1,7 +1,6 @@
 //! A chain of masses with piecewise-linear springs and dampers.
 
 use crate::error::{finite, positive, row_of_masses};
-use crate::model::dynamics::of_chain;
 use crate::secant::chain::{ChainMotion, ChainStep, Series, horner, integral};
 use crate::secant::step::ORDER;
 use crate::{
@@ -80,7 +79,7 @@ impl SecantChain {
 
     /// As [`respond`](Self::respond), in the words of every model.
     pub fn dynamics(&self, drive: &Drive, dt_s: f64, samples: usize) -> Result<Dynamics, LumpedError> {
-        Ok(of_chain(&self.masses_kg, self.respond(drive, dt_s, samples)?))
+        Ok(self.respond(drive, dt_s, samples)?.into_dynamics(&self.masses_kg))
     }
 
     fn motion(&self) -> ChainMotion<'_> {
