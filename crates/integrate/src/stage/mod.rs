@@ -1,5 +1,10 @@
 //! Reads the filtered pulse, integrates it, writes motion, events and metrics.
 
+mod criteria;
+mod options;
+mod pulse;
+mod without_motion;
+
 use std::cell::RefCell;
 use std::path::PathBuf;
 
@@ -14,16 +19,16 @@ use crumple_signal::{
 use crumple_stage::records::{ChannelFilterV1, MetricsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
-use crate::contact::time_zero;
-use crate::further::{further, meant};
-use crate::injury::Criteria;
-use crate::load_cells;
-use crate::motionless::{lacking, without_motion};
-use crate::options::{Options, StageSettings};
-use crate::recorded::recorded_changes;
-use crate::redundant::Redundant;
-use crate::to_records::{events_record, metric_records};
-use crate::uncertain::uncertainty_note;
+use crate::stage::criteria::load_cells;
+use crate::stage::criteria::occupants_and_roadside::Criteria;
+use crate::stage::criteria::recorder::recorded_changes;
+use crate::stage::options::flags::{Options, StageSettings};
+use crate::stage::options::uncertainty::uncertainty_note;
+use crate::stage::pulse::channel_agreement::Redundant;
+use crate::stage::pulse::other_channels::{further, meant};
+use crate::stage::pulse::records::{events_record, metric_records};
+use crate::stage::pulse::time_zero::time_zero;
+use crate::stage::without_motion::{lacking, without_motion};
 
 /// Impact speeds of test and channel further apart than this are worth a word, m/s.
 const SPEED_GAP_M_PER_S: f64 = 0.05;

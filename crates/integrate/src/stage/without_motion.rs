@@ -4,9 +4,9 @@ use crumple_signal::{Channel, TestDescription, part_of};
 use crumple_stage::records::{MetricsV1, TestV1};
 use crumple_stage::{Inputs, Outcome, Output};
 
-use crate::injury::Criteria;
-use crate::options::StageSettings;
-use crate::recorded::recorded_changes;
+use crate::stage::criteria::occupants_and_roadside::Criteria;
+use crate::stage::criteria::recorder::recorded_changes;
+use crate::stage::options::flags::StageSettings;
 
 /// What a motion of the pulse lacks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

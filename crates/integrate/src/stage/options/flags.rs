@@ -10,7 +10,7 @@ use crumple_signal::value::{Length, Level, Share, Speed, Time};
 use crumple_stage::Usage;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use crate::uncertain::uncertainty;
+use crate::stage::options::uncertainty::uncertainty;
 
 /// Flags and keys; what is not given has the default named in its text.
 #[derive(Debug, Default, clap::Args, Serialize, Deserialize)]

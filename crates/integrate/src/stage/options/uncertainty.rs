@@ -5,7 +5,7 @@ use crumple_signal::value::{Level, Share, Speed, Time};
 use crumple_signal::{Distribution, STANDARD_GRAVITY_M_PER_S2, Uncertain};
 use crumple_stage::Usage;
 
-use crate::options::Options;
+use crate::stage::options::flags::Options;
 
 fn spread<V>(stated: Uncertain<V>, si: impl Fn(V) -> f64) -> Spread {
     Spread { size: si(stated.size), distribution: stated.distribution }

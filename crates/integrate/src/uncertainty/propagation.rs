@@ -9,8 +9,9 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::motion::{Late, integrate_from};
-use crate::{EndCondition, IntegrateError, Motion, Settings, Start, UsedStart, drift};
+use crate::motion::drift;
+use crate::motion::integration::{Late, integrate_from};
+use crate::{EndCondition, IntegrateError, Motion, Settings, Start, UsedStart};
 
 /// Records longer than this are not repeated: the work grows with samples times replicates.
 pub const MOST_SAMPLES: usize = 1 << 20;

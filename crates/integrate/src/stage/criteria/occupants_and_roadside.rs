@@ -11,9 +11,9 @@ use crumple_signal::{
 use crumple_stage::records::MetricV1;
 use crumple_stage::{Inputs, Output, RefuseExt};
 
-use crate::body::{Site, sites};
-use crate::options::{MetricGroup, StageSettings};
-use crate::to_records::metric_record;
+use crate::stage::criteria::sensor_sites::{Site, sites};
+use crate::stage::options::flags::{MetricGroup, StageSettings};
+use crate::stage::pulse::records::metric_record;
 
 /// Class that the criteria of roadside hardware ask for.
 const ROADSIDE_CFC: u16 = 180;

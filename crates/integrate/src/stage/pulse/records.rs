@@ -4,9 +4,9 @@ use crumple_integrate::{EVENT_NAMES, event_values};
 use crumple_metrics::{Metric, centroid_time_from_crush, definitions};
 use crumple_stage::records::{EventIntervalV1, EventsV1, MetricV1, MissingIntervalV1};
 
-use crate::contact::TimeZero;
-use crate::options::StageSettings;
 use crate::stage::Integrated;
+use crate::stage::options::flags::StageSettings;
+use crate::stage::pulse::time_zero::TimeZero;
 
 pub fn events_record(
     channel: &str,
