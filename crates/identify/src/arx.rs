@@ -233,6 +233,8 @@ impl Arx {
     }
 
     /// One-step predictions of the output; the first `states` samples, which lack their past, are the measured ones.
+    ///
+    /// `yh[k] = -sum a_i y[k-i] + sum_j b_j u[k-nk-j]`, unit of the output.
     pub fn predict(&self, data: &IoData) -> Vec<f64> {
         let y = &data.outputs()[0];
         let first = self.order.states().min(y.len());

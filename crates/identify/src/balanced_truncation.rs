@@ -47,6 +47,8 @@ pub(crate) fn balanced_truncation(model: &StateSpace, order: usize) -> Option<(S
 }
 
 /// `sum a^k w a'^k`.
+/// By doubling: with `S_j` the sum of the first `2^j` terms, `S_(j+1) = S_j + a^(2^j) S_j a'^(2^j)`. `None` where the
+/// sum grows beyond bounds or does not settle within [`DOUBLINGS`].
 fn gramian(a: &DMatrix<f64>, w: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let (mut sum, mut power) = (w.clone(), a.clone());
     for _ in 0..DOUBLINGS {

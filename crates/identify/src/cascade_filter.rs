@@ -1,4 +1,12 @@
 //! Discrete-time sections in cascade: the model of an output-error fit.
+//!
+//! The denominator `A(z) = A_1(z) ... A_k(z)` is a product of sections of second order, with one of first order last
+//! where the order is odd. All inputs and outputs share it; what differs are the numerators, and those are linear:
+//! they are the coefficients that variable projection solves for, while it iterates on the poles alone.
+//!
+//! A section `A_i(z) = z² + a1 z + a0` is described by its reflection coefficients `k0 = a0`, `k1 = a1/(1 + a0)`.
+//! Both roots lie inside the unit circle exactly where `|k0| < 1` and `|k1| < 1` (Schur-Cohn), so that with
+//! `k = tanh(theta)` every real unknown is a stable model; the bounds only keep `tanh` from rounding to 1.
 
 use crumple_lti::{Complex, StateSpace};
 use nalgebra::DMatrix;
@@ -11,6 +19,7 @@ use crumple_estimation::minimise::variable_projection::{Basis, Separable, Separa
 const EDGE: f64 = 10.0;
 
 /// Coefficients and their derivatives by the unknowns.
+/// `A_i(z) = z² + a[1] z + a[0]`, or `z + a[0]` of first order.
 struct Section {
     /// `a0`, and `a1` unless the section is of first order.
     a: [f64; 2],
@@ -20,17 +29,29 @@ struct Section {
 }
 
 /// `y = sum over inputs and sections of coefficients times (1, z)/(A1 ... Ai) u`, plus free responses.
+///
+/// Signals are divided by their root mean squares and inputs are shifted by the delay when it is built;
+/// [`Self::state_space`] takes both scales back out. `order` is the number of poles, not that of the states of a
+/// model with several paths.
 pub(crate) struct CascadeFilter {
+    /// Scaled inputs, late by the delay.
     inputs: Vec<Vec<f64>>,
+    /// Scaled outputs.
     outputs: Vec<Vec<f64>>,
+    /// Root mean squares that the signals were divided by.
     input_scales: Vec<f64>,
     output_scales: Vec<f64>,
     sample_time_s: f64,
     order: usize,
+    /// Whether an output follows an input within the same sample (`D` is fitted).
     direct: bool,
 }
 
 impl CascadeFilter {
+    /// Scales the record and checks it.
+    ///
+    /// Errors: order 0, no input, or fewer samples than the parameters of one output: `n` poles, `n` numerator
+    /// coefficients of each input and `n` of the free motion, plus the direct terms and the delay.
     pub(crate) fn new(data: &IoData, options: OutputErrorOptions) -> Result<Self, IdentifyError> {
         let (m, q) = (data.inputs().len(), data.outputs().len());
         let n = options.order;
@@ -73,6 +94,10 @@ impl CascadeFilter {
         })
     }
 
+    /// Coefficients of all sections from the unknowns, two of each section of second order: `(k1, k0)`.
+    ///
+    /// `a0 = k0`, `a1 = k1 (1 + k0)`, and by the chain rule `da0 = (1 - k0²) dx0`,
+    /// `da1 = (1 - k1²)(1 + k0) dx1 + k1 (1 - k0²) dx0`.
     fn sections(theta: &[f64]) -> Vec<Section> {
         theta
             .chunks(2)
@@ -95,6 +120,8 @@ impl CascadeFilter {
     }
 
     /// `1/A u` and, for second order, `z/A u`, from the section's state `first`, `second` at sample 0.
+    ///
+    /// The recursion `x[k+2] = u[k] - a0 x[k] - a1 x[k+1]`; the second signal is empty for a section of first order.
     fn filter(
         section: &Section,
         input: Option<&[f64]>,
@@ -123,6 +150,8 @@ impl CascadeFilter {
     }
 
     /// All chain states driven by `input` from rest, or by a unit impulse at sample -1.
+    ///
+    /// One column per state: section `i` is driven by the first state of section `i - 1`. `samples` long each.
     fn chain(sections: &[Section], input: Option<&[f64]>, samples: usize) -> Vec<Vec<f64>> {
         let mut columns: Vec<Vec<f64>> = Vec::with_capacity(2 * sections.len());
         let mut previous: Option<Vec<f64>> = None;
@@ -203,14 +232,18 @@ impl CascadeFilter {
 }
 
 impl Separable for CascadeFilter {
+    /// The scaled outputs.
     fn targets(&self) -> &[Vec<f64>] {
         &self.outputs
     }
 
+    /// The same for all unknowns: `|k| <= tanh(EDGE)`.
     fn bounds(&self) -> Vec<(f64, f64)> {
         vec![(-EDGE, EDGE); self.order]
     }
 
+    /// States of the chain driven by every input (and that input itself, with a direct term), then those of the free
+    /// motion: `m (n + d) + n` columns, of which every output is a sum of its own.
     fn basis(&self, theta: &[f64]) -> Option<Basis> {
         let sections = Self::sections(theta);
         let samples = self.outputs[0].len();
@@ -225,6 +258,8 @@ impl Separable for CascadeFilter {
         Some(Basis { columns, known: Vec::new() })
     }
 
+    /// Derivatives of every model output by the unknowns, exact: the part `f` of the output that runs through section
+    /// `i` changes by `-(1/A_i) f` with `a0` and by `-(z/A_i) f` with `a1`, one more filtering each.
     fn sensitivities(&self, theta: &[f64], coefficients: &DMatrix<f64>) -> Option<Vec<Vec<f64>>> {
         let sections = Self::sections(theta);
         let columns = self.basis(theta)?.columns;

@@ -1,4 +1,8 @@
 //! What a reader should know before believing an identified mode.
+//!
+//! A model of a crash pulse has modes that are not the car's: of the filter, of the sampling, of the length of the
+//! record, or of an order that is too high. What can be told from the poles alone is told here, in words for a
+//! reader; nothing is rejected.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -92,6 +96,7 @@ pub fn mode_notes(name: &str, modes: &[Mode], (dt_s, duration_s): (Option<f64>, 
     notes
 }
 
+/// The notes on one mode; `duration_s` is 0 where it is not known, and no growth is told then.
 fn mode_caveats(
     model: &str,
     mode: &Mode,

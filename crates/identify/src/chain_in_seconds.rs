@@ -1,4 +1,7 @@
 //! A chain of sections and what is combined of its states: from scaled time to seconds.
+//!
+//! The fits run in scaled time, from 0 to 1 over a record of `T` seconds: `s' = s T`. A pole is divided by `T`, a
+//! denominator coefficient of `s^k` by `T^(n-k)`; what remains is which power of `T` belongs to each numerator.
 
 use crumple_lti::StateSpace;
 use nalgebra::DMatrix;
@@ -18,6 +21,9 @@ pub(crate) fn combined(polynomials: &[Vec<f64>], c: &[f64]) -> Vec<f64> {
 }
 
 /// A numerator of degree below `n` over a chain of order `n`, of an impulse: from scaled time to seconds.
+///
+/// `polynomial` is highest power first, `duration` is `T` in seconds. The coefficient of `(sT)^j` is multiplied by
+/// `T^(j-n+1)`: one `T` more than of a driven response, for the impulse is one in scaled time.
 pub(crate) fn in_seconds(polynomial: &[f64], n: usize, duration: f64) -> Vec<f64> {
     let length = polynomial.len();
     polynomial
@@ -32,6 +38,8 @@ pub(crate) fn in_seconds(polynomial: &[f64], n: usize, duration: f64) -> Vec<f64
 }
 
 /// The chain in 1/s from one in scaled time.
+///
+/// `r -> r/T`, `p -> p/T`, `q -> q/T²`.
 pub(crate) fn unscaled(chain: &SectionChain, duration: f64) -> SectionChain {
     SectionChain::new(
         chain
@@ -46,6 +54,10 @@ pub(crate) fn unscaled(chain: &SectionChain, duration: f64) -> SectionChain {
 }
 
 /// State space of a chain in seconds from coefficients in scaled time.
+///
+/// `forced` is one coefficient per state of the chain, `gain` the output's scale over the input's, `direct` the
+/// direct term in units of the data. The matrix is that of the chain, so the model is as well conditioned as its
+/// sections are, however widely the coefficients of the expanded polynomials range.
 pub(crate) fn cascade(
     chain: &SectionChain,
     forced: &[f64],

@@ -1,4 +1,8 @@
 //! Poles of many orders gathered to modes.
+//!
+//! A mode of the structure comes back at every order, a pole that fits noise somewhere else each time. Poles that lie
+//! close together in frequency and shape, over at least half of the orders, are one mode; their scatter is its
+//! uncertainty.
 
 use crate::stabilization::{DiagramPole, StabilizationOptions, distance};
 use crumple_estimation::statistics::quantile;

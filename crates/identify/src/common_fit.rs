@@ -19,6 +19,8 @@ pub(crate) fn common_fit_percent(pairs: &[(&[f64], &[f64])]) -> Option<f64> {
 }
 
 /// Root mean square error of several records together.
+///
+/// `sqrt(sum of all squared errors / number of all samples)`, in the unit that the records share.
 pub(crate) fn common_rmse(pairs: &[(&[f64], &[f64])]) -> Option<f64> {
     if let [(measured, model)] = pairs {
         return rmse(measured, model);

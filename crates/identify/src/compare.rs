@@ -1,4 +1,8 @@
 //! How well a model simulates a record it may not have been identified from.
+//!
+//! Fit in percent is the one of MATLAB's `compare` and of the field: 100 is a perfect curve, 0 is no better than the
+//! mean of the record, and below zero the model is worse than that constant. Variance accounted for forgives a wrong
+//! level, fit does not.
 
 use crumple_lti::{StateSpace, simulate};
 use crumple_metrics::{fit_percent, rmse};

@@ -10,6 +10,10 @@ use crate::{Hold, IdentifyError, IoData, simulate_fitted};
 ///
 /// With straight lines between samples the state is shifted by `b_next u[k]`, so that no later input is needed. Returned
 /// with it: the shifted state of rest, a column per unit of the first sample of every input.
+///
+/// With `x[k+1] = A x[k] + b_now u[k] + b_next u[k+1]` the state `z = x - b_next u` has
+/// `z[k+1] = A z[k] + (A b_next + b_now) u[k]` and `y = C z + (D + C b_next) u`. Errors: a discretisation beyond the
+/// range of `f64`.
 pub fn sampled(model: &StateSpace, hold: Hold, dt_s: f64) -> Result<(StateSpace, DMatrix<f64>), IdentifyError> {
     match hold {
         Hold::Zero => Ok((discretize_zero_order_hold(model, dt_s)?, DMatrix::zeros(model.order(), model.b.ncols()))),
@@ -25,6 +29,8 @@ pub fn sampled(model: &StateSpace, hold: Hold, dt_s: f64) -> Result<(StateSpace,
 
 /// Simulates `whole` from a given initial state, or from the one that fits its beginning, `first`, best: what the model
 /// foretells of the samples after. The measured outputs after `first` are not looked at.
+///
+/// One signal per output, as long as `whole`. Errors: a model of other channels, a simulation that overflows.
 pub fn continued(
     model: &StateSpace,
     first: &IoData,

@@ -39,10 +39,13 @@ pub(crate) struct Correlations<'a> {
     /// `H_0`.
     first: Hankel<'a>,
     /// From the offset on, larger by the lag blocks each way.
+    /// The larger matrix that holds all `H_(o+i+j)` at once: block row `i`, block column `j` start there `i` and `j`
+    /// blocks later.
     late: Hankel<'a>,
     size: CorrelationSize,
     outputs: usize,
     inputs: usize,
+    /// Vectors between the two products, kept so that a product allocates nothing.
     rows_scratch: Vec<f64>,
     columns_scratch: Vec<f64>,
     part: Vec<f64>,
@@ -71,6 +74,7 @@ impl<'a> Correlations<'a> {
         &mut self.first
     }
 
+    /// Rows of one correlation block: block rows times outputs.
     fn block(&self) -> usize {
         self.size.rows * self.outputs
     }
@@ -89,6 +93,8 @@ impl ShiftPair for Correlations<'_> {
         false
     }
 
+    /// `sum_j H_(o+i+j) H_0' x_j` for every `i`: one transposed product with `H_0` per lag block, summed at its own
+    /// place, then one product with the larger matrix, whose result is read at every `i`.
     fn multiply(&mut self, shift: Shift, x: &[f64], out: &mut [f64]) {
         let block = self.block();
         self.columns_scratch.fill(0.0);
@@ -104,6 +110,7 @@ impl ShiftPair for Correlations<'_> {
         }
     }
 
+    /// The same backwards: `out_j = H_0 sum_i H_(o+i+j)' x_i`.
     fn multiply_transposed(&mut self, shift: Shift, x: &[f64], out: &mut [f64]) {
         let block = self.block();
         self.rows_scratch.fill(0.0);
@@ -119,6 +126,7 @@ impl ShiftPair for Correlations<'_> {
         }
     }
 
+    /// Column after column by products with unit vectors; for tests and small matrices.
     fn dense(&mut self) -> DMatrix<f64> {
         let n = self.rows();
         let mut matrix = DMatrix::zeros(n, n);

@@ -52,15 +52,19 @@ pub struct EraDc<'a> {
     markov: MarkovParameters<'a>,
     options: EraDcOptions,
     size: CorrelationSize,
+    /// The sequences after the direct term, divided by `scale`: `B` is fitted to them.
     scaled: Vec<Vec<f64>>,
     /// Power of two by which the samples were divided.
     scale: f64,
     factors: Factors,
+    /// `U' H1 V` of the correlations, as in [`Era`](crate::Era).
     shifted: DMatrix<f64>,
 }
 
 impl<'a> EraDc<'a> {
     /// Decomposes the correlations for the orders to come; `options.era.order` is not looked at.
+    ///
+    /// Errors: too few samples for rows, columns and lags together, silence, a decomposition that does not converge.
     pub fn of(markov: MarkovParameters<'a>, options: EraDcOptions, orders: &[Order]) -> Result<Self, EraError> {
         let opt = options.era;
         if !(opt.sample_time_s.is_finite() && opt.sample_time_s > 0.0) {
@@ -94,6 +98,9 @@ impl<'a> EraDc<'a> {
     }
 
     /// Builds the model of one of the orders that [`EraDc::of`] was given.
+    ///
+    /// With `Hc = U S V'` the balanced coordinates of ERA are `U S^1/4`: correlations are squares of the record, so
+    /// that the fourth root of their singular values stands where ERA has the square root.
     pub fn realize(&self, order: Order) -> Result<Realization, EraError> {
         let opt = self.options.era;
         let (n, chosen) = match order {

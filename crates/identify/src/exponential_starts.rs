@@ -19,6 +19,9 @@ const SPREADS: [f64; 2] = [1.0, 1.4];
 
 /// Exponents to start from, in units of one over `duration_s`: those given, else the matrix pencil's and slow ones; and
 /// random ones. `scaled` is the record in units of its root mean square, `dt` its interval in those of the duration.
+///
+/// Each start has as many exponents as the sum has terms, pairs conjugate; real ones for a sum of real exponentials.
+/// Smooth curves (a displacement) need the slow starts: there the matrix pencil sees little but rounding.
 pub(crate) fn starting_exponents(
     scaled: &[f64],
     dt: f64,

@@ -15,6 +15,10 @@ pub struct ExponentialTerm {
 }
 
 /// Residues of the free motion at its poles.
+///
+/// `free` are coefficients of the chain's states, one each, in scaled time and units; `scale` takes the unit back
+/// out. The residue at a simple pole `s_i` is `N(s_i)/prod_(j != i)(s_i - s_j)`: it grows without bound as poles
+/// meet, where two large terms cancel. Exponents come in 1/s.
 pub(crate) fn terms(chain: &SectionChain, free: &[f64], duration: f64, scale: f64) -> Vec<ExponentialTerm> {
     let numerators = chain.state_numerators();
     let poles = chain.poles();
@@ -40,6 +44,7 @@ pub(crate) fn terms(chain: &SectionChain, free: &[f64], duration: f64, scale: f6
 }
 
 /// One number of a term.
+/// A real amplitude or exponent has no imaginary part to vary.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Part {
     ReAmplitude,
@@ -49,6 +54,7 @@ pub(crate) enum Part {
 }
 
 impl Part {
+    /// Name in records, to which the number of the term is added.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::ReAmplitude => "re_amplitude",

@@ -22,15 +22,20 @@ const BREAKDOWN: f64 = 1e-14;
 /// Golub & Kahan, SIAM J. Numer. Anal. 2(2), 1965; reorthogonalisation as in Simon & Zha, SIAM J. Sci. Comput. 21(6),
 /// 2000.
 pub(crate) struct GolubKahan {
+    /// Source of the start vector and of fresh directions, seeded with 0.
     rng: ChaCha8Rng,
     /// Left basis, one vector after the other.
     left: Vec<f64>,
     /// Right basis, with the next start vector as its last.
     right: Vec<f64>,
+    /// Entries of the upper bidiagonal matrix `B`: `alpha_j` on its diagonal.
     diagonal: Vec<f64>,
+    /// Entries `beta_j` beside the diagonal; the last one couples to the next start vector and is the residual of the
+    /// factorisation.
     superdiagonal: Vec<f64>,
     /// Whether the last right vector is a random one, not a product.
     fresh_right: bool,
+    /// Whether nothing is left outside the two bases, so that the singular values of `B` are those of `H`.
     exhausted: bool,
 }
 
@@ -40,6 +45,7 @@ pub(crate) struct Ritz {
     pub(crate) values: Vec<f64>,
     /// Bounds of the distance to a true singular value: the residual of each triplet.
     pub(crate) residuals: Vec<f64>,
+    /// Singular vectors of the bidiagonal matrix: coordinates in the two bases, steps x steps.
     left: DMatrix<f64>,
     right: DMatrix<f64>,
 }
@@ -71,6 +77,10 @@ impl GolubKahan {
     }
 
     /// Takes steps until there are `steps` of them or the space is exhausted.
+    ///
+    /// One step: `u = H v_j - beta_(j-1) u_(j-1)`, `alpha_j = |u|`, then `w = H' u_j - alpha_j v_j`, `beta_j = |w|`.
+    /// Both new vectors are made orthogonal to all earlier ones of their side, without which rounding brings
+    /// converged values back as copies ("ghosts").
     pub(crate) fn extend(&mut self, h: &mut impl ShiftPair, steps: usize) {
         let (rows, columns) = (h.rows(), h.columns());
         let mut u = vec![0.0; rows];
@@ -112,6 +122,9 @@ impl GolubKahan {
     }
 
     /// Singular triplets of the bidiagonal matrix found so far; `None` if that small SVD does not converge.
+    ///
+    /// `residual_i = beta_last |P[last, i]|` for the left vectors `P` of `B`; a singular value of `H` lies within it
+    /// of the `i`-th value, and the error of a value is of the order of its square over the gap to the next.
     pub(crate) fn ritz(&self) -> Option<Ritz> {
         let j = self.steps();
         let mut bidiagonal = DMatrix::zeros(j, j);
@@ -129,6 +142,8 @@ impl GolubKahan {
     }
 
     /// The first `count` left and right singular vectors, as columns.
+    ///
+    /// `U P` and `V Q`: rows (columns) of the matrix x `count`, orthonormal to rounding.
     pub(crate) fn vectors(&self, ritz: &Ritz, count: usize) -> (DMatrix<f64>, DMatrix<f64>) {
         let j = ritz.values.len();
         let basis = |data: &[f64]| DMatrix::from_column_slice(data.len() / self.steps(), j, data);

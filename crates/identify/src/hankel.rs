@@ -16,11 +16,14 @@ use crate::shift_pair::{Shift, ShiftPair};
 /// largest singular value, not to the result.
 pub(crate) struct Hankel<'a> {
     /// `y[r * inputs + c]`.
+    /// Sequences in the order of the Markov parameters, each at least `rows + columns` long.
     y: Vec<&'a [f64]>,
+    /// Outputs and inputs, `q` and `m`: size of a block.
     outputs: usize,
     inputs: usize,
     block_rows: usize,
     block_columns: usize,
+    /// Plans of the transform, of a length that is a product of 2, 3 and 5.
     forward: Arc<dyn RealToComplex<f64>>,
     inverse: Arc<dyn ComplexToReal<f64>>,
     /// Of every sequence.
@@ -74,6 +77,11 @@ impl<'a> Hankel<'a> {
 
     /// `out[i, r] = sum_jc y_rc[i + j + shift] x[j, c]`; for the transposed product rows and columns change places, for a
     /// transposed block Hankel matrix is one of the transposed blocks. No index wraps round within the transform.
+    ///
+    /// By the correlation theorem: `out = irfft(rfft(y) conj(rfft(x)))`, cut to the rows. The transform is at least
+    /// `rows + columns` long, so the part that would wrap lies beyond what is read. Cost: one transform for each
+    /// input (output) of the factor and one back for each output (input), whatever the number of sequences; their
+    /// spectra are kept.
     fn correlate(&mut self, shift: Shift, transposed: bool, x: &[f64], out: &mut [f64]) {
         let (to, from) = if transposed { (self.inputs, self.outputs) } else { (self.outputs, self.inputs) };
         let length = x.len() / from;
@@ -124,6 +132,7 @@ impl ShiftPair for Hankel<'_> {
         self.block_columns * self.inputs
     }
 
+    /// One sequence and as many rows as columns: `H[i,j] = y[i+j] = H[j,i]`.
     fn symmetric(&self) -> bool {
         self.y.len() == 1 && self.block_rows == self.block_columns
     }
@@ -138,6 +147,7 @@ impl ShiftPair for Hankel<'_> {
         self.correlate(shift, true, x, out);
     }
 
+    /// The matrix written out, `rows q x columns m`: `O(rows columns)` memory, so for small ones only.
     fn dense(&mut self) -> DMatrix<f64> {
         let (q, m) = (self.outputs, self.inputs);
         DMatrix::from_fn(self.rows(), self.columns(), |i, j| self.y[(i % q) * m + j % m][i / q + j / m])

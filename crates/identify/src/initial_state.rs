@@ -1,4 +1,7 @@
 //! The initial state of a model on a record.
+//!
+//! The output is linear in the initial state: `y[k] = forced[k] + C A^k x0`. One linear least-squares problem with a
+//! row for every sample and output, solved by QR of blocks of rows, so that memory does not grow with the record.
 
 use crumple_linalg::dot;
 use crumple_lti::StateSpace;
@@ -29,6 +32,9 @@ pub(crate) fn left_multiply(v: &[f64], columns: &[Vec<f64>], out: &mut [f64]) {
 
 /// The state at the first sample that, added to the forced response, fits all outputs best, each divided by its root
 /// mean square. States that no output shows are zero.
+///
+/// `forced` is one signal per output, from rest; the result has one number per state. Errors: other numbers of
+/// outputs than the model has, a decomposition that does not converge.
 pub(crate) fn initial_state(model: &StateSpace, data: &IoData, forced: &[Vec<f64>]) -> Result<Vec<f64>, IdentifyError> {
     let n = model.order();
     let outputs = data.outputs();
@@ -69,6 +75,8 @@ pub(crate) fn initial_state(model: &StateSpace, data: &IoData, forced: &[Vec<f64
 }
 
 /// Outputs without input from the state `x0`.
+///
+/// `y_i[k] = C_i A^k x0`, one signal of `samples` per output.
 pub(crate) fn free_outputs(model: &StateSpace, x0: &[f64], samples: usize) -> Vec<Vec<f64>> {
     let (a, c) = (rows_of(&model.a), rows_of(&model.c));
     let mut x = x0.to_vec();

@@ -23,6 +23,10 @@ const LARGEST_GROWTH: f64 = 1e8;
 /// input) are set to zero. Without `direct`, `D = 0`.
 ///
 /// Meaningless when `A` has a pole well outside the unit circle: the responses overflow, which is an error.
+///
+/// `a` is `n x n`, `c` is `outputs x n`; unknowns are `n m + q m + n`. The result is the model and its `x0`, both in
+/// the units of the data. McKelvey, Akçay & Ljung, IEEE Trans. Autom. Control 41(7), 1996, fit `B` and `D` so in the
+/// frequency domain.
 pub(crate) fn input_matrices(
     a: &DMatrix<f64>,
     c: &DMatrix<f64>,

@@ -9,6 +9,9 @@ const TRUNCATION: f64 = 1e-12;
 
 /// `B` such that `C A^k B` fits `parameters[i][j][k]`, output `i` to input `j`, best in the sense of least squares. The
 /// caller sees to it that `A` does not grow beyond bounds over as many samples. `None` if the fit does not settle.
+///
+/// One equation per output and sample, `C A^k b_j = h_ij[k]`, all inputs as right-hand sides of one factorisation.
+/// `a` is `n x n`, `c` is `outputs x n`, the result `n x inputs`, in the unit of the parameters over that of `c`.
 pub(crate) fn input_matrix_of(a: &DMatrix<f64>, c: &DMatrix<f64>, parameters: &[Vec<&[f64]>]) -> Option<DMatrix<f64>> {
     let (n, q) = (a.nrows(), parameters.len());
     let (m, samples) = (parameters.first()?.len(), parameters.first()?.first()?.len());

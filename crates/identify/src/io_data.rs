@@ -104,6 +104,8 @@ impl IoData {
 }
 
 /// Root mean square of a signal, without overflow; 1 for zeros.
+///
+/// The largest sample is taken out before squaring, so that squares neither overflow nor vanish.
 pub(crate) fn scale(signal: &[f64]) -> f64 {
     let largest = signal.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     if largest == 0.0 {

@@ -1,4 +1,9 @@
 //! Regression of signals on their own past and that of others.
+//!
+//! Regressions of this kind have columns that are shifted copies of few signals: ARX, observers, impulse responses.
+//! Their inner products then cost `O(rows)` for one column of each pair of signals and `O(1)` for every other, where
+//! QR costs `O(rows columns²)`. What sums of products lose in digits (the condition number is squared) two
+//! corrections give back.
 
 use crumple_linalg::dot;
 use nalgebra::DMatrix;
@@ -37,11 +42,13 @@ pub(crate) struct LaggedSolution {
 }
 
 impl LaggedRegression<'_> {
+    /// The samples of one column.
     fn stretch(&self, column: usize) -> &[f64] {
         let (signal, offset) = self.columns[column];
         &self.signals[signal][offset..offset + self.rows]
     }
 
+    /// Number of columns without the targets.
     fn regressors(&self) -> usize {
         self.columns.len() - self.targets
     }
@@ -70,6 +77,10 @@ impl LaggedRegression<'_> {
     }
 
     /// `None` where sums of products would lose too many digits.
+    ///
+    /// Cholesky factorisation of the Gram matrix of columns of norm 1, then two steps of iterative refinement with
+    /// residuals from the data themselves. Refused below [`SAFE_PIVOT`], also for a target that the regressors
+    /// explain to that extent: its residual would be a difference of near-equal sums.
     fn by_products(&self) -> Option<LaggedSolution> {
         let p = self.regressors();
         let gram = shifted_products(&self.signals, &self.columns, self.rows);

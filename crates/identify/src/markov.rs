@@ -63,6 +63,8 @@ impl<'a> MarkovParameters<'a> {
 
 /// Markov parameters of a discrete model, in the order of [`MarkovParameters::new`]. Those of an unstable model may
 /// overflow, for the caller to judge.
+///
+/// `samples` values each: `D`, `C B`, `C A B`, ... for every pair of an output and an input.
 pub fn markov_parameters(model: &StateSpace, samples: usize) -> Vec<Vec<f64>> {
     let (a, c) = (rows_of(&model.a), rows_of(&model.c));
     let m = model.b.ncols();

@@ -24,6 +24,10 @@ pub fn mirrored_poles(model: &StateSpace, data: &IoData) -> Result<Option<(State
 
 /// Mirrors poles outside the unit circle (`z -> 1/conj z`) when the model [`grows`] over `samples`, in modal
 /// coordinates. Errors: an eigenvector basis that does not span the space.
+///
+/// The result is `A` and `C` in real modal coordinates and the number of poles that were mirrored; both as given, and
+/// 0, where the model does not grow. Mirroring keeps the modulus of the pole's frequency response on the unit circle
+/// up to a factor.
 pub(crate) fn stabilized(
     a: DMatrix<f64>,
     c: DMatrix<f64>,

@@ -6,14 +6,20 @@ use crate::{IdentifyError, InformationCriteria, IoData};
 
 /// Outputs by the inputs of the same sample and by inputs and outputs of the last `lags` samples, in units of the root mean
 /// square of each signal.
+///
+/// `y[k] = D u[k] + sum_(i=1..p) (Yb1_i u[k-i] + Yb2_i y[k-i]) + e[k]`: a vector ARX model whose coefficients are the
+/// Markov parameters of a deadbeat observer; in noise and with `p` large, of the Kalman filter.
 pub(crate) struct ObserverRegression {
     pub(crate) solution: LaggedSolution,
     /// Regressors: the inputs of the same sample, then of every lag, nearest first, inputs and outputs.
     pub(crate) regressors: usize,
     /// Inputs of the same sample.
     pub(crate) direct: usize,
+    /// Past samples `p`.
     lags: usize,
+    /// Equations: samples less the lags.
     rows: usize,
+    /// Inputs and outputs together, regressors of every lag.
     signals: usize,
 }
 
@@ -56,6 +62,9 @@ impl ObserverRegression {
     }
 
     /// The criterion of 1, 2, ... lags, all judged on the same samples.
+    ///
+    /// From one factorisation: regressors stand in the order of their lags, so that the squares left by the leading
+    /// ones are those of every smaller number of lags. Returned as `(lags, criterion)`, summed over outputs.
     pub(crate) fn scan(&self, criterion: Criterion) -> Vec<(usize, f64)> {
         let rows = self.rows as f64;
         (1..=self.lags)

@@ -1,4 +1,7 @@
 //! Poles of all orders from one factorisation, for the stabilisation diagram.
+//!
+//! In balanced coordinates the model of order `n` is the leading `n x n` part of any larger one. So a diagram over
+//! all orders costs one decomposition and one eigenvalue problem per order, instead of one identification each.
 
 use crumple_lti::{Complex, eigenvalues, eigenvectors};
 use nalgebra::DMatrix;
@@ -80,6 +83,7 @@ pub fn era_order_scan_of(
         .collect()
 }
 
+/// Mode shapes, one vector per pole with an entry per output, and strengths, one per pole.
 type ShapesAndStrengths = (Vec<Vec<Complex>>, Vec<f64>);
 
 /// What the outputs show of every pole; and energy of its wave in the Markov parameters, over `2 s² (N/Ne) ln Ne`: that of
@@ -125,6 +129,7 @@ fn evidence(
     strengths.iter().all(|x| x.is_finite()).then_some((shapes, strengths))
 }
 
+/// Singular values, left vectors, right vectors, the vectors as columns.
 type Triplets = (Vec<f64>, DMatrix<f64>, DMatrix<f64>);
 
 /// The leading singular triplets, at most `wanted`, fewer where the record has fewer or they do not converge.

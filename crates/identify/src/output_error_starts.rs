@@ -1,4 +1,8 @@
 //! Starting points of output-error models.
+//!
+//! The loss of an output-error model has local minima, the more the higher the order. Starts come from regressions
+//! that are biased by noise in different ways, cut to the order asked for; from subspace methods; from continuous
+//! transfer functions; and from random poles near the unit circle.
 
 use crumple_lti::Complex;
 use rayon::prelude::*;
@@ -13,6 +17,9 @@ use crumple_estimation::random::uniform_at;
 const MOST_CONTINUOUS: usize = 10;
 
 /// Poles of candidate models, as unknowns.
+///
+/// One vector of `order` unknowns per start, in the reflection coefficients of the cascade. What a method cannot give
+/// on this record is left out; the random starts are always there.
 pub(crate) fn starts(data: &IoData, options: OutputErrorOptions) -> Vec<Vec<f64>> {
     let n = options.order;
     let first_tap = options.delay + usize::from(!options.direct);
@@ -85,6 +92,9 @@ fn continuous_starts(data: &IoData, options: OutputErrorOptions) -> Vec<Vec<Comp
 }
 
 /// The leading `n` poles as unknowns of [`CascadeFilter`]: pairs first, real ones two by two, at most one alone.
+///
+/// Poles on or outside the unit circle are mirrored into it first; where fewer than `n` are given the rest is filled
+/// with 0.5.
 fn unknowns(poles: &[Complex], n: usize) -> Vec<f64> {
     let inside = |z: Complex| {
         let radius = z.norm();
@@ -118,6 +128,8 @@ fn unknowns(poles: &[Complex], n: usize) -> Vec<f64> {
 }
 
 /// `z² + a1 z + a0` with both roots inside the unit circle, as two unknowns.
+///
+/// `[atanh(a1/(1 + a0)), atanh(a0)]`, both cut to magnitudes below `1 - 1e-9`.
 fn reflection(a1: f64, a0: f64) -> [f64; 2] {
     let cut = |x: f64| x.clamp(-1.0 + 1e-9, 1.0 - 1e-9).atanh();
     [cut(a1 / (1.0 + a0)), cut(a0)]

@@ -1,4 +1,9 @@
 //! The separable problem of continuous poles: a transfer function's response, or a sum of exponentials.
+//!
+//! The model is `y(t) = sum over inputs of N_j(s)/A(s) u_j + F(s)/A(s) delta`: forced responses and a free motion
+//! `F/A` from the state at the first sample. For given poles (the roots of `A`) it is linear in all numerators: their
+//! coefficients are eliminated (variable projection) and the search is over the `n` numbers of `A` only. A sum of
+//! exponentials is the free motion alone.
 
 use nalgebra::DMatrix;
 
@@ -7,6 +12,7 @@ use crate::{Complex, Hold};
 use crumple_estimation::minimise::variable_projection::{Basis, Separable};
 
 /// Growth beyond `exp` of half of this over the record is not tried.
+/// A pole with `Re s T = 20` grows by 5e8 from the first sample to the last: nothing of its start can be seen then.
 const GROWTH: f64 = 40.0;
 
 /// Poles of a chain, common to every input and output, against the measured signals. Time runs from 0 to 1 over the
@@ -17,6 +23,7 @@ const GROWTH: f64 = 40.0;
 pub(crate) struct PoleProblem {
     /// Driving signals, if any.
     pub(crate) inputs: Vec<Vec<f64>>,
+    /// What the inputs do between samples.
     pub(crate) hold: Hold,
     /// Measured signals; with `start` only one.
     pub(crate) output: Vec<Vec<f64>>,
@@ -36,10 +43,15 @@ pub(crate) struct PoleProblem {
 
 impl PoleProblem {
     /// Sampling interval in scaled time.
+    ///
+    /// One over the number of samples: the record of `N` samples is taken to last `N dt`, as everywhere in this
+    /// crate.
     pub(crate) fn dt(&self) -> f64 {
         1.0 / self.output[0].len() as f64
     }
 
+    /// The chain of given unknowns: `q = sinh(theta_0)`, `p = sinh(theta_1)` of a section of second order,
+    /// `r = sinh(theta)` of one of first order.
     pub(crate) fn chain(&self, theta: &[f64]) -> SectionChain {
         let mut at = 0;
         let sections = self
@@ -59,6 +71,8 @@ impl PoleProblem {
     }
 
     /// Unknowns of poles given in scaled time; `None` if they do not fill the layout.
+    ///
+    /// The inverse of [`Self::chain`]; with `stable` the rates are taken by their magnitudes.
     pub(crate) fn unknowns(&self, sections: &[Section]) -> Option<Vec<f64>> {
         let mut seconds: Vec<(f64, f64)> = Vec::new();
         let mut firsts: Vec<f64> = Vec::new();
@@ -138,6 +152,9 @@ impl PoleProblem {
     }
 
     /// Signals of the motion forced by every input, and of the free one.
+    ///
+    /// First of every input one signal per state, then one per state of the free motion from the unit entry state;
+    /// `None` where they leave the range of `f64`.
     fn signals(&self, chain: &SectionChain) -> Option<(Vec<States>, States)> {
         let samples = self.output[0].len();
         let forced = self
@@ -155,6 +172,9 @@ impl PoleProblem {
     }
 
     /// Coefficients of all states, forced by every input, then free, from those of the basis for one output.
+    ///
+    /// `c` is in the order of [`Separable::basis`]: of every input `numerator` states by rising degree and the direct
+    /// term, then those states of the free motion that `start` does not fix.
     pub(crate) fn state_coefficients(&self, theta: &[f64], c: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
         let chain = self.chain(theta);
         let n = chain.order();
@@ -198,10 +218,13 @@ fn unknown_places(chain: &SectionChain) -> Vec<(usize, usize)> {
 }
 
 impl Separable for PoleProblem {
+    /// The scaled measured signals.
     fn targets(&self) -> &[Vec<f64>] {
         &self.output
     }
 
+    /// Of `asinh` of the coefficients, in scaled time: a natural frequency up to the Nyquist frequency, and growth up
+    /// to [`GROWTH`], or none with `stable`.
     fn bounds(&self) -> Vec<(f64, f64)> {
         // Nothing faster than the Nyquist frequency; damping ratios up to 10 there.
         let fastest = std::f64::consts::PI / self.dt();
@@ -212,6 +235,8 @@ impl Separable for PoleProblem {
         self.layout.iter().flat_map(|order| if *order == 2 { vec![stiffness, rate] } else { vec![first] }).collect()
     }
 
+    /// Responses to every input and of the free motion; `known` is what fixed start values contribute with
+    /// coefficient 1.
     fn basis(&self, theta: &[f64]) -> Option<Basis> {
         let chain = self.chain(theta);
         let n = chain.order();
@@ -241,6 +266,9 @@ impl Separable for PoleProblem {
         (finite(&columns) && finite(&known)).then_some(Basis { columns, known })
     }
 
+    /// Derivatives by every unknown, outputs one after the other. Exact: states of a chain twice as long, discretised
+    /// at once (see [`SectionChain::sensitivities`]), times `cosh(theta)` for the `asinh`, plus what changes with the
+    /// coefficients that the start conditions fix.
     fn sensitivities(&self, theta: &[f64], coefficients: &DMatrix<f64>) -> Option<Vec<Vec<f64>>> {
         let chain = self.chain(theta);
         let samples = self.output[0].len();

@@ -1,4 +1,8 @@
 //! Standard deviations carried from coefficients to roots and frequency responses.
+//!
+//! First-order (delta method) propagation: with gradient `g` of a quantity by the coefficients and their covariance
+//! `P`, its variance is `g' P g`. Right where the coefficients' errors are small against the curvature of the
+//! quantity; near a multiple root it is not, and nothing is returned there.
 
 use crumple_lti::{Complex, TransferFunction};
 use nalgebra::{DMatrix, DVector};
@@ -24,6 +28,8 @@ pub(crate) fn root_deviations(
         .collect()
 }
 
+/// `dz/dp_j = -z^(n-j)/P'(z)` for `j = 0 ..= n`, the coefficients highest power first; `None` where the derivative
+/// `P'` vanishes to ten digits, at a multiple root.
 fn root_gradient(polynomial: &[f64], z: Complex) -> Option<Vec<Complex>> {
     let n = polynomial.len().checked_sub(1)?;
     // Terms j z^(j-1) p of the derivative, and the sum of their sizes against which it may vanish.
@@ -79,6 +85,9 @@ pub(crate) fn discrete_mode_deviations(
 /// Relative standard deviation of the modulus and standard deviation of the phase (rad) of a transfer function at
 /// frequencies in rad/s, with the covariance of its coefficients: numerator as long as `numerator_length` says, then the
 /// denominator without its 1, both highest power first. `None` where the response vanishes.
+///
+/// By `d ln H = dB/B - dA/A`: its real part is the relative change of the modulus, its imaginary part that of the
+/// phase.
 pub fn response_deviations(
     tf: &TransferFunction,
     numerator_length: usize,
@@ -105,6 +114,7 @@ pub fn response_deviations(
         .collect()
 }
 
+/// `None` for what is not a finite number.
 fn finite(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
 }

@@ -83,6 +83,9 @@ pub(crate) struct Known {
 }
 
 /// Analyses a realised model: modes with their evidence, the continuous model, the fit to the parameters it came from.
+///
+/// `controllability` is the identified sequence `[B, A B, ...]`, states x columns, `terms` the samples that a mode's
+/// singular value sums over. Errors: eigenvalues that do not converge, a matrix that is not finite.
 pub(crate) fn realization(
     discrete: StateSpace,
     markov: &MarkovParameters<'_>,

@@ -158,12 +158,17 @@ pub fn fir(data: &IoData, options: FirOptions) -> Result<Fir, IdentifyError> {
 }
 
 /// What one output says of kernels.
+///
+/// Marginal likelihood of a kernel: with `z = U' r` and eigenvalues `d` the output has the variances `1 + g d` in
+/// units of the noise, so that its likelihood needs one eigendecomposition per shape and nothing more for any `g`.
 struct Evidence<'a> {
+    /// Triangular factor of the regressors, `taps inputs` square.
     r: &'a DMatrix<f64>,
     /// Rotated output.
     target: DVector<f64>,
     /// Square of what no response explains.
     rest: f64,
+    /// Number of equations.
     rows: f64,
     taps: usize,
     inputs: usize,
@@ -176,11 +181,15 @@ struct Candidate {
     noise_variance: f64,
     /// `-2 ln likelihood`, up to a constant.
     cost: f64,
+    /// Eigenvalues `d` and eigenvectors `U` of `R K R'`.
     values: Vec<f64>,
     vectors: DMatrix<f64>,
 }
 
 impl Evidence<'_> {
+    /// The best ratio for a kernel shape, by steps of a factor e from far too little to far too much and 25 golden
+    /// sections around the best of them: to about 1e-5 of its logarithm. `None` where the kernel leaves the range of
+    /// numbers.
     fn candidate(&self, shape: KernelShape) -> Option<Candidate> {
         let kernel = shape.matrix(self.taps, self.inputs);
         let n = self.r.nrows();

@@ -1,4 +1,8 @@
 //! New noise like that in the residuals of a fit, for the bootstrap.
+//!
+//! A bootstrap of a simulation asks how a model would vary if the same record were measured again. Its residuals are
+//! correlated in time; drawn one by one they would look whiter, and the spread would come out too small. Both ways
+//! here keep the correlation: blocks of residuals, or a regression that makes it.
 
 use crumple_linalg::dot;
 use rand_chacha::ChaCha8Rng;
@@ -32,6 +36,7 @@ pub struct ResidualNoise {
     seed: u64,
 }
 
+/// How noise is drawn, with what that takes: the length of a block, or the regression and what drives it.
 #[derive(Debug, Clone, PartialEq)]
 enum Kind {
     Blocks { length: usize },
@@ -39,6 +44,7 @@ enum Kind {
 }
 
 impl Kind {
+    /// The regression with its innovations on this record, their mean removed.
     fn autoregression(residual: &[f64], coefficients: Vec<f64>) -> Self {
         let mut innovations: Vec<f64> = (coefficients.len()..residual.len())
             .map(|k| residual[k] - coefficients.iter().enumerate().map(|(i, a)| a * residual[k - 1 - i]).sum::<f64>())
@@ -49,6 +55,8 @@ impl Kind {
     }
 }
 
+/// Residuals with their mean removed, times `sqrt(N/(N - p))`: a fit with `p` parameters leaves them smaller than the
+/// noise.
 fn prepared(residual: &[f64], parameters: usize) -> Vec<f64> {
     let n = residual.len();
     let mean = residual.iter().sum::<f64>() / n.max(1) as f64;
@@ -150,6 +158,9 @@ impl ResidualNoise {
 }
 
 /// `1 + 2 sum r_k` up to the first lag that is five times the sum so far (Sokal's window), at least 1.
+///
+/// In samples: the mean of `N` such residuals has the variance of `N` over this many independent ones. Sokal, *Monte
+/// Carlo Methods in Statistical Mechanics*, 1989.
 pub(crate) fn autocorrelation_time(residual: &[f64]) -> f64 {
     let energy = dot(residual, residual);
     if energy <= 0.0 || !energy.is_finite() {
@@ -168,6 +179,8 @@ pub(crate) fn autocorrelation_time(residual: &[f64]) -> f64 {
     time
 }
 
+/// Carlstein's rule with `rho` from the autocorrelation time `(1 + rho)/(1 - rho)`; between 1 and a quarter of the
+/// record.
 fn block_length(residual: &[f64]) -> usize {
     let time = autocorrelation_time(residual);
     let rho = (time - 1.0) / (time + 1.0);

@@ -1,4 +1,9 @@
 //! Continuous-time sections of first and second order in cascade: poles that may coincide, and signals through them.
+//!
+//! A transfer function of order `n` in one polynomial loses its poles to rounding: coefficients of a record at a high
+//! sampling rate range over `n` powers of the rate, and a relative error of 1e-16 in one moves close poles by its
+//! `1/m`-th power, `m` of them together. In cascade every section keeps its own two numbers, and errors stay with
+//! their section.
 
 use crumple_lti::{Complex, LtiError, StateSpace, discretize_first_order_hold, discretize_zero_order_hold};
 use nalgebra::DMatrix;
@@ -9,6 +14,9 @@ use crate::Hold;
 ///
 /// States: of a second-order section its output and that one's derivative, of a first-order one its output. Every
 /// strictly proper numerator is a sum of states, and poles may coincide: nothing is divided by their difference.
+///
+/// State matrix, for sections of second order: companion blocks `[0 1; -q -p]` on the diagonal, and a 1 from the
+/// output of every section to the last state of the next.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SectionChain {
     sections: Vec<Section>,
@@ -18,8 +26,10 @@ pub(crate) struct SectionChain {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Section {
     /// `s + r`.
+    /// Its pole is `-r`.
     First(f64),
     /// `s² + p s + q`.
+    /// Its poles are `-p/2 ± sqrt(p²/4 - q)`: a conjugate pair, or two real ones.
     Second(f64, f64),
 }
 
@@ -52,6 +62,7 @@ impl SectionChain {
         &self.sections
     }
 
+    /// Number of states, which is that of the poles.
     pub(crate) fn order(&self) -> usize {
         self.sections.iter().map(|s| s.order()).sum()
     }
@@ -74,6 +85,7 @@ impl SectionChain {
     }
 
     /// State matrix.
+    /// `A` of `x' = A x + e_entry u`, block lower triangular.
     pub(crate) fn matrix(&self) -> DMatrix<f64> {
         let n = self.order();
         let mut a = DMatrix::zeros(n, n);
@@ -94,6 +106,8 @@ impl SectionChain {
 
     /// Numerator of every state over the common denominator, highest power first, each as long as the order: the
     /// product of the sections behind it, times s for a derivative.
+    /// With `D` the common denominator, `X_s/U = N_s/D`; for `D` of degree `n` every `N_s` is of degree below `n`,
+    /// and together they span those polynomials, so that any strictly proper transfer function is a sum of states.
     pub(crate) fn state_numerators(&self) -> Vec<Vec<f64>> {
         let n = self.order();
         let mut result = vec![Vec::new(); n];
@@ -126,6 +140,8 @@ impl SectionChain {
     }
 
     /// All states, driven by `input` from rest, exact for the hold; or the free motion from the unit entry state.
+    /// One signal per state, as long as the input. Exact means: the sampled response of the continuous chain to the
+    /// input as the hold continues it, with no error of the order of the interval.
     pub(crate) fn states(&self, drive: Drive<'_>, dt: f64) -> Result<States, LtiError> {
         propagate(&self.matrix(), self.entry(), drive, dt)
     }
@@ -159,6 +175,7 @@ impl SectionChain {
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Drive<'a> {
     /// An input from rest.
+    /// One value a sample, in scaled units, held or joined by straight lines.
     Input(&'a [f64], Hold),
     /// The entry state is 1 at first, then nothing: this number of samples.
     Free(usize),
@@ -166,6 +183,9 @@ pub(crate) enum Drive<'a> {
 
 /// States of `x' = a x + e_entry u`, one signal each. Zeros of `a` are skipped where a chain has them: nothing acts
 /// backwards.
+///
+/// `x[k+1] = Ad x[k] + now u[k] + next u[k+1]` with `Ad = exp(A dt)`; after the last sample the input is taken for
+/// zero, which no returned sample sees. Errors: a matrix exponential beyond the range of `f64`.
 pub(crate) fn propagate(a: &DMatrix<f64>, entry: usize, drive: Drive<'_>, dt: f64) -> Result<States, LtiError> {
     let n = a.nrows();
     let unit = DMatrix::from_fn(n, 1, |i, _| if i == entry { 1.0 } else { 0.0 });
@@ -199,6 +219,9 @@ pub(crate) fn propagate(a: &DMatrix<f64>, entry: usize, drive: Drive<'_>, dt: f6
 }
 
 /// The recursion with its size known to the compiler, columns of the matrix in vector registers.
+///
+/// The same arithmetic as [`recur_any`] but for the order of the sums: two partial sums of even and odd columns, and
+/// for a chain whose first half does not see the second, half of the products.
 fn recur<const N: usize>(
     ad: &DMatrix<f64>,
     now: &DMatrix<f64>,
@@ -280,6 +303,7 @@ fn recur_any(
     states
 }
 
+/// Writes the companion block of a section at row and column `at`.
 fn fill_section(a: &mut DMatrix<f64>, at: usize, section: Section) {
     match section {
         Section::First(r) => a[(at, at)] = -r,
@@ -291,6 +315,8 @@ fn fill_section(a: &mut DMatrix<f64>, at: usize, section: Section) {
     }
 }
 
+/// Roots of one denominator; for real ones the larger by the formula and the other by `q` over it, so that neither
+/// loses digits in a difference.
 fn section_poles(section: Section) -> Vec<Complex> {
     match section {
         Section::First(r) => vec![Complex::new(-r, 0.0)],
@@ -320,6 +346,7 @@ pub(crate) fn multiply(a: &[f64], b: &[f64]) -> Vec<f64> {
     product
 }
 
+/// The polynomial with zeros for the powers above its degree, `length` coefficients.
 fn padded(polynomial: &[f64], length: usize) -> Vec<f64> {
     let mut result = vec![0.0; length - polynomial.len()];
     result.extend(polynomial);
@@ -328,6 +355,9 @@ fn padded(polynomial: &[f64], length: usize) -> Vec<f64> {
 
 /// Sections of a set of poles, conjugates once: pairs as they are, real ones two by two (the fastest with the slowest,
 /// a last one alone), or all alone.
+///
+/// Real poles are paired fastest with slowest so that the sections can turn into oscillations of any frequency while
+/// they are fitted; `real_alone` is for sums of real exponentials, where they must not.
 pub(crate) fn sections_of(poles: &[Complex], real_alone: bool) -> Vec<Section> {
     let mut result: Vec<Section> =
         poles.iter().filter(|s| s.im > 0.0).map(|s| Section::Second(-2.0 * s.re, s.norm_sqr())).collect();

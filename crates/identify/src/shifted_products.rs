@@ -16,6 +16,10 @@ const LEAST_RATIO: f64 = 0.01;
 ///
 /// For one pair of signals and one distance of their offsets they are sums over a window that slides: the first is summed,
 /// the others follow by what enters and leaves.
+///
+/// The result is symmetric, one row and column per given column. A sliding sum loses digits of what is small against
+/// what has passed through it: errors are those of the largest stretch, which [`triangular_factor_by_products`]
+/// guards against.
 pub(crate) fn shifted_products(signals: &[&[f64]], columns: &[(usize, usize)], rows: usize) -> DMatrix<f64> {
     let mut order: Vec<usize> = (0..columns.len()).collect();
     // Along a diagonal: the same two signals, the same distance, rising offsets.
@@ -44,6 +48,10 @@ pub(crate) fn shifted_products(signals: &[&[f64]], columns: &[(usize, usize)], r
 
 /// The triangular factor of the same columns, from their inner products; `None` where sums of products would lose digits:
 /// columns near dependent, a silent one, or a signal that fades or grows. QR is then the way.
+///
+/// Cholesky: `R` with `R'R` the matrix of products, upper triangular, positive diagonal. It squares the condition
+/// number, so it is used only where the columns are far from dependent; then it agrees with QR to about 1e-12 and
+/// costs a fraction.
 pub(crate) fn triangular_factor_by_products(
     signals: &[&[f64]],
     columns: &[(usize, usize)],

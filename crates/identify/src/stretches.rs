@@ -8,6 +8,9 @@ use crumple_linalg::TriangularFactor;
 const PART: usize = 5_120;
 
 /// Triangular factor of the matrix whose columns are stretches of signals: `(signal, offset)`, `rows` samples each.
+///
+/// `R` of `Q R`, without `Q`, in memory that does not grow with the rows. Parts of the record are factorised in
+/// parallel and merged in their order: the result does not depend on the number of threads.
 pub(crate) fn triangular_factor(stretches: &[(&[f64], usize)], rows: usize) -> TriangularFactor {
     let width = stretches.len();
     let block_rows = TriangularFactor::block_rows(width);

@@ -115,6 +115,9 @@ pub fn transfer_function_array(
 
 /// Refines again with every output divided by the root mean square of its residual: the maximum-likelihood weights of
 /// white noises that are independent of each other.
+///
+/// Starts from the optimum of equal weights. With independent white noises of unknown variances these weights
+/// maximise the likelihood once they no longer change. Nothing happens for one output.
 fn weigh_by_residuals(search: &mut Search, samples: usize, stop: Stop) {
     for _ in 0..if search.problem.output.len() > 1 { REWEIGHTED } else { 0 } {
         let rms = |residual: &[f64]| (dot(residual, residual) / samples as f64).sqrt();
@@ -135,6 +138,10 @@ fn weigh_by_residuals(search: &mut Search, samples: usize, stop: Stop) {
 
 /// Copies of the chain, one per input, read by every output; with fewer outputs than inputs the transpose, one per
 /// output.
+///
+/// With `n` poles, `m` inputs, `q` outputs: `min(m, q) n` states. For `m <= q` copy `j` is driven by input `j` and
+/// every output reads all copies; else output `i` reads copy `i`, which all inputs drive. Block diagonal, seconds,
+/// units of the data.
 fn state_space(
     search: &Search,
     chain: &SectionChain,

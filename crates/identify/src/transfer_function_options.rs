@@ -26,6 +26,9 @@ pub enum InitialConditions {
 }
 
 /// Settings of [`crate::transfer_function_fit`].
+///
+/// Number of unknowns of one input and one output: `poles`, `zeros + 1`, and `poles` more for an estimated initial
+/// motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransferFunctionOptions {
     /// Number of poles.

@@ -1,4 +1,8 @@
 //! The poles of transfer functions, searched for from many starts.
+//!
+//! Three stages: all starts are scored by one evaluation each, the best few (not too many of a kind) are refined by
+//! Levenberg-Marquardt with variable projection, and the least loss wins. Everything runs in scaled units: time 0 to
+//! 1, signals divided by their root mean squares. Results are collected by index, so that threads do not matter.
 
 use crumple_lti::Complex;
 use rayon::prelude::*;
@@ -19,6 +23,10 @@ const REFINED: usize = 14;
 const REFINED_OF_A_KIND: usize = 4;
 
 /// The search with or without an initial motion, as the options say.
+///
+/// With [`InitialConditions::Auto`] both are run, and the free motion stays if it lowers the loss by more than
+/// chance: the gain `(L0 - L1)/L1` times the degrees of freedom against the 95 % point of chi-squared with as many
+/// degrees as numbers were added (the F-test for many samples).
 pub(crate) fn best_search(data: &IoData, options: &TransferFunctionOptions) -> Result<Search, IdentifyError> {
     check(data, options)?;
     match options.initial {
@@ -39,6 +47,8 @@ pub(crate) fn best_search(data: &IoData, options: &TransferFunctionOptions) -> R
     }
 }
 
+/// Errors: no pole, more zeros than poles, no input, fewer samples than twice the unknowns of one output (beyond the
+/// delay), a silent signal.
 pub(crate) fn check(data: &IoData, options: &TransferFunctionOptions) -> Result<(), IdentifyError> {
     let (poles, zeros) = (options.poles, options.zeros);
     if poles == 0 {
@@ -76,15 +86,24 @@ pub(crate) fn check(data: &IoData, options: &TransferFunctionOptions) -> Result<
 
 /// The best stationary point from all starts.
 pub(crate) struct Search {
+    /// The problem that was solved, with its scaled signals.
     pub(crate) problem: PoleProblem,
+    /// Unknowns, coefficients and residual of the least loss.
     pub(crate) best: SeparableFit,
+    /// Where the best one started.
     pub(crate) start: Start,
+    /// Evaluations of all starts, of scoring and refining.
     pub(crate) evaluations: usize,
+    /// Mean square errors of all refined starts, best first; units as in `SearchOutcome`.
     pub(crate) losses: Vec<f64>,
+    /// What inputs and outputs were divided by.
     pub(crate) input_scales: Vec<f64>,
     pub(crate) output_scales: Vec<f64>,
 }
 
+/// The search with a free motion or without.
+///
+/// Errors: none of the starts gave a finite response.
 pub(crate) fn search(data: &IoData, options: &TransferFunctionOptions, free: bool) -> Result<Search, IdentifyError> {
     let (input_scales, output_scales) = (data.input_scales(), data.output_scales());
     let n = options.poles;
@@ -168,6 +187,10 @@ pub(crate) fn search(data: &IoData, options: &TransferFunctionOptions, free: boo
 
 impl Search {
     /// Numerator of one input for the output of `c`, in 1/s, signals scaled, `zeros + 1` coefficients, highest power first.
+    ///
+    /// The sum of the states' numerators, weighed by the coefficients `c` of one output, plus the direct term times
+    /// the denominator; the coefficient of `(sT)^j` is divided by `T^(n-j)`. Gains of the signal scales are left to
+    /// the caller.
     pub(crate) fn numerator(&self, theta: &[f64], c: &[f64], input: usize, zeros: usize, duration: f64) -> Vec<f64> {
         let chain = self.problem.chain(theta);
         let n = chain.order();

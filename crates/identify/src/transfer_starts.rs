@@ -1,4 +1,8 @@
 //! Starting poles for a continuous transfer function.
+//!
+//! The search for poles is local, its starts are not: regressions behind filters, instrumental variables, subspace
+//! methods, exponentials of the output, and seeded random poles, each over a grid where it has a parameter of its
+//! own. No start has to be good; one of them has to lie in the right valley.
 
 use std::f64::consts::PI;
 
@@ -25,10 +29,13 @@ const THINNED: usize = 250;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Start {
     /// State-variable filter: least squares on derivatives behind `(lambda/(s+lambda))^np`.
+    /// The derivatives of noisy signals are never formed: both sides of the differential equation are filtered alike,
+    /// which leaves the equation as it is. Biased by noise, the more the wider the filter.
     Svf,
     /// Generalised Poisson moments: the same with one filter order more.
     Gpmf,
     /// Refined instrumental variables (SRIVC), started from the filters: Young & Jakeman 1980, Garnier & Wang 2008.
+    /// Instruments from the simulated output take the bias away; needs a start, and gives no poles where it diverges.
     Iv,
     /// Subspace method on a thinned record, then the matrix logarithm.
     N4sid,
@@ -60,20 +67,30 @@ impl Start {
 
 /// The record in scaled time (0 to 1), and what is looked for.
 pub(crate) struct StartProblem<'a> {
+    /// The driving signal, in units of its root mean square.
     pub(crate) input: &'a [f64],
+    /// The answering signal, likewise.
     pub(crate) output: &'a [f64],
+    /// What the input does between samples.
     pub(crate) hold: Hold,
+    /// Number of poles to start from.
     pub(crate) poles: usize,
+    /// Number of numerator coefficients.
     pub(crate) numerator: usize,
+    /// Whether a free motion is part of the model.
     pub(crate) free: bool,
 }
 
 impl StartProblem<'_> {
+    /// Sampling interval in scaled time.
     fn dt(&self) -> f64 {
         1.0 / self.output.len() as f64
     }
 
     /// Poles of every starting point of one kind, in scaled time.
+    ///
+    /// An empty list where the method gives none: a regression without solution, a record too short for a subspace
+    /// method.
     pub(crate) fn poles_by(&self, start: Start, random_starts: usize) -> Vec<Vec<Complex>> {
         match start {
             Start::Svf => self.filters().into_iter().filter_map(|f| self.filtered(f, self.poles)).collect(),
@@ -95,6 +112,7 @@ impl StartProblem<'_> {
     }
 
     /// Break frequencies from one over the record to a third of the Nyquist frequency.
+    /// In scaled time, rising, evenly spaced in the logarithm.
     fn filters(&self) -> Vec<f64> {
         let (low, high) = (2.0_f64.ln(), (PI / self.dt() / 3.0).max(4.0).ln());
         (0..FILTERS).map(|k| (low + (high - low) * k as f64 / (FILTERS - 1) as f64).exp()).collect()
@@ -169,6 +187,10 @@ impl StartProblem<'_> {
     }
 
     /// SRIVC: the filter is the denominator of the step before, the instruments come from its simulated output.
+    ///
+    /// Solves `Z' Phi x = Z' y` with regressors `Phi` and instruments `Z` (the same regressors of the simulated
+    /// output), all prefiltered by `1/A` of the step before; at most [`IV_ITERATIONS`] steps, or until no pole moves
+    /// by more than 1e-6 of itself. Young & Jakeman, Int. J. Control 31(4), 1980; Garnier & Wang (ed.), 2008.
     fn refined_instruments(&self, mut poles: Vec<Complex>) -> Option<Vec<Complex>> {
         for _ in 0..IV_ITERATIONS {
             for s in &mut poles {
@@ -224,11 +246,14 @@ impl StartProblem<'_> {
         sum.iter().all(|x| x.is_finite()).then_some(sum)
     }
 
+    /// Every n-th sample, so that 250 to 500 are left of a longer record, and their interval. No filter: these are
+    /// starts.
     fn thinned(&self, signal: &[f64]) -> (Vec<f64>, f64) {
         let every = (signal.len() / THINNED).max(1);
         (signal.iter().step_by(every).copied().collect(), every as f64 * self.dt())
     }
 
+    /// Poles of N4SID, MOESP and CVA models of ten block rows, by the logarithm of the sampled state matrix.
     fn subspace(&self) -> Vec<Vec<Complex>> {
         let (output, dt) = self.thinned(self.output);
         let (input, _) = self.thinned(self.input);
@@ -270,12 +295,16 @@ impl StartProblem<'_> {
     }
 
     /// Frequencies evenly spread in the logarithm, damping ratios from light to creeping.
+    /// Number `start` of a seeded sequence: the same on every machine and for any number of threads.
     fn random(&self, start: usize) -> Vec<Complex> {
         random_poles(start, self.poles, PI / self.dt() / 5.0)
     }
 }
 
 /// Random stable poles with moduli from 1 to `fastest`.
+///
+/// Pairs with a modulus uniform in the logarithm and a damping ratio `2 u² + 0.01`, `u` uniform: half of them below
+/// 0.51; ratios above 1 make two real poles. An odd `count` adds a real one. Scaled time.
 pub(crate) fn random_poles(start: usize, count: usize, fastest: f64) -> Vec<Complex> {
     let mut poles = Vec::with_capacity(count);
     let modulus = |k: usize| (fastest.max(2.0).ln() * uniform_at(start, 3 * k)).exp();
@@ -297,6 +326,7 @@ pub(crate) fn random_poles(start: usize, count: usize, fastest: f64) -> Vec<Comp
 }
 
 /// Poles of the thinned signal taken for a free motion: ERA, which is the matrix pencil with a filtered rank.
+/// `None` where ERA has no model of that order, or one with a pole at the Nyquist frequency.
 pub(crate) fn exponential_poles(signal: &[f64], dt: f64, count: usize) -> Option<Vec<Complex>> {
     let every = (signal.len() / THINNED).max(1);
     let thin: Vec<f64> = signal.iter().step_by(every).copied().collect();
@@ -307,6 +337,7 @@ pub(crate) fn exponential_poles(signal: &[f64], dt: f64, count: usize) -> Option
     (poles.len() == count && poles.iter().all(|s| s.im.abs() < 0.99 * PI / dt)).then_some(poles)
 }
 
+/// A linear regression behind filters: one regressor per unknown coefficient, and what they should add up to.
 struct Regression {
     regressors: Vec<Vec<f64>>,
     target: Vec<f64>,

@@ -1,4 +1,6 @@
 //! ARX models of several outputs, each driven by the past of all.
+//!
+//! The coefficients of all outputs have the same regressors, so that one triangular factor serves them all.
 
 use crumple_lti::StateSpace;
 use nalgebra::DMatrix;
@@ -83,6 +85,8 @@ impl VectorArx {
     }
 
     /// One-step predictions of every output; the first samples, which lack their past, are the measured ones.
+    ///
+    /// `yh[k] = -sum A_i y[k-i] + sum B_j u[k-nk-j]`: measured outputs of the past, not simulated ones.
     pub fn predict(&self, data: &IoData) -> Vec<Vec<f64>> {
         let first = self.order.states().min(data.samples());
         let mut predicted: Vec<Vec<f64>> = data.outputs().iter().map(|y| y[..first].to_vec()).collect();

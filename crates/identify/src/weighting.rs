@@ -1,4 +1,8 @@
 //! The weighted projections of the subspace methods.
+//!
+//! The extended observability matrix is the column space of what past inputs and outputs tell of future outputs. The
+//! three methods weigh that projection differently before its singular values are taken, and differ in nothing else:
+//! Van Overschee & De Moor, *Subspace Identification for Linear Systems*, 1996.
 
 use crumple_linalg::jacobi_svd;
 use nalgebra::DMatrix;
@@ -33,13 +37,18 @@ impl Weighting {
 /// The transposed weighted projection of future outputs on the past, tall, and what takes its right vectors back to the
 /// extended observability matrix; `None`: they are it.
 pub(crate) struct Projection {
+    /// Rows x future outputs; its right singular vectors are the directions of the observability matrix.
     pub(crate) transposed: DMatrix<f64>,
+    /// What undoes a weighting of the outputs.
     pub(crate) back: Option<DMatrix<f64>>,
 }
 
 impl Weighting {
     /// The projection from the triangular factor `r` of `[U_f; W_p; Y_f]'`: `future` columns of future inputs, `past` of past
     /// inputs and outputs, `outputs` of future outputs. `None`: a decomposition does not converge.
+    ///
+    /// MOESP takes `L32`, N4SID the oblique projection `L32 L22^+ [L21 L22]`, CVA `L32` divided by the square root of
+    /// the covariance of the future outputs without the part of future inputs.
     pub(crate) fn projection(self, r: &DMatrix<f64>, future: usize, past: usize, outputs: usize) -> Option<Projection> {
         let part = |row: usize, rows: usize, column: usize, columns: usize| {
             r.view((row, column), (rows, columns)).into_owned()
