@@ -26,7 +26,7 @@ pub struct VectorArx {
     pub sample_time_s: f64,
 }
 
-/// Fits an ARX model to any number of outputs and inputs by least squares. What is said of [`arx`](crate::arx::arx()) holds
+/// Fits an ARX model to any number of outputs and inputs by least squares. What is said of [`arx`](crate::arx()) holds
 /// here, for every output.
 ///
 /// Errors: too few samples, condition above [`CONDITION_LIMIT`](crate::CONDITION_LIMIT) (collinear outputs, noise-free data of lower order).

@@ -4,7 +4,7 @@ use crumple_linalg::dot;
 use crumple_lti::StateSpace;
 
 use crate::EraError;
-use crate::simulation::initial_state::{columns_of, rows_of};
+use crate::data::contiguous::{columns_of, rows_of};
 
 /// Markov parameters of a system, one sequence for every pair of an output and an input, all of one length.
 ///

@@ -5,7 +5,7 @@ use crumple_lti::{LtiError, StateSpace};
 use nalgebra::{DMatrix, DVector};
 
 use crate::era::era::{decompose, shape};
-use crate::era::input_matrix::input_matrix_of;
+use crate::era::realization::input_matrix_of;
 use crate::era::realization::{Known, realization};
 use crate::era::shift_form::state_matrix;
 use crate::hankel::correlations::{CorrelationSize, Correlations};

@@ -3,6 +3,5 @@
 
 pub(crate) mod era;
 pub(crate) mod era_dc;
-pub(crate) mod input_matrix;
 pub(crate) mod realization;
 pub(crate) mod shift_form;

@@ -2,8 +2,8 @@
 
 use crumple_lti::LtiError;
 
-use crate::ShiftForm;
-use crate::hankel::svd::RANK_TOLERANCE;
+/// Singular values below this fraction of the largest are rounding.
+pub(crate) const RANK_TOLERANCE: f64 = 1e-12;
 
 /// Why there is no model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -97,7 +97,7 @@ pub enum EraError {
         steps: usize,
     },
     /// The shift of the observability matrix determines no state matrix.
-    #[error("the {form} form determines no state matrix of order {order}; lower the order, or use the form {}", ShiftForm::Hankel.name())]
+    #[error("the {form} form determines no state matrix of order {order}; lower the order, or use the form hankel")]
     NoShift {
         /// The order asked for.
         order: usize,

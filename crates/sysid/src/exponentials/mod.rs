@@ -2,5 +2,6 @@
 //! May use poles, simulation, data, error.
 
 pub(crate) mod exponential_sum;
+pub(crate) mod options;
 pub(crate) mod starts;
 pub(crate) mod terms;

@@ -4,6 +4,7 @@ use crumple_linalg::jacobi_svd;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::EraError;
+use crate::error::era::RANK_TOLERANCE;
 use crate::hankel::golub_kahan::GolubKahan;
 use crate::hankel::shift_pair::ShiftPair;
 
@@ -36,9 +37,6 @@ const REPORTED: f64 = 1e-9;
 
 /// Relative residual of singular values good enough to see a gap between them.
 const SEEN: f64 = 0.03;
-
-/// Singular values below this fraction of the largest are rounding.
-pub(crate) const RANK_TOLERANCE: f64 = 1e-12;
 
 /// How the decomposition was computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

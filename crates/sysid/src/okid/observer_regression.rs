@@ -1,8 +1,16 @@
 //! Every output regressed on the last samples of all signals, and how many of them are worth it.
 
-use crate::okid::okid::Criterion;
 use crate::regression::lagged_regression::{LaggedRegression, LaggedSolution};
 use crate::{IdentifyError, InformationCriteria, IoData};
+
+/// How the number of lags is chosen among several.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Criterion {
+    /// Akaike's for short records: leans towards many.
+    Aicc,
+    /// Schwarz's: leans towards few.
+    Bic,
+}
 
 /// Outputs by the inputs of the same sample and by inputs and outputs of the last `lags` samples, in units of the root mean
 /// square of each signal.

@@ -3,8 +3,8 @@
 use crumple_lti::StateSpace;
 use nalgebra::DMatrix;
 
-use crate::era::input_matrix::input_matrix_of;
-use crate::okid::observer_regression::{ObserverRegression, least};
+use crate::era::realization::input_matrix_of;
+use crate::okid::observer_regression::{Criterion, ObserverRegression, least};
 use crate::{Era, EraOptions, IdentifyError, IoData, MarkovParameters, Order};
 
 /// Growth of Markov parameters beyond the lags that counts as divergence.
@@ -12,15 +12,6 @@ const DIVERGED: f64 = 10.0;
 
 /// Markov parameters computed, at least and for every lag.
 const PARAMETERS: (usize, usize) = (200, 10);
-
-/// How the number of lags is chosen among several.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Criterion {
-    /// Akaike's for short records: leans towards many.
-    Aicc,
-    /// Schwarz's: leans towards few.
-    Bic,
-}
 
 /// Number of past samples that the observer sees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,5 +2,4 @@
 //! May use subspace, hankel, modes, data, error.
 
 pub(crate) mod order_scan;
-pub(crate) mod pole_clusters;
 pub(crate) mod stabilization;

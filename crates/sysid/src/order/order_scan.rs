@@ -26,7 +26,7 @@ const GOOD: f64 = 0.03;
 /// Poles of the ERA models of the orders 2, 4, ... up to `highest` or to what the record supports.
 ///
 /// In the balanced form the model of order n is the leading part of every larger one, so all orders cost one
-/// decomposition and one small eigenproblem each. `markov` as for [`era`](crate::era::era()); half of the samples are rows,
+/// decomposition and one small eigenproblem each. `markov` as for [`era`](crate::era()); half of the samples are rows,
 /// half columns, unless given. Errors: as there.
 pub fn era_order_scan(
     markov: &[f64],

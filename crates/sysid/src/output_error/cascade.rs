@@ -12,7 +12,7 @@ use crumple_estimation::minimise::variable_projection::{Basis, Separable, Separa
 use crumple_lti::{Complex, StateSpace};
 use nalgebra::DMatrix;
 
-use crate::output_error::output_error::OutputErrorOptions;
+use crate::output_error::options::OutputErrorOptions;
 use crate::{IdentifyError, IoData};
 
 /// Poles are kept inside a circle of radius `tanh` of this: 1 - 4e-9.

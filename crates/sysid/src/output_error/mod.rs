@@ -2,5 +2,6 @@
 //! May use poles, subspace, arx, data, error.
 
 pub(crate) mod cascade;
+pub(crate) mod options;
 pub(crate) mod output_error;
 pub(crate) mod starts;

@@ -1,41 +1,20 @@
 //! Output-error models in discrete time: the poles that simulate a record best.
 
+use crumple_estimation::minimise::Termination;
 use crumple_estimation::minimise::separable_covariance::{nonlinear_covariance, propagated};
 use crumple_estimation::minimise::variable_projection::{SeparableFit, evaluate, minimize};
-use crumple_estimation::minimise::{Stop, Termination};
 use crumple_estimation::statistics::autoregressive_effective_samples;
 use crumple_lti::{Complex, StateSpace};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::output_error::cascade::CascadeFilter;
+use crate::output_error::options::OutputErrorOptions;
 use crate::output_error::starts::starts;
 use crate::{IdentifyError, InformationCriteria, IoData};
 
 /// Starting points that are refined, of all that were tried.
 const REFINED: usize = 6;
-
-/// Settings of [`output_error`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OutputErrorOptions {
-    /// Number of poles.
-    pub order: usize,
-    /// Whether outputs may follow an input within the same sample.
-    pub direct: bool,
-    /// Samples by which every input acts late.
-    pub delay: usize,
-    /// Random starting points in addition to those from ARX and subspace models.
-    pub random_starts: usize,
-    /// When to stop.
-    pub stop: Stop,
-}
-
-impl OutputErrorOptions {
-    /// Of an order, with a direct term, without delay, 8 random starts.
-    pub fn new(order: usize) -> Self {
-        Self { order, direct: true, delay: 0, random_starts: 8, stop: Stop::default() }
-    }
-}
 
 /// A model whose simulation fits best.
 #[derive(Debug, Clone, PartialEq)]

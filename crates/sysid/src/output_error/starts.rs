@@ -9,7 +9,7 @@ use crumple_lti::Complex;
 use rayon::prelude::*;
 
 use crate::arx::arx::arx;
-use crate::output_error::output_error::OutputErrorOptions;
+use crate::output_error::options::OutputErrorOptions;
 use crate::poles::starts::{Start, StartProblem};
 use crate::subspace::balanced_truncation::balanced_truncation;
 use crate::{ArxOrder, Hold, IoData, Subspace, SubspaceOptions, Weighting};

@@ -3,16 +3,8 @@
 use crumple_estimation::minimise::Stop;
 use crumple_lti::Complex;
 
+use crate::Hold;
 use crate::poles::starts::Start;
-
-/// What the input does between its samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Hold {
-    /// It keeps the value of the last sample.
-    Zero,
-    /// It goes straight to the next sample: right for sampled accelerations, error O(dt²).
-    First,
-}
 
 /// What is assumed of the system's motion before the record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,22 +6,12 @@
 use crumple_linalg::TriangularFactor;
 use crumple_linalg::dot;
 use crumple_lti::StateSpace;
-use nalgebra::DMatrix;
 
+use crate::data::contiguous::{columns_of, rows_of};
 use crate::{IdentifyError, IoData};
 
 /// Directions of the state that the record shows with less than this fraction of the strongest are left at zero.
 const TRUNCATION: f64 = 1e-13;
-
-/// Rows of a matrix, contiguous.
-pub(crate) fn rows_of(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
-}
-
-/// Columns of a matrix, contiguous.
-pub(crate) fn columns_of(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    matrix.column_iter().map(|column| column.iter().copied().collect()).collect()
-}
 
 /// `v' a` with `a` given by its columns.
 pub(crate) fn left_multiply(v: &[f64], columns: &[Vec<f64>], out: &mut [f64]) {

@@ -5,7 +5,8 @@ use crumple_linalg::dot;
 use crumple_lti::StateSpace;
 use nalgebra::DMatrix;
 
-use crate::simulation::initial_state::{columns_of, left_multiply};
+use crate::data::contiguous::columns_of;
+use crate::simulation::initial_state::left_multiply;
 use crate::{IdentifyError, IoData};
 
 /// Singular values below this fraction of the largest count as zero: states that the record does not show.

@@ -6,4 +6,3 @@ pub(crate) mod fit;
 pub(crate) mod initial_state;
 pub(crate) mod input_matrices;
 pub(crate) mod mirrored_poles;
-pub(crate) mod multi_output_fit;

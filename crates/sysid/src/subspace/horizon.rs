@@ -1,7 +1,6 @@
 //! How many samples of past and future a subspace method looks at.
 
-use crate::okid::observer_regression::{ObserverRegression, least};
-use crate::okid::okid::Criterion;
+use crate::okid::observer_regression::{Criterion, ObserverRegression, least};
 use crate::{IoData, Subspace};
 
 /// Lags that the criterion looks at, at most.
