@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 use crumple_artifact::records::{CandidateV1, ChannelFilterV1, EventsV1, NotesV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_lumped::{DoubleSpringMassDamper, Model};
-use crumple_parameter_solve::{FitQuantity, IntegrationRule, Measurement, TwoPassFilter};
+use crumple_lumped_fit::{FitQuantity, IntegrationRule, Measurement, TwoPassFilter};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
 
 const V0: f64 = 15.0;

@@ -1,0 +1,10 @@
+//! Models fitted to records by bounded least squares.
+//! May use `closed_form`, `free`, `candidate` and `record`.
+
+pub mod closed_form_fit;
+pub mod double;
+pub mod halton_starts;
+pub mod maxwell_fit;
+pub mod nonlinear;
+pub mod refine;
+pub mod sensors;

@@ -1,0 +1,5 @@
+//! TODO room
+
+pub mod fit;
+pub mod momentum_starts;
+pub mod problem;

@@ -1,0 +1,6 @@
+//! Which numbers of a model are free, as coordinates of size one with bounds.
+//! Uses no other room.
+
+pub mod mass_split;
+pub mod model_coordinates;
+pub mod parameterisation;

@@ -1,0 +1,5 @@
+//! What the artifacts hold, as the library takes it: measurements, motions, identified models, exponential sums.
+//! May use `options`.
+
+pub mod identified_models;
+pub mod measurement;

@@ -1,0 +1,4 @@
+//! Results as records of the artifact and lines of the summary.
+//! May use `assess`, `inputs` and `options`.
+
+pub mod uncertainty;
