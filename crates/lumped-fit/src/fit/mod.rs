@@ -6,5 +6,6 @@ pub mod double;
 pub mod halton_starts;
 pub mod maxwell_fit;
 pub mod nonlinear;
+pub mod observed_problem;
 pub mod refine;
 pub mod sensors;

@@ -6,7 +6,9 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::StopReason;
-use crate::record::observation::{FreeParameter, Observed, Problem};
+use crate::fit::observed_problem::Problem;
+use crate::free::free_parameter::FreeParameter;
+use crate::record::observation::Observed;
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, derivatives, descend};
 
 /// A model at the minimum, with the sensitivities there.
@@ -138,7 +140,7 @@ mod tests {
     use crumple_signal::{Displacement, Signal};
 
     use super::*;
-    use crate::record::observation::free_masses;
+    use crate::free::free_parameter::free_masses;
     use crate::{IntegrationRule, Measurement, TwoPassFilter, free_parameters};
     use crumple_estimation::minimise::levenberg_marquardt::{Response, central_differences};
 

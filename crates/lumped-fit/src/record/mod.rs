@@ -5,6 +5,5 @@ pub mod fit_quantity;
 pub mod measurement;
 pub mod observation;
 pub mod sensor;
-pub mod sensor_weights;
 pub mod test_data;
 pub mod window;

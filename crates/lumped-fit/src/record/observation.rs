@@ -2,13 +2,10 @@
 
 use std::sync::Arc;
 
-use crumple_lumped::{Model, ModelKind};
+use crumple_lumped::Model;
 use crumple_signal::{Displacement, Sampled, Signal};
 
-use nalgebra::DMatrix;
-
 use crate::{FitQuantity, Measurement, SolveError};
-use crumple_estimation::minimise::levenberg_marquardt::Response;
 
 /// One wave of a record and where it is compared.
 #[derive(Debug, Clone)]
@@ -87,8 +84,8 @@ pub const RESOLUTION_M: f64 = 1e-7;
 /// The crush of which that is a share: a velocity and an acceleration are believed to the same share of their largest value.
 const USUAL_CRUSH_M: f64 = 0.5;
 
-/// A misfit below this share of the largest displacement is the exact model.
-const EXACT: f64 = 1e-10;
+/// The least noise level of a wave, as a share of it.
+const LEAST_LEVEL: f64 = 1e-6;
 
 /// Fewest samples judged.
 pub(crate) const FEWEST: usize = 12;
@@ -232,211 +229,23 @@ impl Observed {
         }
         self
     }
-}
 
-/// One parameter that is judged.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FreeParameter {
-    /// Name with unit.
-    pub name: &'static str,
-    /// Value where the description was made.
-    pub value: f64,
-    /// Unit of its coordinate: the value itself for a logarithm, the scale of its kind otherwise.
-    pub unit: f64,
-    /// Scale of its kind, `m (v0/C)²` for springs and `m v0/C` for dampers; 0 for knots.
-    pub scale: f64,
-    /// Whether the coordinate is the logarithm of the value: all but those near zero.
-    pub logarithmic: bool,
-    /// Largest value allowed; speeds and lengths of a curve stay inside it.
-    pub limit: f64,
-    /// Smallest value allowed; 0 for all but masses.
-    pub lowest: f64,
-}
-
-/// A spring or damper below this share of the scale of its kind is near zero: its logarithm means nothing.
-const NEAR_ZERO: f64 = 0.01;
-/// Springs and dampers are looked for within this factor.
-const RANGE: f64 = 1e4;
-
-impl FreeParameter {
-    /// The same parameter described about another value: by its logarithm, or by its share of the scale near zero.
-    pub fn described_at(&self, value: f64) -> Self {
-        let logarithmic = value > NEAR_ZERO * self.scale;
-        Self { value, unit: if logarithmic { value } else { self.scale }, logarithmic, ..*self }
+    /// The noise level of each wave from its root mean square misfit: never less than a millionth of the wave.
+    pub fn noise_levels(&self, rmse: &[f64]) -> Vec<f64> {
+        let of = |(wave, rmse): (&SeenWave, &f64)| rmse.max(LEAST_LEVEL * wave.size()).max(f64::MIN_POSITIVE);
+        self.waves.iter().zip(rmse).map(of).collect()
     }
 
-    /// The coordinate of a value.
-    pub fn coordinate(&self, value: f64) -> f64 {
-        if self.logarithmic { (value / self.unit).ln() } else { value / self.unit }
-    }
-
-    /// The value at a coordinate.
-    pub fn at(&self, coordinate: f64) -> f64 {
-        if self.logarithmic { self.unit * coordinate.exp() } else { self.unit * coordinate }
-    }
-
-    /// Smallest and largest coordinate.
-    pub fn bounds(&self) -> (f64, f64) {
-        if self.logarithmic {
-            ((self.lowest / self.unit).ln().max(-RANGE.ln()), (self.limit / self.unit).ln().min(RANGE.ln()))
-        } else {
-            (0.0, (self.limit / self.unit).min(RANGE))
+    /// Weighs the waves by the noise levels that follow from the root mean square misfit of each; whether a weight changed by more
+    /// than the share `worth` of itself.
+    pub fn weigh(&mut self, rmse: &[f64], worth: f64) -> bool {
+        let levels = self.noise_levels(rmse);
+        let mut moved = false;
+        for (wave, level) in self.waves.iter_mut().zip(&levels).skip(1) {
+            let weight = levels[0] / level;
+            moved |= (weight / wave.weight).ln().abs() > worth;
+            wave.weight = weight;
         }
-    }
-
-    /// Derivative of the value by the coordinate.
-    pub fn slope(&self, coordinate: f64) -> f64 {
-        if self.logarithmic { self.at(coordinate) } else { self.unit }
-    }
-}
-
-/// The springs, dampers and knots of a model that a displacement can tell, with coordinates of size one. Masses, and the end
-/// knots of a nonlinear model, are given.
-///
-/// `crush_m` and `time_s` are those of the test; `with_unloading`: whether the window goes beyond the dynamic crush.
-pub fn free_parameters(
-    model: &Model,
-    impact_speed_m_per_s: f64,
-    crush_m: f64,
-    with_unloading: bool,
-) -> Vec<FreeParameter> {
-    let rate = impact_speed_m_per_s / crush_m;
-    let values = model.parameters();
-    let mass: f64 = values.iter().filter(|(name, _)| name.ends_with("_kg")).map(|(_, value)| value).sum();
-    let names = model.kind().parameter_names();
-    names
-        .iter()
-        .filter(|name| !(name.ends_with("_kg") || **name == "crush_m" || **name == "v0_m_per_s"))
-        .filter(|name| with_unloading || **name != "unloading_stiffness_n_per_m")
-        .map(|&name| {
-            let value = values[name];
-            let knot = |last: &str| 0.999_999 * values.get(last).copied().unwrap_or(f64::INFINITY);
-            let (scale, limit) = match name {
-                _ if name.ends_with("_n_s_per_m") => (mass * rate, f64::INFINITY),
-                _ if name.ends_with("_n_per_m") => (mass * rate * rate, f64::INFINITY),
-                _ if name.ends_with("_m_per_s") => (0.0, knot("v0_m_per_s")),
-                _ => (0.0, knot("crush_m")),
-            };
-            FreeParameter { name, value, unit: value, scale, logarithmic: true, limit, lowest: 0.0 }.described_at(value)
-        })
-        .collect()
-}
-
-/// The masses but the last of a model whose total is known, each between two shares of what the masses before it leave.
-pub fn free_masses(model: &Model, (lower, upper): (f64, f64)) -> Vec<FreeParameter> {
-    let masses = masses_of(model);
-    let mut left: f64 = masses.iter().map(|(_, kg)| kg).sum();
-    let (_, but_last) = masses.split_last().unwrap_or((&("", 0.0), &[]));
-    but_last
-        .iter()
-        .map(|&(name, value)| {
-            let (limit, lowest) = (upper * left, lower * left);
-            left -= value;
-            FreeParameter { name, value, unit: value, scale: 0.0, logarithmic: true, limit, lowest }
-        })
-        .collect()
-}
-
-/// Masses of a model from the barrier on.
-pub(crate) fn masses_of(model: &Model) -> Vec<(&'static str, f64)> {
-    let values = model.parameters();
-    let names = model.kind().parameter_names().iter();
-    names.filter(|name| name.ends_with("_kg")).map(|name| (*name, values[*name])).collect()
-}
-
-/// The last mass where masses are free: the rest of the total. Its name and its value.
-pub(crate) fn rest_mass(model: &Model, free: &[FreeParameter]) -> Option<(&'static str, f64)> {
-    free.iter().any(|p| p.name.ends_with("_kg")).then(|| masses_of(model).pop()).flatten()
-}
-
-/// A model of which some parameters are free, beside a record. Residuals are in units of the largest displacement.
-#[derive(Debug, Clone)]
-pub(crate) struct Problem<'a> {
-    pub template: Model,
-    pub free: Vec<FreeParameter>,
-    pub observed: &'a Observed,
-    /// Metres of one unit of residual.
-    pub unit_m: f64,
-}
-
-impl<'a> Problem<'a> {
-    pub fn new(template: Model, free: Vec<FreeParameter>, observed: &'a Observed) -> Self {
-        Self { template, free, observed, unit_m: observed.scale_m() }
-    }
-
-    /// The model at a point, whatever its parameters are worth.
-    pub fn model(&self, theta: &[f64]) -> Option<Model> {
-        let mut values = self.template.parameters();
-        for (parameter, coordinate) in self.free.iter().zip(theta) {
-            *values.get_mut(parameter.name)? = parameter.at(*coordinate);
-        }
-        if let Some((rest, _)) = rest_mass(&self.template, &self.free) {
-            // The total is known.
-            let masses = masses_of(&self.template);
-            let total: f64 = masses.iter().map(|(_, kg)| kg).sum();
-            let others: f64 = masses.iter().filter(|(name, _)| *name != rest).map(|(name, _)| values[*name]).sum();
-            *values.get_mut(rest)? = total - others;
-        }
-        with_parameters(&self.template, &values)
-    }
-
-    /// The coordinates of the template.
-    pub fn start(&self) -> Vec<f64> {
-        self.free.iter().map(|p| p.coordinate(p.value)).collect()
-    }
-}
-
-/// The same model with other values; `None` for values without meaning.
-pub(crate) fn with_parameters(template: &Model, values: &std::collections::BTreeMap<String, f64>) -> Option<Model> {
-    let kind: ModelKind = template.kind();
-    let mut model = Model::from_parameters(kind, values).ok()?;
-    if let (Model::Elastoplastic(new), Model::Elastoplastic(old)) = (&mut model, template) {
-        new.release = old.release;
-    }
-    Some(model)
-}
-
-impl Response for Problem<'_> {
-    fn rows(&self) -> usize {
-        self.observed.rows()
-    }
-
-    fn exact(&self) -> f64 {
-        EXACT * EXACT * self.rows() as f64
-    }
-
-    fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
-        let Some(misfit) = self.model(theta).and_then(|model| self.observed.misfit(&model)) else { return false };
-        for (out, misfit) in out.iter_mut().zip(misfit) {
-            *out = misfit / self.unit_m;
-        }
-        true
-    }
-
-    fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
-        let model = self.model(theta)?;
-        let names = model.kind().parameter_names();
-        let place = |name: &str| names.iter().position(|other| *other == name);
-        let mut places = self.free.iter().map(|p| place(p.name)).collect::<Option<Vec<usize>>>()?;
-        // A mass that is free is taken from the last one.
-        let rest = rest_mass(&self.template, &self.free).and_then(|(name, _)| place(name));
-        places.extend(rest);
-        let v0 = self.observed.impact_speed_m_per_s;
-        let mut row = 0;
-        for wave in &self.observed.waves {
-            let what = (wave.mass, wave.quantity);
-            let found = wave.measurement.derivatives(&model, what, v0, wave.last(), &places).ok()?;
-            for (j, (parameter, theta)) in self.free.iter().zip(theta).enumerate() {
-                let scale = parameter.slope(*theta) * wave.weight / self.unit_m;
-                let taken = rest.filter(|_| parameter.name.ends_with("_kg")).and_then(|_| found.last());
-                for (k, row) in (row..row + wave.samples.len()).enumerate() {
-                    let at = wave.first + k * wave.stride;
-                    let own = found[j].get(at)? - taken.map_or(Some(0.0), |of| of.get(at).copied())?;
-                    out[(row, j)] = scale * own;
-                }
-            }
-            row += wave.samples.len();
-        }
-        out.columns(0, self.free.len()).iter().all(|x| x.is_finite()).then_some(true)
+        moved
     }
 }

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::FitQuantity;
 use crate::fit::refine::Refined;
-use crate::record::observation::{FreeParameter, Observed, masses_of, rest_mass};
+use crate::free::free_parameter::{FreeParameter, masses_of, rest_mass};
+use crate::record::observation::Observed;
 use crate::uncertainty::block_bootstrap::{Bootstrap, bootstrap};
 use crate::uncertainty::dual_scale::DualScale;
 use crate::uncertainty::identifiability::weakest_direction;

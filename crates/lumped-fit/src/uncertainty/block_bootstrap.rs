@@ -6,8 +6,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
+use crate::fit::observed_problem::Problem;
 use crate::fit::refine::{Refined, follow};
-use crate::record::observation::{FreeParameter, Observed, Problem, rest_mass};
+use crate::free::free_parameter::{FreeParameter, rest_mass};
+use crate::record::observation::Observed;
 use crumple_estimation::statistics::{autocorrelation_time, quantile};
 use crumple_lumped::Model;
 

@@ -1,7 +1,7 @@
 //! What a record does not determine, in words.
 
 use crate::FitQuantity;
-use crate::record::observation::FreeParameter;
+use crate::free::free_parameter::FreeParameter;
 use crumple_estimation::statistics::Covariance;
 
 /// Parts below this share of the largest part of the weakest direction are left out of the sentence.

@@ -2,8 +2,10 @@
 
 use rayon::prelude::*;
 
+use crate::fit::observed_problem::Problem;
 use crate::fit::refine::{Refined, follow};
-use crate::record::observation::{FreeParameter, Observed, Problem};
+use crate::free::free_parameter::FreeParameter;
+use crate::record::observation::Observed;
 
 /// Rise of `2 ln L` that ends a 95 % interval of one parameter: chi-square with one degree of freedom.
 pub const RISE_95: f64 = 3.841_459;
@@ -57,7 +59,7 @@ pub fn profile(
     let refit = |held: usize, coordinate: f64, start: &[f64]| -> Option<(Vec<f64>, f64)> {
         let mut values = refined.model.parameters();
         *values.get_mut(free[held].name)? = free[held].at(coordinate);
-        let template = crate::record::observation::with_parameters(&refined.model, &values)?;
+        let template = crate::fit::observed_problem::with_parameters(&refined.model, &values)?;
         let others: Vec<FreeParameter> = (0..free.len()).filter(|&i| i != held).map(|i| free[i]).collect();
         let problem = Problem::new(template, others, observed);
         if start.is_empty() {

@@ -9,8 +9,10 @@ use rayon::prelude::*;
 use crumple_lumped::Model;
 use crumple_signal::Distribution;
 
+use crate::fit::observed_problem::{Problem, with_parameters};
 use crate::fit::refine::follow;
-use crate::record::observation::{FEWEST, Observed, Problem, SeenWave, rest_mass, with_parameters};
+use crate::free::free_parameter::rest_mass;
+use crate::record::observation::{FEWEST, Observed, SeenWave};
 use crate::uncertainty::block_bootstrap::percentile;
 use crate::{FitQuantity, FreeParameter, Measurement};
 
