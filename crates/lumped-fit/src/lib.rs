@@ -32,7 +32,7 @@ pub use chain::covariance::ChainKnowledge;
 pub use chain::dual::ChainDual;
 pub use chain::fit::{ChainSolution, fit_chain};
 pub use closed_form::elastoplastic::{
-    RIGID_RESTITUTION, elastoplastic_from_events, elastoplastic_of_record, fit_elastoplastic_loading, unloads_rigidly,
+    RIGID_RESTITUTION, elastoplastic_from_events, elastoplastic_of_record, unloads_rigidly,
 };
 pub use closed_form::kelvin::{KelvinBranch, KelvinSolution, centroid_to_crush_time_ratio, kelvin_from_events};
 pub use closed_form::maxwell::{MaxwellExponents, maxwell_constants, maxwell_from_exponents};
@@ -42,9 +42,12 @@ pub use crumple_estimation::statistics::{Covariance, covariance};
 pub use crumple_signal::Distribution;
 pub use error::SolveError;
 pub use fit::double::pair::{DoubleFit, DoubleFitOptions, fit_double};
+pub use fit::elastoplastic_fit::fit_elastoplastic_loading;
 pub use fit::maxwell_fit::{fit_maxwell, undetermined_by_the_record};
-pub use fit::nonlinear::fit::{NonlinearFitOptions, fit_nonlinear1, fit_nonlinear2};
+pub use fit::nonlinear::nonlinear1::fit_nonlinear1;
+pub use fit::nonlinear::nonlinear2::fit_nonlinear2;
 pub use fit::nonlinear::problem::conditions_at_crush;
+pub use fit::options::NonlinearFitOptions;
 pub use fit::refine::{Refined, refine};
 pub use free::free_parameter::{FreeParameter, free_masses, free_parameters};
 pub use free::mass_split::{MassSplit, masses, triple_masses};

@@ -2,8 +2,6 @@
 
 use crumple_lumped::Model;
 
-use crate::uncertainty::identifiability::short;
-
 /// A parameter of a model in words: `stiffness k2 at 0.31 m`, `damping c1 at rest`, `unloading stiffness`, `mass m1`.
 ///
 /// A knot of a nonlinear model is named with its place. What the model does not have stays as it is, without its unit.
@@ -42,6 +40,15 @@ pub fn in_words(model: &Model, name: &str) -> String {
 /// Several of them, in a row.
 pub fn all_in_words<'a>(model: &Model, names: impl IntoIterator<Item = &'a str>) -> String {
     names.into_iter().map(|name| in_words(model, name)).collect::<Vec<_>>().join(", ")
+}
+
+/// A parameter without its unit: `k1_n_per_m` is `k1`.
+pub(crate) fn short(name: &str) -> String {
+    ["_n_s_per_m", "_n_per_m", "_m_per_s", "_kg", "_m"]
+        .iter()
+        .find_map(|unit| name.strip_suffix(unit))
+        .unwrap_or(name)
+        .replace('_', " ")
 }
 
 #[cfg(test)]

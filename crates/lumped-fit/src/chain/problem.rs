@@ -4,7 +4,7 @@ use crumple_lumped::{Instants, SecantChain};
 use nalgebra::DMatrix;
 
 use crate::chain::coordinates::FreeChain;
-use crate::fit::sensors::fit::bounds;
+use crate::fit::descents::bounds;
 use crate::fit::sensors::problem::{Observed as Seen, SensorProblem};
 use crate::free::parameterisation::{FreeModel, places};
 use crate::record::window::Window;

@@ -2,7 +2,7 @@
 
 use crate::candidate::linearised::uncertainty;
 use crate::candidate::parameter_set::Fit;
-use crate::fit::sensors::fit::all;
+use crate::fit::descents::all;
 use crate::record::window::Window;
 use crate::{SolveError, Uncertainty};
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response};

@@ -5,8 +5,9 @@ use crumple_signal::{Displacement, Signal};
 
 use crate::error::positive;
 use crate::fit::closed_form_fit::{ClosedForm, fit_logarithms};
+use crate::fit::options::NonlinearFitOptions;
 use crate::record::window::Window;
-use crate::{Fit, NonlinearFitOptions, SolveError, Uncertainty};
+use crate::{Fit, SolveError, Uncertainty};
 use crumple_estimation::minimise::levenberg_marquardt::Bounds;
 
 /// Starts of the spring and of the damper, in their units.

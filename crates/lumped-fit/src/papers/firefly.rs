@@ -6,8 +6,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::error::positive;
+use crate::fit::options::NonlinearFitOptions;
 use crate::record::window::Window;
-use crate::{Fit, FitQuantity, NonlinearFitOptions, SolveError, StopReason};
+use crate::{Fit, FitQuantity, SolveError, StopReason};
 
 /// In which units distances between fireflies are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

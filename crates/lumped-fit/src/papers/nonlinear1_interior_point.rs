@@ -6,8 +6,9 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::error::positive;
+use crate::fit::options::NonlinearFitOptions;
 use crate::record::window::Window;
-use crate::{Fit, FitQuantity, NonlinearFitOptions, SolveError};
+use crate::{Fit, FitQuantity, SolveError};
 use crumple_estimation::minimise::interior_point::{Evaluated, InteriorPoint, Program, interior_point};
 
 const NAMES: [&str; 6] =

@@ -6,12 +6,13 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::error::positive;
-use crate::fit::sensors::fit::{all, bounds};
+use crate::fit::descents::{all, bounds};
+use crate::fit::options::NonlinearFitOptions;
 use crate::fit::sensors::problem::{Observed, SensorProblem};
 use crate::free::model_coordinates::{Family, Scale};
 use crate::free::parameterisation::FreeModel;
 use crate::record::window::Window;
-use crate::{Fit, FitQuantity, MassFit, NonlinearFitOptions, SolveError};
+use crate::{Fit, FitQuantity, MassFit, SolveError};
 
 /// Bounded Levenberg-Marquardt from `starts` points drawn evenly in the logarithms of the coefficients, the best of all ends.
 ///

@@ -150,7 +150,7 @@ impl<'a> Report<'a> {
                 own[0].push(text);
             }
             // Where the dual leads if it is followed: the second best explanation.
-            let settings = crate::fit::sensors::fit::bounds(self.family, 200, 1e-15);
+            let settings = crate::fit::descents::bounds(self.family, 200, 1e-15);
             if let Some(followed) =
                 crumple_estimation::minimise::levenberg_marquardt::descend(&self.problem(), &dual, &settings)
             {
@@ -195,7 +195,7 @@ impl<'a> Report<'a> {
             let index = found.len() + 1;
             let dual = model.dual();
             let theta = self.family.theta(&Model::DoubleSpringMassDamper(dual));
-            let settings = crate::fit::sensors::fit::bounds(self.family, 0, 1e-15);
+            let settings = crate::fit::descents::bounds(self.family, 0, 1e-15);
             // Where a bound keeps the dual out it is none of the candidates.
             let other = crumple_estimation::minimise::levenberg_marquardt::descend(&self.problem(), &theta, &settings)
                 .filter(|other| other.cost <= minimum.cost * (1.0 + 1e-6) + 1e-20);

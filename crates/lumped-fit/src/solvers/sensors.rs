@@ -3,6 +3,7 @@
 use crumple_lumped::{Model, ModelKind};
 use crumple_signal::{Notes, Sampled};
 
+use crate::fit::options::NonlinearFitOptions;
 use crate::fit::sensors::fit::{Search, fit_sensors};
 use crate::fit::sensors::problem::Observed;
 use crate::free::model_coordinates::{Family, Scale};
@@ -10,8 +11,8 @@ use crate::record::window::Window;
 use crate::solvers::sensor_report::Report;
 use crate::solvers::table::Task;
 use crate::{
-    Candidate, FitQuantity, MassFit, Method, NonlinearFitOptions, Place, Sensor, SolveError, elastoplastic_from_events,
-    fit_nonlinear1, fit_nonlinear2, kelvin_from_events, masses, triple_masses,
+    Candidate, FitQuantity, MassFit, Method, Place, Sensor, SolveError, elastoplastic_from_events, fit_nonlinear1,
+    fit_nonlinear2, kelvin_from_events, masses, triple_masses,
 };
 
 /// Whether the displacement of the pulse alone is to be fitted, with known masses: what the fits made for one model do. A sensor

@@ -4,12 +4,12 @@ use crumple_lumped::Model;
 use crumple_signal::{Displacement, Notes, Signal};
 
 use super::extent::{Extent, crush_of, extent_of};
+use crate::fit::options::NonlinearFitOptions;
 use crate::solvers::sensors;
 use crate::solvers::table::Task;
 use crate::{
-    Candidate, Fit, NonlinearFitOptions, SolveError, Uncertainty, bounds_remark, conditions_at_crush,
-    firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2, interior_point_nonlinear1,
-    undetermined_by_the_record,
+    Candidate, Fit, SolveError, Uncertainty, bounds_remark, conditions_at_crush, firefly_nonlinear2, fit_maxwell,
+    fit_nonlinear1, fit_nonlinear2, interior_point_nonlinear1, undetermined_by_the_record,
 };
 
 type Found = (Model, Fit, Option<Uncertainty>);

@@ -1,6 +1,7 @@
 //! What a record does not determine, in words.
 
 use crate::FitQuantity;
+use crate::candidate::parameter_words::short;
 use crate::free::free_parameter::FreeParameter;
 use crumple_estimation::statistics::Covariance;
 
@@ -93,15 +94,6 @@ pub(crate) fn direction_in_words(free: &[Named], covariance: &Covariance, quanti
 /// Two of one kind stand by their numbers, others as the model has them.
 fn comes_before(a: &str, b: &str, in_the_model: bool) -> bool {
     if a.as_bytes().first() == b.as_bytes().first() { a < b } else { in_the_model }
-}
-
-/// A parameter without its unit: `k1_n_per_m` is `k1`.
-pub(crate) fn short(name: &str) -> String {
-    ["_n_s_per_m", "_n_per_m", "_m_per_s", "_kg", "_m"]
-        .iter()
-        .find_map(|unit| name.strip_suffix(unit))
-        .unwrap_or(name)
-        .replace('_', " ")
 }
 
 fn size(value: f64, quantity: FitQuantity) -> String {

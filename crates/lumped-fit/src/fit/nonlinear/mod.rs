@@ -1,5 +1,6 @@
 //! TODO room
 
-pub mod fit;
 pub mod momentum_starts;
+pub mod nonlinear1;
+pub mod nonlinear2;
 pub mod problem;

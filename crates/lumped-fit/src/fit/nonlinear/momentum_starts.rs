@@ -2,9 +2,15 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::NonlinearFitOptions;
+use crate::fit::options::NonlinearFitOptions;
 use crate::record::window::Window;
 use crumple_linalg::nonnegative_least_squares;
+
+/// Places of the knots of the damper, shares of the impact speed: quadratic, since most of the motion near rest is slow.
+pub(crate) const DAMPER_KNOTS: [f64; 9] = [0.012, 0.05, 0.11, 0.2, 0.31, 0.44, 0.6, 0.75, 0.9];
+/// Starts that are refined, and those followed to the end.
+pub(crate) const REFINED: usize = 8;
+pub(crate) const FOLLOWED: usize = 2;
 
 /// A knot vector of both coefficients and the values there.
 #[derive(Debug, Clone)]

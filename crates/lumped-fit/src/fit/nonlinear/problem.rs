@@ -3,7 +3,7 @@
 use crumple_lumped::{Instants, Model, Nonlinear1};
 use nalgebra::DMatrix;
 
-use crate::NonlinearFitOptions;
+use crate::fit::options::NonlinearFitOptions;
 use crate::record::window::Window;
 use crumple_estimation::minimise::levenberg_marquardt::Response;
 
@@ -95,7 +95,7 @@ impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
 
 /// How the second model's parameters move: each with its own number, the knees of the damper in rising order.
 pub(crate) fn chain2(theta: &[f64], options: &NonlinearFitOptions) -> Chain {
-    let (spring, damper) = units(options);
+    let (spring, damper) = options.units();
     let (crush, v0) = (options.crush_m, options.impact_speed_m_per_s);
     let mut places = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10];
     if theta[8] > theta[9] {
@@ -108,7 +108,7 @@ pub(crate) fn chain2(theta: &[f64], options: &NonlinearFitOptions) -> Chain {
 
 /// How the first model's parameters move: its coefficients are sums of parts.
 pub(crate) fn chain1(_: &[f64], options: &NonlinearFitOptions) -> Chain {
-    let (k, c) = units(options);
+    let (k, c) = options.units();
     vec![
         vec![(1, k), (2, k)],
         vec![(2, k)],
@@ -117,10 +117,4 @@ pub(crate) fn chain1(_: &[f64], options: &NonlinearFitOptions) -> Chain {
         vec![(3, c), (4, c), (5, c)],
         vec![(6, options.impact_speed_m_per_s)],
     ]
-}
-
-/// Units of spring and damper in which a car is of size one.
-pub(crate) fn units(options: &NonlinearFitOptions) -> (f64, f64) {
-    let rate = options.impact_speed_m_per_s / options.crush_m;
-    (options.mass_kg * rate * rate, options.mass_kg * rate)
 }

@@ -1,16 +1,14 @@
 //! Any model fitted to any sensors: search, descent, weights.
 
+use crate::fit::descents::{all, bounds, distinct};
 use crumple_linalg::jacobi_svd;
-use rayon::prelude::*;
 
 use crate::fit::halton_starts::start_in;
 use crate::fit::sensors::problem::{Observed, SensorProblem};
 use crate::free::parameterisation::FreeModel;
 use crumple_estimation::minimise::l_shade::{LShadeOptions, LShadeStop, l_shade};
-use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
+use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response};
 
-/// Minima kept.
-const REPORTED: usize = 3;
 /// Samples of a sensor that searches run on.
 const SEARCH_SAMPLES: usize = 64;
 /// Iterations that sort starts, and how many are followed.
@@ -22,8 +20,6 @@ const ROUNDS: usize = 4;
 /// Rounds of weighing the sensors, and the least noise as a share of the record.
 const WEIGHINGS: usize = 12;
 const LEAST_NOISE: f64 = 1e-6;
-/// Two minima further apart than this in any coordinate are two.
-const APART: f64 = 0.01;
 
 /// How minima are looked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,16 +40,6 @@ pub(crate) struct Fitted {
     pub evaluations: u64,
     /// What the search has to say.
     pub remarks: Vec<String>,
-}
-
-pub(crate) fn bounds(family: &impl FreeModel, max_iterations: u32, cost_tolerance: f64) -> Bounds {
-    let axes = family.axes();
-    Bounds {
-        lower: axes.iter().map(|axis| axis.lower).collect(),
-        upper: axes.iter().map(|axis| axis.upper).collect(),
-        max_iterations,
-        cost_tolerance,
-    }
 }
 
 /// Fits a family to sensors; `weigh[i]` says whether the noise level of sensor i is to be found from its residuals.
@@ -106,27 +92,6 @@ pub(crate) fn fit_sensors(
         }
     }
     (!minima.is_empty()).then_some(Fitted { minima, sensors, evaluations, remarks })
-}
-
-pub(crate) fn all(problem: &impl Response, points: Vec<Vec<f64>>, bounds: &Bounds) -> (Vec<Optimum>, u64) {
-    let found: Vec<_> = points.par_iter().map(|point| descend(problem, point, bounds)).collect();
-    let mut found: Vec<Optimum> = found.into_iter().flatten().collect();
-    let evaluations = found.iter().map(|m| m.evaluations).sum();
-    found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    (found, evaluations)
-}
-
-/// Those that have not come to the place of a better one.
-pub(crate) fn distinct(sorted: Vec<Optimum>) -> Vec<Optimum> {
-    let mut kept: Vec<Optimum> = Vec::new();
-    for minimum in sorted {
-        let same = |other: &Optimum| minimum.theta.iter().zip(&other.theta).all(|(a, b)| (a - b).abs() < APART);
-        if !kept.iter().any(same) {
-            kept.push(minimum);
-        }
-    }
-    kept.truncate(2 * REPORTED);
-    kept
 }
 
 fn multi_start(problem: &SensorProblem<'_, impl FreeModel>, count: usize, given: &[Vec<f64>]) -> (Vec<Optimum>, u64) {
