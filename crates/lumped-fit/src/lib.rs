@@ -7,6 +7,8 @@
 //! parameters are determined (covariance, profile, bootstrap, propagation) and which other candidate gives the same record.
 //! Where a model has no solution the notes say why: that is an answer, not an error.
 //!
+//! rooms: solvers | papers chain | matching uncertainty | fit | closed_form free candidate | record
+//!
 //! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model; transfer
 //! function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two nonlinear models; each
 //! function names its own.
@@ -68,7 +70,8 @@ pub use record::sensor::{Place, Sensor, SensorFit, errors_in_words, errors_remar
 pub use record::test_data::Evidence;
 pub use solvers::settings::SolveSettings;
 pub use solvers::solve::solve;
-pub use solvers::table::{DEFAULT_MODELS, MODELS, Needs, SOLVERS, Solver, solvers_of};
+pub use solvers::table::{DEFAULT_MODELS, MODELS, SOLVERS, Solver, solvers_of};
+pub use solvers::task::Needs;
 pub use uncertainty::assessment::{Intervals, JudgeOptions, Judgement, judge, undetermined};
 pub use uncertainty::block_bootstrap::{Bootstrap, REPLICATES, bootstrap};
 pub use uncertainty::closed_form_propagation::{FollowedEvents, propagate_closed_form};

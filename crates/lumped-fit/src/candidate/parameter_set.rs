@@ -1,10 +1,11 @@
 use std::collections::BTreeMap;
 
+use crumple_estimation::minimise::StopReason;
 use crumple_lumped::Model;
 
 use crate::candidate::parameter_words::all_in_words;
 use crate::record::window::Window;
-use crate::{FitQuantity, Method, SensorFit, StopReason};
+use crate::{FitQuantity, Method, SensorFit};
 use crumple_estimation::minimise::levenberg_marquardt::Optimum;
 
 /// One set of parameters.

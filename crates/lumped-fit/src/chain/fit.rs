@@ -1,5 +1,6 @@
 //! Chains of masses fitted to the motion of one or several sensors, and judged.
 
+use crumple_estimation::minimise::StopReason;
 use crumple_lumped::SecantChain;
 
 use crate::chain::coordinates::{FreeChain, StatedChain};
@@ -9,7 +10,7 @@ use crate::chain::problem::{ChainProblem, windows};
 use crate::fit::descents::{all, bounds, distinct};
 use crate::fit::sensors::fit::{Search, fit_sensors};
 use crate::free::parameterisation::FreeModel;
-use crate::{Observed, SolveError, StopReason};
+use crate::{Observed, SolveError};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, derivatives};
 
 /// Sets that are reported at most, each with its dual, and how near their errors must be to the best.

@@ -5,10 +5,10 @@ use crumple_lumped::Model;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::StopReason;
 use crate::fit::observed_problem::Problem;
 use crate::free::free_parameter::FreeParameter;
 use crate::record::observation::Observed;
+use crumple_estimation::minimise::StopReason;
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, derivatives, descend};
 
 /// A model at the minimum, with the sensitivities there.

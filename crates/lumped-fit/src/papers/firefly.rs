@@ -1,5 +1,6 @@
 //! The firefly search of the single-mass paper, in its own units and in the unit box.
 
+use crumple_estimation::minimise::StopReason;
 use crumple_lumped::Nonlinear2;
 use crumple_signal::{Displacement, Signal};
 use rand_chacha::ChaCha8Rng;
@@ -8,7 +9,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use crate::error::positive;
 use crate::fit::options::NonlinearFitOptions;
 use crate::record::window::Window;
-use crate::{Fit, FitQuantity, SolveError, StopReason};
+use crate::{Fit, FitQuantity, SolveError};
 
 /// In which units distances between fireflies are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

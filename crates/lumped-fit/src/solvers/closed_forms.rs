@@ -5,7 +5,7 @@ use crumple_signal::Notes;
 
 use super::extent::{crush_of, extent_of, unfitted};
 use crate::solvers::single_mass::fitted;
-use crate::solvers::table::Task;
+use crate::solvers::task::Task;
 use crate::{
     Candidate, KelvinBranch, RIGID_RESTITUTION, SolveError, elastoplastic_of_record, fit_elastoplastic_loading,
     kelvin_from_events,

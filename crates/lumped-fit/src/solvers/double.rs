@@ -4,7 +4,7 @@ use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_signal::Notes;
 
 use crate::solvers::sensors;
-use crate::solvers::table::Task;
+use crate::solvers::task::Task;
 use crate::{Candidate, DoubleFitOptions, SolveError, fit_double, masses};
 
 /// Error of a displacement integrated twice by the trapezoidal rule at 10 kHz, m: known records lie within 1.3e-6 m.
@@ -12,7 +12,7 @@ const DISPLACEMENT_RESOLUTION_M: f64 = 1.3e-6;
 
 /// Every pair of duals that the record cannot tell from the best.
 pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
-    if !sensors::is_plain(task) {
+    if !task.fits_displacement_alone() {
         return sensors::fit(task, notes);
     }
     let (kind, evidence, settings) = (task.model, task.evidence, task.settings);

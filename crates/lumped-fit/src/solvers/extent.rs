@@ -4,7 +4,7 @@ use crumple_lumped::Model;
 use crumple_signal::Notes;
 
 use crate::Candidate;
-use crate::solvers::table::Task;
+use crate::solvers::task::Task;
 
 /// A candidate that nothing was fitted for.
 pub(super) fn unfitted(task: &Task<'_>, model: Model, notes: Vec<String>) -> Candidate {

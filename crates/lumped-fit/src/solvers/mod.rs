@@ -10,3 +10,4 @@ pub mod settings;
 pub mod single_mass;
 pub mod solve;
 pub mod table;
+pub mod task;

@@ -8,8 +8,7 @@ use crate::fit::sensors::fit::Fitted;
 use crate::fit::sensors::problem::{Observed, SensorProblem};
 use crate::free::model_coordinates::Family;
 use crate::free::parameterisation::FreeModel;
-use crate::solvers::sensors::is_plain;
-use crate::solvers::table::Task;
+use crate::solvers::task::Task;
 use crate::{Candidate, Fit, Sensor, SensorFit, bounds_remark, errors_in_words, errors_remark};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response};
 
@@ -100,7 +99,7 @@ impl<'a> Report<'a> {
             noise: observed.noise,
         };
         // The pulse's displacement: judged like the fits made for one model, through the filter of the record.
-        let plain = is_plain(self.task);
+        let plain = self.task.fits_displacement_alone();
         let sensors = self.sensors.iter().zip(self.found.sensors.iter().zip(&rmse)).map(of);
         Some(Candidate {
             model,

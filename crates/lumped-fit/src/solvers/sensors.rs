@@ -1,7 +1,7 @@
 //! Any model fitted to acceleration, velocity or displacement of one or several sensors.
 
 use crumple_lumped::{Model, ModelKind};
-use crumple_signal::{Notes, Sampled};
+use crumple_signal::Notes;
 
 use crate::fit::options::NonlinearFitOptions;
 use crate::fit::sensors::fit::{Search, fit_sensors};
@@ -9,37 +9,16 @@ use crate::fit::sensors::problem::Observed;
 use crate::free::model_coordinates::{Family, Scale};
 use crate::record::window::Window;
 use crate::solvers::sensor_report::Report;
-use crate::solvers::table::Task;
+use crate::solvers::task::{Task, mass_count};
 use crate::{
     Candidate, FitQuantity, MassFit, Method, Place, Sensor, SolveError, elastoplastic_from_events, fit_nonlinear1,
     fit_nonlinear2, kelvin_from_events, masses, triple_masses,
 };
 
-/// Whether the displacement of the pulse alone is to be fitted, with known masses: what the fits made for one model do. A sensor
-/// on a mass that the model does not have changes nothing, nor does naming the pulse itself.
-pub(crate) fn is_plain(task: &Task<'_>) -> bool {
-    let count = masses_of(task.model);
-    let is_pulse = |sensor: &Sensor<'_>| {
-        let pulse: Option<&Sampled> = task.evidence.displacement.map(|displacement| &**displacement);
-        sensor.quantity == FitQuantity::Displacement && pulse == Some(sensor.record)
-    };
-    task.settings.quantity == FitQuantity::Displacement
-        && task.settings.mass_fit == MassFit::Known
-        && task
-            .evidence
-            .sensors
-            .iter()
-            .all(|sensor| sensor.place.mass(count).is_none_or(|mass| mass + 1 == count && is_pulse(sensor)))
-}
-
-fn masses_of(kind: ModelKind) -> usize {
-    kind.parameter_names().iter().filter(|name| matches!(**name, "mass_kg" | "m1_kg" | "m2_kg" | "m3_kg")).count()
-}
-
 /// The fit of the table of solvers, by descents or by L-SHADE.
 pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     let (kind, evidence, settings) = (task.model, task.evidence, task.settings);
-    let count = masses_of(kind);
+    let count = mass_count(kind);
     let (masses_kg, split) = match kind {
         ModelKind::DoubleSpringMassDamper => {
             let (m1, m2, text) = masses(evidence.mass_kg, settings.split)?;

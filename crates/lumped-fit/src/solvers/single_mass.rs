@@ -6,7 +6,7 @@ use crumple_signal::{Displacement, Notes, Signal};
 use super::extent::{Extent, crush_of, extent_of};
 use crate::fit::options::NonlinearFitOptions;
 use crate::solvers::sensors;
-use crate::solvers::table::Task;
+use crate::solvers::task::Task;
 use crate::{
     Candidate, Fit, SolveError, Uncertainty, bounds_remark, conditions_at_crush, firefly_nonlinear2, fit_maxwell,
     fit_nonlinear1, fit_nonlinear2, interior_point_nonlinear1, undetermined_by_the_record,
@@ -16,7 +16,7 @@ type Found = (Model, Fit, Option<Uncertainty>);
 
 /// Spring and damper in series.
 pub(crate) fn maxwell(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
-    if !sensors::is_plain(task) {
+    if !task.fits_displacement_alone() {
         return sensors::fit(task, notes);
     }
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
@@ -28,7 +28,7 @@ pub(crate) fn maxwell(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidat
 
 /// The first nonlinear model under its side constraints.
 pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
-    if !sensors::is_plain(task) {
+    if !task.fits_displacement_alone() {
         return sensors::fit(task, notes);
     }
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
@@ -79,7 +79,7 @@ pub(crate) fn interior_point(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<C
 
 /// The second nonlinear model.
 pub(crate) fn nonlinear2(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
-    if !sensors::is_plain(task) {
+    if !task.fits_displacement_alone() {
         return sensors::fit(task, notes);
     }
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };

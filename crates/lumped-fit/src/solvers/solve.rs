@@ -3,7 +3,8 @@
 use crumple_signal::Notes;
 use rayon::prelude::*;
 
-use crate::solvers::table::{Task, solvers_of};
+use crate::solvers::table::solvers_of;
+use crate::solvers::task::Task;
 use crate::{Candidate, Evidence, SolveError, SolveSettings};
 
 /// Finds every candidate that the settings ask for and the test allows; the notes say what is missing and why.

@@ -7,27 +7,10 @@ use std::sync::LazyLock;
 use crumple_lumped::ModelKind;
 use crumple_signal::Notes;
 
+use crate::solvers::task::{Needs, Task};
 use crate::solvers::{closed_forms, double, sensors, single_mass};
-use crate::{Candidate, Evidence, Method, SolveError, SolveSettings};
-
-/// What a solver works on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Needs {
-    /// The crash events.
-    Events,
-    /// The motion of the test, and its events where it has them.
-    Motion,
-    /// An identified model; see [`match_identified`](crate::match_identified).
-    IdentifiedModel,
-}
-
-/// All that a solver is given.
-pub(crate) struct Task<'a> {
-    pub model: ModelKind,
-    pub method: Method,
-    pub evidence: &'a Evidence<'a>,
-    pub settings: &'a SolveSettings,
-}
+use crate::{Candidate, FireflyOptions, FitQuantity, MassFit, MassSplit, Method, SolveError, SolveSettings};
+use crumple_estimation::minimise::l_shade::LShadeOptions;
 
 /// The function of a solver.
 type Solve = fn(&Task<'_>, &mut Notes) -> Result<Vec<Candidate>, SolveError>;
@@ -106,6 +89,48 @@ pub static MODELS: LazyLock<Vec<ModelKind>> = LazyLock::new(|| {
 /// Those solved for where none is asked for.
 pub static DEFAULT_MODELS: LazyLock<Vec<ModelKind>> =
     LazyLock::new(|| MODELS.iter().copied().filter(|model| !NOT_BY_DEFAULT.contains(model)).collect());
+
+impl Default for SolveSettings {
+    /// The default models by their default methods, a quarter of the mass in front, up to dynamic crush.
+    fn default() -> Self {
+        Self {
+            models: DEFAULT_MODELS.clone(),
+            methods: Vec::new(),
+            split: MassSplit::FrontFraction(0.25),
+            triple: None,
+            mass_fit: MassFit::Known,
+            quantity: FitQuantity::Displacement,
+            release: true,
+            fit_from_s: 0.0,
+            fit_to_s: None,
+            fit_samples: 250,
+            fit_starts: 24,
+            firefly: FireflyOptions::default(),
+            l_shade: LShadeOptions::default(),
+        }
+    }
+}
+
+impl SolveSettings {
+    fn needs(&self, needs: Needs) -> bool {
+        self.models.iter().any(|model| solvers_of(*model, &self.methods).iter().any(|solver| solver.needs == needs))
+    }
+
+    /// Whether a model asked for is fitted to a signal; closed forms need the events only.
+    pub fn fits_a_signal(&self) -> bool {
+        self.needs(Needs::Motion)
+    }
+
+    /// Whether this method is asked for and solves a model asked for.
+    pub fn uses(&self, method: Method) -> bool {
+        self.models.iter().any(|model| solvers_of(*model, &self.methods).iter().any(|s| s.method == method))
+    }
+
+    /// Whether anything asked for needs the crash events; work on identified models does not.
+    pub fn needs_events(&self) -> bool {
+        self.needs(Needs::Events) || self.needs(Needs::Motion) || !self.needs(Needs::IdentifiedModel)
+    }
+}
 
 impl Method {
     /// Whether it is a way to solve for this model.
