@@ -61,7 +61,6 @@ pub use papers::era_curve_fit::curve_fit_of_the_paper;
 pub use papers::firefly::{FireflyOptions, FireflyResult, FireflyUnits, firefly_nonlinear2};
 pub use papers::maxwell_sum::maxwell_from_sum;
 pub use papers::nonlinear1_interior_point::interior_point_nonlinear1;
-pub use papers::nonlinear2_random_starts::random_start_nonlinear2;
 pub use papers::tfest::match_as_the_paper_typed;
 pub use record::fit_quantity::FitQuantity;
 pub use record::measurement::{IntegrationRule, Measurement, TwoPassFilter};

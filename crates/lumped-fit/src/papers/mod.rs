@@ -6,5 +6,4 @@ pub mod era_curve_fit;
 pub mod firefly;
 pub mod maxwell_sum;
 pub mod nonlinear1_interior_point;
-pub mod nonlinear2_random_starts;
 pub mod tfest;
