@@ -10,9 +10,8 @@ use crumple_signal::Sampled;
 use crumple_stage::records::{CandidateV1, EventsV1, FitV1, SensorFitV1, UncertaintyV1};
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, total_mass_remark};
 
-use crate::stage::assess::candidates::UNKNOWN_FILTER_M;
-use crate::stage::inputs::measurement::measurement;
-use crate::stage::motion;
+use crate::stage::inputs::measurement::{UNKNOWN_FILTER_M, measurement};
+use crate::stage::inputs::motions::motion;
 use crate::stage::options::chain_table::FittedChain;
 use crate::stage::options::settings::StageSettings;
 use crate::stage::records::uncertainty::{

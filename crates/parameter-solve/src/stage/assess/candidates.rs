@@ -11,15 +11,13 @@ use crumple_stage::records::EventsV1;
 use crumple_stage::{Inputs, Output, RefuseExt, Wave};
 use rayon::prelude::*;
 
+use crate::stage::assess::assessed::Judged;
 use crate::stage::assess::dual_pairs::{FitKind, drop_repeated, pair_up};
 use crate::stage::assess::replace_by_refined::{WEIGHINGS, adopt, held, weigh};
 use crate::stage::assess::sensor_waves::SensorWaves;
-use crate::stage::inputs::measurement::measurement;
+use crate::stage::inputs::measurement::{UNKNOWN_FILTER_M, measurement};
 use crate::stage::options::settings::StageSettings;
-use crate::stage::records::uncertainty::Judged;
 
-/// Error of a displacement whose filter is not known, m: what CFC 60 does to the jump at contact.
-pub const UNKNOWN_FILTER_M: f64 = 1e-5;
 /// A fit under side conditions gives way to the minimum where that meets them to this, of crush and its time: the filter
 /// itself moves the time of a crush that ends steeply by 0.1 ms and more.
 const CONDITIONS: f64 = 5e-3;

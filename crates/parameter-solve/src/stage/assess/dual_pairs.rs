@@ -4,7 +4,7 @@ use crumple_lumped::{DoubleSpringMassDamper, Model, ModelKind};
 use crumple_lumped_fit::{Candidate, DualScale, FitQuantity, Method};
 use crumple_stage::Output;
 
-use crate::stage::records::uncertainty::Judged;
+use crate::stage::assess::assessed::Judged;
 
 /// Two pairs of double models closer than this, in logarithms, are one.
 const SAME: f64 = 1e-3;

@@ -7,9 +7,9 @@ use crumple_signal::{Displacement, Sampled, Velocity};
 use crumple_stage::records::EventsV1;
 use crumple_stage::{Inputs, RefuseExt};
 
-use crate::stage::acceleration;
 use crate::stage::assess::dual_pairs::FitKind;
 use crate::stage::inputs::measurement::measurement;
+use crate::stage::inputs::motions::acceleration;
 
 /// Channel and quantity with the samples, how they were measured, and whether that is known.
 #[derive(Debug)]

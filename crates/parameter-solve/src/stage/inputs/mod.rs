@@ -2,4 +2,6 @@
 //! May use `options`.
 
 pub mod identified_models;
+pub mod masses;
 pub mod measurement;
+pub mod motions;

@@ -3,64 +3,42 @@
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
-use crumple_lumped_fit::{Bootstrap, Candidate, DualScale, Judgement, Profile, Propagation, Uncertainty, in_words};
+use crumple_lumped_fit::{Bootstrap, Candidate, Profile, Propagation, Uncertainty, in_words};
 use crumple_stage::records::{ProfileV1, ReplicatesV1, UncertaintyV1};
+
+use crate::stage::assess::assessed::Judged;
 
 /// Both ends of an interval.
 pub type Ends = (Option<f64>, Option<f64>);
 
-/// The verdict on one candidate.
-#[derive(Debug, Clone)]
-pub struct Judged {
-    pub judgement: Judgement,
-    pub propagation: Option<Propagation>,
-    /// What the propagation repeated: a fit or a closed form.
-    pub repeated: &'static str,
-    /// Whether the model was followed through the filter of the record.
-    pub through_filter: bool,
+/// What goes to the artifact.
+pub fn uncertainty_record(assessed: &Judged) -> UncertaintyV1 {
+    let j = &assessed.judgement;
+    let own = |name: &&'static str| (*name).to_owned();
+    let finite = |values: &BTreeMap<&'static str, f64>| values.iter().map(|(k, v)| (own(k), *v)).collect();
+    let side =
+        |of: fn(&Ends) -> Option<f64>| j.interval.iter().map(|(name, interval)| (own(name), of(interval))).collect();
+    UncertaintyV1 {
+        method: linearised(assessed.through_filter),
+        standard_deviation: finite(&j.standard_deviation),
+        condition: j.condition,
+        interval_low: side(|i| i.0),
+        interval_high: side(|i| i.1),
+        order: j.parameters.iter().map(own).collect(),
+        correlation: j.correlation.clone(),
+        rank: Some(j.rank as u32),
+        weakest_direction: j.weakest_direction.clone(),
+        effective_samples: Some(j.effective_samples),
+        profile: j.profile.iter().map(profile_record).collect(),
+        bootstrap: j.bootstrap.as_ref().map(bootstrap_record),
+        propagation: assessed.propagation.as_ref().map(|p| propagation_record(p, assessed.repeated)),
+    }
 }
 
-impl Judged {
-    /// The verdict on the dual of the model judged.
-    pub fn of_dual(&self, dual: &DualScale) -> Self {
-        Self {
-            judgement: self.judgement.of_dual(dual),
-            propagation: self.propagation.as_ref().map(|p| dual.propagation(p)),
-            repeated: self.repeated,
-            through_filter: self.through_filter,
-        }
-    }
-
-    /// What goes to the artifact.
-    pub fn record(&self) -> UncertaintyV1 {
-        let j = &self.judgement;
-        let own = |name: &&'static str| (*name).to_owned();
-        let finite = |values: &BTreeMap<&'static str, f64>| values.iter().map(|(k, v)| (own(k), *v)).collect();
-        let side = |of: fn(&Ends) -> Option<f64>| {
-            j.interval.iter().map(|(name, interval)| (own(name), of(interval))).collect()
-        };
-        UncertaintyV1 {
-            method: linearised(self.through_filter),
-            standard_deviation: finite(&j.standard_deviation),
-            condition: j.condition,
-            interval_low: side(|i| i.0),
-            interval_high: side(|i| i.1),
-            order: j.parameters.iter().map(own).collect(),
-            correlation: j.correlation.clone(),
-            rank: Some(j.rank as u32),
-            weakest_direction: j.weakest_direction.clone(),
-            effective_samples: Some(j.effective_samples),
-            profile: j.profile.iter().map(profile_record).collect(),
-            bootstrap: j.bootstrap.as_ref().map(bootstrap_record),
-            propagation: self.propagation.as_ref().map(|p| propagation_record(p, self.repeated)),
-        }
-    }
-
-    /// What a person should hear at once: parameters that the record does not determine; propagated intervals.
-    pub fn line(&self, candidate: &Candidate) -> String {
-        let words = |name: &&'static str| in_words(&candidate.model, name);
-        said_at_once(&candidate.id(), &self.judgement.profile, self.propagation.as_ref(), words)
-    }
+/// What a person should hear at once: parameters that the record does not determine; propagated intervals.
+pub fn summary_line(assessed: &Judged, candidate: &Candidate) -> String {
+    let words = |name: &&'static str| in_words(&candidate.model, name);
+    said_at_once(&candidate.id(), &assessed.judgement.profile, assessed.propagation.as_ref(), words)
 }
 
 /// How intervals came about.
