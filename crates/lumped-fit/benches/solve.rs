@@ -8,7 +8,7 @@ use std::hint::black_box;
 
 use crumple_lumped::{CoefficientMatching, Model, Reading};
 use crumple_lumped_fit::{
-    FireflyOptions, FireflyUnits, NonlinearFitOptions, firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2,
+    FireflyOptions, FireflyUnits, SingleMassFitOptions, firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2,
 };
 use crumple_signal::Signal;
 use crumple_testkit::stopwatch::best_us;
@@ -34,7 +34,7 @@ fn main() {
     let truth = Model::Nonlinear2(table_5());
     let response = truth.respond(9.7222, 1e-4, 1501).unwrap();
     let x = Signal::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap();
-    let options = NonlinearFitOptions {
+    let options = SingleMassFitOptions {
         mass_kg: 873.0,
         impact_speed_m_per_s: 9.7222,
         crush_m: 0.5063,
@@ -58,7 +58,7 @@ fn main() {
         let mut errors: Vec<f64> = (1..=20)
             .map(|seed| {
                 let search = FireflyOptions { units, seed, ..FireflyOptions::default() };
-                let options = NonlinearFitOptions { samples: 60, ..options };
+                let options = SingleMassFitOptions { samples: 60, ..options };
                 1e3 * firefly_nonlinear2(&x, &options, &search).unwrap().fit.rmse
             })
             .collect();

@@ -6,7 +6,7 @@ use anyhow::Context;
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
 use crumple_lumped::{Instants, Model, ModelKind, Nonlinear2};
 use crumple_lumped_fit::{
-    Evidence, FireflyOptions, FireflyUnits, LShadeOptions, Method, NonlinearFitOptions, SolveSettings,
+    FireflyOptions, FireflyUnits, LShadeOptions, Method, SingleMassFitOptions, SolveSettings, TestData,
     firefly_nonlinear2, fit_nonlinear2, solve,
 };
 use crumple_signal::{Displacement, Notes, Signal};
@@ -82,7 +82,7 @@ fn rows(truth: &Model) -> anyhow::Result<Vec<Row>> {
     let stop = events.time_of_dynamic_crush_s.unwrap_or(0.075);
     // The last knot of the spring of the table.
     let crush_m = CRUSH;
-    let options = NonlinearFitOptions {
+    let options = SingleMassFitOptions {
         mass_kg: MASS_KG,
         impact_speed_m_per_s: V0,
         crush_m,
@@ -92,7 +92,7 @@ fn rows(truth: &Model) -> anyhow::Result<Vec<Row>> {
         to_s: Some(0.15),
         samples: SAMPLES,
     };
-    let evidence = Evidence {
+    let test = TestData {
         mass_kg: MASS_KG,
         impact_speed_m_per_s: V0,
         time_of_dynamic_crush_s: Some(stop),
@@ -121,7 +121,7 @@ fn rows(truth: &Model) -> anyhow::Result<Vec<Row>> {
             fit_samples: SAMPLES,
             ..SolveSettings::default()
         };
-        let found = solve(&evidence, &settings, &mut Notes::new())?;
+        let found = solve(&test, &settings, &mut Notes::new())?;
         if let Some(fit) = found.first().and_then(|candidate| candidate.fit.as_ref()) {
             row.evaluations.push(fit.evaluations);
             row.errors_mm.push(1e3 * fit.rmse);

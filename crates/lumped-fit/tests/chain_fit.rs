@@ -4,7 +4,7 @@
 
 use crumple_lumped::{Drive, PiecewiseLinear, SecantChain};
 use crumple_lumped_fit::{
-    ChainDual, ChainSolution, FitQuantity, IntegrationRule, Measurement, Observed, SeenWave, SolveError, Stated,
+    ChainDual, ChainSolution, FitQuantity, IntegrationRule, Measurement, Observation, ObservedWave, SolveError, Stated,
     StatedChain, StatedElement, StatedMass, TwoPassFilter, fit_chain,
 };
 use crumple_signal::Sampled;
@@ -37,7 +37,7 @@ fn four() -> SecantChain {
 }
 
 /// Sensors on these masses, which record the motion as it is.
-fn exact(truth: &SecantChain, masses: &[usize], quantity: FitQuantity) -> Observed {
+fn exact(truth: &SecantChain, masses: &[usize], quantity: FitQuantity) -> Observation {
     let response = truth.respond(&Drive::Impact(V0), DT, 1001).unwrap();
     let wave = |mass: &usize| {
         let motion = &response.motions[*mass];
@@ -47,9 +47,9 @@ fn exact(truth: &SecantChain, masses: &[usize], quantity: FitQuantity) -> Observ
             FitQuantity::Acceleration => &motion.acceleration_m_per_s2,
         };
         let record = Sampled::new(0.0, DT, samples.clone()).unwrap();
-        SeenWave::new(&record, (Some(*mass), quantity), 0.0, EXACT, (0.0, END_S), 250).unwrap()
+        ObservedWave::new(&record, (Some(*mass), quantity), 0.0, EXACT, (0.0, END_S), 250).unwrap()
     };
-    Observed { impact_speed_m_per_s: V0, waves: masses.iter().map(wave).collect() }
+    Observation { impact_speed_m_per_s: V0, waves: masses.iter().map(wave).collect() }
 }
 
 /// A chain of known masses of which every spring and damper is free.
@@ -78,10 +78,10 @@ fn three_and_four_masses_come_back_from_any_quantity_of_all_their_sensors() {
             let error = largest_error(&found[0], &truth);
             // The signal is the response itself: rounding of it times the condition.
             assert!(error < 1e-6, "{masses} masses, {quantity}: {error:e}");
-            let knowledge = found[0].knowledge.as_ref().unwrap();
-            assert_eq!((knowledge.rank, found[0].free.len()), (2 * masses, 2 * masses));
+            let linearised = found[0].linearised.as_ref().unwrap();
+            assert_eq!((linearised.rank, found[0].free.len()), (2 * masses, 2 * masses));
             assert!(found[0].on_bound.is_empty());
-            for (name, (low, high)) in &knowledge.interval {
+            for (name, (low, high)) in &linearised.interval {
                 let value = truth.parameters()[name];
                 assert!(low.unwrap() <= value && value <= high.unwrap(), "{masses} {quantity} {name}");
             }
@@ -120,11 +120,11 @@ fn without_the_total_only_ratios_of_masses_springs_and_dampers_are_determined_an
         // The whole model times any factor moves alike.
         assert!((values[name] / value / scale - 1.0).abs() < 1e-6, "{name}");
     }
-    let knowledge = found[0].knowledge.as_ref().unwrap();
-    assert_eq!((knowledge.rank, knowledge.order.len()), (8, 9));
-    assert_eq!(knowledge.condition, None);
-    assert!(knowledge.interval.values().all(|ends| *ends == (None, None)), "{:?}", knowledge.interval);
-    let words = knowledge.weakest_direction.as_ref().unwrap();
+    let linearised = found[0].linearised.as_ref().unwrap();
+    assert_eq!((linearised.rank, linearised.order.len()), (8, 9));
+    assert_eq!(linearised.condition, None);
+    assert!(linearised.interval.values().all(|ends| *ends == (None, None)), "{:?}", linearised.interval);
+    let words = linearised.weakest_direction.as_ref().unwrap();
     assert!(words.contains("are not determined one by one") && words.ends_with("nothing bounds it"), "{words}");
 }
 
@@ -143,7 +143,7 @@ fn what_is_given_stays_and_what_is_free_stays_in_its_bounds() {
     assert_eq!(found[0].on_bound, ["k3_n_per_m"]);
     // The logarithm of the bound and back.
     assert!((values["k3_n_per_m"] / 1.2e6 - 1.0).abs() < 1e-14);
-    assert_eq!(found[0].knowledge.as_ref().unwrap().interval["k3_n_per_m"], (None, None));
+    assert_eq!(found[0].linearised.as_ref().unwrap().interval["k3_n_per_m"], (None, None));
 }
 
 #[test]
@@ -161,7 +161,7 @@ fn coefficients_with_knots_are_fitted_by_differences() {
     let found = fit_chain(&stated, &exact(&truth, &[0, 1], FitQuantity::Displacement), false, 24).unwrap();
     // Steps of 1e-7 err the sensitivities by as much: the descent ends where the cost no longer falls.
     assert!(largest_error(&found[0], &truth) < 1e-6, "{:?}", found[0].chain.parameters());
-    assert_eq!(found[0].knowledge.as_ref().unwrap().rank, 6);
+    assert_eq!(found[0].linearised.as_ref().unwrap().rank, 6);
 }
 
 #[test]
@@ -183,9 +183,9 @@ fn a_filtered_record_gives_the_truth_when_the_chain_goes_through_the_filter() {
         let what = (Some(mass), FitQuantity::Velocity);
         let seen = measurement.motion(&model, Some(mass), FitQuantity::Velocity, V0, 1099).unwrap();
         let record = Sampled::new(-0.01, DT, seen).unwrap();
-        SeenWave::new(&record, what, 0.0, measurement, (0.0, END_S), 250).unwrap()
+        ObservedWave::new(&record, what, 0.0, measurement, (0.0, END_S), 250).unwrap()
     };
-    let observed = Observed { impact_speed_m_per_s: V0, waves: (0..3).map(wave).collect() };
+    let observed = Observation { impact_speed_m_per_s: V0, waves: (0..3).map(wave).collect() };
     let stated = known_masses(truth.masses_kg());
     let plain = fit_chain(&stated, &observed, false, 24).unwrap();
     let through = fit_chain(&stated, &observed, true, 24).unwrap();
@@ -244,7 +244,7 @@ fn masses_looked_for_by_one_sensor_on_the_last_are_called_undecided() {
     let two = fit_chain(&stated, &exact(&truth, &[0, 1], FitQuantity::Displacement), false, 24).unwrap();
     assert!(!two[0].division_undecided && two[0].dual.is_none());
     // The rest has an interval like the mass it follows from.
-    let known = two[0].knowledge.as_ref().unwrap();
+    let known = two[0].linearised.as_ref().unwrap();
     let (low, high) = known.interval["m2_kg"];
     assert!(low.unwrap() <= 900.0 && 900.0 <= high.unwrap(), "{:?}", known.interval);
     assert!(known.standard_deviation.contains_key("m2_kg") && !known.order.contains(&"m2_kg".to_owned()));

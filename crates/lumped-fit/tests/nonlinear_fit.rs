@@ -4,7 +4,7 @@
 
 use crumple_lumped::{Maxwell, Model, ModelKind, Nonlinear1};
 use crumple_lumped_fit::{
-    Evidence, FireflyOptions, FireflyUnits, NonlinearFitOptions, SolveSettings, conditions_at_crush,
+    FireflyOptions, FireflyUnits, SingleMassFitOptions, SolveSettings, TestData, conditions_at_crush,
     firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2, interior_point_nonlinear1, solve,
 };
 use crumple_signal::{Displacement, Notes, Signal};
@@ -15,9 +15,9 @@ fn record(model: &Model, v0: f64) -> Signal<Displacement> {
     Signal::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap()
 }
 
-fn options(model: &Model, v0: f64, crush_m: f64, to_s: Option<f64>) -> NonlinearFitOptions {
+fn options(model: &Model, v0: f64, crush_m: f64, to_s: Option<f64>) -> SingleMassFitOptions {
     let events = model.events(v0).unwrap();
-    NonlinearFitOptions {
+    SingleMassFitOptions {
         mass_kg: 873.0,
         impact_speed_m_per_s: v0,
         crush_m,
@@ -91,7 +91,7 @@ fn maxwell_comes_back() {
 fn the_printed_firefly_is_a_random_walk_and_the_scaled_one_is_not() {
     let truth = Model::Nonlinear2(table_5());
     let x = record(&truth, 9.7222);
-    let wanted = NonlinearFitOptions { samples: 60, ..options(&truth, 9.7222, 0.5063, None) };
+    let wanted = SingleMassFitOptions { samples: 60, ..options(&truth, 9.7222, 0.5063, None) };
     let run = |units| {
         let search = FireflyOptions { units, generations: 60, ..FireflyOptions::default() };
         firefly_nonlinear2(&x, &wanted, &search).unwrap()
@@ -112,7 +112,7 @@ fn the_printed_firefly_is_a_random_walk_and_the_scaled_one_is_not() {
 fn the_printed_firefly_is_bit_for_bit_the_walk_without_attraction() {
     let truth = Model::Nonlinear2(table_5());
     let x = record(&truth, 9.7222);
-    let wanted = NonlinearFitOptions { samples: 60, ..options(&truth, 9.7222, 0.5063, None) };
+    let wanted = SingleMassFitOptions { samples: 60, ..options(&truth, 9.7222, 0.5063, None) };
     for seed in 1..=3 {
         let run = |units, beta0| {
             let search = FireflyOptions { units, generations: 20, seed, beta0, ..FireflyOptions::default() };
@@ -163,7 +163,7 @@ fn the_interior_point_reaches_the_point_of_the_augmented_lagrangian() {
 fn side_conditions_that_cannot_be_met_are_named() {
     let x = record(&Model::Nonlinear2(table_5()), 9.7222);
     // Half a metre in 20 ms at 9.7 m/s: nothing on wheels gets there.
-    let evidence = Evidence {
+    let test = TestData {
         mass_kg: 873.0,
         impact_speed_m_per_s: 9.7222,
         time_of_dynamic_crush_s: Some(0.02),
@@ -177,9 +177,9 @@ fn side_conditions_that_cannot_be_met_are_named() {
     let settings =
         SolveSettings { models: vec![ModelKind::Nonlinear1], fit_to_s: Some(0.06), ..SolveSettings::default() };
     let mut notes = Notes::new();
-    let found = solve(&evidence, &settings, &mut notes).unwrap();
+    let found = solve(&test, &settings, &mut notes).unwrap();
     let Model::Nonlinear1(model) = found[0].model else { unreachable!() };
-    let options = NonlinearFitOptions {
+    let options = SingleMassFitOptions {
         mass_kg: 873.0,
         impact_speed_m_per_s: 9.7222,
         crush_m: 0.5,

@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{Kelvin, Model, Nonlinear1};
 use crumple_lumped_fit::{
-    Distribution, FollowedEvents, InputUncertainty, IntegrationRule, Measurement, NonlinearFitOptions, Observed,
-    Repetition, fit_nonlinear1, free_parameters, kelvin_from_events, perturbed, propagate, propagate_closed_form,
-    propagate_conditioned, repeat, repetition,
+    Distribution, FollowedEvents, InputUncertainty, IntegrationRule, Measurement, Observation, Repetition,
+    SingleMassFitOptions, fit_nonlinear1, free_parameters, kelvin_from_events, perturbed, propagate,
+    propagate_closed_form, propagate_conditioned, repeat, repetition,
 };
 use crumple_signal::{Displacement, Signal};
 
@@ -70,9 +70,9 @@ fn displacement(a: &[f64], late_s: f64, from_contact: bool) -> (Signal<Displacem
     (Signal::new(-contact, DT_S, x).unwrap(), measurement)
 }
 
-fn observed(a: &[f64], late_s: f64, from_contact: bool, window_s: (f64, f64)) -> Observed {
+fn observed(a: &[f64], late_s: f64, from_contact: bool, window_s: (f64, f64)) -> Observation {
     let (x, measurement) = displacement(a, late_s, from_contact);
-    Observed::new(&x, 0.0, measurement, V0, window_s, 10_000).unwrap()
+    Observation::new(&x, 0.0, measurement, V0, window_s, 10_000).unwrap()
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn a_contact_that_leaves_too_little_of_the_window_is_no_repetition() {
 }
 
 /// Largest difference of the samples that are compared, m.
-fn apart(a: &Observed, b: &Observed) -> f64 {
+fn apart(a: &Observation, b: &Observation) -> f64 {
     let pairs = a.waves[0].samples.iter().zip(&b.waves[0].samples);
     assert_eq!(a.waves[0].samples.len(), b.waves[0].samples.len());
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
@@ -121,7 +121,8 @@ fn a_record_that_begins_after_contact_takes_another_speed_from_contact_and_a_zer
             from_contact,
             rule: IntegrationRule::Trapezoid,
         };
-        Observed::new(&Signal::new(first_s, DT_S, x).unwrap(), 0.0, measurement, speed, (0.001, 0.08), 10_000).unwrap()
+        Observation::new(&Signal::new(first_s, DT_S, x).unwrap(), 0.0, measurement, speed, (0.001, 0.08), 10_000)
+            .unwrap()
     };
     for from_contact in [true, false] {
         let found = perturbed(&of(V0, -150.0, from_contact), 0.0, 0.5, 3.0, 0.0).unwrap().observed;
@@ -177,7 +178,7 @@ const LATE: InputUncertainty = InputUncertainty {
 const DRAWS: usize = 40;
 
 /// The time zero of each repetition.
-fn drawn(seen: &Observed, inputs: &InputUncertainty) -> Vec<f64> {
+fn drawn(seen: &Observation, inputs: &InputUncertainty) -> Vec<f64> {
     let first_s = seen.waves[0].measurement.first_s;
     (0..DRAWS).map(|k| first_s - repetition(seen, inputs, k).unwrap().observed.waves[0].measurement.first_s).collect()
 }
@@ -246,7 +247,7 @@ fn an_uncertain_time_zero_spreads_a_fit_under_conditions_as_the_whole_way_does()
             let (x, _) = displacement(&a, late_s, false);
             let whole = observed(&a, late_s, false, (0.0, 0.12 - late_s));
             let events = FollowedEvents::of(&whole).unwrap();
-            let options = NonlinearFitOptions {
+            let options = SingleMassFitOptions {
                 mass_kg: 1200.0,
                 impact_speed_m_per_s: V0,
                 crush_m: events.dynamic_crush_m,
@@ -261,7 +262,7 @@ fn an_uncertain_time_zero_spreads_a_fit_under_conditions_as_the_whole_way_does()
         let (model, events, whole) = fit(0.0);
         let window = (from_s, events.time_of_dynamic_crush_s);
         let (x, measurement) = displacement(&a, 0.0, false);
-        let seen = Observed::new(&x, 0.0, measurement, V0, window, 250).unwrap();
+        let seen = Observation::new(&x, 0.0, measurement, V0, window, 250).unwrap();
         let again: Vec<_> = drawn(&seen, &small)
             .into_iter()
             .map(|late_s| {

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{Model, ModelKind};
 use crumple_lumped_fit::{
-    Candidate, Evidence, FitQuantity, LShadeOptions, MassFit, MassSplit, Method, Place, Sensor, SolveSettings, solve,
+    Candidate, FitQuantity, LShadeOptions, MassFit, MassSplit, Method, Place, Sensor, SolveSettings, TestData, solve,
 };
 use crumple_signal::{Displacement, Notes, Sampled, Signal};
 use crumple_testkit::table_5;
@@ -77,7 +77,7 @@ fn run(of: Run, truth: &Model) -> (Vec<Candidate>, String) {
     let events = truth.events(V0).unwrap();
     let parameters = truth.parameters();
     let crush_m = parameters.get("crush_m").copied().or(events.dynamic_crush_m);
-    let evidence = Evidence {
+    let test = TestData {
         mass_kg: parameters.iter().filter(|(name, _)| name.ends_with("_kg")).map(|(_, m)| m).sum(),
         impact_speed_m_per_s: V0,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
@@ -90,7 +90,7 @@ fn run(of: Run, truth: &Model) -> (Vec<Candidate>, String) {
     };
     let settings = SolveSettings { models: vec![truth.kind()], quantity: of.quantity, ..of.settings };
     let mut notes = Notes::new();
-    let found = solve(&evidence, &settings, &mut notes).unwrap();
+    let found = solve(&test, &settings, &mut notes).unwrap();
     (found, notes.to_texts().join("\n"))
 }
 
@@ -202,7 +202,7 @@ fn noise_decides_how_much_a_sensor_counts() {
         |place, record| Sensor { channel: "channel", place, quantity: FitQuantity::Displacement, record, noise: None };
     let sensors = [sensor(Place::Compartment, &records[1]), sensor(Place::Front, &records[0])];
     let events = truth.events(V0).unwrap();
-    let evidence = Evidence {
+    let test = TestData {
         mass_kg: 1500.0,
         impact_speed_m_per_s: V0,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
@@ -214,7 +214,7 @@ fn noise_decides_how_much_a_sensor_counts() {
         sensors: &sensors,
     };
     let settings = SolveSettings { models: vec![truth.kind()], ..settings(Method::DirectFit, &truth) };
-    let found = solve(&evidence, &settings, &mut Notes::new()).unwrap();
+    let found = solve(&test, &settings, &mut Notes::new()).unwrap();
     let fit = found[0].fit.as_ref().unwrap();
     // The levels are those put in, to what four parameters can follow of an alternating error.
     assert!(

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
 use crumple_lumped::{DoubleSpringMassDamper, Kelvin, Maxwell, Model, ModelKind};
-use crumple_lumped_fit::{Candidate, Evidence, MODELS, MassSplit, Method, SolveError, SolveSettings, solve};
+use crumple_lumped_fit::{Candidate, MODELS, MassSplit, Method, SolveError, SolveSettings, TestData, solve};
 use crumple_signal::{Displacement, Notes, Signal};
 
 const V0: f64 = 13.0;
@@ -24,9 +24,9 @@ fn record() -> Signal<Displacement> {
     Signal::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap()
 }
 
-fn evidence(displacement: &Signal<Displacement>) -> Evidence<'_> {
+fn test(displacement: &Signal<Displacement>) -> TestData<'_> {
     let events = car().events(V0).unwrap()[1];
-    Evidence {
+    TestData {
         mass_kg: 1500.0,
         impact_speed_m_per_s: V0,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
@@ -49,7 +49,7 @@ fn settings() -> SolveSettings {
 #[test]
 fn every_model_gives_its_candidates_and_duals_point_at_each_other() {
     let (record, mut notes) = (record(), Notes::new());
-    let found = solve(&evidence(&record), &settings(), &mut notes).unwrap();
+    let found = solve(&test(&record), &settings(), &mut notes).unwrap();
     let ids: Vec<String> = found.iter().map(Candidate::id).collect();
     assert_eq!(
         ids,
@@ -79,11 +79,11 @@ fn a_record_that_never_stops_has_no_kelvin_closed_form_but_all_other_models() {
     let (whole, mut notes) = (record(), Notes::new());
     // The first 40 ms: still fast.
     let cut = Signal::from(whole.slice(0, 401));
-    let still_moving = Evidence {
+    let still_moving = TestData {
         time_of_dynamic_crush_s: None,
         dynamic_crush_m: None,
         coefficient_of_restitution: None,
-        ..evidence(&cut)
+        ..test(&cut)
     };
     let found = solve(&still_moving, &settings(), &mut notes).unwrap();
     let has = |kind| found.iter().any(|c| c.model.kind() == kind);
@@ -107,7 +107,7 @@ fn a_record_too_coarse_for_a_fit_keeps_its_closed_forms() {
     // Every 10 ms, as an event data recorder writes it: 7 or so up to dynamic crush, of 12 that a fit needs.
     let coarse: Vec<f64> = whole.samples().iter().step_by(100).copied().collect();
     let coarse = Signal::new(0.0, 1e-2, coarse).unwrap();
-    let found = solve(&evidence(&coarse), &settings(), &mut notes).unwrap();
+    let found = solve(&test(&coarse), &settings(), &mut notes).unwrap();
     let ids: Vec<String> = found.iter().map(Candidate::id).collect();
     assert_eq!(ids, ["kelvin/closed-form/1", "elastoplastic/closed-form/1"]);
     let texts = notes.to_texts().join("\n");
@@ -119,7 +119,7 @@ fn without_a_restitution_the_elastoplastic_model_is_left_out_with_the_reason() {
     let (record, mut notes) = (record(), Notes::new());
     let settings = SolveSettings { models: vec![ModelKind::Elastoplastic], ..settings() };
     for (restitution, reason) in [(None, "is not known"), (Some(1.5), "at most 1")] {
-        let test = Evidence { coefficient_of_restitution: restitution, ..evidence(&record) };
+        let test = TestData { coefficient_of_restitution: restitution, ..test(&record) };
         assert!(solve(&test, &settings, &mut notes).unwrap().is_empty());
         assert!(notes.to_texts().last().unwrap().contains(reason), "{:?}", notes.to_texts());
     }
@@ -131,7 +131,7 @@ fn a_rebound_of_nothing_is_a_rigid_unloading_and_no_huge_number() {
     let settings = SolveSettings { models: vec![ModelKind::Elastoplastic], ..settings() };
     for restitution in [0.0, 1e-15, 0.003] {
         let mut notes = Notes::new();
-        let test = Evidence { coefficient_of_restitution: Some(restitution), ..evidence(&record) };
+        let test = TestData { coefficient_of_restitution: Some(restitution), ..test(&record) };
         let found = solve(&test, &settings, &mut notes).unwrap();
         let p = found[0].model.parameters();
         // Two roundings of the quotient.
@@ -146,7 +146,7 @@ fn a_rebound_of_nothing_is_a_rigid_unloading_and_no_huge_number() {
 fn a_method_that_does_not_solve_a_model_is_said_so() {
     let (record, mut notes) = (record(), Notes::new());
     let settings = SolveSettings { methods: vec![Method::ClosedForm], ..settings() };
-    let found = solve(&evidence(&record), &settings, &mut notes).unwrap();
+    let found = solve(&test(&record), &settings, &mut notes).unwrap();
     assert_eq!(found.len(), 2);
     assert!(notes.to_texts().join("\n").contains("double-spring-mass-damper: none of the methods"), "{notes:?}");
 }
@@ -157,7 +157,7 @@ fn masses_come_from_what_is_given() {
     let masses = |split| {
         let settings = SolveSettings { models: vec![ModelKind::DoubleSpringMassDamper], split, ..settings() };
         let mut notes = Notes::new();
-        solve(&evidence(&record), &settings, &mut notes).map(|found| {
+        solve(&test(&record), &settings, &mut notes).map(|found| {
             let p = found[0].model.parameters();
             (p["m1_kg"], p["m2_kg"], notes.to_texts()[0].clone())
         })
@@ -178,12 +178,12 @@ fn cut_short(model: &Model) -> Signal<Displacement> {
     Signal::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap()
 }
 
-fn without_events(displacement: &Signal<Displacement>) -> Evidence<'_> {
-    Evidence {
+fn without_events(displacement: &Signal<Displacement>) -> TestData<'_> {
+    TestData {
         time_of_dynamic_crush_s: None,
         dynamic_crush_m: None,
         coefficient_of_restitution: None,
-        ..evidence(displacement)
+        ..test(displacement)
     }
 }
 
@@ -225,15 +225,15 @@ fn a_maxwell_model_that_creeps_comes_back() {
     let truth = Maxwell { mass_kg: 1300.0, stiffness_n_per_m: 3e6, damping_n_s_per_m: 25_000.0 };
     let response = Model::Maxwell(truth).respond(14.0, 1e-4, 2501).unwrap();
     let record = Signal::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap();
-    let evidence = Evidence { mass_kg: 1300.0, impact_speed_m_per_s: 14.0, ..without_events(&record) };
+    let test = TestData { mass_kg: 1300.0, impact_speed_m_per_s: 14.0, ..without_events(&record) };
     for fit_to_s in [None, Some(0.2)] {
         let settings = SolveSettings { models: vec![ModelKind::Maxwell], fit_to_s, ..SolveSettings::default() };
-        let found = solve(&evidence, &settings, &mut Notes::new()).unwrap();
+        let found = solve(&test, &settings, &mut Notes::new()).unwrap();
         let p = found[0].model.parameters();
         // The acceptance limit of records with known parameters.
         assert!((p["stiffness_n_per_m"] / 3e6 - 1.0).abs() < 1e-6, "{p:?}");
         assert!((p["damping_n_s_per_m"] / 25_000.0 - 1.0).abs() < 1e-6, "{p:?}");
     }
     let beyond = SolveSettings { models: vec![ModelKind::Maxwell], fit_to_s: Some(2.0), ..SolveSettings::default() };
-    assert!(matches!(solve(&evidence, &beyond, &mut Notes::new()), Err(SolveError::Window { .. })));
+    assert!(matches!(solve(&test, &beyond, &mut Notes::new()), Err(SolveError::Window { .. })));
 }

@@ -86,7 +86,12 @@ impl Fit {
             iterations: best.iterations,
             evaluations,
             stop_reason: best.stop,
-            active_bounds: names.iter().zip(&best.on_bound).filter(|(_, held)| **held).map(|(name, _)| *name).collect(),
+            active_bounds: names
+                .iter()
+                .zip(&best.on_bound)
+                .filter(|(_, on_bound)| **on_bound)
+                .map(|(name, _)| *name)
+                .collect(),
             sensors: Vec::new(),
         }
     }

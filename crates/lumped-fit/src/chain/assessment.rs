@@ -2,21 +2,23 @@
 
 use std::collections::BTreeMap;
 
-use crate::chain::coordinates::{FreeChain, StatedChain};
+use crate::chain::coordinates::{ChainCoordinates, StatedChain};
 use crate::chain::fit::ChainSolution;
 use crate::chain::problem::ChainProblem;
-use crate::free::parameterisation::FreeModel;
-use crate::uncertainty::assessment::JudgeOptions;
+use crate::free::parameterisation::Parameterisation;
+use crate::uncertainty::assessment::AssessmentOptions;
 use crate::uncertainty::block_bootstrap::{Bootstrap, replicate};
 use crate::uncertainty::profile_likelihood::{Minimum, Profile};
-use crate::uncertainty::propagation::{Errors, InputUncertainty, Propagation, Repetition, by_repetition, perturbed_by};
-use crate::{Observed, SolveError};
+use crate::uncertainty::propagation::{
+    Errors, InputUncertainty, Propagation, Repetition, over_repetitions, with_errors,
+};
+use crate::{Observation, SolveError};
 
 /// What is asked of a chain beyond the covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ChainQuestions {
+pub struct ChainAssessmentOptions {
     /// Profile and bootstrap.
-    pub options: JudgeOptions,
+    pub options: AssessmentOptions,
     /// Errors of what the test is told.
     pub inputs: InputUncertainty,
     /// Repetitions with these errors.
@@ -25,7 +27,7 @@ pub struct ChainQuestions {
 
 /// The answers; empty where nothing was asked, or nothing can be said.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct ChainVerdict {
+pub struct ChainAssessment {
     /// Profiles of everything that was free; of a mass that is the rest where one mass was.
     pub profile: Vec<Profile<String>>,
     /// Block bootstrap.
@@ -43,45 +45,45 @@ const HORIZON_S: f64 = 2.0;
 /// An uncertain mass is that of the test: a mass that is the rest takes it up; where none is, all masses of the chain change by the
 /// same share. What else is given stays, so springs are proportional to the mass only where all of them are free. Each repetition
 /// starts from the minimum, weights as there: it says nothing of other minima. Errors: as of the fit.
-pub fn judge_chain(
+pub fn assess_chain(
     stated: &StatedChain,
-    observed: &Observed,
+    observed: &Observation,
     through_filter: bool,
     solution: &ChainSolution,
-    asked: &ChainQuestions,
-) -> Result<ChainVerdict, SolveError> {
+    asked: &ChainAssessmentOptions,
+) -> Result<ChainAssessment, SolveError> {
     let length_s = observed.waves.iter().map(|w| w.time_s(w.samples.len() - 1)).fold(0.0, f64::max);
-    let family = FreeChain::new(stated, length_s)?;
+    let family = ChainCoordinates::new(stated, length_s)?;
     let mut measured = observed.clone();
     for (wave, noise) in measured.waves.iter_mut().zip(&solution.noise) {
         wave.weight = solution.noise[0] / noise;
     }
-    let seen = |waves: Observed| if through_filter { waves } else { waves.unfiltered() };
+    let seen = |waves: Observation| if through_filter { waves } else { waves.unfiltered() };
     let waves = seen(measured.clone());
     let problem = ChainProblem::new(&family, &waves, through_filter);
     let theta = &solution.theta;
-    let Some(misfit) = problem.misfit(theta) else { return Ok(ChainVerdict::default()) };
+    let Some(misfit) = problem.misfit(theta) else { return Ok(ChainAssessment::default()) };
 
-    let mut verdict = ChainVerdict::default();
-    if let (true, Some(known)) = (asked.options.profile, &solution.knowledge) {
+    let mut assessment = ChainAssessment::default();
+    if let (true, Some(known)) = (asked.options.profile, &solution.linearised) {
         let bounds: Vec<(f64, f64)> = family.axes().iter().map(|axis| (axis.lower, axis.upper)).collect();
-        verdict.profile = Minimum {
+        assessment.profile = Minimum {
             names: &family.names,
             at: theta,
             bounds: &bounds,
             value: &|_, coordinate| coordinate.exp(),
             ends_at_zero: &|_| false,
-            refit: &|held, coordinate, others| problem.follow_others(held, coordinate, others),
+            refit: &|fixed, coordinate, others| problem.follow_others(fixed, coordinate, others),
             misfit: &misfit,
             observed: &waves,
             expected: &known.half_width,
             effective_samples: known.effective_samples,
         }
         .profiles();
-        verdict.profile.extend(profile_of_the_rest(&family, theta, &verdict.profile));
+        assessment.profile.extend(profile_of_the_rest(&family, theta, &assessment.profile));
     }
     if asked.options.bootstrap > 0 {
-        verdict.bootstrap = replicate(&waves, &misfit, asked.options.bootstrap, family.all_names(), |again| {
+        assessment.bootstrap = replicate(&waves, &misfit, asked.options.bootstrap, family.all_names(), |again| {
             let found = ChainProblem::new(&family, again, through_filter).follow(theta)?;
             Some(family.values(&found.theta))
         });
@@ -89,18 +91,18 @@ pub fn judge_chain(
     if asked.inputs.any() {
         let mass_kg = stated.total_mass_kg.unwrap_or_else(|| solution.chain.masses_kg().iter().sum());
         let repetitions = (asked.repetitions, measured.waves.len());
-        verdict.propagation = by_repetition(mass_kg, &asked.inputs, repetitions, |errors: &Errors| {
-            let Repetition { observed, mass_ratio } = perturbed_by(&measured, errors)?;
+        assessment.propagation = over_repetitions(mass_kg, &asked.inputs, repetitions, |errors: &Errors| {
+            let Repetition { observed, mass_ratio } = with_errors(&measured, errors)?;
             repeat(&family.of_mass(mass_ratio), &seen(observed), through_filter, theta, mass_ratio)
         });
     }
-    Ok(verdict)
+    Ok(assessment)
 }
 
 /// The values and the crush of one repetition.
 fn repeat(
-    family: &FreeChain,
-    waves: &Observed,
+    family: &ChainCoordinates,
+    waves: &Observation,
     through_filter: bool,
     theta: &[f64],
     mass_ratio: f64,
@@ -118,7 +120,11 @@ fn repeat(
 }
 
 /// The profile of a mass that is the rest: that of the one free mass mirrored; none with several free masses.
-fn profile_of_the_rest(family: &FreeChain, theta: &[f64], profiles: &[Profile<String>]) -> Option<Profile<String>> {
+fn profile_of_the_rest(
+    family: &ChainCoordinates,
+    theta: &[f64],
+    profiles: &[Profile<String>],
+) -> Option<Profile<String>> {
     family.free_rest()?;
     let mut masses = (0..theta.len()).filter(|&i| family.is_mass(i));
     let (one, None) = (masses.next()?, masses.next()) else { return None };

@@ -7,7 +7,7 @@ use crumple_lumped::{Chain, Instants, LumpedError, PiecewiseLinear, SecantChain,
 use serde::Serialize;
 
 use crate::SolveError;
-use crate::free::parameterisation::{Axis, FreeModel};
+use crate::free::parameterisation::{Axis, Parameterisation};
 
 /// A number that is given or looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -66,7 +66,7 @@ enum Place {
 
 /// The chain with its free numbers: the logarithms of masses, springs and dampers.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct FreeChain {
+pub(crate) struct ChainCoordinates {
     /// Values of everything; free ones are overwritten.
     masses: Vec<f64>,
     springs: Vec<Vec<(f64, f64)>>,
@@ -95,7 +95,7 @@ const ROUNDING: f64 = 1e-9;
 /// Starts around a start that was given.
 const AROUND: f64 = 5.0;
 
-impl FreeChain {
+impl ChainCoordinates {
     /// Errors: nothing that is free, a rest without a total or twice, numbers and bounds without meaning.
     pub fn new(stated: &StatedChain, length_s: f64) -> Result<Self, SolveError> {
         let fixed: f64 = stated.elements.iter().filter_map(|e| fixed_kg(e.mass_kg)).sum();
@@ -337,7 +337,7 @@ fn fixed_kg(mass: StatedMass) -> Option<f64> {
     }
 }
 
-impl FreeModel for FreeChain {
+impl Parameterisation for ChainCoordinates {
     type Model = SecantChain;
 
     fn axes(&self) -> Vec<Axis> {

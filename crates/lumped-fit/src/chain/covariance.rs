@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use crumple_estimation::statistics::lag_1_autocorrelation;
 use nalgebra::DMatrix;
 
-use crate::Observed;
-use crate::chain::coordinates::FreeChain;
-use crate::uncertainty::identifiability::{Named, direction_in_words};
+use crate::Observation;
+use crate::chain::coordinates::ChainCoordinates;
+use crate::uncertainty::identifiability::{NamedCoordinate, direction_in_words};
 use crumple_estimation::minimise::levenberg_marquardt::Optimum;
 use crumple_estimation::statistics::{Covariance, covariance_of_blocks};
 
@@ -16,7 +16,7 @@ type Ends = (Option<f64>, Option<f64>);
 
 /// How well the free numbers are known, linearised about the minimum; see [`covariance`](crumple_estimation::statistics::covariance).
 #[derive(Debug, Clone, PartialEq)]
-pub struct ChainKnowledge {
+pub struct LinearisedUncertainty {
     /// Standard deviations, in the unit of each; none without a bound on it.
     pub standard_deviation: BTreeMap<String, f64>,
     /// 95 % intervals of everything that was free, with the mass that is the rest; `None`: open.
@@ -43,13 +43,13 @@ pub struct ChainKnowledge {
 const LARGEST_HALF_WIDTH: f64 = 9.0;
 
 /// What residuals and sensitivities say of the parameters that are not on a bound.
-pub(crate) fn knowledge(
-    family: &FreeChain,
-    waves: &Observed,
+pub(crate) fn linearised(
+    family: &ChainCoordinates,
+    waves: &Observation,
     minimum: &Optimum,
     misfit: &[f64],
     sensitivities: &DMatrix<f64>,
-) -> Option<ChainKnowledge> {
+) -> Option<LinearisedUncertainty> {
     let kept: Vec<usize> =
         (0..minimum.theta.len()).filter(|&i| !minimum.on_bound[i] && sensitivities.column(i).norm() > 0.0).collect();
     let found = covariance_of_blocks(&sensitivities.select_columns(&kept), misfit, &waves.blocks())?;
@@ -71,12 +71,12 @@ pub(crate) fn knowledge(
         standard_deviation.insert(name.clone(), deviation);
         interval.insert(name, ends);
     }
-    let named: Vec<Named> = kept
+    let named: Vec<NamedCoordinate> = kept
         .iter()
-        .map(|&i| Named { name: family.names[i].clone(), logarithmic: true, slope: minimum.theta[i].exp() })
+        .map(|&i| NamedCoordinate { name: family.names[i].clone(), logarithmic: true, slope: minimum.theta[i].exp() })
         .collect();
     let split = waves.split(misfit);
-    Some(ChainKnowledge {
+    Some(LinearisedUncertainty {
         standard_deviation,
         interval,
         order: named.iter().map(|n| n.name.clone()).collect(),
@@ -93,7 +93,7 @@ pub(crate) fn knowledge(
 /// Name, deviation and interval of the mass that is the rest: of one free mass its interval mirrored, of several the deviation of
 /// their sum with the widest factor of theirs. `None` where a free mass is on a bound or open.
 fn of_the_rest(
-    family: &FreeChain,
+    family: &ChainCoordinates,
     theta: &[f64],
     kept: &[usize],
     found: &Covariance,

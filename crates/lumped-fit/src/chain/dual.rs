@@ -2,8 +2,8 @@
 
 use crumple_lumped::{DoubleSpringMassDamper, PiecewiseLinear, SecantChain};
 
-use crate::Observed;
-use crate::chain::coordinates::FreeChain;
+use crate::Observation;
+use crate::chain::coordinates::ChainCoordinates;
 
 /// What is known of the chain with the same masses and the same motion of the last one.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +42,7 @@ fn constants(chain: &SecantChain) -> Option<Vec<f64>> {
 }
 
 /// Whether no wave is of another mass than the last: then nothing tells a chain of two from its dual.
-pub(crate) fn sees_the_last_only(waves: &Observed, masses: usize) -> bool {
+pub(crate) fn sees_the_last_only(waves: &Observation, masses: usize) -> bool {
     waves.waves.iter().all(|wave| wave.mass.is_none_or(|mass| mass + 1 == masses))
 }
 
@@ -56,7 +56,7 @@ pub(crate) enum DualOf {
 }
 
 /// The dual of the chain at `theta`; `None` where it has none, or is its own.
-pub(crate) fn dual_of(family: &FreeChain, chain: &SecantChain, theta: &[f64]) -> Option<DualOf> {
+pub(crate) fn dual_of(family: &ChainCoordinates, chain: &SecantChain, theta: &[f64]) -> Option<DualOf> {
     let dual = dual(chain)?;
     // By value, not by name: a law with knots of one value is a constant under another name.
     let (own, other) = (constants(chain)?, constants(&dual)?);

@@ -3,14 +3,14 @@
 use crumple_estimation::minimise::StopReason;
 use crumple_lumped::SecantChain;
 
-use crate::chain::coordinates::{FreeChain, StatedChain};
-use crate::chain::covariance::{ChainKnowledge, knowledge};
+use crate::chain::coordinates::{ChainCoordinates, StatedChain};
+use crate::chain::covariance::{LinearisedUncertainty, linearised};
 use crate::chain::dual::{ChainDual, DualOf, dual_of, sees_the_last_only};
 use crate::chain::problem::{ChainProblem, windows};
 use crate::fit::descents::{all, bounds, distinct};
 use crate::fit::sensors::fit::{Search, fit_sensors};
-use crate::free::parameterisation::FreeModel;
-use crate::{Observed, SolveError};
+use crate::free::parameterisation::Parameterisation;
+use crate::{Observation, SolveError};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, derivatives};
 
 /// Sets that are reported at most, each with its dual, and how near their errors must be to the best.
@@ -44,7 +44,7 @@ pub struct ChainSolution {
     /// Why it stopped.
     pub stop_reason: StopReason,
     /// What the record says of the free numbers; `None` where there is nothing to judge by.
-    pub knowledge: Option<ChainKnowledge>,
+    pub linearised: Option<LinearisedUncertainty>,
     /// The chain with the same masses and the same motion of the last one; `None` where a wave tells it, or there is none.
     pub dual: Option<ChainDual>,
     /// Whether masses were looked for and no wave is of another mass than the last: their division is then in the record by a
@@ -63,7 +63,7 @@ pub struct ChainSolution {
 /// proven. Errors: a chain without meaning, waves of masses it does not have, no start with a finite response.
 pub fn fit_chain(
     stated: &StatedChain,
-    observed: &Observed,
+    observed: &Observation,
     through_filter: bool,
     starts: usize,
 ) -> Result<Vec<ChainSolution>, SolveError> {
@@ -72,7 +72,7 @@ pub fn fit_chain(
     if length_s <= 0.0 {
         return Err(SolveError::Value { name: "number of waves", value: 0.0, expected: "one or more" });
     }
-    let family = FreeChain::new(stated, length_s)?;
+    let family = ChainCoordinates::new(stated, length_s)?;
     let index = |mass: Option<usize>| mass.unwrap_or(masses - 1);
     if let Some(strange) = observed.waves.iter().map(|wave| index(wave.mass)).find(|mass| *mass >= masses) {
         return Err(SolveError::Value {
@@ -165,20 +165,20 @@ fn solution(problem: &ChainProblem<'_>, minimum: &Optimum, evaluations: u64) -> 
     let misfit = problem.misfit(&minimum.theta)?;
     let rmse = waves.rmse(&misfit);
     let sensitivities = derivatives(problem, &minimum.theta, &problem.bounds())? * problem.unit;
-    let held = family.names.iter().zip(&minimum.on_bound).filter(|(_, held)| **held);
+    let on_bound = family.names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
     let first = waves.noise_levels(&rmse).first().copied().unwrap_or(0.0);
     let free_masses = (0..family.names.len()).any(|i| family.is_mass(i));
     Some(ChainSolution {
         chain,
         free: family.all_names(),
-        on_bound: held.map(|(name, _)| name.clone()).collect(),
+        on_bound: on_bound.map(|(name, _)| name.clone()).collect(),
         noise: waves.waves.iter().map(|wave| first / wave.weight).collect(),
         rmse,
         samples: misfit.len(),
         iterations: minimum.iterations,
         evaluations,
         stop_reason: minimum.stop,
-        knowledge: knowledge(family, waves, minimum, &misfit, &sensitivities),
+        linearised: linearised(family, waves, minimum, &misfit, &sensitivities),
         dual: None,
         division_undecided: free_masses && family.masses() > 1 && sees_the_last_only(waves, family.masses()),
         theta: minimum.theta.clone(),

@@ -3,31 +3,31 @@
 use crumple_lumped::{Instants, SecantChain};
 use nalgebra::DMatrix;
 
-use crate::chain::coordinates::FreeChain;
+use crate::chain::coordinates::ChainCoordinates;
 use crate::fit::descents::bounds;
-use crate::fit::sensors::problem::{Observed as Seen, SensorProblem};
-use crate::free::parameterisation::{FreeModel, places};
+use crate::fit::sensors::problem::{SensorProblem, SensorWindow};
+use crate::free::parameterisation::{Parameterisation, places};
 use crate::record::window::Window;
-use crate::{Observed, SeenWave};
+use crate::{Observation, ObservedWave};
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
 
 /// Iterations, and the relative decrease of the cost worth going on for, where a minimum is followed.
 const FOLLOWING: (u32, f64) = (200, 1e-7);
 
 /// A chain of which some numbers are free, beside waves: as measured, each sampled, filtered and integrated like its wave; or as the
-/// motion itself where a filter is not known. Residuals are weighted, in units of [`Observed::scale_m`].
+/// motion itself where a filter is not known. Residuals are weighted, in units of [`Observation::scale_m`].
 pub(crate) struct ChainProblem<'a> {
-    pub family: &'a FreeChain,
-    pub waves: &'a Observed,
+    pub family: &'a ChainCoordinates,
+    pub waves: &'a Observation,
     /// The windows to compare with the motion itself; `None`: through the filters.
-    direct: Option<Vec<Seen>>,
+    direct: Option<Vec<SensorWindow>>,
     /// One unit of residual, in the unit of the first wave.
     pub unit: f64,
 }
 
 /// The windows of waves for a comparison with the motion itself; `unit` is the noise level of the first.
-pub(crate) fn windows(waves: &Observed, masses: usize, unit: f64) -> Vec<Seen> {
-    let of = |wave: &SeenWave| Seen {
+pub(crate) fn windows(waves: &Observation, masses: usize, unit: f64) -> Vec<SensorWindow> {
+    let of = |wave: &ObservedWave| SensorWindow {
         mass: wave.mass.unwrap_or(masses - 1),
         quantity: wave.quantity,
         window: Window {
@@ -41,7 +41,7 @@ pub(crate) fn windows(waves: &Observed, masses: usize, unit: f64) -> Vec<Seen> {
 }
 
 impl<'a> ChainProblem<'a> {
-    pub fn new(family: &'a FreeChain, waves: &'a Observed, through_filter: bool) -> Self {
+    pub fn new(family: &'a ChainCoordinates, waves: &'a Observation, through_filter: bool) -> Self {
         let unit = waves.scale_m();
         let direct = (!through_filter).then(|| windows(waves, family.masses(), unit));
         Self { family, waves, direct, unit }
@@ -70,18 +70,18 @@ impl<'a> ChainProblem<'a> {
         descend(self, start, &self.bounds())
     }
 
-    /// The minimum near `others` where number `held` stays at `coordinate`: the coordinates of the others and the sum of squares.
-    pub fn follow_others(&self, held: usize, coordinate: f64, others: &[f64]) -> Option<(Vec<f64>, f64)> {
+    /// The minimum near `others` where number `fixed` stays at `coordinate`: the coordinates of the others and the sum of squares.
+    pub fn follow_others(&self, fixed: usize, coordinate: f64, others: &[f64]) -> Option<(Vec<f64>, f64)> {
         let mut start = others.to_vec();
-        start.insert(held, coordinate);
+        start.insert(fixed, coordinate);
         let mut limits = self.bounds();
-        (limits.lower[held], limits.upper[held]) = (coordinate, coordinate);
+        (limits.lower[fixed], limits.upper[fixed]) = (coordinate, coordinate);
         let mut found = descend(self, &start, &limits)?;
-        found.theta.remove(held);
+        found.theta.remove(fixed);
         Some((found.theta, found.cost))
     }
 
-    fn plain<'b>(&'b self, sensors: &'b [Seen]) -> SensorProblem<'b, FreeChain> {
+    fn plain<'b>(&'b self, sensors: &'b [SensorWindow]) -> SensorProblem<'b, ChainCoordinates> {
         SensorProblem { family: self.family, impact_speed_m_per_s: self.waves.impact_speed_m_per_s, sensors }
     }
 
@@ -89,7 +89,7 @@ impl<'a> ChainProblem<'a> {
     fn measured(&self, chain: &SecantChain, places: &[usize]) -> Option<Vec<Vec<Vec<f64>>>> {
         let v0 = self.waves.impact_speed_m_per_s;
         let last = chain.masses_kg().len() - 1;
-        let of = |wave: &SeenWave| {
+        let of = |wave: &ObservedWave| {
             let what = (wave.mass.unwrap_or(last), wave.quantity);
             let respond = |at: &Instants| self.family.sensitivity(chain, v0, at, places);
             wave.measurement.of_motions(what, v0, wave.last(), respond).ok()

@@ -3,7 +3,7 @@
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
 use rayon::prelude::*;
 
-use crate::free::parameterisation::FreeModel;
+use crate::free::parameterisation::Parameterisation;
 
 /// Minima kept.
 const REPORTED: usize = 3;
@@ -11,7 +11,7 @@ const REPORTED: usize = 3;
 const APART: f64 = 0.01;
 
 /// Bounds of a descent in the coordinates of a model.
-pub(crate) fn bounds(family: &impl FreeModel, max_iterations: u32, cost_tolerance: f64) -> Bounds {
+pub(crate) fn bounds(family: &impl Parameterisation, max_iterations: u32, cost_tolerance: f64) -> Bounds {
     let axes = family.axes();
     Bounds {
         lower: axes.iter().map(|axis| axis.lower).collect(),

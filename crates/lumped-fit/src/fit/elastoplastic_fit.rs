@@ -6,7 +6,7 @@ use crumple_signal::{Displacement, Signal};
 
 use crate::error::positive;
 use crate::fit::closed_form_fit::{ClosedForm, fit_logarithms};
-use crate::fit::options::NonlinearFitOptions;
+use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crate::{Fit, SolveError, Uncertainty};
 
@@ -21,7 +21,7 @@ const STIFFNESSES: [f64; 5] = [0.1, 0.3, 1.0, 2.0, 4.0];
 /// `m (v0/C)²`. Errors: as the other fits.
 pub fn fit_elastoplastic_loading(
     displacement: &Signal<Displacement>,
-    options: &NonlinearFitOptions,
+    options: &SingleMassFitOptions,
 ) -> Result<(Elastoplastic, Fit, Option<Uncertainty>), SolveError> {
     let mass_kg = positive("mass_kg", options.mass_kg)?;
     let v0 = positive("impact_speed_m_per_s", options.impact_speed_m_per_s)?;

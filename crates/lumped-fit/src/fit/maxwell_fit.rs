@@ -5,7 +5,7 @@ use crumple_signal::{Displacement, Signal};
 
 use crate::error::positive;
 use crate::fit::closed_form_fit::{ClosedForm, fit_logarithms};
-use crate::fit::options::NonlinearFitOptions;
+use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crate::{Fit, SolveError, Uncertainty};
 use crumple_estimation::minimise::levenberg_marquardt::Bounds;
@@ -21,7 +21,7 @@ const DAMPERS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
 /// other fits.
 pub fn fit_maxwell(
     displacement: &Signal<Displacement>,
-    options: &NonlinearFitOptions,
+    options: &SingleMassFitOptions,
 ) -> Result<(Maxwell, Fit, Option<Uncertainty>), SolveError> {
     let mass_kg = positive("mass_kg", options.mass_kg)?;
     let v0 = positive("impact_speed_m_per_s", options.impact_speed_m_per_s)?;

@@ -7,7 +7,7 @@ use crumple_lumped::{Model, ModelKind};
 use nalgebra::DMatrix;
 
 use crate::free::free_parameter::{FreeParameter, masses_of, rest_mass};
-use crate::record::observation::Observed;
+use crate::record::observation::Observation;
 
 /// A misfit below this share of the largest displacement is the exact model.
 const EXACT: f64 = 1e-10;
@@ -17,13 +17,13 @@ const EXACT: f64 = 1e-10;
 pub(crate) struct Problem<'a> {
     pub template: Model,
     pub free: Vec<FreeParameter>,
-    pub observed: &'a Observed,
+    pub observed: &'a Observation,
     /// Metres of one unit of residual.
     pub unit_m: f64,
 }
 
 impl<'a> Problem<'a> {
-    pub fn new(template: Model, free: Vec<FreeParameter>, observed: &'a Observed) -> Self {
+    pub fn new(template: Model, free: Vec<FreeParameter>, observed: &'a Observation) -> Self {
         Self { template, free, observed, unit_m: observed.scale_m() }
     }
 

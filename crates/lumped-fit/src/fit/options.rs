@@ -5,7 +5,7 @@ use crate::error::positive;
 
 /// What a fit of a nonlinear model is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NonlinearFitOptions {
+pub struct SingleMassFitOptions {
     /// Mass, kg.
     pub mass_kg: f64,
     /// Speed at contact, m/s: the last knot of the damper.
@@ -24,7 +24,7 @@ pub struct NonlinearFitOptions {
     pub samples: usize,
 }
 
-impl NonlinearFitOptions {
+impl SingleMassFitOptions {
     /// Refuses a mass, speed, crush or time that is not positive.
     pub(crate) fn check(&self) -> Result<(), SolveError> {
         positive("mass_kg", self.mass_kg)?;

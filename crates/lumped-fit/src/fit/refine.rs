@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::fit::observed_problem::Problem;
 use crate::free::free_parameter::FreeParameter;
-use crate::record::observation::Observed;
+use crate::record::observation::Observation;
 use crumple_estimation::minimise::StopReason;
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, derivatives, descend};
 
@@ -55,7 +55,7 @@ impl Refined {
 /// where the model has no finite response.
 ///
 /// A parameter that comes near zero, or away from it, is described anew there and the descent goes on.
-pub fn refine(model: &Model, free: &[FreeParameter], observed: &Observed) -> Option<Refined> {
+pub fn refine(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Refined> {
     let found = descend_with_hops(model, free, observed)?;
     let again: Vec<FreeParameter> = found.free.iter().map(|p| p.described_at(p.value)).collect();
     if again.iter().zip(free).all(|(new, old)| new.logarithmic == old.logarithmic) {
@@ -69,13 +69,13 @@ pub fn refine(model: &Model, free: &[FreeParameter], observed: &Observed) -> Opt
     })
 }
 
-fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observed) -> Option<Refined> {
+fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Refined> {
     let problem = Problem::new(*model, free.to_vec(), observed);
     let mut best = descend(&problem, &problem.start(), &bounds(free))?;
     let mut evaluations = best.evaluations;
     for _ in 0..3 {
         // Below the resolution no other minimum can be told to be better.
-        if best.cost <= observed.unresolved() || best.on_bound.iter().any(|held| *held) {
+        if best.cost <= observed.unresolved() || best.on_bound.iter().any(|on_bound| *on_bound) {
             break;
         }
         let Some(weak) = weakest(&best) else { break };
@@ -195,7 +195,7 @@ mod tests {
             };
             let x = measurement.displacement(model, 13.0, 1199).unwrap();
             let x = Signal::<Displacement>::new(-0.010_03, 1e-4, x.iter().map(|x| 1.01 * x).collect()).unwrap();
-            let observed = Observed::new(&x, 0.0, measurement, 13.0, (0.0, 0.09), 250).unwrap();
+            let observed = Observation::new(&x, 0.0, measurement, 13.0, (0.0, 0.09), 250).unwrap();
             let mut free = free_parameters(model, 13.0, 0.7, true);
             if matches!(model, Model::DoubleSpringMassDamper(_)) {
                 free.extend(free_masses(model, (0.05, 0.6)));

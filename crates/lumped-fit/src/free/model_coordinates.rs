@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{Instants, LumpedError, Model, ModelKind, Sensitivity};
 
-use crate::free::parameterisation::{Axis, FreeModel};
+use crate::free::parameterisation::{Axis, Parameterisation};
 
 /// How a coordinate becomes parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,7 +47,7 @@ pub fn largest_of_chain(mass_kg: f64, length_s: f64) -> (f64, f64) {
 
 /// A model family with its known and its free parameters.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Family {
+pub(crate) struct ModelCoordinates {
     pub kind: ModelKind,
     /// Every parameter, in the order of the names; free ones are overwritten.
     known: Vec<f64>,
@@ -83,7 +83,7 @@ pub enum MassFit {
     },
 }
 
-impl Family {
+impl ModelCoordinates {
     /// The family of a kind with these masses; springs and dampers near those that stop the car in the window.
     ///
     /// Bounds as in `fit_double`: springs within 1e-4 and 1e4 of `M (π/2T)²`, dampers within 1e-5 and 1e3 of `M/T`. The
@@ -229,7 +229,7 @@ impl Family {
     }
 }
 
-impl FreeModel for Family {
+impl Parameterisation for ModelCoordinates {
     type Model = Model;
 
     fn axes(&self) -> Vec<Axis> {
@@ -276,7 +276,7 @@ mod tests {
                 ModelKind::TripleSpringMassDamper => &[200.0, 100.0, 900.0],
                 _ => &[1200.0],
             };
-            let family = Family::new(kind, masses, MassFit::Shares { lower: 0.05, upper: 0.6 }, &scale);
+            let family = ModelCoordinates::new(kind, masses, MassFit::Shares { lower: 0.05, upper: 0.6 }, &scale);
             let theta: Vec<f64> = family
                 .coordinates
                 .iter()

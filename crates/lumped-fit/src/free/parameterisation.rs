@@ -12,7 +12,7 @@ pub(crate) struct Axis {
 }
 
 /// A model with free numbers of size one, `theta`.
-pub(crate) trait FreeModel: Sync {
+pub(crate) trait Parameterisation: Sync {
     /// The model at a point.
     type Model: Send;
 

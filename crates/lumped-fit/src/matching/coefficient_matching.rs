@@ -83,9 +83,9 @@ pub fn match_identified(
     let found = matching.solve();
     let fractions: Vec<f64> = (1..=SWEEP).map(|k| k as f64 / (SWEEP + 1) as f64).collect();
     let sweep = fractions.iter().copied().zip(matching.mass_split_sweep(&fractions)?).collect();
-    let verdict = verdict(&found);
+    let solutions_in_words = solutions_in_words(&found);
     let physical = found.solutions.iter().any(|s| s.physical);
-    let text = format!("{}: {verdict}", identified.id);
+    let text = format!("{}: {solutions_in_words}", identified.id);
     if physical {
         notes.info(text);
     } else {
@@ -99,7 +99,7 @@ pub fn match_identified(
     let zeta_of_the_start = identified.realised.as_ref().and_then(RealisedModel::zeta_of_the_start);
     for (place, solution) in found.solutions.iter().enumerate().filter(|(_, s)| s.real) {
         let Some(model) = solution.model(m1_kg, m2_kg) else { continue };
-        let mut remarks = vec![format!("from the {} {}: {verdict}", identified.source, identified.id)];
+        let mut remarks = vec![format!("from the {} {}: {solutions_in_words}", identified.source, identified.id)];
         remarks.push(numerator_remark(identified.numerator.as_deref(), solution));
         remarks.push(match matching_sensitivity(&model) {
             Some(gain) => format!("1 % in one coefficient moves a parameter by up to {:.3} %", gain.amax()),
@@ -141,7 +141,7 @@ pub fn match_identified(
             notes: remarks,
         });
     }
-    let mut remarks = vec![verdict, format!("used: the {} {}", identified.source, identified.id)];
+    let mut remarks = vec![solutions_in_words, format!("used: the {} {}", identified.source, identified.id)];
     if identified.delay_s != 0.0 {
         let text = format!(
             "its input acts {:.3} ms late: poles do not know of that, so neither do springs and dampers, and a simulation of them \
@@ -213,7 +213,7 @@ fn start_remark(zeta: f64, found: &CoefficientMatch) -> String {
 }
 
 /// How many solutions of which kind, and whether the masses can be right at all.
-fn verdict(found: &CoefficientMatch) -> String {
+fn solutions_in_words(found: &CoefficientMatch) -> String {
     let count = |which: &dyn Fn(&MatchedSolution) -> bool| -> usize {
         found.solutions.iter().filter(|s| which(s)).map(|s| s.multiplicity).sum()
     };

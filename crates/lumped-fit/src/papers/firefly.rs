@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::error::positive;
-use crate::fit::options::NonlinearFitOptions;
+use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crate::{Fit, FitQuantity, SolveError};
 
@@ -69,7 +69,7 @@ const COEFFICIENT: f64 = 1e6;
 /// magnitude and faster. Errors: as that fit.
 pub fn firefly_nonlinear2(
     displacement: &Signal<Displacement>,
-    options: &NonlinearFitOptions,
+    options: &SingleMassFitOptions,
     search: &FireflyOptions,
 ) -> Result<FireflyResult, SolveError> {
     positive("mass_kg", options.mass_kg)?;

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::error::positive;
-use crate::fit::options::NonlinearFitOptions;
+use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crate::{Fit, FitQuantity, SolveError};
 use crumple_estimation::minimise::interior_point::{Evaluated, InteriorPoint, Program, interior_point};
@@ -26,7 +26,7 @@ const FEASIBLE: f64 = 1e-7;
 /// `x` holds `k1, k2, c1, c2, c3` over `m (v0/C)²` and `m v0/C`, and the knee over `v0`.
 struct SideConstraints<'a> {
     window: &'a Window,
-    options: &'a NonlinearFitOptions,
+    options: &'a SingleMassFitOptions,
     scale: [f64; 6],
 }
 
@@ -86,7 +86,7 @@ impl Program for SideConstraints<'_> {
 /// the constraints.
 pub fn interior_point_nonlinear1(
     displacement: &Signal<Displacement>,
-    options: &NonlinearFitOptions,
+    options: &SingleMassFitOptions,
 ) -> Result<(Nonlinear1, Fit), SolveError> {
     let m = positive("mass_kg", options.mass_kg)?;
     let v0 = positive("impact_speed_m_per_s", options.impact_speed_m_per_s)?;

@@ -9,7 +9,7 @@ use crate::{FitQuantity, Measurement, SolveError};
 
 /// One wave of a record and where it is compared.
 #[derive(Debug, Clone)]
-pub struct SeenWave {
+pub struct ObservedWave {
     /// Index of its mass from the barrier on; `None`: the compartment.
     pub mass: Option<usize>,
     /// What it says.
@@ -68,11 +68,11 @@ impl WholeWave {
 /// Misfits of several waves stand one after the other, each times its weight: all in the unit of the first wave, which is
 /// called a metre wherever it is a displacement.
 #[derive(Debug, Clone)]
-pub struct Observed {
+pub struct Observation {
     /// Speed at contact, m/s.
     pub impact_speed_m_per_s: f64,
     /// The waves; at least one.
-    pub waves: Vec<SeenWave>,
+    pub waves: Vec<ObservedWave>,
 }
 
 /// Root mean square error that no displacement is believed to be free of, m.
@@ -90,7 +90,7 @@ const LEAST_LEVEL: f64 = 1e-6;
 /// Fewest samples judged.
 pub(crate) const FEWEST: usize = 12;
 
-impl SeenWave {
+impl ObservedWave {
     /// At most `limit` samples from `from_s` to `to_s` after contact. `wave` is on the grid of the measurement, as far as it goes.
     /// Weight 1. Errors: a window that leaves the record, or fewer than 12 samples.
     pub fn new(
@@ -153,7 +153,7 @@ fn largest(samples: &[f64]) -> f64 {
     samples.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(x.abs()))
 }
 
-impl Observed {
+impl Observation {
     /// At most `limit` samples from `from_s` to `to_s` after contact. `displacement` is on the grid of the measurement, as
     /// far as it goes. Errors: a window that leaves the record, or fewer than 12 samples.
     pub fn new(
@@ -165,7 +165,7 @@ impl Observed {
         limit: usize,
     ) -> Result<Self, SolveError> {
         let what = (None, FitQuantity::Displacement);
-        let wave = SeenWave::new(displacement, what, time_zero_s, measurement, window_s, limit)?;
+        let wave = ObservedWave::new(displacement, what, time_zero_s, measurement, window_s, limit)?;
         Ok(Self { impact_speed_m_per_s, waves: vec![wave] })
     }
 
@@ -189,7 +189,7 @@ impl Observed {
     /// The part of each wave of what stands one after the other.
     pub fn split<'a>(&self, rows: &'a [f64]) -> Vec<&'a [f64]> {
         let mut rest = rows;
-        let of = |wave: &SeenWave| {
+        let of = |wave: &ObservedWave| {
             let (own, others) = rest.split_at(wave.samples.len().min(rest.len()));
             rest = others;
             own
@@ -199,7 +199,7 @@ impl Observed {
 
     /// Root mean square misfit of every wave, in its unit.
     pub fn rmse(&self, misfit: &[f64]) -> Vec<f64> {
-        let of = |(own, wave): (&[f64], &SeenWave)| {
+        let of = |(own, wave): (&[f64], &ObservedWave)| {
             (own.iter().map(|r| r * r).sum::<f64>() / own.len() as f64).sqrt() / wave.weight
         };
         self.split(misfit).into_iter().zip(&self.waves).map(of).collect()
@@ -232,7 +232,7 @@ impl Observed {
 
     /// The noise level of each wave from its root mean square misfit: never less than a millionth of the wave.
     pub fn noise_levels(&self, rmse: &[f64]) -> Vec<f64> {
-        let of = |(wave, rmse): (&SeenWave, &f64)| rmse.max(LEAST_LEVEL * wave.size()).max(f64::MIN_POSITIVE);
+        let of = |(wave, rmse): (&ObservedWave, &f64)| rmse.max(LEAST_LEVEL * wave.size()).max(f64::MIN_POSITIVE);
         self.waves.iter().zip(rmse).map(of).collect()
     }
 

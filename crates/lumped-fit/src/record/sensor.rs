@@ -21,13 +21,13 @@ pub fn errors_in_words<'a>(errors: impl IntoIterator<Item = (f64, FitQuantity, &
 }
 
 /// The note on these [`errors_in_words`]; `seen`: how, `"through the filter"`, or nothing.
-pub fn errors_remark(errors: &str, seen: Option<&str>) -> String {
+pub fn note_of_errors(errors: &str, seen: Option<&str>) -> String {
     let seen = seen.map_or_else(String::new, |seen| format!("seen {seen} "));
     format!("{ERRORS}{seen}{errors}; residuals weighted by the noise level of each sensor")
 }
 
-/// Whether a note is an [`errors_remark`].
-pub fn is_errors_remark(note: &str) -> bool {
+/// Whether a note is an [`note_of_errors`].
+pub fn is_note_of_errors(note: &str) -> bool {
     note.starts_with(ERRORS)
 }
 

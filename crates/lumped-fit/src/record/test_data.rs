@@ -4,7 +4,7 @@ use crate::Sensor;
 
 /// What a test says.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Evidence<'a> {
+pub struct TestData<'a> {
     /// Test mass, kg.
     pub mass_kg: f64,
     /// Speed at contact, m/s.

@@ -14,8 +14,8 @@ use crate::{
 /// The Kelvin model of the events.
 pub(crate) fn kelvin(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     let Some((t_m, crush)) = crush_of(task, notes) else { return Ok(Vec::new()) };
-    let evidence = task.evidence;
-    let solution = match kelvin_from_events(evidence.mass_kg, evidence.impact_speed_m_per_s, t_m, crush) {
+    let test = task.test;
+    let solution = match kelvin_from_events(test.mass_kg, test.impact_speed_m_per_s, t_m, crush) {
         Ok(solution) => solution,
         Err(error) => {
             notes.warning(format!("kelvin: not solved, {error}"));
@@ -60,15 +60,15 @@ pub(crate) fn elastoplastic(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Ca
         });
     }
     let (t_m, crush) = (extent.time_s, extent.crush_m);
-    let evidence = task.evidence;
-    let restitution = match evidence.coefficient_of_restitution {
+    let test = task.test;
+    let restitution = match test.coefficient_of_restitution {
         Some(e) => e,
         None => {
             notes.warning("elastoplastic: not solved, the coefficient of restitution is not known");
             return Ok(Vec::new());
         }
     };
-    match elastoplastic_of_record(evidence.mass_kg, evidence.impact_speed_m_per_s, crush, restitution) {
+    match elastoplastic_of_record(test.mass_kg, test.impact_speed_m_per_s, crush, restitution) {
         Ok((model, true)) => {
             let remark = format!(
                 "the rebound is zero within its uncertainty (restitution {restitution:.4}): the unloading is rigid, and its stiffness \
@@ -80,7 +80,7 @@ pub(crate) fn elastoplastic(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Ca
             Ok(vec![unfitted(task, Model::Elastoplastic(model), vec![remark])])
         }
         Ok((model, false)) => {
-            let model_t_m = std::f64::consts::FRAC_PI_2 * crush / evidence.impact_speed_m_per_s;
+            let model_t_m = std::f64::consts::FRAC_PI_2 * crush / test.impact_speed_m_per_s;
             let remark = format!(
                 "keeps crush, speed and restitution {restitution:.4}; stops at {:.2} ms, the record at {:.2} ms",
                 1e3 * model_t_m,

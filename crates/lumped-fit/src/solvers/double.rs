@@ -15,22 +15,22 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     if !task.fits_displacement_alone() {
         return sensors::fit(task, notes);
     }
-    let (kind, evidence, settings) = (task.model, task.evidence, task.settings);
-    let (m1_kg, m2_kg, split) = masses(evidence.mass_kg, settings.split)?;
+    let (kind, test, settings) = (task.model, task.test, task.settings);
+    let (m1_kg, m2_kg, split) = masses(test.mass_kg, settings.split)?;
     notes.info(format!("{kind}: {split}"));
-    let Some(displacement) = evidence.displacement else {
+    let Some(displacement) = test.displacement else {
         notes.warning(format!("{kind}: not fitted, there is no displacement"));
         return Ok(Vec::new());
     };
-    let to_s = settings.fit_to_s.or(evidence.time_of_dynamic_crush_s);
+    let to_s = settings.fit_to_s.or(test.time_of_dynamic_crush_s);
     if to_s.is_none() {
         notes.warning(format!("{kind}: fitted up to the end of the record, since there is no dynamic crush"));
     }
     let options = DoubleFitOptions {
         m1_kg,
         m2_kg,
-        impact_speed_m_per_s: evidence.impact_speed_m_per_s,
-        time_zero_s: evidence.time_zero_s,
+        impact_speed_m_per_s: test.impact_speed_m_per_s,
+        time_zero_s: test.time_zero_s,
         from_s: settings.fit_from_s,
         to_s,
         samples: settings.fit_samples,

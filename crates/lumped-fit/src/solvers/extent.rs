@@ -25,18 +25,18 @@ pub(super) struct Extent {
 /// Dynamic crush of the record; where its velocity never reaches zero, the end of the window (`fit_to` or the end of the record)
 /// and the largest displacement up to there, with a note. `None`, with a note, where that leaves nothing to fit.
 pub(super) fn extent_of(task: &Task<'_>, notes: &mut Notes) -> Option<Extent> {
-    let (kind, evidence) = (task.model, task.evidence);
-    if let Some((time_s, crush_m)) = evidence.time_of_dynamic_crush_s.zip(evidence.dynamic_crush_m) {
+    let (kind, test) = (task.model, task.test);
+    if let Some((time_s, crush_m)) = test.time_of_dynamic_crush_s.zip(test.dynamic_crush_m) {
         return Some(Extent { crush_m, time_s, stops: true });
     }
-    let Some(displacement) = evidence.displacement else {
+    let Some(displacement) = test.displacement else {
         notes.warning(format!("{kind}: not fitted, there is no displacement"));
         return None;
     };
-    let end_s = displacement.end_s() - evidence.time_zero_s;
+    let end_s = displacement.end_s() - test.time_zero_s;
     let time_s = task.settings.fit_to_s.unwrap_or(end_s);
-    let first = displacement.index_at_or_after(evidence.time_zero_s);
-    let after = displacement.index_at_or_after(evidence.time_zero_s + time_s + 0.5 * displacement.dt_s());
+    let first = displacement.index_at_or_after(test.time_zero_s);
+    let after = displacement.index_at_or_after(test.time_zero_s + time_s + 0.5 * displacement.dt_s());
     let window = displacement.samples().get(first..after.min(displacement.len())).unwrap_or_default();
     let crush_m = window.iter().copied().fold(0.0, f64::max);
     if crush_m <= 0.0 || time_s <= 0.0 {
@@ -54,7 +54,7 @@ pub(super) fn extent_of(task: &Task<'_>, notes: &mut Notes) -> Option<Extent> {
 
 /// Time and depth of dynamic crush; a note where the record has none.
 pub(super) fn crush_of(task: &Task<'_>, notes: &mut Notes) -> Option<(f64, f64)> {
-    let events = task.evidence.time_of_dynamic_crush_s.zip(task.evidence.dynamic_crush_m);
+    let events = task.test.time_of_dynamic_crush_s.zip(task.test.dynamic_crush_m);
     if events.is_none() {
         notes.warning(format!(
             "{}: not solved, since the velocity of the record never reaches zero: it has no dynamic crush, which {} starts from; \

@@ -5,11 +5,11 @@ use crumple_signal::Notes;
 
 use crate::candidate::linearised::uncertainty;
 use crate::fit::sensors::fit::Fitted;
-use crate::fit::sensors::problem::{Observed, SensorProblem};
-use crate::free::model_coordinates::Family;
-use crate::free::parameterisation::FreeModel;
+use crate::fit::sensors::problem::{SensorProblem, SensorWindow};
+use crate::free::model_coordinates::ModelCoordinates;
+use crate::free::parameterisation::Parameterisation;
 use crate::solvers::task::Task;
-use crate::{Candidate, Fit, Sensor, SensorFit, bounds_remark, errors_in_words, errors_remark};
+use crate::{Candidate, Fit, Sensor, SensorFit, bounds_remark, errors_in_words, note_of_errors};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response};
 
 /// Sets that are reported at most.
@@ -40,16 +40,16 @@ fn broken_side_constraints(model: &Model) -> Option<String> {
 /// What was found, as candidates.
 pub(super) struct Report<'a> {
     pub task: &'a Task<'a>,
-    pub family: &'a Family,
+    pub family: &'a ModelCoordinates,
     pub sensors: &'a [(usize, Sensor<'a>)],
     pub found: &'a Fitted,
 }
 
 impl<'a> Report<'a> {
-    fn problem(&self) -> SensorProblem<'_, Family> {
+    fn problem(&self) -> SensorProblem<'_, ModelCoordinates> {
         SensorProblem {
             family: self.family,
-            impact_speed_m_per_s: self.task.evidence.impact_speed_m_per_s,
+            impact_speed_m_per_s: self.task.test.impact_speed_m_per_s,
             sensors: &self.found.sensors,
         }
     }
@@ -78,7 +78,7 @@ impl<'a> Report<'a> {
         let names = self.family.names();
         let first = &self.found.sensors[0];
         let active_bounds: Vec<_> =
-            names.iter().zip(&minimum.on_bound).filter(|(_, held)| **held).map(|(name, _)| *name).collect();
+            names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound).map(|(name, _)| *name).collect();
         let mut notes = remarks.to_vec();
         notes.push(format!(
             "fitted to {} from {:.2} ms to {:.2} ms after time zero",
@@ -87,11 +87,11 @@ impl<'a> Report<'a> {
             1e3 * first.window.last_s()
         ));
         if self.sensors.len() > 1 {
-            notes.push(errors_remark(&self.errors(&minimum.theta)?, None));
+            notes.push(note_of_errors(&self.errors(&minimum.theta)?, None));
         }
         notes.extend(bounds_remark(&model, &active_bounds));
         notes.extend(broken_side_constraints(&model));
-        let of = |((mass, sensor), (observed, rmse)): (&(usize, Sensor<'_>), (&Observed, &f64))| SensorFit {
+        let of = |((mass, sensor), (observed, rmse)): (&(usize, Sensor<'_>), (&SensorWindow, &f64))| SensorFit {
             channel: sensor.channel.to_owned(),
             mass: mass + 1,
             quantity: sensor.quantity,

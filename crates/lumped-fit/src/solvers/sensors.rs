@@ -3,10 +3,10 @@
 use crumple_lumped::{Model, ModelKind};
 use crumple_signal::Notes;
 
-use crate::fit::options::NonlinearFitOptions;
+use crate::fit::options::SingleMassFitOptions;
 use crate::fit::sensors::fit::{Search, fit_sensors};
-use crate::fit::sensors::problem::Observed;
-use crate::free::model_coordinates::{Family, Scale};
+use crate::fit::sensors::problem::SensorWindow;
+use crate::free::model_coordinates::{ModelCoordinates, Scale};
 use crate::record::window::Window;
 use crate::solvers::sensor_report::Report;
 use crate::solvers::task::{Task, mass_count};
@@ -17,27 +17,26 @@ use crate::{
 
 /// The fit of the table of solvers, by descents or by L-SHADE.
 pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
-    let (kind, evidence, settings) = (task.model, task.evidence, task.settings);
+    let (kind, test, settings) = (task.model, task.test, task.settings);
     let count = mass_count(kind);
     let (masses_kg, split) = match kind {
         ModelKind::DoubleSpringMassDamper => {
-            let (m1, m2, text) = masses(evidence.mass_kg, settings.split)?;
+            let (m1, m2, text) = masses(test.mass_kg, settings.split)?;
             (vec![m1, m2], Some(text))
         }
         ModelKind::TripleSpringMassDamper => {
-            let (masses, text) = triple_masses(evidence.mass_kg, settings.split, settings.triple)?;
+            let (masses, text) = triple_masses(test.mass_kg, settings.split, settings.triple)?;
             (masses.to_vec(), Some(text))
         }
-        _ => (vec![evidence.mass_kg], None),
+        _ => (vec![test.mass_kg], None),
     };
     let Some(sensors) = sensors_of(task, count, notes) else { return Ok(Vec::new()) };
     let to_s = window_end(task);
     let mut observed = Vec::new();
     for (mass, sensor) in &sensors {
-        let window =
-            Window::pick(sensor.record, evidence.time_zero_s, settings.fit_from_s, to_s, settings.fit_samples)?;
+        let window = Window::pick(sensor.record, test.time_zero_s, settings.fit_from_s, to_s, settings.fit_samples)?;
         let noise = sensor.noise.unwrap_or(1.0);
-        let mut one = Observed { mass: *mass, quantity: sensor.quantity, window, noise };
+        let mut one = SensorWindow { mass: *mass, quantity: sensor.quantity, window, noise };
         if sensor.noise.is_none() {
             one.noise = one.size().max(f64::MIN_POSITIVE);
         }
@@ -45,13 +44,13 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     }
     let length_s = observed.iter().map(|o| o.window.last_s()).fold(0.0, f64::max);
     let scale = Scale {
-        impact_speed_m_per_s: evidence.impact_speed_m_per_s,
+        impact_speed_m_per_s: test.impact_speed_m_per_s,
         length_s,
         // Without a crush the spring of the nonlinear models has no last knot; the way at full speed stands for it.
-        crush_m: evidence.dynamic_crush_m.unwrap_or(evidence.impact_speed_m_per_s * length_s),
+        crush_m: test.dynamic_crush_m.unwrap_or(test.impact_speed_m_per_s * length_s),
         release: settings.release,
     };
-    let family = Family::new(kind, &masses_kg, settings.mass_fit, &scale);
+    let family = ModelCoordinates::new(kind, &masses_kg, settings.mass_fit, &scale);
     let search = match task.method {
         Method::LShade => Search::LShade(settings.l_shade),
         _ => {
@@ -60,7 +59,7 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
         }
     };
     let weigh: Vec<bool> = sensors.iter().map(|(_, sensor)| sensor.noise.is_none()).collect();
-    let Some(mut found) = fit_sensors(&family, evidence.impact_speed_m_per_s, observed, &weigh, &search) else {
+    let Some(mut found) = fit_sensors(&family, test.impact_speed_m_per_s, observed, &weigh, &search) else {
         notes.warning(format!("{kind}: {}", SolveError::NoFit { starts: settings.fit_starts }));
         return Ok(Vec::new());
     };
@@ -114,13 +113,13 @@ pub(crate) fn shared_mass(places: &[(Place, &str)], count: usize) -> Option<Stri
 /// The sensors that sit on a mass of the model; without any, the compartment's displacement. `None` with a warning where there is
 /// nothing to fit to, or no way to ([`shared_mass`]).
 fn sensors_of<'a>(task: &Task<'a>, count: usize, notes: &mut Notes) -> Option<Vec<(usize, Sensor<'a>)>> {
-    let places: Vec<_> = task.evidence.sensors.iter().map(|sensor| (sensor.place, sensor.channel)).collect();
+    let places: Vec<_> = task.test.sensors.iter().map(|sensor| (sensor.place, sensor.channel)).collect();
     if let Some(reason) = shared_mass(&places, count) {
         notes.warning(format!("{}: {reason}", task.model));
         return None;
     }
     let mut sensors = Vec::new();
-    for sensor in task.evidence.sensors {
+    for sensor in task.test.sensors {
         match sensor.place.mass(count) {
             Some(mass) => sensors.push((mass, *sensor)),
             None => notes.info(format!(
@@ -131,7 +130,7 @@ fn sensors_of<'a>(task: &Task<'a>, count: usize, notes: &mut Notes) -> Option<Ve
     }
     if sensors.is_empty()
         && task.settings.quantity == FitQuantity::Displacement
-        && let Some(displacement) = task.evidence.displacement
+        && let Some(displacement) = task.test.displacement
     {
         let compartment = Sensor {
             channel: "",
@@ -151,9 +150,9 @@ fn sensors_of<'a>(task: &Task<'a>, count: usize, notes: &mut Notes) -> Option<Ve
 
 /// Dynamic crush, unless told otherwise; the unloading of the elastoplastic model shows after it only.
 fn window_end(task: &Task<'_>) -> Option<f64> {
-    let crush = task.evidence.time_of_dynamic_crush_s;
+    let crush = task.test.time_of_dynamic_crush_s;
     task.settings.fit_to_s.or(match task.model {
-        ModelKind::Elastoplastic => crush.and(task.evidence.time_of_rebound_s),
+        ModelKind::Elastoplastic => crush.and(task.test.time_of_rebound_s),
         _ => crush,
     })
 }
@@ -188,8 +187,8 @@ fn one_soft_pair(
 }
 
 /// Points that other solvers of this crate give: closed forms, and the fit of a nonlinear model to the displacement.
-fn given_starts(task: &Task<'_>, family: &Family, masses_kg: &[f64], to_s: Option<f64>) -> Vec<Vec<f64>> {
-    let e = task.evidence;
+fn given_starts(task: &Task<'_>, family: &ModelCoordinates, masses_kg: &[f64], to_s: Option<f64>) -> Vec<Vec<f64>> {
+    let e = task.test;
     let events = e.time_of_dynamic_crush_s.zip(e.dynamic_crush_m);
     let (v0, m) = (e.impact_speed_m_per_s, e.mass_kg);
     if let (ModelKind::DoubleSpringMassDamper | ModelKind::TripleSpringMassDamper, Some(crush)) = (task.model, events) {
@@ -204,7 +203,7 @@ fn given_starts(task: &Task<'_>, family: &Family, masses_kg: &[f64], to_s: Optio
             elastoplastic_from_events(m, v0, c, restitution).ok().map(Model::Elastoplastic)
         }
         (ModelKind::Nonlinear1 | ModelKind::Nonlinear2, Some((t, c)), Some(displacement)) => {
-            let options = NonlinearFitOptions {
+            let options = SingleMassFitOptions {
                 mass_kg: m,
                 impact_speed_m_per_s: v0,
                 crush_m: c,

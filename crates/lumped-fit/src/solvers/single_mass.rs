@@ -4,7 +4,7 @@ use crumple_lumped::Model;
 use crumple_signal::{Displacement, Notes, Signal};
 
 use super::extent::{Extent, crush_of, extent_of};
-use crate::fit::options::NonlinearFitOptions;
+use crate::fit::options::SingleMassFitOptions;
 use crate::solvers::sensors;
 use crate::solvers::task::Task;
 use crate::{
@@ -108,19 +108,19 @@ pub(super) fn fitted(
     task: &Task<'_>,
     extent: &Extent,
     notes: &mut Notes,
-    fit: impl FnOnce(&Signal<Displacement>, &NonlinearFitOptions, &mut Vec<String>) -> Result<Found, SolveError>,
+    fit: impl FnOnce(&Signal<Displacement>, &SingleMassFitOptions, &mut Vec<String>) -> Result<Found, SolveError>,
 ) -> Result<Vec<Candidate>, SolveError> {
-    let (kind, evidence, settings) = (task.model, task.evidence, task.settings);
-    let Some(displacement) = evidence.displacement else {
+    let (kind, test, settings) = (task.model, task.test, task.settings);
+    let Some(displacement) = test.displacement else {
         notes.warning(format!("{kind}: not fitted, there is no displacement"));
         return Ok(Vec::new());
     };
-    let options = NonlinearFitOptions {
-        mass_kg: evidence.mass_kg,
-        impact_speed_m_per_s: evidence.impact_speed_m_per_s,
+    let options = SingleMassFitOptions {
+        mass_kg: test.mass_kg,
+        impact_speed_m_per_s: test.impact_speed_m_per_s,
         crush_m: extent.crush_m,
         time_of_dynamic_crush_s: extent.time_s,
-        time_zero_s: evidence.time_zero_s,
+        time_zero_s: test.time_zero_s,
         from_s: settings.fit_from_s,
         to_s: settings.fit_to_s.or(extent.stops.then_some(extent.time_s)),
         samples: settings.fit_samples,
@@ -136,7 +136,7 @@ pub(super) fn fitted(
     };
     remarks.insert(0, format!("fitted from {:.2} ms to {:.2} ms after time zero", 1e3 * fit.from_s, 1e3 * fit.to_s));
     if let Model::Maxwell(maxwell) = &model
-        && let Some(finding) = undetermined_by_the_record(maxwell, evidence.impact_speed_m_per_s, extent.crush_m)
+        && let Some(finding) = undetermined_by_the_record(maxwell, test.impact_speed_m_per_s, extent.crush_m)
     {
         notes.warning(format!("{kind}: {finding}"));
         remarks.push(finding);

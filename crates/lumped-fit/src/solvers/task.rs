@@ -7,7 +7,7 @@ use crate::candidate::method::Method;
 use crate::free::model_coordinates::MassFit;
 use crate::record::fit_quantity::FitQuantity;
 use crate::record::sensor::Sensor;
-use crate::record::test_data::Evidence;
+use crate::record::test_data::TestData;
 use crate::solvers::settings::SolveSettings;
 
 /// What a solver works on.
@@ -25,7 +25,7 @@ pub enum Needs {
 pub(crate) struct Task<'a> {
     pub model: ModelKind,
     pub method: Method,
-    pub evidence: &'a Evidence<'a>,
+    pub test: &'a TestData<'a>,
     pub settings: &'a SolveSettings,
 }
 
@@ -35,13 +35,13 @@ impl Task<'_> {
     pub(crate) fn fits_displacement_alone(&self) -> bool {
         let count = mass_count(self.model);
         let is_pulse = |sensor: &Sensor<'_>| {
-            let pulse: Option<&Sampled> = self.evidence.displacement.map(|displacement| &**displacement);
+            let pulse: Option<&Sampled> = self.test.displacement.map(|displacement| &**displacement);
             sensor.quantity == FitQuantity::Displacement && pulse == Some(sensor.record)
         };
         self.settings.quantity == FitQuantity::Displacement
             && self.settings.mass_fit == MassFit::Known
             && self
-                .evidence
+                .test
                 .sensors
                 .iter()
                 .all(|sensor| sensor.place.mass(count).is_none_or(|mass| mass + 1 == count && is_pulse(sensor)))

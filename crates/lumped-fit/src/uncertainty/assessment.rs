@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::FitQuantity;
 use crate::fit::refine::Refined;
 use crate::free::free_parameter::{FreeParameter, masses_of, rest_mass};
-use crate::record::observation::Observed;
+use crate::record::observation::Observation;
 use crate::uncertainty::block_bootstrap::{Bootstrap, bootstrap};
 use crate::uncertainty::dual_scale::DualScale;
 use crate::uncertainty::identifiability::weakest_direction;
@@ -16,7 +16,7 @@ use crumple_lumped::Model;
 
 /// What is computed beyond the covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct JudgeOptions {
+pub struct AssessmentOptions {
     /// Profile likelihood of every parameter.
     pub profile: bool,
     /// Replicates of a block bootstrap; 0: none.
@@ -28,7 +28,7 @@ pub type Intervals = BTreeMap<&'static str, (Option<f64>, Option<f64>)>;
 
 /// The verdict on one candidate.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Judgement {
+pub struct Assessment {
     /// The parameters judged, in the order of the matrices.
     pub parameters: Vec<&'static str>,
     /// Standard deviations, in the unit of each; those on a bound of the search have none.
@@ -62,18 +62,18 @@ pub struct Judgement {
 /// `given`: the values that are to be judged, where they are not those of the minimum: a closed form that follows two events
 /// instead of the whole curve. Its intervals stand around its own values and are widened by their distance from the minimum, as
 /// one more deviation: the same model, taken from the record in another way, gives values so far apart.
-pub fn judge(
+pub fn assess(
     refined: &Refined,
     given: Option<&Model>,
-    observed: &Observed,
-    options: JudgeOptions,
-) -> Option<Judgement> {
+    observed: &Observation,
+    options: AssessmentOptions,
+) -> Option<Assessment> {
     // What stands on zero is judged from its one side; what stands on the end of the search is not judged.
     // Neither is what moves nothing in the window: it stays open on both sides.
-    let judged = |i: &usize| {
+    let assessed = |i: &usize| {
         (!refined.on_bound[*i] || refined.free[*i].value == 0.0) && refined.sensitivity_m.column(*i).norm() > 0.0
     };
-    let kept: Vec<usize> = (0..refined.free.len()).filter(judged).collect();
+    let kept: Vec<usize> = (0..refined.free.len()).filter(assessed).collect();
     let free: Vec<FreeParameter> = kept.iter().map(|&i| refined.free[i]).collect();
     let j_m = refined.sensitivity_m.select_columns(&kept);
     let found = covariance_of_blocks(&j_m, &refined.misfit_m, &observed.blocks())?;
@@ -109,7 +109,7 @@ pub fn judge(
     let correlation = found.correlation();
     let waves = observed.split(&refined.misfit_m);
     let quantity = observed.waves.first()?.quantity;
-    Some(Judgement {
+    Some(Assessment {
         parameters: free.iter().map(|p| p.name).collect(),
         standard_deviation,
         interval,
@@ -192,7 +192,7 @@ fn profile_of_the_rest(refined: &Refined, profiles: &[Profile]) -> Option<Profil
     })
 }
 
-impl Judgement {
+impl Assessment {
     /// The same verdict seen from the dual double model.
     pub fn of_dual(&self, dual: &DualScale) -> Self {
         let exchange = |intervals: &Intervals| -> Intervals {
@@ -239,8 +239,8 @@ impl Judgement {
 }
 
 /// Free parameters of which the record says nothing at all, for a sentence.
-pub fn undetermined(judgement: &Judgement) -> Vec<&'static str> {
-    judgement
+pub fn undetermined(assessment: &Assessment) -> Vec<&'static str> {
+    assessment
         .interval
         .iter()
         .filter(|(_, (low, high))| low.is_none() || high.is_none())

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::fit::observed_problem::Problem;
 use crate::fit::refine::{Refined, follow};
 use crate::free::free_parameter::{FreeParameter, rest_mass};
-use crate::record::observation::Observed;
+use crate::record::observation::Observation;
 use crumple_estimation::statistics::{autocorrelation_time, quantile};
 use crumple_lumped::Model;
 
@@ -40,7 +40,7 @@ pub struct Bootstrap<N: Ord = &'static str> {
 /// the whole record. `None` with fewer than 20 fits, or for a misfit of rounding alone.
 ///
 /// `with_rest`: whether a last mass that is the rest of the total has an interval too.
-pub fn bootstrap(refined: &Refined, observed: &Observed, replicates: usize, with_rest: bool) -> Option<Bootstrap> {
+pub fn bootstrap(refined: &Refined, observed: &Observation, replicates: usize, with_rest: bool) -> Option<Bootstrap> {
     let rest = |model: &Model, free: &[FreeParameter]| rest_mass(model, free).filter(|_| with_rest);
     let rest_name = rest(&refined.model, &refined.free).map(|(name, _)| name);
     let names = refined.free.iter().map(|parameter| parameter.name).chain(rest_name).collect();
@@ -54,11 +54,11 @@ pub fn bootstrap(refined: &Refined, observed: &Observed, replicates: usize, with
 
 /// [`bootstrap`] of any fit: `misfit` is its weighted one, `fit` gives the values of the names for a record.
 pub(crate) fn replicate<N: Ord>(
-    observed: &Observed,
+    observed: &Observation,
     misfit: &[f64],
     replicates: usize,
     names: Vec<N>,
-    fit: impl Fn(&Observed) -> Option<Vec<f64>> + Sync,
+    fit: impl Fn(&Observation) -> Option<Vec<f64>> + Sync,
 ) -> Option<Bootstrap<N>> {
     let misfits = observed.split(misfit);
     let n = misfits.first()?.len();

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::Model;
 
-use crate::record::observation::Observed;
-use crate::uncertainty::propagation::{InputUncertainty, Propagation, Repetition, by_repetition, perturbed_by};
+use crate::record::observation::Observation;
+use crate::uncertainty::propagation::{InputUncertainty, Propagation, Repetition, over_repetitions, with_errors};
 use crate::{elastoplastic_of_record, kelvin_from_events, unloads_rigidly};
 
 /// The events that a closed form follows.
@@ -25,7 +25,7 @@ impl FollowedEvents {
     ///
     /// Velocities are differences between samples, which for a displacement summed by trapezoids are means of two samples of the
     /// velocity; their first zero and their minimum after it. Off by `O(dt²)`: only changes of the events are taken from here.
-    pub fn of(record: &Observed) -> Option<Self> {
+    pub fn of(record: &Observation) -> Option<Self> {
         let wave = record.waves.first()?;
         let dt = wave.measurement.dt_s * wave.stride as f64;
         let x = &wave.samples;
@@ -47,7 +47,7 @@ impl FollowedEvents {
     }
 
     /// These events moved as far as those of `record` moved to those of `moved`.
-    pub fn moved(&self, record: &Observed, moved: &Observed) -> Option<Self> {
+    pub fn moved(&self, record: &Observation, moved: &Observation) -> Option<Self> {
         let (from, to) = (Self::of(record)?, Self::of(moved)?);
         let restitution = to.coefficient_of_restitution - from.coefficient_of_restitution;
         Some(Self {
@@ -68,13 +68,13 @@ impl FollowedEvents {
 pub fn propagate_closed_form(
     model: &Model,
     events: &FollowedEvents,
-    whole: &Observed,
+    whole: &Observation,
     mass_kg: f64,
     inputs: &InputUncertainty,
     repetitions: usize,
 ) -> Option<Propagation> {
-    by_repetition(mass_kg, inputs, (repetitions, 1), |errors| {
-        let repetition = perturbed_by(whole, errors)?;
+    over_repetitions(mass_kg, inputs, (repetitions, 1), |errors| {
+        let repetition = with_errors(whole, errors)?;
         repeat_closed_form(model, &events.moved(whole, &repetition.observed)?, &repetition)
     })
 }

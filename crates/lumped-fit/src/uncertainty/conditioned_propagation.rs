@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 use crumple_lumped::{Instants, Model, Nonlinear1};
 use nalgebra::DMatrix;
 
-use crate::Observed;
-use crate::record::observation::SeenWave;
+use crate::Observation;
+use crate::record::observation::ObservedWave;
 use crate::uncertainty::closed_form_propagation::FollowedEvents;
-use crate::uncertainty::propagation::{InputUncertainty, Propagation, Repetition, by_repetition, perturbed_by};
+use crate::uncertainty::propagation::{InputUncertainty, Propagation, Repetition, over_repetitions, with_errors};
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Response, descend};
 
 /// Rounds of the augmented Lagrangian, and what the conditions are met to, of crush and speed.
@@ -29,14 +29,14 @@ const PLACES: [usize; 6] = [1, 2, 3, 4, 5, 6];
 pub fn propagate_conditioned(
     model: &Nonlinear1,
     events: &FollowedEvents,
-    (observed, whole): (&Observed, &Observed),
+    (observed, whole): (&Observation, &Observation),
     mass_kg: f64,
     inputs: &InputUncertainty,
     repetitions: usize,
 ) -> Option<Propagation> {
-    by_repetition(mass_kg, inputs, (repetitions, 1), |errors| {
-        let moved = events.moved(whole, &perturbed_by(whole, errors)?.observed)?;
-        repeat_conditioned(model, &moved, &perturbed_by(observed, errors)?)
+    over_repetitions(mass_kg, inputs, (repetitions, 1), |errors| {
+        let moved = events.moved(whole, &with_errors(whole, errors)?.observed)?;
+        repeat_conditioned(model, &moved, &with_errors(observed, errors)?)
     })
 }
 
@@ -103,7 +103,7 @@ fn repeat_conditioned(
 /// Displacements in units of the crush, and the two weighted conditions after them. Coefficients are sums of parts that are not
 /// negative, which keeps their order.
 struct Conditioned<'a> {
-    record: &'a SeenWave,
+    record: &'a ObservedWave,
     impact_speed_m_per_s: f64,
     events: &'a FollowedEvents,
     spring: f64,

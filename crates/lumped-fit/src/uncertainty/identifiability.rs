@@ -15,7 +15,7 @@ const LOOSE: f64 = 0.5;
 /// `quantity`: what the sensitivities are of, in its SI unit; of several waves that of the first, with the others weighted. With two parameters the combination that
 /// remains determined is named too: moving `k1` by `d1` and `k2` by `d2` changes nothing, so only `k1 - (d1/d2) k2` is known.
 pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance, quantity: FitQuantity) -> Option<String> {
-    let named = |p: &FreeParameter| Named {
+    let named = |p: &FreeParameter| NamedCoordinate {
         name: p.name.to_owned(),
         logarithmic: p.logarithmic,
         slope: p.slope(p.coordinate(p.value)),
@@ -25,7 +25,7 @@ pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance, quanti
 
 /// A coordinate of a fit for that sentence.
 #[derive(Debug, Clone)]
-pub(crate) struct Named {
+pub(crate) struct NamedCoordinate {
     /// The parameter, with its unit.
     pub name: String,
     /// Whether the coordinate is its logarithm.
@@ -35,7 +35,11 @@ pub(crate) struct Named {
 }
 
 /// As [`weakest_direction`], of parameters of any name.
-pub(crate) fn direction_in_words(free: &[Named], covariance: &Covariance, quantity: FitQuantity) -> Option<String> {
+pub(crate) fn direction_in_words(
+    free: &[NamedCoordinate],
+    covariance: &Covariance,
+    quantity: FitQuantity,
+) -> Option<String> {
     let along = &covariance.weakest;
     if free.len() < 2 || along.len() != free.len() {
         return None;

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::fit::observed_problem::Problem;
 use crate::fit::refine::{Refined, follow};
 use crate::free::free_parameter::FreeParameter;
-use crate::record::observation::Observed;
+use crate::record::observation::Observation;
 
 /// Rise of `2 ln L` that ends a 95 % interval of one parameter: chi-square with one degree of freedom.
 pub const RISE_95: f64 = 3.841_459;
@@ -49,18 +49,18 @@ impl<N> Profile<N> {
 /// `expected`: half-width of the linear interval of each free parameter's coordinate, where there is one; it sets the first step.
 pub fn profile(
     refined: &Refined,
-    observed: &Observed,
+    observed: &Observation,
     expected: &[Option<f64>],
     effective_samples: f64,
 ) -> Vec<Profile> {
     let free = &refined.free;
     let names: Vec<&'static str> = free.iter().map(|p| p.name).collect();
     let bounds: Vec<(f64, f64)> = free.iter().map(FreeParameter::bounds).collect();
-    let refit = |held: usize, coordinate: f64, start: &[f64]| -> Option<(Vec<f64>, f64)> {
+    let refit = |fixed: usize, coordinate: f64, start: &[f64]| -> Option<(Vec<f64>, f64)> {
         let mut values = refined.model.parameters();
-        *values.get_mut(free[held].name)? = free[held].at(coordinate);
+        *values.get_mut(free[fixed].name)? = free[fixed].at(coordinate);
         let template = crate::fit::observed_problem::with_parameters(&refined.model, &values)?;
-        let others: Vec<FreeParameter> = (0..free.len()).filter(|&i| i != held).map(|i| free[i]).collect();
+        let others: Vec<FreeParameter> = (0..free.len()).filter(|&i| i != fixed).map(|i| free[i]).collect();
         let problem = Problem::new(template, others, observed);
         if start.is_empty() {
             let cost = observed.misfit(&template)?.iter().map(|r| (r / problem.unit_m).powi(2)).sum();
@@ -85,7 +85,7 @@ pub fn profile(
 }
 
 /// How the other parameters are fitted while one is held: which, at what coordinate, from what coordinates of the others; gives
-/// those of the minimum and its sum of squares in units of [`Observed::scale_m`].
+/// those of the minimum and its sum of squares in units of [`Observation::scale_m`].
 pub(crate) type Refit<'a> = &'a (dyn Fn(usize, f64, &[f64]) -> Option<(Vec<f64>, f64)> + Sync);
 
 /// A minimum of which the parameters can be held one at a time.
@@ -102,7 +102,7 @@ pub(crate) struct Minimum<'a, N> {
     pub refit: Refit<'a>,
     /// Weighted misfit at the minimum, in the unit of the first wave.
     pub misfit: &'a [f64],
-    pub observed: &'a Observed,
+    pub observed: &'a Observation,
     /// As in [`profile`].
     pub expected: &'a [Option<f64>],
     pub effective_samples: f64,
@@ -129,7 +129,7 @@ impl<N: Clone + Send + Sync> Minimum<'_, N> {
 /// What both sides of one parameter's profile share.
 struct Side<'a, N> {
     of: &'a Minimum<'a, N>,
-    held: usize,
+    fixed: usize,
     effective_samples: f64,
     /// Sum of squares at the minimum with that of the resolution, in squared units of the problem.
     least: f64,
@@ -138,34 +138,34 @@ struct Side<'a, N> {
 }
 
 impl<'a, N> Side<'a, N> {
-    fn new(of: &'a Minimum<'a, N>, held: usize) -> Self {
+    fn new(of: &'a Minimum<'a, N>, fixed: usize) -> Self {
         let unit = of.observed.scale_m();
         let floor = of.observed.unresolved();
         let least = of.misfit.iter().map(|r| (r / unit).powi(2)).sum::<f64>() + floor;
-        let expected = of.expected.get(held).copied().flatten();
+        let expected = of.expected.get(fixed).copied().flatten();
         let first_step = (FIRST_SHARE * expected.unwrap_or(1.0)).clamp(STEPS.0, STEPS.1);
         let effective_samples = of.effective_samples.max(of.at.len() as f64 + 1.0);
-        Self { of, held, effective_samples, least, floor, first_step }
+        Self { of, fixed, effective_samples, least, floor, first_step }
     }
 
     /// The others at their best for a value of the fixed one: their coordinates and the rise.
     fn rise(&self, coordinate: f64, start: &[f64]) -> Option<(Vec<f64>, f64)> {
-        let (theta, cost) = (self.of.refit)(self.held, coordinate, start)?;
+        let (theta, cost) = (self.of.refit)(self.fixed, coordinate, start)?;
         let rise = self.effective_samples * ((cost + self.floor) / self.least).ln();
         rise.is_finite().then_some((theta, rise))
     }
 
     /// The end of the interval on one side and the points met on the way.
     fn walk(&self, direction: f64) -> (Option<f64>, Vec<(f64, f64)>) {
-        let value = |coordinate: f64| (self.of.value)(self.held, coordinate);
-        let (lower, upper) = self.of.bounds[self.held];
+        let value = |coordinate: f64| (self.of.value)(self.fixed, coordinate);
+        let (lower, upper) = self.of.bounds[self.fixed];
         let mut theta: Vec<f64> =
-            self.of.at.iter().enumerate().filter(|(i, _)| *i != self.held).map(|(_, x)| *x).collect();
-        let mut inside = self.of.at[self.held];
+            self.of.at.iter().enumerate().filter(|(i, _)| *i != self.fixed).map(|(_, x)| *x).collect();
+        let mut inside = self.of.at[self.fixed];
         let mut step = self.first_step;
         let mut points = Vec::new();
         let zero = |coordinate: f64| {
-            (direction < 0.0 && (self.of.ends_at_zero)(self.held) && coordinate <= 0.0).then_some(0.0)
+            (direction < 0.0 && (self.of.ends_at_zero)(self.fixed) && coordinate <= 0.0).then_some(0.0)
         };
         for _ in 0..POINTS {
             let next = (inside + direction * step).clamp(lower, upper);

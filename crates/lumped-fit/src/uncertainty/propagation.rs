@@ -12,7 +12,7 @@ use crumple_signal::Distribution;
 use crate::fit::observed_problem::{Problem, with_parameters};
 use crate::fit::refine::follow;
 use crate::free::free_parameter::rest_mass;
-use crate::record::observation::{FEWEST, Observed, SeenWave};
+use crate::record::observation::{FEWEST, Observation, ObservedWave};
 use crate::uncertainty::block_bootstrap::percentile;
 use crate::{FitQuantity, FreeParameter, Measurement};
 
@@ -65,7 +65,7 @@ pub struct Propagation<N: Ord = &'static str> {
 #[derive(Debug, Clone)]
 pub struct Repetition {
     /// The record with another speed, zero level and time zero.
-    pub observed: Observed,
+    pub observed: Observation,
     /// Mass over the mass stated.
     pub mass_ratio: f64,
 }
@@ -75,8 +75,8 @@ pub struct Repetition {
 /// Another impact speed adds `δv t` to the displacement `t` after contact, another zero level `δb (t - t_start)²/2` less what that
 /// is at contact, since the integration starts at `t_start`: at contact, or at the first sample; another time zero moves the label of contact, with the displacement made zero again there and, where
 /// the integration starts at contact, the velocity made the impact speed.
-pub fn repetition(observed: &Observed, inputs: &InputUncertainty, index: usize) -> Option<Repetition> {
-    perturbed_by(observed, &drawn(inputs, index, observed.waves.len()))
+pub fn repetition(observed: &Observation, inputs: &InputUncertainty, index: usize) -> Option<Repetition> {
+    with_errors(observed, &drawn(inputs, index, observed.waves.len()))
 }
 
 /// The errors of one repetition.
@@ -115,15 +115,15 @@ fn drawn(inputs: &InputUncertainty, index: usize, sensors: usize) -> Errors {
 /// The record with a mass ratio `1 + mass` (relative), `speed` faster, `bias` higher and its contact `late` later.
 ///
 /// `None` where the later contact leaves fewer than 12 samples of the window.
-pub fn perturbed(observed: &Observed, mass: f64, speed: f64, bias: f64, late: f64) -> Option<Repetition> {
-    perturbed_by(observed, &Errors { mass, speed_m_per_s: speed, late_s: late, bias_m_per_s2: vec![bias] })
+pub fn perturbed(observed: &Observation, mass: f64, speed: f64, bias: f64, late: f64) -> Option<Repetition> {
+    with_errors(observed, &Errors { mass, speed_m_per_s: speed, late_s: late, bias_m_per_s2: vec![bias] })
 }
 
 /// The record with these errors; `None` where too little of the window is left.
-pub(crate) fn perturbed_by(observed: &Observed, errors: &Errors) -> Option<Repetition> {
+pub(crate) fn with_errors(observed: &Observation, errors: &Errors) -> Option<Repetition> {
     let bias = |k: usize| errors.bias_m_per_s2.get(k).or(errors.bias_m_per_s2.last()).copied().unwrap_or(0.0);
     let waves = observed.waves.iter().enumerate();
-    let observed = Observed {
+    let observed = Observation {
         impact_speed_m_per_s: observed.impact_speed_m_per_s + errors.speed_m_per_s,
         waves: waves.map(|(k, wave)| shifted(wave, observed.impact_speed_m_per_s, errors, bias(k))).collect(),
     };
@@ -136,7 +136,7 @@ pub(crate) fn perturbed_by(observed: &Observed, errors: &Errors) -> Option<Repet
 /// The new contact is looked up in the whole record, wherever the window starts: a displacement is zero there, and one that is
 /// integrated from contact has the impact speed there too. Before the record's first sample nothing has slowed the vehicle. The
 /// window starts as long after the new contact as it did after the old one, and ends with the same sample.
-fn shifted(wave: &SeenWave, v0: f64, errors: &Errors, bias: f64) -> SeenWave {
+fn shifted(wave: &ObservedWave, v0: f64, errors: &Errors, bias: f64) -> ObservedWave {
     let (speed, late) = (errors.speed_m_per_s, errors.late_s);
     let m = wave.measurement;
     let (first, x) = if late == 0.0 {
@@ -168,7 +168,7 @@ fn shifted(wave: &SeenWave, v0: f64, errors: &Errors, bias: f64) -> SeenWave {
             timed.map(|(t, x)| x + (speed - lost) * (t - late) + bent(t) - at_contact).collect()
         }
     };
-    SeenWave { measurement: Measurement { first_s: m.first_s - late, ..m }, first, samples, ..wave.clone() }
+    ObservedWave { measurement: Measurement { first_s: m.first_s - late, ..m }, first, samples, ..wave.clone() }
 }
 
 /// Repeats the fit of `model` with inputs drawn anew, each from the values found, and reads the percentiles.
@@ -178,13 +178,13 @@ fn shifted(wave: &SeenWave, v0: f64, errors: &Errors, bias: f64) -> SeenWave {
 pub fn propagate(
     model: &Model,
     free: &[FreeParameter],
-    observed: &Observed,
+    observed: &Observation,
     mass_kg: f64,
     inputs: &InputUncertainty,
     repetitions: usize,
 ) -> Option<Propagation> {
-    by_repetition(mass_kg, inputs, (repetitions, observed.waves.len()), |errors| {
-        repeat(model, free, &perturbed_by(observed, errors)?)
+    over_repetitions(mass_kg, inputs, (repetitions, observed.waves.len()), |errors| {
+        repeat(model, free, &with_errors(observed, errors)?)
     })
 }
 
@@ -193,13 +193,13 @@ pub fn propagate(
 pub fn propagate_unfiltered(
     model: &Model,
     free: &[FreeParameter],
-    observed: &Observed,
+    observed: &Observation,
     mass_kg: f64,
     inputs: &InputUncertainty,
     repetitions: usize,
 ) -> Option<Propagation> {
-    by_repetition(mass_kg, inputs, (repetitions, observed.waves.len()), |errors| {
-        let Repetition { observed, mass_ratio } = perturbed_by(observed, errors)?;
+    over_repetitions(mass_kg, inputs, (repetitions, observed.waves.len()), |errors| {
+        let Repetition { observed, mass_ratio } = with_errors(observed, errors)?;
         repeat(model, free, &Repetition { observed: observed.unfiltered(), mass_ratio })
     })
 }
@@ -208,7 +208,7 @@ pub fn propagate_unfiltered(
 const LEAST_REPETITIONS: usize = 20;
 
 /// Percentiles of what `one` gives for the errors drawn: of the mass relative to `mass_kg`, the others in their units.
-pub(crate) fn by_repetition<N: Ord + Clone + Send>(
+pub(crate) fn over_repetitions<N: Ord + Clone + Send>(
     mass_kg: f64,
     inputs: &InputUncertainty,
     (repetitions, sensors): (usize, usize),

@@ -9,9 +9,9 @@ use std::path::Path;
 
 use crumple_lumped::{Elastoplastic, Kelvin, Maxwell, Model};
 use crumple_lumped_fit::{
-    Evidence, FollowedEvents, InputUncertainty, IntegrationRule, JudgeOptions, Judgement, MassSplit, Measurement,
-    Observed, Refined, SolveSettings, TwoPassFilter, free_parameters, judge, perturbed, propagate, refine, repeat,
-    solve,
+    Assessment, AssessmentOptions, FollowedEvents, InputUncertainty, IntegrationRule, MassSplit, Measurement,
+    Observation, Refined, SolveSettings, TestData, TwoPassFilter, assess, free_parameters, perturbed, propagate,
+    refine, repeat, solve,
 };
 use crumple_signal::{Displacement, Notes, Signal};
 use crumple_testkit::{KnownTruth, known_truths, known_truths_in, other_records, write_known_truth};
@@ -87,7 +87,7 @@ fn every_record_gives_its_parameters_back_from_the_exact_signal() {
 fn candidates(truth: &Truth, first_s: f64, samples: Vec<f64>, events: &FollowedEvents) -> Vec<Model> {
     let kind = truth.model.kind();
     let displacement = Signal::<Displacement>::new(first_s, truth.dt_s, samples).unwrap();
-    let evidence = Evidence {
+    let test = TestData {
         mass_kg: mass(&truth.model),
         impact_speed_m_per_s: truth.v0,
         time_of_dynamic_crush_s: truth.t_m.map(|_| events.time_of_dynamic_crush_s),
@@ -103,7 +103,7 @@ fn candidates(truth: &Truth, first_s: f64, samples: Vec<f64>, events: &FollowedE
         _ => MassSplit::FrontFraction(0.25),
     };
     let settings = SolveSettings { models: vec![kind], split, ..SolveSettings::default() };
-    let found = solve(&evidence, &settings, &mut Notes::new()).unwrap();
+    let found = solve(&test, &settings, &mut Notes::new()).unwrap();
     found.into_iter().map(|candidate| candidate.model).collect()
 }
 
@@ -148,14 +148,14 @@ fn measurement(truth: &Truth) -> Measurement {
 }
 
 /// The record of a model through CFC 60, with a wave laid over it.
-fn observed(truth: &Truth, to_s: f64, error: impl Fn(f64) -> f64) -> Observed {
+fn observed(truth: &Truth, to_s: f64, error: impl Fn(f64) -> f64) -> Observation {
     let measurement = measurement(truth);
     let mut x = measurement.displacement(&truth.model, truth.v0, measurement.samples - 1).unwrap();
     for (k, x) in x.iter_mut().enumerate() {
         *x += error(measurement.time_s(k));
     }
     let record = Signal::<Displacement>::new(measurement.first_s, truth.dt_s, x).unwrap();
-    Observed::new(&record, 0.0, measurement, truth.v0, (0.0, to_s), 250).unwrap()
+    Observation::new(&record, 0.0, measurement, truth.v0, (0.0, to_s), 250).unwrap()
 }
 
 /// Up to where a record is compared: its rebound for the model that shows its unloading there, else its dynamic crush, else its end.
@@ -182,21 +182,21 @@ fn comes_back_from_five_percent_away(truth: &Truth) -> Result<(), String> {
         start.release = of.release;
     }
     let found = refine(&start, &free, &seen).unwrap();
-    let judged = judge(&found, None, &seen, JudgeOptions::default()).unwrap();
-    eprintln!("{record}: rms {:.1e} m, rank {} {:?}", found.rmse_m(), judged.rank, judged.weakest_direction);
+    let assessed = assess(&found, None, &seen, AssessmentOptions::default()).unwrap();
+    eprintln!("{record}: rms {:.1e} m, rank {} {:?}", found.rmse_m(), assessed.rank, assessed.weakest_direction);
     // The record and the model went the same way, so nothing but rounding is left; four real poles and ten
     // parameters leave valleys of 1e-10 m that no descent leaves.
     require(found.rmse_m() < 1e-8, || format!("{record}: {} m from five percent away", found.rmse_m()))?;
-    require(judged.rank == free.len(), || format!("{record}: rank {} of {}", judged.rank, free.len()))?;
-    stands_inside(&judged, &truth.model).map_err(|fault| format!("{record}: {fault}"))?;
-    let small = judged.correlation.iter().flatten().all(|r| r.abs() <= 1.0);
-    require(small, || format!("{record}: correlations {:?}", judged.correlation))
+    require(assessed.rank == free.len(), || format!("{record}: rank {} of {}", assessed.rank, free.len()))?;
+    stands_inside(&assessed, &truth.model).map_err(|fault| format!("{record}: {fault}"))?;
+    let small = assessed.correlation.iter().flatten().all(|r| r.abs() <= 1.0);
+    require(small, || format!("{record}: correlations {:?}", assessed.correlation))
 }
 
 /// The truth inside every 95 % interval.
-fn stands_inside(judged: &Judgement, wanted: &Model) -> Result<(), String> {
+fn stands_inside(assessed: &Assessment, wanted: &Model) -> Result<(), String> {
     let wanted = wanted.parameters();
-    for (name, (low, high)) in &judged.interval {
+    for (name, (low, high)) in &assessed.interval {
         let inside = low.is_none_or(|low| low <= wanted[*name]) && high.is_none_or(|high| wanted[*name] <= high);
         require(inside, || format!("{name}: {} in {low:?} {high:?}", wanted[*name]))?;
     }
@@ -214,14 +214,14 @@ fn comes_back_through_cfc_60(truth: &Truth) -> Result<(), String> {
     let way = measurement(truth);
     let x = way.displacement(&truth.model, truth.v0, way.samples - 1).unwrap();
     let signal = Signal::<Displacement>::new(way.first_s, way.dt_s, x.clone()).unwrap();
-    let whole = Observed::new(&signal, 0.0, way, truth.v0, (0.0, truth.end_s()), usize::MAX).unwrap();
+    let whole = Observation::new(&signal, 0.0, way, truth.v0, (0.0, truth.end_s()), usize::MAX).unwrap();
     let events = FollowedEvents::of(&whole).unwrap_or(FollowedEvents {
         time_of_dynamic_crush_s: 0.0,
         dynamic_crush_m: truth.crush,
         coefficient_of_restitution: 0.0,
     });
     let seen = observed(truth, window_end_s(truth), |_| 0.0);
-    let found: Vec<(Refined, Judgement)> = candidates(truth, way.first_s, x, &events)
+    let found: Vec<(Refined, Assessment)> = candidates(truth, way.first_s, x, &events)
         .iter()
         .filter_map(|model| {
             let free = free_parameters(model, truth.v0, truth.crush, true);
@@ -231,30 +231,30 @@ fn comes_back_through_cfc_60(truth: &Truth) -> Result<(), String> {
             });
             let refined = ways.iter().filter_map(|model| refine(model, &free, &seen));
             let best = refined.min_by(|a, b| a.rmse_m().total_cmp(&b.rmse_m()))?;
-            let judged = judge(&best, None, &seen, JudgeOptions::default())?;
-            Some((best, judged))
+            let assessed = assess(&best, None, &seen, AssessmentOptions::default())?;
+            Some((best, assessed))
         })
         .collect();
     for wanted in &equals(truth)? {
         let faults: Vec<String> =
-            found.iter().filter_map(|(refined, judged)| holds(refined, judged, wanted).err()).collect();
+            found.iter().filter_map(|(refined, assessed)| holds(refined, assessed, wanted).err()).collect();
         require(faults.len() < found.len(), || format!("{record} through CFC 60: {}", faults.join("; ")))?;
     }
     Ok(())
 }
 
 /// Within 2 %, or the half width that the judgement states where that is larger; and the truth inside the interval.
-fn holds(refined: &Refined, judged: &Judgement, wanted: &Model) -> Result<(), String> {
+fn holds(refined: &Refined, assessed: &Assessment, wanted: &Model) -> Result<(), String> {
     let wanted = at_crush_of(wanted, &refined.model);
     let (of_truth, of_fit) = (wanted.parameters(), refined.model.parameters());
-    for (name, (low, high)) in &judged.interval {
+    for (name, (low, high)) in &assessed.interval {
         let (truth, value) = (of_truth[*name], of_fit[*name]);
         let low = low.map_or(f64::INFINITY, |low| value - low);
         let stated = high.map_or(f64::INFINITY, |high| high - value).max(low);
         let allowed = stated.max(0.02 * truth.abs());
         require((value - truth).abs() <= allowed, || format!("{name} is {value}, {truth} within {allowed}"))?;
     }
-    stands_inside(judged, &wanted)
+    stands_inside(assessed, &wanted)
 }
 
 /// The nonlinear model with its last spring knot moved along its line to the crush of another, where a fit has it.
@@ -282,13 +282,13 @@ fn profile_and_bootstrap_agree_with_the_linear_interval_where_the_model_is_well_
     let seen = observed(&truth, truth.t_m.unwrap(), |t| 1e-4 * (300.0 * t).sin());
     let free = free_parameters(&truth.model, truth.v0, truth.crush, true);
     let found = refine(&truth.model, &free, &seen).unwrap();
-    let judged = judge(&found, None, &seen, JudgeOptions { profile: true, bootstrap: 200 }).unwrap();
-    let again = judge(&found, None, &seen, JudgeOptions { profile: true, bootstrap: 200 }).unwrap();
-    assert_eq!(judged, again, "seeded and collected by index");
-    let bootstrap = judged.bootstrap.as_ref().unwrap();
+    let assessed = assess(&found, None, &seen, AssessmentOptions { profile: true, bootstrap: 200 }).unwrap();
+    let again = assess(&found, None, &seen, AssessmentOptions { profile: true, bootstrap: 200 }).unwrap();
+    assert_eq!(assessed, again, "seeded and collected by index");
+    let bootstrap = assessed.bootstrap.as_ref().unwrap();
     let wanted = truth.model.parameters();
-    for profile in &judged.profile {
-        let (low, high) = judged.interval[profile.parameter];
+    for profile in &assessed.profile {
+        let (low, high) = assessed.interval[profile.parameter];
         let width = (high.unwrap() / low.unwrap()).ln();
         assert!(profile.identifiable());
         let of_profile = (profile.high.unwrap() / profile.low.unwrap()).ln();
@@ -311,10 +311,10 @@ fn a_parameter_without_effect_has_an_open_profile() {
     let seen = observed(&truth, 0.02, |t| 1e-4 * (300.0 * t).sin());
     let free = free_parameters(&truth.model, truth.v0, truth.crush, true);
     let found = refine(&truth.model, &free, &seen).unwrap();
-    let judged = judge(&found, None, &seen, JudgeOptions { profile: true, bootstrap: 0 }).unwrap();
-    let profile = judged.profile.iter().find(|p| p.parameter == "unloading_stiffness_n_per_m").unwrap();
+    let assessed = assess(&found, None, &seen, AssessmentOptions { profile: true, bootstrap: 0 }).unwrap();
+    let profile = assessed.profile.iter().find(|p| p.parameter == "unloading_stiffness_n_per_m").unwrap();
     assert!(!profile.identifiable(), "{profile:?}");
-    let loading = judged.profile.iter().find(|p| p.parameter == "loading_stiffness_n_per_m").unwrap();
+    let loading = assessed.profile.iter().find(|p| p.parameter == "loading_stiffness_n_per_m").unwrap();
     assert!(loading.identifiable(), "{loading:?}");
 }
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crumple_lumped_fit::{
-    ChainDual, ChainKnowledge, ChainQuestions, ChainSolution, ChainVerdict, Observed, Place, RESOLUTION_M, SeenWave,
-    errors_in_words, errors_remark, fit_chain, judge_chain,
+    ChainAssessment, ChainAssessmentOptions, ChainDual, ChainSolution, LinearisedUncertainty, Observation,
+    ObservedWave, Place, RESOLUTION_M, assess_chain, errors_in_words, fit_chain, note_of_errors,
 };
 use crumple_signal::Sampled;
 use crumple_stage::records::{CandidateV1, EventsV1, FitV1, SensorFitV1, UncertaintyV1};
@@ -15,7 +15,7 @@ use crate::stage::inputs::motions::motion;
 use crate::stage::options::chain_table::FittedChain;
 use crate::stage::options::settings::StageSettings;
 use crate::stage::records::uncertainty::{
-    Ends, bootstrap_record, linearised, profile_record, propagation_record, said_at_once,
+    Ends, bootstrap_record, linearised, profile_record, propagation_record, summary_text,
 };
 
 /// A sensor on a mass of the chain.
@@ -43,10 +43,13 @@ pub fn fit_chains(
         Refused::new("neither the events nor the test have an impact speed")
             .hint("--impact-speed 35km/h at crumple-ingest")
     })?;
-    settings.judging.check(total_kg, speed)?;
-    let judging = &settings.judging;
-    let asked =
-        ChainQuestions { options: judging.options(), inputs: judging.inputs(), repetitions: judging.repetitions };
+    settings.assessment.check(total_kg, speed)?;
+    let assessment = &settings.assessment;
+    let asked = ChainAssessmentOptions {
+        options: assessment.options(),
+        inputs: assessment.inputs(),
+        repetitions: assessment.repetitions,
+    };
     let mut found = Vec::new();
     for chain in &settings.chain {
         let (observed, sensors) = waves(chain, settings, input, &events, speed, out)?;
@@ -54,28 +57,28 @@ pub fn fit_chains(
         let hint = || format!("see [parameter-solve.chain.{}] of the pipeline file", chain.name);
         let stated = chain.stated(total_kg);
         let solutions = fit_chain(&stated, &observed, known, settings.solve.fit_starts).refuse_with_hint(hint())?;
-        say_what_is_open(chain, &solutions, out);
+        warn_of_open_parameters(chain, &solutions, out);
         if let Some(text) =
             total_kg.zip(solutions.first()).and_then(|(kg, s)| total_mass_remark(s.chain.masses_kg(), kg))
         {
             out.notes().warning(format!("chain {}: {text}", chain.name));
         }
         for (k, solution) in solutions.iter().enumerate() {
-            let verdict = judge_chain(&stated, &observed, known, solution, &asked).refuse_with_hint(hint())?;
+            let assessment = assess_chain(&stated, &observed, known, solution, &asked).refuse_with_hint(hint())?;
             let id = chain.id(k + 1);
             let without = [
-                ("profiled", asked.options.profile && verdict.profile.is_empty()),
-                ("bootstrapped", asked.options.bootstrap > 0 && verdict.bootstrap.is_none()),
-                ("repeated with uncertain inputs", asked.inputs.any() && verdict.propagation.is_none()),
+                ("profiled", asked.options.profile && assessment.profile.is_empty()),
+                ("bootstrapped", asked.options.bootstrap > 0 && assessment.bootstrap.is_none()),
+                ("repeated with uncertain inputs", asked.inputs.any() && assessment.propagation.is_none()),
             ];
             for (what, _) in without.iter().filter(|(_, missing)| *missing) {
                 out.notes().warning(format!("{id}: not {what}, too few fits near its minimum came to an end"));
             }
-            let said = said_at_once(&id, &verdict.profile, verdict.propagation.as_ref(), ToString::to_string);
+            let said = summary_text(&id, &assessment.profile, assessment.propagation.as_ref(), ToString::to_string);
             if !said.is_empty() {
                 out.summary(said);
             }
-            let of = (chain, solution, &verdict, total_kg);
+            let of = (chain, solution, &assessment, total_kg);
             found.push((id, record(of, &observed, &sensors, &events.channel)));
         }
     }
@@ -83,7 +86,7 @@ pub fn fit_chains(
 }
 
 /// Warnings on what the record does not decide.
-fn say_what_is_open(chain: &FittedChain, solutions: &[ChainSolution], out: &mut Output) {
+fn warn_of_open_parameters(chain: &FittedChain, solutions: &[ChainSolution], out: &mut Output) {
     let duals = solutions.iter().filter(|s| matches!(s.dual, Some(ChainDual::Solution(_)))).count() / 2;
     let sets = solutions.len() - duals;
     let mut warn = |text: String| out.notes().warning(format!("chain {}: {text}", chain.name));
@@ -142,7 +145,7 @@ fn waves(
     events: &EventsV1,
     impact_speed_m_per_s: f64,
     out: &mut Output,
-) -> anyhow::Result<(Observed, Vec<Sensor>)> {
+) -> anyhow::Result<(Observation, Vec<Sensor>)> {
     let quantity = settings.solve.quantity;
     let mut places = settings.places.clone();
     if !places.iter().any(|(place, _)| *place == Place::Compartment) {
@@ -165,38 +168,39 @@ fn waves(
         let to_s = settings.solve.fit_to_s.or(events.time_of_dynamic_crush_s).unwrap_or(end_s);
         let window = (settings.solve.fit_from_s, to_s);
         let what = (Some(mass), quantity);
-        let mut wave = SeenWave::new(&record, what, events.time_zero_s, measured, window, settings.solve.fit_samples)
-            .refuse_with_hint("see --fit-from and --fit-to")?;
+        let mut wave =
+            ObservedWave::new(&record, what, events.time_zero_s, measured, window, settings.solve.fit_samples)
+                .refuse_with_hint("see --fit-from and --fit-to")?;
         if !known {
             wave.resolution *= UNKNOWN_FILTER_M / RESOLUTION_M;
         }
         waves.push(wave);
         sensors.push(Sensor { channel, place, mass, known });
     }
-    Ok((Observed { impact_speed_m_per_s, waves }, sensors))
+    Ok((Observation { impact_speed_m_per_s, waves }, sensors))
 }
 
 /// What the record leaves open, in words.
 fn open(solution: &ChainSolution) -> Option<String> {
-    let knowledge = solution.knowledge.as_ref()?;
+    let linearised = solution.linearised.as_ref()?;
     let open: Vec<&str> =
-        knowledge.interval.iter().filter(|(_, ends)| **ends == (None, None)).map(|(name, _)| name.as_str()).collect();
+        linearised.interval.iter().filter(|(_, ends)| **ends == (None, None)).map(|(name, _)| name.as_str()).collect();
     if open.is_empty() {
         return None;
     }
-    let weakest = knowledge.weakest_direction.as_ref().filter(|_| knowledge.rank < knowledge.order.len());
+    let weakest = linearised.weakest_direction.as_ref().filter(|_| linearised.rank < linearised.order.len());
     let weakest = weakest.map_or_else(String::new, |words| format!("; {words}"));
     Some(format!(
         "the record determines {} directions of {} free numbers; without an interval: {}{weakest}",
-        knowledge.rank,
-        knowledge.order.len(),
+        linearised.rank,
+        linearised.order.len(),
         open.join(", ")
     ))
 }
 
 fn record(
-    (chain, solution, verdict, total_kg): (&FittedChain, &ChainSolution, &ChainVerdict, Option<f64>),
-    observed: &Observed,
+    (chain, solution, assessment, total_kg): (&FittedChain, &ChainSolution, &ChainAssessment, Option<f64>),
+    observed: &Observation,
     sensors: &[Sensor],
     pulse: &str,
 ) -> CandidateV1 {
@@ -215,7 +219,7 @@ fn record(
     if sensors.len() > 1 {
         let errors = sensors.iter().zip(&solution.rmse);
         let errors = errors.map(|(s, rmse)| (*rmse, quantity, s.channel.as_str(), s.place.to_string()));
-        notes.push(errors_remark(&errors_in_words(errors), None));
+        notes.push(note_of_errors(&errors_in_words(errors), None));
     }
     if !sensors.iter().all(|sensor| sensor.known) {
         notes.push("the filter of a sensor is not known: fitted as if its record had none".to_owned());
@@ -260,19 +264,19 @@ fn record(
                 })
                 .collect(),
         }),
-        uncertainty: Some(uncertainty(solution, verdict, sensors)),
+        uncertainty: Some(uncertainty(solution, assessment, sensors)),
         notes,
     }
 }
 
-fn uncertainty(solution: &ChainSolution, verdict: &ChainVerdict, sensors: &[Sensor]) -> UncertaintyV1 {
+fn uncertainty(solution: &ChainSolution, assessment: &ChainAssessment, sensors: &[Sensor]) -> UncertaintyV1 {
     let method = linearised(sensors.iter().all(|sensor| sensor.known));
-    let Some(known) = &solution.knowledge else {
+    let Some(known) = &solution.linearised else {
         // Everything that was free stays open.
         let open: BTreeMap<String, Option<f64>> = solution.free.iter().map(|name| (name.clone(), None)).collect();
         return UncertaintyV1 { method, interval_low: open.clone(), interval_high: open, ..UncertaintyV1::default() };
     };
-    let ChainKnowledge { standard_deviation, order, correlation, weakest_direction, .. } = known.clone();
+    let LinearisedUncertainty { standard_deviation, order, correlation, weakest_direction, .. } = known.clone();
     let side =
         |of: fn(&Ends) -> Option<f64>| known.interval.iter().map(|(name, ends)| (name.clone(), of(ends))).collect();
     UncertaintyV1 {
@@ -286,8 +290,8 @@ fn uncertainty(solution: &ChainSolution, verdict: &ChainVerdict, sensors: &[Sens
         rank: Some(known.rank as u32),
         weakest_direction,
         effective_samples: Some(known.effective_samples),
-        profile: verdict.profile.iter().map(profile_record).collect(),
-        bootstrap: verdict.bootstrap.as_ref().map(bootstrap_record),
-        propagation: verdict.propagation.as_ref().map(|p| propagation_record(p, "fit")),
+        profile: assessment.profile.iter().map(profile_record).collect(),
+        bootstrap: assessment.bootstrap.as_ref().map(bootstrap_record),
+        propagation: assessment.propagation.as_ref().map(|p| propagation_record(p, "fit")),
     }
 }

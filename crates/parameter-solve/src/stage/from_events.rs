@@ -1,6 +1,6 @@
 //! Candidates from the crash events and the motion of a test.
 
-use crumple_lumped_fit::{Candidate, Evidence, MassSplit, Sensor, solve};
+use crumple_lumped_fit::{Candidate, MassSplit, Sensor, TestData, solve};
 use crumple_signal::{Displacement, TestDescription};
 use crumple_stage::records::EventsV1;
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, Wave};
@@ -82,7 +82,7 @@ pub fn from_events(
             noise: None,
         })
         .collect();
-    let evidence = Evidence {
+    let test_data = TestData {
         mass_kg,
         impact_speed_m_per_s,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
@@ -93,7 +93,7 @@ pub fn from_events(
         displacement: displacement.as_ref(),
         sensors: &sensors,
     };
-    solve(&evidence, &settings.solve, out.notes()).refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")
+    solve(&test_data, &settings.solve, out.notes()).refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")
 }
 
 /// The coefficient of restitution; zero where its interval holds zero.

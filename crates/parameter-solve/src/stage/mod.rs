@@ -18,9 +18,9 @@ use crumple_signal::TestDescription;
 use crumple_stage::records::{EventsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, Stage};
 
-use crate::stage::assess::assessed::Judged;
-use crate::stage::assess::candidates::judge_all;
-use crate::stage::assess::replace_by_refined::held;
+use crate::stage::assess::candidate_assessment::CandidateAssessment;
+use crate::stage::assess::candidates::assess_all;
+use crate::stage::assess::replace_by_refined::fixed_at_bound;
 use crate::stage::chains::fit_chains;
 use crate::stage::from_events::{from_events, speeds_up, up_to_the_end_of_the_event};
 use crate::stage::from_exponentials::{from_exponentials, maxwell_candidates};
@@ -59,7 +59,7 @@ impl Stage for ParameterSolve {
         let windowed = events.and_then(|events| up_to_the_end_of_the_event(settings, &events, out));
         let settings = windowed.as_ref().unwrap_or(settings);
         let mut candidates = Vec::new();
-        let mut judgements = Vec::new();
+        let mut assessments = Vec::new();
         let mut channel = String::new();
         let mut test = None;
         if settings.solve.needs_events() {
@@ -71,7 +71,7 @@ impl Stage for ParameterSolve {
             }
             candidates = from_events(settings, input, &described, &events, out)?;
             let mass_kg = settings.mass_kg.or(described.mass_kg);
-            judgements = judge_all(&mut candidates, settings, input, &events, mass_kg, out)?;
+            assessments = assess_all(&mut candidates, settings, input, &events, mass_kg, out)?;
             channel = events.channel;
             test = Some(described);
         } else if input.record_if::<TestV1>("/test")?.is_some() {
@@ -83,15 +83,15 @@ impl Stage for ParameterSolve {
         let mass_kg = settings.mass_kg.or(test.as_ref().and_then(|test| test.mass_kg));
         candidates.extend(of_identified_models(settings, input, mass_kg, out)?);
         // Those of identified models come last and have none.
-        judgements.resize(candidates.len(), None);
-        warn_of_flags_without_effect(settings, &candidates, &judgements, out);
+        assessments.resize(candidates.len(), None);
+        warn_of_flags_without_effect(settings, &candidates, &assessments, out);
         warn_of_bounds(&candidates, out);
-        for (candidate, judged) in candidates.iter().zip(&judgements) {
-            let record = record(candidate, judged.as_ref(), &channel);
+        for (candidate, assessed) in candidates.iter().zip(&assessments) {
+            let record = record(candidate, assessed.as_ref(), &channel);
             out.put(&format!("/parameters/{}", candidate.id()), &record)?;
             out.summary(parameters_line(&candidate.id(), &record));
             if let Some(text) =
-                judged.as_ref().map(|judged| summary_line(judged, candidate)).filter(|text| !text.is_empty())
+                assessed.as_ref().map(|assessed| summary_line(assessed, candidate)).filter(|text| !text.is_empty())
             {
                 out.summary(text);
             }
@@ -162,18 +162,18 @@ fn of_identified_models(
 fn warn_of_flags_without_effect(
     settings: &StageSettings,
     candidates: &[Candidate],
-    judgements: &[Option<Judged>],
+    assessments: &[Option<CandidateAssessment>],
     out: &mut Output,
 ) {
-    let flags = settings.judging.flags();
-    let unjudged = candidates.iter().zip(judgements).filter(|(_, judged)| judged.is_none());
-    let unjudged: Vec<String> = unjudged.map(|(candidate, _)| candidate.id()).collect();
-    if !flags.is_empty() && !unjudged.is_empty() {
+    let flags = settings.assessment.flags();
+    let unassessed = candidates.iter().zip(assessments).filter(|(_, assessed)| assessed.is_none());
+    let unassessed: Vec<String> = unassessed.map(|(candidate, _)| candidate.id()).collect();
+    if !flags.is_empty() && !unassessed.is_empty() {
         out.notes().warning(format!(
             "{} without effect on {}: judged are candidates from events and motion, over the window of the displacement of \
              the pulse that they follow",
             flags.join(", "),
-            unjudged.join(", ")
+            unassessed.join(", ")
         ));
     }
 }
@@ -182,7 +182,7 @@ fn warn_of_flags_without_effect(
 fn warn_of_bounds(candidates: &[Candidate], out: &mut Output) {
     for candidate in candidates {
         let dual = candidate.equivalent_to.is_some_and(|other| other < candidate.index);
-        let words = all_in_words(&candidate.model, held(candidate));
+        let words = all_in_words(&candidate.model, fixed_at_bound(candidate));
         if !dual && !words.is_empty() {
             out.notes().warning(format!(
                 "{}: on a bound of the search, not determined by the record: {words}",

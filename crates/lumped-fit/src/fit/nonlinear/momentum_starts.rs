@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::fit::options::NonlinearFitOptions;
+use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crumple_linalg::nonnegative_least_squares;
 
@@ -32,7 +32,7 @@ pub(crate) struct Momentum {
 
 impl Momentum {
     /// Speed from central differences of the displacement: only starting values depend on it.
-    pub fn of(window: &Window, options: &NonlinearFitOptions) -> Self {
+    pub fn of(window: &Window, options: &SingleMassFitOptions) -> Self {
         let (crush, v0) = (options.crush_m, options.impact_speed_m_per_s);
         let n = window.samples.len();
         let s = &window.samples;

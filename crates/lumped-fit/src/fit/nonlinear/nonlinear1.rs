@@ -7,7 +7,7 @@ use crumple_signal::{Displacement, Signal};
 use crate::fit::descents::all;
 use crate::fit::nonlinear::momentum_starts::{DAMPER_KNOTS, FOLLOWED, Momentum, REFINED, Start};
 use crate::fit::nonlinear::problem::{Displacements, chain1, conditions_at_crush};
-use crate::fit::options::NonlinearFitOptions;
+use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crate::{Fit, SolveError};
 
@@ -19,7 +19,7 @@ use crate::{Fit, SolveError};
 /// With `constrained` false the two equations are left out.
 pub fn fit_nonlinear1(
     displacement: &Signal<Displacement>,
-    options: &NonlinearFitOptions,
+    options: &SingleMassFitOptions,
     constrained: bool,
 ) -> Result<(Nonlinear1, Fit), SolveError> {
     options.check()?;

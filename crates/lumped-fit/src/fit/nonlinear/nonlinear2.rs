@@ -9,7 +9,7 @@ use crate::candidate::linearised::uncertainty;
 use crate::fit::descents::all;
 use crate::fit::nonlinear::momentum_starts::{DAMPER_KNOTS, FOLLOWED, Momentum, REFINED, Start};
 use crate::fit::nonlinear::problem::{Displacements, chain2};
-use crate::fit::options::NonlinearFitOptions;
+use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crate::{Fit, SolveError, Uncertainty};
 
@@ -27,7 +27,7 @@ const SPRING_KNOTS: [f64; 9] = [0.1, 0.25, 0.4, 0.55, 0.7, 0.8, 0.87, 0.93, 0.97
 /// Errors: masses, speed or crush that are not positive, a window outside the record, no finite response.
 pub fn fit_nonlinear2(
     displacement: &Signal<Displacement>,
-    options: &NonlinearFitOptions,
+    options: &SingleMassFitOptions,
 ) -> Result<(Nonlinear2, Fit, Option<Uncertainty>), SolveError> {
     options.check()?;
     let window = Window::pick(displacement, options.time_zero_s, options.from_s, options.to_s, options.samples)?;
@@ -114,7 +114,7 @@ pub fn fit_nonlinear2(
 }
 
 /// The model of scaled parameters; the knots of the damper in rising order, each with its value.
-fn nonlinear2(theta: &[f64], options: &NonlinearFitOptions, spring: f64, damper: f64) -> Option<Nonlinear2> {
+fn nonlinear2(theta: &[f64], options: &SingleMassFitOptions, spring: f64, damper: f64) -> Option<Nonlinear2> {
     let (mut first, mut second) = ((theta[8], theta[5]), (theta[9], theta[6]));
     if first.0 > second.0 {
         std::mem::swap(&mut first, &mut second);

@@ -3,7 +3,7 @@
 use crumple_lumped::{Instants, Model, Nonlinear1};
 use nalgebra::DMatrix;
 
-use crate::fit::options::NonlinearFitOptions;
+use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crumple_estimation::minimise::levenberg_marquardt::Response;
 
@@ -13,20 +13,20 @@ pub(crate) type Chain = Vec<Vec<(usize, f64)>>;
 /// Displacement of a model minus the record, in units of the crush; the model from scaled parameters.
 pub(crate) struct Displacements<'a, F> {
     pub window: &'a Window,
-    pub options: &'a NonlinearFitOptions,
+    pub options: &'a SingleMassFitOptions,
     pub model: F,
     /// Derivatives of the parameters, by their places, by each of theta.
-    pub chain: fn(&[f64], &NonlinearFitOptions) -> Chain,
+    pub chain: fn(&[f64], &SingleMassFitOptions) -> Chain,
     /// Weighted conditions at dynamic crush, `(weight, multipliers)`.
     pub conditions: Option<(f64, [f64; 2])>,
 }
 
 /// `x(t_m)/C - 1` and `v(t_m)/v0`: what the side conditions at dynamic crush leave. `None` without a response.
-pub fn conditions_at_crush(model: &Nonlinear1, options: &NonlinearFitOptions) -> Option<[f64; 2]> {
+pub fn conditions_at_crush(model: &Nonlinear1, options: &SingleMassFitOptions) -> Option<[f64; 2]> {
     at_crush(&Model::Nonlinear1(*model), options)
 }
 
-fn at_crush(model: &Model, options: &NonlinearFitOptions) -> Option<[f64; 2]> {
+fn at_crush(model: &Model, options: &SingleMassFitOptions) -> Option<[f64; 2]> {
     let (v0, t) = (options.impact_speed_m_per_s, options.time_of_dynamic_crush_s);
     let motion = model.respond(v0, t, 2).ok()?;
     let compartment = motion.compartment();
@@ -94,7 +94,7 @@ impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
 }
 
 /// How the second model's parameters move: each with its own number, the knees of the damper in rising order.
-pub(crate) fn chain2(theta: &[f64], options: &NonlinearFitOptions) -> Chain {
+pub(crate) fn chain2(theta: &[f64], options: &SingleMassFitOptions) -> Chain {
     let (spring, damper) = options.units();
     let (crush, v0) = (options.crush_m, options.impact_speed_m_per_s);
     let mut places = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10];
@@ -107,7 +107,7 @@ pub(crate) fn chain2(theta: &[f64], options: &NonlinearFitOptions) -> Chain {
 }
 
 /// How the first model's parameters move: its coefficients are sums of parts.
-pub(crate) fn chain1(_: &[f64], options: &NonlinearFitOptions) -> Chain {
+pub(crate) fn chain1(_: &[f64], options: &SingleMassFitOptions) -> Chain {
     let (k, c) = options.units();
     vec![
         vec![(1, k), (2, k)],

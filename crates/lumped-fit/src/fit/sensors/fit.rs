@@ -4,8 +4,8 @@ use crate::fit::descents::{all, bounds, distinct};
 use crumple_linalg::jacobi_svd;
 
 use crate::fit::halton_starts::start_in;
-use crate::fit::sensors::problem::{Observed, SensorProblem};
-use crate::free::parameterisation::FreeModel;
+use crate::fit::sensors::problem::{SensorProblem, SensorWindow};
+use crate::free::parameterisation::Parameterisation;
 use crumple_estimation::minimise::l_shade::{LShadeOptions, LShadeStop, l_shade};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response};
 
@@ -36,7 +36,7 @@ pub(crate) struct Fitted {
     /// Distinct minima, best first.
     pub minima: Vec<Optimum>,
     /// The sensors with the noise levels they ended with.
-    pub sensors: Vec<Observed>,
+    pub sensors: Vec<SensorWindow>,
     pub evaluations: u64,
     /// What the search has to say.
     pub remarks: Vec<String>,
@@ -48,16 +48,16 @@ pub(crate) struct Fitted {
 /// fit and the noise levels (root mean square residual of each sensor, at least 1e-6 of its record) are found in turn,
 /// which is the maximum of the likelihood. Deterministic. A global minimum is likely, not proven.
 pub(crate) fn fit_sensors(
-    family: &impl FreeModel,
+    family: &impl Parameterisation,
     impact_speed_m_per_s: f64,
-    mut sensors: Vec<Observed>,
+    mut sensors: Vec<SensorWindow>,
     weigh: &[bool],
     search: &Search,
 ) -> Option<Fitted> {
     let mut remarks = Vec::new();
-    let thin: Vec<Observed> = sensors
+    let thin: Vec<SensorWindow> = sensors
         .iter()
-        .map(|sensor| Observed { window: sensor.window.thinned(SEARCH_SAMPLES), ..sensor.clone() })
+        .map(|sensor| SensorWindow { window: sensor.window.thinned(SEARCH_SAMPLES), ..sensor.clone() })
         .collect();
     let coarse = SensorProblem { family, impact_speed_m_per_s, sensors: &thin };
     let (found, mut evaluations) = match search {
@@ -65,7 +65,7 @@ pub(crate) fn fit_sensors(
         Search::LShade(options) => global(&coarse, options, &mut remarks),
     };
     let settings = bounds(family, 200, 1e-15);
-    let follow = |sensors: &[Observed], points: Vec<Vec<f64>>| {
+    let follow = |sensors: &[SensorWindow], points: Vec<Vec<f64>>| {
         let fine = SensorProblem { family, impact_speed_m_per_s, sensors };
         all(&fine, points, &settings)
     };
@@ -94,7 +94,11 @@ pub(crate) fn fit_sensors(
     (!minima.is_empty()).then_some(Fitted { minima, sensors, evaluations, remarks })
 }
 
-fn multi_start(problem: &SensorProblem<'_, impl FreeModel>, count: usize, given: &[Vec<f64>]) -> (Vec<Optimum>, u64) {
+fn multi_start(
+    problem: &SensorProblem<'_, impl Parameterisation>,
+    count: usize,
+    given: &[Vec<f64>],
+) -> (Vec<Optimum>, u64) {
     let family = problem.family;
     let axes = family.axes();
     let lower: Vec<f64> = axes.iter().map(|axis| axis.box_lower).collect();
@@ -111,7 +115,7 @@ fn multi_start(problem: &SensorProblem<'_, impl FreeModel>, count: usize, given:
 
 /// Leaves the best minimum along the direction the residuals know least, beyond which other minima lie, as long as that
 /// finds something better.
-fn hop(problem: &SensorProblem<'_, impl FreeModel>, mut minima: Vec<Optimum>) -> (Vec<Optimum>, u64) {
+fn hop(problem: &SensorProblem<'_, impl Parameterisation>, mut minima: Vec<Optimum>) -> (Vec<Optimum>, u64) {
     let settings = bounds(problem.family, 200, 1e-15);
     let mut evaluations = 0;
     for _ in 0..ROUNDS {
@@ -151,7 +155,7 @@ fn weakest_direction(of: &Optimum) -> Option<Vec<f64>> {
 }
 
 fn global(
-    problem: &SensorProblem<'_, impl FreeModel>,
+    problem: &SensorProblem<'_, impl Parameterisation>,
     options: &LShadeOptions,
     remarks: &mut Vec<String>,
 ) -> (Vec<Optimum>, u64) {

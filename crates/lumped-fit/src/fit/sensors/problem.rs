@@ -4,13 +4,13 @@ use crumple_lumped::Instants;
 use nalgebra::DMatrix;
 
 use crate::FitQuantity;
-use crate::free::parameterisation::{FreeModel, places};
+use crate::free::parameterisation::{Parameterisation, places};
 use crate::record::window::Window;
 use crumple_estimation::minimise::levenberg_marquardt::Response;
 
 /// A sensor's window, and the weight of its residuals.
 #[derive(Debug, Clone)]
-pub(crate) struct Observed {
+pub(crate) struct SensorWindow {
     /// Index of its mass.
     pub mass: usize,
     pub quantity: FitQuantity,
@@ -19,7 +19,7 @@ pub(crate) struct Observed {
     pub noise: f64,
 }
 
-impl Observed {
+impl SensorWindow {
     fn instants(&self) -> Instants {
         Instants { first_s: self.window.first_s, dt_s: self.window.dt_s, samples: self.window.samples.len() }
     }
@@ -35,10 +35,10 @@ impl Observed {
 pub(crate) struct SensorProblem<'a, F> {
     pub family: &'a F,
     pub impact_speed_m_per_s: f64,
-    pub sensors: &'a [Observed],
+    pub sensors: &'a [SensorWindow],
 }
 
-impl<F: FreeModel> SensorProblem<'_, F> {
+impl<F: Parameterisation> SensorProblem<'_, F> {
     /// Root mean square error of each sensor, in its unit.
     pub fn rmse(&self, theta: &[f64]) -> Option<Vec<f64>> {
         let mut residuals = vec![0.0; self.rows()];
@@ -46,7 +46,7 @@ impl<F: FreeModel> SensorProblem<'_, F> {
             return None;
         }
         let mut rest = &residuals[..];
-        let of = |sensor: &Observed| {
+        let of = |sensor: &SensorWindow| {
             let (own, others) = rest.split_at(sensor.window.samples.len());
             rest = others;
             sensor.noise * (own.iter().map(|r| r * r).sum::<f64>() / own.len() as f64).sqrt()
@@ -55,7 +55,7 @@ impl<F: FreeModel> SensorProblem<'_, F> {
     }
 }
 
-impl<F: FreeModel> Response for SensorProblem<'_, F> {
+impl<F: Parameterisation> Response for SensorProblem<'_, F> {
     fn rows(&self) -> usize {
         self.sensors.iter().map(|sensor| sensor.window.samples.len()).sum()
     }

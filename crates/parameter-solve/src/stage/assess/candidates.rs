@@ -2,18 +2,18 @@
 
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1};
 use crumple_lumped_fit::{
-    Candidate, FollowedEvents, FreeParameter, JudgeOptions, MassFit, Measurement, Method, Observed, Propagation,
-    RESOLUTION_M, Refined, free_masses, free_parameters, judge, largest_draw, largest_of_chain, propagate,
-    propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine, unloads_rigidly,
+    AssessmentOptions, Candidate, FollowedEvents, FreeParameter, MassFit, Measurement, Method, Observation,
+    Propagation, RESOLUTION_M, Refined, assess, free_masses, free_parameters, largest_draw, largest_of_chain,
+    propagate, propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine, unloads_rigidly,
 };
 use crumple_signal::{Displacement, Signal};
 use crumple_stage::records::EventsV1;
 use crumple_stage::{Inputs, Output, RefuseExt, Wave};
 use rayon::prelude::*;
 
-use crate::stage::assess::assessed::Judged;
+use crate::stage::assess::candidate_assessment::CandidateAssessment;
 use crate::stage::assess::dual_pairs::{FitKind, drop_repeated, pair_up};
-use crate::stage::assess::replace_by_refined::{WEIGHINGS, adopt, held, weigh};
+use crate::stage::assess::replace_by_refined::{WEIGHINGS, fixed_at_bound, replace_by_refined, weigh};
 use crate::stage::assess::sensor_waves::SensorWaves;
 use crate::stage::inputs::measurement::{UNKNOWN_FILTER_M, measurement};
 use crate::stage::options::settings::StageSettings;
@@ -41,7 +41,7 @@ fn within_the_search(free: &mut [FreeParameter], model: &Model, window_s: f64) {
 }
 
 /// What all candidates share.
-struct Scene<'a> {
+struct Assessor<'a> {
     settings: &'a StageSettings,
     events: &'a EventsV1,
     displacement: Signal<Displacement>,
@@ -49,7 +49,7 @@ struct Scene<'a> {
     /// Whether the filter of the record is known: only then a fit gives way to the minimum seen through it.
     known: bool,
     /// Displacement from contact to its end, every sample: where events are read from.
-    whole: Option<Observed>,
+    whole: Option<Observation>,
     sensors: &'a SensorWaves,
     mass_kg: Option<f64>,
     impact_speed_m_per_s: f64,
@@ -58,14 +58,14 @@ struct Scene<'a> {
 
 /// Refines the fits among `candidates` and judges all of them; double pairs that turn out equal, or worse than the record
 /// can tell, are taken out. The result goes with the candidates.
-pub fn judge_all(
+pub fn assess_all(
     candidates: &mut Vec<Candidate>,
     settings: &StageSettings,
     input: &Inputs,
     events: &EventsV1,
     mass_kg: Option<f64>,
     out: &mut Output,
-) -> anyhow::Result<Vec<Option<Judged>>> {
+) -> anyhow::Result<Vec<Option<CandidateAssessment>>> {
     let none = vec![None; candidates.len()];
     let wave = input.wave_if(&format!("{}/displacement", events.channel));
     let Some(displacement) = wave.map(Wave::signal::<Displacement>).transpose().refuse()? else { return Ok(none) };
@@ -83,13 +83,13 @@ pub fn judge_all(
              dynamic crush; what unloads is not seen",
         );
     }
-    settings.judging.check(mass_kg, impact_speed_m_per_s)?;
+    settings.assessment.check(mass_kg, impact_speed_m_per_s)?;
     let (measurement, known) = measurement(input, events, &events.channel, &displacement)?;
     let end = (0.0, displacement.end_s() - events.time_zero_s);
     let whole =
-        Observed::new(&displacement, events.time_zero_s, measurement, impact_speed_m_per_s, end, usize::MAX).ok();
+        Observation::new(&displacement, events.time_zero_s, measurement, impact_speed_m_per_s, end, usize::MAX).ok();
     let sensors = SensorWaves::of(candidates, input, events, mass_kg)?;
-    let scene = Scene {
+    let scene = Assessor {
         settings,
         events,
         displacement,
@@ -107,12 +107,12 @@ pub fn judge_all(
              the displacement had none",
         );
     }
-    let mut refined: Vec<Option<(Observed, Refined)>> = candidates
+    let mut refined: Vec<Option<(Observation, Refined)>> = candidates
         .par_iter()
         .map(|candidate| if candidate.shares_weights() { None } else { scene.refine(candidate, None) })
         .collect();
     // Sensors count by how well the best explanation meets them; further ones are seen with the same weights.
-    let later: Vec<(usize, Option<(Observed, Refined)>)> = candidates
+    let later: Vec<(usize, Option<(Observation, Refined)>)> = candidates
         .par_iter()
         .enumerate()
         .filter(|(_, candidate)| candidate.shares_weights())
@@ -125,17 +125,17 @@ pub fn judge_all(
     for (k, found) in later {
         refined[k] = found;
     }
-    let mut judged: Vec<Option<Judged>> = candidates
+    let mut assessed: Vec<Option<CandidateAssessment>> = candidates
         .par_iter()
         .zip(&refined)
-        .map(|(candidate, refined)| refined.as_ref().and_then(|(o, r)| scene.judge(candidate, o, r)))
+        .map(|(candidate, refined)| refined.as_ref().and_then(|(o, r)| scene.assess(candidate, o, r)))
         .collect();
-    scene.say_what_is_left_out(candidates, &refined, &judged, out);
+    scene.note_what_is_left_out(candidates, &refined, &assessed, out);
     for (candidate, found) in candidates.iter_mut().zip(&refined) {
         if let Some((observed, refined)) = found
-            && scene.gives_way(candidate, refined)
+            && scene.is_replaced_by_refined(candidate, refined)
         {
-            adopt(candidate, observed, refined);
+            replace_by_refined(candidate, observed, refined);
             if let Model::Elastoplastic(model) = candidate.model {
                 let chosen =
                     if model.release { "leaves the barrier at rebound" } else { "stays attached and swings on" };
@@ -145,14 +145,14 @@ pub fn judge_all(
             }
         }
     }
-    drop_repeated(candidates, &mut judged, out);
+    drop_repeated(candidates, &mut assessed, out);
     if scene.known {
-        pair_up(candidates, &mut judged, out);
+        pair_up(candidates, &mut assessed, out);
     }
-    Ok(judged)
+    Ok(assessed)
 }
 
-impl Scene<'_> {
+impl Assessor<'_> {
     fn window(&self, candidate: &Candidate) -> Option<(f64, f64)> {
         if let (Model::Elastoplastic(_), Some(rebound)) = (&candidate.model, self.events.time_of_rebound_s) {
             // The unloading shows between dynamic crush and rebound only.
@@ -172,14 +172,14 @@ impl Scene<'_> {
         if candidate.of_sensors() { self.sensors.known(candidate) } else { self.known }
     }
 
-    fn observed(&self, candidate: &Candidate) -> Option<Observed> {
+    fn observed(&self, candidate: &Candidate) -> Option<Observation> {
         let window = self.window(candidate)?;
         let samples = self.settings.solve.fit_samples;
         let (zero, v0) = (self.events.time_zero_s, self.impact_speed_m_per_s);
         let mut observed = if candidate.of_sensors() {
-            Observed { impact_speed_m_per_s: v0, waves: self.sensors.seen(candidate, zero, window, samples)? }
+            Observation { impact_speed_m_per_s: v0, waves: self.sensors.seen(candidate, zero, window, samples)? }
         } else {
-            Observed::new(&self.displacement, zero, self.measurement, v0, window, samples).ok()?
+            Observation::new(&self.displacement, zero, self.measurement, v0, window, samples).ok()?
         };
         if !self.known(candidate) {
             for wave in &mut observed.waves {
@@ -190,7 +190,7 @@ impl Scene<'_> {
     }
 
     /// Follows the candidate to its minimum; several sensors weighted as `weighted` has them, else by their own misfits.
-    fn refine(&self, candidate: &Candidate, weighted: Option<&Observed>) -> Option<(Observed, Refined)> {
+    fn refine(&self, candidate: &Candidate, weighted: Option<&Observation>) -> Option<(Observation, Refined)> {
         if candidate.method == Method::CoefficientMatching || candidate.is_second_of_pair() {
             return None;
         }
@@ -198,12 +198,12 @@ impl Scene<'_> {
         for (wave, other) in observed.waves.iter_mut().zip(weighted.iter().flat_map(|other| &other.waves)) {
             wave.weight = other.weight;
         }
-        let with = |model: &Model, observed: &Observed| {
+        let with = |model: &Model, observed: &Observation| {
             let mut free = free_parameters(model, self.impact_speed_m_per_s, self.crush_m, true);
             if let (true, MassFit::Shares { lower, upper }) = (candidate.of_sensors(), self.settings.solve.mass_fit) {
                 free.extend(free_masses(model, (lower, upper)));
             }
-            free.retain(|parameter| !held(candidate).any(|name| name == parameter.name));
+            free.retain(|parameter| !fixed_at_bound(candidate).any(|name| name == parameter.name));
             if let Some(fit) = &candidate.fit
                 && matches!(model, Model::DoubleSpringMassDamper(_) | Model::TripleSpringMassDamper(_))
             {
@@ -231,7 +231,7 @@ impl Scene<'_> {
     }
 
     /// Whether the candidate is a fit that the minimum through the filter replaces.
-    fn gives_way(&self, candidate: &Candidate, refined: &Refined) -> bool {
+    fn is_replaced_by_refined(&self, candidate: &Candidate, refined: &Refined) -> bool {
         if !self.known(candidate) || candidate.method != Method::DirectFit {
             return false;
         }
@@ -264,28 +264,28 @@ impl Scene<'_> {
             Method::LShade => true,
             _ => false,
         };
-        self.gives_way(candidate, refined) || (fitted && !self.known(candidate))
+        self.is_replaced_by_refined(candidate, refined) || (fitted && !self.known(candidate))
     }
 
-    fn judge(&self, candidate: &Candidate, observed: &Observed, refined: &Refined) -> Option<Judged> {
-        let asked = &self.settings.judging;
+    fn assess(&self, candidate: &Candidate, observed: &Observation, refined: &Refined) -> Option<CandidateAssessment> {
+        let asked = &self.settings.assessment;
         let here = self.is_minimum(candidate, refined);
-        let options = if here { asked.options() } else { JudgeOptions::default() };
-        let given = (!self.gives_way(candidate, refined)).then_some(&candidate.model);
-        let mut judgement = judge(refined, given, observed, options)?;
-        judgement.interval.extend(held(candidate).map(|name| (name, (None, None))));
+        let options = if here { asked.options() } else { AssessmentOptions::default() };
+        let given = (!self.is_replaced_by_refined(candidate, refined)).then_some(&candidate.model);
+        let mut assessment = assess(refined, given, observed, options)?;
+        assessment.interval.extend(fixed_at_bound(candidate).map(|name| (name, (None, None))));
         if let (Method::ClosedForm, Model::Elastoplastic(model)) = (candidate.method, &candidate.model)
             && unloads_rigidly(model)
         {
-            judgement.interval.insert("unloading_stiffness_n_per_m", (None, None));
-            judgement.standard_deviation.remove("unloading_stiffness_n_per_m");
+            assessment.interval.insert("unloading_stiffness_n_per_m", (None, None));
+            assessment.standard_deviation.remove("unloading_stiffness_n_per_m");
         }
         if candidate.of_sensors()
             && self.settings.solve.mass_fit != MassFit::Known
             && let Some(rest) = candidate.model.kind().parameter_names().iter().rfind(|name| name.ends_with("_kg"))
         {
             // Without any mass that was followed there is no word on the rest of the total.
-            judgement.interval.entry(rest).or_insert((None, None));
+            assessment.interval.entry(rest).or_insert((None, None));
         }
         let propagation = self.propagation(candidate, observed, refined);
         let repeated = if candidate.method == Method::ClosedForm && candidate.fit.is_none() {
@@ -295,7 +295,7 @@ impl Scene<'_> {
         } else {
             "fit"
         };
-        Some(Judged { judgement, propagation, repeated, through_filter: self.known(candidate) })
+        Some(CandidateAssessment { assessment, propagation, repeated, through_filter: self.known(candidate) })
     }
 
     /// Whether the values are those of the first nonlinear model under the conditions at dynamic crush.
@@ -303,12 +303,12 @@ impl Scene<'_> {
         matches!(candidate.method, Method::DirectFit | Method::InteriorPoint)
             && matches!(candidate.model, Model::Nonlinear1(_))
             && !candidate.of_sensors()
-            && !self.gives_way(candidate, refined)
+            && !self.is_replaced_by_refined(candidate, refined)
     }
 
     /// The estimator that made the values, repeated with uncertain inputs.
-    fn propagation(&self, candidate: &Candidate, observed: &Observed, refined: &Refined) -> Option<Propagation> {
-        let asked = &self.settings.judging;
+    fn propagation(&self, candidate: &Candidate, observed: &Observation, refined: &Refined) -> Option<Propagation> {
+        let asked = &self.settings.assessment;
         let inputs = asked.inputs();
         if !inputs.any() {
             return None;
@@ -323,7 +323,7 @@ impl Scene<'_> {
             coefficient_of_restitution: self.events.coefficient_of_restitution.unwrap_or(0.0),
         };
         match (candidate.method, &candidate.model) {
-            _ if self.gives_way(candidate, refined) => {
+            _ if self.is_replaced_by_refined(candidate, refined) => {
                 propagate(&refined.model, &refined.free, observed, mass_kg, &inputs, repetitions)
             }
             (Method::ClosedForm, model) => {
@@ -344,20 +344,20 @@ impl Scene<'_> {
     }
 
     /// One remark for each thing that was asked for and does not belong to the values of a candidate.
-    fn say_what_is_left_out(
+    fn note_what_is_left_out(
         &self,
         candidates: &[Candidate],
-        refined: &[Option<(Observed, Refined)>],
-        judged: &[Option<Judged>],
+        refined: &[Option<(Observation, Refined)>],
+        assessed: &[Option<CandidateAssessment>],
         out: &mut Output,
     ) {
-        let asked = &self.settings.judging;
+        let asked = &self.settings.assessment;
         let flags: Vec<&str> =
             asked.flags().into_iter().filter(|flag| ["--profile", "--bootstrap"].contains(flag)).collect();
-        let all = || candidates.iter().zip(refined).zip(judged);
+        let all = || candidates.iter().zip(refined).zip(assessed);
         let elsewhere: Vec<String> = all()
-            .filter(|((candidate, refined), judged)| {
-                judged.is_some() && refined.as_ref().is_some_and(|(_, r)| !self.is_minimum(candidate, r))
+            .filter(|((candidate, refined), assessed)| {
+                assessed.is_some() && refined.as_ref().is_some_and(|(_, r)| !self.is_minimum(candidate, r))
             })
             .map(|((candidate, _), _)| candidate.id())
             .collect();
@@ -369,8 +369,8 @@ impl Scene<'_> {
             ));
         }
         let largest = largest_draw(asked.distributions[3]) * asked.time_zero_uncertainty_s;
-        for ((candidate, refined), judged) in all() {
-            let repeated = judged.as_ref().is_some_and(|judged| judged.propagation.is_some());
+        for ((candidate, refined), assessed) in all() {
+            let repeated = assessed.as_ref().is_some_and(|assessed| assessed.propagation.is_some());
             if repeated
                 && largest > ONE_MINIMUM_S
                 && refined.as_ref().is_some_and(|(_, r)| self.is_conditioned(candidate, r))
@@ -384,8 +384,8 @@ impl Scene<'_> {
             }
         }
         let inputs: Vec<&str> = asked.flags().into_iter().filter(|flag| flag.ends_with("-uncertainty")).collect();
-        for ((candidate, _), judged) in all() {
-            if !inputs.is_empty() && judged.as_ref().is_some_and(|judged| judged.propagation.is_none()) {
+        for ((candidate, _), assessed) in all() {
+            if !inputs.is_empty() && assessed.as_ref().is_some_and(|assessed| assessed.propagation.is_none()) {
                 out.notes().warning(format!(
                     "{}: {} not propagated, its estimator cannot be repeated from this record",
                     candidate.id(),

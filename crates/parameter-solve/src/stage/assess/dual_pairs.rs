@@ -4,7 +4,7 @@ use crumple_lumped::{DoubleSpringMassDamper, Model, ModelKind};
 use crumple_lumped_fit::{Candidate, DualScale, FitQuantity, Method};
 use crumple_stage::Output;
 
-use crate::stage::assess::assessed::Judged;
+use crate::stage::assess::candidate_assessment::CandidateAssessment;
 
 /// Two pairs of double models closer than this, in logarithms, are one.
 const SAME: f64 = 1e-3;
@@ -46,7 +46,11 @@ impl FitKind for Candidate {
 }
 
 /// Leaves out further explanations of several sensors that, seen through the filters, came to the place of an earlier one.
-pub fn drop_repeated(candidates: &mut Vec<Candidate>, judged: &mut Vec<Option<Judged>>, out: &mut Output) {
+pub fn drop_repeated(
+    candidates: &mut Vec<Candidate>,
+    assessed: &mut Vec<Option<CandidateAssessment>>,
+    out: &mut Output,
+) {
     let mut k = 0;
     while k < candidates.len() {
         let own = candidates[k].model.parameters();
@@ -62,7 +66,7 @@ pub fn drop_repeated(candidates: &mut Vec<Candidate>, judged: &mut Vec<Option<Ju
             continue;
         }
         let left = candidates.remove(k);
-        judged.remove(k);
+        assessed.remove(k);
         out.notes().info(format!("{}: left out, seen through the filters it is an earlier one", left.id()));
         for later in candidates[k..].iter_mut().filter(|later| later.is_like(&left)) {
             later.index -= 1;
@@ -72,23 +76,25 @@ pub fn drop_repeated(candidates: &mut Vec<Candidate>, judged: &mut Vec<Option<Ju
 
 /// Gives every double pair its dual again, best pair first; leaves out pairs that came to the same place, and those that the
 /// record tells from the best.
-pub fn pair_up(candidates: &mut Vec<Candidate>, judged: &mut Vec<Option<Judged>>, out: &mut Output) {
+pub fn pair_up(candidates: &mut Vec<Candidate>, assessed: &mut Vec<Option<CandidateAssessment>>, out: &mut Output) {
     let Some(first) = candidates.iter().position(Candidate::is_double) else { return };
     let count = candidates[first..].iter().take_while(|candidate| candidate.is_double()).count();
-    let mut pairs: Vec<(Candidate, Option<Candidate>, Option<Judged>)> = Vec::new();
+    let mut pairs: Vec<(Candidate, Option<Candidate>, Option<CandidateAssessment>)> = Vec::new();
     let block: Vec<Candidate> = candidates.drain(first..first + count).collect();
-    let verdicts: Vec<Option<Judged>> = judged.drain(first..first + count).collect();
-    for (a, verdict) in block.iter().zip(verdicts).filter(|(a, _)| !a.is_second_of_pair()) {
+    let assessments: Vec<Option<CandidateAssessment>> = assessed.drain(first..first + count).collect();
+    for (a, assessment) in block.iter().zip(assessments).filter(|(a, _)| !a.is_second_of_pair()) {
         let second = block.iter().find(|b| b.is_second_of_pair() && b.equivalent_to == Some(a.index));
-        pairs.push((a.clone(), second.cloned(), verdict));
+        pairs.push((a.clone(), second.cloned(), assessment));
     }
     let rmse = |c: &Candidate| c.fit.as_ref().map_or(f64::INFINITY, |fit| fit.rmse);
     pairs.sort_by(|(a, ..), (b, ..)| rmse(a).total_cmp(&rmse(b)));
     let best = pairs.first().map_or(0.0, |(a, ..)| rmse(a));
     let before = pairs.len();
-    let mut kept: Vec<(Candidate, Option<Candidate>, Option<Judged>)> = Vec::new();
+    let mut kept: Vec<(Candidate, Option<Candidate>, Option<CandidateAssessment>)> = Vec::new();
     for pair in pairs {
-        let near = |(other, ..): &(Candidate, Option<Candidate>, Option<Judged>)| same(&other.model, &pair.0.model);
+        let near = |(other, ..): &(Candidate, Option<Candidate>, Option<CandidateAssessment>)| {
+            same(&other.model, &pair.0.model)
+        };
         if rmse(&pair.0) <= 1.01 * best + crumple_lumped_fit::RESOLUTION_M && !kept.iter().any(near) {
             kept.push(pair);
         }
@@ -100,12 +106,12 @@ pub fn pair_up(candidates: &mut Vec<Candidate>, judged: &mut Vec<Option<Judged>>
         ));
     }
     let mut place = first;
-    for (k, (mut a, b, verdict)) in kept.into_iter().enumerate() {
+    for (k, (mut a, b, assessment)) in kept.into_iter().enumerate() {
         let Some(mut b) = b else {
             // Its own dual.
             a.index = 2 * k + 1;
             candidates.insert(place, a);
-            judged.insert(place, verdict);
+            assessed.insert(place, assessment);
             place += 1;
             continue;
         };
@@ -113,12 +119,12 @@ pub fn pair_up(candidates: &mut Vec<Candidate>, judged: &mut Vec<Option<Judged>>
             let dual = model.dual();
             b.model = Model::DoubleSpringMassDamper(dual);
             let scale = DualScale::new(&model);
-            let mut of_b = verdict.as_ref().map(|v| v.of_dual(&scale));
+            let mut of_b = assessment.as_ref().map(|v| v.of_dual(&scale));
             if let (Some(fit), Some(own)) = (&mut b.fit, &a.fit) {
                 *fit = own.clone();
                 fit.active_bounds.iter_mut().for_each(|name| *name = scale.of(name).0);
             }
-            let mut of_a = verdict;
+            let mut of_a = assessment;
             if dual.k1_n_per_m < model.k1_n_per_m {
                 std::mem::swap(&mut a.model, &mut b.model);
                 std::mem::swap(&mut a.fit, &mut b.fit);
@@ -128,8 +134,8 @@ pub fn pair_up(candidates: &mut Vec<Candidate>, judged: &mut Vec<Option<Judged>>
             (b.index, b.equivalent_to) = (2 * k + 2, Some(2 * k + 1));
             candidates.insert(place, a);
             candidates.insert(place + 1, b);
-            judged.insert(place, of_a);
-            judged.insert(place + 1, of_b);
+            assessed.insert(place, of_a);
+            assessed.insert(place + 1, of_b);
             place += 2;
         }
     }

@@ -2,7 +2,7 @@
 
 use crumple_lumped::Model;
 use crumple_lumped_fit::{
-    Candidate, Observed, Refined, bounds_remark, errors_in_words, errors_remark, is_errors_remark,
+    Candidate, Observation, Refined, bounds_remark, errors_in_words, is_note_of_errors, note_of_errors,
 };
 
 /// Rounds of weighing sensors, and the change of a weight that is worth another one.
@@ -10,7 +10,7 @@ pub const WEIGHINGS: usize = 4;
 const WORTH_ANOTHER: f64 = 0.01;
 
 /// Weighs the waves by the root mean square misfit of each; whether that changed anything.
-pub fn weigh(observed: &mut Observed, found: &Refined) -> bool {
+pub fn weigh(observed: &mut Observation, found: &Refined) -> bool {
     observed.weigh(&observed.rmse(&found.misfit_m), WORTH_ANOTHER)
 }
 
@@ -20,7 +20,7 @@ const NO_DAMPER: f64 = 1e-4;
 
 /// Parameters that the search left on a bound, other than zero: that value is the bound's, so it is held and has no interval. A
 /// damper of a chain of masses (one of them is Kelvin's) on its lower bound is not held: zero is what it goes to.
-pub fn held(candidate: &Candidate) -> impl Iterator<Item = &'static str> {
+pub fn fixed_at_bound(candidate: &Candidate) -> impl Iterator<Item = &'static str> {
     let values = candidate.model.parameters();
     let mass_kg: f64 = values.iter().filter(|(name, _)| name.ends_with("_kg")).map(|(_, kg)| kg).sum();
     let window_s = candidate.fit.as_ref().map_or(f64::INFINITY, |fit| fit.to_s);
@@ -35,7 +35,7 @@ pub fn held(candidate: &Candidate) -> impl Iterator<Item = &'static str> {
 }
 
 /// A fit takes the values of the minimum.
-pub fn adopt(candidate: &mut Candidate, observed: &Observed, refined: &Refined) {
+pub fn replace_by_refined(candidate: &mut Candidate, observed: &Observation, refined: &Refined) {
     let unrefined = std::mem::replace(&mut candidate.model, refined.model);
     if let Some(fit) = &mut candidate.fit {
         let rmse = observed.rmse(&refined.misfit_m);
@@ -46,8 +46,8 @@ pub fn adopt(candidate: &mut Candidate, observed: &Observed, refined: &Refined) 
             sensor.noise = noise / wave.weight;
         }
         let errors = fit.sensors.iter().map(|s| (s.rmse, s.quantity, s.channel.as_str(), format!("mass {}", s.mass)));
-        let said = errors_remark(&errors_in_words(errors), Some("through the filter"));
-        for note in candidate.notes.iter_mut().filter(|note| is_errors_remark(note)) {
+        let said = note_of_errors(&errors_in_words(errors), Some("through the filter"));
+        for note in candidate.notes.iter_mut().filter(|note| is_note_of_errors(note)) {
             note.clone_from(&said);
         }
         fit.iterations += refined.iterations;
@@ -56,7 +56,12 @@ pub fn adopt(candidate: &mut Candidate, observed: &Observed, refined: &Refined) 
         let before = bounds_remark(&unrefined, &fit.active_bounds);
         // What was held stays named; a zero may have been left.
         fit.active_bounds.retain(|name| refined.free.iter().all(|p| p.name != *name));
-        let stopped = refined.free.iter().zip(&refined.on_bound).filter(|(_, held)| **held).map(|(p, _)| p.name);
+        let stopped = refined
+            .free
+            .iter()
+            .zip(&refined.on_bound)
+            .filter(|(_, fixed_at_bound)| **fixed_at_bound)
+            .map(|(p, _)| p.name);
         fit.active_bounds.extend(stopped);
         candidate.notes.retain(|note| Some(note) != before.as_ref());
         candidate.notes.extend(bounds_remark(&candidate.model, &fit.active_bounds));
@@ -93,10 +98,10 @@ mod tests {
         let kelvin =
             |c: f64| on_bounds(Model::Kelvin(Kelvin { mass_kg: 1e3, stiffness_n_per_m: 1e5, damping_n_s_per_m: c }));
         let both = ["stiffness_n_per_m", "damping_n_s_per_m"];
-        assert_eq!(held(&kelvin(0.1)).collect::<Vec<_>>(), both[..1]);
-        assert_eq!(held(&kelvin(10.0)).collect::<Vec<_>>(), both);
+        assert_eq!(fixed_at_bound(&kelvin(0.1)).collect::<Vec<_>>(), both[..1]);
+        assert_eq!(fixed_at_bound(&kelvin(10.0)).collect::<Vec<_>>(), both);
         // In series a damper of nothing is no model.
         let maxwell = Maxwell { mass_kg: 1e3, stiffness_n_per_m: 1e5, damping_n_s_per_m: 0.1 };
-        assert_eq!(held(&on_bounds(Model::Maxwell(maxwell))).collect::<Vec<_>>(), both);
+        assert_eq!(fixed_at_bound(&on_bounds(Model::Maxwell(maxwell))).collect::<Vec<_>>(), both);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped_fit::{Candidate, FitQuantity, Measurement, SeenWave, SensorFit};
+use crumple_lumped_fit::{Candidate, FitQuantity, Measurement, ObservedWave, SensorFit};
 use crumple_signal::{Displacement, Sampled, Velocity};
 use crumple_stage::records::EventsV1;
 use crumple_stage::{Inputs, RefuseExt};
@@ -74,17 +74,17 @@ impl SensorWaves {
         time_zero_s: f64,
         window_s: (f64, f64),
         samples: usize,
-    ) -> Option<Vec<SeenWave>> {
+    ) -> Option<Vec<ObservedWave>> {
         let sensors = self.sensors(candidate);
         let first = sensors.first()?.noise;
         let one = |sensor: &SensorFit| {
             let (wave, measured, _) = self.waves.get(&self.key(sensor))?;
             let what = (sensor.mass.checked_sub(1), sensor.quantity);
-            let mut seen = SeenWave::new(wave, what, time_zero_s, *measured, window_s, samples).ok()?;
+            let mut seen = ObservedWave::new(wave, what, time_zero_s, *measured, window_s, samples).ok()?;
             seen.weight = first / sensor.noise;
             Some(seen)
         };
-        let seen: Option<Vec<SeenWave>> = sensors.iter().map(one).collect();
+        let seen: Option<Vec<ObservedWave>> = sensors.iter().map(one).collect();
         seen.filter(|waves| waves.iter().all(|wave| wave.weight.is_finite() && wave.weight > 0.0))
     }
 }

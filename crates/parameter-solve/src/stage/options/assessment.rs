@@ -1,12 +1,12 @@
 //! What is to be judged beyond the covariance, and how uncertain the inputs are.
 
-use crumple_lumped_fit::{Distribution, InputUncertainty, JudgeOptions, largest_draw};
+use crumple_lumped_fit::{AssessmentOptions, Distribution, InputUncertainty, largest_draw};
 use crumple_stage::Usage;
 use serde::Serialize;
 
 /// What is judged beyond the covariance; part of the settings.
 #[derive(Debug, Clone, Serialize)]
-pub struct Judging {
+pub struct AssessmentSettings {
     pub profile: bool,
     pub bootstrap: usize,
     pub mass_uncertainty_kg: f64,
@@ -27,7 +27,7 @@ fn names<S: serde::Serializer>(distributions: &[Distribution; 4], serializer: S)
     serializer.collect_seq(distributions.iter().map(|distribution| distribution.name()))
 }
 
-impl Judging {
+impl AssessmentSettings {
     /// The flags that say how well parameters are known, as far as they are given.
     pub fn flags(&self) -> Vec<&'static str> {
         let inputs = [
@@ -53,8 +53,8 @@ impl Judging {
     }
 
     /// What looks from a minimum.
-    pub fn options(&self) -> JudgeOptions {
-        JudgeOptions { profile: self.profile, bootstrap: self.bootstrap }
+    pub fn options(&self) -> AssessmentOptions {
+        AssessmentOptions { profile: self.profile, bootstrap: self.bootstrap }
     }
 
     /// Refuses uncertainties of which a draw could make the mass or the speed zero.

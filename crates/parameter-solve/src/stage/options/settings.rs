@@ -9,7 +9,7 @@ use crumple_signal::value::{Mass, Time};
 use crumple_stage::{Usage, nearest};
 use serde::Serialize;
 
-use crate::stage::options::assessment::Judging;
+use crate::stage::options::assessment::AssessmentSettings;
 use crate::stage::options::chain_table::FittedChain;
 use crate::stage::options::flags::Options;
 
@@ -53,7 +53,7 @@ pub struct StageSettings {
     #[serde(skip)]
     pub places: Vec<(Place, String)>,
     #[serde(flatten)]
-    pub judging: Judging,
+    pub assessment: AssessmentSettings,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub chain: Vec<FittedChain>,
     #[serde(skip)]
@@ -151,7 +151,7 @@ impl TryFrom<Options> for StageSettings {
             fit_starts: FIT_STARTS,
             firefly,
         };
-        let judging = Judging {
+        let assessment = AssessmentSettings {
             profile: options.profile.unwrap_or(false),
             bootstrap: replicates("bootstrap", options.bootstrap.unwrap_or(0))?,
             mass_uncertainty_kg: options.mass_uncertainty.map_or(0.0, |u| u.size.si()),
@@ -197,7 +197,7 @@ impl TryFrom<Options> for StageSettings {
             paper,
             places,
             chain: Vec::new(),
-            judging,
+            assessment,
             solve,
         })
     }

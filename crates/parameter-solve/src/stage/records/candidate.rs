@@ -3,11 +3,11 @@
 use crumple_lumped_fit::Candidate;
 use crumple_stage::records::{CandidateV1, FitV1, SensorFitV1};
 
-use crate::stage::assess::assessed::Judged;
-use crate::stage::records::uncertainty::{of_its_own, uncertainty_record};
+use crate::stage::assess::candidate_assessment::CandidateAssessment;
+use crate::stage::records::uncertainty::{uncertainty_of_fit, uncertainty_record};
 
 /// What goes to `/parameters/<id>`.
-pub fn record(candidate: &Candidate, judged: Option<&Judged>, channel: &str) -> CandidateV1 {
+pub fn record(candidate: &Candidate, assessed: Option<&CandidateAssessment>, channel: &str) -> CandidateV1 {
     CandidateV1 {
         model: candidate.model.kind().name().to_owned(),
         method: candidate.method.name().to_owned(),
@@ -37,9 +37,9 @@ pub fn record(candidate: &Candidate, judged: Option<&Judged>, channel: &str) -> 
                 })
                 .collect(),
         }),
-        uncertainty: judged
+        uncertainty: assessed
             .map(uncertainty_record)
-            .or_else(|| candidate.uncertainty.as_ref().map(|u| of_its_own(u, &candidate.model.parameters()))),
+            .or_else(|| candidate.uncertainty.as_ref().map(|u| uncertainty_of_fit(u, &candidate.model.parameters()))),
         notes: candidate.notes.clone(),
     }
 }

@@ -6,14 +6,14 @@ use std::fmt::Display;
 use crumple_lumped_fit::{Bootstrap, Candidate, Profile, Propagation, Uncertainty, in_words};
 use crumple_stage::records::{ProfileV1, ReplicatesV1, UncertaintyV1};
 
-use crate::stage::assess::assessed::Judged;
+use crate::stage::assess::candidate_assessment::CandidateAssessment;
 
 /// Both ends of an interval.
 pub type Ends = (Option<f64>, Option<f64>);
 
 /// What goes to the artifact.
-pub fn uncertainty_record(assessed: &Judged) -> UncertaintyV1 {
-    let j = &assessed.judgement;
+pub fn uncertainty_record(assessed: &CandidateAssessment) -> UncertaintyV1 {
+    let j = &assessed.assessment;
     let own = |name: &&'static str| (*name).to_owned();
     let finite = |values: &BTreeMap<&'static str, f64>| values.iter().map(|(k, v)| (own(k), *v)).collect();
     let side =
@@ -36,9 +36,9 @@ pub fn uncertainty_record(assessed: &Judged) -> UncertaintyV1 {
 }
 
 /// What a person should hear at once: parameters that the record does not determine; propagated intervals.
-pub fn summary_line(assessed: &Judged, candidate: &Candidate) -> String {
+pub fn summary_line(assessed: &CandidateAssessment, candidate: &Candidate) -> String {
     let words = |name: &&'static str| in_words(&candidate.model, name);
-    said_at_once(&candidate.id(), &assessed.judgement.profile, assessed.propagation.as_ref(), words)
+    summary_text(&candidate.id(), &assessed.assessment.profile, assessed.propagation.as_ref(), words)
 }
 
 /// How intervals came about.
@@ -88,7 +88,7 @@ pub fn propagation_record<N: Display + Ord>(propagation: &Propagation<N>, repeat
 }
 
 /// What a person should hear at once of the candidate of this id, its parameters in these words; empty where there is nothing.
-pub fn said_at_once<N: Display + Ord>(
+pub fn summary_text<N: Display + Ord>(
     id: &str,
     profiles: &[Profile<N>],
     propagation: Option<&Propagation<N>>,
@@ -114,7 +114,7 @@ pub fn said_at_once<N: Display + Ord>(
 
 /// The uncertainty that a fit to several sensors or a matching brings along, with 95 % intervals from its standard deviations: log-normal, so
 /// that a spring stays positive, 1.96 relative deviations wide; open beyond a factor of `e^9`, and for what is on a bound.
-pub fn of_its_own(uncertainty: &Uncertainty, parameters: &BTreeMap<String, f64>) -> UncertaintyV1 {
+pub fn uncertainty_of_fit(uncertainty: &Uncertainty, parameters: &BTreeMap<String, f64>) -> UncertaintyV1 {
     let ends = |side: f64| {
         parameters
             .iter()

@@ -1,11 +1,11 @@
 //! What an assessment says of one candidate.
 
-use crumple_lumped_fit::{DualScale, Judgement, Propagation};
+use crumple_lumped_fit::{Assessment, DualScale, Propagation};
 
 /// The verdict on one candidate.
 #[derive(Debug, Clone)]
-pub struct Judged {
-    pub judgement: Judgement,
+pub struct CandidateAssessment {
+    pub assessment: Assessment,
     pub propagation: Option<Propagation>,
     /// What the propagation repeated: a fit or a closed form.
     pub repeated: &'static str,
@@ -13,11 +13,11 @@ pub struct Judged {
     pub through_filter: bool,
 }
 
-impl Judged {
+impl CandidateAssessment {
     /// The verdict on the dual of the model judged.
     pub fn of_dual(&self, dual: &DualScale) -> Self {
         Self {
-            judgement: self.judgement.of_dual(dual),
+            assessment: self.assessment.of_dual(dual),
             propagation: self.propagation.as_ref().map(|p| dual.propagation(p)),
             repeated: self.repeated,
             through_filter: self.through_filter,

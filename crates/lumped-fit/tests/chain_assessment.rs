@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{Drive, Kelvin, Model, PiecewiseLinear, SecantChain};
 use crumple_lumped_fit::{
-    ChainQuestions, ChainSolution, Distribution, FitQuantity, InputUncertainty, IntegrationRule, JudgeOptions,
-    Measurement, Observed, SeenWave, Stated, StatedChain, StatedElement, StatedMass, TwoPassFilter, fit_chain,
-    judge_chain,
+    AssessmentOptions, ChainAssessmentOptions, ChainSolution, Distribution, FitQuantity, InputUncertainty,
+    IntegrationRule, Measurement, Observation, ObservedWave, Stated, StatedChain, StatedElement, StatedMass,
+    TwoPassFilter, assess_chain, fit_chain,
 };
 use crumple_signal::Sampled;
 use nalgebra::{DMatrix, DVector};
@@ -35,7 +35,7 @@ fn displacements(of: &SecantChain, v0: f64) -> Vec<Vec<f64>> {
 }
 
 /// Every displacement with an error laid over it.
-fn observed(error: impl Fn(usize, usize) -> f64) -> Observed {
+fn observed(error: impl Fn(usize, usize) -> f64) -> Observation {
     let measurement = Measurement {
         dt_s: DT,
         first_s: 0.0,
@@ -47,10 +47,10 @@ fn observed(error: impl Fn(usize, usize) -> f64) -> Observed {
     let wave = |(mass, x): (usize, Vec<f64>)| {
         let x = x.iter().enumerate().map(|(k, x)| x + error(mass, k)).collect();
         let what = (Some(mass), FitQuantity::Displacement);
-        SeenWave::new(&Sampled::new(0.0, DT, x).unwrap(), what, 0.0, measurement, (0.0, END_S), 100).unwrap()
+        ObservedWave::new(&Sampled::new(0.0, DT, x).unwrap(), what, 0.0, measurement, (0.0, END_S), 100).unwrap()
     };
     let all = displacements(&chain(&MASSES, &SPRINGS, &DAMPERS), V0).into_iter().enumerate();
-    Observed { impact_speed_m_per_s: V0, waves: all.map(wave).collect() }
+    Observation { impact_speed_m_per_s: V0, waves: all.map(wave).collect() }
 }
 
 /// Noise that hangs together over 33 samples, root mean square `size` m.
@@ -85,7 +85,7 @@ fn truth() -> BTreeMap<String, f64> {
     chain(&MASSES, &SPRINGS, &DAMPERS).parameters()
 }
 
-fn fitted(of: &StatedChain, observed: &Observed) -> ChainSolution {
+fn fitted(of: &StatedChain, observed: &Observation) -> ChainSolution {
     fit_chain(of, observed, false, 24).unwrap().remove(0)
 }
 
@@ -95,16 +95,16 @@ fn the_truth_of_three_noisy_masses_is_inside_every_interval() {
     let free_front = stated([StatedMass::Own(FREE), StatedMass::Own(Stated::Fixed(MASSES[1])), StatedMass::Rest]);
     for (of, count) in [(given(), 6), (free_front, 8)] {
         let found = fitted(&of, &observed);
-        let options = JudgeOptions { profile: true, bootstrap: 60 };
-        let asked = ChainQuestions { options, ..ChainQuestions::default() };
-        let verdict = judge_chain(&of, &observed, false, &found, &asked).unwrap();
-        let (known, bootstrap) = (found.knowledge.as_ref().unwrap(), verdict.bootstrap.unwrap());
-        assert_eq!((known.interval.len(), verdict.profile.len(), bootstrap.interval.len()), (count, count, count));
+        let options = AssessmentOptions { profile: true, bootstrap: 60 };
+        let asked = ChainAssessmentOptions { options, ..ChainAssessmentOptions::default() };
+        let assessment = assess_chain(&of, &observed, false, &found, &asked).unwrap();
+        let (known, bootstrap) = (found.linearised.as_ref().unwrap(), assessment.bootstrap.unwrap());
+        assert_eq!((known.interval.len(), assessment.profile.len(), bootstrap.interval.len()), (count, count, count));
         for (name, (low, high)) in &known.interval {
             let value = truth()[name];
             assert!(low.unwrap() < value && value < high.unwrap(), "{name}: {low:?} {value} {high:?}");
         }
-        for profile in &verdict.profile {
+        for profile in &assessment.profile {
             let (value, ends) = (truth()[&profile.parameter], (profile.low.unwrap(), profile.high.unwrap()));
             assert!(ends.0 < value && value < ends.1, "{}: {ends:?} {value}", profile.parameter);
             // Near the linear interval: the same noise, but a likelihood for a sandwich and no widening for the fit.
@@ -126,7 +126,7 @@ fn the_truth_of_three_noisy_masses_is_inside_every_interval() {
 fn intervals_hold_the_truth_about_as_often_as_they_say() {
     let held = |seed: u64| {
         let found = fitted(&given(), &observed(noise(2e-4, seed)));
-        let known = found.knowledge.unwrap();
+        let known = found.linearised.unwrap();
         known
             .interval
             .iter()
@@ -144,10 +144,11 @@ fn a_bootstrap_and_a_profile_do_not_depend_on_the_number_of_threads() {
     let observed = observed(noise(2e-4, 7));
     let found = fitted(&given(), &observed);
     let inputs = InputUncertainty { impact_speed_m_per_s: 0.05, time_zero_s: 2e-4, ..InputUncertainty::default() };
-    let asked = ChainQuestions { options: JudgeOptions { profile: true, bootstrap: 20 }, inputs, repetitions: 20 };
+    let asked =
+        ChainAssessmentOptions { options: AssessmentOptions { profile: true, bootstrap: 20 }, inputs, repetitions: 20 };
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| judge_chain(&given(), &observed, false, &found, &asked)).unwrap()
+        pool.install(|| assess_chain(&given(), &observed, false, &found, &asked)).unwrap()
     };
     assert_eq!(with(1), with(3));
 }
@@ -157,8 +158,8 @@ fn an_uncertain_mass_goes_into_springs_and_dampers_one_to_one_and_not_into_the_c
     let observed = observed(|_, _| 0.0);
     let found = fitted(&given(), &observed);
     let inputs = InputUncertainty { mass_kg: 14.0, ..InputUncertainty::default() };
-    let asked = ChainQuestions { inputs, repetitions: 100, ..ChainQuestions::default() };
-    let spread = judge_chain(&given(), &observed, false, &found, &asked).unwrap().propagation.unwrap();
+    let asked = ChainAssessmentOptions { inputs, repetitions: 100, ..ChainAssessmentOptions::default() };
+    let spread = assess_chain(&given(), &observed, false, &found, &asked).unwrap().propagation.unwrap();
     assert_eq!(spread.repetitions, 100);
     let (low, high) = spread.interval_90["k1_n_per_m"];
     // 14 of 1400 kg: 1.645 % on either side, of 100 draws known to a fifth.
@@ -193,8 +194,8 @@ fn a_rest_takes_up_an_uncertain_mass_and_what_is_given_stays() {
     of.elements[1].stiffness = fixed(SPRINGS[1]);
     let found = fitted(&of, &observed);
     let inputs = InputUncertainty { mass_kg: 2.0, ..InputUncertainty::default() };
-    let asked = ChainQuestions { inputs, repetitions: 100, ..ChainQuestions::default() };
-    let spread = judge_chain(&of, &observed, false, &found, &asked).unwrap().propagation.unwrap();
+    let asked = ChainAssessmentOptions { inputs, repetitions: 100, ..ChainAssessmentOptions::default() };
+    let spread = assess_chain(&of, &observed, false, &found, &asked).unwrap().propagation.unwrap();
     let names: Vec<&str> = spread.interval_90.keys().map(String::as_str).collect();
     assert_eq!(names, ["dynamic_crush_m", "k1_n_per_m", "k3_n_per_m"]);
     // The same fit of a test that is heavier by one deviation.
@@ -215,8 +216,8 @@ fn an_uncertain_speed_moves_the_parameters_by_the_derivatives_of_the_response() 
     let half_m_per_s = 0.02;
     let mut inputs = InputUncertainty { impact_speed_m_per_s: half_m_per_s, ..InputUncertainty::default() };
     inputs.distributions[1] = Distribution::Uniform;
-    let asked = ChainQuestions { inputs, repetitions: 200, ..ChainQuestions::default() };
-    let spread = judge_chain(&given(), &observed, false, &found, &asked).unwrap().propagation.unwrap();
+    let asked = ChainAssessmentOptions { inputs, repetitions: 200, ..ChainAssessmentOptions::default() };
+    let spread = assess_chain(&given(), &observed, false, &found, &asked).unwrap().propagation.unwrap();
 
     // d(ln p)/dv by the theorem of implicit functions, from differences of the response alone: the record gains t, the model x/v0.
     let rows: Vec<usize> = (0..=800).step_by(9).collect();
@@ -277,8 +278,8 @@ fn knots_seen_through_a_filter_are_profiled_and_repeated_with_every_uncertain_in
     let x = measurement.displacement(&Model::Kelvin(kelvin), V0, 1099).unwrap();
     let what = (Some(0), FitQuantity::Displacement);
     let record = Sampled::new(-0.01, DT, x).unwrap();
-    let wave = SeenWave::new(&record, what, 0.0, measurement, (0.0, 0.06), 60).unwrap();
-    let observed = Observed { impact_speed_m_per_s: V0, waves: vec![wave] };
+    let wave = ObservedWave::new(&record, what, 0.0, measurement, (0.0, 0.06), 60).unwrap();
+    let observed = Observation { impact_speed_m_per_s: V0, waves: vec![wave] };
     let element = StatedElement {
         mass_kg: StatedMass::Rest,
         stiffness: vec![(0.0, FREE), (0.4, FREE)],
@@ -298,16 +299,16 @@ fn knots_seen_through_a_filter_are_profiled_and_repeated_with_every_uncertain_in
         time_zero_s: 2e-4,
         ..InputUncertainty::default()
     };
-    let options = JudgeOptions { profile: true, bootstrap: 0 };
-    let asked = ChainQuestions { options, inputs, repetitions: 40 };
-    let verdict = judge_chain(&of, &observed, true, &found, &asked).unwrap();
+    let options = AssessmentOptions { profile: true, bootstrap: 0 };
+    let asked = ChainAssessmentOptions { options, inputs, repetitions: 40 };
+    let assessment = assess_chain(&of, &observed, true, &found, &asked).unwrap();
     let names = ["k1_knot1_n_per_m", "k1_knot2_n_per_m", "c1_n_s_per_m"];
-    assert_eq!(verdict.profile.iter().map(|p| p.parameter.as_str()).collect::<Vec<_>>(), names);
-    for profile in &verdict.profile {
+    assert_eq!(assessment.profile.iter().map(|p| p.parameter.as_str()).collect::<Vec<_>>(), names);
+    for profile in &assessment.profile {
         let (value, ends) = (values[&profile.parameter], (profile.low.unwrap(), profile.high.unwrap()));
         assert!(ends.0 < value && value < ends.1, "{}: {ends:?} {value}", profile.parameter);
     }
-    let spread = verdict.propagation.unwrap();
+    let spread = assessment.propagation.unwrap();
     assert_eq!(spread.repetitions, 40);
     for name in names {
         let (low, high) = spread.interval_90[name];
