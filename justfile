@@ -121,7 +121,7 @@ bytes *args:
 # The three papers' numbers, recomputed and compared: writes docs/papers.md, ends with `N of M items`.
 [group('development')]
 papers:
-    CRUMPLE_WRITE_PAPERS=1 cargo test --quiet --package crumple-parameter-solve --test papers
+    CRUMPLE_WRITE_PAPERS=1 cargo test --quiet --package crumple-lumped-fit --test papers
 
 # Shell completions and man pages of all programs, into target/shell.
 [group('development')]
