@@ -103,10 +103,10 @@ fn made(builder: &ArtifactBuilder) -> Artifact {
 #[test]
 fn show_tells_provenance_records_and_waves() {
     let folder = folder();
-    let found = artifact(folder.path(), &["show", "2-filter.mcap", "--topic", "/notes", "--topic", "/wave/*"]);
-    assert_eq!((found.code, found.stderr.as_str()), (0, ""));
+    let output = artifact(folder.path(), &["show", "2-filter.mcap", "--topic", "/notes", "--topic", "/wave/*"]);
+    assert_eq!((output.code, output.stderr.as_str()), (0, ""));
     let digest = made(&builder()).digest().to_owned();
-    insta::assert_snapshot!(found.stdout.replace(&digest, "blake3:<digest>"), @r#"
+    insta::assert_snapshot!(output.stdout.replace(&digest, "blake3:<digest>"), @r#"
     stage    filter 0.1.0
     config   {"cfc":60,"mode":"iso6487"}
     input    ingest blake3:00
@@ -131,8 +131,8 @@ fn show_tells_provenance_records_and_waves() {
 #[test]
 fn show_prints_samples_with_their_times() {
     let folder = folder();
-    let found = artifact(folder.path(), &["show", "2-filter.mcap", "--topic", "/wave/93/velocity", "--samples"]);
-    let samples: Vec<&str> = found.stdout.lines().filter(|line| line.contains('\t')).collect();
+    let output = artifact(folder.path(), &["show", "2-filter.mcap", "--topic", "/wave/93/velocity", "--samples"]);
+    let samples: Vec<&str> = output.stdout.lines().filter(|line| line.contains('\t')).collect();
     assert_eq!(samples.len(), 5);
     assert_eq!(samples[0], "time_s\tvalue");
     assert_eq!(samples[4], "0.0003\t0");
@@ -193,11 +193,11 @@ fn plain_files_that_make_no_sense_are_refused_with_their_place() {
         let path = folder.path().join("plain").join(name);
         let good = fs::read_to_string(&path).unwrap();
         fs::write(&path, change(good.clone())).unwrap();
-        let found = artifact(folder.path(), &["pack", "plain", "again.mcap"]);
+        let output = artifact(folder.path(), &["pack", "plain", "again.mcap"]);
         fs::write(&path, good).unwrap();
-        assert_eq!(found.code, 3, "{}", found.stderr);
+        assert_eq!(output.code, 3, "{}", output.stderr);
         assert!(!folder.path().join("again.mcap").exists());
-        found.stderr.lines().next().unwrap().to_owned()
+        output.stderr.lines().next().unwrap().to_owned()
     };
     let swap = |from: &'static str, to: &'static str| {
         move |text: String| {
@@ -205,7 +205,7 @@ fn plain_files_that_make_no_sense_are_refused_with_their_place() {
             text.replace(from, to)
         }
     };
-    let found = [
+    let refusals = [
         refused("records.ndjson", &swap("crumple.Notes.v1", "crumple.Note.v1")),
         refused("records.ndjson", &swap("\"stage\":\"filter\"", "\"stage\":7")),
         refused("records.ndjson", &swap("\"notes\":[\"a note\"]}}", "")),
@@ -215,7 +215,7 @@ fn plain_files_that_make_no_sense_are_refused_with_their_place() {
         refused("waves.ndjson", &swap("waves/002", "waves/007")),
         refused("waves.ndjson", &swap("\"93/velocity\"", "\"93\"")),
     ];
-    insta::assert_snapshot!(found.join("\n"), @r#"
+    insta::assert_snapshot!(refusals.join("\n"), @r#"
     error: record /notes: schema "crumple.Note.v1" is unknown, did you mean "crumple.Notes.v1"?
     error: record /notes: not a crumple.Notes.v1: invalid type: integer `7`, expected a string
     error: plain/records.ndjson, line 3: EOF while parsing a value at column 71
@@ -228,9 +228,9 @@ fn plain_files_that_make_no_sense_are_refused_with_their_place() {
 
     let file = folder.path().join("plain/waves/002-93_velocity.f64");
     fs::write(&file, [1.0, f64::NAN, 1.0, 1.0].map(f64::to_le_bytes).concat()).unwrap();
-    let found = artifact(folder.path(), &["pack", "plain", "again.mcap"]);
-    assert_eq!(found.code, 3);
-    assert!(found.stderr.contains("sample 1 (t = 0.000100 s) is NaN"), "{}", found.stderr);
+    let output = artifact(folder.path(), &["pack", "plain", "again.mcap"]);
+    assert_eq!(output.code, 3);
+    assert!(output.stderr.contains("sample 1 (t = 0.000100 s) is NaN"), "{}", output.stderr);
 }
 
 #[test]
@@ -241,16 +241,16 @@ fn check_counts_what_is_sound_and_refuses_what_is_not() {
     let mut bad = good;
     bad[5000] ^= 1;
     fs::write(folder.path().join("bad.mcap"), bad).unwrap();
-    let found = artifact(folder.path(), &["check", "2-filter.mcap"]);
-    assert_eq!((found.code, found.stderr.as_str()), (0, ""));
+    let output = artifact(folder.path(), &["check", "2-filter.mcap"]);
+    assert_eq!((output.code, output.stderr.as_str()), (0, ""));
     let digest = made(&builder()).digest().to_owned();
-    assert_eq!(found.stdout, format!("2-filter.mcap: ok: 3 records, 3 waves, 70004 samples, digest {digest}\n"));
+    assert_eq!(output.stdout, format!("2-filter.mcap: ok: 3 records, 3 waves, 70004 samples, digest {digest}\n"));
 
-    let found = artifact(folder.path(), &["check", "cut.mcap", "bad.mcap", "2-filter.mcap", "none.mcap"]);
-    assert_eq!(found.code, 3);
-    assert_eq!(found.stdout.lines().count(), 1, "sound files are counted all the same");
+    let output = artifact(folder.path(), &["check", "cut.mcap", "bad.mcap", "2-filter.mcap", "none.mcap"]);
+    assert_eq!(output.code, 3);
+    assert_eq!(output.stdout.lines().count(), 1, "sound files are counted all the same");
     let starts: Vec<_> =
-        found.stderr.lines().map(|line| line.split(": ").take(3).collect::<Vec<_>>().join(": ")).collect();
+        output.stderr.lines().map(|line| line.split(": ").take(3).collect::<Vec<_>>().join(": ")).collect();
     assert_eq!(
         starts,
         [
@@ -268,9 +268,9 @@ fn check_finds_what_the_container_cannot() {
         let mut builder = ArtifactBuilder::new();
         fill(&mut builder);
         builder.write(&folder.path().join("x.mcap"), &provenance(), Compression::None).unwrap();
-        let found = artifact(folder.path(), &["check", "x.mcap"]);
-        assert_eq!(found.code, 3, "{}", found.stdout);
-        found.stderr
+        let output = artifact(folder.path(), &["check", "x.mcap"]);
+        assert_eq!(output.code, 3, "{}", output.stdout);
+        output.stderr
     };
     let notes = NotesV1 { stage: "x".into(), notes: vec![] };
     let wrong_type = check(&|b| b.put("/events", &notes).unwrap());
