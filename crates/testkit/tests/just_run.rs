@@ -24,7 +24,7 @@ fn error(output: &Output) -> String {
 
 /// Names in the folder, sorted.
 fn names(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).unwrap();
+    let entries = fs::read_dir(folder).unwrap();
     let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     names
@@ -47,14 +47,14 @@ fn finished() -> tempfile::TempDir {
 fn a_record_that_cannot_be_read_costs_nothing() {
     let folder = finished();
     let damaged = folder.path().with_extension("csv");
-    std::fs::write(&damaged, "time_s,accel_g\n0,0\n").unwrap();
+    fs::write(&damaged, "time_s,accel_g\n0,0\n").unwrap();
     for input in [Path::new("/nowhere/crash.csv"), &damaged] {
         let output = run(&["flags=-q"], folder.path(), input, &[]);
         assert_eq!(output.status.code(), Some(3), "{}", error(&output));
         assert_eq!(names(folder.path()), complete(), "{}", input.display());
         assert!(error(&output).contains("is that of an earlier run"), "{}", error(&output));
     }
-    std::fs::remove_file(damaged).unwrap();
+    fs::remove_file(damaged).unwrap();
 }
 
 #[test]
@@ -121,11 +121,11 @@ fn a_flag_of_another_stage_is_told_whose_it_is() {
 fn a_pipeline_may_lie_anywhere() {
     let folder = tempfile::tempdir().unwrap();
     let own = folder.path().join("component.toml");
-    std::fs::write(&own, "[filter]\ncfc = \"180\"\n\n[parameter-solve]\nmodels = [\"kelvin\"]\n").unwrap();
+    fs::write(&own, "[filter]\ncfc = \"180\"\n\n[parameter-solve]\nmodels = [\"kelvin\"]\n").unwrap();
     let out = folder.path().join("run");
     let output = run(&["flags=-q", &format!("pipeline={}", own.display())], &out, &fixture("kelvin"), &[]);
     assert!(output.status.success(), "{}", error(&output));
-    let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    let summary = fs::read_to_string(out.join("summary.json")).unwrap();
     assert!(summary.contains("kelvin") && !summary.contains("maxwell"), "only the models of that pipeline");
     // One that is not there is named.
     let missing = folder.path().join("none.toml");
