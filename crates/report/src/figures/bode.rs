@@ -5,9 +5,9 @@ use std::f64::consts::{PI, TAU};
 use crumple_artifact::records::TransferFunctionV1;
 use serde_json::{Value, json};
 
-use crate::escape::html;
-use crate::figure::{Figure, axis, base_layout, colour, compact, room_above, set, short, with};
-use crate::people::{significant, words_and_unit};
+use crate::drawing::figure::{Figure, axis, base_layout, colour, compact, room_above, set, short, with};
+use crate::text::escape::html;
+use crate::text::people::{significant, words_and_unit};
 use crate::{Model, Run};
 
 const POINTS: usize = 400;

@@ -2,9 +2,9 @@
 
 use serde_json::json;
 
-use crate::escape::html;
-use crate::figure::{COMPUTED_POINTS, Figure, axis, base_layout, colour, over, set, with};
-use crate::people::{KILO, MILLI, candidate_name};
+use crate::drawing::figure::{COMPUTED_POINTS, Figure, axis, base_layout, colour, over, set, with};
+use crate::text::escape::html;
+use crate::text::people::{KILO, MILLI, candidate_name};
 use crate::{Candidate, Ranking, Run};
 
 /// Of the best candidate, or of the first in rank without one; `None` where no forces are at hand.

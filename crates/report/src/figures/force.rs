@@ -3,8 +3,10 @@
 use crumple_signal::Sampled;
 use serde_json::json;
 
-use crate::figure::{COMPUTED_POINTS, Figure, MEASURED_POINTS, axis, base_layout, colour, over, set, short, with};
-use crate::people::{G_PER_M_PER_S2, KILO, MILLI, NBSP, candidate_name, decimals, significant};
+use crate::drawing::figure::{
+    COMPUTED_POINTS, Figure, MEASURED_POINTS, axis, base_layout, colour, over, set, short, with,
+};
+use crate::text::people::{G_PER_M_PER_S2, KILO, MILLI, NBSP, candidate_name, decimals, significant};
 use crate::{Ranking, Run};
 
 /// Force over displacement; without a mass the deceleration takes the force's place. `None` without a displacement.
@@ -86,7 +88,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         if scale.is_finite() {
             traces.push(with(
                 over(&xs, &ys, COMPUTED_POINTS),
-                json!({"name": format!("model: {}", crate::escape::html(&candidate_name(&best.id))),
+                json!({"name": format!("model: {}", crate::text::escape::html(&candidate_name(&best.id))),
                        "line": {"color": colour::SERIES[2], "width": 1.8, "dash": "dashdot"}, "hovertemplate": hover}),
             ));
         }

@@ -3,9 +3,9 @@
 use crumple_artifact::records::MatchingSweepV1;
 use serde_json::{Value, json};
 
-use super::mass_divisions::{Divisions, ratio};
-use crate::figure::{Figure, axis, base_layout, colour, event_line, room_above, set, short};
-use crate::people::{KILO, significant};
+use crate::drawing::figure::{Figure, axis, base_layout, colour, event_line, room_above, set, short};
+use crate::results::mass_divisions::{Divisions, ratio};
+use crate::text::people::{KILO, significant};
 use crate::{Ranking, Run};
 
 /// Name, panel and value of the four parameters.
@@ -104,8 +104,8 @@ fn caption(divisions: &Divisions, used: f64, feasible: &[(f64, f64)]) -> String 
 
 #[cfg(test)]
 mod tests {
-    use super::super::mass_divisions::tests::{fitted_run, matching};
     use super::*;
+    use crate::results::mass_divisions::tests::{fitted_run, matching};
 
     #[test]
     fn negative_values_are_not_drawn_and_the_used_division_is_judged() {

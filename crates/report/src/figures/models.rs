@@ -3,14 +3,14 @@
 use crumple_signal::Sampled;
 use serde_json::{Value, json};
 
-use super::at_first::at_first;
-use super::time_view_ms;
-use crate::escape::html;
-use crate::figure::{
+use crate::drawing::figure::{
     COMPUTED_POINTS, Figure, MEASURED_POINTS, axis, base_layout, colour, event_line, over_time, room_above, set, short,
     span, with,
 };
-use crate::people::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name, decimals};
+use crate::drawing::shown_at_first::at_first;
+use crate::drawing::time_view::time_view_ms;
+use crate::text::escape::html;
+use crate::text::people::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name, decimals};
 use crate::{Candidate, Ranking, Run, pairs_of_equals};
 
 /// Candidates that are shown at first; the others wait in the legend.

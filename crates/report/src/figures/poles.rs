@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use serde_json::json;
 
 use crate::Run;
-use crate::escape::html;
-use crate::figure::{Figure, axis, base_layout, colour, set, short};
-use crate::people::{decimals, significant};
+use crate::drawing::figure::{Figure, axis, base_layout, colour, set, short};
+use crate::text::escape::html;
+use crate::text::people::{decimals, significant};
 
 /// Marker symbols of the models, so that they differ without colour too.
 const SYMBOLS: [&str; 6] = ["x", "cross", "star", "hexagram", "diamond-tall", "hourglass"];

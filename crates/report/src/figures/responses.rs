@@ -3,9 +3,9 @@
 use serde_json::json;
 
 use crate::Run;
-use crate::escape::html;
-use crate::figure::{Figure, axis, base_layout, colour, over, room_above, set, short};
-use crate::people::{LONG_S, words_and_unit};
+use crate::drawing::figure::{Figure, axis, base_layout, colour, over, room_above, set, short};
+use crate::text::escape::html;
+use crate::text::people::{LONG_S, words_and_unit};
 
 const HEIGHT_PX: u32 = 460;
 /// A model that grows this far beyond the others would hide them.

@@ -2,14 +2,14 @@
 
 use serde_json::json;
 
-use super::at_first::at_first;
-use super::time_view_ms;
-use crate::escape::html;
-use crate::figure::{
+use crate::drawing::figure::{
     COMPUTED_POINTS, Figure, MEASURED_POINTS, axis, base_layout, colour, over_time, room_above, set, short, with,
 };
-use crate::people::{KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
-use crate::run::OtherSensor;
+use crate::drawing::shown_at_first::at_first;
+use crate::drawing::time_view::time_view_ms;
+use crate::results::run::OtherSensor;
+use crate::text::escape::html;
+use crate::text::people::{KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
 use crate::{Candidate, Ranking, Run};
 
 /// Candidates whose masses are drawn over a sensor.

@@ -3,9 +3,9 @@
 use serde_json::json;
 
 use crate::Run;
-use crate::escape::html;
-use crate::figure::{Figure, axis, base_layout, colour, set, short};
-use crate::people::significant;
+use crate::drawing::figure::{Figure, axis, base_layout, colour, set, short};
+use crate::text::escape::html;
+use crate::text::people::significant;
 
 /// Values drawn: more say nothing about an order that a crash record supports.
 const DRAWN: usize = 40;

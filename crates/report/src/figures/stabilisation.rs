@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use serde_json::json;
 
 use crate::Run;
-use crate::figure::{Figure, axis, base_layout, colour, room_above, set, short};
-use crate::people::{decimals, significant};
+use crate::drawing::figure::{Figure, axis, base_layout, colour, room_above, set, short};
+use crate::text::people::{decimals, significant};
 
 const HEIGHT_PX: u32 = 460;
 

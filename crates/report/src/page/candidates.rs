@@ -1,12 +1,12 @@
 //! The table of candidates: parameters, what they answer with, which is best.
 
-use crate::escape::html;
-use crate::people::{
+use crate::text::escape::html;
+use crate::text::people::{
     ABSENT, MILLI, NBSP, candidate_name, decimals, digits_of_interval, parameter, parameter_order, signed, significant,
 };
 use crate::{Candidate, Ranking, Run};
 
-use super::uncertainty;
+use crate::page::uncertainty;
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     if run.candidates.is_empty() {

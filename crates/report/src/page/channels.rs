@@ -3,8 +3,8 @@
 use crumple_signal::Channel;
 
 use crate::Run;
-use crate::escape::html;
-use crate::people::ABSENT;
+use crate::text::escape::html;
+use crate::text::people::ABSENT;
 
 /// With more channels than this the list is folded: a full-scale test has hundreds.
 const OPEN_LIST: usize = 12;

@@ -1,7 +1,7 @@
 //! Where the energy of every model is at dynamic crush.
 
-use crate::escape::html;
-use crate::people::{KILO, MILLI, candidate_name, decimals};
+use crate::text::escape::html;
+use crate::text::people::{KILO, MILLI, candidate_name, decimals};
 use crate::{Ranking, Run};
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {

@@ -1,7 +1,7 @@
 //! Title, what was tested, and the key figures.
 
-use crate::escape::html;
-use crate::people::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP, at_most, decimals, range};
+use crate::text::escape::html;
+use crate::text::people::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP, at_most, decimals, range};
 use crate::{Ranking, Run};
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {

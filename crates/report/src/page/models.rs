@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use crumple_artifact::records::ModeV1;
 
-use crate::escape::html;
-use crate::people::{ABSENT, decimals, significant, times};
+use crate::text::escape::html;
+use crate::text::people::{ABSENT, decimals, significant, times};
 use crate::{Model, Run};
 
 /// Pole rows of a model that are open to view; the rest is folded.

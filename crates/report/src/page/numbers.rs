@@ -3,8 +3,8 @@
 use crumple_artifact::records::{EventsV1, MetricV1};
 
 use crate::Run;
-use crate::escape::html;
-use crate::people::{ABSENT, range, value};
+use crate::text::escape::html;
+use crate::text::people::{ABSENT, range, value};
 
 /// Metrics that stand in the table of events already.
 const AMONG_EVENTS: [&str; 5] =

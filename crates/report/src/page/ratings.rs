@@ -2,8 +2,8 @@
 
 use crumple_artifact::records::{RatingV1, SimulationV1};
 
-use crate::escape::html;
-use crate::people::{ABSENT, candidate_name, decimals, signed, times};
+use crate::text::escape::html;
+use crate::text::people::{ABSENT, candidate_name, decimals, signed, times};
 use crate::{Candidate, Ranking, Run};
 
 /// A column: its quantity, the definition's key, heading, and what to say of it.

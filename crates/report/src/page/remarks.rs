@@ -2,9 +2,9 @@
 
 use crumple_signal::Severity;
 
-use crate::escape::html;
-use crate::people::{candidate_name, decimals, parameter};
-use crate::ranking::AS_GOOD_PERCENT;
+use crate::results::ranking::AS_GOOD_PERCENT;
+use crate::text::escape::html;
+use crate::text::people::{candidate_name, decimals, parameter};
 use crate::{Candidate, Ranking, Run};
 
 /// Good-to-know notes of a stage that are open to view; the rest is folded. Warnings never are.

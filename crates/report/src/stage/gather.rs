@@ -7,11 +7,9 @@ use crumple_artifact::records::{
     CandidateV1, ChannelFilterV1, DiagnosisV1, IdentificationV1, MetricsV1, ModesV1, NotesV1, ResponseV1, SimulationV1,
     StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1,
 };
+use crumple_report::{Candidate, Element, Measured, Model, OtherSensor, Run, StageNote, StageRecord, compare_ids};
 use crumple_signal::{Note, Sampled, Severity, TestDescription};
 use crumple_stage::{Inputs, RefuseExt, Refused};
-
-use crate::ranking::by_id;
-use crate::run::{Candidate, Element, Measured, Model, OtherSensor, Run, StageNote, StageRecord};
 
 /// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
 ///
@@ -159,7 +157,7 @@ fn candidates(
             record,
         })
         .collect();
-    candidates.sort_by(|a, b| by_id(&a.id, &b.id));
+    candidates.sort_by(|a, b| compare_ids(&a.id, &b.id));
     Ok(candidates)
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::ranking::{AS_GOOD_PERCENT, WORTH_NAMING_PERCENT, free_of_bounds};
+use crate::results::ranking::{AS_GOOD_PERCENT, WORTH_NAMING_PERCENT, free_of_bounds};
 use crate::{Candidate, Ranking};
 
 /// Of candidates in the order of their rank the ids of those shown at first: the best, and up to `count` in all.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{EventsV1, FitV1, MetricV1, ModeV1, SimulationV1, UncertaintyV1};
 use serde::Serialize;
 
-use crate::ranking::by_id;
+use crate::results::ranking::compare_ids;
 use crate::{Candidate, Model, Ranking, Run};
 
 /// The summary of a run. Keys are written in the order of the fields, numbers in full, SI units throughout.
@@ -177,7 +177,7 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
             .map_or_else(Vec::new, Candidate::hardly_determined_parameters),
         ranking: ranking.order.clone(),
         ranked_by: "simulation.fit_percent: displacement fit over simulation.from_s to simulation.to_s, highest first",
-        ranking_by_aicc: by_aicc(run),
+        ranking_by_aicc: ids_ordered_by_aicc(run),
         matching_best: ranking.best_of_matching(run).map(|candidate| MatchingSummary {
             id: &candidate.id,
             equivalent_to: candidate.record.equivalent_to.as_deref(),
@@ -191,10 +191,10 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
 }
 
 /// Candidates that have an AICc, lowest first; equal ones in id order.
-fn by_aicc(run: &Run) -> Vec<String> {
+fn ids_ordered_by_aicc(run: &Run) -> Vec<String> {
     let with = |candidate: &Candidate| Some((candidate.simulation.as_ref()?.aicc?, candidate.id.clone()));
     let mut found: Vec<(f64, String)> = run.candidates.iter().filter_map(with).collect();
-    found.sort_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| by_id(x, y)));
+    found.sort_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| compare_ids(x, y)));
     found.into_iter().map(|(_, id)| id).collect()
 }
 

@@ -1,15 +1,17 @@
-//! The command line of `crumple-report`.
+//! The program: options, the artifacts of a run in, the report and its summary out.
+//! Uses the library and crumple-stage.
+
+mod gather;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crumple_artifact::write_atomically;
+use crumple_report::people::{KM_PER_H_PER_M_PER_S, MILLI, decimals};
+use crumple_report::{Page, Ranking, Run, summary};
 use crumple_signal::Severity;
 use crumple_stage::{ExitStatus, Usage, be_quiet, check_pipeline, load_artifacts, say};
-
-use crate::people::{KM_PER_H_PER_M_PER_S, MILLI, decimals};
-use crate::{Page, Ranking, Run, gather, summary};
 
 /// Writes report.html, which a person looks at, and summary.json, which a script reads.
 #[derive(Debug, clap::Parser)]
@@ -77,7 +79,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     if cli.quiet {
         be_quiet();
     }
-    let mut run = gather(&load_artifacts(&cli.inputs)?.input)?;
+    let mut run = gather::gather(&load_artifacts(&cli.inputs)?.input)?;
     run.pipeline = pipeline;
     let ranking = Ranking::of_run(&run);
     let json = summary(&run, &ranking).to_json()?;

@@ -8,7 +8,7 @@ use crumple_artifact::records::{
 };
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
 
-use crate::people::candidate_name;
+use crate::text::people::candidate_name;
 
 /// A 95 % interval whose ends are further apart than this factor leaves a parameter hardly determined.
 const HARDLY_DETERMINED: f64 = 1e3;

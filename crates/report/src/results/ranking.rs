@@ -48,7 +48,7 @@ impl Ranking {
                 Some(((shared / FIT_STEP_PERCENT).round(), candidate))
             })
             .collect();
-        fitted.sort_by(|(fit_a, a), (fit_b, b)| fit_b.total_cmp(fit_a).then_with(|| by_id(&a.id, &b.id)));
+        fitted.sort_by(|(fit_a, a), (fit_b, b)| fit_b.total_cmp(fit_a).then_with(|| compare_ids(&a.id, &b.id)));
         Self {
             order: fitted.iter().map(|(_, candidate)| candidate.id.clone()).collect(),
             best: best_of_the_good(&fitted).map(|candidate| candidate.id.clone()),
@@ -128,7 +128,7 @@ pub fn id_key(id: &str) -> (&str, u64, &str) {
 }
 
 /// Compares two candidate ids by [`id_key`].
-pub fn by_id(a: &str, b: &str) -> Ordering {
+pub fn compare_ids(a: &str, b: &str) -> Ordering {
     id_key(a).cmp(&id_key(b))
 }
 
@@ -308,7 +308,7 @@ mod tests {
 
     #[test]
     fn an_index_is_compared_as_a_number() {
-        assert_eq!(by_id("kelvin/closed-form/10", "kelvin/closed-form/2"), Ordering::Greater);
-        assert_eq!(by_id("elastoplastic/closed-form/1", "kelvin/closed-form/1"), Ordering::Less);
+        assert_eq!(compare_ids("kelvin/closed-form/10", "kelvin/closed-form/2"), Ordering::Greater);
+        assert_eq!(compare_ids("elastoplastic/closed-form/1", "kelvin/closed-form/1"), Ordering::Less);
     }
 }

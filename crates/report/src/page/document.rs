@@ -1,23 +1,15 @@
 //! `report.html`: one file that a browser shows without a network.
 
-mod candidates;
-mod channels;
-mod energy;
-mod header;
-mod models;
-mod numbers;
-mod ratings;
-mod remarks;
-mod uncertainty;
-
 use std::io::{self, Write};
 
-use crate::escape::{html, json_in_script};
-use crate::figure::Figure;
-use crate::{Ranking, Run, figures};
+use super::{candidates, channels, energy, header, models, numbers, ratings, remarks};
+use crate::drawing::figure::Figure;
+use crate::figures::all::all_figures;
+use crate::text::escape::{html, json_in_script};
+use crate::{Ranking, Run};
 
-const STYLE: &str = include_str!("page/style.css");
-const DRAW: &str = include_str!("page/draw.js");
+const STYLE: &str = include_str!("style.css");
+const DRAW: &str = include_str!("draw.js");
 /// plotly.js, taken from the plotly crate by the build script.
 const PLOTLY: &str = include_str!(concat!(env!("OUT_DIR"), "/plotly.min.js"));
 
@@ -38,7 +30,7 @@ pub struct Page {
 impl Page {
     /// Lays the report out. The same run gives the same bytes.
     pub fn new(run: &Run, ranking: &Ranking) -> Self {
-        let figures = figures::all(run, ranking);
+        let figures = all_figures(run, ranking);
         let mut body = String::with_capacity(1 << 20);
         body.push_str(&format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\

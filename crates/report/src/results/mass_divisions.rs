@@ -6,14 +6,14 @@ use std::borrow::Cow;
 use crumple_artifact::records::{MatchingSweepV1, MatchingV1};
 use crumple_lumped::{CoefficientMatching, Model, ModelKind, Reading};
 
-use crate::people::candidate_name;
+use crate::text::people::candidate_name;
 use crate::{Candidate, Ranking, Run};
 
 /// Front shares looked at for a fitted model, 2 % apart as in the sweep of parameter-solve.
 const FRONT_SHARES: usize = 49;
 
 /// Real parameter sets over the division of the mass.
-pub(super) struct Divisions<'a> {
+pub(crate) struct Divisions<'a> {
     /// Whose poles they have, in words.
     pub of: String,
     /// Whether these poles are those of a model fitted to the record.
@@ -122,12 +122,12 @@ impl<'a> Divisions<'a> {
 }
 
 /// m2/m1 of a point of the sweep.
-pub(super) fn ratio(point: &MatchingSweepV1) -> f64 {
+pub(crate) fn ratio(point: &MatchingSweepV1) -> f64 {
     1.0 / point.front_mass_fraction - 1.0
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
     use crumple_artifact::records::CandidateV1;
 
