@@ -1,11 +1,12 @@
 //! Force against crush: loading and unloading, the equal-energy line, the best model.
 
 use crumple_signal::Sampled;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::drawing::figure::{
     COMPUTED_POINTS, Figure, MEASURED_POINTS, axis, base_layout, colour, over, set, short, with,
 };
+use crate::text::escape::html;
 use crate::text::people::{G_PER_M_PER_S2, KILO, MILLI, NBSP, candidate_name, decimals, significant};
 use crate::{Ranking, Run};
 
@@ -14,32 +15,18 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let displacement = run.measured.displacement.as_ref()?;
     let mass_kg = run.test.mass_kg;
     let drawn = match &run.measured.force {
-        Some(force) => Ordinate { of: force.clone(), factor: KILO, unit: "kN", title: "force, kN" },
+        Some(force) => Ordinate { signal: force.clone(), factor: KILO, unit: "kN", title: "force, kN" },
         None => Ordinate {
-            of: negated(run.acceleration()?)?,
+            signal: negated(run.acceleration()?)?,
             factor: G_PER_M_PER_S2,
             unit: "g",
             title: "deceleration, g (mass not known)",
         },
     };
 
-    let t_m = run.time_of_crush_s();
     // After separation the force is noise about zero: the unloading branch ends at the rebound, if the record shows it.
     let t_end = run.events.as_ref().and_then(|e| e.time_of_rebound_s).unwrap_or(f64::INFINITY);
-    let (mut loading, mut unloading) = (Branch::default(), Branch::default());
-    for k in displacement.index_at_or_after(0.0)..displacement.len() {
-        let t = displacement.time_s(k);
-        let Some(force) = drawn.of.at(t) else { continue };
-        let x = displacement.samples()[k];
-        if t_m.is_none_or(|t_m| t <= t_m) {
-            loading.push(x, force);
-        } else if t <= t_end {
-            if unloading.x.is_empty() {
-                unloading.join(&loading);
-            }
-            unloading.push(x, force);
-        }
-    }
+    let (loading, unloading) = branches(displacement, &drawn, run.time_of_crush_s(), t_end);
     let hover = format!("%{{y:.1f}} {} at %{{x:.1f}} mm", drawn.unit);
     let mut traces = vec![with(
         over(&loading.scaled_x(), &loading.scaled_y(drawn.factor), MEASURED_POINTS),
@@ -77,34 +64,10 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
             }
         }
     }
-    if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id))
-        && let (Some(x), Some(a)) = (&best.displacement, &best.acceleration)
-    {
-        let scale = if run.measured.force.is_some() { KILO * mass_kg.unwrap_or(f64::NAN) } else { G_PER_M_PER_S2 };
-        let to_s = best.simulation.as_ref().map_or(f64::INFINITY, |s| s.to_s);
-        let last = x.index_at_or_after(to_s).saturating_add(1).min(x.len()).min(a.len());
-        let xs: Vec<f64> = x.samples()[..last].iter().map(|x| MILLI * x).collect();
-        let ys: Vec<f64> = a.samples()[..last].iter().map(|a| -scale * a).collect();
-        if scale.is_finite() {
-            traces.push(with(
-                over(&xs, &ys, COMPUTED_POINTS),
-                json!({"name": format!("model: {}", crate::text::escape::html(&candidate_name(&best.id))),
-                       "line": {"color": colour::SERIES[2], "width": 1.8, "dash": "dashdot"}, "hovertemplate": hover}),
-            ));
-        }
-    }
+    traces.extend(model_trace(run, ranking, &hover));
     // The load cells saw all masses, each with its own deceleration.
     if let Some(cells) = run.measured.barrier_force.as_ref().filter(|_| drawn.unit == "kN") {
-        let last = t_end.min(displacement.end_s());
-        let (x, y): (Vec<f64>, Vec<f64>) = (displacement.index_at_or_after(0.0)..displacement.len())
-            .map(|k| (displacement.time_s(k), displacement.samples()[k]))
-            .take_while(|(t, _)| *t <= last)
-            .filter_map(|(t, x)| Some((MILLI * x, KILO * cells.at(t)?)))
-            .unzip();
-        traces.push(with(
-            over(&x, &y, MEASURED_POINTS),
-            json!({"name": "barrier load cells", "line": {"color": colour::MEASURED, "width": 1.6}, "hovertemplate": hover}),
-        ));
+        traces.push(load_cell_trace(cells, displacement, t_end, &hover));
     }
     let mut labels = Vec::new();
     if let Some(crush) = crush {
@@ -124,7 +87,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
             " The load cells measured it at the barrier: where the two part, the engine and other masses move otherwise than this sensor.",
         );
     }
-    let reach = |of: fn(f64, f64) -> f64| loading.x.iter().chain(&unloading.x).copied().fold(0.0, of);
+    let reach = |extreme: fn(f64, f64) -> f64| loading.x.iter().chain(&unloading.x).copied().fold(0.0, extreme);
     let (low, high) = (reach(f64::min), reach(f64::max));
     let view = [MILLI * (low - 0.02 * (high - low)), MILLI * (high + 0.05 * (high - low))];
     let mut layout = base_layout();
@@ -148,8 +111,60 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     })
 }
 
+/// The loading branch, up to the time of crush, and the unloading branch after it, up to `t_end`.
+fn branches(displacement: &Sampled, ordinate: &Ordinate, t_m: Option<f64>, t_end: f64) -> (Branch, Branch) {
+    let (mut loading, mut unloading) = (Branch::default(), Branch::default());
+    for k in displacement.index_at_or_after(0.0)..displacement.len() {
+        let t = displacement.time_s(k);
+        let Some(force) = ordinate.signal.at(t) else { continue };
+        let x = displacement.samples()[k];
+        if t_m.is_none_or(|t_m| t <= t_m) {
+            loading.push(x, force);
+        } else if t <= t_end {
+            if unloading.x.is_empty() {
+                unloading.join(&loading);
+            }
+            unloading.push(x, force);
+        }
+    }
+    (loading, unloading)
+}
+
+/// Force of the best model over the displacement of its compartment.
+fn model_trace(run: &Run, ranking: &Ranking, hover: &str) -> Option<Value> {
+    let best = ranking.best.as_deref().and_then(|id| run.candidate(id))?;
+    let (x, a) = (best.displacement.as_ref()?, best.acceleration.as_ref()?);
+    let mass_kg = run.test.mass_kg;
+    let scale = if run.measured.force.is_some() { KILO * mass_kg.unwrap_or(f64::NAN) } else { G_PER_M_PER_S2 };
+    let to_s = best.simulation.as_ref().map_or(f64::INFINITY, |s| s.to_s);
+    let last = x.index_at_or_after(to_s).saturating_add(1).min(x.len()).min(a.len());
+    let xs: Vec<f64> = x.samples()[..last].iter().map(|x| MILLI * x).collect();
+    let ys: Vec<f64> = a.samples()[..last].iter().map(|a| -scale * a).collect();
+    scale.is_finite().then(|| {
+        with(
+            over(&xs, &ys, COMPUTED_POINTS),
+            json!({"name": format!("model: {}", html(&candidate_name(&best.id))),
+                   "line": {"color": colour::SERIES[2], "width": 1.8, "dash": "dashdot"}, "hovertemplate": hover}),
+        )
+    })
+}
+
+/// The barrier force as its load cells measured it, up to `t_end`.
+fn load_cell_trace(cells: &Sampled, displacement: &Sampled, t_end: f64, hover: &str) -> Value {
+    let last = t_end.min(displacement.end_s());
+    let (x, y): (Vec<f64>, Vec<f64>) = (displacement.index_at_or_after(0.0)..displacement.len())
+        .map(|k| (displacement.time_s(k), displacement.samples()[k]))
+        .take_while(|(t, _)| *t <= last)
+        .filter_map(|(t, x)| Some((MILLI * x, KILO * cells.at(t)?)))
+        .unzip();
+    with(
+        over(&x, &y, MEASURED_POINTS),
+        json!({"name": "barrier load cells", "line": {"color": colour::MEASURED, "width": 1.6}, "hovertemplate": hover}),
+    )
+}
+
 struct Ordinate {
-    of: Sampled,
+    signal: Sampled,
     factor: f64,
     unit: &'static str,
     title: &'static str,

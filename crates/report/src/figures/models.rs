@@ -41,26 +41,12 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let look_of = |id: &str| coloured.iter().position(|candidate| candidate.id == id).unwrap_or_default();
 
     let measured = &run.measured;
-    let mut traces = Vec::new();
-    let test_line = json!({"color": colour::MEASURED, "width": 3});
-    for (signal, factor, axis, unit) in [
-        (&measured.displacement, MILLI, "y", "%{y:.1f} mm"),
-        (&measured.velocity, KM_PER_H_PER_M_PER_S, "y3", "%{y:.2f} km/h"),
-        (&run.acceleration().cloned(), G_PER_M_PER_S2, "y4", "%{y:.2f} g"),
-    ] {
-        if let Some(signal) = signal {
-            traces.push(with(
-                over_time(signal, factor, MEASURED_POINTS),
-                json!({"name": "test", "legendgroup": "test", "showlegend": axis == "y", "yaxis": axis,
-                       "line": test_line, "hovertemplate": unit}),
-            ));
-        }
-    }
+    let mut traces = test_traces(run);
     let window = drawn.iter().find_map(|(_, candidate, _)| candidate.simulation.as_ref()).map(|s| (s.from_s, s.to_s));
     let mut equals = 0;
     let mut largest_mm = 0.0_f64;
     for (place, (index, candidate, displacement)) in drawn.iter().enumerate() {
-        let others = stands_for.iter().enumerate().filter(|(i, of)| **of == *index && i != index).count();
+        let others = stands_for.iter().enumerate().filter(|(i, drawn_as)| **drawn_as == *index && i != index).count();
         equals += others;
         let look = look_of(&candidate.id);
         let style = json!({
@@ -91,20 +77,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         }
     }
 
-    let (mut shapes, mut labels) = (Vec::new(), Vec::new());
-    if let Some(t_m) = run.time_of_crush_s() {
-        let name = format!("t<sub>m</sub> = {} ms", decimals(MILLI * t_m, 1));
-        let (line, label) = event_line(MILLI * t_m, &name, colour::EVENT, "dash");
-        shapes.push(line);
-        labels.push(label);
-    }
-    if let Some((from, to)) = window {
-        shapes.push(json!({
-            "type": "rect", "xref": "x", "yref": "paper", "x0": short(MILLI * from), "x1": short(MILLI * to),
-            "y0": 0, "y1": 1, "fillcolor": "#eef3f7", "line": {"width": 0}, "layer": "below",
-        }));
-    }
-
+    let (shapes, labels) = marks(run, window);
     // By what lies inside the compared window: what a model does after it would flatten the rest.
     let residual_range =
         if largest_mm > 0.0 { json!([short(-1.15 * largest_mm), short(1.15 * largest_mm)]) } else { Value::Null };
@@ -145,6 +118,45 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         traces,
         layout,
     })
+}
+
+/// The motion of the test.
+fn test_traces(run: &Run) -> Vec<Value> {
+    let measured = &run.measured;
+    let mut traces = Vec::new();
+    let test_line = json!({"color": colour::MEASURED, "width": 3});
+    for (signal, factor, axis, unit) in [
+        (&measured.displacement, MILLI, "y", "%{y:.1f} mm"),
+        (&measured.velocity, KM_PER_H_PER_M_PER_S, "y3", "%{y:.2f} km/h"),
+        (&run.acceleration().cloned(), G_PER_M_PER_S2, "y4", "%{y:.2f} g"),
+    ] {
+        if let Some(signal) = signal {
+            traces.push(with(
+                over_time(signal, factor, MEASURED_POINTS),
+                json!({"name": "test", "legendgroup": "test", "showlegend": axis == "y", "yaxis": axis,
+                       "line": test_line, "hovertemplate": unit}),
+            ));
+        }
+    }
+    traces
+}
+
+/// The time of crush and the window that the models are compared over, with their labels.
+fn marks(run: &Run, window: Option<(f64, f64)>) -> (Vec<Value>, Vec<Value>) {
+    let (mut shapes, mut labels) = (Vec::new(), Vec::new());
+    if let Some(t_m) = run.time_of_crush_s() {
+        let name = format!("t<sub>m</sub> = {} ms", decimals(MILLI * t_m, 1));
+        let (line, label) = event_line(MILLI * t_m, &name, colour::EVENT, "dash");
+        shapes.push(line);
+        labels.push(label);
+    }
+    if let Some((from, to)) = window {
+        shapes.push(json!({
+            "type": "rect", "xref": "x", "yref": "paper", "x0": short(MILLI * from), "x1": short(MILLI * to),
+            "y0": 0, "y1": 1, "fillcolor": "#eef3f7", "line": {"width": 0}, "layer": "below",
+        }));
+    }
+    (shapes, labels)
 }
 
 fn caption(window: Option<(f64, f64)>, equals: usize, hidden: bool, chains: bool) -> String {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::Run;
 use crate::drawing::figure::{Figure, axis, base_layout, colour, set, short};
@@ -25,6 +25,36 @@ pub fn figure(run: &Run) -> Option<Figure> {
     moduli.sort_by(f64::total_cmp);
     let (radius, outside) = first_view(&moduli);
 
+    let (mut traces, unstable) = pole_traces(run);
+    let (zeros, far_zeros) = zero_traces(run, radius);
+    traces.extend(zeros);
+    let (shapes, labels) = guide_lines(radius);
+    let caption = caption(unstable, far_zeros, outside);
+    let mut layout = base_layout();
+    set(
+        &mut layout,
+        json!({
+            "hovermode": "closest",
+            "xaxis": axis("real part, 1/s", json!({"range": [short(-1.2 * radius), short(0.45 * radius)], "zeroline": false,
+                "constrain": "range"})),
+            "yaxis": axis("imaginary part, rad/s", json!({"range": [short(-1.2 * radius), short(1.2 * radius)],
+                "scaleanchor": "x", "scaleratio": 1, "constrain": "range"})),
+            "shapes": shapes, "annotations": labels,
+        }),
+    );
+    Some(Figure {
+        id: "poles",
+        title: "Poles and zeros of the identified models",
+        caption,
+        height_px: 480,
+        half_width: true,
+        traces,
+        layout,
+    })
+}
+
+/// The poles of every model, stable and unstable apart, and how many are unstable.
+fn pole_traces(run: &Run) -> (Vec<Value>, usize) {
     let mut traces = Vec::new();
     let mut unstable = 0;
     for (place, model) in run.models.iter().enumerate() {
@@ -66,7 +96,12 @@ pub fn figure(run: &Run) -> Option<Figure> {
             }));
         }
     }
+    (traces, unstable)
+}
 
+/// The zeros of every model, and how many lie outside the first view of this radius.
+fn zero_traces(run: &Run, radius: f64) -> (Vec<Value>, usize) {
+    let mut traces = Vec::new();
     let mut far_zeros = 0;
     for (place, model) in run.models.iter().enumerate() {
         let Some(response) = &model.response else { continue };
@@ -89,7 +124,11 @@ pub fn figure(run: &Run) -> Option<Figure> {
                        "line": {"width": 2}},
         }));
     }
+    (traces, far_zeros)
+}
 
+/// Rays of equal damping, rings of equal frequency and the imaginary axis, with their labels.
+fn guide_lines(radius: f64) -> (Vec<Value>, Vec<Value>) {
     let (mut shapes, mut labels) = (Vec::new(), Vec::new());
     let guide = json!({"color": colour::GUIDE, "width": 1, "dash": "dot"});
     let label = |x: f64, y: f64, text: String, xanchor: &str, yanchor: &str| {
@@ -116,7 +155,10 @@ pub fn figure(run: &Run) -> Option<Figure> {
     }
     shapes.push(json!({"type": "line", "x0": 0, "x1": 0, "y0": 0, "y1": 1, "yref": "paper",
                        "line": {"color": "#7b8794", "width": 1}, "layer": "below"}));
+    (shapes, labels)
+}
 
+fn caption(unstable: usize, far_zeros: usize, outside: usize) -> String {
     let mut caption = String::from(
         "Continuous poles, and zeros as circles. Rays join poles of equal damping ratio ζ, circles those of equal natural frequency.",
     );
@@ -135,27 +177,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
     if outside > 0 {
         caption.push_str(&format!(" {outside} far poles lie outside the first view; double-click to see all."));
     }
-    let mut layout = base_layout();
-    set(
-        &mut layout,
-        json!({
-            "hovermode": "closest",
-            "xaxis": axis("real part, 1/s", json!({"range": [short(-1.2 * radius), short(0.45 * radius)], "zeroline": false,
-                "constrain": "range"})),
-            "yaxis": axis("imaginary part, rad/s", json!({"range": [short(-1.2 * radius), short(1.2 * radius)],
-                "scaleanchor": "x", "scaleratio": 1, "constrain": "range"})),
-            "shapes": shapes, "annotations": labels,
-        }),
-    );
-    Some(Figure {
-        id: "poles",
-        title: "Poles and zeros of the identified models",
-        caption,
-        height_px: 480,
-        half_width: true,
-        traces,
-        layout,
-    })
+    caption
 }
 
 /// Radius of the first view and the number of poles left outside it, from moduli in rising order.

@@ -1,11 +1,11 @@
 //! Impulse and step response of the identified models.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
-use crate::Run;
 use crate::drawing::figure::{Figure, axis, base_layout, colour, over, room_above, set, short};
 use crate::text::escape::html;
 use crate::text::people::{LONG_S, words_and_unit};
+use crate::{Model, Run};
 
 const HEIGHT_PX: u32 = 460;
 /// A model that grows this far beyond the others would hide them.
@@ -59,25 +59,11 @@ pub fn figure(run: &Run) -> Option<Figure> {
             traces.push(trace);
         }
     }
-    // The record itself is what an impulse response of a sample is held against.
-    if let (true, Some(record), Some(identification)) = (
-        first.impulse_of == "unit sample" && first.input.contains("Markov"),
-        run.acceleration(),
-        &models[0].0.identification,
-    ) {
-        let zero_s = run.events.as_ref().map_or(0.0, |events| events.time_zero_s);
-        let from = record.index_at_or_after(identification.from_s - zero_s - 0.5 * record.dt_s());
-        let end = record.len().min(from + usize::try_from(identification.samples).unwrap_or(0));
-        if end > from {
-            let samples = &record.samples()[from..end];
-            let times: Vec<f64> = (0..samples.len()).map(|k| factor * record.dt_s() * k as f64).collect();
-            let mut trace = over(&times, samples, 5_000);
-            set(
-                &mut trace,
-                json!({"name": "the record", "line": {"color": colour::MEASURED, "width": 1}, "hovertemplate": "%{y:.4~g}"}),
-            );
-            traces.insert(0, trace);
-        }
+    if first.impulse_of == "unit sample"
+        && first.input.contains("Markov")
+        && let Some(record) = record_trace(run, models[0].0, factor)
+    {
+        traces.insert(0, record);
     }
     let ((_, in_unit), (words, out_unit)) = (words_and_unit(&first.input), words_and_unit(&first.output));
     let mut caption = format!(
@@ -97,7 +83,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
         caption.push_str(" The first view ends where the impulse response has died down; double-click shows all.");
         json!([0, short(factor * ROOM * settled_s)])
     } else {
-        serde_json::Value::Null
+        Value::Null
     };
     if hidden > 0 {
         caption.push_str(&format!(
@@ -124,4 +110,23 @@ pub fn figure(run: &Run) -> Option<Figure> {
         traces,
         layout,
     })
+}
+
+/// The record itself, which an impulse response of a sample is compared with; times are multiplied by `factor`.
+fn record_trace(run: &Run, model: &Model, factor: f64) -> Option<Value> {
+    let (record, identification) = (run.acceleration()?, model.identification.as_ref()?);
+    let zero_s = run.events.as_ref().map_or(0.0, |events| events.time_zero_s);
+    let from = record.index_at_or_after(identification.from_s - zero_s - 0.5 * record.dt_s());
+    let end = record.len().min(from + usize::try_from(identification.samples).unwrap_or(0));
+    if end <= from {
+        return None;
+    }
+    let samples = &record.samples()[from..end];
+    let times: Vec<f64> = (0..samples.len()).map(|k| factor * record.dt_s() * k as f64).collect();
+    let mut trace = over(&times, samples, 5_000);
+    set(
+        &mut trace,
+        json!({"name": "the record", "line": {"color": colour::MEASURED, "width": 1}, "hovertemplate": "%{y:.4~g}"}),
+    );
+    Some(trace)
 }

@@ -1,6 +1,6 @@
 //! Other sensors on the vehicle, and the masses of the models over them.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::drawing::figure::{
     COMPUTED_POINTS, Figure, MEASURED_POINTS, axis, base_layout, colour, over_time, room_above, set, short, with,
@@ -27,11 +27,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     ranked.sort_by_key(|candidate| ranking.place(&candidate.id).unwrap_or(usize::MAX));
     let mut traces = Vec::new();
     let mut names = 1;
-    let mut push = |name: &str,
-                    group: &str,
-                    style: serde_json::Value,
-                    signals: [Option<&crumple_signal::Sampled>; 2],
-                    points| {
+    let mut push = |name: &str, group: &str, style: Value, signals: [Option<&crumple_signal::Sampled>; 2], points| {
         let axes = [("y", KM_PER_H_PER_M_PER_S, "%{y:.2f} km/h"), ("y2", MILLI, "%{y:.1f} mm")];
         // One name a curve: that of its displacement, which is always there.
         for (signal, (axis, factor, hover)) in signals.into_iter().zip(axes) {
@@ -110,21 +106,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
             series += 1;
         }
     }
-    let view = match (time_view_ms(run), run.time_of_crush_s()) {
-        (Some([_, to]), Some(t_m)) => json!([0, short(to.min(2.0 * MILLI * t_m))]),
-        (Some([_, to]), None) => json!([0, short(to)]),
-        (None, _) => serde_json::Value::Null,
-    };
-    let mut layout = base_layout();
-    set(
-        &mut layout,
-        json!({
-            "hovermode": "x unified", "hoversubplots": "axis",
-            "xaxis": axis("time after time zero, ms", json!({"anchor": "y2", "range": view, "hoverformat": ".2f"})),
-            "yaxis": axis("velocity, km/h", json!({"domain": [0.53, 1.0]})),
-            "yaxis2": axis("displacement, mm", json!({"domain": [0.0, 0.47], "range": displacement_view(run)})),
-        }),
-    );
+    let mut layout = layout(run);
     let legend_rows = names.div_ceil(2) as u32;
     let height_px = 480 + 21 * legend_rows;
     room_above(&mut layout, height_px, 0, legend_rows);
@@ -142,8 +124,28 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     })
 }
 
+/// Velocity above displacement over the same times.
+fn layout(run: &Run) -> Value {
+    let view = match (time_view_ms(run), run.time_of_crush_s()) {
+        (Some([_, to]), Some(t_m)) => json!([0, short(to.min(2.0 * MILLI * t_m))]),
+        (Some([_, to]), None) => json!([0, short(to)]),
+        (None, _) => Value::Null,
+    };
+    let mut layout = base_layout();
+    set(
+        &mut layout,
+        json!({
+            "hovermode": "x unified", "hoversubplots": "axis",
+            "xaxis": axis("time after time zero, ms", json!({"anchor": "y2", "range": view, "hoverformat": ".2f"})),
+            "yaxis": axis("velocity, km/h", json!({"domain": [0.53, 1.0]})),
+            "yaxis2": axis("displacement, mm", json!({"domain": [0.0, 0.47], "range": displacement_view(run)})),
+        }),
+    );
+    layout
+}
+
 /// First view of the displacement, mm: from contact to twice the time of crush. Before it all come nearer alike.
-fn displacement_view(run: &Run) -> serde_json::Value {
+fn displacement_view(run: &Run) -> Value {
     let to_s = run.time_of_crush_s().map_or(f64::INFINITY, |t_m| 2.0 * t_m);
     let signals = run.other_sensors.iter().map(|sensor| &sensor.displacement).chain(&run.measured.displacement);
     let seen = signals.flat_map(|signal| {
@@ -153,11 +155,7 @@ fn displacement_view(run: &Run) -> serde_json::Value {
     });
     let (low, high) = seen.fold((0.0_f64, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
     let margin = 0.08 * (high - low);
-    if margin > 0.0 {
-        json!([short(MILLI * (low - margin)), short(MILLI * (high + margin))])
-    } else {
-        serde_json::Value::Null
-    }
+    if margin > 0.0 { json!([short(MILLI * (low - margin)), short(MILLI * (high + margin))]) } else { Value::Null }
 }
 
 /// The mass of the candidate that stands for the sensor, from 1 at the barrier: the one it was fitted to or compared with.
