@@ -15,4 +15,4 @@ pub use page::document::Page;
 pub use results::ranking::{Ranking, compare_ids, pairs_of_equals};
 pub use results::run::{Candidate, Element, Measured, Model, OtherSensor, Run, StageNote, StageRecord};
 pub use results::summary::{Summary, summary};
-pub use text::people;
+pub use text::numbers;

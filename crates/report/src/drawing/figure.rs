@@ -8,8 +8,8 @@ pub const MEASURED_POINTS: usize = 5_000;
 /// Points of a computed, smooth curve that are drawn.
 pub const COMPUTED_POINTS: usize = 1_600;
 
-/// The colours: after Okabe and Ito (2008), which stay apart for the colour-blind, the light ones darkened to 3:1 on white
-/// (WCAG 2.2, 1.4.11) and yellow left out.
+/// The colours: after Okabe and Ito (2008), which stay apart for the colour-blind, the light ones darkened to 3:1 on
+/// white (WCAG 2.2, 1.4.11) and yellow left out.
 pub mod colour {
     /// The measured record.
     pub const MEASURED: &str = "#1b2733";
@@ -17,7 +17,7 @@ pub mod colour {
     pub const RAW: &str = "#8794a1";
     /// The main curve of a figure.
     pub const MAIN: &str = "#0072b2";
-    /// Unloading, and what must be told from the main curve.
+    /// Unloading, and what must be distinct from the main curve.
     pub const SECOND: &str = "#d55e00";
     /// Marks of events.
     pub const EVENT: &str = "#b0126d";

@@ -7,9 +7,10 @@ use crate::{Candidate, Ranking};
 
 /// Of candidates in the order of their rank the ids of those shown at first: the best, and up to `count` in all.
 ///
-/// Those without a parameter on a bound of the search other than zero go before the rest, if they explain half of the displacement. Of
-/// several parameter sets of one model that fit alike (within 0.1 percentage points, as for the best model) the first stands for all:
-/// their curves lie on each other. Chains that a person stated are shown beyond the count.
+/// Those without a parameter on a bound of the search other than zero go before the rest, if they explain half of the
+/// displacement. Of several parameter sets of one model that fit alike (within 0.1 percentage points, as for the best
+/// model) the first stands for all: their curves lie on each other. Chains that a person stated are shown beyond the
+/// count.
 pub fn at_first<'a>(ranked: &[&'a Candidate], ranking: &Ranking, count: usize) -> BTreeSet<&'a str> {
     let mut order = ranked.to_vec();
     // Stable: the rank decides among equals.

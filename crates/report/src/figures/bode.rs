@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::drawing::figure::{Figure, axis, base_layout, colour, compact, room_above, set, short, with};
 use crate::text::escape::html;
-use crate::text::people::{significant, words_and_unit};
+use crate::text::numbers::{significant, words_and_unit};
 use crate::{Model, Run};
 
 const POINTS: usize = 400;
@@ -100,7 +100,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
         json!({
             "hovermode": "x unified", "hoversubplots": "axis",
             "xaxis": axis("frequency, Hz", json!({"type": "log", "anchor": "y2", "hoverformat": ".3~f",
-                "range": [short(low.log10()), short(high.log10())], "dtick": 1, "minor": {"showgrid": true, "gridcolor": "#f1f3f5"}})),
+                "range": [short(low.log10()), short(high.log10())], "dtick": 1, "minor": {"showgrid": true,
+                "gridcolor": "#f1f3f5"}})),
             "yaxis": axis("magnitude, dB", json!({"domain": [0.44, 1.0]})),
             "yaxis2": axis("phase, °", json!({"domain": [0.0, 0.38]})),
             "shapes": shapes, "annotations": labels,
@@ -160,10 +161,9 @@ fn band(frequencies_hz: &[f64], lower: &[Option<f64>], upper: &[Option<f64>]) ->
     // Along the upper edge and back along the lower.
     let x: Vec<f64> = known.iter().chain(known.iter().rev()).map(|point| point.0).collect();
     let y: Vec<f64> = known.iter().map(|point| point.2).chain(known.iter().rev().map(|point| point.1)).collect();
-    Some(
-        json!({"type": "scatter", "mode": "lines", "fill": "toself", "x": compact_log(&x), "y": compact(y.iter().copied()),
-        "line": {"width": 0}, "hoverinfo": "skip", "showlegend": false}),
-    )
+    Some(json!({"type": "scatter", "mode": "lines", "fill": "toself", "x": compact_log(&x),
+            "y": compact(y.iter().copied()),
+        "line": {"width": 0}, "hoverinfo": "skip", "showlegend": false}))
 }
 
 fn words<'a>(text: &'a str, otherwise: &'a str) -> &'a str {

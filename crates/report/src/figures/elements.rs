@@ -4,7 +4,7 @@ use serde_json::json;
 
 use crate::drawing::figure::{COMPUTED_POINTS, Figure, axis, base_layout, colour, over, set, with};
 use crate::text::escape::html;
-use crate::text::people::{KILO, MILLI, candidate_name};
+use crate::text::numbers::{KILO, MILLI, candidate_name};
 use crate::{Candidate, Ranking, Run};
 
 /// Of the best candidate, or of the first in rank without one; `None` where no forces are at hand.
@@ -40,7 +40,8 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         &mut layout,
         json!({
             "hovermode": "closest",
-            "xaxis": axis(if one_mass { "compression of the front, mm" } else { "compression between the masses, mm" }, json!({})),
+            "xaxis": axis(if one_mass { "compression of the front, mm" } else { "compression between the masses, \
+             mm" }, json!({})),
             "yaxis": axis("force, kN", json!({})),
         }),
     );

@@ -7,7 +7,7 @@ use crate::drawing::figure::{
     COMPUTED_POINTS, Figure, MEASURED_POINTS, axis, base_layout, colour, over, set, short, with,
 };
 use crate::text::escape::html;
-use crate::text::people::{G_PER_M_PER_S2, KILO, MILLI, NBSP, candidate_name, decimals, significant};
+use crate::text::numbers::{G_PER_M_PER_S2, KILO, MILLI, NBSP, candidate_name, decimals, significant};
 use crate::{Ranking, Run};
 
 /// Force over displacement; without a mass the deceleration takes the force's place. `None` without a displacement.
@@ -72,19 +72,22 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let mut labels = Vec::new();
     if let Some(crush) = crush {
         labels.push(json!({
-            "x": short(MILLI * crush), "y": 0, "xref": "x", "yref": "y", "ax": -70, "ay": -30, "arrowcolor": colour::EVENT,
+            "x": short(MILLI * crush), "y": 0, "xref": "x", "yref": "y", "ax": -70, "ay": -30,
+            "arrowcolor": colour::EVENT,
             "arrowwidth": 1.2, "arrowhead": 2, "text": format!("<b>C = {} mm</b>", decimals(MILLI * crush, 1)),
             "font": {"color": colour::EVENT}, "bgcolor": "rgba(255,255,255,0.85)",
         }));
     }
     caption.push_str(if run.measured.force.is_some() {
-        "Force is the test mass times the deceleration of this sensor: the barrier force of a vehicle that moves as one body."
+        "Force is the test mass times the deceleration of this sensor: the barrier force of a vehicle that moves as \
+         one body."
     } else {
         "Deceleration takes the place of force, since no force record or mass is at hand."
     });
     if run.measured.barrier_force.is_some() && drawn.unit == "kN" {
         caption.push_str(
-            " The load cells measured it at the barrier: where the two part, the engine and other masses move otherwise than this sensor.",
+            " The load cells measured it at the barrier: where the two part, the engine and other masses move \
+             otherwise than this sensor.",
         );
     }
     let reach = |extreme: fn(f64, f64) -> f64| loading.x.iter().chain(&unloading.x).copied().fold(0.0, extreme);
@@ -159,7 +162,8 @@ fn load_cell_trace(cells: &Sampled, displacement: &Sampled, t_end: f64, hover: &
         .unzip();
     with(
         over(&x, &y, MEASURED_POINTS),
-        json!({"name": "barrier load cells", "line": {"color": colour::MEASURED, "width": 1.6}, "hovertemplate": hover}),
+        json!({"name": "barrier load \
+            cells", "line": {"color": colour::MEASURED, "width": 1.6}, "hovertemplate": hover}),
     )
 }
 

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::drawing::figure::{Figure, axis, base_layout, colour, event_line, room_above, set, short};
 use crate::results::mass_divisions::{Divisions, ratio};
-use crate::text::people::{KILO, significant};
+use crate::text::numbers::{KILO, significant};
 use crate::{Ranking, Run};
 
 /// Name, panel and value of the four parameters.
@@ -33,7 +33,8 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
                 "type": "scatter", "mode": "markers", "yaxis": panel,
                 "x": shown().map(|s| short(ratio(s))).collect::<Vec<_>>(),
                 "y": shown().map(|s| short(KILO * value(s))).collect::<Vec<_>>(),
-                "name": if physical { format!("{name}, all four positive") } else { format!("{name}, another is negative") },
+                "name": if physical { format!("{name}, all four positive") } else { format!("{name}, another is \
+                 negative") },
                 "marker": {"size": 7, "color": colour::SERIES[place],
                            "symbol": if physical { "circle" } else { "circle-open" }},
             }));
@@ -42,7 +43,8 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let mut shapes: Vec<Value> = feasible
         .iter()
         .map(|(low, high)| {
-            json!({"type": "rect", "xref": "x", "yref": "paper", "x0": short(*low), "x1": short(*high), "y0": 0, "y1": 1,
+            json!({"type": "rect", "xref": "x", "yref": "paper", "x0": short(*low), "x1": short(*high), "y0": 0,
+                "y1": 1,
                    "fillcolor": colour::SERIES[2], "opacity": 0.12, "line": {"width": 0}, "layer": "below"})
         })
         .collect();
@@ -51,7 +53,10 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     set(&mut label, json!({"x": short(used.log10())}));
     shapes.push(line);
     let mut layout = base_layout();
-    let log = |domain: [f64; 2]| json!({"type": "log", "domain": domain, "exponentformat": "power", "dtick": 1, "minor": {"ticks": "outside", "ticklen": 2}});
+    let log = |domain: [f64; 2]| {
+        json!({"type": "log", "domain": domain, "exponentformat": "power", "dtick": 1,
+        "minor": {"ticks": "outside", "ticklen": 2}})
+    };
     set(
         &mut layout,
         json!({
@@ -87,15 +92,17 @@ fn caption(divisions: &Divisions, used: f64, feasible: &[(f64, f64)]) -> String 
     let total = significant(divisions.m1_kg + divisions.m2_kg, 4);
     let what = if divisions.fitted {
         format!(
-            "Parameter sets with the same poles as {}, at the same total mass, {total} kg. At another division the poles are kept, the motion is not \
+            "Parameter sets with the same poles as {}, at the same total mass, {total} kg. At another division the \
+             poles are kept, the motion is not \
              quite: fit again with --front-mass-fraction to see by how much.",
-            divisions.of
+            divisions.source
         )
     } else {
-        format!("Real solutions of coefficient matching of {} at the same total mass, {total} kg.", divisions.of)
+        format!("Real solutions of coefficient matching of {} at the same total mass, {total} kg.", divisions.source)
     };
     format!(
-        "{what} Filled: all four parameters are positive, and such divisions are shaded; negative values have no place on a logarithmic axis. \
+        "{what} Filled: all four parameters are positive, and such divisions are shaded; negative values have no place \
+         on a logarithmic axis. \
          {bound} The division used, m2/m1 = {}, {}.",
         significant(used, 3),
         if inside { "is among them" } else { "is not among them" }
@@ -108,7 +115,7 @@ mod tests {
     use crate::results::mass_divisions::tests::{fitted_run, matching};
 
     #[test]
-    fn negative_values_are_not_drawn_and_the_used_division_is_judged() {
+    fn negative_values_are_not_drawn_and_the_used_division_is_named() {
         let run =
             Run { matchings: vec![("era-4".to_owned(), matching(Some(2.0), &[false, true, true]))], ..Run::default() };
         let figure = figure(&run, &Ranking::default()).unwrap();

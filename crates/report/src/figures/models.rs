@@ -10,7 +10,7 @@ use crate::drawing::figure::{
 use crate::drawing::shown_at_first::at_first;
 use crate::drawing::time_view::time_view_ms;
 use crate::text::escape::html;
-use crate::text::people::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name, decimals};
+use crate::text::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name, decimals};
 use crate::{Candidate, Ranking, Run, pairs_of_equals};
 
 /// Candidates that are shown at first; the others wait in the legend.
@@ -58,7 +58,8 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
             let trace = with(over_time(signal, factor, COMPUTED_POINTS), style.clone());
             traces.push(with(
                 trace,
-                json!({"name": name(candidate, fits[place].as_deref(), others, ranking), "showlegend": axis == "y", "yaxis": axis,
+                json!({"name": name(candidate, fits[place].as_deref(), others, ranking), "showlegend": axis == "y",
+                    "yaxis": axis,
                        "hovertemplate": format!("{unit}<extra>{}</extra>", html(&candidate_name(&candidate.id)))}),
             ));
         };
@@ -93,9 +94,11 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         json!({
             "hovermode": "x unified", "hoversubplots": "axis",
             "xaxis": axis("time after time zero, ms", json!({"anchor": "y4", "range": view, "hoverformat": ".2f"})),
-            "yaxis": axis("displacement, mm", json!({"domain": [0.65, 1.0], "range": range_of(measured.displacement.as_ref(), MILLI)})),
+            "yaxis": axis("displacement, \
+             mm", json!({"domain": [0.65, 1.0], "range": range_of(measured.displacement.as_ref(), MILLI)})),
             "yaxis2": axis("residual, mm", json!({"domain": [0.45, 0.62], "range": residual_range})),
-            "yaxis3": axis("velocity, km/h", json!({"domain": [0.225, 0.42], "range": range_of(measured.velocity.as_ref(), KM_PER_H_PER_M_PER_S)})),
+            "yaxis3": axis("velocity, \
+             km/h", json!({"domain": [0.225, 0.42], "range": range_of(measured.velocity.as_ref(), KM_PER_H_PER_M_PER_S)})),
             "yaxis4": axis("acceleration, g", json!({"domain": [0.0, 0.195]})),
             "shapes": shapes, "annotations": labels,
         }),
@@ -174,7 +177,8 @@ fn caption(window: Option<(f64, f64)>, equals: usize, hidden: bool, chains: bool
     if hidden {
         let chains = if chains { ", and the chains of your own" } else { "" };
         text.push_str(&format!(
-            " Shown at first are up to {SHOWN}{chains}: the best, then those without a parameter on a bound of the search, and of parameter \
+            " Shown at first are up to {SHOWN}{chains}: the best, then those without a parameter on a bound of the \
+             search, and of parameter \
              sets of one model that fit alike the first."
         ));
     }

@@ -7,7 +7,7 @@ use crate::drawing::figure::{
     Figure, MEASURED_POINTS, axis, base_layout, colour, event_line, over_time, room_above, set, short, span, with,
 };
 use crate::drawing::time_view::time_view_ms;
-use crate::text::people::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, decimals};
+use crate::text::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, decimals};
 
 const HEIGHT_PX: u32 = 740;
 

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::Run;
 use crate::drawing::figure::{Figure, axis, base_layout, colour, set, short};
 use crate::text::escape::html;
-use crate::text::people::{decimals, significant};
+use crate::text::numbers::{decimals, significant};
 
 /// Marker symbols of the models, so that they differ without colour too.
 const SYMBOLS: [&str; 6] = ["x", "cross", "star", "hexagram", "diamond-tall", "hourglass"];
@@ -35,7 +35,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
         &mut layout,
         json!({
             "hovermode": "closest",
-            "xaxis": axis("real part, 1/s", json!({"range": [short(-1.2 * radius), short(0.45 * radius)], "zeroline": false,
+            "xaxis": axis("real part, \
+             1/s", json!({"range": [short(-1.2 * radius), short(0.45 * radius)], "zeroline": false,
                 "constrain": "range"})),
             "yaxis": axis("imaginary part, rad/s", json!({"range": [short(-1.2 * radius), short(1.2 * radius)],
                 "scaleanchor": "x", "scaleratio": 1, "constrain": "range"})),
@@ -119,7 +120,8 @@ fn zero_traces(run: &Run, radius: f64) -> (Vec<Value>, usize) {
             "hovertemplate": format!("zero %{{x:.5~g}} %{{y:+.5~g}}i 1/s<extra>{id}</extra>"),
             // No name in the legend without a mark in the first view.
             "showlegend": zeros.iter().any(|(re, im)| re.hypot(*im) <= 1.2 * radius),
-            "name": format!("{id}, zeros"), "visible": if run.models.len() > 3 { json!("legendonly") } else { json!(true) },
+            "name": format!("{id}, \
+             zeros"), "visible": if run.models.len() > 3 { json!("legendonly") } else { json!(true) },
             "marker": {"symbol": "circle-open", "size": 10, "color": colour::SERIES[place % colour::SERIES.len()],
                        "line": {"width": 2}},
         }));
@@ -160,7 +162,8 @@ fn guide_lines(radius: f64) -> (Vec<Value>, Vec<Value>) {
 
 fn caption(unstable: usize, far_zeros: usize, outside: usize) -> String {
     let mut caption = String::from(
-        "Continuous poles, and zeros as circles. Rays join poles of equal damping ratio ζ, circles those of equal natural frequency.",
+        "Continuous poles, and zeros as circles. Rays join poles of equal damping ratio ζ, circles those of equal \
+         natural frequency.",
     );
     match unstable {
         0 => caption.push_str(" All poles are stable."),

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::drawing::figure::{Figure, axis, base_layout, colour, over, room_above, set, short};
 use crate::text::escape::html;
-use crate::text::people::{LONG_S, words_and_unit};
+use crate::text::numbers::{LONG_S, words_and_unit};
 use crate::{Model, Run};
 
 const HEIGHT_PX: u32 = 460;
@@ -35,14 +35,14 @@ pub fn figure(run: &Run) -> Option<Figure> {
     // In s where the part that is looked at is long.
     let seen_s = || models.iter().map(|(_, r)| settles(&r.time_s, &r.impulse)).fold(0.0, f64::max).min(longest_s);
     let (factor, unit) = if seen_s() > LONG_S { (1.0, "s") } else { (1e3, "ms") };
-    // Models of other ends have other units: they start hidden.
+    // Models with another input or output have other units: they start hidden.
     let mut traces = Vec::new();
     let mut hidden = 0;
     for (place, (model, response)) in models.iter().enumerate() {
         let line = json!({"color": colour::SERIES[place % colour::SERIES.len()], "width": 2,
                           "dash": colour::DASHES[place % colour::DASHES.len()]});
-        let alike = response.output == first.output && response.impulse_of == first.impulse_of;
-        let shown = alike && peak(&response.impulse) <= GROWN * least;
+        let has_same_units = response.output == first.output && response.impulse_of == first.impulse_of;
+        let shown = has_same_units && peak(&response.impulse) <= GROWN * least;
         hidden += usize::from(!shown);
         let visible = if shown { json!(true) } else { json!("legendonly") };
         if shown {
@@ -87,7 +87,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
     };
     if hidden > 0 {
         caption.push_str(&format!(
-            " {hidden} models with another output, another impulse, or far larger responses are hidden: click their names."
+            " {hidden} models with another output, another impulse, or far larger responses are hidden: click their \
+             names."
         ));
     }
     let mut layout = base_layout();
@@ -95,7 +96,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
         &mut layout,
         json!({
             "hovermode": "x unified", "hoversubplots": "axis",
-            "xaxis": axis(&format!("time from the start of the window, {unit}"), json!({"anchor": "y2", "range": view})),
+            "xaxis": axis(&format!("time from the start of the window, \
+             {unit}"), json!({"anchor": "y2", "range": view})),
             "yaxis": axis(&impulse_title, json!({"domain": [0.54, 1.0], "exponentformat": "power"})),
             "yaxis2": axis(&step_title, json!({"domain": [0.0, 0.46], "exponentformat": "power"})),
         }),

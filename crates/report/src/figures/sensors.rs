@@ -9,7 +9,7 @@ use crate::drawing::shown_at_first::at_first;
 use crate::drawing::time_view::time_view_ms;
 use crate::results::run::OtherSensor;
 use crate::text::escape::html;
-use crate::text::people::{KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
+use crate::text::numbers::{KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
 use crate::{Candidate, Ranking, Run};
 
 /// Candidates whose masses are drawn over a sensor.
@@ -17,8 +17,8 @@ const SHOWN: usize = 3;
 
 /// Velocity and displacement of every other sensor; `None` without one.
 ///
-/// Shown at first are the compartment of the best model over the pulse, the sensors that it was compared with, and those that a model
-/// has a mass for, with that mass of the best candidates over them; the others wait in the legend.
+/// Shown at first are the compartment of the best model over the pulse, the sensors that it was compared with, and
+/// those that a model has a mass for, with that mass of the best candidates over them; the others wait in the legend.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     if run.other_sensors.is_empty() {
         return None;
@@ -34,7 +34,8 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
             let Some(signal) = signal else { continue };
             traces.push(with(
                 with(over_time(signal, factor, points), style.clone()),
-                json!({"name": name, "legendgroup": group, "yaxis": axis, "showlegend": axis == "y2", "hovertemplate": hover}),
+                json!({"name": name, "legendgroup": group, "yaxis": axis, "showlegend": axis == "y2",
+                    "hovertemplate": hover}),
             ));
         }
     };
@@ -113,8 +114,10 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     Some(Figure {
         id: "sensors",
         title: "Other sensors on the vehicle",
-        caption: "Each sensor integrated from its own acceleration. A mass of a model is drawn over the sensor that sits on it, for the best \
-                  candidates, and the compartment of the best model over the pulse; sensors that the best model was not compared with and no \
+        caption: "Each sensor integrated from its own acceleration. A mass of a model is drawn over the sensor that \
+            sits on it, for the best \
+                  candidates, and the compartment of the best model over the pulse; sensors that the best model was \
+                  not compared with and no \
                   mass stands for wait in the legend."
             .to_owned(),
         height_px,
@@ -148,18 +151,18 @@ fn layout(run: &Run) -> Value {
 fn displacement_view(run: &Run) -> Value {
     let to_s = run.time_of_crush_s().map_or(f64::INFINITY, |t_m| 2.0 * t_m);
     let signals = run.other_sensors.iter().map(|sensor| &sensor.displacement).chain(&run.measured.displacement);
-    let seen = signals.flat_map(|signal| {
+    let samples = signals.flat_map(|signal| {
         let from = signal.index_at_or_after(0.0);
         let end = signal.index_at_or_after(to_s).max(from);
         signal.samples()[from..end].iter().copied()
     });
-    let (low, high) = seen.fold((0.0_f64, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
+    let (low, high) = samples.fold((0.0_f64, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
     let margin = 0.08 * (high - low);
     if margin > 0.0 { json!([short(MILLI * (low - margin)), short(MILLI * (high + margin))]) } else { Value::Null }
 }
 
-/// The mass of the candidate that stands for the sensor, from 1 at the barrier: the one it was fitted to or compared with.
-/// `None` for the compartment, whose motion is among the models over the test.
+/// The mass of the candidate that stands for the sensor, from 1 at the barrier: the one it was fitted to or compared
+/// with. `None` for the compartment, whose motion is among the models over the test.
 fn mass_at(candidate: &Candidate, sensor: &OtherSensor) -> Option<usize> {
     let fitted = candidate.other_channels().find(|(channel, _)| *channel == sensor.channel).map(|(_, mass)| mass);
     let compared = || {

@@ -5,7 +5,7 @@ use serde_json::json;
 use crate::Run;
 use crate::drawing::figure::{Figure, axis, base_layout, colour, set, short};
 use crate::text::escape::html;
-use crate::text::people::significant;
+use crate::text::numbers::significant;
 
 /// Values drawn: more say nothing about an order that a crash record supports.
 const DRAWN: usize = 40;
@@ -18,17 +18,17 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let mut decades = 0.0_f64;
     let mut caption = String::from("Singular values of the Hankel matrix relative to the largest.");
     // Models of several orders from one record share their singular values: drawn once.
-    let mut seen: Vec<(&[f64], usize)> = Vec::new();
+    let mut drawn: Vec<(&[f64], usize)> = Vec::new();
     for model in &run.models {
         let Some(identification) = &model.identification else { continue };
         let values = &identification.singular_values;
         let Some(&largest) = values.first().filter(|largest| **largest > 0.0) else { continue };
         let order = identification.order as usize;
-        let place = match seen.iter().find(|(other, _)| *other == values.as_slice()) {
+        let place = match drawn.iter().find(|(other, _)| *other == values.as_slice()) {
             Some((_, place)) => *place,
             None => {
-                let place = seen.len();
-                seen.push((values, place));
+                let place = drawn.len();
+                drawn.push((values, place));
                 let shown: Vec<f64> = values.iter().take(DRAWN).map(|s| s / largest).collect();
                 let smallest = shown.iter().copied().filter(|s| *s > 0.0).fold(1.0, f64::min);
                 decades = decades.max(-smallest.log10());
@@ -69,8 +69,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
     }
     caption
         .push_str(" A wide gap speaks for the order before it; a gentle slope says that the record does not decide.");
-    // Whole decades where there are several. Within one or two of them 1, 2, 5 with their full number: plotly's own minor digits
-    // ("2", "5") read as values.
+    // Whole decades where there are several. Within one or two of them 1, 2, 5 with their full number: plotly's own
+    // minor digits ("2", "5") read as values.
     let mut values_axis = json!({"type": "log", "exponentformat": "power", "dtick": 1,
         "minor": {"dtick": "D1", "ticks": "outside", "ticklen": 2, "tickcolor": "#9aa5b1"}});
     if decades <= 2.5 {
@@ -84,7 +84,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
     set(
         &mut layout,
         json!({
-            "showlegend": seen.len() > 1,
+            "showlegend": drawn.len() > 1,
             "hovermode": "closest",
             "xaxis": axis("index", json!({"rangemode": "tozero", "zeroline": false})),
             "yaxis": axis("relative singular value", values_axis),

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use crate::Run;
 use crate::drawing::figure::{Figure, axis, base_layout, colour, room_above, set, short};
-use crate::text::people::{decimals, significant};
+use crate::text::numbers::{decimals, significant};
 
 const HEIGHT_PX: u32 = 460;
 
@@ -61,7 +61,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
     }
     let percent = |x: f64| format!("{} %", decimals(100.0 * x, 0));
     let mut caption = format!(
-        "{} of {}: poles of models of rising order, from one factorisation. Compared with the order before, stable is a frequency \
+        "{} of {}: poles of models of rising order, from one factorisation. Compared with the order before, stable is \
+         a frequency \
          within {}, a damping ratio within {}{}. Rejected: growing, damping ratio above {}, above {} of the Nyquist \
          frequency, or no stronger than noise. Marked: modes present in {} of the orders or more ({}).",
         diagram.method,
@@ -85,7 +86,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
         &mut layout,
         json!({
             "hovermode": "closest",
-            "xaxis": axis("natural frequency, Hz", json!({"type": "log", "dtick": 1, "minor": {"showgrid": true, "gridcolor": "#f1f3f5"}})),
+            "xaxis": axis("natural frequency, \
+             Hz", json!({"type": "log", "dtick": 1, "minor": {"showgrid": true, "gridcolor": "#f1f3f5"}})),
             "yaxis": axis("order", json!({"rangemode": "tozero", "dtick": 2, "zeroline": false})),
             "shapes": shapes, "annotations": labels,
         }),

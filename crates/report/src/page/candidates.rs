@@ -1,7 +1,7 @@
 //! The table of candidates: parameters, what they answer with, which is best.
 
 use crate::text::escape::html;
-use crate::text::people::{
+use crate::text::numbers::{
     ABSENT, MILLI, NBSP, candidate_name, decimals, digits_of_interval, parameter, parameter_order, signed, significant,
 };
 use crate::{Candidate, Ranking, Run};
@@ -16,11 +16,17 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         "<section>\n<h2>Candidates: physical parameters</h2>\n<div class=\"scroll\"><table class=\"candidates\">\n\
          <thead><tr><th scope=\"col\">Rank</th><th scope=\"col\">Model and method</th><th scope=\"col\">Parameters</th>\
          <th scope=\"col\"><abbr title=\"No parameter is negative: a passive structure.\">Physical</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"100 (1 − |x − x̂| / |x − mean x|) of the displacement over the compared window.\">Fit, %</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Root mean square displacement error over the compared window.\">RMSE, mm</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Corrected Akaike criterion of the displacement error over the same window, at the same number of independent samples for all: lower is better, it charges for every parameter.\">AICc</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Dynamic crush of the model minus that of the test.\">ΔC, mm</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Time of dynamic crush of the model minus that of the test.\">Δt<sub>m</sub>, ms</abbr></th>\
+         <th scope=\"col\" class=\"n\"><abbr title=\"100 (1 − |x − x̂| / |x − mean x|) of the displacement over the \
+         compared window.\">Fit, %</abbr></th>\
+         <th scope=\"col\" class=\"n\"><abbr title=\"Root mean square displacement error over the compared \
+         window.\">RMSE, mm</abbr></th>\
+         <th scope=\"col\" class=\"n\"><abbr title=\"Corrected Akaike criterion of the displacement error over the \
+         same window, at the same number of independent samples for all: lower is better, it charges for every \
+         parameter.\">AICc</abbr></th>\
+         <th scope=\"col\" class=\"n\"><abbr title=\"Dynamic crush of the model minus that of the test.\">ΔC, \
+         mm</abbr></th>\
+         <th scope=\"col\" class=\"n\"><abbr title=\"Time of dynamic crush of the model minus that of the \
+         test.\">Δt<sub>m</sub>, ms</abbr></th>\
          </tr></thead>\n<tbody>\n",
     );
     let mut rows: Vec<&Candidate> = run.candidates.iter().collect();
@@ -35,7 +41,8 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         });
         let fit = supported.simulation.as_ref().and_then(|s| s.fit_percent);
         out.push_str(&format!(
-            "<p class=\"caption\">Of the solutions of coefficient matching the simulation supports {}{dual}: fit {} %{}.</p>\n",
+            "<p class=\"caption\">Of the solutions of coefficient matching the simulation supports {}{dual}: fit {} \
+             %{}.</p>\n",
             html(&candidate_name(&supported.id)),
             fit.map_or_else(|| ABSENT.to_owned(), |fit| decimals(fit, 2)),
             if supported.record.physical { "" } else { "; it is not a passive structure" },
@@ -43,19 +50,26 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     out.push_str(match ranking.best {
         Some(_) => {
-            "<p class=\"caption\">Ranked by the fit of the displacement; AICc stands beside it, over the same window, and decides nothing. Highlighted is the best that is physical, has no parameter left on a bound of \
-             its search other than zero, the limit of what is physical, no more parameters left open by the record than it needs, and no more parameters. A dual gives exactly the same record on this sensor and so the same figures.</p>\n"
+            "<p class=\"caption\">Ranked by the fit of the displacement; AICc stands beside it, over the same window, \
+             and decides nothing. Highlighted is the best that is physical, has no parameter left on a bound of \
+             its search other than zero, the limit of what is physical, no more parameters left open by the record \
+             than it needs, and no more parameters. A dual gives exactly the same record on this sensor and so the \
+             same figures.</p>\n"
         }
         None => {
-            "<p class=\"caption\">None is called the best: that takes a physical candidate without a parameter on a bound that explains at least half of \
+            "<p class=\"caption\">None is called the best: that takes a physical candidate without a parameter on a \
+             bound that explains at least half of \
              the displacement; zero is no such bound, but the limit of what is physical.</p>\n"
         }
     });
     if run.candidates.iter().any(|candidate| candidate.record.uncertainty.is_some()) {
         out.push_str(
-            "<p class=\"caption\">± is one standard deviation, from the misfit and the sensitivities at the fit; “95 %” is the interval that holds \
-             the value in 95 of 100 such records, “open” where the record does not bound it. It is far wider than two standard deviations where the \
-             misfit is worth few independent samples (see the remarks), and not symmetric. Profile, bootstrap and uncertain inputs, where asked for, \
+            "<p class=\"caption\">± is one standard deviation, from the misfit and the sensitivities at the fit; “95 \
+             %” is the interval that holds \
+             the value in 95 of 100 such records, “open” where the record does not bound it. It is far wider than two \
+             standard deviations where the \
+             misfit is worth few independent samples (see the remarks), and not symmetric. Profile, bootstrap and \
+             uncertain inputs, where asked for, \
              are among a candidate's remarks.</p>\n",
         );
     }
@@ -104,7 +118,8 @@ fn row(out: &mut String, candidate: &Candidate, ranking: &Ranking) {
     let simulation = simulation.as_ref();
     out.push_str(&format!(
         "<tr{}><td class=\"rank\">{}{place}</td><td>{about}</td><td class=\"parameters\">{}</td><td>{}</td>\
-         <td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
+         <td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td \
+         class=\"n\">{}</td></tr>\n",
         if best { " class=\"best\"" } else { "" },
         if best { "<span class=\"star\" title=\"best physical candidate\">★</span> " } else { "" },
         parameters(candidate),
@@ -123,7 +138,8 @@ fn how_well_known(candidate: &Candidate) -> Vec<String> {
     if let Some(u) = &candidate.record.uncertainty {
         if let Some(rank) = u.rank {
             remarks.push(format!(
-                "Independent directions in the parameters that the waves respond to: {rank} of {}; how well each parameter is known, \
+                "Independent directions in the parameters that the waves respond to: {rank} of {}; how well each \
+                 parameter is known, \
                  its interval says.",
                 u.order.len()
             ));
@@ -135,8 +151,8 @@ fn how_well_known(candidate: &Candidate) -> Vec<String> {
     }
     let Some(simulation) = &candidate.simulation else { return remarks };
     if let (Some(p), Some(samples)) = (simulation.fitted_parameters, simulation.effective_samples) {
-        let of = if simulation.aicc.is_some() { "" } else { ": too few for an AICc" };
-        remarks.push(format!("{p} parameters, {} independent samples in the window{of}.", significant(samples, 3)));
+        let few = if simulation.aicc.is_some() { "" } else { ": too few for an AICc" };
+        remarks.push(format!("{p} parameters, {} independent samples in the window{few}.", significant(samples, 3)));
     }
     let others = simulation.other_sensors.iter().map(|other| {
         format!(

@@ -84,7 +84,8 @@ fn write_figure(out: &mut String, figure: &Figure) {
     let Figure { id, title, height_px, .. } = figure;
     out.push_str(&format!(
         "<section class=\"figure\" aria-labelledby=\"{id}-title\">\n<h2 id=\"{id}-title\">{}</h2>\n\
-         <div class=\"plot\" id=\"{id}\" role=\"img\" aria-describedby=\"{id}-caption\" style=\"height:{height_px}px\"></div>\n\
+         <div class=\"plot\" id=\"{id}\" role=\"img\" aria-describedby=\"{id}-caption\" \
+         style=\"height:{height_px}px\"></div>\n\
          <script type=\"application/json\" id=\"{id}-data\">{}</script>\n\
          <p class=\"caption\" id=\"{id}-caption\">{}</p>\n</section>\n",
         html(title),

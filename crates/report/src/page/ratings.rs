@@ -3,7 +3,7 @@
 use crumple_artifact::records::{RatingV1, SimulationV1};
 
 use crate::text::escape::html;
-use crate::text::people::{ABSENT, candidate_name, decimals, signed, times};
+use crate::text::numbers::{ABSENT, candidate_name, decimals, signed, times};
 use crate::{Candidate, Ranking, Run};
 
 /// A column: its quantity, the definition's key, heading, and what to say of it.
@@ -34,12 +34,14 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         return;
     }
     rows.sort_by_key(|(candidate, _)| ranking.place(&candidate.id).unwrap_or(usize::MAX));
-    let of = |quantity: &str| COLUMNS.iter().filter(|column| column.0 == quantity).count() + 1;
+    let columns_of = |quantity: &str| COLUMNS.iter().filter(|column| column.0 == quantity).count() + 1;
     out.push_str(&format!(
-        "<section>\n<h2>Ratings: model against test</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" rowspan=\"2\">Model</th>\
-         <th scope=\"colgroup\" colspan=\"{}\">Acceleration</th><th scope=\"colgroup\" colspan=\"{}\">Displacement</th></tr>\n<tr>",
-        of("acceleration"),
-        of("displacement")
+        "<section>\n<h2>Ratings: model against test</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" \
+         rowspan=\"2\">Model</th>\
+         <th scope=\"colgroup\" colspan=\"{}\">Acceleration</th><th scope=\"colgroup\" \
+         colspan=\"{}\">Displacement</th></tr>\n<tr>",
+        columns_of("acceleration"),
+        columns_of("displacement")
     ));
     let fit = "<th scope=\"col\" class=\"n\"><abbr title=\"100 (1 − |y − ŷ| / |y − mean y|).\">Fit, %</abbr></th>";
     for (index, (quantity, id, heading, what)) in COLUMNS.iter().enumerate() {
@@ -115,8 +117,10 @@ fn caption(out: &mut String, rows: &[(&Candidate, &SimulationV1)]) {
         Some(format!(" CORA (mark {}) has {}.", html(&rating.mark), html(rating.note.as_deref()?)))
     });
     out.push_str(&format!(
-        "<p class=\"caption\">Over {} after time zero. ISO/TS 18571 and CORA: 1 is equal; M, P, C (Sprague-Geers) and Theil's U1: 0 is equal. Roadside practice \
-         accepts |M| and P up to 0.4.{} Marks: C checked, S after a secondary source, M from memory, U uncertain.</p>\n",
+        "<p class=\"caption\">Over {} after time zero. ISO/TS 18571 and CORA: 1 is equal; M, P, C (Sprague-Geers) and \
+         Theil's U1: 0 is equal. Roadside practice \
+         accepts |M| and P up to 0.4.{} Marks: C checked, S after a secondary source, M from memory, U \
+         uncertain.</p>\n",
         times(from_s, to_s),
         cora.unwrap_or_default()
     ));

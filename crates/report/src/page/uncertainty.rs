@@ -3,7 +3,7 @@
 use crumple_artifact::records::{ProfileV1, ReplicatesV1};
 
 use crate::Candidate;
-use crate::text::people::{NBSP, at_most, parameter, parameter_order, significant};
+use crate::text::numbers::{NBSP, at_most, parameter, parameter_order, significant};
 
 /// A sentence for each method that the candidate was put through.
 pub(super) fn remarks(candidate: &Candidate) -> Vec<String> {

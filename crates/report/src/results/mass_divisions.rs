@@ -1,12 +1,12 @@
-//! Parameter sets of the double model over the division of one total mass: as parameter-solve swept them, or with the poles of a
-//! fitted model.
+//! Parameter sets of the double model over the division of one total mass: as parameter-solve swept them, or with the
+//! poles of a fitted model.
 
 use std::borrow::Cow;
 
 use crumple_artifact::records::{MatchingSweepV1, MatchingV1};
 use crumple_lumped::{CoefficientMatching, Model, ModelKind, Reading};
 
-use crate::text::people::candidate_name;
+use crate::text::numbers::candidate_name;
 use crate::{Candidate, Ranking, Run};
 
 /// Front shares looked at for a fitted model, 2 % apart as in the sweep of parameter-solve.
@@ -14,8 +14,8 @@ const FRONT_SHARES: usize = 49;
 
 /// Real parameter sets over the division of the mass.
 pub(crate) struct Divisions<'a> {
-    /// Whose poles they have, in words.
-    pub of: String,
+    /// The model whose poles they have, in words.
+    pub source: String,
     /// Whether these poles are those of a model fitted to the record.
     pub fitted: bool,
     /// Mass of the chassis that was used, kg.
@@ -41,11 +41,11 @@ impl<'a> Divisions<'a> {
             |matching: &MatchingV1| matching.solutions.iter().any(|s| s.candidate.as_deref() == supported);
         let mut swept = run.matchings.iter().filter(|(_, matching)| !matching.sweep.is_empty());
         let (id, matching) = match swept.clone().find(|(_, m)| supported.is_some() && of_supported(m)) {
-            Some(found) => found,
+            Some(swept) => swept,
             None => swept.next()?,
         };
         Some(Self {
-            of: id.clone(),
+            source: id.clone(),
             fitted: false,
             m1_kg: matching.m1_kg,
             m2_kg: matching.m2_kg,
@@ -67,8 +67,8 @@ impl<'a> Divisions<'a> {
         let [_, t, u, v, w] = model.characteristic_polynomial();
         let matching = CoefficientMatching::new([t, u, v, w], model.m1_kg, model.m2_kg, Reading::Binary).ok()?;
         let shares: Vec<f64> = (1..=FRONT_SHARES).map(|k| k as f64 / (FRONT_SHARES + 1) as f64).collect();
-        let found = matching.mass_split_sweep(&shares).ok()?;
-        let of_share = |(share, found): (&f64, &crumple_lumped::CoefficientMatch)| {
+        let matches = matching.mass_split_sweep(&shares).ok()?;
+        let of_share = |(share, matched): (&f64, &crumple_lumped::CoefficientMatch)| {
             let point = |s: &crumple_lumped::MatchedSolution| MatchingSweepV1 {
                 front_mass_fraction: *share,
                 k1_n_per_m: s.k1_n_per_m.re,
@@ -77,20 +77,20 @@ impl<'a> Divisions<'a> {
                 c2_n_s_per_m: s.c2_n_s_per_m.re,
                 physical: s.physical,
             };
-            found.solutions.iter().filter(|s| s.real).map(point).collect::<Vec<_>>()
+            matched.solutions.iter().filter(|s| s.real).map(point).collect::<Vec<_>>()
         };
         Some(Self {
-            of: candidate_name(&best.id),
+            source: candidate_name(&best.id),
             fitted: true,
             m1_kg: model.m1_kg,
             m2_kg: model.m2_kg,
             largest_mass_ratio: matching.largest_mass_ratio(),
-            sweep: shares.iter().zip(&found).flat_map(of_share).collect(),
+            sweep: shares.iter().zip(&matches).flat_map(of_share).collect(),
         })
     }
 
-    /// Ranges of m2/m1 with a solution of positive parameters. Their ends lie half-way (in the logarithm) to the next point of
-    /// the sweep, or on the computed bound where that lies between the two.
+    /// Ranges of m2/m1 with a solution of positive parameters. Their ends lie half-way (in the logarithm) to the next
+    /// point of the sweep, or on the computed bound where that lies between the two.
     pub fn feasible_ranges(&self) -> Vec<(f64, f64)> {
         let mut points: Vec<(f64, bool)> = Vec::new();
         for solution in self.sweep.iter() {
@@ -164,10 +164,10 @@ pub(crate) mod tests {
     fn a_feasible_range_ends_on_the_bound_where_that_lies_between_two_points() {
         // Fractions 0.25, 0.5, 0.75: ratios 3, 1, 1/3.
         let feasible = |run: &Run| Divisions::of_run(run, &Ranking::default()).unwrap().feasible_ranges();
-        let found = feasible(&run_of(matching(Some(2.0), &[false, true, true])));
-        assert_eq!(found.len(), 1);
+        let ranges = feasible(&run_of(matching(Some(2.0), &[false, true, true])));
+        assert_eq!(ranges.len(), 1);
         // 1/0.75 - 1 is 1/3 but for rounding.
-        assert!((found[0].0 - 1.0 / 3.0).abs() < 1e-15 && found[0].1 == 2.0);
+        assert!((ranges[0].0 - 1.0 / 3.0).abs() < 1e-15 && ranges[0].1 == 2.0);
         let unknown = feasible(&run_of(matching(None, &[false, true, false])));
         assert!((unknown[0].0 - (1.0_f64 / 3.0).sqrt()).abs() < 1e-15 && (unknown[0].1 - 3.0_f64.sqrt()).abs() < 1e-15);
         assert_eq!(feasible(&run_of(matching(None, &[false; 3]))), []);
@@ -175,10 +175,14 @@ pub(crate) mod tests {
 
     pub fn fitted_run(active_bounds: &str) -> (Run, Ranking) {
         let record: CandidateV1 = serde_json::from_str(&format!(
-            r#"{{"model": "double-spring-mass-damper", "method": "direct-fit", "physical": true, "equivalent_to": null, "notes": [],
-                "parameters": {{"m1_kg": 375, "m2_kg": 1125, "k1_n_per_m": 9e5, "k2_n_per_m": 1e6, "c1_n_s_per_m": 6e3, "c2_n_s_per_m": 9e3}},
-                "fit": {{"channel": "a", "quantity": "displacement", "from_s": 0, "to_s": 0.07, "samples": 9, "rmse": 0, "iterations": 1,
-                    "evaluations": 1, "stop_reason": "cost-converged", "active_bounds": [{active_bounds}]}}, "uncertainty": null}}"#
+            r#"{{"model": "double-spring-mass-damper", "method": "direct-fit", "physical": true, "equivalent_to": null,
+                "notes": [],
+                "parameters": {{"m1_kg": 375, "m2_kg": 1125, "k1_n_per_m": 9e5, "k2_n_per_m": 1e6, "c1_n_s_per_m": 6e3,
+                "c2_n_s_per_m": 9e3}},
+                "fit": {{"channel": "a", "quantity": "displacement", "from_s": 0, "to_s": 0.07, "samples": 9, "rmse": 0,
+                "iterations": 1,
+                    "evaluations": 1, "stop_reason": "cost-converged", "active_bounds": [{active_bounds}]}},
+                    "uncertainty": null}}"#
         ))
         .unwrap();
         let id = "double-spring-mass-damper/direct-fit/1".to_owned();
@@ -199,12 +203,13 @@ pub(crate) mod tests {
     #[test]
     fn a_fitted_double_model_is_among_the_divisions_with_its_poles() {
         let (run, ranking) = fitted_run("");
-        let found = Divisions::of_run(&run, &ranking).unwrap();
-        assert!(found.fitted);
-        // The share fitted with, 0.25, lies between two of the sweep, so the set itself is not in it; its neighbours are physical.
-        let ratio_used = found.m2_kg / found.m1_kg;
-        assert!(found.feasible_ranges().iter().any(|(low, high)| (*low..=*high).contains(&ratio_used)));
-        assert!(found.largest_mass_ratio.unwrap() > ratio_used);
+        let divisions = Divisions::of_run(&run, &ranking).unwrap();
+        assert!(divisions.fitted);
+        // The share fitted with, 0.25, lies between two of the sweep, so the set itself is not in it; its neighbours
+        // are physical.
+        let ratio_used = divisions.m2_kg / divisions.m1_kg;
+        assert!(divisions.feasible_ranges().iter().any(|(low, high)| (*low..=*high).contains(&ratio_used)));
+        assert!(divisions.largest_mass_ratio.unwrap() > ratio_used);
     }
 
     #[test]

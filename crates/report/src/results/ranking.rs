@@ -9,8 +9,8 @@ use crate::{Candidate, Run};
 /// Fits that differ by less are the same: simulations agree to about 1e-10 percent, and no test decides at 1e-6.
 const FIT_STEP_PERCENT: f64 = 1e-6;
 
-/// A model with fewer parameters is preferred unless a larger one fits better by more than this, percentage points of the
-/// displacement fit. At 10 m/s and half a metre of crush 0.1 points are about 0.1 mm: less than any sensor knows.
+/// A model with fewer parameters is preferred unless a larger one fits better by more than this, percentage points of
+/// the displacement fit. At 10 m/s and half a metre of crush 0.1 points are about 0.1 mm: less than any sensor knows.
 pub const AS_GOOD_PERCENT: f64 = 0.1;
 
 /// A candidate that explains less of the displacement than this, percent, is called best by nobody.
@@ -21,9 +21,10 @@ pub const WORTH_NAMING_PERCENT: f64 = 50.0;
 pub struct Ranking {
     /// Every candidate with a fit, physical or not, best first.
     pub order: Vec<String>,
-    /// Of the candidates that qualify and fit within 0.1 percentage points of the best of them, the one of which this record leaves
-    /// the fewest parameters undetermined; among equals the one with the fewest parameters, then the one that fits best. A chain of
-    /// two whose masses were looked for by a sensor on the last one alone stands behind all others.
+    /// Of the candidates that qualify and fit within 0.1 percentage points of the best of them, the one of which this
+    /// record leaves the fewest parameters undetermined; among equals the one with the fewest parameters, then the one
+    /// that fits best. A chain of two whose masses were looked for by a sensor on the last one alone stands behind all
+    /// others.
     pub best: Option<String>,
     /// Why this run can have no best, whatever fits.
     pub no_best: Option<String>,
@@ -33,18 +34,18 @@ impl Ranking {
     /// Ranks by `fit_percent` of the simulation: the displacement fit over the window that was compared, by default the
     /// loading phase.
     ///
-    /// Fits are compared to a millionth of a percent, and a parameter set shares the fit of the one it is equivalent to:
-    /// rounding does not decide. Equal fits stand in id order. Candidates without a fit are left out. A physical candidate
-    /// has every parameter positive.
-    pub fn of(candidates: &[Candidate]) -> Self {
+    /// Fits are compared to a millionth of a percent, and a parameter set shares the fit of the one it is equivalent
+    /// to: rounding does not decide. Equal fits stand in id order. Candidates without a fit are left out. A physical
+    /// candidate has every parameter positive.
+    pub fn of_candidates(candidates: &[Candidate]) -> Self {
         let stands_for = pairs_of_equals(candidates);
         let fit = |index: usize| candidates[index].simulation.as_ref()?.fit_percent.filter(|fit| !fit.is_nan());
         let mut fitted: Vec<(f64, &Candidate)> = candidates
             .iter()
             .enumerate()
             .filter_map(|(index, candidate)| {
-                let own = fit(index)?;
-                let shared = fit(stands_for[index]).unwrap_or(own);
+                let fit_percent = fit(index)?;
+                let shared = fit(stands_for[index]).unwrap_or(fit_percent);
                 Some(((shared / FIT_STEP_PERCENT).round(), candidate))
             })
             .collect();
@@ -56,10 +57,11 @@ impl Ranking {
         }
     }
 
-    /// As [`Ranking::of`], without a best where the pulse is no crush along the vehicle: a model of springs that stop a mass is no
-    /// explanation of a lateral or vertical record, nor, beyond its window, of one that never stops.
+    /// As [`Ranking::of_candidates`], without a best where the pulse is no crush along the vehicle: a model of springs
+    /// that stop a mass is no explanation of a lateral or vertical record, nor, beyond its window, of one that never
+    /// stops.
     pub fn of_run(run: &Run) -> Self {
-        let mut ranking = Self::of(&run.candidates);
+        let mut ranking = Self::of_candidates(&run.candidates);
         ranking.no_best = no_crush(run);
         if ranking.no_best.is_some() {
             ranking.best = None;
@@ -67,8 +69,8 @@ impl Ranking {
         ranking
     }
 
-    /// Of the candidates of coefficient matching the one whose simulation fits best, physical or not: the solution that the
-    /// simulation supports.
+    /// Of the candidates of coefficient matching the one whose simulation fits best, physical or not: the solution that
+    /// the simulation supports.
     pub fn best_of_matching<'a>(&self, run: &'a Run) -> Option<&'a Candidate> {
         let matched = |id: &String| run.candidate(id).filter(|c| c.record.method == "coefficient-matching");
         self.order.iter().find_map(matched)
@@ -80,7 +82,8 @@ impl Ranking {
     }
 }
 
-/// Why there is no crush along the vehicle's axis to be explained; `None` where there is one, or no events were looked for.
+/// Why there is no crush along the vehicle's axis to be explained; `None` where there is one, or no events were looked
+/// for.
 fn no_crush(run: &Run) -> Option<String> {
     let events = run.events.as_ref()?;
     if let Some(axis) = run.channel().and_then(|channel| channel.axis).filter(|axis| *axis != Axis::X) {
@@ -90,9 +93,9 @@ fn no_crush(run: &Run) -> Option<String> {
     (!crushed).then(|| "the record shows no crush that comes to an end: its velocity never reaches zero".to_owned())
 }
 
-/// Whether a candidate may be called the best: physical, no parameter left on a bound of its search (such a value is the
-/// bound's, not the record's; zero, the limit of what is physical, is an answer), and a displacement fit of at least
-/// [`WORTH_NAMING_PERCENT`].
+/// Whether a candidate may be called the best: physical, no parameter left on a bound of its search (such a value is
+/// the bound's, not the record's; zero, the limit of what is physical, is an answer), and a displacement fit of at
+/// least [`WORTH_NAMING_PERCENT`].
 pub fn qualifies(candidate: &Candidate) -> bool {
     candidate.record.physical
         && free_of_bounds(candidate)
@@ -209,7 +212,7 @@ mod tests {
             candidate("kelvin/fit/1", 99.8, false, None),
             candidate("maxwell/fit/1", -12.0, true, None),
         ];
-        let ranking = Ranking::of(&candidates);
+        let ranking = Ranking::of_candidates(&candidates);
         assert_eq!(ranking.best.as_deref(), Some("double/fit/1"));
         assert_eq!(ranking.order, ["kelvin/fit/1", "double/fit/1", "double/fit/2", "maxwell/fit/1"]);
         assert_eq!(pairs_of_equals(&candidates), [0, 0, 2, 3]);
@@ -222,11 +225,11 @@ mod tests {
         let parameters = |n: usize| (0..n).map(|k| (format!("p{k}"), 1.0)).collect();
         candidates[0].record.parameters = parameters(6);
         candidates[1].record.parameters = parameters(3);
-        let ranking = Ranking::of(&candidates);
+        let ranking = Ranking::of_candidates(&candidates);
         assert_eq!(ranking.best.as_deref(), Some("kelvin/closed-form/1"));
         assert_eq!(ranking.order, ["double/fit/1", "kelvin/closed-form/1"]);
         candidates[1].simulation.as_mut().unwrap().fit_percent = Some(99.8);
-        assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("double/fit/1"));
+        assert_eq!(Ranking::of_candidates(&candidates).best.as_deref(), Some("double/fit/1"));
     }
 
     /// Leaves the first so many parameters open.
@@ -252,9 +255,9 @@ mod tests {
             open(candidate, undetermined);
         }
         // One parameter more, two less in doubt; Kelvin is a whole point behind.
-        assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("double/fit/1"));
+        assert_eq!(Ranking::of_candidates(&candidates).best.as_deref(), Some("double/fit/1"));
         open(&mut candidates[0], 1);
-        assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("nonlinear-1/fit/1"));
+        assert_eq!(Ranking::of_candidates(&candidates).best.as_deref(), Some("nonlinear-1/fit/1"));
     }
 
     #[test]
@@ -270,13 +273,13 @@ mod tests {
         }
         candidates[2].record.parameters = (0..9).map(|k| (format!("p{k}"), 1.0)).collect();
         assert!(candidates[0].divides_by_formula());
-        assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("nonlinear-2/fit/1"));
+        assert_eq!(Ranking::of_candidates(&candidates).best.as_deref(), Some("nonlinear-2/fit/1"));
         candidates[2].simulation.as_mut().unwrap().fit_percent = Some(90.0);
-        assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("chain/car/1"));
+        assert_eq!(Ranking::of_candidates(&candidates).best.as_deref(), Some("chain/car/1"));
         // Masses that were given.
         candidates[2].simulation.as_mut().unwrap().fit_percent = Some(99.95);
         candidates[0].record.uncertainty = None;
-        assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("chain/car/1"));
+        assert_eq!(Ranking::of_candidates(&candidates).best.as_deref(), Some("chain/car/1"));
     }
 
     #[test]
@@ -295,14 +298,14 @@ mod tests {
             active_bounds: vec!["k2_n_per_m".into()],
             sensors: vec![],
         });
-        assert_eq!(Ranking::of(&candidates).best.as_deref(), Some("kelvin/fit/1"));
+        assert_eq!(Ranking::of_candidates(&candidates).best.as_deref(), Some("kelvin/fit/1"));
         candidates[1].simulation.as_mut().unwrap().fit_percent = Some(28.7);
-        assert_eq!(Ranking::of(&candidates).best, None);
+        assert_eq!(Ranking::of_candidates(&candidates).best, None);
     }
 
     #[test]
     fn without_a_physical_candidate_there_is_no_best() {
-        let ranking = Ranking::of(&[candidate("kelvin/fit/1", 99.8, false, None)]);
+        let ranking = Ranking::of_candidates(&[candidate("kelvin/fit/1", 99.8, false, None)]);
         assert_eq!((ranking.best, ranking.order.len()), (None, 1));
     }
 

@@ -8,7 +8,7 @@ use crumple_artifact::records::{
 };
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
 
-use crate::text::people::candidate_name;
+use crate::text::numbers::candidate_name;
 
 /// A 95 % interval whose ends are further apart than this factor leaves a parameter hardly determined.
 const HARDLY_DETERMINED: f64 = 1e3;
@@ -135,8 +135,8 @@ impl Candidate {
         format!("{}{other}", candidate_name(&self.id))
     }
 
-    /// Whether it is a chain of two whose masses were looked for by a sensor on the last one alone: their division follows from a
-    /// formula and, with any noise, not from the record.
+    /// Whether it is a chain of two whose masses were looked for by a sensor on the last one alone: their division
+    /// follows from a formula and, with any noise, not from the record.
     pub fn divides_by_formula(&self) -> bool {
         let fit = self.record.fit.as_ref();
         let sees_the_front = fit.is_some_and(|fit| fit.sensors.iter().any(|sensor| sensor.mass == 1));
@@ -145,13 +145,13 @@ impl Candidate {
         self.is_chain() && two && !sees_the_front && asked.any(|name| name.ends_with("_kg"))
     }
 
-    /// Whether the 95 % interval of a parameter that counts as determined spans more than a factor of 1000: the record says little
-    /// more than its sign. Words only; what picks the best does not look at it.
+    /// Whether the 95 % interval of a parameter that counts as determined spans more than a factor of 1000: the record
+    /// says little more than its sign. Words only; what picks the best does not look at it.
     pub fn is_hardly_determined(&self, name: &str) -> bool {
         let Some(known) = self.record.uncertainty.as_ref().filter(|_| self.record.doubt(name).is_none()) else {
             return false;
         };
-        let end = |of: &BTreeMap<String, Option<f64>>| of.get(name).copied().flatten();
+        let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied().flatten();
         let ends = end(&known.interval_low).zip(end(&known.interval_high));
         ends.is_some_and(|(low, high)| {
             low * high > 0.0 && high.abs().max(low.abs()) > HARDLY_DETERMINED * high.abs().min(low.abs())
@@ -163,7 +163,8 @@ impl Candidate {
         self.record.asked().filter(|name| self.is_hardly_determined(name)).collect()
     }
 
-    /// `2 of 6 parameters not or hardly determined by this record`; `None` where it determines all that were asked of it.
+    /// `2 of 6 parameters not or hardly determined by this record`; `None` where it determines all that were asked of
+    /// it.
     pub fn undetermined_in_words(&self) -> Option<String> {
         let (open, of) = self.undetermined();
         let hardly = self.hardly_determined_parameters().len();
@@ -181,8 +182,9 @@ impl Candidate {
         (self.record.undetermined().len(), self.record.asked().count())
     }
 
-    /// Parameters that may be anything as far as is known: those that the record does not determine, and all of a candidate of which
-    /// nobody says how well it is known. A chain that a person stated was not asked of the record and leaves none open.
+    /// Parameters that may be anything as far as is known: those that the record does not determine, and all of a
+    /// candidate of which nobody says how well it is known. A chain that a person stated was not asked of the record
+    /// and leaves none open.
     pub fn left_open(&self) -> usize {
         let stated = self.is_chain() && self.record.fit.is_none();
         if self.record.uncertainty.is_none() && !stated { self.record.parameters.len() } else { self.undetermined().0 }

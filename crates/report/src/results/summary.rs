@@ -192,10 +192,10 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
 
 /// Candidates that have an AICc, lowest first; equal ones in id order.
 fn ids_ordered_by_aicc(run: &Run) -> Vec<String> {
-    let with = |candidate: &Candidate| Some((candidate.simulation.as_ref()?.aicc?, candidate.id.clone()));
-    let mut found: Vec<(f64, String)> = run.candidates.iter().filter_map(with).collect();
-    found.sort_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| compare_ids(x, y)));
-    found.into_iter().map(|(_, id)| id).collect()
+    let aicc_of = |candidate: &Candidate| Some((candidate.simulation.as_ref()?.aicc?, candidate.id.clone()));
+    let mut candidates: Vec<(f64, String)> = run.candidates.iter().filter_map(aicc_of).collect();
+    candidates.sort_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| compare_ids(x, y)));
+    candidates.into_iter().map(|(_, id)| id).collect()
 }
 
 fn metric_summary(metric: &MetricV1) -> MetricSummary<'_> {

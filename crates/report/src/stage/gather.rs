@@ -102,26 +102,26 @@ fn other_sensors(inputs: &Inputs, test: &TestDescription, pulse: &str, time_zero
 
 fn models(inputs: &Inputs) -> anyhow::Result<Vec<Model>> {
     let mut models: BTreeMap<String, Model> = BTreeMap::new();
-    let mut of = |id: &str, put: &mut dyn FnMut(&mut Model)| {
+    let mut with_model = |id: &str, put: &mut dyn FnMut(&mut Model)| {
         let model = models.entry(id.to_owned()).or_insert_with(|| Model { id: id.to_owned(), ..Model::default() });
         put(model);
     };
     for (id, identification) in inputs.records::<IdentificationV1>("/identification/")? {
-        of(&id, &mut |model| model.identification = Some(identification.clone()));
+        with_model(&id, &mut |model| model.identification = Some(identification.clone()));
     }
     for (id, modes) in inputs.records::<ModesV1>("/modes/")? {
-        of(&id, &mut |model| model.modes.clone_from(&modes.0));
+        with_model(&id, &mut |model| model.modes.clone_from(&modes.0));
     }
     for (id, response) in inputs.records::<ResponseV1>("/response/")? {
-        of(&id, &mut |model| model.response = Some(response.clone()));
+        with_model(&id, &mut |model| model.response = Some(response.clone()));
     }
     for (topic, tf) in inputs.records::<TransferFunctionV1>("/model/")? {
         let id = topic.strip_suffix("/transfer-function").unwrap_or(&topic);
-        of(id, &mut |model| model.transfer_function = Some(tf.clone()));
+        with_model(id, &mut |model| model.transfer_function = Some(tf.clone()));
     }
     for (topic, _) in inputs.records::<StateSpaceV1>("/model/")? {
         let id = topic.strip_suffix("/continuous").or_else(|| topic.strip_suffix("/discrete")).unwrap_or(&topic);
-        of(id, &mut |_| {});
+        with_model(id, &mut |_| {});
     }
     Ok(models.into_values().collect())
 }
@@ -167,7 +167,7 @@ fn elements(inputs: &Inputs, id: &str, time_zero_s: f64) -> Vec<Element> {
     let samples = |what: String| inputs.wave_if(&format!("{id}/{what}")).map(|wave| wave.sampled.samples());
     // Of mass i from 1; the last mass is the compartment, which has no number.
     let of_mass = |i: usize| samples(format!("m{i}/displacement")).or_else(|| samples("displacement".to_owned()));
-    let mut found: Vec<Element> = inputs
+    let mut elements: Vec<Element> = inputs
         .waves()
         .filter_map(|(wave_id, wave)| {
             let name = wave_id.strip_prefix(&prefix)?;
@@ -185,8 +185,8 @@ fn elements(inputs: &Inputs, id: &str, time_zero_s: f64) -> Vec<Element> {
         })
         .collect();
     let order = |e: &Element| (e.name.trim_start_matches(['k', 'c']).to_owned(), e.name.starts_with('c'));
-    found.sort_by_key(order);
-    found
+    elements.sort_by_key(order);
+    elements
 }
 
 fn stage_record(artifact: &Artifact) -> StageRecord {
@@ -248,7 +248,8 @@ fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
     let mut missing = std::mem::take(&mut run.missing);
     if run.is_generic() {
         missing.push(
-            "what belongs to a crash (motion, events, physical parameters): the test names no crash pulse (crumple-ingest --channel does)"
+            "what belongs to a crash (motion, events, physical parameters): the test names no crash pulse \
+             (crumple-ingest --channel does)"
                 .to_owned(),
         );
         run.missing = missing;

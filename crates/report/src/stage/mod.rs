@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crumple_artifact::write_atomically;
-use crumple_report::people::{KM_PER_H_PER_M_PER_S, MILLI, decimals};
+use crumple_report::numbers::{KM_PER_H_PER_M_PER_S, MILLI, decimals};
 use crumple_report::{Page, Ranking, Run, summary};
 use crumple_signal::Severity;
 use crumple_stage::{ExitStatus, Usage, be_quiet, check_pipeline, load_artifacts, say};

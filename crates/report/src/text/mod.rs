@@ -2,4 +2,4 @@
 //! Uses no other room.
 
 pub mod escape;
-pub mod people;
+pub mod numbers;

@@ -38,8 +38,8 @@ pub fn significant(value: f64, digits: usize) -> String {
     minus(&text)
 }
 
-/// Digits that an interval deserves: two of the distance between its ends, so that they differ in print, and at least so many
-/// of the larger end.
+/// Digits that an interval deserves: two of the distance between its ends, so that they differ in print, and at least
+/// so many of the larger end.
 pub fn digits_of_interval(low: f64, high: f64, at_least: usize) -> usize {
     /// No end is known to more.
     const MOST: usize = 9;
@@ -131,7 +131,8 @@ pub fn times(from_s: f64, to_s: f64) -> String {
     format!("{} to {} {unit}", decimals(factor * from_s, 1), decimals(factor * to_s, 1))
 }
 
-/// An input or output as identify names it (`acceleration of channel 93, m/s^2`): the words and the unit, if it has one.
+/// An input or output as identify names it (`acceleration of channel 93, m/s^2`): the words and the unit, if it has
+/// one.
 pub fn words_and_unit(text: &str) -> (&str, Option<String>) {
     let text = text.trim();
     let (words, unit) = match text.rsplit_once(", ") {
