@@ -13,6 +13,6 @@ mod text;
 
 pub use page::document::Page;
 pub use results::ranking::{Ranking, compare_ids, pairs_of_equals};
-pub use results::run::{Candidate, Element, Measured, Model, OtherSensor, Run, StageNote, StageRecord};
+pub use results::run::{CandidateResult, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord};
 pub use results::summary::{Summary, summary};
 pub use text::numbers;

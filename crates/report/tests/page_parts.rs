@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{
     CandidateV1, EventIntervalV1, EventsV1, FitV1, MetricV1, ResponseV1, SensorFitV1, SimulationV1, UncertaintyV1,
 };
-use crumple_report::{Candidate, Model, OtherSensor, Page, Ranking, Run, summary};
+use crumple_report::{CandidateResult, Model, Page, Ranking, Run, SensorMotion, summary};
 use crumple_signal::{Axis, Channel, QuantityKind, Sampled};
 
 fn record<T: serde::de::DeserializeOwned>(json: serde_json::Value) -> T {
@@ -28,9 +28,9 @@ fn simulation(fit_percent: f64) -> SimulationV1 {
     }))
 }
 
-fn candidate(id: &str, parameters: &[(&str, f64)], fit_percent: f64) -> Candidate {
+fn candidate(id: &str, parameters: &[(&str, f64)], fit_percent: f64) -> CandidateResult {
     let mut parts = id.split('/');
-    Candidate {
+    CandidateResult {
         id: id.to_owned(),
         record: CandidateV1 {
             model: parts.next().unwrap().to_owned(),
@@ -198,8 +198,8 @@ fn ratings_stand_in_one_table_with_their_marks_and_what_is_missing_says_why() {
 fn a_second_sensor_is_drawn_with_the_mass_that_sits_on_it() {
     let mut run = crash();
     run.other_sensors = vec![
-        OtherSensor { channel: "95".into(), velocity: Some(ramp(5.0)), displacement: ramp(5.0) },
-        OtherSensor { channel: "94".into(), velocity: None, displacement: ramp(10.0) },
+        SensorMotion { channel: "95".into(), velocity: Some(ramp(5.0)), displacement: ramp(5.0) },
+        SensorMotion { channel: "94".into(), velocity: None, displacement: ramp(10.0) },
     ];
     let sensor = |channel: &str, mass| SensorFitV1 {
         channel: channel.into(),
@@ -325,7 +325,7 @@ fn fits_that_are_equal_to_two_decimals_have_a_third_in_the_legend() {
 fn the_best_and_the_sensors_it_was_compared_with_are_shown_over_the_pulse() {
     let mut run = crash();
     run.other_sensors = ["94", "96"]
-        .map(|channel| OtherSensor { channel: channel.into(), velocity: None, displacement: ramp(9.5) })
+        .map(|channel| SensorMotion { channel: channel.into(), velocity: None, displacement: ramp(9.5) })
         .into();
     let mut best = candidate("kelvin/closed-form/1", &[("k_n_per_m", 3e5)], 99.0);
     best.simulation.as_mut().unwrap().other_sensors = record(serde_json::json!([

@@ -5,14 +5,14 @@ use serde_json::json;
 use crate::drawing::figure::{COMPUTED_POINTS, Figure, axis, base_layout, colour, over, set, with};
 use crate::text::escape::html;
 use crate::text::numbers::{KILO, MILLI, candidate_name};
-use crate::{Candidate, Ranking, Run};
+use crate::{CandidateResult, Ranking, Run};
 
 /// Of the best candidate, or of the first in rank without one; `None` where no forces are at hand.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
-    let with_forces = |candidate: &&Candidate| !candidate.elements.is_empty();
+    let with_forces = |candidate: &&CandidateResult| !candidate.elements.is_empty();
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id)).filter(with_forces);
     let first = || {
-        let place = |candidate: &&Candidate| ranking.place(&candidate.id).unwrap_or(usize::MAX);
+        let place = |candidate: &&CandidateResult| ranking.place(&candidate.id).unwrap_or(usize::MAX);
         run.candidates.iter().filter(with_forces).min_by_key(place)
     };
     let candidate = best.or_else(first)?;
@@ -35,13 +35,13 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         ));
     }
     let one_mass = candidate.masses.is_empty();
+    let title = if one_mass { "compression of the front, mm" } else { "compression between the masses, mm" };
     let mut layout = base_layout();
     set(
         &mut layout,
         json!({
             "hovermode": "closest",
-            "xaxis": axis(if one_mass { "compression of the front, mm" } else { "compression between the masses, \
-             mm" }, json!({})),
+            "xaxis": axis(title, json!({})),
             "yaxis": axis("force, kN", json!({})),
         }),
     );

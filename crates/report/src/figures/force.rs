@@ -13,7 +13,6 @@ use crate::{Ranking, Run};
 /// Force over displacement; without a mass the deceleration takes the force's place. `None` without a displacement.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let displacement = run.measured.displacement.as_ref()?;
-    let mass_kg = run.test.mass_kg;
     let drawn = match &run.measured.force {
         Some(force) => Ordinate { signal: force.clone(), factor: KILO, unit: "kN", title: "force, kN" },
         None => Ordinate {
@@ -43,7 +42,6 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
 
     let work = loading.work();
     let crush = run.events.as_ref().and_then(|e| e.dynamic_crush_m).filter(|crush| *crush > 0.0);
-    let mut caption = String::new();
     if let Some(crush) = crush {
         // The linear spring that takes up the same work at the same crush: k C²/2 = work.
         let end = drawn.factor * 2.0 * work / crush;
@@ -52,17 +50,6 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
             "name": "equal-energy line", "line": {"color": colour::MUTED, "width": 1.6, "dash": "dot"},
             "hoverinfo": "skip",
         }));
-        if mass_kg.is_some() && run.measured.force.is_some() {
-            caption.push_str(&format!(
-                "Loading takes up {}{NBSP}kJ; a linear spring with the same work at the same crush has {}{NBSP}kN/m. ",
-                significant(KILO * work, 4),
-                significant(KILO * 2.0 * work / (crush * crush), 4)
-            ));
-            if !unloading.x.is_empty() {
-                caption
-                    .push_str(&format!("Unloading gives {}{NBSP}kJ back. ", significant(KILO * -unloading.work(), 4)));
-            }
-        }
     }
     traces.extend(model_trace(run, ranking, &hover));
     // The load cells saw all masses, each with its own deceleration.
@@ -78,18 +65,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
             "font": {"color": colour::EVENT}, "bgcolor": "rgba(255,255,255,0.85)",
         }));
     }
-    caption.push_str(if run.measured.force.is_some() {
-        "Force is the test mass times the deceleration of this sensor: the barrier force of a vehicle that moves as \
-         one body."
-    } else {
-        "Deceleration takes the place of force, since no force record or mass is at hand."
-    });
-    if run.measured.barrier_force.is_some() && drawn.unit == "kN" {
-        caption.push_str(
-            " The load cells measured it at the barrier: where the two part, the engine and other masses move \
-             otherwise than this sensor.",
-        );
-    }
+    let caption = caption(run, crush, &loading, &unloading);
     let reach = |extreme: fn(f64, f64) -> f64| loading.x.iter().chain(&unloading.x).copied().fold(0.0, extreme);
     let (low, high) = (reach(f64::min), reach(f64::max));
     let view = [MILLI * (low - 0.02 * (high - low)), MILLI * (high + 0.05 * (high - low))];
@@ -165,6 +141,36 @@ fn load_cell_trace(cells: &Sampled, displacement: &Sampled, t_end: f64, hover: &
         json!({"name": "barrier load \
             cells", "line": {"color": colour::MEASURED, "width": 1.6}, "hovertemplate": hover}),
     )
+}
+
+fn caption(run: &Run, crush: Option<f64>, loading: &Branch, unloading: &Branch) -> String {
+    let mut caption = String::new();
+    if let Some(crush) = crush {
+        if run.test.mass_kg.is_some() && run.measured.force.is_some() {
+            caption.push_str(&format!(
+                "Loading takes up {}{NBSP}kJ; a linear spring with the same work at the same crush has {}{NBSP}kN/m. ",
+                significant(KILO * loading.work(), 4),
+                significant(KILO * 2.0 * loading.work() / (crush * crush), 4)
+            ));
+            if !unloading.x.is_empty() {
+                caption
+                    .push_str(&format!("Unloading gives {}{NBSP}kJ back. ", significant(KILO * -unloading.work(), 4)));
+            }
+        }
+    }
+    caption.push_str(if run.measured.force.is_some() {
+        "Force is the test mass times the deceleration of this sensor: the barrier force of a vehicle that moves as \
+         one body."
+    } else {
+        "Deceleration takes the place of force, since no force record or mass is at hand."
+    });
+    if run.measured.barrier_force.is_some() && run.measured.force.is_some() {
+        caption.push_str(
+            " The load cells measured it at the barrier: where the two part, the engine and other masses move \
+             otherwise than this sensor.",
+        );
+    }
+    caption
 }
 
 struct Ordinate {

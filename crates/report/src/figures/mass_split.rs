@@ -33,8 +33,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
                 "type": "scatter", "mode": "markers", "yaxis": panel,
                 "x": shown().map(|s| short(ratio(s))).collect::<Vec<_>>(),
                 "y": shown().map(|s| short(KILO * value(s))).collect::<Vec<_>>(),
-                "name": if physical { format!("{name}, all four positive") } else { format!("{name}, another is \
-                 negative") },
+                "name": format!("{name}, {}", if physical { "all four positive" } else { "another is negative" }),
                 "marker": {"size": 7, "color": colour::SERIES[place],
                            "symbol": if physical { "circle" } else { "circle-open" }},
             }));
@@ -93,8 +92,7 @@ fn caption(divisions: &Divisions, used: f64, feasible: &[(f64, f64)]) -> String 
     let what = if divisions.fitted {
         format!(
             "Parameter sets with the same poles as {}, at the same total mass, {total} kg. At another division the \
-             poles are kept, the motion is not \
-             quite: fit again with --front-mass-fraction to see by how much.",
+             poles are kept, the motion is not quite: fit again with --front-mass-fraction to see by how much.",
             divisions.source
         )
     } else {
@@ -102,8 +100,7 @@ fn caption(divisions: &Divisions, used: f64, feasible: &[(f64, f64)]) -> String 
     };
     format!(
         "{what} Filled: all four parameters are positive, and such divisions are shaded; negative values have no place \
-         on a logarithmic axis. \
-         {bound} The division used, m2/m1 = {}, {}.",
+         on a logarithmic axis. {bound} The division used, m2/m1 = {}, {}.",
         significant(used, 3),
         if inside { "is among them" } else { "is not among them" }
     )

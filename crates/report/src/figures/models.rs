@@ -11,7 +11,7 @@ use crate::drawing::shown_at_first::at_first;
 use crate::drawing::time_view::time_view_ms;
 use crate::text::escape::html;
 use crate::text::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name, decimals};
-use crate::{Candidate, Ranking, Run, pairs_of_equals};
+use crate::{CandidateResult, Ranking, Run, pairs_of_equals};
 
 /// Candidates that are shown at first; the others wait in the legend.
 const SHOWN: usize = 4;
@@ -19,7 +19,7 @@ const SHOWN: usize = 4;
 /// Test and candidates; `None` without a simulated displacement.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let stands_for = pairs_of_equals(&run.candidates);
-    let mut drawn: Vec<(usize, &Candidate, &Sampled)> = run
+    let mut drawn: Vec<(usize, &CandidateResult, &Sampled)> = run
         .candidates
         .iter()
         .enumerate()
@@ -31,11 +31,11 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     }
     drawn.sort_by_key(|(index, candidate, _)| (ranking.place(&candidate.id).unwrap_or(usize::MAX), *index));
 
-    let ranked: Vec<&Candidate> = drawn.iter().map(|(_, candidate, _)| *candidate).collect();
+    let ranked: Vec<&CandidateResult> = drawn.iter().map(|(_, candidate, _)| *candidate).collect();
     let shown = at_first(&ranked, ranking, SHOWN);
     let fits = fit_texts(&ranked);
     // The curves that are shown together have the colours before they repeat.
-    let is_shown = |candidate: &Candidate| shown.contains(candidate.id.as_str());
+    let is_shown = |candidate: &CandidateResult| shown.contains(candidate.id.as_str());
     let mut coloured = ranked.clone();
     coloured.sort_by_key(|candidate| !is_shown(candidate));
     let look_of = |id: &str| coloured.iter().position(|candidate| candidate.id == id).unwrap_or_default();
@@ -59,7 +59,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
             traces.push(with(
                 trace,
                 json!({"name": name(candidate, fits[place].as_deref(), others, ranking), "showlegend": axis == "y",
-                    "yaxis": axis,
+                       "yaxis": axis,
                        "hovertemplate": format!("{unit}<extra>{}</extra>", html(&candidate_name(&candidate.id)))}),
             ));
         };
@@ -78,31 +78,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         }
     }
 
-    let (shapes, labels) = marks(run, window);
-    // By what lies inside the compared window: what a model does after it would flatten the rest.
-    let residual_range =
-        if largest_mm > 0.0 { json!([short(-1.15 * largest_mm), short(1.15 * largest_mm)]) } else { Value::Null };
-    // The first view is that of the test up to twice its time of crush: a linear model ends with the loading phase.
-    let view = match (time_view_ms(run), run.time_of_crush_s()) {
-        (Some([_, to]), Some(t_m)) => json!([0, short(to.min(2.0 * MILLI * t_m))]),
-        (Some([_, to]), None) => json!([0, short(to)]),
-        (None, _) => Value::Null,
-    };
-    let mut layout = base_layout();
-    set(
-        &mut layout,
-        json!({
-            "hovermode": "x unified", "hoversubplots": "axis",
-            "xaxis": axis("time after time zero, ms", json!({"anchor": "y4", "range": view, "hoverformat": ".2f"})),
-            "yaxis": axis("displacement, \
-             mm", json!({"domain": [0.65, 1.0], "range": range_of(measured.displacement.as_ref(), MILLI)})),
-            "yaxis2": axis("residual, mm", json!({"domain": [0.45, 0.62], "range": residual_range})),
-            "yaxis3": axis("velocity, \
-             km/h", json!({"domain": [0.225, 0.42], "range": range_of(measured.velocity.as_ref(), KM_PER_H_PER_M_PER_S)})),
-            "yaxis4": axis("acceleration, g", json!({"domain": [0.0, 0.195]})),
-            "shapes": shapes, "annotations": labels,
-        }),
-    );
+    let mut layout = layout(run, window, largest_mm);
     // Two names fit into a row; the test's own stands before them.
     let legend_rows = (drawn.len() + 1).div_ceil(2) as u32;
     let height_px = 900 + 21 * legend_rows;
@@ -162,6 +138,37 @@ fn marks(run: &Run, window: Option<(f64, f64)>) -> (Vec<Value>, Vec<Value>) {
     (shapes, labels)
 }
 
+/// Four panels over the same times; `largest_mm` is the largest residual drawn at first.
+fn layout(run: &Run, window: Option<(f64, f64)>, largest_mm: f64) -> Value {
+    // By what lies inside the compared window: what a model does after it would flatten the rest.
+    let residual_range =
+        if largest_mm > 0.0 { json!([short(-1.15 * largest_mm), short(1.15 * largest_mm)]) } else { Value::Null };
+    // The first view is that of the test up to twice its time of crush: a linear model ends with the loading phase.
+    let view = match (time_view_ms(run), run.time_of_crush_s()) {
+        (Some([_, to]), Some(t_m)) => json!([0, short(to.min(2.0 * MILLI * t_m))]),
+        (Some([_, to]), None) => json!([0, short(to)]),
+        (None, _) => Value::Null,
+    };
+    let (shapes, labels) = marks(run, window);
+    let measured = &run.measured;
+    let displacement_range = range_of(measured.displacement.as_ref(), MILLI);
+    let velocity_range = range_of(measured.velocity.as_ref(), KM_PER_H_PER_M_PER_S);
+    let mut layout = base_layout();
+    set(
+        &mut layout,
+        json!({
+            "hovermode": "x unified", "hoversubplots": "axis",
+            "xaxis": axis("time after time zero, ms", json!({"anchor": "y4", "range": view, "hoverformat": ".2f"})),
+            "yaxis": axis("displacement, mm", json!({"domain": [0.65, 1.0], "range": displacement_range})),
+            "yaxis2": axis("residual, mm", json!({"domain": [0.45, 0.62], "range": residual_range})),
+            "yaxis3": axis("velocity, km/h", json!({"domain": [0.225, 0.42], "range": velocity_range})),
+            "yaxis4": axis("acceleration, g", json!({"domain": [0.0, 0.195]})),
+            "shapes": shapes, "annotations": labels,
+        }),
+    );
+    layout
+}
+
 fn caption(window: Option<(f64, f64)>, equals: usize, hidden: bool, chains: bool) -> String {
     let mut text = String::new();
     if let Some((from, to)) = window {
@@ -178,8 +185,7 @@ fn caption(window: Option<(f64, f64)>, equals: usize, hidden: bool, chains: bool
         let chains = if chains { ", and the chains of your own" } else { "" };
         text.push_str(&format!(
             " Shown at first are up to {SHOWN}{chains}: the best, then those without a parameter on a bound of the \
-             search, and of parameter \
-             sets of one model that fit alike the first."
+             search, and of parameter sets of one model that fit alike the first."
         ));
     }
     if equals > 0 {
@@ -189,7 +195,7 @@ fn caption(window: Option<(f64, f64)>, equals: usize, hidden: bool, chains: bool
 }
 
 /// Fits in percent to two decimals, as in the table of candidates; to three where two are equal in print.
-fn fit_texts(candidates: &[&Candidate]) -> Vec<Option<String>> {
+fn fit_texts(candidates: &[&CandidateResult]) -> Vec<Option<String>> {
     let fits = candidates.iter().map(|candidate| candidate.simulation.as_ref()?.fit_percent);
     let texts: Vec<_> = fits.map(|fit| fit.map(|fit| (fit, decimals(fit, 2)))).collect();
     let twice = |text: &str| texts.iter().flatten().filter(|(_, other)| other == text).count() > 1;
@@ -200,7 +206,7 @@ fn fit_texts(candidates: &[&Candidate]) -> Vec<Option<String>> {
     texts.iter().map(text).collect()
 }
 
-fn name(candidate: &Candidate, fit: Option<&str>, equals: usize, ranking: &Ranking) -> String {
+fn name(candidate: &CandidateResult, fit: Option<&str>, equals: usize, ranking: &Ranking) -> String {
     let mut name = html(&candidate_name(&candidate.id));
     let mut remarks = Vec::new();
     remarks.extend(fit.map(|fit| format!("{fit} %")));

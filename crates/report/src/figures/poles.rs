@@ -35,9 +35,9 @@ pub fn figure(run: &Run) -> Option<Figure> {
         &mut layout,
         json!({
             "hovermode": "closest",
-            "xaxis": axis("real part, \
-             1/s", json!({"range": [short(-1.2 * radius), short(0.45 * radius)], "zeroline": false,
-                "constrain": "range"})),
+            "xaxis": axis("real part, 1/s", json!({
+                "range": [short(-1.2 * radius), short(0.45 * radius)], "zeroline": false, "constrain": "range",
+            })),
             "yaxis": axis("imaginary part, rad/s", json!({"range": [short(-1.2 * radius), short(1.2 * radius)],
                 "scaleanchor": "x", "scaleratio": 1, "constrain": "range"})),
             "shapes": shapes, "annotations": labels,
@@ -120,8 +120,8 @@ fn zero_traces(run: &Run, radius: f64) -> (Vec<Value>, usize) {
             "hovertemplate": format!("zero %{{x:.5~g}} %{{y:+.5~g}}i 1/s<extra>{id}</extra>"),
             // No name in the legend without a mark in the first view.
             "showlegend": zeros.iter().any(|(re, im)| re.hypot(*im) <= 1.2 * radius),
-            "name": format!("{id}, \
-             zeros"), "visible": if run.models.len() > 3 { json!("legendonly") } else { json!(true) },
+            "name": format!("{id}, zeros"),
+            "visible": if run.models.len() > 3 { json!("legendonly") } else { json!(true) },
             "marker": {"symbol": "circle-open", "size": 10, "color": colour::SERIES[place % colour::SERIES.len()],
                        "line": {"width": 2}},
         }));

@@ -78,6 +78,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
         _ => String::new(),
     };
     let impulse_title = format!("impulse response{}", per(if first.impulse_of == "unit impulse" { "·s" } else { "" }));
+    let time_title = format!("time from the start of the window, {unit}");
     let step_title = format!("step response{}", per(""));
     let view = if settled_s > 0.0 && ROOM * settled_s < 0.5 * longest_s {
         caption.push_str(" The first view ends where the impulse response has died down; double-click shows all.");
@@ -96,8 +97,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
         &mut layout,
         json!({
             "hovermode": "x unified", "hoversubplots": "axis",
-            "xaxis": axis(&format!("time from the start of the window, \
-             {unit}"), json!({"anchor": "y2", "range": view})),
+            "xaxis": axis(&time_title, json!({"anchor": "y2", "range": view})),
             "yaxis": axis(&impulse_title, json!({"domain": [0.54, 1.0], "exponentformat": "power"})),
             "yaxis2": axis(&step_title, json!({"domain": [0.0, 0.46], "exponentformat": "power"})),
         }),

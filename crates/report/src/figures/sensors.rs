@@ -1,5 +1,7 @@
 //! Other sensors on the vehicle, and the masses of the models over them.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Value, json};
 
 use crate::drawing::figure::{
@@ -7,10 +9,10 @@ use crate::drawing::figure::{
 };
 use crate::drawing::shown_at_first::at_first;
 use crate::drawing::time_view::time_view_ms;
-use crate::results::run::OtherSensor;
+use crate::results::run::SensorMotion;
 use crate::text::escape::html;
 use crate::text::numbers::{KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
-use crate::{Candidate, Ranking, Run};
+use crate::{CandidateResult, Ranking, Run};
 
 /// Candidates whose masses are drawn over a sensor.
 const SHOWN: usize = 3;
@@ -23,7 +25,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     if run.other_sensors.is_empty() {
         return None;
     }
-    let mut ranked: Vec<&Candidate> = run.candidates.iter().collect();
+    let mut ranked: Vec<&CandidateResult> = run.candidates.iter().collect();
     ranked.sort_by_key(|candidate| ranking.place(&candidate.id).unwrap_or(usize::MAX));
     let mut traces = Vec::new();
     let mut names = 1;
@@ -35,7 +37,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
             traces.push(with(
                 with(over_time(signal, factor, points), style.clone()),
                 json!({"name": name, "legendgroup": group, "yaxis": axis, "showlegend": axis == "y2",
-                    "hovertemplate": hover}),
+                       "hovertemplate": hover}),
             ));
         }
     };
@@ -63,19 +65,8 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let compared =
         best.and_then(|best| best.simulation.as_ref()).map(|s| s.other_sensors.as_slice()).unwrap_or_default();
     for sensor in &run.other_sensors {
-        let with_mass: Vec<&Candidate> =
-            ranked.iter().copied().filter(|candidate| mass_at(candidate, sensor).is_some()).collect();
-        let shown = at_first(&with_mass, ranking, SHOWN);
-        let mut drawn = with_mass;
-        drawn.sort_by_key(|candidate| !shown.contains(candidate.id.as_str()));
-        let models: Vec<(&Candidate, usize)> = drawn
-            .into_iter()
-            .take(SHOWN.max(shown.len()))
-            .filter_map(|candidate| Some((candidate, mass_at(candidate, sensor)?)))
-            .collect();
-        let place = run.test.channel(&sensor.channel).map(|c| c.location.clone()).filter(|place| !place.is_empty());
-        let name =
-            format!("sensor {}{}", sensor.channel, place.map_or_else(String::new, |place| format!(" ({place})")));
+        let (models, shown) = models_at(sensor, &ranked, ranking);
+        let name = sensor_name(run, sensor);
         let is_compared = compared.iter().any(|other| other.channel == sensor.channel);
         let visible = if models.is_empty() && !is_compared { json!("legendonly") } else { json!(true) };
         let line = if models.is_empty() {
@@ -115,16 +106,40 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         id: "sensors",
         title: "Other sensors on the vehicle",
         caption: "Each sensor integrated from its own acceleration. A mass of a model is drawn over the sensor that \
-            sits on it, for the best \
-                  candidates, and the compartment of the best model over the pulse; sensors that the best model was \
-                  not compared with and no \
-                  mass stands for wait in the legend."
+            sits on it, for the best candidates, and the compartment of the best model over the pulse; sensors that \
+            the best model was not compared with and no mass stands for wait in the legend."
             .to_owned(),
         height_px,
         half_width: false,
         traces,
         layout,
     })
+}
+
+/// `sensor 97 (engine)`.
+fn sensor_name(run: &Run, sensor: &SensorMotion) -> String {
+    let place = run.test.channel(&sensor.channel).map(|c| c.location.clone()).filter(|place| !place.is_empty());
+    format!("sensor {}{}", sensor.channel, place.map_or_else(String::new, |place| format!(" ({place})")))
+}
+
+/// The candidates with a mass at a sensor, at most [`SHOWN`] or all shown at first, with that mass; and the ids of
+/// those shown at first.
+fn models_at<'a>(
+    sensor: &SensorMotion,
+    ranked: &[&'a CandidateResult],
+    ranking: &Ranking,
+) -> (Vec<(&'a CandidateResult, usize)>, BTreeSet<&'a str>) {
+    let with_mass: Vec<&CandidateResult> =
+        ranked.iter().copied().filter(|candidate| mass_at(candidate, sensor).is_some()).collect();
+    let shown = at_first(&with_mass, ranking, SHOWN);
+    let mut drawn = with_mass;
+    drawn.sort_by_key(|candidate| !shown.contains(candidate.id.as_str()));
+    let models = drawn
+        .into_iter()
+        .take(SHOWN.max(shown.len()))
+        .filter_map(|candidate| Some((candidate, mass_at(candidate, sensor)?)))
+        .collect();
+    (models, shown)
 }
 
 /// Velocity above displacement over the same times.
@@ -163,7 +178,7 @@ fn displacement_view(run: &Run) -> Value {
 
 /// The mass of the candidate that stands for the sensor, from 1 at the barrier: the one it was fitted to or compared
 /// with. `None` for the compartment, whose motion is among the models over the test.
-fn mass_at(candidate: &Candidate, sensor: &OtherSensor) -> Option<usize> {
+fn mass_at(candidate: &CandidateResult, sensor: &SensorMotion) -> Option<usize> {
     let fitted = candidate.other_channels().find(|(channel, _)| *channel == sensor.channel).map(|(_, mass)| mass);
     let compared = || {
         let others = candidate.simulation.as_ref().map(|s| s.other_sensors.as_slice()).unwrap_or_default();

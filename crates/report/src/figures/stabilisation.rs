@@ -62,9 +62,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let percent = |x: f64| format!("{} %", decimals(100.0 * x, 0));
     let mut caption = format!(
         "{} of {}: poles of models of rising order, from one factorisation. Compared with the order before, stable is \
-         a frequency \
-         within {}, a damping ratio within {}{}. Rejected: growing, damping ratio above {}, above {} of the Nyquist \
-         frequency, or no stronger than noise. Marked: modes present in {} of the orders or more ({}).",
+         a frequency within {}, a damping ratio within {}{}. Rejected: growing, damping ratio above {}, above {} of \
+         the Nyquist frequency, or no stronger than noise. Marked: modes present in {} of the orders or more ({}).",
         diagram.method,
         diagram.channel,
         percent(diagram.frequency_change),
@@ -86,8 +85,9 @@ pub fn figure(run: &Run) -> Option<Figure> {
         &mut layout,
         json!({
             "hovermode": "closest",
-            "xaxis": axis("natural frequency, \
-             Hz", json!({"type": "log", "dtick": 1, "minor": {"showgrid": true, "gridcolor": "#f1f3f5"}})),
+            "xaxis": axis("natural frequency, Hz", json!({
+                "type": "log", "dtick": 1, "minor": {"showgrid": true, "gridcolor": "#f1f3f5"},
+            })),
             "yaxis": axis("order", json!({"rangemode": "tozero", "dtick": 2, "zeroline": false})),
             "shapes": shapes, "annotations": labels,
         }),

@@ -4,7 +4,7 @@ use crate::text::escape::html;
 use crate::text::numbers::{
     ABSENT, MILLI, NBSP, candidate_name, decimals, digits_of_interval, parameter, parameter_order, signed, significant,
 };
-use crate::{Candidate, Ranking, Run};
+use crate::{CandidateResult, Ranking, Run};
 
 use crate::page::uncertainty;
 
@@ -29,7 +29,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
          test.\">Δt<sub>m</sub>, ms</abbr></th>\
          </tr></thead>\n<tbody>\n",
     );
-    let mut rows: Vec<&Candidate> = run.candidates.iter().collect();
+    let mut rows: Vec<&CandidateResult> = run.candidates.iter().collect();
     rows.sort_by_key(|candidate| ranking.place(&candidate.id).unwrap_or(usize::MAX));
     for candidate in rows {
         row(out, candidate, ranking);
@@ -58,26 +58,24 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         }
         None => {
             "<p class=\"caption\">None is called the best: that takes a physical candidate without a parameter on a \
-             bound that explains at least half of \
-             the displacement; zero is no such bound, but the limit of what is physical.</p>\n"
+             bound that explains at least half of the displacement; zero is no such bound, but the limit of what is \
+             physical.</p>\n"
         }
     });
     if run.candidates.iter().any(|candidate| candidate.record.uncertainty.is_some()) {
         out.push_str(
             "<p class=\"caption\">± is one standard deviation, from the misfit and the sensitivities at the fit; “95 \
-             %” is the interval that holds \
-             the value in 95 of 100 such records, “open” where the record does not bound it. It is far wider than two \
-             standard deviations where the \
-             misfit is worth few independent samples (see the remarks), and not symmetric. Profile, bootstrap and \
-             uncertain inputs, where asked for, \
-             are among a candidate's remarks.</p>\n",
+             %” is the interval that holds the value in 95 of 100 such records, “open” where the record does not bound \
+             it. It is far wider than two standard deviations where the misfit is worth few independent samples (see \
+             the remarks), and not symmetric. Profile, bootstrap and uncertain inputs, where asked for, are among a \
+             candidate's remarks.</p>\n",
         );
     }
     out.push_str("</section>\n");
 }
 
-fn row(out: &mut String, candidate: &Candidate, ranking: &Ranking) {
-    let Candidate { id, record, simulation, .. } = candidate;
+fn row(out: &mut String, candidate: &CandidateResult, ranking: &Ranking) {
+    let CandidateResult { id, record, simulation, .. } = candidate;
     let best = ranking.best.as_deref() == Some(id);
     let place = ranking.place(id).map_or_else(|| ABSENT.to_owned(), |place| place.to_string());
     let mut about = format!("<strong>{}</strong><br><code>{}</code>", html(&candidate_name(id)), html(id));
@@ -133,14 +131,13 @@ fn row(out: &mut String, candidate: &Candidate, ranking: &Ranking) {
 }
 
 /// Rank, weakest direction and condition; the sensors that the fit did not see.
-fn how_well_known(candidate: &Candidate) -> Vec<String> {
+fn how_well_known(candidate: &CandidateResult) -> Vec<String> {
     let mut remarks = Vec::new();
     if let Some(u) = &candidate.record.uncertainty {
         if let Some(rank) = u.rank {
             remarks.push(format!(
                 "Independent directions in the parameters that the waves respond to: {rank} of {}; how well each \
-                 parameter is known, \
-                 its interval says.",
+                 parameter is known, its interval says.",
                 u.order.len()
             ));
         }
@@ -168,7 +165,7 @@ fn how_well_known(candidate: &Candidate) -> Vec<String> {
 }
 
 /// `k = 321.9 ± 0.4 kN/m, 95 %: 321.1 to 322.7`, one parameter a line.
-fn parameters(candidate: &Candidate) -> String {
+fn parameters(candidate: &CandidateResult) -> String {
     let deviations = candidate.record.uncertainty.as_ref().map(|u| &u.standard_deviation);
     let mut parameters: Vec<(&String, &f64)> = candidate.record.parameters.iter().collect();
     parameters.sort_by_key(|(name, _)| parameter_order(name));
@@ -199,7 +196,7 @@ fn parameters(candidate: &Candidate) -> String {
 }
 
 /// `, 95 %: 310 to 330`; an end that the record does not bound is "open".
-fn interval(candidate: &Candidate, name: &str) -> String {
+fn interval(candidate: &CandidateResult, name: &str) -> String {
     let Some(u) = &candidate.record.uncertainty else { return String::new() };
     let (Some(low), Some(high)) = (u.interval_low.get(name), u.interval_high.get(name)) else { return String::new() };
     let digits = low.zip(*high).map_or(3, |(low, high)| digits_of_interval(low, high, 3));

@@ -27,8 +27,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
          <th scope=\"col\" class=\"n\">Brought in, kJ</th><th scope=\"col\" class=\"n\">Kinetic, kJ</th>\
          <th scope=\"col\" class=\"n\">In springs, kJ</th><th scope=\"col\" class=\"n\">Dissipated, kJ</th>\
          <th scope=\"col\" class=\"n\"><abbr title=\"Largest gap of the balance over the whole response, relative to \
-         its \
-         largest term.\">Closure</abbr></th></tr></thead>\n<tbody>\n",
+         its largest term.\">Closure</abbr></th></tr></thead>\n<tbody>\n",
     );
     for (candidate, energy, closure) in rows {
         let kilojoule = |joule: f64| decimals(KILO * joule, 2);
@@ -48,8 +47,8 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     out.push_str(
         "</tbody>\n</table></div>\n<p class=\"caption\">Heat and work are integrated apart from the motion, so the \
-         closure checks motion, forces \
-         and law together. Plastic work of the elastoplastic model counts as dissipated.</p>\n</section>\n",
+         closure checks motion, forces and law together. Plastic work of the elastoplastic model counts as \
+         dissipated.</p>\n</section>\n",
     );
 }
 

@@ -5,7 +5,7 @@ use crumple_signal::Severity;
 use crate::results::ranking::AS_GOOD_PERCENT;
 use crate::text::escape::html;
 use crate::text::numbers::{candidate_name, decimals, parameter};
-use crate::{Candidate, Ranking, Run};
+use crate::{CandidateResult, Ranking, Run};
 
 /// Good-to-know notes of a stage that are open to view; the rest is folded. Warnings never are.
 const OPEN_NOTES: usize = 12;
@@ -89,7 +89,7 @@ pub(super) fn write_notes(out: &mut String, run: &Run) {
 pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     let mut limits = Vec::new();
     // A fit that saw a second sensor has decided between the two.
-    let one_sensor = |c: &Candidate| c.other_channels().next().is_none();
+    let one_sensor = |c: &CandidateResult| c.other_channels().next().is_none();
     if run
         .candidates
         .iter()
@@ -97,9 +97,8 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     {
         limits.push(
             "One compartment accelerometer cannot tell a double-mass parameter set from its dual: both give exactly \
-             the same \
-             record, so the fit cannot choose between them. A second sensor on the front, on the engine or the \
-             firewall, decides."
+             the same record, so the fit cannot choose between them. A second sensor on the front, on the engine or \
+             the firewall, decides."
                 .to_owned(),
         );
     }
@@ -108,8 +107,7 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     if run.is_generic() {
         limits.push(
             "A model describes the record it was fitted to, over the amplitudes and frequencies that its input \
-             excited; what it foretells \
-             elsewhere is extrapolation."
+             excited; what it foretells elsewhere is extrapolation."
                 .to_owned(),
         );
     } else if !run.candidates.is_empty() || !run.models.is_empty() {
@@ -128,7 +126,7 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
         limits.push(text);
     }
     let others: std::collections::BTreeSet<&str> =
-        run.candidates.iter().flat_map(Candidate::other_channels).map(|(channel, _)| channel).collect();
+        run.candidates.iter().flat_map(CandidateResult::other_channels).map(|(channel, _)| channel).collect();
     let who = if others.is_empty() {
         "Everything here is read from one sensor".to_owned()
     } else {
@@ -137,10 +135,9 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     };
     if !run.is_generic() {
         limits.push(format!(
-            "{who}, with the vehicle taken for a body that moves as one. Crush is the \
-         displacement of that sensor, double-integrated: an error of its zero level grows with the square of time. It \
-         is \
-         dynamic crush; the crush that remains after the test cannot be had from an accelerometer."
+            "{who}, with the vehicle taken for a body that moves as one. Crush is the displacement of that sensor, \
+         double-integrated: an error of its zero level grows with the square of time. It is dynamic crush; the crush \
+         that remains after the test cannot be had from an accelerometer."
         ));
     }
     if let Some(ratio) = run.events.as_ref().and_then(|e| Some(e.centroid_time_s? / e.time_of_dynamic_crush_s?))
@@ -176,7 +173,7 @@ fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
     if let Some(reason) = ranking.no_best.as_deref().filter(|_| !ranking.order.is_empty()) {
         return vec![format!("No model is called the best: {reason}.")];
     }
-    let fit = |candidate: &Candidate| candidate.simulation.as_ref().and_then(|s| s.fit_percent);
+    let fit = |candidate: &CandidateResult| candidate.simulation.as_ref().and_then(|s| s.fit_percent);
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
     let closest = ranking.order.iter().filter_map(|id| run.candidate(id)).find(|c| c.record.physical);
     let Some(closest) = closest.filter(|c| best.is_none_or(|best| fit(c) > fit(best))) else { return Vec::new() };
@@ -186,29 +183,25 @@ fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
         let symbols: Vec<String> = on_bound.iter().map(|name| parameter(name, 0.0).0).collect();
         return vec![format!(
             "{name} fits closest but is not called the best: {} stopped on a bound of the search, so the record does \
-             not \
-             determine these values.",
+             not determine these values.",
             symbols.join(", ")
         )];
     }
-    let open = Candidate::left_open;
+    let open = CandidateResult::left_open;
     match best {
         Some(best) if closest.divides_by_formula() && !best.divides_by_formula() => vec![format!(
             "{name} fits no more than {AS_GOOD_PERCENT} percentage points better and its masses were looked for with a \
-             sensor on the \
-             last one alone, which does not decide their division."
+             sensor on the last one alone, which does not decide their division."
         )],
         Some(best) if open(closest) > open(best) => vec![format!(
             "{name} fits no more than {AS_GOOD_PERCENT} percentage points better, and this record leaves {} of its \
-             parameters \
-             undetermined instead of {}.",
+             parameters undetermined instead of {}.",
             open(closest),
             open(best)
         )],
         Some(best) if closest.record.parameters.len() > best.record.parameters.len() => vec![format!(
             "{name} fits no more than {AS_GOOD_PERCENT} percentage points better with {} parameters instead of {}: \
-             this record \
-             gives no reason for the larger model.",
+             this record gives no reason for the larger model.",
             closest.record.parameters.len(),
             best.record.parameters.len()
         )],

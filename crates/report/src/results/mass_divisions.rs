@@ -7,7 +7,7 @@ use crumple_artifact::records::{MatchingSweepV1, MatchingV1};
 use crumple_lumped::{CoefficientMatching, Model, ModelKind, Reading};
 
 use crate::text::numbers::candidate_name;
-use crate::{Candidate, Ranking, Run};
+use crate::{CandidateResult, Ranking, Run};
 
 /// Front shares looked at for a fitted model, 2 % apart as in the sweep of parameter-solve.
 const FRONT_SHARES: usize = 49;
@@ -56,7 +56,7 @@ impl<'a> Divisions<'a> {
 
     /// Of a model with a parameter on a bound of the search the poles are the bound's, not the record's: none.
     fn fitted(run: &Run, ranking: &Ranking) -> Option<Self> {
-        let double = |candidate: &&Candidate| {
+        let double = |candidate: &&CandidateResult| {
             let at_a_bound = |name: &String| candidate.record.parameters.get(name).is_none_or(|value| *value != 0.0);
             let inside = candidate.record.fit.as_ref().is_some_and(|fit| !fit.active_bounds.iter().any(at_a_bound));
             candidate.record.model == ModelKind::DoubleSpringMassDamper.name() && inside
@@ -187,7 +187,7 @@ pub(crate) mod tests {
         .unwrap();
         let id = "double-spring-mass-damper/direct-fit/1".to_owned();
         let ranking = Ranking { order: vec![id.clone()], ..Ranking::default() };
-        let candidate = Candidate {
+        let candidate = CandidateResult {
             id,
             record,
             simulation: None,

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use crumple_signal::Axis;
 
-use crate::{Candidate, Run};
+use crate::{CandidateResult, Run};
 
 /// Fits that differ by less are the same: simulations agree to about 1e-10 percent, and no test decides at 1e-6.
 const FIT_STEP_PERCENT: f64 = 1e-6;
@@ -37,10 +37,10 @@ impl Ranking {
     /// Fits are compared to a millionth of a percent, and a parameter set shares the fit of the one it is equivalent
     /// to: rounding does not decide. Equal fits stand in id order. Candidates without a fit are left out. A physical
     /// candidate has every parameter positive.
-    pub fn of_candidates(candidates: &[Candidate]) -> Self {
+    pub fn of_candidates(candidates: &[CandidateResult]) -> Self {
         let stands_for = pairs_of_equals(candidates);
         let fit = |index: usize| candidates[index].simulation.as_ref()?.fit_percent.filter(|fit| !fit.is_nan());
-        let mut fitted: Vec<(f64, &Candidate)> = candidates
+        let mut fitted: Vec<(f64, &CandidateResult)> = candidates
             .iter()
             .enumerate()
             .filter_map(|(index, candidate)| {
@@ -71,7 +71,7 @@ impl Ranking {
 
     /// Of the candidates of coefficient matching the one whose simulation fits best, physical or not: the solution that
     /// the simulation supports.
-    pub fn best_of_matching<'a>(&self, run: &'a Run) -> Option<&'a Candidate> {
+    pub fn best_of_matching<'a>(&self, run: &'a Run) -> Option<&'a CandidateResult> {
         let matched = |id: &String| run.candidate(id).filter(|c| c.record.method == "coefficient-matching");
         self.order.iter().find_map(matched)
     }
@@ -96,21 +96,21 @@ fn no_crush(run: &Run) -> Option<String> {
 /// Whether a candidate may be called the best: physical, no parameter left on a bound of its search (such a value is
 /// the bound's, not the record's; zero, the limit of what is physical, is an answer), and a displacement fit of at
 /// least [`WORTH_NAMING_PERCENT`].
-pub fn qualifies(candidate: &Candidate) -> bool {
+pub fn qualifies(candidate: &CandidateResult) -> bool {
     candidate.record.physical
         && free_of_bounds(candidate)
         && candidate.simulation.as_ref().and_then(|s| s.fit_percent).is_some_and(|fit| fit >= WORTH_NAMING_PERCENT)
 }
 
 /// Whether no parameter was left on a bound of its search other than zero.
-pub fn free_of_bounds(candidate: &Candidate) -> bool {
+pub fn free_of_bounds(candidate: &CandidateResult) -> bool {
     candidate.record.fit.as_ref().is_none_or(|fit| {
         fit.active_bounds.iter().all(|name| candidate.record.parameters.get(name).is_some_and(|value| *value == 0.0))
     })
 }
 
 /// `fitted` holds fits in steps of [`FIT_STEP_PERCENT`], best first.
-fn best_of_the_good<'a>(fitted: &[(f64, &'a Candidate)]) -> Option<&'a Candidate> {
+fn best_of_the_good<'a>(fitted: &[(f64, &'a CandidateResult)]) -> Option<&'a CandidateResult> {
     let good: Vec<_> = fitted.iter().filter(|(_, candidate)| qualifies(candidate)).collect();
     let (top, _) = good.first()?;
     // `min_by_key` takes the first of equals, which is the one that fits best.
@@ -137,7 +137,7 @@ pub fn compare_ids(a: &str, b: &str) -> Ordering {
 
 /// For each candidate the index of the one that stands for it in a drawing: itself, or an earlier candidate that
 /// gives exactly the same record (`equivalent_to`, in either direction).
-pub fn pairs_of_equals(candidates: &[Candidate]) -> Vec<usize> {
+pub fn pairs_of_equals(candidates: &[CandidateResult]) -> Vec<usize> {
     let mut stands_for: Vec<usize> = (0..candidates.len()).collect();
     for (index, candidate) in candidates.iter().enumerate() {
         let earlier = candidates[..index].iter().position(|other| {
@@ -159,9 +159,9 @@ mod tests {
 
     use super::*;
 
-    fn candidate(id: &str, fit_percent: f64, physical: bool, equivalent_to: Option<&str>) -> Candidate {
+    fn candidate(id: &str, fit_percent: f64, physical: bool, equivalent_to: Option<&str>) -> CandidateResult {
         let (model, rest) = id.split_once('/').unwrap();
-        Candidate {
+        CandidateResult {
             id: id.to_owned(),
             record: CandidateV1 {
                 model: model.to_owned(),
@@ -233,7 +233,7 @@ mod tests {
     }
 
     /// Leaves the first so many parameters open.
-    fn open(candidate: &mut Candidate, count: usize) {
+    fn open(candidate: &mut CandidateResult, count: usize) {
         let names = candidate.record.parameters.keys().cloned().collect::<Vec<_>>();
         let ends = |k: usize| if k < count { None } else { Some(1.0) };
         let interval: BTreeMap<String, Option<f64>> =

@@ -21,9 +21,9 @@ pub struct Run {
     /// The test.
     pub test: TestDescription,
     /// The waves of the channel the crash was read from.
-    pub measured: Measured,
+    pub measured: MeasuredWaves,
     /// Other sensors whose motion is at hand, in the order of their ids.
-    pub other_sensors: Vec<OtherSensor>,
+    pub other_sensors: Vec<SensorMotion>,
     /// How that channel was filtered.
     pub filter: Option<ChannelFilterV1>,
     /// The events of the crash.
@@ -37,7 +37,7 @@ pub struct Run {
     /// What coefficient matching found, by the id of the identified model.
     pub matchings: Vec<(String, MatchingV1)>,
     /// Candidates in id order: by model, method and the number at the end.
-    pub candidates: Vec<Candidate>,
+    pub candidates: Vec<CandidateResult>,
     /// Number of responses in the simulate stage's artifact; `None`: there is no such artifact.
     pub responses: Option<usize>,
     /// What the stages remarked, in stage order, each text once.
@@ -52,7 +52,7 @@ pub struct Run {
 
 /// The waves of the pulse channel, SI, on the record's time axis.
 #[derive(Debug, Clone, Default)]
-pub struct Measured {
+pub struct MeasuredWaves {
     /// Acceleration as read.
     pub raw: Option<Sampled>,
     /// Acceleration as filtered.
@@ -69,7 +69,7 @@ pub struct Measured {
 
 /// The motion that another sensor on the vehicle saw.
 #[derive(Debug, Clone)]
-pub struct OtherSensor {
+pub struct SensorMotion {
     /// Its channel.
     pub channel: String,
     /// Velocity, where there is one.
@@ -95,7 +95,7 @@ pub struct Model {
 
 /// One set of physical parameters and what it answers with.
 #[derive(Debug, Clone)]
-pub struct Candidate {
+pub struct CandidateResult {
     /// `<model>/<method>/<index>`.
     pub id: String,
     /// The parameters.
@@ -114,7 +114,7 @@ pub struct Candidate {
     pub masses: Vec<(Sampled, Option<Sampled>)>,
 }
 
-impl Candidate {
+impl CandidateResult {
     /// Whether it is a chain that a person stated.
     pub fn is_chain(&self) -> bool {
         self.record.model == "chain"
@@ -274,7 +274,7 @@ impl Run {
     }
 
     /// The candidate of this id.
-    pub fn candidate(&self, id: &str) -> Option<&Candidate> {
+    pub fn candidate(&self, id: &str) -> Option<&CandidateResult> {
         self.candidates.iter().find(|candidate| candidate.id == id)
     }
 

@@ -6,7 +6,7 @@ use crumple_artifact::records::{EventsV1, FitV1, MetricV1, ModeV1, SimulationV1,
 use serde::Serialize;
 
 use crate::results::ranking::compare_ids;
-use crate::{Candidate, Model, Ranking, Run};
+use crate::{CandidateResult, Model, Ranking, Run};
 
 /// The summary of a run. Keys are written in the order of the fields, numbers in full, SI units throughout.
 #[derive(Debug, Serialize)]
@@ -174,7 +174,7 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
             .best
             .as_deref()
             .and_then(|id| run.candidate(id))
-            .map_or_else(Vec::new, Candidate::hardly_determined_parameters),
+            .map_or_else(Vec::new, CandidateResult::hardly_determined_parameters),
         ranking: ranking.order.clone(),
         ranked_by: "simulation.fit_percent: displacement fit over simulation.from_s to simulation.to_s, highest first",
         ranking_by_aicc: ids_ordered_by_aicc(run),
@@ -192,7 +192,7 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
 
 /// Candidates that have an AICc, lowest first; equal ones in id order.
 fn ids_ordered_by_aicc(run: &Run) -> Vec<String> {
-    let aicc_of = |candidate: &Candidate| Some((candidate.simulation.as_ref()?.aicc?, candidate.id.clone()));
+    let aicc_of = |candidate: &CandidateResult| Some((candidate.simulation.as_ref()?.aicc?, candidate.id.clone()));
     let mut candidates: Vec<(f64, String)> = run.candidates.iter().filter_map(aicc_of).collect();
     candidates.sort_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| compare_ids(x, y)));
     candidates.into_iter().map(|(_, id)| id).collect()

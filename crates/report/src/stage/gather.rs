@@ -7,7 +7,9 @@ use crumple_artifact::records::{
     CandidateV1, ChannelFilterV1, DiagnosisV1, IdentificationV1, MetricsV1, ModesV1, NotesV1, ResponseV1, SimulationV1,
     StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1,
 };
-use crumple_report::{Candidate, Element, Measured, Model, OtherSensor, Run, StageNote, StageRecord, compare_ids};
+use crumple_report::{
+    CandidateResult, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord, compare_ids,
+};
 use crumple_signal::{Note, Sampled, Severity, TestDescription};
 use crumple_stage::{Inputs, RefuseExt, Refused};
 
@@ -60,7 +62,7 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
 
 /// The pulse channel's waves. Which acceleration is raw and which filtered follows from the stage that wrote it; where
 /// an artifact does not name a known stage, the later of two is the filtered one, and a lone one with a filter record.
-fn measured(inputs: &Inputs, id: &str, time_zero_s: f64) -> Measured {
+fn measured(inputs: &Inputs, id: &str, time_zero_s: f64) -> MeasuredWaves {
     let filter_topic = format!("/filter/{id}");
     let (mut raw, mut filtered) = (None, None);
     for artifact in inputs.artifacts() {
@@ -75,7 +77,7 @@ fn measured(inputs: &Inputs, id: &str, time_zero_s: f64) -> Measured {
         *(if is_filtered { &mut filtered } else { &mut raw }) = Some(after(&wave.sampled, time_zero_s));
     }
     let of_motion = |what: &str| inputs.wave_if(&format!("{id}/{what}")).map(|wave| after(&wave.sampled, time_zero_s));
-    Measured {
+    MeasuredWaves {
         raw,
         filtered,
         velocity: of_motion("velocity"),
@@ -86,12 +88,12 @@ fn measured(inputs: &Inputs, id: &str, time_zero_s: f64) -> Measured {
 }
 
 /// Channels of the test beside the pulse that were integrated.
-fn other_sensors(inputs: &Inputs, test: &TestDescription, pulse: &str, time_zero_s: f64) -> Vec<OtherSensor> {
+fn other_sensors(inputs: &Inputs, test: &TestDescription, pulse: &str, time_zero_s: f64) -> Vec<SensorMotion> {
     let wave = |id: String| inputs.wave_if(&id).map(|wave| after(&wave.sampled, time_zero_s));
     let others = test.channels.iter().filter(|channel| channel.id != pulse);
     others
         .filter_map(|channel| {
-            Some(OtherSensor {
+            Some(SensorMotion {
                 channel: channel.id.clone(),
                 velocity: wave(format!("{}/velocity", channel.id)),
                 displacement: wave(format!("{}/displacement", channel.id))?,
@@ -137,14 +139,14 @@ fn candidates(
     inputs: &Inputs,
     simulations: &BTreeMap<String, SimulationV1>,
     time_zero_s: f64,
-) -> anyhow::Result<Vec<Candidate>> {
+) -> anyhow::Result<Vec<CandidateResult>> {
     let wave = |id: &str, what: &str| -> Option<Sampled> {
         inputs.wave_if(&format!("{id}/{what}")).map(|wave| after(&wave.sampled, time_zero_s))
     };
-    let mut candidates: Vec<Candidate> = inputs
+    let mut candidates: Vec<CandidateResult> = inputs
         .records::<CandidateV1>("/parameters/")?
         .into_iter()
-        .map(|(id, record)| Candidate {
+        .map(|(id, record)| CandidateResult {
             simulation: simulations.get(&id).cloned(),
             displacement: wave(&id, "displacement"),
             velocity: wave(&id, "velocity"),
