@@ -24,5 +24,5 @@ pub use layout::schema::viewer_safe_schema;
 pub use layout::wave::{BLOCK_SAMPLES, Wave};
 pub use read::reader::{Artifact, RawRecord};
 pub use records::Record;
-pub use write::atomic::write_atomically;
+pub use write::atomic::{remove_in_order, replace_atomically, write_atomically};
 pub use write::builder::{ArtifactBuilder, Compression};

@@ -10,8 +10,8 @@ use crumple_artifact::Artifact;
 use crumple_artifact::records::{
     EvidenceV1, IdentificationV1, ModesV1, NotesV1, ShapesV1, StabilizationV1, StateSpaceV1,
 };
-use crumple_identify::{EraOptions, Order, era};
 use crumple_signal::{Channel, QuantityKind};
+use crumple_sysid::{EraOptions, Order, era};
 use crumple_testkit::white_noise;
 
 use program::{Wave, identify, made, written};

@@ -1,25 +1,18 @@
 //! From the files of a record to a test description, waveforms and their quality.
 
-use crumple_signal::{Channel, Notes, QuantityKind, Sampled, Source, TestDescription, part_of};
+use crumple_signal::{Channel, Notes, Source, TestDescription, part_of};
 
-use crate::bundle::{Bundle, stem};
-use crate::polarity::Polarity;
-use crate::quality::{self, Quality};
-use crate::recording::{Recording, Stated};
-use crate::{IngestError, Place, Settings, Sign, checks, details, polarity, pulse, sidecar, time_zero, twins, unused};
-
-/// A channel's samples and what was measured on them.
-#[derive(Debug, Clone)]
-pub struct Wave {
-    /// Id of the channel.
-    pub id: String,
-    /// What is measured.
-    pub quantity: QuantityKind,
-    /// Samples in SI, t = 0 at first contact.
-    pub samples: Sampled,
-    /// State as read.
-    pub quality: Quality,
-}
+use crate::checks::{channel_quality, redundant_sensors};
+use crate::files::sidecar;
+use crate::formats::reader::{Bundle, stem};
+use crate::pulse::choice;
+use crate::pulse::polarity::{self, Polarity};
+use crate::recording::content::Recording;
+use crate::recording::details::{self, Stated};
+use crate::recording::wave::Wave;
+use crate::recording::{quality, unheeded_flags};
+use crate::time::time_zero;
+use crate::{IngestError, Place, Settings, Sign};
 
 /// Result of the stage.
 #[derive(Debug, Clone)]
@@ -45,22 +38,19 @@ impl Ingested {
 /// Samples are as in the file but for the factor of their unit, and the sign if flipping is asked for.
 pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError> {
     let file = bundle.name.as_str();
-    let beside = match &bundle.sidecar {
-        Some(sidecar) => sidecar::parse(&sidecar.name, &sidecar.bytes)?,
-        None => Settings::default(),
-    };
+    let beside = sidecar::settings(bundle)?;
     let choices = flags.over(&beside);
     let mut recording = bundle.reader.read(bundle, &choices)?;
     let mut notes = std::mem::take(&mut recording.notes);
     let format = bundle.reader.format();
     let why = format!("a record of the format {format} states this itself, or has no such thing");
-    unused::notes(&choices, |flag| !bundle.reader.heeds().contains(&flag), &why, &mut notes);
+    unheeded_flags::notes(&choices, |flag| !bundle.reader.heeds().contains(&flag), &why, &mut notes);
     let allow_missing = choices.allow_missing.unwrap_or(false) || recording.details.no_pulse;
     // A change of velocity is named as the pulse, and has none of the checks of an acceleration.
     let (pulse, change) = if recording.details.no_pulse {
-        (None, pulse::velocity_change(file, &recording, choices.channel.as_deref(), &mut notes)?)
+        (None, choice::velocity_change(file, &recording, choices.channel.as_deref(), &mut notes)?)
     } else {
-        (pulse::choose(file, &recording, choices.channel.as_deref(), allow_missing, &mut notes)?, None)
+        (choice::choose(file, &recording, choices.channel.as_deref(), allow_missing, &mut notes)?, None)
     };
 
     if let Some(pulse) = pulse {
@@ -125,11 +115,11 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
     } else {
         Polarity::AsRead
     };
-    checks::notes(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
+    channel_quality::notes(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
     let pulse_id = pulse_id.or(change.map(|k| recording.channels[k].channel.id.clone()));
 
     let channels: Vec<Channel> = recording.channels.into_iter().map(|found| found.channel).collect();
-    twins::notes(&channels, &waves, &same_place, speed, &mut notes);
+    redundant_sensors::notes(&channels, &waves, &same_place, speed, &mut notes);
 
     let details = recording.details;
     let words = |stated: Option<Stated<String>>| stated.map(|s| s.value);
@@ -200,30 +190,4 @@ fn set_time_zero(
 
 fn overflow(file: &str, found: &str) -> IngestError {
     IngestError::content(Place::file(file), found, "finite numbers", "correct the record, or --time-zero")
-}
-
-impl Settings {
-    /// These settings where they say something, else those below.
-    pub fn over(&self, below: &Self) -> Self {
-        Self {
-            mass: self.mass.or(below.mass),
-            impact_speed: self.impact_speed.or(below.impact_speed),
-            channel: self.channel.clone().or_else(|| below.channel.clone()),
-            unit: self.unit.clone().or_else(|| below.unit.clone()),
-            time_unit: self.time_unit.clone().or_else(|| below.time_unit.clone()),
-            time_zero: self.time_zero.or(below.time_zero),
-            sign: self.sign.or(below.sign),
-            sample_time: self.sample_time.or(below.sample_time),
-            profile: self.profile.or(below.profile),
-            field: self.field.clone().or_else(|| below.field.clone()),
-            resample: self.resample.or(below.resample),
-            skip_to: self.skip_to.clone().or_else(|| below.skip_to.clone()),
-            vehicle_number: self.vehicle_number.or(below.vehicle_number),
-            vehicle: self.vehicle.clone().or_else(|| below.vehicle.clone()),
-            title: self.title.clone().or_else(|| below.title.clone()),
-            barrier: self.barrier.clone().or_else(|| below.barrier.clone()),
-            allow_missing: self.allow_missing.or(below.allow_missing),
-            listing: self.listing,
-        }
-    }
 }

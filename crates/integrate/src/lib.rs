@@ -5,27 +5,21 @@
 //! force on a barrier; [`propagate`] says how far the uncertainty of the inputs moves everything. The numbers themselves (events, metrics) are in `crumple-metrics`.
 
 mod barrier;
-mod drift;
-mod findings;
-mod force;
+mod events;
 mod motion;
-mod rule;
-mod sign;
-mod start;
-mod time_zero;
 mod uncertainty;
 
-pub use barrier::{CellSum, impulse_n_s, sum_of_cells};
-pub use drift::{Drift, DriftShape, EndCondition, integrate_without_drift};
-pub use findings::findings;
-pub use force::barrier_force;
-pub use motion::{Motion, Settings, integrate, integrate_reporting};
-pub use rule::{Rule, integrate_twice, integrate_twice_into};
-pub use sign::{WRONG_SIGN, events_of, wrong_sign};
-pub use start::{Start, UsedStart};
-pub use time_zero::{FoundZero, contact_edge, edr_start, threshold_crossing};
+pub use barrier::cell_sum::{CellSum, impulse_n_s, sum_of_cells};
+pub use barrier::inertia_force::barrier_force;
+pub use events::findings::findings;
+pub use events::sign::{WRONG_SIGN, events_of, wrong_sign};
+pub use events::time_zero::{FoundZero, contact_edge, edr_start, threshold_crossing};
+pub use motion::drift::{Drift, DriftShape, EndCondition, integrate_without_drift};
+pub use motion::integration::{Motion, Settings, integrate, integrate_reporting};
+pub use motion::rule::{Rule, integrate_twice, integrate_twice_into};
+pub use motion::start::{Start, UsedStart};
 
-pub use uncertainty::{
+pub use uncertainty::propagation::{
     EVENT_NAMES, Intervals, MOST_SAMPLES, Perturbation, Spread, Uncertainty, event_values, perturbed, propagate,
 };
 

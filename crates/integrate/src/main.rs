@@ -1,17 +1,6 @@
 //! `crumple-integrate`: velocity, displacement, crash events and metrics of the pulse.
 
-mod body;
-mod contact;
-mod further;
-mod injury;
-mod load_cells;
-mod motionless;
-mod options;
-mod recorded;
-mod redundant;
 mod stage;
-mod to_records;
-mod uncertain;
 
 use std::process::ExitCode;
 

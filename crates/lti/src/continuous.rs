@@ -3,7 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::state_space::check_finite;
-use crate::{LtiError, StateSpace, jacobi_svd, matrix_exponential, matrix_logarithm};
+use crumple_linalg::jacobi_svd;
+
+use crate::{LtiError, StateSpace, matrix_exponential, matrix_logarithm};
 
 /// Poles nearer to zero than this are delays: there is no continuous counterpart of any order.
 const DELAY: f64 = 1e-6;

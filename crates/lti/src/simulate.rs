@@ -1,6 +1,8 @@
 //! Responses of sampled models with any number of inputs and outputs.
 
-use crate::{LtiError, StateSpace, dot};
+use crumple_linalg::dot;
+
+use crate::{LtiError, StateSpace};
 
 /// Outputs of a discrete model driven by `inputs` (one signal each, all of one length) from the state `initial`:
 /// `y[k] = c x[k] + d u[k]`, one signal per output.

@@ -16,62 +16,39 @@
 //!
 //! Contact stays closed in all of them (the mass is tied to the barrier) except where `release` is set. So a linear
 //! model describes the loading phase of a crash; what it does after rebound is not a prediction.
+//!
+//! rooms: model matching | families | secant | exact | motion | kind
 
-mod chain;
-mod chain_motion;
-mod chain_parameters;
-mod coefficient_matching;
-mod crossing;
-mod cubic;
-mod curve;
-mod double_double;
-mod double_spring_mass_damper;
-mod driven;
-mod dynamics;
-mod elastoplastic;
-mod elastoplastic_motion;
-mod elastoplastic_sensitivity;
 mod error;
-mod exact_step;
-mod falling_zero;
-mod kelvin;
+mod exact;
+mod families;
 mod kind;
-mod linear_motion;
-mod many;
-mod maxwell;
+mod matching;
 mod model;
 mod motion;
-mod nonlinear;
-mod parameters;
-mod physical_coordinates;
-mod piecewise_linear;
-mod secant_chain;
-mod secant_motion;
-mod secant_sensitivity;
-mod secant_step;
-mod second_order;
-mod sensitivity;
-mod stumpff;
+mod secant;
 
-pub use chain::{Chain, ChainResponse, TripleSpringMassDamper};
-pub use coefficient_matching::{
+pub use crumple_lti::Complex;
+pub use error::LumpedError;
+pub use exact::exact_step::{ExactStep, exact_step, exact_step_with_derivatives};
+pub use families::chain::linear::{Chain, TripleSpringMassDamper};
+pub use families::chain::secant::SecantChain;
+pub use families::double_spring_mass_damper::DoubleSpringMassDamper;
+pub use families::elastoplastic::closed_form::Elastoplastic;
+pub use families::kelvin::Kelvin;
+pub use families::maxwell::Maxwell;
+pub use families::nonlinear::{Nonlinear1, Nonlinear2};
+pub use kind::model_kind::ModelKind;
+pub use kind::parameter::{Parameter, ParameterKind};
+pub use matching::coefficient_matching::{
     Certificate, CoefficientMatch, CoefficientMatching, MatchRoot, MatchedSolution, Reading, matching_sensitivity,
 };
-pub use crumple_lti::Complex;
-pub use double_spring_mass_damper::DoubleSpringMassDamper;
-pub use driven::Drive;
-pub use dynamics::{Dynamics, ElementForce, Energy};
-pub use elastoplastic::Elastoplastic;
-pub use error::LumpedError;
-pub use exact_step::{ExactStep, exact_step, exact_step_with_derivatives};
-pub use kelvin::Kelvin;
-pub use kind::ModelKind;
-pub use many::compartment_displacements;
-pub use maxwell::Maxwell;
-pub use model::Model;
-pub use motion::{CrushEvents, Motion, Response, State};
-pub use nonlinear::{Nonlinear1, Nonlinear2};
-pub use physical_coordinates::{PhysicalCoordinates, RealisedModel};
-pub use piecewise_linear::PiecewiseLinear;
-pub use secant_chain::SecantChain;
-pub use sensitivity::{Instants, Sensitivity};
+pub use matching::physical_coordinates::{PhysicalCoordinates, RealisedModel};
+pub use model::lumped_model::Model;
+pub use model::parameters::parameter_kind;
+pub use motion::chain_response::ChainResponse;
+pub use motion::drive::Drive;
+pub use motion::dynamics::{Dynamics, ElementForce, Energy};
+pub use motion::mass_motion::{CrushEvents, Motion, Response, State};
+pub use motion::sensitivity::{Instants, Sensitivity};
+pub use secant::piecewise_linear::PiecewiseLinear;

@@ -13,7 +13,6 @@
 //! - two curves: [`iso18571()`], [`cora()`], [`residuals()`]; several: [`Corridor`], [`agreement`], [`over_channels`]
 
 mod asi;
-mod autocorrelation;
 mod best_shift;
 mod butterworth;
 mod centroid;
@@ -36,7 +35,6 @@ mod metric;
 mod olc;
 mod peak;
 mod pulse_metrics;
-mod quantile;
 mod recorder;
 mod residuals;
 mod resultant;
@@ -50,9 +48,6 @@ mod unstopped;
 mod vpi;
 
 pub use asi::{AsiLimits, AsiMethod, asi};
-pub use autocorrelation::{
-    autocorrelation_time, autocovariance, effective_samples, first_zero_lag, lag_1_autocorrelation,
-};
 pub use centroid::{centroid_time_by_moment, centroid_time_from_crush};
 pub use channels::{Agreement, ChannelMotion, LARGEST_CRUSH_GAP, agreement, over_channels};
 pub use clip::{CLIP_3MS_S, clip_contiguous, clip_cumulative};
@@ -71,7 +66,6 @@ pub use metric::{Interval, IntervalBy, Metric, Window};
 pub use olc::{OlcOptions, olc};
 pub use peak::{Peak, peak};
 pub use pulse_metrics::{Pulse, pulse_metrics};
-pub use quantile::quantile;
 pub use recorder::maximum_delta_v;
 pub use residuals::{Residuals, fit_percent, residuals, rmse};
 pub use resultant::resultant;

@@ -1,6 +1,8 @@
 use std::fmt;
 
-use crate::{Definition, quantile};
+use crumple_estimation::statistics::quantile;
+
+use crate::Definition;
 
 /// Part of a record, s.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,19 +1,6 @@
 //! `crumple-parameter-solve`: finds springs and dampers of lumped models from the events and motion of a test.
 
-mod adoption;
-mod chain_table;
-mod chains;
-mod exponents;
-mod judging;
-mod judging_settings;
-mod measured;
-mod models;
-mod options;
-mod pairs;
-mod sensor_waves;
 mod stage;
-mod stage_settings;
-mod verdict;
 
 use std::process::ExitCode;
 

@@ -1,5 +1,6 @@
 //! Information criterion of the displacement error, with what the samples are worth.
 
+use crumple_estimation::statistics::InformationCriteria;
 use crumple_lumped::ModelKind;
 
 /// The criterion of one candidate.
@@ -16,10 +17,8 @@ pub struct Information {
 /// The criterion for a mean square error, at the number of independent samples that all candidates share: with a number each,
 /// the criterion would reward the smoother error. Hurvich & Tsai, Biometrika 76(2), 1989.
 pub fn information(mean_square_m2: f64, effective_samples: f64, parameters: u32) -> Information {
-    let (n, p) = (effective_samples, f64::from(parameters));
-    let aicc = (n > p + 1.0 && mean_square_m2 > 0.0)
-        .then(|| n * mean_square_m2.ln() + 2.0 * p + 2.0 * p * (p + 1.0) / (n - p - 1.0))
-        .filter(|value| value.is_finite());
+    let criteria = InformationCriteria::new(mean_square_m2, effective_samples, parameters as usize);
+    let aicc = (mean_square_m2 > 0.0).then_some(criteria.aicc).filter(|value| value.is_finite());
     Information { aicc, effective_samples, parameters }
 }
 

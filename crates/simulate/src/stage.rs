@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use crumple_estimation::statistics::effective_samples;
 use crumple_lumped::{Dynamics, Model, ModelKind, Motion, SecantChain};
-use crumple_metrics::effective_samples;
 use crumple_signal::value::Time;
 use crumple_signal::{Acceleration, Displacement, QuantityKind, Sampled, TestDescription, Velocity};
 use crumple_simulate::{

@@ -1,5 +1,6 @@
 //! Helpers for the workspace's tests, and the fixture generator. A dev-dependency only.
 
+pub mod bytes;
 mod filtered;
 pub mod fixture;
 mod integrated;

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crumple_signal::{QuantityKind, Sampled};
 use mcap::records::{MessageHeader, Metadata};
 
-use super::atomic::write_atomically;
+use super::atomic::replace_atomically;
 use crate::error::WriteError;
 use crate::layout::codec::{Codec, encode_wave_block};
 use crate::layout::digest::ContentDigest;
@@ -84,9 +84,9 @@ impl ArtifactBuilder {
         self.records.iter().map(|r| (r.topic.as_str(), r.schema, r.payload.as_slice()))
     }
 
-    /// Writes the artifact to `path` in one step (see [`write_atomically`]) and returns its content digest.
+    /// Writes the artifact to `path` in one step (see [`write_atomically`](crate::write_atomically)) and returns its content digest.
     pub fn write(&self, path: &Path, provenance: &Provenance, compression: Compression) -> Result<String, WriteError> {
-        self.write_reporting(path, provenance, compression, &mut |_| ())
+        self.write_replacing(path, &[], provenance, compression, &mut |_| ())
     }
 
     /// Samples of all waveforms together: the work of writing.
@@ -94,10 +94,12 @@ impl ArtifactBuilder {
         self.waves.values().map(|wave| wave.sampled.len() as u64).sum()
     }
 
-    /// [`write`](Self::write) that tells how many samples have been written since the last call.
-    pub fn write_reporting(
+    /// [`write`](Self::write) that tells how many samples have been written since the last call, and removes
+    /// `dependents`, files made from the old artifact, right before the new one appears (see [`replace_atomically`]).
+    pub fn write_replacing(
         &self,
         path: &Path,
+        dependents: &[PathBuf],
         provenance: &Provenance,
         compression: Compression,
         report: &mut dyn FnMut(u64),
@@ -111,7 +113,7 @@ impl ArtifactBuilder {
                 Self::Io(error)
             }
         }
-        write_atomically(path, |file| {
+        replace_atomically(path, dependents, |file| {
             self.write_blocks(file, provenance, compression, report)
                 .map_err(|source| Failure::Write(WriteError::Container { path: path.to_owned(), source }))
         })

@@ -3,11 +3,13 @@
 
 mod gather;
 
+use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::thread;
 
 use anyhow::Context;
-use crumple_artifact::write_atomically;
+use crumple_artifact::{replace_atomically, write_atomically};
 use crumple_report::numbers::{KM_PER_H_PER_M_PER_S, MILLI, decimals};
 use crumple_report::{Page, Ranking, Run, summary};
 use crumple_signal::Severity;
@@ -83,17 +85,8 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     run.pipeline = pipeline;
     let ranking = Ranking::of_run(&run);
     let json = summary(&run, &ranking).to_json()?;
-    // Half of the time goes into waiting for the disk: the summary gets there while the page is laid out.
-    std::thread::scope(|scope| {
-        let summary = scope.spawn(|| write_atomically(&summary_path, |file| file.write_all(json.as_bytes())));
-        let page = Page::new(&run, &ranking);
-        write_atomically(&cli.output, |file| page.write_to(file))
-            .with_context(|| format!("cannot write {}", cli.output.display()))?;
-        match summary.join() {
-            Ok(written) => written.with_context(|| format!("cannot write {}", summary_path.display())),
-            Err(panic) => std::panic::resume_unwind(panic),
-        }
-    })?;
+    write_both(&cli.output, &summary_path, &json, || Page::new(&run, &ranking))
+        .with_context(|| format!("cannot write {} and {}", cli.output.display(), summary_path.display()))?;
     if cli.json {
         // A reader that has seen enough closes the pipe; that is not an error.
         let _ = std::io::stdout().lock().write_all(json.as_bytes());
@@ -109,6 +102,25 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         return Ok(ExitStatus::NoAcceptableResult);
     }
     Ok(ExitStatus::Done)
+}
+
+/// Writes both files so that a process killed at any moment never leaves two of different runs: both are written whole
+/// beside their targets, then the old ones go, then the new ones appear.
+fn write_both(report: &Path, summary: &Path, json: &str, lay_out: impl FnOnce() -> Page) -> anyhow::Result<()> {
+    // A link stays a link: what it points at is replaced.
+    let old = [report, summary].map(|path| fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()));
+    write_atomically(summary, |summary| {
+        summary.write_all(json.as_bytes())?;
+        summary.flush()?;
+        let summary: &File = summary.get_ref();
+        // Half of the time goes into waiting for the disk: the summary gets there while the page is laid out.
+        thread::scope(|scope| {
+            let on_disk = scope.spawn(|| summary.sync_data());
+            let page = lay_out();
+            replace_atomically(report, &old, |file| page.write_to(file))?;
+            Ok(on_disk.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?)
+        })
+    })
 }
 
 fn refuse_to_overwrite_an_input(output: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> {

@@ -1,0 +1,18 @@
+//! Statistics of residuals and estimates: autocorrelation, covariance, information criteria, quantiles.
+//! Uses [`random`](crate::random) in tests only; linear algebra from `crumple-linalg`.
+
+mod autocorrelated_covariance;
+mod autocorrelation;
+mod information_criteria;
+mod quantile;
+mod residual_tests;
+mod standard_deviation;
+
+pub use autocorrelated_covariance::{Covariance, covariance, covariance_of_blocks};
+pub use autocorrelation::{
+    autocorrelation_time, autocovariance, effective_samples, first_zero_lag, lag_1_autocorrelation,
+};
+pub use information_criteria::InformationCriteria;
+pub use quantile::quantile;
+pub use residual_tests::{ResidualTests, autoregressive_effective_samples, chi_square_95, residual_tests};
+pub use standard_deviation::standard_deviation;

@@ -1,0 +1,125 @@
+//! The discrete methods with an input: subspace, ARX, output error, and through Markov parameters OKID and FIR.
+
+use crumple_signal::TestDescription;
+use crumple_stage::{Inputs, Outcome, Output};
+use crumple_sysid::{IdentifyError, IoData, Order, Weighting};
+
+use crate::stage::methods::discrete::arx;
+use crate::stage::methods::discrete::okid_fir::{impulse_response, okid};
+use crate::stage::methods::discrete::output_error;
+use crate::stage::methods::discrete::run::{Attempt, Attempts};
+use crate::stage::methods::discrete::subspace;
+use crate::stage::methods::discrete::subspace::{Horizon, chosen_order, put_diagram};
+use crate::stage::options::hankel::HankelSettings;
+use crate::stage::options::input_output::BeyondEra;
+use crate::stage::options::settings::Settings;
+use crate::stage::records::acceptance::steady;
+use crate::stage::records::discrete_model::Found;
+use crate::stage::records::selection::Comparison;
+
+/// The order where it is left to a method that does not choose one.
+const AUTOMATIC_ORDER: usize = 4;
+
+/// What to do about orders without a model.
+const HINT: &str = "lower --orders, widen the window (--from, --to), or name other waveforms";
+
+/// Why an order is tried that the record chose: the horizon of the models that were compared, and the comparison in words.
+type Choice = (Horizon, String);
+
+/// One model per order.
+pub fn run(
+    method: &str,
+    settings: &Settings,
+    test: &TestDescription,
+    inputs: &Inputs,
+    comparison: &mut Comparison,
+    out: &mut Output,
+) -> anyhow::Result<Outcome> {
+    let Some(beyond) = &settings.beyond_era else { return Ok(Outcome::Done) };
+    let all = Attempts::new(method, (settings, beyond), test, inputs, HINT)?;
+    let weighting = Weighting::ALL.into_iter().find(|weighting| weighting.name() == method);
+    if let (Some(wanted), Some(weighting)) = (&settings.stabilisation, weighting) {
+        put_diagram(weighting, settings.max_order, (&all.record, &all.data), beyond, wanted, out)?;
+    }
+    let mut orders: Vec<(usize, Option<Choice>)> = Vec::with_capacity(settings.orders.len());
+    for order in &settings.orders {
+        let (order, choice) = match order.0 {
+            Order::Given(n) => (n, None),
+            Order::Automatic => automatic(method, weighting, settings.max_order, &all.data, beyond, out),
+        };
+        match orders.iter_mut().find(|(other, _)| *other == order) {
+            Some((_, known)) => *known = known.take().or(choice),
+            None => orders.push((order, choice)),
+        }
+    }
+    let hankel = settings.hankel.as_ref();
+    let attempts: Vec<Attempt<'_>> = orders
+        .into_iter()
+        .map(|(order, choice)| (order, choice.unzip()))
+        .map(|(order, (compared, remark))| Attempt {
+            id: format!("{method}-{order}"),
+            order,
+            identify: Box::new(move |data, chosen| {
+                let beyond = BeyondEra {
+                    thin: chosen.thin.or(beyond.thin),
+                    block_rows: chosen.block_rows.or(beyond.block_rows),
+                    ..beyond.clone()
+                };
+                let hankel =
+                    hankel.map(|hankel| HankelSettings { lags: chosen.lags.or(hankel.lags), ..hankel.clone() });
+                let subspace = weighting.map(|weighting| (weighting, compared));
+                identify(method, subspace, order, data, &beyond, hankel.as_ref())
+            }),
+            remark,
+        })
+        .collect();
+    all.put(&attempts, comparison, out)
+}
+
+/// The number of states where it is left to the method, told in a note, and why this one where the record chose it.
+fn automatic(
+    method: &str,
+    weighting: Option<Weighting>,
+    max_order: usize,
+    data: &IoData,
+    beyond: &BeyondEra,
+    out: &mut Output,
+) -> (usize, Option<Choice>) {
+    let Some(weighting) = weighting else {
+        let instead = if method == "arx" { "; --arx-scan compares structures" } else { "" };
+        out.notes()
+            .info(format!("{method}: order auto is not a choice of this method; {AUTOMATIC_ORDER} is used{instead}"));
+        return (AUTOMATIC_ORDER, None);
+    };
+    match chosen_order(weighting, max_order, data, beyond) {
+        Ok((order, horizon, why)) => {
+            out.notes().info(format!("{method}: {why}"));
+            (order, Some((horizon, why)))
+        }
+        Err(reason) => {
+            out.notes().warning(format!("{method}: no order can be chosen ({reason}); {AUTOMATIC_ORDER} is used"));
+            (AUTOMATIC_ORDER, None)
+        }
+    }
+}
+
+/// A model of any record; `subspace` for the methods with a weighting.
+fn identify(
+    method: &str,
+    subspace: Option<(Weighting, Option<Horizon>)>,
+    order: usize,
+    data: &IoData,
+    beyond: &BeyondEra,
+    hankel: Option<&HankelSettings>,
+) -> Result<Found, IdentifyError> {
+    match (method, hankel) {
+        ("okid", Some(hankel)) => okid(order, data, hankel),
+        ("fir", Some(hankel)) => steady(impulse_response(order, data, hankel, beyond.initial == "zero")?, data),
+        ("arx", _) => arx::of_order(order, data),
+        ("output-error", _) => output_error::of_order(order, data, beyond),
+        _ => {
+            let (weighting, compared) = subspace.unwrap_or((Weighting::N4sid, None));
+            subspace::of_order(weighting, order, data, beyond, compared)
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! What a discrete method gives for one order.
+
+use crumple_lti::{Complex, StateSpace};
+
+use crate::stage::records::responses::Equation;
+
+/// A model of one order and what its method knows about it.
+pub struct Found {
+    pub model: StateSpace,
+    /// Numbers that were fitted, the initial state of the simulation among them.
+    pub parameters: usize,
+    pub singular_values: Vec<f64>,
+    /// One-step predictions of every output; empty: none.
+    pub predicted: Vec<Vec<f64>>,
+    /// First sample that is predicted; those before are the measured ones.
+    pub predicted_from: usize,
+    /// The equation, where the model is a regression of one output.
+    pub equation: Option<Equation>,
+    pub stop_reason: Option<&'static str>,
+    /// Condition number of the sensitivities of an iterative fit.
+    pub condition: Option<f64>,
+    /// Loss of every refined start of one, best first, outputs divided by their root mean squares.
+    pub losses: Vec<f64>,
+    /// Standard deviations of frequency and damping of discrete poles, where the method has a covariance.
+    pub deviations: Option<Deviations>,
+    pub notes: Vec<String>,
+    /// Models written beside the one that is simulated, by the last part of their topic.
+    pub beside: Vec<(&'static str, StateSpace)>,
+    /// What the method chose by the record and a fit to a replicate of it keeps.
+    pub chosen: Chosen,
+}
+
+/// Standard deviations of frequency (rad/s) and damping ratio of discrete poles.
+pub type Deviations = Box<dyn Fn(&[Complex]) -> Vec<Option<(f64, f64)>>>;
+
+/// Choices that a method makes by the record before it fits.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Chosen {
+    /// The subspace methods find poles from every n-th sample.
+    pub thin: Option<usize>,
+    /// Past samples that the observer sees.
+    pub lags: Option<usize>,
+    /// Block rows of the subspace methods.
+    pub block_rows: Option<usize>,
+}
+
+impl Found {
+    /// Nothing but the model.
+    pub fn new(model: StateSpace, parameters: usize) -> Self {
+        Self {
+            model,
+            parameters,
+            singular_values: Vec::new(),
+            predicted: Vec::new(),
+            predicted_from: 0,
+            equation: None,
+            stop_reason: None,
+            condition: None,
+            losses: Vec::new(),
+            deviations: None,
+            notes: Vec::new(),
+            beside: Vec::new(),
+            chosen: Chosen::default(),
+        }
+    }
+}

@@ -1,0 +1,299 @@
+//! An identified model as the records of the artifact.
+
+use crumple_lti::{Complex, LtiError, Mode, StateSpace, to_transfer_function};
+use crumple_signal::{Notes, Sampled};
+use crumple_stage::Output;
+use crumple_stage::records::{
+    EvidenceV1, IdentificationV1, ModeV1, ModesV1, ShapeV1, ShapesV1, StateSpaceV1, TransferFunctionV1,
+};
+use crumple_sysid::{Decomposition, Realization, Sample, markov_parameters, modal_assurance, phase_collinearity};
+use nalgebra::DMatrix;
+
+use crate::stage::options::evidence::BootstrapSettings;
+use crate::stage::records::acceptance::note_on_fit;
+use crate::stage::records::evidence::{evidence, foretold, put_evidence, validate};
+use crate::stage::records::responses::{Band, Judged, limits, put_spreads, spread_of_outputs, zeros_of};
+use crate::stage::records::selection::Comparison;
+use crate::stage::waves::input_output::{Cut, filter_edges};
+
+/// What a reader of the model must know of its input.
+const INPUT: &str = "unit impulse (the record taken as Markov parameters)";
+
+/// What a model comes from.
+pub struct Pass<'a> {
+    /// `era` or `era-dc`.
+    pub method: &'a str,
+    /// The channels, sampled together, at least one.
+    pub cuts: &'a [Cut],
+    /// What the samples are taken for.
+    pub treated_as: &'static str,
+    /// Bootstrap, if asked for.
+    pub bootstrap: Option<&'a BootstrapSettings>,
+    /// Whether this is the procedure of the paper, which the id then says with the number of samples.
+    pub paper: bool,
+    /// The same estimate from other samples of every channel.
+    pub refit: &'a (dyn Fn(&[Vec<f64>]) -> Option<Realization> + Sync),
+}
+
+impl Pass<'_> {
+    fn names(&self) -> Vec<&str> {
+        self.cuts.iter().map(|cut| cut.id.as_str()).collect()
+    }
+
+    /// `acceleration of channels 11, 12, m/s^2`; of several quantities one after the other.
+    fn describe(&self) -> String {
+        let plural = if self.single() { "" } else { "s" };
+        let said = |cut: &Cut, plural: &str, names: &str| {
+            format!("{} of channel{plural} {names}, {}", cut.quantity.name(), cut.quantity.si_unit())
+        };
+        if self.one_quantity() {
+            return said(&self.cuts[0], plural, &self.names().join(", "));
+        }
+        self.cuts.iter().map(|cut| said(cut, "", &cut.id)).collect::<Vec<_>>().join("; ")
+    }
+
+    fn one_quantity(&self) -> bool {
+        self.cuts.iter().all(|cut| cut.quantity == self.cuts[0].quantity)
+    }
+
+    fn single(&self) -> bool {
+        self.cuts.len() == 1
+    }
+
+    fn samples(&self) -> usize {
+        self.cuts[0].sampled.len()
+    }
+
+    /// `<method>-<order>`; of the paper's procedure with the number of samples.
+    pub fn id(&self, order: usize) -> String {
+        let paper = if self.paper { format!("-n{}-paper", self.samples()) } else { String::new() };
+        format!("{}-{order}{paper}", self.method)
+    }
+}
+
+/// Writes the records of one model under its id, `<method>-<order>`, and a summary line.
+pub fn put_model(
+    model: &Realization,
+    pass: &Pass<'_>,
+    notes: &Notes,
+    comparison: &mut Comparison,
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    let (order, samples, single) = (model.order(), pass.samples(), pass.single());
+    let id = pass.id(order);
+    let output = pass.describe();
+    let mut notes = notes.to_texts();
+    out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output, None))?;
+    if let Ok(continuous) = &model.continuous {
+        out.put(&format!("/model/{id}/continuous"), &state_space(continuous, INPUT, &output, None))?;
+        match transfer_function(continuous, &output) {
+            _ if !single => {}
+            Ok(record) => out.put(&format!("/model/{id}/transfer-function"), &record)?,
+            Err(error) => notes.push(format!("no transfer function: {error}")),
+        }
+    }
+    out.put(&format!("/modes/{id}"), &modes(model))?;
+    if !single {
+        let poles: Vec<_> = model.modes.iter().map(|mode| (mode.discrete_pole, mode.mode)).collect();
+        out.put(&format!("/shapes/{id}"), &shapes(&poles, &model.mode_shapes, pass.cuts))?;
+    }
+    if let Decomposition::Lanczos { steps } = model.decomposition {
+        let converged = model
+            .singular_value_errors
+            .iter()
+            .take_while(|error| **error <= 1e-9 * model.singular_values.first().copied().unwrap_or(0.0))
+            .count();
+        notes.push(format!(
+            "the {} leading singular values are listed after {steps} Lanczos steps: {converged} converged, the others within 3 %",
+            model.singular_values.len()
+        ));
+    }
+    let whole = markov_parameters(&model.discrete, samples + pass.cuts[0].kept.len());
+    let parameters = (pass.cuts.len() + 1) * order + pass.cuts.len();
+    let response: Vec<Vec<f64>> = whole.iter().map(|y| y[..samples].to_vec()).collect();
+    let mut supports = supports(pass, &whole, parameters)?;
+    for support in &mut supports {
+        support.singular_value_errors = model.singular_value_errors.clone();
+        support.paper = pass.paper.then(|| "era".to_owned());
+        support.validation_from_s = pass.cuts[0].kept_from_s();
+    }
+
+    let mut remarks = Notes::new();
+    limits(&id, (1, pass.cuts.len()), None, &mut remarks);
+    note_on_fit(&id, model.fit_percent, &mut remarks);
+    let cut = &pass.cuts[0];
+    let judged = judged(model, cut);
+    let grid = if single { judged.grid_hz() } else { Vec::new() };
+    let measured: Vec<Vec<f64>> = pass.cuts.iter().map(|cut| cut.sampled.samples().to_vec()).collect();
+    let of = (&id[..], &judged.sample(&grid));
+    let found = spread_of_outputs(pass.bootstrap, of, (&measured, &response), parameters, &mut remarks, |y| {
+        Some(judged_sample(&(pass.refit)(y)?, cut, &grid))
+    });
+    if let Some(found) = &found {
+        supports.iter_mut().for_each(|support| put_spreads(found, support));
+    }
+    let band = found.as_ref().map(Band::from_bootstrap);
+    if let Some(record) = judged.response(INPUT, &output, band.as_ref()).filter(|_| single) {
+        out.put(&format!("/response/{id}"), &record)?;
+    }
+    notes.extend(remarks.to_texts());
+    out.notes().extend(remarks);
+    out.put(&format!("/identification/{id}"), &identification(model, pass, notes))?;
+    put_evidence(&id, &supports, out)?;
+    comparison.enter(&id, samples, &supports);
+    out.summary(format!("{}{}", summary(&id, model, samples), foretold(&supports)));
+    Ok(())
+}
+
+/// Evidence from the response over all samples: one record for channels of one quantity, whose residuals stand one after
+/// the other, else one for each.
+fn supports(pass: &Pass<'_>, whole: &[Vec<f64>], parameters: usize) -> anyhow::Result<Vec<EvidenceV1>> {
+    let samples = pass.samples();
+    let one = |cut: &Cut, response: &[f64], kept: &[f64]| {
+        let mut support = evidence(None, cut, response, parameters);
+        validate(cut, &[response, kept].concat(), &mut support);
+        support
+    };
+    if !pass.one_quantity() {
+        return Ok(pass.cuts.iter().zip(whole).map(|(cut, y)| one(cut, &y[..samples], &y[samples..])).collect());
+    }
+    let part = |from: usize, to: usize| whole.iter().flat_map(|y| &y[from..to]).copied().collect::<Vec<f64>>();
+    let kept = pass.cuts[0].kept.len();
+    Ok(vec![one(&joined(pass.cuts)?, &part(0, samples), &part(samples, samples + kept))])
+}
+
+/// All channels as one, one after the other.
+fn joined(cuts: &[Cut]) -> anyhow::Result<Cut> {
+    let first = &cuts[0].sampled;
+    let samples = cuts.iter().flat_map(|cut| cut.sampled.samples()).copied().collect();
+    Ok(Cut {
+        id: cuts.iter().map(|cut| cut.id.as_str()).collect::<Vec<_>>().join(", "),
+        quantity: cuts[0].quantity,
+        sampled: Sampled::new(first.t0_s(), first.dt_s(), samples)?,
+        kept: cuts.iter().flat_map(|cut| &cut.kept).copied().collect(),
+        edges: filter_edges(cuts).to_vec(),
+    })
+}
+
+fn judged<'a>(model: &'a Realization, cut: &Cut) -> Judged<'a> {
+    let continuous = model.continuous.as_ref().ok();
+    Judged {
+        continuous,
+        discrete: Some(&model.discrete),
+        poles: model.modes.iter().filter_map(|m| m.mode).map(|mode| mode.pole).collect(),
+        zeros: continuous.map(zeros_of).unwrap_or_default(),
+        dt_s: cut.sampled.dt_s(),
+        samples: cut.sampled.len(),
+        delay: 0,
+    }
+}
+
+fn judged_sample(model: &Realization, cut: &Cut, grid_hz: &[f64]) -> Sample {
+    judged(model, cut).sample(grid_hz)
+}
+
+pub fn state_space(model: &StateSpace, input: &str, output: &str, delay_s: Option<f64>) -> StateSpaceV1 {
+    StateSpaceV1 {
+        a: rows(&model.a),
+        b: rows(&model.b),
+        c: rows(&model.c),
+        d: rows(&model.d),
+        sample_time_s: model.sample_time_s.unwrap_or(0.0),
+        input: input.to_owned(),
+        output: output.to_owned(),
+        delay_s,
+    }
+}
+
+fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
+}
+
+fn transfer_function(model: &StateSpace, output: &str) -> Result<TransferFunctionV1, LtiError> {
+    let tf = to_transfer_function(model)?;
+    Ok(TransferFunctionV1 {
+        numerator: tf.numerator().to_vec(),
+        denominator: tf.denominator().to_vec(),
+        input: INPUT.to_owned(),
+        output: output.to_owned(),
+        delay_s: None,
+    })
+}
+
+/// One entry a pole; a pole at `z = 0` has no continuous counterpart and no entry (a note tells of it).
+fn modes(model: &Realization) -> ModesV1 {
+    let entries = model.modes.iter().filter_map(|identified| {
+        let mode = identified.mode?;
+        Some(ModeV1 {
+            // Adding zero takes the sign from a zero.
+            re_per_s: mode.pole.re + 0.0,
+            im_rad_per_s: mode.pole.im + 0.0,
+            natural_frequency_rad_per_s: mode.natural_frequency_rad_per_s,
+            damping_ratio: mode.damping_ratio,
+            modal_amplitude_coherence: identified.modal_amplitude_coherence,
+            mode_singular_value: identified.mode_singular_value,
+            discrete_re: Some(identified.discrete_pole.re),
+            discrete_im: Some(identified.discrete_pole.im),
+        })
+    });
+    ModesV1(entries.collect())
+}
+
+/// Shapes of the modes, conjugates once, and how alike they are.
+pub fn shapes(poles: &[(Complex, Option<Mode>)], shapes: &[Option<Vec<Complex>>], cuts: &[Cut]) -> ShapesV1 {
+    let modes = poles.iter().zip(shapes).filter(|((z, _), _)| z.im >= 0.0);
+    let known: Vec<_> = modes.filter_map(|((_, mode), shape)| Some(((*mode)?, shape.as_ref()?))).collect();
+    let modal_assurance =
+        known.iter().map(|(_, p)| known.iter().map(|(_, q)| modal_assurance(p, q).unwrap_or(0.0)).collect()).collect();
+    let shapes = known.iter().map(|(mode, shape)| ShapeV1 {
+        re_per_s: mode.pole.re,
+        im_rad_per_s: mode.pole.im,
+        re: shape.iter().map(|x| x.re).collect(),
+        im: shape.iter().map(|x| x.im).collect(),
+        phase_collinearity: phase_collinearity(shape),
+    });
+    ShapesV1 { channels: cuts.iter().map(|cut| cut.id.clone()).collect(), shapes: shapes.collect(), modal_assurance }
+}
+
+fn identification(model: &Realization, pass: &Pass<'_>, notes: Vec<String>) -> IdentificationV1 {
+    let sampled = &pass.cuts[0].sampled;
+    let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    IdentificationV1 {
+        method: pass.method.to_owned(),
+        order: size(model.order()),
+        channel: pass.names().join(", "),
+        treated_as: pass.treated_as.to_owned(),
+        from_s: sampled.t0_s(),
+        to_s: sampled.end_s(),
+        samples: sampled.len() as u64,
+        hankel_rows: Some(size(model.rows)),
+        hankel_columns: Some(size(model.columns)),
+        singular_values: model.singular_values.clone(),
+        fit_percent: model.fit_percent,
+        rmse: model.rmse,
+        notes,
+        output_fits_percent: if pass.single() { Vec::new() } else { model.sequence_fits_percent.clone() },
+        delay_s: None,
+    }
+}
+
+/// `era-4: fit 81.4 % of 2501 samples; 5.31 Hz (damping 0.481), 13.2 Hz (damping 0.112)`.
+fn summary(id: &str, model: &Realization, samples: usize) -> String {
+    let fit = model.fit_percent.map_or("no defined fit".to_owned(), |fit| format!("fit {fit:.1} %"));
+    let modes: Vec<String> = model
+        .modes
+        .iter()
+        .filter_map(|identified| identified.mode)
+        .filter(|mode| mode.pole.im >= 0.0)
+        .map(|mode| {
+            if mode.pole.im == 0.0 {
+                let re = if mode.pole.re.abs() < 5e-5 { 0.0 } else { mode.pole.re };
+                format!("real pole {re:.4} 1/s")
+            } else {
+                let damping = mode.damping_ratio.unwrap_or(0.0);
+                format!("{:.3} Hz (damping ratio {damping:.3})", mode.natural_frequency_hz())
+            }
+        })
+        .collect();
+    format!("{id}: {fit} of {samples} samples; {}", modes.join(", "))
+}

@@ -1,0 +1,244 @@
+//! A sampled model between waveforms, and the evidence for it, as records.
+
+use crumple_lti::{Complex, InputHold, Mode, StateSpace, to_continuous, to_transfer_function};
+use crumple_stage::Output;
+use crumple_sysid::{IdentifyError, IoData, compare, continued, fit_measures, mode_shapes};
+
+use crate::stage::options::evidence::BootstrapSettings;
+use crate::stage::records::discrete_model::Found;
+use crate::stage::records::evidence::{
+    foretold, modes, notes_on_modes, of_record, percent, prediction_tests, put_evidence, put_transfer_functions,
+    validate_all,
+};
+use crate::stage::records::realization::{shapes, state_space};
+use crate::stage::records::responses::{
+    Band, Judged, limits, put_spreads, spread_of_equation, spread_of_outputs, zeros_of,
+};
+use crate::stage::records::selection::Comparison;
+use crate::stage::waves::input_output::{Cut, Record};
+
+/// Transfer functions of more states are not written: their coefficients say nothing.
+const MOST_COEFFICIENTS: usize = 10;
+
+/// What a model is for and from.
+pub struct Task<'a> {
+    /// Id of the model.
+    pub id: &'a str,
+    /// Name of the method.
+    pub method: &'a str,
+    /// States asked for.
+    pub order: usize,
+    /// The waveforms.
+    pub record: &'a Record,
+    /// Hold of the continuous model: `first-order` or `zero-order`.
+    pub hold: &'a str,
+    /// The window, inputs delayed.
+    pub data: &'a IoData,
+    /// The same with what is kept after it.
+    pub whole: &'a IoData,
+    /// Bootstrap, if asked for.
+    pub bootstrap: Option<&'a BootstrapSettings>,
+    /// The same estimate from another record of every output.
+    pub refit: &'a (dyn Fn(&[Vec<f64>]) -> Option<StateSpace> + Sync),
+}
+
+/// Writes the records of one model under its id and a summary line.
+pub fn put(
+    task: &Task<'_>,
+    found: &Found,
+    simulated: &[Vec<f64>],
+    comparison: &mut Comparison,
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    let Task { id, method, order, record, hold, .. } = *task;
+    let (input, output) = (record.input(), record.output());
+    let kind = if hold == "zero-order" { InputHold::Zero } else { InputHold::First };
+    let mut notes = record.remarks.clone();
+    notes.extend(found.notes.iter().cloned());
+    for text in notes.iter().filter_map(|note| note.strip_prefix("warning: ")) {
+        out.notes().warning(format!("{id}: {text}"));
+    }
+    out.put(&format!("/model/{id}/discrete"), &state_space(&found.model, &input, &output, record.delay_s))?;
+    let continuous = put_continuous(id, &found.model, (record, kind), &mut notes, out)?;
+    for (name, model) in &found.beside {
+        let inputs = format!("{input}; {output}");
+        out.put(&format!("/model/{id}/{name}"), &state_space(model, &inputs, &output, record.delay_s))?;
+    }
+    let dt = record.data.sample_time_s();
+    let pairs: Vec<_> =
+        found.model.poles()?.into_iter().filter_map(|z| Some((Mode::discrete(z, dt)?, Some(z)))).collect();
+    let first = &record.answers[0];
+    let delay = record.delay_s.map_or(0, |delay| (delay / dt).round() as usize);
+    let judged = judged(&found.model, continuous.as_ref(), first, delay)?;
+    let mut remarks = notes_on_modes(id, &judged.poles, &record.cuts());
+    out.put(&format!("/modes/{id}"), &modes(pairs.iter().copied()))?;
+    if record.answers.len() > 1 {
+        let poles: Vec<_> = pairs.iter().filter_map(|(mode, z)| Some(((*z)?, Some(*mode)))).collect();
+        let discrete: Vec<Complex> = poles.iter().map(|(z, _)| *z).collect();
+        out.put(&format!("/shapes/{id}"), &shapes(&poles, &mode_shapes(&found.model, &discrete), &record.answers))?;
+    }
+
+    let (mut whole, mut supports) = of_record(method, order, record, simulated, found.parameters, Vec::new());
+    let discrete: Vec<Complex> = pairs.iter().filter_map(|(_, z)| *z).collect();
+    let deviations = found.deviations.as_ref().map(|deviations| deviations(&discrete)).unwrap_or_default();
+    let no_deviations = found.deviations.is_none().then(|| match method {
+        "arx" => {
+            "arx of several outputs has neither a covariance of its poles that is known nor a bootstrap".to_owned()
+        }
+        _ => format!("{method} has no covariance of its poles that is known; --bootstrap 200 gives their spread"),
+    });
+    notes.extend(
+        no_deviations.iter().filter(|_| task.bootstrap.is_none()).map(|why| format!("no standard deviations: {why}")),
+    );
+    // In units of the output if there is one.
+    let unit = if let [scale] = record.data.output_scales()[..] { scale * scale } else { 1.0 };
+    let losses: Vec<f64> = found.losses.iter().map(|loss| loss * unit).collect();
+    for (k, support) in supports.iter_mut().enumerate() {
+        support.hold = (!record.drives.is_empty()).then(|| hold.to_owned());
+        support.prediction_fit_percent = found
+            .predicted
+            .get(k)
+            .and_then(|predicted| fit_measures(&record.data.outputs()[k], predicted))
+            .and_then(|fit| fit.fit_percent);
+        if let Some(predicted) = found.predicted.get(k) {
+            let errors: Vec<f64> = record.data.outputs()[k].iter().zip(predicted).map(|(y, yh)| y - yh).collect();
+            let tests = prediction_tests(task.data.inputs(), &errors, found.predicted_from);
+            support.whiteness = tests.map(|t| t.whiteness);
+            support.whiteness_limit = tests.map(|t| t.whiteness_limit);
+            support.input_correlation = tests.and_then(|t| t.input_correlation);
+        }
+        support.stop_reason = found.stop_reason.map(str::to_owned);
+        support.condition = found.condition;
+        support.losses = losses.clone();
+        support.no_deviations = no_deviations.clone();
+        support.frequency_deviations = deviations.iter().map(|d| d.map(|d| d.0)).collect();
+        support.damping_deviations = deviations.iter().map(|d| d.map(|d| d.1)).collect();
+    }
+    if !found.predicted.is_empty() {
+        notes.push(
+            "whiteness and correlation with the input are those of the one-step prediction errors, all else of the simulation"
+                .to_owned(),
+        );
+    }
+    if !first.kept.is_empty() {
+        match continued(&found.model, task.data, task.whole, None) {
+            Ok(foretold) => {
+                validate_all(record, &foretold, &mut supports);
+                // The protocol of published comparisons: the initial state is fitted to the kept samples.
+                let rest = task.whole.slice(task.data.samples(), task.whole.samples())?;
+                for (support, fit) in supports.iter_mut().zip(compare(&found.model, &rest)?) {
+                    support.validation_restarted_fit_percent = fit.and_then(|fit| fit.fit_percent);
+                }
+            }
+            Err(error) => remarks.warning(format!("{id}: no validation: {error}")),
+        }
+    }
+    // Noise added to the outputs of a regression would bias its replicates.
+    let regression = method == "arx" && found.equation.is_none();
+    let bootstrap = task.bootstrap.filter(|_| !regression);
+    let without = task.bootstrap.filter(|_| regression);
+    limits(id, (record.drives.len(), record.answers.len()), without, &mut remarks);
+    let grid = if record.single() { judged.grid_hz() } else { Vec::new() };
+    let sample = judged.sample(&grid);
+    let refit = |y: &[Vec<f64>]| {
+        let model = (task.refit)(y)?;
+        let continuous = to_continuous(&model, kind).ok().map(|found| found.model);
+        Some(self::judged(&model, continuous.as_ref(), first, delay).ok()?.sample(&grid))
+    };
+    let of = (id, &sample);
+    let spreads = match &found.equation {
+        Some(equation) => spread_of_equation(bootstrap, of, equation, &mut remarks, |y| refit(&[y.to_vec()])),
+        None => {
+            let signals = (record.data.outputs(), simulated);
+            spread_of_outputs(bootstrap, of, signals, found.parameters, &mut remarks, refit)
+        }
+    };
+    let band = spreads.as_ref().map(Band::from_bootstrap);
+    if let Some(spreads) = &spreads {
+        supports.iter_mut().for_each(|support| put_spreads(spreads, support));
+    }
+    if let Some(response) = judged.response(&input, &output, band.as_ref()).filter(|_| record.single()) {
+        out.put(&format!("/response/{id}"), &response)?;
+    }
+    notes.extend(remarks.to_texts());
+    out.notes().extend(remarks);
+    whole.notes = notes;
+    whole.singular_values = found.singular_values.clone();
+    let rows = |block_rows: usize| u32::try_from(block_rows * record.answers.len()).ok();
+    whole.hankel_rows = found.chosen.block_rows.and_then(rows);
+    let samples = record.data.samples();
+    out.summary(format!("{id}: {} of {samples} samples{}", percent(whole.fit_percent), foretold(&supports)));
+    out.put(&format!("/identification/{id}"), &whole)?;
+    comparison.enter(id, samples, &supports);
+    put_evidence(id, &supports, out)
+}
+
+fn judged<'a>(
+    model: &'a StateSpace,
+    continuous: Option<&'a StateSpace>,
+    answer: &Cut,
+    delay: usize,
+) -> Result<Judged<'a>, IdentifyError> {
+    let dt_s = answer.sampled.dt_s();
+    Ok(Judged {
+        continuous,
+        discrete: Some(model),
+        poles: model.poles()?.into_iter().filter_map(|z| Some(Mode::discrete(z, dt_s)?.pole)).collect(),
+        zeros: continuous.map(zeros_of).unwrap_or_default(),
+        dt_s,
+        samples: answer.sampled.len(),
+        delay,
+    })
+}
+
+/// Writes the continuous model by the logarithm for the hold declared, and its transfer functions.
+fn put_continuous(
+    id: &str,
+    model: &StateSpace,
+    (record, hold): (&Record, InputHold),
+    notes: &mut Vec<String>,
+    out: &mut Output,
+) -> anyhow::Result<Option<StateSpace>> {
+    let found = match to_continuous(model, hold) {
+        Ok(found) => found,
+        Err(error) => {
+            notes.push(format!("no continuous model: {error}"));
+            return Ok(None);
+        }
+    };
+    for z in &found.conjugated {
+        notes.push(format!(
+            "the pole z = {z:.6} has no continuous counterpart: the continuous model has one more state, a conjugate at the Nyquist frequency, and agrees at the samples only"
+        ));
+    }
+    let continuous = found.model;
+    out.put(
+        &format!("/model/{id}/continuous"),
+        &state_space(&continuous, &record.input(), &record.output(), record.delay_s),
+    )?;
+    if continuous.order() > MOST_COEFFICIENTS {
+        return Ok(Some(continuous));
+    }
+    let mut entries = Vec::new();
+    for i in 0..record.answers.len() {
+        for j in 0..record.drives.len() {
+            let path = StateSpace::new(
+                continuous.a.clone(),
+                continuous.b.columns(j, 1).into_owned(),
+                continuous.c.rows(i, 1).into_owned(),
+                continuous.d.view((i, j), (1, 1)).into_owned(),
+                None,
+            )?;
+            match to_transfer_function(&path) {
+                Ok(tf) => entries.push((tf.numerator().to_vec(), tf.denominator().to_vec())),
+                Err(error) => {
+                    notes.push(format!("no transfer function: {error}"));
+                    return Ok(Some(continuous));
+                }
+            }
+        }
+    }
+    let inputs = record.drives.len();
+    put_transfer_functions(id, record, |i, j| entries[i * inputs + j].clone(), out)?;
+    Ok(Some(continuous))
+}

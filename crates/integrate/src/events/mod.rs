@@ -1,0 +1,6 @@
+//! What a motion says about the crash: time zero, sign of the pulse, events, findings in words.
+//! May use `motion`.
+
+pub mod findings;
+pub mod sign;
+pub mod time_zero;

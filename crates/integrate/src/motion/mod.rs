@@ -1,0 +1,7 @@
+//! From acceleration to velocity and displacement: rule of summation, start, drift.
+//! May use nothing.
+
+pub mod drift;
+pub mod integration;
+pub mod rule;
+pub mod start;

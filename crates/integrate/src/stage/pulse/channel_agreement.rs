@@ -1,0 +1,115 @@
+//! Further accelerometers held against the pulse: how far apart, and the spread of every metric.
+
+use crumple_metrics::{ChannelMotion, LARGEST_CRUSH_GAP, Metric, agreement, definitions, over_channels};
+use crumple_signal::{Channel, Notes, STANDARD_GRAVITY_M_PER_S2};
+use crumple_stage::Output;
+use crumple_stage::records::MetricV1;
+
+use crate::stage::Integrated;
+use crate::stage::pulse::other_channels::of_compartment;
+use crate::stage::pulse::records::metric_record;
+
+/// The pulse and the channels that measured the same motion.
+pub struct Redundant<'a> {
+    channel: &'a Channel,
+    pulse: &'a Integrated,
+    time_zero_s: f64,
+    /// Id and metrics of each.
+    others: Vec<(String, Vec<Metric>)>,
+}
+
+impl<'a> Redundant<'a> {
+    pub fn new(channel: &'a Channel, pulse: &'a Integrated, time_zero_s: f64) -> Self {
+        Self { channel, pulse, time_zero_s, others: Vec::new() }
+    }
+
+    /// Says how far a further channel is from the pulse, and takes it into the spread if both are of the compartment.
+    pub fn compare(&mut self, other: &Channel, of: &Integrated, notes: &mut Notes) {
+        let Some(outside) = [self.channel, other].into_iter().find(|channel| !of_compartment(channel)) else {
+            self.others.push((other.id.clone(), of.metrics.clone()));
+            return self.say(other, of, notes);
+        };
+        notes.info(format!(
+            "channel {} is not in the spread: channel {} is failed or not of the compartment",
+            other.id, outside.id
+        ));
+    }
+
+    /// Whether a further channel shows the motion of the pulse: its crush within 5 %, on a grid that can be compared.
+    pub fn agrees(&self, of: &Integrated) -> bool {
+        let Some(crush) = self.pulse.events.crush else { return true };
+        agreement(motion(self.pulse), motion(of), self.time_zero_s + crush.time_s)
+            .is_ok_and(|found| found.may_be_averaged())
+    }
+
+    fn say(&self, other: &Channel, of: &Integrated, notes: &mut Notes) {
+        let Some(crush) = self.pulse.events.crush else { return };
+        let id = format!("channel {} against {}", other.id, self.channel.id);
+        let Ok(found) = agreement(motion(self.pulse), motion(of), self.time_zero_s + crush.time_s) else {
+            return notes.info(format!("{id}: on another time grid, not compared sample by sample"));
+        };
+        let none = || "none".to_owned();
+        let crush_gap = found.crush_gap_m.zip(found.crush_gap_ratio);
+        let text = format!(
+            "{id}: largest |da| {:.2} g, |dv| at dynamic crush {}, |dC| {}, fit {}",
+            found.largest_acceleration_gap_m_per_s2 / STANDARD_GRAVITY_M_PER_S2,
+            found.velocity_gap_m_per_s.map_or_else(none, |dv| format!("{dv:.3} m/s")),
+            crush_gap.map_or_else(none, |(gap, ratio)| format!("{:.1} mm ({:.1} %)", 1e3 * gap, 1e2 * ratio)),
+            found.fit_percent.map_or_else(none, |fit| format!("{fit:.1} %")),
+        );
+        if found.may_be_averaged() {
+            notes.info(text);
+        } else {
+            notes.warning(format!("{text}: more than {:.0} % of crush apart", 1e2 * LARGEST_CRUSH_GAP));
+        }
+    }
+
+    /// Every metric of the pulse with the range over all channels: the honest error bar of a single one.
+    ///
+    /// Metrics that are the same for all of them (impact energy) or a check of the arithmetic have none.
+    pub fn spread(self, out: &mut Output) -> Vec<MetricV1> {
+        let Self { channel, pulse, others, .. } = self;
+        if others.is_empty() {
+            return Vec::new();
+        }
+        let ids: Vec<&str> = std::iter::once(channel.id.as_str()).chain(others.iter().map(|(id, _)| &id[..])).collect();
+        let crushes = || {
+            let of = std::iter::once(&pulse.metrics).chain(others.iter().map(|(_, metrics)| metrics));
+            ids.iter().zip(of).filter_map(|(id, metrics)| {
+                Some((*id, metrics.iter().find(|metric| metric.id == definitions::DYNAMIC_CRUSH.id)?.value?))
+            })
+        };
+        let low = crushes().min_by(|a, b| a.1.total_cmp(&b.1));
+        let high = crushes().max_by(|a, b| a.1.total_cmp(&b.1));
+        if let (Some(low), Some(high), true) = (low, high, crushes().count() > 1) {
+            let text = format!(
+                "dynamic crush of {} channels: {:.4} m (channel {}) to {:.4} m (channel {}), {:.1} % apart",
+                crushes().count(),
+                low.1,
+                low.0,
+                high.1,
+                high.0,
+                1e2 * (high.1 - low.1) / high.1.abs()
+            );
+            out.summary(text.clone());
+            out.notes().info(text + "; the spread of every metric is its interval under the channels' ids together");
+        }
+        let together = ids.join("+");
+        let spread = |(k, metric): (usize, &Metric)| {
+            let of_others: Vec<&Metric> = others.iter().filter_map(|(_, metrics)| metrics.get(k)).collect();
+            let spread = over_channels(metric, &of_others)?.remarked(&format!("value of channel {}", channel.id));
+            let interval = spread.interval.filter(|interval| interval.low < interval.high)?;
+            (spread.id != definitions::CLOSURE.id && interval.low.is_finite())
+                .then(|| metric_record(&together, &spread))
+        };
+        pulse.metrics.iter().enumerate().filter_map(spread).collect()
+    }
+}
+
+fn motion(of: &Integrated) -> ChannelMotion<'_> {
+    ChannelMotion {
+        acceleration: &of.motion.acceleration,
+        velocity: &of.motion.velocity,
+        dynamic_crush_m: of.events.crush.map(|crush| crush.displacement_m),
+    }
+}

@@ -1,0 +1,7 @@
+//! The channels that are integrated: first contact, motion and events, agreement of redundant sensors, records.
+//! May use `stage/options` and `stage/metric_record`.
+
+pub mod channel_agreement;
+pub mod other_channels;
+pub mod records;
+pub mod time_zero;

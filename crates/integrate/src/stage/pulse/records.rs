@@ -1,0 +1,92 @@
+//! Events and metrics as they stand in the artifact.
+
+use crumple_integrate::{EVENT_NAMES, event_values};
+use crumple_metrics::{Metric, centroid_time_from_crush, definitions};
+use crumple_stage::records::{EventIntervalV1, EventsV1, MetricV1, MissingIntervalV1};
+
+use crate::stage::Integrated;
+use crate::stage::options::flags::StageSettings;
+use crate::stage::pulse::time_zero::TimeZero;
+
+pub fn events_record(
+    channel: &str,
+    settings: &StageSettings,
+    zero: &TimeZero,
+    pulse: &Integrated,
+    impact_speed_m_per_s: f64,
+) -> EventsV1 {
+    let events = &pulse.events;
+    // An event that is not there has neither an interval nor a reason for none.
+    let there = event_values(events, impact_speed_m_per_s).map(|value| value.is_some());
+    let named = || EVENT_NAMES.iter().zip(there).filter(|(_, there)| *there).map(|(name, _)| *name);
+    let place = |name: &str| EVENT_NAMES.iter().position(|other| *other == name);
+    let intervals = named().filter_map(|name| {
+        pulse.event_intervals.get(place(name)?).copied().flatten().map(|interval| EventIntervalV1 {
+            name: name.to_owned(),
+            low: interval.low,
+            high: interval.high,
+            interval_by: interval.by.to_string(),
+        })
+    });
+    let without = named().filter_map(|name| {
+        let reason = pulse.events_without.get(place(name)?).cloned().flatten()?;
+        Some(MissingIntervalV1 { name: name.to_owned(), reason })
+    });
+    EventsV1 {
+        channel: channel.to_owned(),
+        time_zero_s: zero.time_s,
+        time_zero_rule: zero.rule.clone(),
+        dynamic_crush_m: events.crush.map(|crush| crush.displacement_m),
+        time_of_dynamic_crush_s: events.crush.map(|crush| crush.time_s),
+        centroid_time_s: events.crush.map(|c| centroid_time_from_crush(c.displacement_m, impact_speed_m_per_s)),
+        rebound_velocity_m_per_s: events.rebound.map(|rebound| rebound.velocity_m_per_s),
+        coefficient_of_restitution: events.restitution(impact_speed_m_per_s),
+        delta_v_m_per_s: events.delta_v_m_per_s(impact_speed_m_per_s),
+        time_of_rebound_s: events.rebound.map(|rebound| rebound.time_s),
+        impact_speed_m_per_s: Some(impact_speed_m_per_s),
+        rule: Some(settings.rule.name().to_owned()),
+        start: Some(pulse.motion.start.name().to_owned()),
+        intervals: intervals.collect(),
+        time_of_delta_v_s: events.unstopped.map(|unstopped| unstopped.time_s),
+        end_of_event_s: events.unstopped.map(|unstopped| unstopped.end_s),
+        end_of_event_rule: events.unstopped.map(|unstopped| unstopped.end.name().to_owned()),
+        without_interval: without.collect(),
+    }
+}
+
+/// The metrics of a channel, and the drift taken out of it.
+pub fn metric_records(channel: &str, of: &Integrated, time_zero_s: f64) -> Vec<MetricV1> {
+    let one = |(k, metric): (usize, &Metric)| {
+        let mut record = metric_record(channel, metric);
+        // A check of the arithmetic has no interval, and a missing value none to give a reason for.
+        if metric.value.is_some() && metric.interval.is_none() && metric.id != definitions::CLOSURE.id {
+            record.interval_by = of.metrics_without.get(k).cloned().flatten();
+        }
+        record
+    };
+    let mut records: Vec<MetricV1> = of.metrics.iter().enumerate().map(one).collect();
+    if let Some(drift) = of.drift {
+        let from_s = of.motion.velocity.t0_s() - time_zero_s;
+        let metric = Metric::found(&definitions::DRIFT, drift.acceleration_m_per_s2)
+            .over(from_s, drift.time_s - time_zero_s)
+            .remarked(&format!("{}, met at {:.6} s of the record", drift.shape.name(), drift.time_s));
+        records.push(metric_record(channel, &metric));
+    }
+    records
+}
+
+pub fn metric_record(channel: &str, metric: &Metric) -> MetricV1 {
+    MetricV1 {
+        name: metric.name.to_owned(),
+        value: metric.value,
+        unit: metric.unit.to_owned(),
+        channel: channel.to_owned(),
+        definition: metric.definition.clone(),
+        definition_id: Some(metric.id.to_owned()),
+        from_s: metric.window.map(|window| window.from_s),
+        to_s: metric.window.map(|window| window.to_s),
+        low: metric.interval.map(|interval| interval.low),
+        high: metric.interval.map(|interval| interval.high),
+        interval_by: metric.interval.map(|interval| interval.by.to_string()),
+    }
+}

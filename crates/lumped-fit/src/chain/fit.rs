@@ -1,0 +1,186 @@
+//! Chains of masses fitted to the motion of one or several sensors, and judged.
+
+use crumple_estimation::minimise::StopReason;
+use crumple_lumped::SecantChain;
+
+use crate::chain::coordinates::{ChainCoordinates, StatedChain};
+use crate::chain::covariance::{LinearisedUncertainty, linearised};
+use crate::chain::dual::{ChainDual, DualOf, dual_of, sees_the_last_only};
+use crate::chain::problem::{ChainProblem, windows};
+use crate::fit::descents::{all, bounds, distinct};
+use crate::fit::sensors::fit::{Search, fit_sensors};
+use crate::free::parameterisation::Parameterisation;
+use crate::{Observation, SolveError};
+use crumple_estimation::minimise::levenberg_marquardt::{Optimum, derivatives};
+
+/// Sets that are reported at most, each with its dual, and how near their errors must be to the best.
+const REPORTED: usize = 3;
+const AS_GOOD: f64 = 1.01;
+/// Rounds of weighing sensors seen through their filters, and the change of a weight that is worth another.
+const WEIGHINGS: usize = 8;
+const WORTH_ANOTHER: f64 = 1e-3;
+/// Coordinates of the logarithms that differ by less are those of one set.
+const SAME: f64 = 0.01;
+
+/// One way to meet the record with the chain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChainSolution {
+    /// The chain.
+    pub chain: SecantChain,
+    /// Names of what was free, as in [`SecantChain::parameters`]; a mass that is the rest comes last.
+    pub free: Vec<String>,
+    /// Those that stopped on a bound.
+    pub on_bound: Vec<String>,
+    /// Root mean square error of every wave, in its unit, and the level its residuals were divided by.
+    pub rmse: Vec<f64>,
+    /// See there.
+    pub noise: Vec<f64>,
+    /// Samples compared.
+    pub samples: usize,
+    /// Iterations of the descent that ended here.
+    pub iterations: u32,
+    /// Model evaluations of all starts.
+    pub evaluations: u64,
+    /// Why it stopped.
+    pub stop_reason: StopReason,
+    /// What the record says of the free numbers; `None` where there is nothing to judge by.
+    pub linearised: Option<LinearisedUncertainty>,
+    /// The chain with the same masses and the same motion of the last one; `None` where a wave tells it, or there is none.
+    pub dual: Option<ChainDual>,
+    /// Whether masses were looked for and no wave is of another mass than the last: their division is then in the record by a
+    /// formula, and in practice not.
+    pub division_undecided: bool,
+    /// The logarithms of what was free.
+    pub(crate) theta: Vec<f64>,
+}
+
+/// Fits the free numbers of a chain to waves, each of a mass by its index (`None`: the last).
+///
+/// Least squares in the logarithms within bounds: Levenberg-Marquardt on analytic sensitivities, or on differences where a
+/// coefficient has knots, from the start that was given and from evenly spread (Halton) points; sensors weighed by their noise
+/// levels as in the fits of the other models. `through_filter`: whether the measurement of every wave is known: then the
+/// minima are followed to those of the misfit as measured. Deterministic for any number of threads; a global minimum is likely, not
+/// proven. Errors: a chain without meaning, waves of masses it does not have, no start with a finite response.
+pub fn fit_chain(
+    stated: &StatedChain,
+    observed: &Observation,
+    through_filter: bool,
+    starts: usize,
+) -> Result<Vec<ChainSolution>, SolveError> {
+    let masses = stated.elements.len();
+    let length_s = observed.waves.iter().map(|w| w.time_s(w.samples.len() - 1)).fold(0.0, f64::max);
+    if length_s <= 0.0 {
+        return Err(SolveError::Value { name: "number of waves", value: 0.0, expected: "one or more" });
+    }
+    let family = ChainCoordinates::new(stated, length_s)?;
+    let index = |mass: Option<usize>| mass.unwrap_or(masses - 1);
+    if let Some(strange) = observed.waves.iter().map(|wave| index(wave.mass)).find(|mass| *mass >= masses) {
+        return Err(SolveError::Value {
+            name: "number of a mass with a sensor",
+            value: (strange + 1) as f64,
+            expected: "a mass of the chain",
+        });
+    }
+    let mut waves = observed.clone();
+    let mut seen = windows(&waves, masses, waves.scale_m());
+    for (sensor, wave) in seen.iter_mut().zip(&waves.waves) {
+        sensor.noise = wave.size().max(f64::MIN_POSITIVE);
+    }
+    let starts = starts.max(6 * family.names.len());
+    let search = Search::Starts(starts, vec![family.start.clone()]);
+    let weigh = vec![true; seen.len()];
+    let found = fit_sensors(&family, observed.impact_speed_m_per_s, seen, &weigh, &search)
+        .ok_or(SolveError::NoFit { starts })?;
+    for (wave, sensor) in waves.waves.iter_mut().zip(&found.sensors) {
+        wave.weight = found.sensors[0].noise / sensor.noise;
+    }
+    let (mut minima, mut evaluations) = (found.minima, found.evaluations);
+    if through_filter {
+        for _ in 0..WEIGHINGS {
+            let problem = ChainProblem::new(&family, &waves, true);
+            let points = minima.iter().map(|m| m.theta.clone()).collect();
+            let (next, spent) = all(&problem, points, &bounds(&family, 200, 1e-12));
+            evaluations += spent;
+            minima = distinct(next);
+            let Some(best) = minima.first() else { break };
+            let levels = problem.levels(&best.theta).unwrap_or_default();
+            if !waves.weigh(&levels, WORTH_ANOTHER) {
+                break;
+            }
+        }
+    } else {
+        waves = waves.unfiltered();
+    }
+    let best = minima.first().ok_or(SolveError::NoFit { starts })?.cost;
+    minima.retain(|minimum| minimum.cost.sqrt() <= AS_GOOD * best.sqrt());
+    let problem = ChainProblem::new(&family, &waves, through_filter);
+    let mut found: Vec<ChainSolution> = Vec::new();
+    let mut sets = 0;
+    for minimum in &minima {
+        let known = found.iter().any(|f| f.theta.iter().zip(&minimum.theta).all(|(a, b)| (a - b).abs() < SAME));
+        if known || sets == REPORTED {
+            continue;
+        }
+        let Some(mut own) = solution(&problem, minimum, evaluations) else { continue };
+        sets += 1;
+        let place = found.len() + 1;
+        let dual = sees_the_last_only(&waves, masses).then(|| dual_of(&family, &own.chain, &own.theta)).flatten();
+        let other = match dual {
+            Some(DualOf::At(theta)) => {
+                // What the search stopped at is the bound of the minimum: that of the other place in its dual.
+                let on_bound = family.exchanged(&minimum.on_bound);
+                solution(&problem, &Optimum { theta, on_bound, ..minimum.clone() }, evaluations)
+            }
+            Some(DualOf::Outside(chain)) => {
+                own.dual = Some(ChainDual::NotAsStated(chain));
+                None
+            }
+            None => None,
+        };
+        match other {
+            // The one with the softer first spring comes first, whichever was met first.
+            Some(mut other) => {
+                if other.first_spring() < own.first_spring() {
+                    std::mem::swap(&mut own, &mut other);
+                }
+                own.dual = Some(ChainDual::Solution(place + 1));
+                other.dual = Some(ChainDual::Solution(place));
+                found.extend([own, other]);
+            }
+            None => found.push(own),
+        }
+    }
+    Ok(found)
+}
+
+impl ChainSolution {
+    fn first_spring(&self) -> f64 {
+        self.chain.springs().first().map_or(0.0, |spring| spring.at(0.0))
+    }
+}
+
+fn solution(problem: &ChainProblem<'_>, minimum: &Optimum, evaluations: u64) -> Option<ChainSolution> {
+    let (family, waves) = (problem.family, problem.waves);
+    let chain = family.model(&minimum.theta)?;
+    let misfit = problem.misfit(&minimum.theta)?;
+    let rmse = waves.rmse(&misfit);
+    let sensitivities = derivatives(problem, &minimum.theta, &problem.bounds())? * problem.unit;
+    let on_bound = family.names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
+    let first = waves.noise_levels(&rmse).first().copied().unwrap_or(0.0);
+    let free_masses = (0..family.names.len()).any(|i| family.is_mass(i));
+    Some(ChainSolution {
+        chain,
+        free: family.all_names(),
+        on_bound: on_bound.map(|(name, _)| name.clone()).collect(),
+        noise: waves.waves.iter().map(|wave| first / wave.weight).collect(),
+        rmse,
+        samples: misfit.len(),
+        iterations: minimum.iterations,
+        evaluations,
+        stop_reason: minimum.stop,
+        linearised: linearised(family, waves, minimum, &misfit, &sensitivities),
+        dual: None,
+        division_undecided: free_masses && family.masses() > 1 && sees_the_last_only(waves, family.masses()),
+        theta: minimum.theta.clone(),
+    })
+}

@@ -1,0 +1,152 @@
+//! Residuals of a chain beside its waves, and its fit repeated near a minimum.
+
+use crumple_lumped::{Instants, SecantChain};
+use nalgebra::DMatrix;
+
+use crate::chain::coordinates::ChainCoordinates;
+use crate::fit::descents::bounds;
+use crate::fit::sensors::problem::{SensorProblem, SensorWindow};
+use crate::free::parameterisation::{Parameterisation, places};
+use crate::record::window::Window;
+use crate::{Observation, ObservedWave};
+use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
+
+/// Iterations, and the relative decrease of the cost worth going on for, where a minimum is followed.
+const FOLLOWING: (u32, f64) = (200, 1e-7);
+
+/// A chain of which some numbers are free, beside waves: as measured, each sampled, filtered and integrated like its wave; or as the
+/// motion itself where a filter is not known. Residuals are weighted, in units of [`Observation::scale_m`].
+pub(crate) struct ChainProblem<'a> {
+    pub family: &'a ChainCoordinates,
+    pub waves: &'a Observation,
+    /// The windows to compare with the motion itself; `None`: through the filters.
+    direct: Option<Vec<SensorWindow>>,
+    /// One unit of residual, in the unit of the first wave.
+    pub unit: f64,
+}
+
+/// The windows of waves for a comparison with the motion itself; `unit` is the noise level of the first.
+pub(crate) fn windows(waves: &Observation, masses: usize, unit: f64) -> Vec<SensorWindow> {
+    let of = |wave: &ObservedWave| SensorWindow {
+        mass: wave.mass.unwrap_or(masses - 1),
+        quantity: wave.quantity,
+        window: Window {
+            first_s: wave.time_s(0),
+            dt_s: wave.stride as f64 * wave.measurement.dt_s,
+            samples: wave.samples.clone(),
+        },
+        noise: unit / wave.weight,
+    };
+    waves.waves.iter().map(of).collect()
+}
+
+impl<'a> ChainProblem<'a> {
+    pub fn new(family: &'a ChainCoordinates, waves: &'a Observation, through_filter: bool) -> Self {
+        let unit = waves.scale_m();
+        let direct = (!through_filter).then(|| windows(waves, family.masses(), unit));
+        Self { family, waves, direct, unit }
+    }
+
+    /// Weighted misfit at every sample of every wave, in the unit of the first.
+    pub fn misfit(&self, theta: &[f64]) -> Option<Vec<f64>> {
+        let mut residuals = vec![0.0; self.rows()];
+        self.residuals(theta, &mut residuals).then_some(())?;
+        residuals.iter_mut().for_each(|r| *r *= self.unit);
+        Some(residuals)
+    }
+
+    /// Root mean square misfit of every wave, in its unit.
+    pub fn levels(&self, theta: &[f64]) -> Option<Vec<f64>> {
+        Some(self.waves.rmse(&self.misfit(theta)?))
+    }
+
+    /// Bounds of a descent near a minimum.
+    pub fn bounds(&self) -> Bounds {
+        bounds(self.family, FOLLOWING.0, FOLLOWING.1)
+    }
+
+    /// The minimum near `start`.
+    pub fn follow(&self, start: &[f64]) -> Option<Optimum> {
+        descend(self, start, &self.bounds())
+    }
+
+    /// The minimum near `others` where number `fixed` stays at `coordinate`: the coordinates of the others and the sum of squares.
+    pub fn follow_others(&self, fixed: usize, coordinate: f64, others: &[f64]) -> Option<(Vec<f64>, f64)> {
+        let mut start = others.to_vec();
+        start.insert(fixed, coordinate);
+        let mut limits = self.bounds();
+        (limits.lower[fixed], limits.upper[fixed]) = (coordinate, coordinate);
+        let mut found = descend(self, &start, &limits)?;
+        found.theta.remove(fixed);
+        Some((found.theta, found.cost))
+    }
+
+    fn plain<'b>(&'b self, sensors: &'b [SensorWindow]) -> SensorProblem<'b, ChainCoordinates> {
+        SensorProblem { family: self.family, impact_speed_m_per_s: self.waves.impact_speed_m_per_s, sensors }
+    }
+
+    /// What is measured of every wave's motion, and of its derivatives by these places.
+    fn measured(&self, chain: &SecantChain, places: &[usize]) -> Option<Vec<Vec<Vec<f64>>>> {
+        let v0 = self.waves.impact_speed_m_per_s;
+        let last = chain.masses_kg().len() - 1;
+        let of = |wave: &ObservedWave| {
+            let what = (wave.mass.unwrap_or(last), wave.quantity);
+            let respond = |at: &Instants| self.family.sensitivity(chain, v0, at, places);
+            wave.measurement.of_motions(what, v0, wave.last(), respond).ok()
+        };
+        self.waves.waves.iter().map(of).collect()
+    }
+}
+
+impl Response for ChainProblem<'_> {
+    fn rows(&self) -> usize {
+        self.waves.rows()
+    }
+
+    fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
+        if let Some(sensors) = &self.direct {
+            return self.plain(sensors).residuals(theta, out);
+        }
+        let Some(chain) = self.family.model(theta) else { return false };
+        let Some(measured) = self.measured(&chain, &[]) else { return false };
+        let mut row = 0;
+        for (wave, found) in self.waves.waves.iter().zip(&measured) {
+            let picked = found[0].get(wave.first..).unwrap_or_default().iter().step_by(wave.stride);
+            for (model, record) in picked.zip(&wave.samples) {
+                out[row] = (model - record) * wave.weight / self.unit;
+                row += 1;
+            }
+        }
+        row == out.len() && out.iter().all(|r| r.is_finite())
+    }
+
+    fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
+        if let Some(sensors) = &self.direct {
+            return self.plain(sensors).sensitivities(theta, out);
+        }
+        let chain = self.family.chain(theta)?;
+        let places = places(&chain);
+        let Some(measured) = self.family.model(theta).and_then(|model| self.measured(&model, &places)) else {
+            return Some(false);
+        };
+        let mut first = 0;
+        for (wave, found) in self.waves.waves.iter().zip(&measured) {
+            for (j, by) in chain.iter().enumerate() {
+                for k in 0..wave.samples.len() {
+                    let at = wave.first + k * wave.stride;
+                    let change: Option<f64> = by
+                        .iter()
+                        .map(|(place, factor)| {
+                            let p = places.binary_search(place).ok()?;
+                            Some(factor * found.get(p + 1)?.get(at)?)
+                        })
+                        .sum();
+                    let Some(change) = change else { return Some(false) };
+                    out[(first + k, j)] = change * wave.weight / self.unit;
+                }
+            }
+            first += wave.samples.len();
+        }
+        Some(true)
+    }
+}

@@ -1,0 +1,53 @@
+//! A model whose displacement is a closed form, fitted to a record: the problem and its best of starts.
+
+use crate::candidate::linearised::uncertainty;
+use crate::candidate::parameter_set::Fit;
+use crate::fit::descents::all;
+use crate::record::window::Window;
+use crate::{SolveError, Uncertainty};
+use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response};
+
+/// Displacement of a model minus the record over the window, in units of the crush.
+pub(crate) struct ClosedForm<'a, F> {
+    pub window: &'a Window,
+    pub crush_m: f64,
+    /// For a point of the search the displacement at an instant, m, s after contact.
+    pub displacement: F,
+}
+
+impl<F: Fn(&[f64]) -> G + Sync, G: Fn(f64) -> f64> Response for ClosedForm<'_, F> {
+    fn rows(&self) -> usize {
+        self.window.samples.len()
+    }
+
+    fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
+        let displacement = (self.displacement)(theta);
+        for (k, (r, s)) in out.iter_mut().zip(&self.window.samples).enumerate() {
+            let t = self.window.first_s + k as f64 * self.window.dt_s;
+            *r = (displacement(t) - s) / self.crush_m;
+        }
+        out.iter().all(|x| x.is_finite())
+    }
+}
+
+/// The best end of descents from every start, its record, and the deviations of the parameters `names`, which are logarithms in
+/// the search; `values` gives them at a point.
+pub(crate) fn fit_logarithms<F: Fn(&[f64]) -> G + Sync, G: Fn(f64) -> f64>(
+    problem: &ClosedForm<'_, F>,
+    starts: Vec<Vec<f64>>,
+    bounds: &Bounds,
+    names: &[&'static str],
+    values: impl Fn(&[f64]) -> Vec<f64>,
+) -> Result<(Optimum, Fit, Option<Uncertainty>), SolveError> {
+    let tried = starts.len();
+    let (mut found, evaluations) = all(problem, starts, bounds);
+    if found.is_empty() {
+        return Err(SolveError::NoFit { starts: tried });
+    }
+    let best = found.remove(0);
+    let mut rest = vec![0.0; problem.rows()];
+    let known = problem.residuals(&best.theta, &mut rest);
+    let deviations = known.then(|| uncertainty(&best, &rest, names, &values(&best.theta))).flatten();
+    let fit = Fit::of_displacement(&best, problem.window, evaluations, names, problem.crush_m);
+    Ok((best, fit, deviations))
+}

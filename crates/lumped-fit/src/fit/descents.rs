@@ -1,0 +1,44 @@
+//! Descents from several points: their bounds, their ends in order, and which of these are distinct.
+
+use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
+use rayon::prelude::*;
+
+use crate::free::parameterisation::Parameterisation;
+
+/// Minima kept.
+const REPORTED: usize = 3;
+/// Two minima further apart than this in any coordinate are two.
+const APART: f64 = 0.01;
+
+/// Bounds of a descent in the coordinates of a model.
+pub(crate) fn bounds(family: &impl Parameterisation, max_iterations: u32, cost_tolerance: f64) -> Bounds {
+    let axes = family.axes();
+    Bounds {
+        lower: axes.iter().map(|axis| axis.lower).collect(),
+        upper: axes.iter().map(|axis| axis.upper).collect(),
+        max_iterations,
+        cost_tolerance,
+    }
+}
+
+/// Descends from every point: where each with a finite response ended, least cost first, and the evaluations spent.
+pub(crate) fn all(problem: &impl Response, points: Vec<Vec<f64>>, bounds: &Bounds) -> (Vec<Optimum>, u64) {
+    let found: Vec<_> = points.par_iter().map(|point| descend(problem, point, bounds)).collect();
+    let mut found: Vec<Optimum> = found.into_iter().flatten().collect();
+    let evaluations = found.iter().map(|m| m.evaluations).sum();
+    found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    (found, evaluations)
+}
+
+/// Those that have not come to the place of a better one.
+pub(crate) fn distinct(sorted: Vec<Optimum>) -> Vec<Optimum> {
+    let mut kept: Vec<Optimum> = Vec::new();
+    for minimum in sorted {
+        let same = |other: &Optimum| minimum.theta.iter().zip(&other.theta).all(|(a, b)| (a - b).abs() < APART);
+        if !kept.iter().any(same) {
+            kept.push(minimum);
+        }
+    }
+    kept.truncate(2 * REPORTED);
+    kept
+}

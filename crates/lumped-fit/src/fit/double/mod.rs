@@ -1,0 +1,5 @@
+//! TODO room
+
+pub mod multistart;
+pub mod pair;
+pub mod residuals;

@@ -1,0 +1,120 @@
+//! The displacement of a nonlinear model beside a record, with analytic sensitivities.
+
+use crumple_lumped::{Instants, Model, Nonlinear1};
+use nalgebra::DMatrix;
+
+use crate::fit::options::SingleMassFitOptions;
+use crate::record::window::Window;
+use crumple_estimation::minimise::levenberg_marquardt::Response;
+
+/// For each of theta the places of the parameters it moves, and how far.
+pub(crate) type Chain = Vec<Vec<(usize, f64)>>;
+
+/// Displacement of a model minus the record, in units of the crush; the model from scaled parameters.
+pub(crate) struct Displacements<'a, F> {
+    pub window: &'a Window,
+    pub options: &'a SingleMassFitOptions,
+    pub model: F,
+    /// Derivatives of the parameters, by their places, by each of theta.
+    pub chain: fn(&[f64], &SingleMassFitOptions) -> Chain,
+    /// Weighted conditions at dynamic crush, `(weight, multipliers)`.
+    pub conditions: Option<(f64, [f64; 2])>,
+}
+
+/// `x(t_m)/C - 1` and `v(t_m)/v0`: what the side conditions at dynamic crush leave. `None` without a response.
+pub fn conditions_at_crush(model: &Nonlinear1, options: &SingleMassFitOptions) -> Option<[f64; 2]> {
+    at_crush(&Model::Nonlinear1(*model), options)
+}
+
+fn at_crush(model: &Model, options: &SingleMassFitOptions) -> Option<[f64; 2]> {
+    let (v0, t) = (options.impact_speed_m_per_s, options.time_of_dynamic_crush_s);
+    let motion = model.respond(v0, t, 2).ok()?;
+    let compartment = motion.compartment();
+    Some([compartment.displacement_m[1] / options.crush_m - 1.0, compartment.velocity_m_per_s[1] / v0])
+}
+
+impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
+    fn rows(&self) -> usize {
+        self.window.samples.len() + if self.conditions.is_some() { 2 } else { 0 }
+    }
+
+    fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
+        let Some(model) = (self.model)(theta) else { return false };
+        let n = self.window.samples.len();
+        let v0 = self.options.impact_speed_m_per_s;
+        let (first, dt) = (self.window.first_s, self.window.dt_s);
+        let done = match &model {
+            Model::Nonlinear1(m) => m.displacement(v0, first, dt, &mut out[..n]),
+            Model::Nonlinear2(m) => m.displacement(v0, first, dt, &mut out[..n]),
+            _ => return false,
+        };
+        if done.is_err() {
+            return false;
+        }
+        for (x, s) in out[..n].iter_mut().zip(&self.window.samples) {
+            *x = (*x - s) / self.options.crush_m;
+        }
+        if let Some((weight, multipliers)) = self.conditions {
+            let Some(conditions) = at_crush(&model, self.options) else { return false };
+            for j in 0..2 {
+                out[n + j] = weight.sqrt() * (conditions[j] + multipliers[j] / weight);
+            }
+        }
+        out.iter().all(|x| x.is_finite())
+    }
+
+    fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
+        let Some(model) = (self.model)(theta) else { return Some(false) };
+        let chain = (self.chain)(theta, self.options);
+        let places: Vec<usize> = (1..model.kind().parameter_names().len() - 2).collect();
+        let n = self.window.samples.len();
+        let v0 = self.options.impact_speed_m_per_s;
+        let at = Instants { first_s: self.window.first_s, dt_s: self.window.dt_s, samples: n };
+        let Ok(found) = model.sensitivity(v0, &at, &places) else { return Some(false) };
+        for (j, by) in chain.iter().enumerate() {
+            out.column_mut(j).fill(0.0);
+            for (place, factor) in by {
+                let scale = factor / self.options.crush_m;
+                for (k, d) in found.derivatives[place - 1][0].displacement_m.iter().enumerate() {
+                    out[(k, j)] += scale * d;
+                }
+            }
+        }
+        if let Some((weight, _)) = self.conditions {
+            let at = Instants { first_s: self.options.time_of_dynamic_crush_s, dt_s: self.window.dt_s, samples: 1 };
+            let Ok(found) = model.sensitivity(v0, &at, &places) else { return Some(false) };
+            for (j, (place, factor)) in chain.iter().enumerate().flat_map(|(j, by)| by.iter().map(move |b| (j, b))) {
+                let motion = &found.derivatives[place - 1][0];
+                out[(n, j)] += weight.sqrt() * factor * motion.displacement_m[0] / self.options.crush_m;
+                out[(n + 1, j)] += weight.sqrt() * factor * motion.velocity_m_per_s[0] / v0;
+            }
+        }
+        Some(true)
+    }
+}
+
+/// How the second model's parameters move: each with its own number, the knees of the damper in rising order.
+pub(crate) fn chain2(theta: &[f64], options: &SingleMassFitOptions) -> Chain {
+    let (spring, damper) = options.units();
+    let (crush, v0) = (options.crush_m, options.impact_speed_m_per_s);
+    let mut places = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10];
+    if theta[8] > theta[9] {
+        places.swap(5, 6);
+        places.swap(8, 9);
+    }
+    let factors = [spring, spring, spring, crush, damper, damper, damper, damper, v0, v0];
+    places.into_iter().zip(factors).map(|by| vec![by]).collect()
+}
+
+/// How the first model's parameters move: its coefficients are sums of parts.
+pub(crate) fn chain1(_: &[f64], options: &SingleMassFitOptions) -> Chain {
+    let (k, c) = options.units();
+    vec![
+        vec![(1, k), (2, k)],
+        vec![(2, k)],
+        vec![(3, c)],
+        vec![(3, c), (4, c)],
+        vec![(3, c), (4, c), (5, c)],
+        vec![(6, options.impact_speed_m_per_s)],
+    ]
+}

@@ -1,0 +1,4 @@
+//! TODO room
+
+pub mod fit;
+pub mod problem;

@@ -1,0 +1,103 @@
+//! Residuals of a model against several sensors, with analytic sensitivities.
+
+use crumple_lumped::Instants;
+use nalgebra::DMatrix;
+
+use crate::FitQuantity;
+use crate::free::parameterisation::{Parameterisation, places};
+use crate::record::window::Window;
+use crumple_estimation::minimise::levenberg_marquardt::Response;
+
+/// A sensor's window, and the weight of its residuals.
+#[derive(Debug, Clone)]
+pub(crate) struct SensorWindow {
+    /// Index of its mass.
+    pub mass: usize,
+    pub quantity: FitQuantity,
+    pub window: Window,
+    /// Noise level, unit of the quantity.
+    pub noise: f64,
+}
+
+impl SensorWindow {
+    fn instants(&self) -> Instants {
+        Instants { first_s: self.window.first_s, dt_s: self.window.dt_s, samples: self.window.samples.len() }
+    }
+
+    /// Root mean square of the record.
+    pub fn size(&self) -> f64 {
+        let square: f64 = self.window.samples.iter().map(|x| x * x).sum();
+        (square / self.window.samples.len() as f64).sqrt()
+    }
+}
+
+/// `(model - record)/noise` of every sensor, one after the other.
+pub(crate) struct SensorProblem<'a, F> {
+    pub family: &'a F,
+    pub impact_speed_m_per_s: f64,
+    pub sensors: &'a [SensorWindow],
+}
+
+impl<F: Parameterisation> SensorProblem<'_, F> {
+    /// Root mean square error of each sensor, in its unit.
+    pub fn rmse(&self, theta: &[f64]) -> Option<Vec<f64>> {
+        let mut residuals = vec![0.0; self.rows()];
+        if !self.residuals(theta, &mut residuals) {
+            return None;
+        }
+        let mut rest = &residuals[..];
+        let of = |sensor: &SensorWindow| {
+            let (own, others) = rest.split_at(sensor.window.samples.len());
+            rest = others;
+            sensor.noise * (own.iter().map(|r| r * r).sum::<f64>() / own.len() as f64).sqrt()
+        };
+        Some(self.sensors.iter().map(of).collect())
+    }
+}
+
+impl<F: Parameterisation> Response for SensorProblem<'_, F> {
+    fn rows(&self) -> usize {
+        self.sensors.iter().map(|sensor| sensor.window.samples.len()).sum()
+    }
+
+    fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
+        let Some(model) = self.family.model(theta) else { return false };
+        let mut row = 0;
+        for sensor in self.sensors {
+            let found = self.family.sensitivity(&model, self.impact_speed_m_per_s, &sensor.instants(), &[]);
+            let Ok(found) = found else { return false };
+            let Some(motion) = found.motions.get(sensor.mass) else { return false };
+            for (x, s) in sensor.quantity.of(motion).iter().zip(&sensor.window.samples) {
+                out[row] = (x - s) / sensor.noise;
+                row += 1;
+            }
+        }
+        row == out.len() && out.iter().all(|r| r.is_finite())
+    }
+
+    fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
+        let model = self.family.model(theta)?;
+        let chain = self.family.chain(theta)?;
+        let places = places(&chain);
+        let mut first = 0;
+        for sensor in self.sensors {
+            let at = sensor.instants();
+            let found = self.family.sensitivity(&model, self.impact_speed_m_per_s, &at, &places);
+            let Ok(found) = found else { return Some(false) };
+            for (j, by) in chain.iter().enumerate() {
+                for k in 0..at.samples {
+                    out[(first + k, j)] = 0.0;
+                }
+                for (place, factor) in by {
+                    let Ok(p) = places.binary_search(place) else { continue };
+                    let derivative = sensor.quantity.of(&found.derivatives[p][sensor.mass]);
+                    for (k, d) in derivative.iter().enumerate() {
+                        out[(first + k, j)] += factor * d / sensor.noise;
+                    }
+                }
+            }
+            first += at.samples;
+        }
+        Some(true)
+    }
+}

@@ -1,0 +1,7 @@
+//! Which numbers of a model are free, as coordinates of size one with bounds.
+//! Uses no other room.
+
+pub mod free_parameter;
+pub mod mass_split;
+pub mod model_coordinates;
+pub mod parameterisation;

@@ -1,0 +1,310 @@
+//! A model with the parameters that are free in a fit, as numbers of size one.
+
+use std::collections::BTreeMap;
+
+use crumple_lumped::{Instants, LumpedError, Model, ModelKind, Sensitivity};
+
+use crate::free::parameterisation::{Axis, Parameterisation};
+
+/// How a coordinate becomes parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Map {
+    /// `p = scale exp(theta)`: positive whatever the search tries.
+    Logarithm(f64),
+    /// `p = scale theta`.
+    Share(f64),
+    /// `p = theta p[of]`: a knot as a share of the next one, so that they stay in order.
+    ShareOf(usize),
+    /// The mass `p` takes this share of what the masses before it leave of the total; the last mass is the rest.
+    MassShare,
+}
+
+/// One free number.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Coordinate {
+    /// Name of the parameter it stands for.
+    pub name: &'static str,
+    /// Place among the names of the model.
+    place: usize,
+    map: Map,
+    /// Bounds of the descent.
+    pub lower: f64,
+    pub upper: f64,
+    /// Where searches start: inside the bounds.
+    pub box_lower: f64,
+    pub box_upper: f64,
+}
+
+/// Largest spring of a chain in a search, in units of `M (π/2T)²`, and largest damper in units of `M/T`: M the mass, T the window.
+pub(crate) const STIFFEST: f64 = 1e4;
+pub(crate) const STRONGEST: f64 = 1e3;
+
+/// Largest spring, N/m, and damper, N s/m, that a search gives a chain of this mass over a window of this length.
+pub fn largest_of_chain(mass_kg: f64, length_s: f64) -> (f64, f64) {
+    let rate = std::f64::consts::FRAC_PI_2 / length_s;
+    (STIFFEST * mass_kg * rate * rate, STRONGEST * mass_kg / length_s)
+}
+
+/// A model family with its known and its free parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ModelCoordinates {
+    pub kind: ModelKind,
+    /// Every parameter, in the order of the names; free ones are overwritten.
+    known: Vec<f64>,
+    pub coordinates: Vec<Coordinate>,
+    total_mass_kg: f64,
+    /// Whether an elastoplastic model leaves the barrier.
+    release: bool,
+}
+
+/// What scales a family.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Scale {
+    pub impact_speed_m_per_s: f64,
+    /// Length of the window, s.
+    pub length_s: f64,
+    /// Largest displacement, m: the last knot of a nonlinear spring.
+    pub crush_m: f64,
+    /// Whether an elastoplastic model leaves the barrier.
+    pub release: bool,
+}
+
+/// Bounds of a share of the mass that is fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MassFit {
+    /// Masses are known.
+    Known,
+    /// The total is known, and every mass but the last has between these shares of what is left behind it.
+    Shares {
+        /// Smallest share.
+        lower: f64,
+        /// Largest share.
+        upper: f64,
+    },
+}
+
+impl ModelCoordinates {
+    /// The family of a kind with these masses; springs and dampers near those that stop the car in the window.
+    ///
+    /// Bounds as in `fit_double`: springs within 1e-4 and 1e4 of `M (π/2T)²`, dampers within 1e-5 and 1e3 of `M/T`. The
+    /// unloading stiffness of the elastoplastic model and the Maxwell model reach higher. Coefficients of the nonlinear
+    /// models within 1e-8 and 1e3 of `m (v0/C)²` and `m v0/C`.
+    pub fn new(kind: ModelKind, masses_kg: &[f64], fit: MassFit, scale: &Scale) -> Self {
+        let names = kind.parameter_names();
+        let total_mass_kg: f64 = masses_kg.iter().sum();
+        let spring = total_mass_kg * (std::f64::consts::FRAC_PI_2 / scale.length_s).powi(2);
+        let damper = total_mass_kg / scale.length_s;
+        let rate = scale.impact_speed_m_per_s / scale.crush_m;
+        let nonlinear = matches!(kind, ModelKind::Nonlinear1 | ModelKind::Nonlinear2);
+        let mut known = vec![1.0; names.len()];
+        known[..masses_kg.len()].copy_from_slice(masses_kg);
+        let mut coordinates = Vec::new();
+        let mut push = |place, map, bounds: (f64, f64), searched: (f64, f64)| {
+            let name = names[place];
+            let logarithm = matches!(map, Map::Logarithm(_));
+            let to = |x: f64| if logarithm { x.ln() } else { x };
+            coordinates.push(Coordinate {
+                name,
+                place,
+                map,
+                lower: to(bounds.0),
+                upper: to(bounds.1),
+                box_lower: to(searched.0),
+                box_upper: to(searched.1),
+            });
+        };
+        if let MassFit::Shares { lower, upper } = fit {
+            for place in 0..masses_kg.len().saturating_sub(1) {
+                push(place, Map::MassShare, (lower, upper), (lower, upper));
+            }
+        }
+        for (place, &name) in names.iter().enumerate().skip(masses_kg.len()) {
+            match name {
+                "crush_m" => known[place] = scale.crush_m,
+                "v0_m_per_s" => known[place] = scale.impact_speed_m_per_s,
+                "x1_m" => push(place, Map::Share(scale.crush_m), (0.005, 0.995), (0.1, 0.95)),
+                "v_thresh_m_per_s" | "v2_m_per_s" => {
+                    push(place, Map::Share(scale.impact_speed_m_per_s), (0.005, 0.995), (0.05, 0.95));
+                }
+                "v1_m_per_s" => push(place, Map::ShareOf(place + 1), (0.005, 0.995), (0.05, 0.95)),
+                _ if nonlinear && name.starts_with('k') => {
+                    push(place, Map::Logarithm(total_mass_kg * rate * rate), (1e-8, 1e3), (1e-3, 10.0));
+                }
+                _ if nonlinear => push(place, Map::Logarithm(total_mass_kg * rate), (1e-8, 1e3), (1e-3, 10.0)),
+                "unloading_stiffness_n_per_m" => push(place, Map::Logarithm(spring), (1e-2, 1e5), (1.0, 300.0)),
+                _ if name.ends_with("n_s_per_m") => {
+                    let searched = if kind == ModelKind::Maxwell { (0.1, 30.0) } else { (0.01, 3.0) };
+                    push(place, Map::Logarithm(damper), (1e-5, STRONGEST), searched);
+                }
+                _ => push(place, Map::Logarithm(spring), (1e-4, STIFFEST), (0.2, 30.0)),
+            }
+        }
+        // A knot that is a share of another needs that one first.
+        coordinates.sort_by_key(|c| matches!(c.map, Map::ShareOf(_)));
+        Self { kind, known, coordinates, total_mass_kg, release: scale.release }
+    }
+
+    pub fn names(&self) -> Vec<&'static str> {
+        self.coordinates.iter().map(|c| c.name).collect()
+    }
+
+    /// Every parameter, in the order of the names.
+    fn values(&self, theta: &[f64]) -> Vec<f64> {
+        let mut values = self.known.clone();
+        let mut left = self.total_mass_kg;
+        for (coordinate, x) in self.coordinates.iter().zip(theta) {
+            values[coordinate.place] = match coordinate.map {
+                Map::Logarithm(scale) => scale * x.exp(),
+                Map::Share(scale) => scale * x,
+                Map::ShareOf(of) => x * values[of],
+                Map::MassShare => {
+                    let mass = x * left;
+                    left -= mass;
+                    // The next mass takes the rest, unless its own share comes.
+                    values[coordinate.place + 1] = left;
+                    mass
+                }
+            };
+        }
+        values
+    }
+
+    /// `theta` of a model, moved into the bounds.
+    pub fn theta(&self, model: &Model) -> Vec<f64> {
+        let parameters = model.parameters();
+        let names = self.kind.parameter_names();
+        let value = |place: usize| parameters.get(names[place]).copied().unwrap_or(1.0);
+        let mut left = self.total_mass_kg;
+        let coordinate = |c: &Coordinate| {
+            let p = value(c.place);
+            let x = match c.map {
+                Map::Logarithm(scale) => (p / scale).ln(),
+                Map::Share(scale) => p / scale,
+                Map::ShareOf(of) => p / value(of),
+                Map::MassShare => {
+                    let share = p / left;
+                    left -= p;
+                    share
+                }
+            };
+            // A zero has no logarithm: the bound stands for it.
+            x.max(c.lower).min(c.upper)
+        };
+        self.coordinates.iter().map(coordinate).collect()
+    }
+
+    /// Places of the parameters that change, and for each coordinate their derivatives by it.
+    fn changes(&self, theta: &[f64]) -> Vec<Vec<(usize, f64)>> {
+        let values = self.values(theta);
+        let masses = values.iter().zip(self.kind.parameter_names()).filter(|(_, n)| n.ends_with("_kg")).count();
+        self.coordinates
+            .iter()
+            .zip(theta)
+            .map(|(coordinate, x)| {
+                let place = coordinate.place;
+                match coordinate.map {
+                    Map::Logarithm(_) => vec![(place, values[place])],
+                    Map::Share(scale) => {
+                        let follows = |c: &&Coordinate| c.map == Map::ShareOf(place);
+                        let follower = self.coordinates.iter().find(follows);
+                        let own = (place, scale);
+                        std::iter::once(own).chain(follower.map(|c| (c.place, values[c.place] / x))).collect()
+                    }
+                    Map::ShareOf(of) => vec![(place, values[of])],
+                    Map::MassShare => {
+                        // Its own mass grows by what the others behind it lose in proportion.
+                        let left: f64 = values[place..masses].iter().sum();
+                        let behind = left - values[place];
+                        let loses = |i: usize| (i, -left * values[i] / behind);
+                        std::iter::once((place, left)).chain((place + 1..masses).map(loses)).collect()
+                    }
+                }
+            })
+            .collect()
+    }
+
+    /// Derivative of each named parameter by its own coordinate: turns deviations of theta into theirs.
+    pub fn factors(&self, theta: &[f64]) -> Vec<f64> {
+        self.changes(theta).iter().map(|by| by[0].1).collect()
+    }
+}
+
+impl Parameterisation for ModelCoordinates {
+    type Model = Model;
+
+    fn axes(&self) -> Vec<Axis> {
+        let of =
+            |c: &Coordinate| Axis { lower: c.lower, upper: c.upper, box_lower: c.box_lower, box_upper: c.box_upper };
+        self.coordinates.iter().map(of).collect()
+    }
+
+    fn model(&self, theta: &[f64]) -> Option<Model> {
+        let names = self.kind.parameter_names();
+        let named: BTreeMap<String, f64> = names.iter().map(|n| (*n).to_owned()).zip(self.values(theta)).collect();
+        let mut model = Model::from_parameters(self.kind, &named).ok()?;
+        if let Model::Elastoplastic(elastoplastic) = &mut model {
+            elastoplastic.release = self.release;
+        }
+        Some(model)
+    }
+
+    fn sensitivity(
+        &self,
+        model: &Model,
+        impact_speed_m_per_s: f64,
+        at: &Instants,
+        places: &[usize],
+    ) -> Result<Sensitivity, LumpedError> {
+        model.sensitivity(impact_speed_m_per_s, at, places)
+    }
+
+    fn chain(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>> {
+        Some(self.changes(theta))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_read_back_and_their_derivatives_agree_with_differences() {
+        let scale = Scale { impact_speed_m_per_s: 10.0, length_s: 0.1, crush_m: 0.6, release: true };
+        for kind in ModelKind::ALL {
+            let masses: &[f64] = match kind {
+                ModelKind::DoubleSpringMassDamper => &[300.0, 900.0],
+                ModelKind::TripleSpringMassDamper => &[200.0, 100.0, 900.0],
+                _ => &[1200.0],
+            };
+            let family = ModelCoordinates::new(kind, masses, MassFit::Shares { lower: 0.05, upper: 0.6 }, &scale);
+            let theta: Vec<f64> = family
+                .coordinates
+                .iter()
+                .enumerate()
+                .map(|(k, c)| c.box_lower + (c.box_upper - c.box_lower) * (0.3 + 0.05 * k as f64))
+                .collect();
+            let model = family.model(&theta).unwrap();
+            for (a, b) in family.theta(&model).iter().zip(&theta) {
+                // Two roundings of a logarithm.
+                assert!((a - b).abs() < 1e-13, "{kind}");
+            }
+            for (j, by) in family.changes(&theta).iter().enumerate() {
+                let moved = |h: f64| {
+                    let mut theta = theta.clone();
+                    theta[j] += h;
+                    family.values(&theta)
+                };
+                let (up, down) = (moved(1e-5), moved(-1e-5));
+                for place in 0..up.len() {
+                    let found = by.iter().find(|(p, _)| *p == place).map_or(0.0, |(_, d)| *d);
+                    let difference = (up[place] - down[place]) / 2e-5;
+                    // h²/6 of the third derivative, and rounding over h.
+                    assert!(
+                        (found - difference).abs() <= 1e-9 * up[place].abs().max(found.abs()),
+                        "{kind} {j} {place}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Solves for the physical parameters of lumped models.
+//!
+//! From the events of a crash (`t_m`, `C`, restitution) by closed forms; from the displacement, velocity or acceleration of one
+//! or several sensors by bounded least squares of every model, the first nonlinear one also by an interior point, the second
+//! also by firefly, all by L-SHADE; from an identified transfer function, state space or set of modes by coefficient matching;
+//! from four exponentials as the ERA paper does. Every candidate says how it was found, what was assumed, how well its
+//! parameters are determined (covariance, profile, bootstrap, propagation) and which other candidate gives the same record.
+//! Where a model has no solution the notes say why: that is an answer, not an error.
+//!
+//! rooms: solvers | papers chain | matching uncertainty | fit | closed_form free candidate | record
+//!
+//! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model; transfer
+//! function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two nonlinear models; each
+//! function names its own.
+
+mod candidate;
+mod chain;
+mod closed_form;
+mod error;
+mod fit;
+mod free;
+mod matching;
+mod papers;
+mod record;
+mod solvers;
+mod uncertainty;
+
+pub use candidate::method::{METHODS, Method};
+pub use candidate::parameter_set::{Candidate, Fit, Uncertainty, bounds_remark};
+pub use candidate::parameter_words::{all_in_words, in_words};
+pub use chain::assessment::{ChainAssessment, ChainAssessmentOptions, assess_chain};
+pub use chain::coordinates::{Stated, StatedChain, StatedElement, StatedMass};
+pub use chain::covariance::LinearisedUncertainty;
+pub use chain::dual::ChainDual;
+pub use chain::fit::{ChainSolution, fit_chain};
+pub use closed_form::elastoplastic::{
+    RIGID_RESTITUTION, elastoplastic_from_events, elastoplastic_of_record, unloads_rigidly,
+};
+pub use closed_form::kelvin::{KelvinBranch, KelvinSolution, centroid_to_crush_time_ratio, kelvin_from_events};
+pub use closed_form::maxwell::{MaxwellExponents, maxwell_constants, maxwell_from_exponents};
+pub use crumple_estimation::minimise::StopReason;
+pub use crumple_estimation::minimise::l_shade::LShadeOptions;
+pub use crumple_estimation::statistics::{Covariance, covariance};
+pub use crumple_signal::Distribution;
+pub use error::SolveError;
+pub use fit::double::pair::{DoubleFit, DoubleFitOptions, fit_double};
+pub use fit::elastoplastic_fit::fit_elastoplastic_loading;
+pub use fit::maxwell_fit::{fit_maxwell, undetermined_by_the_record};
+pub use fit::nonlinear::nonlinear1::fit_nonlinear1;
+pub use fit::nonlinear::nonlinear2::fit_nonlinear2;
+pub use fit::nonlinear::problem::conditions_at_crush;
+pub use fit::options::SingleMassFitOptions;
+pub use fit::refine::{Refined, refine};
+pub use free::free_parameter::{FreeParameter, free_masses, free_parameters};
+pub use free::mass_split::{MassSplit, masses, triple_masses};
+pub use free::model_coordinates::{MassFit, largest_of_chain};
+pub use matching::coefficient_matching::{Identified, Matched, Quartic, match_identified};
+pub use matching::coefficient_spread::CoefficientSpread;
+pub use papers::era_amplitude_ratios::{front_from_amplitudes, rear_from_amplitudes};
+pub use papers::era_curve_fit::curve_fit_of_the_paper;
+pub use papers::firefly::{FireflyOptions, FireflyResult, FireflyUnits, firefly_nonlinear2};
+pub use papers::maxwell_sum::maxwell_from_sum;
+pub use papers::nonlinear1_interior_point::interior_point_nonlinear1;
+pub use papers::tfest::match_as_the_paper_typed;
+pub use record::fit_quantity::FitQuantity;
+pub use record::measurement::{IntegrationRule, Measurement, TwoPassFilter};
+pub use record::observation::{Observation, ObservedWave, RESOLUTION_M};
+pub use record::sensor::{Place, Sensor, SensorFit, errors_in_words, is_note_of_errors, note_of_errors};
+pub use record::test_data::TestData;
+pub use solvers::settings::SolveSettings;
+pub use solvers::solve::solve;
+pub use solvers::table::{DEFAULT_MODELS, MODELS, SOLVERS, Solver, solvers_of};
+pub use solvers::task::Needs;
+pub use uncertainty::assessment::{Assessment, AssessmentOptions, Intervals, assess, undetermined};
+pub use uncertainty::block_bootstrap::{Bootstrap, REPLICATES, bootstrap};
+pub use uncertainty::closed_form_propagation::{FollowedEvents, propagate_closed_form};
+pub use uncertainty::conditioned_propagation::propagate_conditioned;
+pub use uncertainty::dual_scale::DualScale;
+pub use uncertainty::identifiability::weakest_direction;
+pub use uncertainty::profile_likelihood::{Profile, RISE_95, profile};
+pub use uncertainty::propagation::{
+    InputUncertainty, Propagation, REPETITIONS, Repetition, largest_draw, perturbed, propagate, propagate_unfiltered,
+    repeat, repetition,
+};

@@ -1,0 +1,266 @@
+//! The double model from an identified one: coefficient matching with every solution.
+
+use crumple_lumped::{
+    CoefficientMatch, CoefficientMatching, Complex, MatchedSolution, Model, PhysicalCoordinates, Reading,
+    RealisedModel, matching_sensitivity,
+};
+use crumple_signal::Notes;
+
+use crate::{Candidate, CoefficientSpread, Method, SolveError};
+
+/// Divisions of the mass in a sweep.
+const SWEEP: usize = 49;
+
+/// What an identified model says of its poles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Quartic {
+    /// `t, u, v, w` of its monic denominator.
+    Coefficients([f64; 4]),
+    /// Its four poles, 1/s.
+    Poles([Complex; 4]),
+}
+
+/// An identified model of fourth order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Identified {
+    /// Its id.
+    pub id: String,
+    /// Its poles.
+    pub quartic: Quartic,
+    /// Its numerator, highest power first, where it is a transfer function.
+    pub numerator: Option<Vec<f64>>,
+    /// Where the poles were taken from, in words.
+    pub source: &'static str,
+    /// Its state space, where there is one whose output is a motion.
+    pub realised: Option<RealisedModel>,
+    /// How well its coefficients are known; `None` where nothing says so.
+    pub spread: Option<CoefficientSpread>,
+    /// Time by which its input acts late, s; 0 without a delay.
+    pub delay_s: f64,
+}
+
+impl Identified {
+    /// A model of which nothing but the poles is known.
+    pub fn of_poles(id: String, poles: [Complex; 4], source: &'static str) -> Self {
+        let quartic = Quartic::Poles(poles);
+        Self { id, quartic, numerator: None, source, realised: None, spread: None, delay_s: 0.0 }
+    }
+}
+
+/// What matching found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Matched {
+    /// All solutions at the given masses.
+    pub found: CoefficientMatch,
+    /// All solutions at other divisions of the same total mass, with the front share.
+    pub sweep: Vec<(f64, CoefficientMatch)>,
+    /// The real ones as candidates, in the order of the solutions.
+    pub candidates: Vec<Candidate>,
+    /// What was found, in words.
+    pub remarks: Vec<String>,
+    /// The state space in the coordinates of each solution, by the place of its candidate.
+    pub coordinates: Vec<(usize, PhysicalCoordinates)>,
+    /// `c1 c2/(m1 m2)` that the start of a free motion implies, 1/s².
+    pub zeta_of_the_start: Option<f64>,
+}
+
+/// Matches the characteristic polynomial of the double model with the identified one.
+///
+/// Candidates are the real solutions, numbered from `first_index`; complex ones and multiplicities are in `found`. No
+/// real solution is left out, physical or not: a verdict needs to be seen. Errors: masses that are not positive, poles
+/// that are not real or in pairs.
+pub fn match_identified(
+    identified: &Identified,
+    m1_kg: f64,
+    m2_kg: f64,
+    first_index: usize,
+    notes: &mut Notes,
+) -> Result<Matched, SolveError> {
+    let matching = match identified.quartic {
+        Quartic::Coefficients(polynomial) => CoefficientMatching::new(polynomial, m1_kg, m2_kg, Reading::Binary)?,
+        Quartic::Poles(poles) => CoefficientMatching::from_poles(&poles, m1_kg, m2_kg, Reading::Binary)?,
+    };
+    let found = matching.solve();
+    let fractions: Vec<f64> = (1..=SWEEP).map(|k| k as f64 / (SWEEP + 1) as f64).collect();
+    let sweep = fractions.iter().copied().zip(matching.mass_split_sweep(&fractions)?).collect();
+    let solutions_in_words = solutions_in_words(&found);
+    let physical = found.solutions.iter().any(|s| s.physical);
+    let text = format!("{}: {solutions_in_words}", identified.id);
+    if physical {
+        notes.info(text);
+    } else {
+        notes.warning(text);
+    }
+
+    // Places of the real solutions among the candidates.
+    let index = |solution: usize| first_index + solution;
+    let mut candidates = Vec::new();
+    let mut coordinates = Vec::new();
+    let zeta_of_the_start = identified.realised.as_ref().and_then(RealisedModel::zeta_of_the_start);
+    for (place, solution) in found.solutions.iter().enumerate().filter(|(_, s)| s.real) {
+        let Some(model) = solution.model(m1_kg, m2_kg) else { continue };
+        let mut remarks = vec![format!("from the {} {}: {solutions_in_words}", identified.source, identified.id)];
+        remarks.push(numerator_remark(identified.numerator.as_deref(), solution));
+        remarks.push(match matching_sensitivity(&model) {
+            Some(gain) => format!("1 % in one coefficient moves a parameter by up to {:.3} %", gain.amax()),
+            None if [model.c1_n_s_per_m, model.c2_n_s_per_m].contains(&0.0) => at_the_border("damper"),
+            None if [model.k1_n_per_m, model.k2_n_per_m].contains(&0.0) => at_the_border("spring"),
+            None => "a multiple solution: a change of the coefficients moves it by its square root".to_owned(),
+        });
+        let uncertainty = identified.spread.as_ref().and_then(|spread| spread.of_match(&model));
+        match (&uncertainty, &identified.spread) {
+            (Some(found), _) => {
+                remarks.push(format!("standard deviations: {}; for the given masses, in first order", found.method));
+            }
+            (None, Some(_)) => {
+                remarks.push("no standard deviations: in first order they have no bound here".to_owned());
+            }
+            (None, None) => {}
+        }
+        if solution.dual == place {
+            remarks.push(format!(
+                "its own dual, listed once: {} of the six solutions coincide here",
+                solution.multiplicity
+            ));
+        }
+        match identified.realised.as_ref().map(|realised| realised.coordinates(&model)) {
+            Some(Ok(physical)) => {
+                remarks.push(coordinate_remark(&physical));
+                coordinates.push((candidates.len(), physical));
+            }
+            Some(Err(error)) => remarks.push(format!("no physical coordinates: {error}")),
+            None => {}
+        }
+        candidates.push(Candidate {
+            model: Model::DoubleSpringMassDamper(model),
+            method: Method::CoefficientMatching,
+            index: index(place),
+            equivalent_to: (solution.dual != place).then(|| index(solution.dual)),
+            fit: None,
+            uncertainty,
+            notes: remarks,
+        });
+    }
+    let mut remarks = vec![solutions_in_words, format!("used: the {} {}", identified.source, identified.id)];
+    if identified.delay_s != 0.0 {
+        let text = format!(
+            "its input acts {:.3} ms late: poles do not know of that, so neither do springs and dampers, and a simulation of them \
+             starts at contact",
+            1e3 * identified.delay_s
+        );
+        notes.info(format!("{}: {text}", identified.id));
+        remarks.push(text);
+    }
+    if let Some(zeta) = zeta_of_the_start {
+        remarks.push(start_remark(zeta, &found));
+    }
+    if let Some(realised) = identified.realised.as_ref().filter(|realised| realised.chassis.is_some()) {
+        match realised.from_both_masses(m1_kg + m2_kg) {
+            Ok(Some((model, residual))) => {
+                let text = format!(
+                    "from the rows of both masses, with the total mass alone given: m1 = {:.2} kg, m2 = {:.2} kg; the state space is a \
+                     chain of two masses up to {residual:.1e}",
+                    model.m1_kg, model.m2_kg
+                );
+                remarks.push(text.clone());
+                candidates.push(Candidate {
+                    model: Model::DoubleSpringMassDamper(model),
+                    method: Method::CoefficientMatching,
+                    index: first_index + candidates.len(),
+                    equivalent_to: None,
+                    fit: None,
+                    uncertainty: None,
+                    notes: vec![text],
+                });
+            }
+            Ok(None) => {}
+            Err(error) => remarks.push(format!("not from the rows of both masses: {error}")),
+        }
+    }
+    Ok(Matched { found, sweep, candidates, remarks, coordinates, zeta_of_the_start })
+}
+
+/// What the transformation says, and what it does not.
+fn coordinate_remark(physical: &PhysicalCoordinates) -> String {
+    let decided = match physical.chassis_mismatch {
+        Some(gap) => format!("the chassis sensor's row differs by {:.3} %", 100.0 * gap),
+        None => {
+            "every real solution has such a transformation with the same compartment output: a second sensor on the \
+                 front decides"
+                .to_owned()
+        }
+    };
+    format!(
+        "physical coordinates of the state space: condition {:.3e}, residual {:.1e}; {decided}",
+        physical.condition, physical.residual
+    )
+}
+
+fn at_the_border(what: &str) -> String {
+    format!(
+        "a {what} is zero, at the border of what is physical: no share of a coefficient moves it by a share of itself"
+    )
+}
+
+/// Which root of the cubic the start of the motion speaks for.
+fn start_remark(zeta: f64, found: &CoefficientMatch) -> String {
+    let real = found.roots.iter().enumerate().filter(|(_, root)| root.zeta.im == 0.0);
+    let nearest = real.min_by(|(_, a), (_, b)| (a.zeta.re - zeta).abs().total_cmp(&(b.zeta.re - zeta).abs()));
+    let root = nearest.map_or_else(String::new, |(place, root)| {
+        format!("; the nearest real root of the cubic is {:.6} 1/s² (number {})", root.zeta.re, place + 1)
+    });
+    format!("the start of the motion implies c1 c2/(m1 m2) = {zeta:.6} 1/s²{root}")
+}
+
+/// How many solutions of which kind, and whether the masses can be right at all.
+fn solutions_in_words(found: &CoefficientMatch) -> String {
+    let count = |which: &dyn Fn(&MatchedSolution) -> bool| -> usize {
+        found.solutions.iter().filter(|s| which(s)).map(|s| s.multiplicity).sum()
+    };
+    let (real, physical) = (count(&|s| s.real), count(&|s| s.physical));
+    let ratio = found.m2_kg / found.m1_kg;
+    let bound = match found.largest_mass_ratio {
+        // Counted, not compared: at the bound itself one damper is zero and the set is still physical.
+        Some(bound) if physical > 0 => format!("m2/m1 = {ratio:.4} is not above its bound {bound:.5}"),
+        Some(bound) if real == 0 => {
+            format!(
+                "m2/m1 = {ratio:.4} is above its bound {bound:.5}, so no parameter set with these masses is physical"
+            )
+        }
+        Some(bound) => format!(
+            "m2/m1 = {ratio:.4} is above its bound {bound:.5}, so no parameter set with these masses is physical: {}",
+            match found.roots.iter().filter(|root| root.zeta.im == 0.0).count() {
+                0 | 1 => "at the only real root of the cubic c1 c2 < 0",
+                _ if real > 2 => "at the real roots of the cubic c1 c2 < 0",
+                _ => "at the only root of the cubic with real springs and dampers c1 c2 < 0",
+            }
+        ),
+        None => "the polynomial is not that of a passive chain of two masses, whatever the masses".to_owned(),
+    };
+    format!("6 solutions, {real} real, {physical} physical (springs positive, dampers not negative); {bound}")
+}
+
+/// Whether the zero of the identified numerator is that of `c2 s + k2`.
+fn numerator_remark(numerator: Option<&[f64]>, solution: &MatchedSolution) -> String {
+    let leading = numerator.map(|n| n.iter().skip_while(|x| **x == 0.0).copied().collect::<Vec<_>>());
+    match (leading.as_deref(), solution.zero()) {
+        (Some(&[slope, constant]), Some(zero)) => {
+            let identified = -constant / slope;
+            let agrees = (identified - zero.re).abs() <= 0.05 * zero.re.abs();
+            format!(
+                "zero of the identified numerator {identified:.4} 1/s, of c2 s + k2 {:.4} 1/s: {}",
+                zero.re,
+                if agrees {
+                    "consistent"
+                } else {
+                    "not consistent, the force on the chassis is not the input it was made for"
+                }
+            )
+        }
+        (Some(other), _) => format!(
+            "the identified numerator has degree {}, that of a force on the chassis 1: not comparable",
+            other.len().saturating_sub(1)
+        ),
+        (None, _) => "no numerator to compare with: the poles alone do not tell the solutions apart".to_owned(),
+    }
+}

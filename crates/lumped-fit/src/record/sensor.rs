@@ -1,0 +1,119 @@
+use std::fmt;
+use std::str::FromStr;
+
+use crumple_signal::Sampled;
+
+use crate::FitQuantity;
+
+/// How the sentence on the misfit of several sensors begins.
+const ERRORS: &str = "root mean square errors ";
+
+/// How far sensors were missed: each root mean square error in its unit, with channel and place.
+pub fn errors_in_words<'a>(errors: impl IntoIterator<Item = (f64, FitQuantity, &'a str, String)>) -> String {
+    let one = |(rmse, quantity, channel, place): (f64, FitQuantity, &str, String)| {
+        let (value, unit) = match quantity {
+            FitQuantity::Displacement => (1e3 * rmse, "mm"),
+            other => (rmse, other.unit()),
+        };
+        format!("{value:.4} {unit} at {channel} ({place})")
+    };
+    errors.into_iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// The note on these [`errors_in_words`]; `seen`: how, `"through the filter"`, or nothing.
+pub fn note_of_errors(errors: &str, seen: Option<&str>) -> String {
+    let seen = seen.map_or_else(String::new, |seen| format!("seen {seen} "));
+    format!("{ERRORS}{seen}{errors}; residuals weighted by the noise level of each sensor")
+}
+
+/// Whether a note is an [`note_of_errors`].
+pub fn is_note_of_errors(note: &str) -> bool {
+    note.starts_with(ERRORS)
+}
+
+/// Which mass of a model a sensor sits on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// The last mass.
+    Compartment,
+    /// The mass next to the barrier: engine and front structure.
+    Front,
+    /// The mass in front of the compartment.
+    Chassis,
+    /// A mass by its number from the barrier on, from 1.
+    Mass(usize),
+}
+
+impl Place {
+    /// Index of the mass in a model of so many masses. A model of one mass has a compartment only.
+    pub fn mass(self, masses: usize) -> Option<usize> {
+        match self {
+            Self::Compartment => masses.checked_sub(1),
+            Self::Front => (masses > 1).then_some(0),
+            Self::Chassis => (masses > 1).then(|| masses - 2),
+            Self::Mass(number) => (number >= 1 && number <= masses).then(|| number - 1),
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Compartment => f.write_str("compartment"),
+            Self::Front => f.write_str("front"),
+            Self::Chassis => f.write_str("chassis"),
+            Self::Mass(number) => write!(f, "m{number}"),
+        }
+    }
+}
+
+impl FromStr for Place {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "compartment" => Ok(Self::Compartment),
+            "front" | "engine" => Ok(Self::Front),
+            "chassis" => Ok(Self::Chassis),
+            _ => text
+                .strip_prefix('m')
+                .and_then(|number| number.parse().ok())
+                .filter(|number| *number > 0)
+                .map(Self::Mass)
+                .ok_or_else(|| {
+                    format!("no place of a sensor: {text:?}; expected compartment, front, chassis or m1, m2, ...")
+                }),
+        }
+    }
+}
+
+/// A record that a model is fitted to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sensor<'a> {
+    /// Its channel, for records and notes.
+    pub channel: &'a str,
+    /// Where it sits.
+    pub place: Place,
+    /// What it says.
+    pub quantity: FitQuantity,
+    /// Its samples, SI.
+    pub record: &'a Sampled,
+    /// Its noise level, unit of the quantity; `None`: from the residuals, so that every sensor counts by how well the
+    /// model can meet it.
+    pub noise: Option<f64>,
+}
+
+/// How well a sensor was met.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SensorFit {
+    /// Its channel.
+    pub channel: String,
+    /// Number of its mass, from 1 at the barrier.
+    pub mass: usize,
+    /// What was fitted.
+    pub quantity: FitQuantity,
+    /// Root mean square error, unit of the quantity.
+    pub rmse: f64,
+    /// Noise level its residuals were divided by, unit of the quantity.
+    pub noise: f64,
+}

@@ -1,0 +1,154 @@
+//! One mass fitted to its displacement: Maxwell and the nonlinear models.
+
+use crumple_lumped::Model;
+use crumple_signal::{Displacement, Notes, Signal};
+
+use super::extent::{Extent, crush_of, extent_of};
+use crate::fit::options::SingleMassFitOptions;
+use crate::solvers::sensors;
+use crate::solvers::task::Task;
+use crate::{
+    Candidate, Fit, SolveError, Uncertainty, bounds_remark, conditions_at_crush, firefly_nonlinear2, fit_maxwell,
+    fit_nonlinear1, fit_nonlinear2, interior_point_nonlinear1, undetermined_by_the_record,
+};
+
+type Found = (Model, Fit, Option<Uncertainty>);
+
+/// Spring and damper in series.
+pub(crate) fn maxwell(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    if !task.fits_displacement_alone() {
+        return sensors::fit(task, notes);
+    }
+    let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
+    fitted(task, &extent, notes, |x, options, _| {
+        let (model, fit, deviations) = fit_maxwell(x, options)?;
+        Ok((Model::Maxwell(model), fit, deviations))
+    })
+}
+
+/// The first nonlinear model under its side constraints.
+pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    if !task.fits_displacement_alone() {
+        return sensors::fit(task, notes);
+    }
+    let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
+    let mut missed = None;
+    let found = fitted(task, &extent, notes, |x, options, remarks| {
+        remarks.push(if extent.stops {
+            "constrained to the dynamic crush and its time; k1 <= k2, c1 >= c2 >= c3".to_owned()
+        } else {
+            "k1 <= k2, c1 >= c2 >= c3; the conditions at dynamic crush are left out, since the record has none"
+                .to_owned()
+        });
+        let (model, fit) = fit_nonlinear1(x, options, extent.stops)?;
+        if let Some([crush, speed]) = conditions_at_crush(&model, options).filter(|found| extent.stops && !met(found)) {
+            missed = Some(format!(
+                "the conditions at dynamic crush are not met: crush {:.3} % off, speed {:.3} % of that at impact left",
+                100.0 * crush,
+                100.0 * speed
+            ));
+            remarks.extend(missed.clone());
+        }
+        Ok((Model::Nonlinear1(model), fit, None))
+    });
+    if let Some(missed) = missed {
+        notes.warning(format!("{}: {missed}", task.model));
+    }
+    found
+}
+
+/// Whether the conditions at dynamic crush are met to what a fit under them is asked for.
+fn met(found: &[f64; 2]) -> bool {
+    found.iter().all(|condition| condition.abs() <= 1e-6)
+}
+
+/// The same as the paper finds it.
+pub(crate) fn interior_point(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    // Its conditions are those at dynamic crush.
+    let Some((time_s, crush_m)) = crush_of(task, notes) else { return Ok(Vec::new()) };
+    fitted(task, &Extent { crush_m, time_s, stops: true }, notes, |x, options, remarks| {
+        remarks.push(
+            "the paper's way: interior point with x(t_m) = C, v(t_m) = 0, k1 <= k2, c1 >= c2 >= c3; direct-fit reaches the \
+             same point"
+                .to_owned(),
+        );
+        let (model, fit) = interior_point_nonlinear1(x, options)?;
+        Ok((Model::Nonlinear1(model), fit, None))
+    })
+}
+
+/// The second nonlinear model.
+pub(crate) fn nonlinear2(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    if !task.fits_displacement_alone() {
+        return sensors::fit(task, notes);
+    }
+    let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
+    fitted(task, &extent, notes, |x, options, _| {
+        let (model, fit, deviations) = fit_nonlinear2(x, options)?;
+        Ok((Model::Nonlinear2(model), fit, deviations))
+    })
+}
+
+/// The same by the firefly search.
+pub(crate) fn firefly(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
+    fitted(task, &extent, notes, |x, options, remarks| {
+        let found = firefly_nonlinear2(x, options, &task.settings.firefly)?;
+        remarks.push(if found.attraction > 0.0 {
+            format!("mean attraction of two fireflies at the start {:.3}", found.attraction)
+        } else {
+            "the attraction of two fireflies is zero in these units: a random walk".to_owned()
+        });
+        Ok((Model::Nonlinear2(found.model), found.fit, None))
+    })
+}
+
+/// What all fits to the displacement of one mass have in common.
+pub(super) fn fitted(
+    task: &Task<'_>,
+    extent: &Extent,
+    notes: &mut Notes,
+    fit: impl FnOnce(&Signal<Displacement>, &SingleMassFitOptions, &mut Vec<String>) -> Result<Found, SolveError>,
+) -> Result<Vec<Candidate>, SolveError> {
+    let (kind, test, settings) = (task.model, task.test, task.settings);
+    let Some(displacement) = test.displacement else {
+        notes.warning(format!("{kind}: not fitted, there is no displacement"));
+        return Ok(Vec::new());
+    };
+    let options = SingleMassFitOptions {
+        mass_kg: test.mass_kg,
+        impact_speed_m_per_s: test.impact_speed_m_per_s,
+        crush_m: extent.crush_m,
+        time_of_dynamic_crush_s: extent.time_s,
+        time_zero_s: test.time_zero_s,
+        from_s: settings.fit_from_s,
+        to_s: settings.fit_to_s.or(extent.stops.then_some(extent.time_s)),
+        samples: settings.fit_samples,
+    };
+    let mut remarks = Vec::new();
+    let (model, fit, uncertainty) = match fit(displacement, &options, &mut remarks) {
+        Ok(found) => found,
+        Err(error @ SolveError::NoFit { .. }) => {
+            notes.warning(format!("{kind}: {error}"));
+            return Ok(Vec::new());
+        }
+        Err(error) => return Err(error),
+    };
+    remarks.insert(0, format!("fitted from {:.2} ms to {:.2} ms after time zero", 1e3 * fit.from_s, 1e3 * fit.to_s));
+    if let Model::Maxwell(maxwell) = &model
+        && let Some(finding) = undetermined_by_the_record(maxwell, test.impact_speed_m_per_s, extent.crush_m)
+    {
+        notes.warning(format!("{kind}: {finding}"));
+        remarks.push(finding);
+    }
+    remarks.extend(bounds_remark(&model, &fit.active_bounds));
+    Ok(vec![Candidate {
+        model,
+        method: task.method,
+        index: 1,
+        equivalent_to: None,
+        fit: Some(fit),
+        uncertainty,
+        notes: remarks,
+    }])
+}

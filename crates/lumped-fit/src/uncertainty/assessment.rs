@@ -1,0 +1,249 @@
+//! Everything that is said of how well a model's parameters are known.
+
+use std::collections::BTreeMap;
+
+use crate::FitQuantity;
+use crate::fit::refine::Refined;
+use crate::free::free_parameter::{FreeParameter, masses_of, rest_mass};
+use crate::record::observation::Observation;
+use crate::uncertainty::block_bootstrap::{Bootstrap, bootstrap};
+use crate::uncertainty::dual_scale::DualScale;
+use crate::uncertainty::identifiability::weakest_direction;
+use crate::uncertainty::profile_likelihood::{Profile, profile};
+use crumple_estimation::statistics::lag_1_autocorrelation;
+use crumple_estimation::statistics::{Covariance, covariance_of_blocks};
+use crumple_lumped::Model;
+
+/// What is computed beyond the covariance.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct AssessmentOptions {
+    /// Profile likelihood of every parameter.
+    pub profile: bool,
+    /// Replicates of a block bootstrap; 0: none.
+    pub bootstrap: usize,
+}
+
+/// An interval by parameter; `None`: open on that side.
+pub type Intervals = BTreeMap<&'static str, (Option<f64>, Option<f64>)>;
+
+/// The verdict on one candidate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Assessment {
+    /// The parameters judged, in the order of the matrices.
+    pub parameters: Vec<&'static str>,
+    /// Standard deviations, in the unit of each; those on a bound of the search have none.
+    pub standard_deviation: BTreeMap<&'static str, f64>,
+    /// 95 % intervals of the linearisation: log-normal, or normal and cut at zero for a value near zero.
+    pub interval: Intervals,
+    /// Correlation of the estimates (of their logarithms), rows as `parameters`; those on a bound are left out.
+    pub correlation: Vec<Vec<f64>>,
+    /// Condition number of the sensitivities with columns of one length; `None` without full rank.
+    pub condition: Option<f64>,
+    /// Directions that the record determines.
+    pub rank: usize,
+    /// The direction determined least, in words.
+    pub weakest_direction: Option<String>,
+    /// Lag-1 autocorrelation of the misfit.
+    pub residual_autocorrelation: f64,
+    /// Independent samples that the misfit is worth.
+    pub effective_samples: f64,
+    /// Profile likelihood intervals, where asked for.
+    pub profile: Vec<Profile>,
+    /// Bootstrap, where asked for.
+    pub bootstrap: Option<Bootstrap>,
+    /// What the sentence on the weakest direction is made from.
+    free: Vec<FreeParameter>,
+    covariance: Covariance,
+    quantity: FitQuantity,
+}
+
+/// Judges a model at the minimum of its misfit.
+///
+/// `given`: the values that are to be judged, where they are not those of the minimum: a closed form that follows two events
+/// instead of the whole curve. Its intervals stand around its own values and are widened by their distance from the minimum, as
+/// one more deviation: the same model, taken from the record in another way, gives values so far apart.
+pub fn assess(
+    refined: &Refined,
+    given: Option<&Model>,
+    observed: &Observation,
+    options: AssessmentOptions,
+) -> Option<Assessment> {
+    // What stands on zero is judged from its one side; what stands on the end of the search is not judged.
+    // Neither is what moves nothing in the window: it stays open on both sides.
+    let assessed = |i: &usize| {
+        (!refined.on_bound[*i] || refined.free[*i].value == 0.0) && refined.sensitivity_m.column(*i).norm() > 0.0
+    };
+    let kept: Vec<usize> = (0..refined.free.len()).filter(assessed).collect();
+    let free: Vec<FreeParameter> = kept.iter().map(|&i| refined.free[i]).collect();
+    let j_m = refined.sensitivity_m.select_columns(&kept);
+    let found = covariance_of_blocks(&j_m, &refined.misfit_m, &observed.blocks())?;
+    let values = given.unwrap_or(&refined.model).parameters();
+    let mut standard_deviation = BTreeMap::new();
+    let mut interval = Intervals::new();
+    for (i, parameter) in free.iter().enumerate() {
+        let value = values[parameter.name];
+        let away = parameter.coordinate(value) - parameter.coordinate(parameter.value);
+        let away = if given.is_some() && away.is_finite() { away } else { 0.0 };
+        let deviation = (found.matrix[(i, i)].max(0.0) + away * away).sqrt();
+        let half = (found.half_width[i].powi(2) + (1.96 * away).powi(2)).sqrt();
+        if half.is_finite() {
+            standard_deviation.insert(parameter.name, deviation * parameter.slope(parameter.coordinate(value)).abs());
+        }
+        interval.insert(parameter.name, around(parameter, value, half));
+    }
+    for (i, parameter) in refined.free.iter().enumerate() {
+        if !kept.contains(&i) {
+            interval.insert(parameter.name, (None, None));
+        }
+    }
+    // A mass that a bound holds leaves the rest of the total open too.
+    let model = given.unwrap_or(&refined.model);
+    let all_masses = free.iter().filter(|p| p.name.ends_with("_kg")).count() + 1 == masses_of(model).len();
+    if let Some((rest, value)) = rest_mass(model, &refined.free) {
+        let (deviation, ends) = of_the_rest(value, &free, &found, &interval);
+        if all_masses {
+            standard_deviation.insert(rest, deviation);
+        }
+        interval.insert(rest, if all_masses { ends } else { (None, None) });
+    }
+    let correlation = found.correlation();
+    let waves = observed.split(&refined.misfit_m);
+    let quantity = observed.waves.first()?.quantity;
+    Some(Assessment {
+        parameters: free.iter().map(|p| p.name).collect(),
+        standard_deviation,
+        interval,
+        correlation: correlation.row_iter().map(|row| row.iter().copied().collect()).collect(),
+        condition: Some(found.condition).filter(|c| c.is_finite()),
+        rank: found.rank,
+        weakest_direction: weakest_direction(&free, &found, quantity),
+        residual_autocorrelation: waves.iter().map(|own| lag_1_autocorrelation(own)).sum::<f64>() / waves.len() as f64,
+        effective_samples: found.effective_samples,
+        profile: if options.profile {
+            let half_width = |i| kept.iter().position(|&k| k == i).map(|k| found.half_width[k]);
+            let expected: Vec<Option<f64>> = (0..refined.free.len()).map(half_width).collect();
+            let mut found = profile(refined, observed, &expected, found.effective_samples);
+            found.extend(profile_of_the_rest(refined, &found).filter(|_| all_masses));
+            found
+        } else {
+            Vec::new()
+        },
+        bootstrap: (options.bootstrap > 0)
+            .then(|| bootstrap(refined, observed, options.bootstrap, all_masses))
+            .flatten(),
+        free,
+        covariance: found,
+        quantity,
+    })
+}
+
+/// The interval of a coordinate as values. Beyond a factor of `e^9` nothing is said.
+fn around(parameter: &FreeParameter, value: f64, half: f64) -> (Option<f64>, Option<f64>) {
+    if parameter.logarithmic && value > 0.0 {
+        let known = half < 9.0;
+        (known.then(|| value * (-half).exp()), known.then(|| value * half.exp()))
+    } else {
+        let half = half * parameter.unit;
+        (Some((value - half).max(0.0)), Some(value + half).filter(|high| high.is_finite()))
+    }
+}
+
+/// Standard deviation and interval of the mass that is the rest of the total: those of the free mass, mirrored; of two free
+/// masses normal, from the deviation of their sum with the factor of the wider of their intervals.
+fn of_the_rest(
+    value: f64,
+    free: &[FreeParameter],
+    found: &Covariance,
+    interval: &Intervals,
+) -> (f64, (Option<f64>, Option<f64>)) {
+    let masses: Vec<usize> = (0..free.len()).filter(|&i| free[i].name.ends_with("_kg")).collect();
+    let slope = |i: usize| free[i].slope(free[i].coordinate(free[i].value));
+    let pairs = masses.iter().flat_map(|&i| masses.iter().map(move |&j| (i, j)));
+    let variance: f64 = pairs.map(|(i, j)| slope(i) * found.matrix[(i, j)] * slope(j)).sum();
+    let deviation = variance.max(0.0).sqrt();
+    let ends = match masses[..] {
+        [one] => {
+            let (low, high) = interval[free[one].name];
+            let total = value + free[one].value;
+            let rest = |end: Option<f64>| end.map(|kg| (total - kg).max(0.0));
+            (rest(high), rest(low))
+        }
+        _ => {
+            let factor = |i: &usize| found.half_width[*i] / found.matrix[(*i, *i)].sqrt();
+            let half = masses.iter().map(factor).fold(1.96, f64::max) * deviation;
+            if half.is_finite() { (Some((value - half).max(0.0)), Some(value + half)) } else { (None, None) }
+        }
+    };
+    (deviation, ends)
+}
+
+/// The profile of the rest of the total, which is that of the one free mass mirrored; none with two free masses.
+fn profile_of_the_rest(refined: &Refined, profiles: &[Profile]) -> Option<Profile> {
+    let (parameter, value) = rest_mass(&refined.model, &refined.free)?;
+    let mut masses = refined.free.iter().filter(|p| p.name.ends_with("_kg"));
+    let (one, None) = (masses.next()?, masses.next()) else { return None };
+    let of = profiles.iter().find(|p| p.parameter == one.name)?;
+    let total = value + one.value;
+    Some(Profile {
+        parameter,
+        low: of.high.map(|kg| total - kg),
+        high: of.low.map(|kg| total - kg),
+        points: of.points.iter().rev().map(|(kg, rise)| (total - kg, *rise)).collect(),
+    })
+}
+
+impl Assessment {
+    /// The same verdict seen from the dual double model.
+    pub fn of_dual(&self, dual: &DualScale) -> Self {
+        let exchange = |intervals: &Intervals| -> Intervals {
+            intervals
+                .iter()
+                .map(|(name, (low, high))| {
+                    let (name, by) = dual.of(name);
+                    (name, (low.map(|x| x * by), high.map(|x| x * by)))
+                })
+                .collect()
+        };
+        let free: Vec<FreeParameter> = self
+            .free
+            .iter()
+            .map(|p| {
+                let (name, by) = dual.of(p.name);
+                let limit = p.limit * by;
+                FreeParameter { name, value: p.value * by, unit: p.unit * by, scale: p.scale * by, limit, ..*p }
+            })
+            .collect();
+        Self {
+            parameters: self.parameters.iter().map(|name| dual.of(name).0).collect(),
+            standard_deviation: dual.values(&self.standard_deviation),
+            interval: exchange(&self.interval),
+            weakest_direction: weakest_direction(&free, &self.covariance, self.quantity),
+            profile: self
+                .profile
+                .iter()
+                .map(|p| {
+                    let (parameter, by) = dual.of(p.parameter);
+                    Profile {
+                        parameter,
+                        low: p.low.map(|x| x * by),
+                        high: p.high.map(|x| x * by),
+                        points: p.points.iter().map(|(value, rise)| (value * by, *rise)).collect(),
+                    }
+                })
+                .collect(),
+            bootstrap: self.bootstrap.as_ref().map(|b| Bootstrap { interval: exchange(&b.interval), ..b.clone() }),
+            free,
+            ..self.clone()
+        }
+    }
+}
+
+/// Free parameters of which the record says nothing at all, for a sentence.
+pub fn undetermined(assessment: &Assessment) -> Vec<&'static str> {
+    assessment
+        .interval
+        .iter()
+        .filter(|(_, (low, high))| low.is_none() || high.is_none())
+        .map(|(name, _)| *name)
+        .collect()
+}

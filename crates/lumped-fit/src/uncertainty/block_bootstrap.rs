@@ -1,0 +1,106 @@
+//! Block bootstrap of the misfit.
+
+use std::collections::BTreeMap;
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use rayon::prelude::*;
+
+use crate::fit::observed_problem::Problem;
+use crate::fit::refine::{Refined, follow};
+use crate::free::free_parameter::{FreeParameter, rest_mass};
+use crate::record::observation::Observation;
+use crumple_estimation::statistics::{autocorrelation_time, quantile};
+use crumple_lumped::Model;
+
+/// Replicates that say something of the ends of an interval.
+pub const REPLICATES: usize = 200;
+/// Seed of the generators; replicate `i` uses its stream `i`.
+const SEED: u64 = 1;
+/// A block is so many autocorrelation times long, and at most this share of the window.
+const BLOCK_TIMES: f64 = 2.0;
+const LARGEST_SHARE: usize = 3;
+
+/// What the replicates say of parameters named by `N`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bootstrap<N: Ord = &'static str> {
+    /// Replicates that led to a fit.
+    pub replicates: usize,
+    /// Samples in a block.
+    pub block: usize,
+    /// From the 2.5th to the 97.5th percentile.
+    pub interval: BTreeMap<N, (Option<f64>, Option<f64>)>,
+}
+
+/// Fits the model again to its own response with the misfit laid over it in shuffled blocks, and reads the percentiles.
+///
+/// Several waves are shuffled in the same blocks of time, so that an error they share stays shared. Moving blocks on a circle (Politis & Romano 1992), two autocorrelation times long but at most a third of the window, so
+/// that what hangs together stays together. Every replicate starts from the minimum and draws from its own stream of a fixed
+/// seed: the result does not depend on threads. Says nothing of other minima, nor of an error that is the same in
+/// the whole record. `None` with fewer than 20 fits, or for a misfit of rounding alone.
+///
+/// `with_rest`: whether a last mass that is the rest of the total has an interval too.
+pub fn bootstrap(refined: &Refined, observed: &Observation, replicates: usize, with_rest: bool) -> Option<Bootstrap> {
+    let rest = |model: &Model, free: &[FreeParameter]| rest_mass(model, free).filter(|_| with_rest);
+    let rest_name = rest(&refined.model, &refined.free).map(|(name, _)| name);
+    let names = refined.free.iter().map(|parameter| parameter.name).chain(rest_name).collect();
+    replicate(observed, &refined.misfit_m, replicates, names, |again| {
+        let problem = Problem::new(refined.model, refined.free.clone(), again);
+        let optimum = follow(&problem, &problem.start())?;
+        let rest = rest(&problem.model(&optimum.theta)?, &problem.free).map(|(_, kg)| kg);
+        Some(problem.free.iter().zip(&optimum.theta).map(|(p, theta)| p.at(*theta)).chain(rest).collect())
+    })
+}
+
+/// [`bootstrap`] of any fit: `misfit` is its weighted one, `fit` gives the values of the names for a record.
+pub(crate) fn replicate<N: Ord>(
+    observed: &Observation,
+    misfit: &[f64],
+    replicates: usize,
+    names: Vec<N>,
+    fit: impl Fn(&Observation) -> Option<Vec<f64>> + Sync,
+) -> Option<Bootstrap<N>> {
+    let misfits = observed.split(misfit);
+    let n = misfits.first()?.len();
+    // In samples of the first wave; the same blocks of time for all.
+    let time = misfits.iter().map(|own| autocorrelation_time(own) * n as f64 / own.len() as f64).fold(0.0, f64::max);
+    let block = ((BLOCK_TIMES * time).ceil() as usize).clamp(1, n / LARGEST_SHARE);
+    let found: Vec<Option<Vec<f64>>> = (0..replicates)
+        .into_par_iter()
+        .map(|index| {
+            let mut random = ChaCha8Rng::seed_from_u64(SEED);
+            random.set_stream(index as u64);
+            let from: Vec<usize> = (0..n.div_ceil(block)).map(|_| (random.next_u64() % n as u64) as usize).collect();
+            let mut again = observed.clone();
+            for (wave, misfit) in again.waves.iter_mut().zip(&misfits) {
+                let own = misfit.len();
+                for (k, sample) in wave.samples.iter_mut().enumerate() {
+                    let place = k * n / own;
+                    let drawn = ((from[place / block] + place % block) * own / n) % own;
+                    // The misfit is model minus record, times the weight.
+                    *sample += (misfit[k] - misfit[drawn]) / wave.weight;
+                }
+            }
+            fit(&again)
+        })
+        .collect();
+    let found: Vec<Vec<f64>> = found.into_iter().flatten().collect();
+    if found.len() < 20 {
+        return None;
+    }
+    let interval = names
+        .into_iter()
+        .enumerate()
+        .map(|(i, name)| {
+            let mut values: Vec<f64> = found.iter().map(|f| f[i]).collect();
+            (name, (percentile(&mut values, 0.025), percentile(&mut values, 0.975)))
+        })
+        .collect();
+    Some(Bootstrap { replicates: found.len(), block, interval })
+}
+
+/// Percentile by linear interpolation between order statistics.
+pub(crate) fn percentile(values: &mut [f64], share: f64) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    quantile(values, share)
+}

@@ -1,0 +1,196 @@
+//! Profile likelihood: how far one parameter can move when all others follow.
+
+use rayon::prelude::*;
+
+use crate::fit::observed_problem::Problem;
+use crate::fit::refine::{Refined, follow};
+use crate::free::free_parameter::FreeParameter;
+use crate::record::observation::Observation;
+
+/// Rise of `2 ln L` that ends a 95 % interval of one parameter: chi-square with one degree of freedom.
+pub const RISE_95: f64 = 3.841_459;
+/// Grid points on each side, at most.
+const POINTS: usize = 24;
+/// The first step is this share of the interval that the linearisation expects, growing by `GROWTH`.
+const FIRST_SHARE: f64 = 0.25;
+const GROWTH: f64 = 1.35;
+/// Smallest and largest first step in a coordinate of size one.
+const STEPS: (f64, f64) = (1e-6, 0.25);
+/// Bisections between the last point inside and the first outside: 1/64 of a grid step.
+const BISECTIONS: usize = 6;
+
+/// The profile of one parameter, named by `N`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile<N = &'static str> {
+    /// Name with unit.
+    pub parameter: N,
+    /// Lower end of the 95 % interval; `None`: open, the record does not bound it from below.
+    pub low: Option<f64>,
+    /// Upper end; `None`: open.
+    pub high: Option<f64>,
+    /// Value and rise of `2 ln L` at every grid point, by rising value.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl<N> Profile<N> {
+    /// Whether the record bounds the parameter on both sides.
+    pub fn identifiable(&self) -> bool {
+        self.low.is_some() && self.high.is_some()
+    }
+}
+
+/// Fixes each free parameter on a grid away from the minimum, fits all others again from the neighbour, and ends the
+/// interval where `2 ΔlnL = Ne ln(S/S_min)` exceeds 3.84.
+///
+/// `Ne` is the effective number of samples, at least one more than there are parameters. To both sums of squares comes the
+/// resolution of the displacement. Up to 24 points on each side, with growing steps; a side that never rises so far, or ends on
+/// a bound of the search, is open: not identifiable. Where zero is reached below the limit, zero is the end.
+///
+/// `expected`: half-width of the linear interval of each free parameter's coordinate, where there is one; it sets the first step.
+pub fn profile(
+    refined: &Refined,
+    observed: &Observation,
+    expected: &[Option<f64>],
+    effective_samples: f64,
+) -> Vec<Profile> {
+    let free = &refined.free;
+    let names: Vec<&'static str> = free.iter().map(|p| p.name).collect();
+    let bounds: Vec<(f64, f64)> = free.iter().map(FreeParameter::bounds).collect();
+    let refit = |fixed: usize, coordinate: f64, start: &[f64]| -> Option<(Vec<f64>, f64)> {
+        let mut values = refined.model.parameters();
+        *values.get_mut(free[fixed].name)? = free[fixed].at(coordinate);
+        let template = crate::fit::observed_problem::with_parameters(&refined.model, &values)?;
+        let others: Vec<FreeParameter> = (0..free.len()).filter(|&i| i != fixed).map(|i| free[i]).collect();
+        let problem = Problem::new(template, others, observed);
+        if start.is_empty() {
+            let cost = observed.misfit(&template)?.iter().map(|r| (r / problem.unit_m).powi(2)).sum();
+            return Some((Vec::new(), cost));
+        }
+        let found = follow(&problem, start)?;
+        Some((found.theta, found.cost))
+    };
+    Minimum {
+        names: &names,
+        at: &Problem::new(refined.model, free.clone(), observed).start(),
+        bounds: &bounds,
+        value: &|i, coordinate| free[i].at(coordinate),
+        ends_at_zero: &|i| !free[i].logarithmic,
+        refit: &refit,
+        misfit: &refined.misfit_m,
+        observed,
+        expected,
+        effective_samples,
+    }
+    .profiles()
+}
+
+/// How the other parameters are fitted while one is held: which, at what coordinate, from what coordinates of the others; gives
+/// those of the minimum and its sum of squares in units of [`Observation::scale_m`].
+pub(crate) type Refit<'a> = &'a (dyn Fn(usize, f64, &[f64]) -> Option<(Vec<f64>, f64)> + Sync);
+
+/// A minimum of which the parameters can be held one at a time.
+pub(crate) struct Minimum<'a, N> {
+    pub names: &'a [N],
+    /// Coordinates of the minimum.
+    pub at: &'a [f64],
+    /// Smallest and largest coordinates.
+    pub bounds: &'a [(f64, f64)],
+    /// The value of a parameter at a coordinate.
+    pub value: &'a (dyn Fn(usize, f64) -> f64 + Sync),
+    /// Whether a coordinate of zero is a value of zero, which ends an interval.
+    pub ends_at_zero: &'a (dyn Fn(usize) -> bool + Sync),
+    pub refit: Refit<'a>,
+    /// Weighted misfit at the minimum, in the unit of the first wave.
+    pub misfit: &'a [f64],
+    pub observed: &'a Observation,
+    /// As in [`profile`].
+    pub expected: &'a [Option<f64>],
+    pub effective_samples: f64,
+}
+
+impl<N: Clone + Send + Sync> Minimum<'_, N> {
+    /// The profile of every parameter, see [`profile`].
+    pub fn profiles(&self) -> Vec<Profile<N>> {
+        (0..self.at.len())
+            .into_par_iter()
+            .map(|i| {
+                let side = Side::new(self, i);
+                let (low, mut points) = side.walk(-1.0);
+                let (high, above) = side.walk(1.0);
+                points.reverse();
+                points.push(((self.value)(i, self.at[i]), 0.0));
+                points.extend(above);
+                Profile { parameter: self.names[i].clone(), low, high, points }
+            })
+            .collect()
+    }
+}
+
+/// What both sides of one parameter's profile share.
+struct Side<'a, N> {
+    of: &'a Minimum<'a, N>,
+    fixed: usize,
+    effective_samples: f64,
+    /// Sum of squares at the minimum with that of the resolution, in squared units of the problem.
+    least: f64,
+    floor: f64,
+    first_step: f64,
+}
+
+impl<'a, N> Side<'a, N> {
+    fn new(of: &'a Minimum<'a, N>, fixed: usize) -> Self {
+        let unit = of.observed.scale_m();
+        let floor = of.observed.unresolved();
+        let least = of.misfit.iter().map(|r| (r / unit).powi(2)).sum::<f64>() + floor;
+        let expected = of.expected.get(fixed).copied().flatten();
+        let first_step = (FIRST_SHARE * expected.unwrap_or(1.0)).clamp(STEPS.0, STEPS.1);
+        let effective_samples = of.effective_samples.max(of.at.len() as f64 + 1.0);
+        Self { of, fixed, effective_samples, least, floor, first_step }
+    }
+
+    /// The others at their best for a value of the fixed one: their coordinates and the rise.
+    fn rise(&self, coordinate: f64, start: &[f64]) -> Option<(Vec<f64>, f64)> {
+        let (theta, cost) = (self.of.refit)(self.fixed, coordinate, start)?;
+        let rise = self.effective_samples * ((cost + self.floor) / self.least).ln();
+        rise.is_finite().then_some((theta, rise))
+    }
+
+    /// The end of the interval on one side and the points met on the way.
+    fn walk(&self, direction: f64) -> (Option<f64>, Vec<(f64, f64)>) {
+        let value = |coordinate: f64| (self.of.value)(self.fixed, coordinate);
+        let (lower, upper) = self.of.bounds[self.fixed];
+        let mut theta: Vec<f64> =
+            self.of.at.iter().enumerate().filter(|(i, _)| *i != self.fixed).map(|(_, x)| *x).collect();
+        let mut inside = self.of.at[self.fixed];
+        let mut step = self.first_step;
+        let mut points = Vec::new();
+        let zero = |coordinate: f64| {
+            (direction < 0.0 && (self.of.ends_at_zero)(self.fixed) && coordinate <= 0.0).then_some(0.0)
+        };
+        for _ in 0..POINTS {
+            let next = (inside + direction * step).clamp(lower, upper);
+            if next == inside {
+                return (zero(inside), points);
+            }
+            let Some((found, rise)) = self.rise(next, &theta) else { return (None, points) };
+            points.push((value(next), rise));
+            if rise > RISE_95 {
+                let (mut good, mut bad) = (inside, next);
+                for _ in 0..BISECTIONS {
+                    let middle = 0.5 * (good + bad);
+                    match self.rise(middle, &theta) {
+                        Some((found, rise)) if rise <= RISE_95 => {
+                            good = middle;
+                            theta = found;
+                        }
+                        _ => bad = middle,
+                    }
+                }
+                return (Some(value(0.5 * (good + bad))), points);
+            }
+            (theta, inside) = (found, next);
+            step *= GROWTH;
+        }
+        (None, points)
+    }
+}

@@ -1,0 +1,132 @@
+//! A linear system under a drive: exact steps, exact heat, exact work.
+
+use crumple_lti::matrix_exponential;
+use nalgebra::DMatrix;
+
+use crate::error::{finite, positive};
+use crate::{Drive, LumpedError, ModelKind};
+
+/// `z' = A z` with states of its own followed by four of the drive: position and velocity of the barrier, the input and
+/// its slope.
+pub(crate) struct Driven {
+    /// The matrix.
+    pub a: DMatrix<f64>,
+    /// `z' Q z` is the power that turns into heat.
+    pub heat: DMatrix<f64>,
+    /// `z' Q z` is the power that comes in.
+    pub work: DMatrix<f64>,
+    /// For messages.
+    pub model: ModelKind,
+}
+
+/// The system at one sample.
+pub(crate) struct Instant<'a> {
+    /// States, those of the drive last.
+    pub z: &'a [f64],
+    /// Their rates.
+    pub rate: &'a [f64],
+    /// Heat since the start, J.
+    pub dissipated_j: f64,
+    /// Work of the drive since the start, J.
+    pub input_j: f64,
+}
+
+impl Driven {
+    /// Visits `k dt`, k = 0 .. `samples`, from `start`, the values of the system's own states.
+    ///
+    /// One matrix exponential for the step, exact for drives linear between samples; heat and work by the exact integral
+    /// of the quadratic form over the step (Van Loan 1978), so the balance closes to rounding, about `1e-15` of the
+    /// energy a step. Errors: a step or drive that is not finite, a motion that leaves the range of numbers.
+    pub fn walk(
+        &self,
+        start: &[f64],
+        drive: &Drive,
+        dt_s: f64,
+        samples: usize,
+        mut visit: impl FnMut(Instant<'_>),
+    ) -> Result<(), LumpedError> {
+        positive("dt_s", dt_s)?;
+        finite("impact_speed_m_per_s", drive.speed_m_per_s())?;
+        let source = drive.source();
+        let at = |k: usize| source.get(k).copied().unwrap_or(0.0);
+        let own = start.len();
+        // Without a drive its four states stay zero and are left out.
+        let active = if source.is_empty() { own } else { own + 4 };
+        let part = |m: &DMatrix<f64>| m.view((0, 0), (active, active)).into_owned();
+        let a = part(&self.a);
+        let phi = Rows::of(&matrix_exponential(&(&a * dt_s))?);
+        let heat = Rows::of(&integrated(&a, &part(&self.heat), dt_s)?);
+        let work = (!source.is_empty()).then(|| integrated(&a, &part(&self.work), dt_s)).transpose()?;
+        let work = work.as_ref().map(Rows::of);
+        let a = Rows::of(&a);
+
+        let mut z = vec![0.0; own + 4];
+        z[..own].copy_from_slice(start);
+        let (mut rate, mut next) = (vec![0.0; own + 4], vec![0.0; active]);
+        let (mut dissipated_j, mut input_j) = (0.0, 0.0);
+        for k in 0..samples {
+            z[own + 2] = at(k);
+            z[own + 3] = (at(k + 1) - at(k)) / dt_s;
+            a.times(&z, &mut rate[..active]);
+            if !rate.iter().all(|x| x.is_finite()) {
+                return Err(LumpedError::Diverges { model: self.model, time_s: k as f64 * dt_s });
+            }
+            visit(Instant { z: &z, rate: &rate, dissipated_j, input_j });
+            dissipated_j += heat.form(&z, &mut next);
+            if let Some(work) = &work {
+                input_j += work.form(&z, &mut next);
+            }
+            phi.times(&z, &mut next);
+            z[..active].copy_from_slice(&next);
+        }
+        Ok(())
+    }
+}
+
+/// A square matrix row by row.
+struct Rows {
+    size: usize,
+    entries: Vec<f64>,
+}
+
+impl Rows {
+    fn of(m: &DMatrix<f64>) -> Self {
+        Self { size: m.nrows(), entries: m.transpose().as_slice().to_vec() }
+    }
+
+    fn times(&self, z: &[f64], out: &mut [f64]) {
+        for (row, y) in self.entries.chunks_exact(self.size).zip(out) {
+            *y = row.iter().zip(z).map(|(a, b)| a * b).sum();
+        }
+    }
+
+    fn form(&self, z: &[f64], scratch: &mut [f64]) -> f64 {
+        self.times(z, scratch);
+        scratch.iter().zip(z).map(|(a, b)| a * b).sum()
+    }
+}
+
+/// `W` with `integral over a step of z' Q z = z0' W z0`.
+///
+/// By the block exponential over so short a part of the step that its growing half stays small, then by doubling,
+/// `W(2h) = W(h) + phi' W phi`: a stiff damper, whose mirror image in the block grows beyond all numbers, costs no digits.
+fn integrated(a: &DMatrix<f64>, q: &DMatrix<f64>, dt_s: f64) -> Result<DMatrix<f64>, LumpedError> {
+    let n = a.nrows();
+    let norm = dt_s * a.column_iter().map(|c| c.lp_norm(1)).fold(0.0, f64::max);
+    let doublings = if norm > 1.0 { (norm.log2().ceil() as i32).clamp(0, 60) } else { 0 };
+    let h = dt_s * 0.5_f64.powi(doublings);
+    let mut block = DMatrix::zeros(2 * n, 2 * n);
+    block.view_mut((0, 0), (n, n)).copy_from(&(-a.transpose() * h));
+    // The result is linear in the form: at the size of the rest it costs the exponential no scaling.
+    let size = if q.amax() > 0.0 { q.amax() * h } else { 1.0 };
+    block.view_mut((0, n), (n, n)).copy_from(&(q * (h / size)));
+    block.view_mut((n, n), (n, n)).copy_from(&(a * h));
+    let e = matrix_exponential(&block)?;
+    let mut phi = e.view((n, n), (n, n)).into_owned();
+    let mut w = phi.transpose() * e.view((0, n), (n, n)) * size;
+    for _ in 0..doublings {
+        w += phi.transpose() * &w * &phi;
+        phi = &phi * &phi;
+    }
+    Ok(w)
+}

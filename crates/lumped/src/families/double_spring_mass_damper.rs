@@ -1,0 +1,128 @@
+use crumple_lti::{Complex, polynomial_roots};
+use nalgebra::{Matrix4, RowVector4, Vector4};
+
+use crate::error::{finite, positive};
+use crate::exact::crossing::first_crossing;
+use crate::exact::exact_step::exact_step;
+use crate::{CrushEvents, LumpedError, State};
+
+/// Two masses in a row: barrier - (k1, c1) - chassis m1 - (k2, c2) - passenger compartment m2.
+///
+/// `m1 x1'' = -k1 x1 - c1 x1' + k2 (x2 - x1) + c2 (x2' - x1')`, `m2 x2'' = -k2 (x2 - x1) - c2 (x2' - x1')`, both
+/// masses at `v0` at contact. Index 1 is next to the barrier, as in both two-mass papers.
+///
+/// **What the compartment cannot tell.** With `mu = (m1 + m2)/m2`, the model [`dual`](Self::dual)
+/// `(mu k2, k1/mu, mu c2, c1/mu)` has exactly the same compartment motion; only the chassis moves differently.
+/// An accelerometer in the compartment therefore never decides between the two.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DoubleSpringMassDamper {
+    /// Mass of the chassis, kg, positive.
+    pub m1_kg: f64,
+    /// Mass of the compartment, kg, positive.
+    pub m2_kg: f64,
+    /// Spring between barrier and chassis, N/m.
+    pub k1_n_per_m: f64,
+    /// Spring between chassis and compartment, N/m.
+    pub k2_n_per_m: f64,
+    /// Damper between barrier and chassis, N·s/m.
+    pub c1_n_s_per_m: f64,
+    /// Damper between chassis and compartment, N·s/m.
+    pub c2_n_s_per_m: f64,
+}
+
+impl DoubleSpringMassDamper {
+    /// Refuses masses that are not positive and parameters that are not finite.
+    pub fn check(&self) -> Result<(), LumpedError> {
+        positive("m1_kg", self.m1_kg)?;
+        positive("m2_kg", self.m2_kg)?;
+        finite("k1_n_per_m", self.k1_n_per_m)?;
+        finite("k2_n_per_m", self.k2_n_per_m)?;
+        finite("c1_n_s_per_m", self.c1_n_s_per_m)?;
+        finite("c2_n_s_per_m", self.c2_n_s_per_m)
+    }
+
+    /// The other parameter set with the same masses and the same compartment record.
+    ///
+    /// Why: the compartment's response depends on the characteristic polynomial and on `c1 c2` only, and the map
+    /// exchanges `(m2 c1, m2 k1)` with `((m1+m2) c2, (m1+m2) k2)`, in which all of these are symmetric. Applying
+    /// it twice returns to the start; positive parameters stay positive.
+    pub fn dual(&self) -> Self {
+        let mu = (self.m1_kg + self.m2_kg) / self.m2_kg;
+        Self {
+            k1_n_per_m: mu * self.k2_n_per_m,
+            k2_n_per_m: self.k1_n_per_m / mu,
+            c1_n_s_per_m: mu * self.c2_n_s_per_m,
+            c2_n_s_per_m: self.c1_n_s_per_m / mu,
+            ..*self
+        }
+    }
+
+    /// `A` of `z' = A z`, state `(x1, x2, x1', x2')`, SI.
+    pub fn state_matrix(&self) -> Matrix4<f64> {
+        let (m1, m2) = (self.m1_kg, self.m2_kg);
+        let (k1, k2, c1, c2) = (self.k1_n_per_m, self.k2_n_per_m, self.c1_n_s_per_m, self.c2_n_s_per_m);
+        #[rustfmt::skip]
+        let a = Matrix4::new(
+            0.0,             0.0,      1.0,             0.0,
+            0.0,             0.0,      0.0,             1.0,
+            -(k1 + k2) / m1, k2 / m1,  -(c1 + c2) / m1, c2 / m1,
+            k2 / m2,         -k2 / m2, c2 / m2,         -c2 / m2,
+        );
+        a
+    }
+
+    /// Characteristic polynomial `s^4 + t s^3 + u s^2 + v s + w`, highest power first.
+    pub fn characteristic_polynomial(&self) -> [f64; 5] {
+        let (m1, m2) = (self.m1_kg, self.m2_kg);
+        let (k1, k2, c1, c2) = (self.k1_n_per_m, self.k2_n_per_m, self.c1_n_s_per_m, self.c2_n_s_per_m);
+        let product = m1 * m2;
+        [
+            1.0,
+            (m1 * c2 + m2 * (c1 + c2)) / product,
+            (m1 * k2 + m2 * (k1 + k2) + c1 * c2) / product,
+            (c1 * k2 + c2 * k1) / product,
+            k1 * k2 / product,
+        ]
+    }
+
+    /// The four poles, 1/s, sorted by `|Im|`, then `Re`, the positive imaginary part first. Errors: parameters so
+    /// extreme that the roots of the characteristic polynomial are not found.
+    pub fn poles(&self) -> Result<Vec<Complex>, LumpedError> {
+        Ok(polynomial_roots(&self.characteristic_polynomial())?)
+    }
+
+    pub(crate) fn start(impact_speed_m_per_s: f64) -> Vector4<f64> {
+        Vector4::new(0.0, 0.0, impact_speed_m_per_s, impact_speed_m_per_s)
+    }
+
+    /// The states of chassis and compartment that belong to `z = (x1, x2, x1', x2')`.
+    pub(crate) fn states(a: &Matrix4<f64>, z: &Vector4<f64>) -> [State; 2] {
+        let rate = a * z;
+        [0, 1].map(|i| State { displacement_m: z[i], velocity_m_per_s: z[i + 2], acceleration_m_per_s2: rate[i + 2] })
+    }
+
+    /// The exact states of chassis and compartment at `t_s >= 0`.
+    pub fn state(&self, impact_speed_m_per_s: f64, t_s: f64) -> [State; 2] {
+        let a = self.state_matrix();
+        Self::states(&a, &(exact_step(&a, t_s) * Self::start(impact_speed_m_per_s)))
+    }
+
+    /// Dynamic crush and rebound of chassis and compartment, by root finding on the exact solution.
+    pub fn events(&self, impact_speed_m_per_s: f64) -> Result<[CrushEvents; 2], LumpedError> {
+        let (a, poles) = (self.state_matrix(), self.poles()?);
+        Ok([0, 1].map(|mass| {
+            let mut velocity = RowVector4::zeros();
+            velocity[mass + 2] = 1.0;
+            let Some((t, z)) = first_crossing(&a, &poles, &velocity, &Self::start(impact_speed_m_per_s)) else {
+                return CrushEvents::default();
+            };
+            let rebound = first_crossing(&a, &poles, &(velocity * a), &z);
+            CrushEvents {
+                time_of_dynamic_crush_s: Some(t),
+                dynamic_crush_m: Some(z[mass]),
+                time_of_rebound_s: rebound.map(|(after, _)| t + after),
+                rebound_velocity_m_per_s: rebound.map(|(_, z)| z[mass + 2]),
+            }
+        }))
+    }
+}

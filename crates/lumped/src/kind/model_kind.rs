@@ -1,0 +1,54 @@
+//! The families of models.
+
+use std::fmt;
+
+/// The model families that candidates are named after.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ModelKind {
+    /// One mass, spring and damper in parallel.
+    Kelvin,
+    /// One mass, one stiffness to load and another to unload.
+    Elastoplastic,
+    /// One mass, spring and damper in series.
+    Maxwell,
+    /// One mass, spring and damper piecewise linear, the paper's first version.
+    Nonlinear1,
+    /// The paper's second version.
+    Nonlinear2,
+    /// Chassis and compartment.
+    DoubleSpringMassDamper,
+    /// Three masses in a row.
+    TripleSpringMassDamper,
+}
+
+impl ModelKind {
+    /// All kinds.
+    pub const ALL: [Self; 7] = [
+        Self::Kelvin,
+        Self::Elastoplastic,
+        Self::Maxwell,
+        Self::Nonlinear1,
+        Self::Nonlinear2,
+        Self::DoubleSpringMassDamper,
+        Self::TripleSpringMassDamper,
+    ];
+
+    /// The name in candidate ids and pipeline files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Kelvin => "kelvin",
+            Self::Elastoplastic => "elastoplastic",
+            Self::Maxwell => "maxwell",
+            Self::Nonlinear1 => "nonlinear-1",
+            Self::Nonlinear2 => "nonlinear-2",
+            Self::DoubleSpringMassDamper => "double-spring-mass-damper",
+            Self::TripleSpringMassDamper => "triple-spring-mass-damper",
+        }
+    }
+}
+
+impl fmt::Display for ModelKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

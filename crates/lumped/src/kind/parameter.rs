@@ -1,0 +1,202 @@
+//! What the parameters of the families are: masses, springs, dampers and the places of knots, each with its unit.
+
+use crate::kind::model_kind::ModelKind;
+
+/// What a parameter of a model is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ParameterKind {
+    /// A mass, kg.
+    Mass,
+    /// The stiffness of a spring, or its value at a knot, N/m.
+    Stiffness,
+    /// The coefficient of a damper, or its value at a knot, N·s/m.
+    Damping,
+    /// A compression at which a spring has a knot, m.
+    Length,
+    /// A rate of compression at which a damper has a knot, m/s.
+    Rate,
+}
+
+impl ParameterKind {
+    /// All kinds.
+    pub const ALL: [Self; 5] = [Self::Mass, Self::Stiffness, Self::Damping, Self::Length, Self::Rate];
+
+    /// SI unit as it is printed: `kg`, `N/m`, `N·s/m`, `m`, `m/s`.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Mass => "kg",
+            Self::Stiffness => "N/m",
+            Self::Damping => "N·s/m",
+            Self::Length => "m",
+            Self::Rate => "m/s",
+        }
+    }
+
+    /// SI unit as it stands in the name of a parameter: `kg`, `n_per_m`, `n_s_per_m`, `m`, `m_per_s`.
+    pub const fn unit_in_name(self) -> &'static str {
+        match self {
+            Self::Mass => "kg",
+            Self::Stiffness => "n_per_m",
+            Self::Damping => "n_s_per_m",
+            Self::Length => "m",
+            Self::Rate => "m_per_s",
+        }
+    }
+
+    /// The name of a parameter of this kind without its unit: `k1` of `k1_n_per_m`. A name without this unit stays whole.
+    pub fn symbol_of(self, name: &str) -> &str {
+        name.strip_suffix(self.unit_in_name()).and_then(|symbol| symbol.strip_suffix('_')).unwrap_or(name)
+    }
+}
+
+/// One parameter of a family.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Parameter {
+    /// Its name in candidates, with the unit.
+    pub name: &'static str,
+    /// What it is.
+    pub kind: ParameterKind,
+    /// Whether it is a number of the test, dynamic crush or impact speed, at which the last knot stands: no fit changes it.
+    pub of_the_test: bool,
+}
+
+impl Parameter {
+    const fn new(name: &'static str, kind: ParameterKind) -> Self {
+        Self { name, kind, of_the_test: false }
+    }
+
+    const fn mass(name: &'static str) -> Self {
+        Self::new(name, ParameterKind::Mass)
+    }
+
+    const fn spring(name: &'static str) -> Self {
+        Self::new(name, ParameterKind::Stiffness)
+    }
+
+    const fn damper(name: &'static str) -> Self {
+        Self::new(name, ParameterKind::Damping)
+    }
+
+    /// The last knots of spring and damper of the nonlinear models.
+    const LAST_KNOTS: [Self; 2] = [
+        Self { name: "crush_m", kind: ParameterKind::Length, of_the_test: true },
+        Self { name: "v0_m_per_s", kind: ParameterKind::Rate, of_the_test: true },
+    ];
+}
+
+/// Kelvin and Maxwell.
+const SPRING_AND_DAMPER: [Parameter; 3] =
+    [Parameter::mass("mass_kg"), Parameter::spring("stiffness_n_per_m"), Parameter::damper("damping_n_s_per_m")];
+const ELASTOPLASTIC: [Parameter; 3] = [
+    Parameter::mass("mass_kg"),
+    Parameter::spring("loading_stiffness_n_per_m"),
+    Parameter::spring("unloading_stiffness_n_per_m"),
+];
+const NONLINEAR_1: [Parameter; 9] = [
+    Parameter::mass("mass_kg"),
+    Parameter::spring("k1_n_per_m"),
+    Parameter::spring("k2_n_per_m"),
+    Parameter::damper("c1_n_s_per_m"),
+    Parameter::damper("c2_n_s_per_m"),
+    Parameter::damper("c3_n_s_per_m"),
+    Parameter::new("v_thresh_m_per_s", ParameterKind::Rate),
+    Parameter::LAST_KNOTS[0],
+    Parameter::LAST_KNOTS[1],
+];
+const NONLINEAR_2: [Parameter; 13] = [
+    Parameter::mass("mass_kg"),
+    Parameter::spring("k1_n_per_m"),
+    Parameter::spring("k2_n_per_m"),
+    Parameter::spring("k3_n_per_m"),
+    Parameter::new("x1_m", ParameterKind::Length),
+    Parameter::damper("c1_n_s_per_m"),
+    Parameter::damper("c2_n_s_per_m"),
+    Parameter::damper("c3_n_s_per_m"),
+    Parameter::damper("c4_n_s_per_m"),
+    Parameter::new("v1_m_per_s", ParameterKind::Rate),
+    Parameter::new("v2_m_per_s", ParameterKind::Rate),
+    Parameter::LAST_KNOTS[0],
+    Parameter::LAST_KNOTS[1],
+];
+const DOUBLE: [Parameter; 6] = [
+    Parameter::mass("m1_kg"),
+    Parameter::mass("m2_kg"),
+    Parameter::spring("k1_n_per_m"),
+    Parameter::spring("k2_n_per_m"),
+    Parameter::damper("c1_n_s_per_m"),
+    Parameter::damper("c2_n_s_per_m"),
+];
+const TRIPLE: [Parameter; 9] = [
+    Parameter::mass("m1_kg"),
+    Parameter::mass("m2_kg"),
+    Parameter::mass("m3_kg"),
+    Parameter::spring("k1_n_per_m"),
+    Parameter::spring("k2_n_per_m"),
+    Parameter::spring("k3_n_per_m"),
+    Parameter::damper("c1_n_s_per_m"),
+    Parameter::damper("c2_n_s_per_m"),
+    Parameter::damper("c3_n_s_per_m"),
+];
+
+/// The names of a table.
+const fn names<const N: usize>(parameters: &[Parameter; N]) -> [&'static str; N] {
+    let mut names = [""; N];
+    let mut i = 0;
+    while i < N {
+        names[i] = parameters[i].name;
+        i += 1;
+    }
+    names
+}
+
+impl ModelKind {
+    /// Its parameters, masses first: the order in which solvers and derivatives count them.
+    pub const fn parameters(self) -> &'static [Parameter] {
+        match self {
+            Self::Kelvin | Self::Maxwell => &SPRING_AND_DAMPER,
+            Self::Elastoplastic => &ELASTOPLASTIC,
+            Self::Nonlinear1 => &NONLINEAR_1,
+            Self::Nonlinear2 => &NONLINEAR_2,
+            Self::DoubleSpringMassDamper => &DOUBLE,
+            Self::TripleSpringMassDamper => &TRIPLE,
+        }
+    }
+
+    /// Names of its parameters, masses first.
+    pub const fn parameter_names(self) -> &'static [&'static str] {
+        match self {
+            Self::Kelvin | Self::Maxwell => const { &names(&SPRING_AND_DAMPER) },
+            Self::Elastoplastic => const { &names(&ELASTOPLASTIC) },
+            Self::Nonlinear1 => const { &names(&NONLINEAR_1) },
+            Self::Nonlinear2 => const { &names(&NONLINEAR_2) },
+            Self::DoubleSpringMassDamper => const { &names(&DOUBLE) },
+            Self::TripleSpringMassDamper => const { &names(&TRIPLE) },
+        }
+    }
+
+    /// The parameter of this name; `None` if the family has none.
+    pub fn parameter(self, name: &str) -> Option<&'static Parameter> {
+        self.parameters().iter().find(|parameter| parameter.name == name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_ends_in_the_unit_of_its_kind() {
+        for model in ModelKind::ALL {
+            for parameter in model.parameters() {
+                let symbol = parameter.kind.symbol_of(parameter.name);
+                assert_eq!(format!("{symbol}_{}", parameter.kind.unit_in_name()), parameter.name);
+                assert_eq!(model.parameter(parameter.name), Some(parameter));
+            }
+            let names: Vec<_> = model.parameters().iter().map(|parameter| parameter.name).collect();
+            assert_eq!(names, model.parameter_names());
+            assert!(model.parameters().is_sorted_by_key(|p| p.kind != ParameterKind::Mass), "masses first");
+        }
+        assert_eq!(ModelKind::Kelvin.parameter("k1_n_per_m"), None);
+        assert_eq!(ParameterKind::Length.symbol_of("v1_m_per_s"), "v1_m_per_s");
+    }
+}

@@ -1,0 +1,417 @@
+//! Springs and dampers of the double model from its characteristic polynomial: every solution.
+
+use nalgebra::Matrix4;
+
+use crate::error::{finite, positive};
+use crate::matching::cubic::cubic_roots;
+use crate::matching::double_double::{ComplexDd, Dd};
+use crate::{Complex, DoubleSpringMassDamper, LumpedError};
+
+/// Relative size below which a discriminant counts as zero: two mirror solutions coincide, or a root lies on the
+/// border between real and complex ones.
+const NOISE: f64 = 1e-26;
+/// The same at a double root of the cubic, whose place is uncertain by the square root of the noise of its discriminant
+/// over the distance of the third root; and the most of it, so that the equations are still met to 1e-12.
+const OWN_DUAL: (f64, f64) = (1e-13, 1e-12);
+/// Smale's bound for an approximate zero, `(13 - 3 sqrt 17)/4`.
+const ALPHA: f64 = 0.157_670_780_786_5;
+
+/// How the given numbers are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Reading {
+    /// As the binary numbers they are.
+    #[default]
+    Binary,
+    /// As the decimal numbers they are written as: `0.1` is one tenth. Matters next to multiple solutions only.
+    Decimal,
+}
+
+impl Reading {
+    fn read(self, x: f64) -> Dd {
+        match self {
+            Self::Binary => Dd::of(x),
+            Self::Decimal => Dd::of_decimal(x),
+        }
+    }
+}
+
+/// The polynomial `s^4 + t s^3 + u s^2 + v s + w` to be met and the masses to meet it with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CoefficientMatching {
+    polynomial: [Dd; 4],
+    m1: Dd,
+    m2: Dd,
+}
+
+/// All parameter sets of the double model with a given characteristic polynomial.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CoefficientMatch {
+    /// `t, u, v, w` of the polynomial.
+    pub polynomial: [f64; 4],
+    /// Mass of the chassis, kg.
+    pub m1_kg: f64,
+    /// Mass of the compartment, kg.
+    pub m2_kg: f64,
+    /// Upper bound of `m2/m1` for physical parameters, see [`CoefficientMatching::largest_mass_ratio`]; `None`: no masses give
+    /// such parameters.
+    pub largest_mass_ratio: Option<f64>,
+    /// Roots `zeta = c1 c2/(m1 m2)` of the cubic, 1/s², each with its multiplicity; real ones first.
+    pub roots: Vec<MatchRoot>,
+    /// The solutions, real ones first, by rising `k1`; multiplicities sum to six.
+    pub solutions: Vec<MatchedSolution>,
+}
+
+/// One root of the cubic.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MatchRoot {
+    /// `zeta = c1 c2/(m1 m2)`, 1/s².
+    pub zeta: Complex,
+    /// How often it counts.
+    pub multiplicity: usize,
+    /// Proof that a true root lies within a radius; `None` at a multiple root, where there is none.
+    pub certificate: Option<Certificate>,
+}
+
+/// An approximate zero in the sense of Smale's alpha theory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Certificate {
+    /// `alpha = beta gamma`, below 0.1577.
+    pub alpha: f64,
+    /// Distance `2 beta` within which the exact root of the polynomial as given lies, 1/s².
+    pub radius: f64,
+}
+
+/// One parameter set, possibly complex.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MatchedSolution {
+    /// Spring between barrier and chassis, N/m.
+    pub k1_n_per_m: Complex,
+    /// Spring between chassis and compartment, N/m.
+    pub k2_n_per_m: Complex,
+    /// Damper between barrier and chassis, N·s/m.
+    pub c1_n_s_per_m: Complex,
+    /// Damper between chassis and compartment, N·s/m.
+    pub c2_n_s_per_m: Complex,
+    /// Whether all four are real.
+    pub real: bool,
+    /// Whether all four are real, the springs positive and the dampers not negative: a passive structure, as
+    /// [`Model::is_physical`](crate::Model::is_physical) has it.
+    pub physical: bool,
+    /// How often it counts.
+    pub multiplicity: usize,
+    /// Index among the solutions of the dual one, with the same compartment motion; its own where the two coincide.
+    pub dual: usize,
+    /// Index of the root of the cubic it belongs to.
+    pub root: usize,
+    /// Largest mismatch of the four equations, each relative to the sum of its moduli.
+    pub residual: f64,
+}
+
+impl CoefficientMatching {
+    /// A polynomial `t, u, v, w` and two masses. Errors: masses that are not positive, coefficients that are not finite.
+    pub fn new(polynomial: [f64; 4], m1_kg: f64, m2_kg: f64, reading: Reading) -> Result<Self, LumpedError> {
+        for (name, x) in ["t", "u", "v", "w"].into_iter().zip(polynomial) {
+            finite(name, x)?;
+        }
+        Self::with_masses(polynomial.map(|x| reading.read(x)), m1_kg, m2_kg, reading)
+    }
+
+    /// The polynomial with these four poles, multiplied out in double length. Errors: as [`new`](Self::new), and poles
+    /// that are not real or in conjugate pairs.
+    pub fn from_poles(poles: &[Complex; 4], m1_kg: f64, m2_kg: f64, reading: Reading) -> Result<Self, LumpedError> {
+        let mut product = [ComplexDd::default(); 5];
+        product[0] = ComplexDd::real(Dd::of(1.0));
+        for (degree, pole) in poles.iter().enumerate() {
+            finite("real part of a pole", pole.re)?;
+            finite("imaginary part of a pole", pole.im)?;
+            let root = ComplexDd { re: reading.read(pole.re), im: reading.read(pole.im) };
+            for k in (0..=degree).rev() {
+                product[k + 1] = product[k + 1] - product[k] * root;
+            }
+        }
+        let size = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        for (k, c) in product.iter().enumerate().skip(1) {
+            if c.im.hi.abs() > 1e-9 * size.powf(k as f64) {
+                return Err(LumpedError::Value {
+                    name: "imaginary part of the polynomial",
+                    value: c.im.hi,
+                    expected: "0: poles that are real or come in conjugate pairs",
+                });
+            }
+        }
+        Self::with_masses([1, 2, 3, 4].map(|k| product[k].re), m1_kg, m2_kg, reading)
+    }
+
+    fn with_masses(polynomial: [Dd; 4], m1_kg: f64, m2_kg: f64, reading: Reading) -> Result<Self, LumpedError> {
+        positive("m1_kg", m1_kg)?;
+        positive("m2_kg", m2_kg)?;
+        Ok(Self { polynomial, m1: reading.read(m1_kg), m2: reading.read(m2_kg) })
+    }
+
+    /// `t, u, v, w`.
+    pub fn polynomial(&self) -> [f64; 4] {
+        self.polynomial.map(Dd::value)
+    }
+
+    /// The same polynomial with other masses.
+    pub fn with(&self, m1_kg: f64, m2_kg: f64) -> Result<Self, LumpedError> {
+        Self::with_masses(self.polynomial, m1_kg, m2_kg, Reading::Binary)
+    }
+
+    /// The bound `rho = (t u v - v^2 - t^2 w)/v^2` of `m2/m1`: with a stable polynomial, every real solution is physical (springs
+    /// positive, dampers not negative) below it and none above it; at the bound one damper is zero.
+    ///
+    /// Without damping, `t = v = 0`, the bound is `u^2/(4w) - 1`, where the two stiffness sets meet: `k1/m1` solves
+    /// `k^2 - u k + kappa w = 0`. `None` if no masses give physical parameters: a coefficient or the Routh determinant
+    /// `t u v - v^2 - t^2 w` is not positive (nor damping absent altogether), the polynomial is not that of a passive chain.
+    pub fn largest_mass_ratio(&self) -> Option<f64> {
+        let [t, u, v, w] = self.polynomial;
+        if t == Dd::ZERO && v == Dd::ZERO {
+            let spread = u * u - w.scale(4.0);
+            return (u.hi > 0.0 && w.hi > 0.0 && spread.hi > 0.0).then(|| (spread / w.scale(4.0)).value());
+        }
+        let routh = t * u * v - v * v - t * t * w;
+        let stable = self.polynomial.iter().all(|x| x.hi > 0.0) && routh.hi > 0.0;
+        stable.then(|| (routh / (v * v)).value())
+    }
+
+    /// All six solutions.
+    ///
+    /// With `kappa = 1 + m2/m1`, `zeta = c1 c2/(m1 m2)` solves the cubic
+    /// `zeta³ - 2u zeta² + (u² + t v - 4 kappa w) zeta + (kappa v² + t² w - t u v) = 0`, and each root gives a pair of dual
+    /// solutions in closed form: `c1/m1, c2/mr = (t ± r1)/2`, `k1/m1, k2/mr = (u - zeta ± r0)/2` with
+    /// `mr = m1 m2/(m1 + m2)`, `r1² = t² - 4 kappa zeta`, `r0² = (u - zeta)² - 4 kappa w`, signs tied by
+    /// `r1 r0 = t (u - zeta) - 2 kappa v`. So there are six with multiplicity; two, four or six of them real, never none.
+    ///
+    /// In double-double arithmetic throughout: rounding of the results to f64 is all that is lost, also at double roots.
+    /// Real parameters are right to a few `1e-16` of the larger of each pair, `c1/m1` beside `c2/mr`, except where
+    /// the given coefficients themselves leave them uncertain: see [`matching_sensitivity`].
+    pub fn solve(&self) -> CoefficientMatch {
+        // Time in units that make the coefficients of size one; a power of two loses nothing.
+        let size = self.polynomial.iter().enumerate().map(|(k, c)| c.hi.abs().powf(1.0 / (k + 1) as f64));
+        let size = size.fold(0.0, f64::max);
+        let unit = if size > 0.0 { size.log2().round().exp2() } else { 1.0 };
+        let mut power = 1.0;
+        let [t, u, v, w] = self.polynomial.map(|c| {
+            power *= unit;
+            c.scale(1.0 / power)
+        });
+        let one = Dd::of(1.0);
+        let kappa = one + self.m2 / self.m1;
+        let reduced = self.m1 * self.m2 / (self.m1 + self.m2);
+        let cubic = [u.scale(-2.0), u * u + t * v - (kappa * w).scale(4.0), kappa * (v * v) + t * t * w - t * u * v];
+        let found = cubic_roots(cubic[0], cubic[1], cubic[2]);
+
+        let solutions_with = |most_blur: f64| {
+            let mut solutions = Vec::with_capacity(6);
+            for (place, root) in found.iter().enumerate() {
+                let zeta = root.value;
+                let [ct, ck] = [t, kappa].map(ComplexDd::real);
+                let rest = ComplexDd::real(u) - zeta;
+                let square_1 =
+                    denoise(ct * ct - (ck * zeta).scale(Dd::of(4.0)), t.hi * t.hi + 4.0 * kappa.hi * zeta.norm());
+                let kw = (kappa * w).scale(4.0);
+                let square_0 = denoise(rest * rest - ComplexDd::real(kw), rest.norm().powi(2) + kw.hi.abs());
+                let product = ct * rest - ComplexDd::real((kappa * v).scale(2.0));
+                // The larger by its root, the other by division: no sign to guess and nothing lost in the smaller.
+                // Where a set is its own dual the root of the cubic is double. Coefficients off by a rounding split it by less than
+                // can be seen, so it is known to the square root of the noise only; without this the four sets there would come
+                // out complex, though two of them are real for every polynomial.
+                let third = found.iter().map(|other| (other.value - zeta).norm()).fold(0.0, f64::max) / u.hi.abs();
+                let blur = (OWN_DUAL.0 / third).min(most_blur);
+                let own_dual = root.multiplicity > 1
+                    && square_1.norm() <= blur * (t.hi * t.hi + kappa.hi * u.hi.abs())
+                    && square_0.norm() <= blur * (rest.norm().powi(2) + kw.hi.abs());
+                let none = own_dual || (square_1.norm() == 0.0 && square_0.norm() == 0.0);
+                let (r1, r0) = if none {
+                    (ComplexDd::default(), ComplexDd::default())
+                } else if square_1.norm() * (1.0 + rest.norm().powi(2)) >= square_0.norm() * (1.0 + t.hi * t.hi) {
+                    let r1 = square_1.sqrt();
+                    (r1, product / r1)
+                } else {
+                    let r0 = square_0.sqrt();
+                    (product / r0, r0)
+                };
+                let first = self.solution([ct, rest, r1, r0], reduced, unit);
+                let base = solutions.len();
+                if none {
+                    solutions.push(MatchedSolution {
+                        dual: base,
+                        root: place,
+                        multiplicity: 2 * root.multiplicity,
+                        ..first
+                    });
+                } else {
+                    let second = self.solution([ct, rest, -r1, -r0], reduced, unit);
+                    solutions.push(MatchedSolution {
+                        dual: base + 1,
+                        root: place,
+                        multiplicity: root.multiplicity,
+                        ..first
+                    });
+                    solutions.push(MatchedSolution {
+                        dual: base,
+                        root: place,
+                        multiplicity: root.multiplicity,
+                        ..second
+                    });
+                }
+            }
+            solutions
+        };
+        // Two are real for every polynomial. Where none is, a set is its own dual at a root that is almost triple, and so known still worse.
+        let mut solutions = solutions_with(OWN_DUAL.1);
+        for wider in [1e1, 1e2, 1e3] {
+            if solutions.iter().any(|solution: &MatchedSolution| solution.real) {
+                break;
+            }
+            solutions = solutions_with(wider * OWN_DUAL.1);
+        }
+        let roots = found
+            .iter()
+            .map(|root| MatchRoot {
+                zeta: root.value.value() * (unit * unit),
+                multiplicity: root.multiplicity,
+                certificate: (root.multiplicity == 1).then(|| certify(cubic, root.value, unit)).flatten(),
+            })
+            .collect();
+        CoefficientMatch {
+            polynomial: self.polynomial(),
+            m1_kg: self.m1.value(),
+            m2_kg: self.m2.value(),
+            largest_mass_ratio: self.largest_mass_ratio(),
+            roots,
+            solutions: ordered(solutions),
+        }
+    }
+
+    fn solution(&self, [t, rest, r1, r0]: [ComplexDd; 4], reduced: Dd, unit: f64) -> MatchedSolution {
+        let half = |sum: ComplexDd, a: ComplexDd, b: ComplexDd, scale: Dd| {
+            denoise(sum, a.norm() + b.norm()).scale(scale * Dd::of(0.5))
+        };
+        let [rate, square] = [unit, unit * unit].map(Dd::of);
+        let c1 = half(t + r1, t, r1, self.m1 * rate);
+        let c2 = half(t - r1, t, r1, reduced * rate);
+        let k1 = half(rest + r0, rest, r0, self.m1 * square);
+        let k2 = half(rest - r0, rest, r0, reduced * square);
+        let values = [k1, k2, c1, c2];
+        let real = values.iter().all(|z| z.im == Dd::ZERO);
+        let [k1_n_per_m, k2_n_per_m, c1_n_s_per_m, c2_n_s_per_m] = values.map(ComplexDd::value);
+        MatchedSolution {
+            k1_n_per_m,
+            k2_n_per_m,
+            c1_n_s_per_m,
+            c2_n_s_per_m,
+            real,
+            physical: real && [k1, k2].iter().all(|z| z.re.hi > 0.0) && [c1, c2].iter().all(|z| z.re.hi >= 0.0),
+            multiplicity: 1,
+            dual: 0,
+            root: 0,
+            residual: self.residual([k1_n_per_m, k2_n_per_m, c1_n_s_per_m, c2_n_s_per_m]),
+        }
+    }
+
+    /// Mismatch of the four equations for rounded parameters, in double length.
+    fn residual(&self, parameters: [Complex; 4]) -> f64 {
+        let [k1, k2, c1, c2] = parameters.map(|z| ComplexDd { re: Dd::of(z.re), im: Dd::of(z.im) });
+        let [m1, m2] = [self.m1, self.m2].map(ComplexDd::real);
+        let [t, u, v, w] = self.polynomial.map(|c| ComplexDd::real(-(c * self.m1 * self.m2)));
+        let equations: [&[ComplexDd]; 4] = [
+            &[m1 * c2, m2 * c1, m2 * c2, t],
+            &[m1 * k2, m2 * k1, m2 * k2, c1 * c2, u],
+            &[c1 * k2, c2 * k1, v],
+            &[k1 * k2, w],
+        ];
+        let mismatch = |terms: &[ComplexDd]| {
+            let sum = terms.iter().fold(ComplexDd::default(), |sum, &x| sum + x).norm();
+            let size: f64 = terms.iter().map(|x| x.norm()).sum();
+            if size > 0.0 { sum / size } else { 0.0 }
+        };
+        equations.into_iter().map(mismatch).fold(0.0, f64::max)
+    }
+
+    /// The solutions for many divisions of one total mass, `m1/(m1 + m2)` from the list.
+    ///
+    /// Real solutions move continuously with the division, except where two meet and turn complex.
+    pub fn mass_split_sweep(&self, front_fractions: &[f64]) -> Result<Vec<CoefficientMatch>, LumpedError> {
+        let total = (self.m1 + self.m2).value();
+        front_fractions.iter().map(|f| Ok(self.with(f * total, (1.0 - f) * total)?.solve())).collect()
+    }
+}
+
+fn denoise(x: ComplexDd, size: f64) -> ComplexDd {
+    let clean = |part: Dd| if part.hi.abs() <= NOISE * size { Dd::ZERO } else { part };
+    ComplexDd { re: clean(x.re), im: clean(x.im) }
+}
+
+/// Real solutions first, by `k1`; then complex ones by the real and imaginary part of `k1`.
+fn ordered(solutions: Vec<MatchedSolution>) -> Vec<MatchedSolution> {
+    let mut order: Vec<usize> = (0..solutions.len()).collect();
+    order.sort_by(|&i, &j| {
+        let key = |s: &MatchedSolution| (s.k1_n_per_m.re, s.k1_n_per_m.im);
+        let (a, b) = (&solutions[i], &solutions[j]);
+        b.real.cmp(&a.real).then(key(a).0.total_cmp(&key(b).0)).then(key(a).1.total_cmp(&key(b).1))
+    });
+    let mut place = vec![0; order.len()];
+    for (new, &old) in order.iter().enumerate() {
+        place[old] = new;
+    }
+    order.iter().map(|&old| MatchedSolution { dual: place[solutions[old].dual], ..solutions[old] }).collect()
+}
+
+/// Alpha theory at `z`: `beta = |f/f'|`, `gamma = max |f^(k)/(k! f')|^(1/(k-1))`.
+fn certify([a, b, c]: [Dd; 3], z: ComplexDd, unit: f64) -> Option<Certificate> {
+    let [ca, cb, cc] = [a, b, c].map(ComplexDd::real);
+    let f = ((z + ca) * z + cb) * z + cc;
+    // Rounding of the evaluation itself bounds what can be proved.
+    let size = z.norm();
+    let noise = 1e-31 * (size.powi(3) + a.hi.abs() * size * size + b.hi.abs() * size + c.hi.abs());
+    let slope = ((z.scale(Dd::of(3.0)) + ca.scale(Dd::of(2.0))) * z + cb).norm();
+    let curvature = (z.scale(Dd::of(3.0)) + ca).norm();
+    if slope == 0.0 {
+        return None;
+    }
+    let beta = (f.norm() + noise) / slope;
+    let gamma = (curvature / slope).max((1.0 / slope).sqrt());
+    let alpha = beta * gamma;
+    (alpha < ALPHA).then_some(Certificate { alpha, radius: 2.0 * beta * unit * unit })
+}
+
+impl MatchedSolution {
+    /// The model, for a real solution.
+    pub fn model(&self, m1_kg: f64, m2_kg: f64) -> Option<DoubleSpringMassDamper> {
+        self.real.then_some(DoubleSpringMassDamper {
+            m1_kg,
+            m2_kg,
+            k1_n_per_m: self.k1_n_per_m.re,
+            k2_n_per_m: self.k2_n_per_m.re,
+            c1_n_s_per_m: self.c1_n_s_per_m.re,
+            c2_n_s_per_m: self.c2_n_s_per_m.re,
+        })
+    }
+
+    /// Zero `-k2/c2` of the transfer function from a force on the chassis to the compartment, 1/s; `None` without `c2`.
+    pub fn zero(&self) -> Option<Complex> {
+        (self.c2_n_s_per_m.norm() > 0.0).then(|| -self.k2_n_per_m / self.c2_n_s_per_m)
+    }
+}
+
+/// Relative change of `k1, k2, c1, c2` (rows) for a relative change of `t, u, v, w` (columns), by implicit
+/// differentiation of the four equations. Grows without bound towards a multiple solution: `None` there, and where
+/// a coefficient or parameter is zero.
+pub fn matching_sensitivity(model: &DoubleSpringMassDamper) -> Option<Matrix4<f64>> {
+    let (m1, m2) = (model.m1_kg, model.m2_kg);
+    let p = [model.k1_n_per_m, model.k2_n_per_m, model.c1_n_s_per_m, model.c2_n_s_per_m];
+    let [k1, k2, c1, c2] = p;
+    #[rustfmt::skip]
+    let forward = Matrix4::new(
+        0.0,             0.0,             1.0 / m1,        (m1 + m2) / (m1 * m2),
+        1.0 / m1,        (m1 + m2) / (m1 * m2), c2 / (m1 * m2), c1 / (m1 * m2),
+        c2 / (m1 * m2),  c1 / (m1 * m2),  k2 / (m1 * m2),  k1 / (m1 * m2),
+        k2 / (m1 * m2),  k1 / (m1 * m2),  0.0,             0.0,
+    );
+    let coefficients = model.characteristic_polynomial();
+    let relative = Matrix4::from_fn(|i, j| forward[(i, j)] * p[j] / coefficients[i + 1]);
+    let inverse = relative.try_inverse()?;
+    inverse.iter().all(|x| x.is_finite()).then_some(inverse)
+}

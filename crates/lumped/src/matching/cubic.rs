@@ -1,0 +1,140 @@
+//! Roots of a real cubic with their multiplicities, in double-double arithmetic.
+
+use crate::matching::double_double::{ComplexDd, Dd};
+
+/// Relative size below which a combination of the coefficients counts as zero: some hundred roundings of double-double
+/// arithmetic. Two roots closer than about `1e-14` of their size are taken as one double root.
+const NOISE: f64 = 1e-29;
+
+/// One root.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CubicRoot {
+    pub value: ComplexDd,
+    pub multiplicity: usize,
+}
+
+/// The roots of `z^3 + a z^2 + b z + c`, real ones first; multiplicities sum to three.
+///
+/// Shifted to `y^3 + p y + q`. The root of largest modulus stands alone on its side of zero, so Newton's method finds
+/// it without harm however close the other two are; those follow from the discriminant
+/// `D = (y1-y2)^2 (y1-y3)^2 (y2-y3)^2`, whose sign says how many roots are real. Within rounding `D` of zero is a
+/// double root in closed form: no digits are lost there and no root.
+pub(crate) fn cubic_roots(a: Dd, b: Dd, c: Dd) -> Vec<CubicRoot> {
+    let third = Dd::of(1.0) / Dd::of(3.0);
+    let shift = -a * third;
+    let square = a * a;
+    let p = b - square * third;
+    let q = c - a * b * third + square * a * (Dd::of(2.0) / Dd::of(27.0));
+    let p_noise = NOISE * (b.hi.abs() + square.hi);
+    let q_noise = NOISE * (c.hi.abs() + (a * b).hi.abs() + (square * a).hi.abs());
+    let real = |y: Dd, multiplicity| {
+        let z = y + shift;
+        // A root at zero is one exactly.
+        let z = if z.hi.abs() <= NOISE * (y.hi.abs() + shift.hi.abs()) { Dd::ZERO } else { z };
+        CubicRoot { value: ComplexDd::real(z), multiplicity }
+    };
+    if p.hi.abs() <= p_noise && q.hi.abs() <= q_noise {
+        return vec![real(Dd::ZERO, 3)];
+    }
+    let discriminant = -(p * p * p).scale(4.0) - (q * q).scale(27.0);
+    let noise = 12.0 * p.hi * p.hi * p_noise + 54.0 * q.hi.abs() * q_noise + NOISE * 27.0 * q.hi * q.hi;
+    if discriminant.hi.abs() <= noise && p.hi != 0.0 {
+        let alone = q.scale(3.0) / p;
+        return vec![real(alone, 1), real(alone.scale(-0.5), 2)];
+    }
+    let alone = newton(p, q, start(p.hi, q.hi, discriminant.hi));
+    let slope = (alone * alone).scale(3.0) + p;
+    let half_gap = discriminant.abs().sqrt() / slope.abs().scale(2.0);
+    let middle = alone.scale(-0.5);
+    if discriminant.hi > 0.0 {
+        return vec![real(alone, 1), real(middle - half_gap, 1), real(middle + half_gap, 1)];
+    }
+    let upper = ComplexDd { re: middle + shift, im: half_gap };
+    vec![
+        real(alone, 1),
+        CubicRoot { value: upper, multiplicity: 1 },
+        CubicRoot { value: upper.conj(), multiplicity: 1 },
+    ]
+}
+
+/// The root of largest modulus (three real ones) or the only real one, in f64.
+fn start(p: f64, q: f64, discriminant: f64) -> f64 {
+    if discriminant > 0.0 {
+        let radius = (-p / 3.0).sqrt();
+        let cosine = (0.5 * q.abs() / radius.powi(3)).clamp(-1.0, 1.0);
+        return -q.signum() * 2.0 * radius * (cosine.acos() / 3.0).cos();
+    }
+    let root = (0.25 * q * q + p * p * p / 27.0).max(0.0).sqrt();
+    // The two summands of the same sign: no cancellation.
+    let u = -(0.5 * q + q.signum() * root).cbrt();
+    if u == 0.0 { 0.0 } else { u - p / (3.0 * u) }
+}
+
+fn newton(p: Dd, q: Dd, start: f64) -> Dd {
+    let mut y = Dd::of(start);
+    // From an f64 start two steps are enough; next to a triple root each gains one bit only.
+    for _ in 0..80 {
+        let square = y * y;
+        let slope = square.scale(3.0) + p;
+        if slope.hi == 0.0 {
+            break;
+        }
+        let step = (square * y + p * y + q) / slope;
+        if !step.hi.is_finite() {
+            break;
+        }
+        y = y - step;
+        if step.hi.abs() <= 1e-30 * y.hi.abs() {
+            break;
+        }
+    }
+    y
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn roots_of(r: [f64; 3]) -> Vec<CubicRoot> {
+        let [x, y, z] = r.map(Dd::of);
+        cubic_roots(-(x + y + z), x * y + y * z + z * x, -(x * y * z))
+    }
+
+    #[test]
+    fn finds_three_real_roots_to_thirty_digits() {
+        let mut found: Vec<f64> = roots_of([1e-6, 3.0, -2e5]).iter().map(|r| r.value.re.value()).collect();
+        found.sort_by(f64::total_cmp);
+        for (x, y) in found.iter().zip([-2e5, 1e-6, 3.0]) {
+            // 1e-31 of the largest root is left: 1e-26, a hundred thousand millionth of the smallest.
+            assert!((x - y).abs() <= 1e-15 * y.abs(), "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn double_and_triple_roots_keep_every_digit_and_their_multiplicity() {
+        let found = roots_of([0.1, 0.1, 7.0]);
+        assert_eq!(found.iter().map(|r| r.multiplicity).collect::<Vec<_>>(), [1, 2]);
+        assert_eq!((found[0].value.re.value(), found[1].value.re.value()), (7.0, 0.1));
+        let found = roots_of([0.3; 3]);
+        assert_eq!((found.len(), found[0].multiplicity, found[0].value.re.value()), (1, 3, 0.3));
+        // Two units in the last place apart are two roots.
+        let near = roots_of([1.0, 1.0 + 1e-12, -4.0]);
+        assert_eq!(near.len(), 3);
+    }
+
+    #[test]
+    fn one_real_root_leaves_a_conjugate_pair() {
+        // (z - 2)(z^2 + 2 z + 5)
+        let found = cubic_roots(Dd::of(0.0), Dd::of(1.0), Dd::of(-10.0));
+        assert_eq!(found[0].value.value(), crate::Complex::new(2.0, 0.0));
+        assert_eq!(found[1].value.value(), crate::Complex::new(-1.0, 2.0));
+        assert_eq!(found[2].value.value(), crate::Complex::new(-1.0, -2.0));
+        // z^3 - 8: the shifted cubic has p = 0.
+        let found = cubic_roots(Dd::ZERO, Dd::ZERO, Dd::of(-8.0));
+        assert_eq!(found[0].value.value(), crate::Complex::new(2.0, 0.0));
+        // z^3 + 8 z: q = 0.
+        let found = cubic_roots(Dd::ZERO, Dd::of(4.0), Dd::ZERO);
+        assert_eq!(found[0].value.value(), crate::Complex::new(0.0, 0.0));
+        assert_eq!(found[1].value.value(), crate::Complex::new(0.0, 2.0));
+    }
+}

@@ -1,0 +1,7 @@
+//! Springs and dampers of the double model from poles or a state space: every solution, in double length.
+//! May use `families` and the rooms below it, not `model`.
+
+pub mod coefficient_matching;
+pub mod cubic;
+pub mod double_double;
+pub mod physical_coordinates;

@@ -1,0 +1,193 @@
+//! Parameters by name, as candidates carry them.
+
+use std::collections::BTreeMap;
+
+use crate::{
+    DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, ModelKind, Nonlinear1, Nonlinear2,
+    ParameterKind, SecantChain, TripleSpringMassDamper,
+};
+
+/// What a parameter of a candidate is, from the names of model and parameter in its record.
+///
+/// A family ([`ModelKind`]) has its table, everything else is asked as a chain ([`SecantChain::parameter_kind`]). A model of
+/// another program may have parameters of its own: for these the unit counts that docs/format.md asks every name to end with.
+/// `None` for a parameter that the family does not have, or that ends in none of these units.
+pub fn parameter_kind(model: &str, name: &str) -> Option<ParameterKind> {
+    if let Ok(family) = model.parse::<ModelKind>() {
+        return family.parameter(name).map(|parameter| parameter.kind);
+    }
+    // Stiffness and damping are asked before length: their units end like its own.
+    let by_unit = || ParameterKind::ALL.into_iter().find(|kind| kind.symbol_of(name) != name);
+    SecantChain::parameter_kind(name).or_else(by_unit)
+}
+
+impl Model {
+    /// Builds a model from named parameters: exactly those of [`ModelKind::parameter_names`].
+    ///
+    /// An elastoplastic model gets `release = true`: after rebound a vehicle leaves the barrier.
+    pub fn from_parameters(kind: ModelKind, parameters: &BTreeMap<String, f64>) -> Result<Self, LumpedError> {
+        let names = kind.parameter_names();
+        if let Some(name) = parameters.keys().find(|name| !names.contains(&name.as_str())) {
+            return Err(LumpedError::UnknownParameter { model: kind, name: name.clone(), expected: names.join(", ") });
+        }
+        let get = |i: usize| {
+            let name = names[i];
+            parameters.get(name).copied().ok_or(LumpedError::MissingParameter { model: kind, name })
+        };
+        let model = match kind {
+            ModelKind::Kelvin => {
+                Self::Kelvin(Kelvin { mass_kg: get(0)?, stiffness_n_per_m: get(1)?, damping_n_s_per_m: get(2)? })
+            }
+            ModelKind::Maxwell => {
+                Self::Maxwell(Maxwell { mass_kg: get(0)?, stiffness_n_per_m: get(1)?, damping_n_s_per_m: get(2)? })
+            }
+            ModelKind::Elastoplastic => Self::Elastoplastic(Elastoplastic {
+                mass_kg: get(0)?,
+                loading_stiffness_n_per_m: get(1)?,
+                unloading_stiffness_n_per_m: get(2)?,
+                release: true,
+            }),
+            ModelKind::DoubleSpringMassDamper => Self::DoubleSpringMassDamper(DoubleSpringMassDamper {
+                m1_kg: get(0)?,
+                m2_kg: get(1)?,
+                k1_n_per_m: get(2)?,
+                k2_n_per_m: get(3)?,
+                c1_n_s_per_m: get(4)?,
+                c2_n_s_per_m: get(5)?,
+            }),
+            ModelKind::Nonlinear1 => Self::Nonlinear1(Nonlinear1 {
+                mass_kg: get(0)?,
+                k1_n_per_m: get(1)?,
+                k2_n_per_m: get(2)?,
+                c1_n_s_per_m: get(3)?,
+                c2_n_s_per_m: get(4)?,
+                c3_n_s_per_m: get(5)?,
+                v_thresh_m_per_s: get(6)?,
+                crush_m: get(7)?,
+                v0_m_per_s: get(8)?,
+            }),
+            ModelKind::Nonlinear2 => Self::Nonlinear2(Nonlinear2 {
+                mass_kg: get(0)?,
+                k1_n_per_m: get(1)?,
+                k2_n_per_m: get(2)?,
+                k3_n_per_m: get(3)?,
+                x1_m: get(4)?,
+                c1_n_s_per_m: get(5)?,
+                c2_n_s_per_m: get(6)?,
+                c3_n_s_per_m: get(7)?,
+                c4_n_s_per_m: get(8)?,
+                v1_m_per_s: get(9)?,
+                v2_m_per_s: get(10)?,
+                crush_m: get(11)?,
+                v0_m_per_s: get(12)?,
+            }),
+            ModelKind::TripleSpringMassDamper => Self::TripleSpringMassDamper(TripleSpringMassDamper {
+                masses_kg: [get(0)?, get(1)?, get(2)?],
+                springs_n_per_m: [get(3)?, get(4)?, get(5)?],
+                dampers_n_s_per_m: [get(6)?, get(7)?, get(8)?],
+            }),
+        };
+        model.check()?;
+        Ok(model)
+    }
+
+    /// The values of its parameters, in the order of [`ModelKind::parameters`].
+    fn values(&self) -> Vec<f64> {
+        match self {
+            Self::Kelvin(m) => vec![m.mass_kg, m.stiffness_n_per_m, m.damping_n_s_per_m],
+            Self::Maxwell(m) => vec![m.mass_kg, m.stiffness_n_per_m, m.damping_n_s_per_m],
+            Self::Elastoplastic(m) => vec![m.mass_kg, m.loading_stiffness_n_per_m, m.unloading_stiffness_n_per_m],
+            Self::Nonlinear1(m) => vec![
+                m.mass_kg,
+                m.k1_n_per_m,
+                m.k2_n_per_m,
+                m.c1_n_s_per_m,
+                m.c2_n_s_per_m,
+                m.c3_n_s_per_m,
+                m.v_thresh_m_per_s,
+                m.crush_m,
+                m.v0_m_per_s,
+            ],
+            Self::Nonlinear2(m) => vec![
+                m.mass_kg,
+                m.k1_n_per_m,
+                m.k2_n_per_m,
+                m.k3_n_per_m,
+                m.x1_m,
+                m.c1_n_s_per_m,
+                m.c2_n_s_per_m,
+                m.c3_n_s_per_m,
+                m.c4_n_s_per_m,
+                m.v1_m_per_s,
+                m.v2_m_per_s,
+                m.crush_m,
+                m.v0_m_per_s,
+            ],
+            Self::TripleSpringMassDamper(m) => [m.masses_kg, m.springs_n_per_m, m.dampers_n_s_per_m].concat(),
+            Self::DoubleSpringMassDamper(m) => {
+                vec![m.m1_kg, m.m2_kg, m.k1_n_per_m, m.k2_n_per_m, m.c1_n_s_per_m, m.c2_n_s_per_m]
+            }
+        }
+    }
+
+    /// The parameters by name.
+    pub fn parameters(&self) -> BTreeMap<String, f64> {
+        self.kind().parameter_names().iter().map(|name| (*name).to_owned()).zip(self.values()).collect()
+    }
+
+    /// Whether the parameters describe a passive structure: springs positive, dampers positive or zero. The
+    /// coefficients of a nonlinear model may be zero at a knot.
+    pub fn is_physical(&self) -> bool {
+        let nonlinear = matches!(self, Self::Nonlinear1(_) | Self::Nonlinear2(_));
+        let may_vanish = |kind| match kind {
+            ParameterKind::Damping => true,
+            ParameterKind::Stiffness => nonlinear,
+            ParameterKind::Mass | ParameterKind::Length | ParameterKind::Rate => false,
+        };
+        let parameters = self.kind().parameters().iter().zip(self.values());
+        parameters.into_iter().all(|(parameter, value)| value > 0.0 || (value == 0.0 && may_vanish(parameter.kind)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_model_reads_its_own_parameters_back() {
+        for kind in ModelKind::ALL {
+            let names = kind.parameter_names();
+            let values: BTreeMap<String, f64> =
+                names.iter().enumerate().map(|(i, name)| ((*name).to_owned(), 1.5 + i as f64)).collect();
+            let model = Model::from_parameters(kind, &values).unwrap();
+            assert_eq!(model.kind(), kind);
+            assert_eq!(model.parameters(), values);
+            assert!(model.is_physical());
+        }
+    }
+
+    #[test]
+    fn a_kind_is_that_of_the_family_or_of_a_chain_or_of_the_unit() {
+        assert_eq!(parameter_kind("nonlinear-2", "x1_m"), Some(ParameterKind::Length));
+        assert_eq!(parameter_kind("nonlinear-2", "v1_m_per_s"), Some(ParameterKind::Rate));
+        assert_eq!(parameter_kind("kelvin", "k1_n_per_m"), None);
+        assert_eq!(parameter_kind("chain", "c2_knot1_n_s_per_m"), Some(ParameterKind::Damping));
+        assert_eq!(parameter_kind("sled", "payload_kg"), Some(ParameterKind::Mass));
+        assert_eq!(parameter_kind("sled", "gap_m"), Some(ParameterKind::Length));
+        assert_eq!(parameter_kind("sled", "friction_1"), None);
+    }
+
+    #[test]
+    fn names_what_is_missing_unknown_or_meaningless() {
+        let mut p = BTreeMap::from([("mass_kg".to_owned(), 900.0), ("stiffness_n_per_m".to_owned(), 3e5)]);
+        let error = |p: &BTreeMap<String, f64>| Model::from_parameters(ModelKind::Kelvin, p).unwrap_err().to_string();
+        assert_eq!(error(&p), "model kelvin needs the parameter damping_n_s_per_m");
+        p.insert("damping_n_s_per_m".to_owned(), f64::NAN);
+        assert_eq!(error(&p), "damping_n_s_per_m is NaN, expected a finite number");
+        p.insert("damping_n_s_per_m".to_owned(), 0.0);
+        p.insert("mass_kg".to_owned(), -1.0);
+        assert_eq!(error(&p), "mass_kg is -1, expected a positive number");
+        p.insert("mass".to_owned(), 1.0);
+        assert!(error(&p).starts_with("model kelvin has no parameter \"mass\""));
+    }
+}

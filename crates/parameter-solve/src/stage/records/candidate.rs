@@ -1,0 +1,72 @@
+//! A candidate as the artifact and a person get it.
+
+use crumple_lumped_fit::Candidate;
+use crumple_stage::records::{CandidateV1, FitV1, SensorFitV1};
+
+use crate::stage::assess::candidate_assessment::CandidateAssessment;
+use crate::stage::records::uncertainty::{uncertainty_of_fit, uncertainty_record};
+
+/// What goes to `/parameters/<id>`.
+pub fn record(candidate: &Candidate, assessed: Option<&CandidateAssessment>, channel: &str) -> CandidateV1 {
+    CandidateV1 {
+        model: candidate.model.kind().name().to_owned(),
+        method: candidate.method.name().to_owned(),
+        parameters: candidate.model.parameters(),
+        physical: candidate.model.is_physical(),
+        equivalent_to: candidate.equivalent_id(),
+        fit: candidate.fit.as_ref().map(|fit| FitV1 {
+            channel: channel.to_owned(),
+            quantity: fit.quantity.name().to_owned(),
+            from_s: fit.from_s,
+            to_s: fit.to_s,
+            samples: fit.samples as u64,
+            rmse: fit.rmse,
+            iterations: fit.iterations,
+            evaluations: fit.evaluations,
+            stop_reason: fit.stop_reason.name().to_owned(),
+            active_bounds: fit.active_bounds.iter().map(|name| (*name).to_owned()).collect(),
+            sensors: fit
+                .sensors
+                .iter()
+                .map(|sensor| SensorFitV1 {
+                    channel: sensor.channel.clone(),
+                    mass: sensor.mass as u32,
+                    quantity: sensor.quantity.name().to_owned(),
+                    rmse: sensor.rmse,
+                    noise: sensor.noise,
+                })
+                .collect(),
+        }),
+        uncertainty: assessed
+            .map(uncertainty_record)
+            .or_else(|| candidate.uncertainty.as_ref().map(|u| uncertainty_of_fit(u, &candidate.model.parameters()))),
+        notes: candidate.notes.clone(),
+    }
+}
+
+/// `kelvin/closed-form/1: stiffness 321.9 kN/m, ...` in the units of the trade, and how many of them the record leaves open.
+pub fn parameters_line(id: &str, candidate: &CandidateV1) -> String {
+    let open = match (candidate.undetermined().len(), candidate.asked().count()) {
+        (0, _) => String::new(),
+        (n, of) => format!("; {n} of {of} not determined"),
+    };
+    let parameters: Vec<String> = candidate
+        .parameters
+        .iter()
+        .map(|(name, value)| {
+            if let Some(name) = name.strip_suffix("_n_s_per_m") {
+                format!("{name} {:.3} kN s/m", value / 1e3)
+            } else if let Some(name) = name.strip_suffix("_n_per_m") {
+                format!("{name} {:.2} kN/m", value / 1e3)
+            } else if let Some(name) = name.strip_suffix("_m_per_s") {
+                format!("{name} {value:.3} m/s")
+            } else if let Some(name) = name.strip_suffix("_m") {
+                format!("{name} {:.1} mm", 1e3 * value)
+            } else {
+                format!("{} {value:.1} kg", name.trim_end_matches("_kg"))
+            }
+        })
+        .map(|text| text.replace('_', " "))
+        .collect();
+    format!("{id}: {}{open}", parameters.join(", "))
+}
