@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use crate::LtiError;
-use crate::state_space::check_square;
+use crate::matrix::checks::check_square;
 
 /// Coefficients of the [13/13] Padé approximant of `exp`, lowest power first.
 const PADE: [f64; 14] = [

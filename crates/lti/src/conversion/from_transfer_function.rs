@@ -28,7 +28,8 @@ pub fn to_state_space(transfer_function: &TransferFunction) -> Result<StateSpace
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Complex, to_transfer_function};
+    use crate::Complex;
+    use crate::to_transfer_function;
 
     /// The transfer function of the crash paper: poles and zero recomputed with 50 digits.
     #[test]

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::exponential::one_norm;
+use crate::matrix::exponential::one_norm;
 use crate::{Complex, LtiError, StateSpace, TransferFunction};
 
 /// The transfer function of a continuous model with one input and one output.

@@ -1,10 +1,9 @@
 //! From a sampled model to the continuous one whose samples it gives, with the negative real poles handled.
 
+use crumple_linalg::jacobi_svd;
 use nalgebra::{DMatrix, DVector};
 
-use crate::state_space::check_finite;
-use crumple_linalg::jacobi_svd;
-
+use crate::matrix::checks::check_finite;
 use crate::{LtiError, StateSpace, matrix_exponential, matrix_logarithm};
 
 /// Poles nearer to zero than this are delays: there is no continuous counterpart of any order.

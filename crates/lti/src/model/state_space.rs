@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use crate::matrix::checks::check_finite;
 use crate::{Complex, LtiError, eigenvalues};
 
 /// `x' = a x + b u`, `y = c x + d u`, or with `x[k+1]` on the left for a sampled model.
@@ -81,20 +82,6 @@ impl StateSpace {
             (inputs, outputs) => Err(LtiError::NotSingle { inputs, outputs }),
         }
     }
-}
-
-/// Errors unless every entry is finite.
-pub(crate) fn check_finite(what: &'static str, matrix: &DMatrix<f64>) -> Result<(), LtiError> {
-    if matrix.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(LtiError::NotFinite { what }) }
-}
-
-/// Errors unless the matrix is square and finite.
-pub(crate) fn check_square(what: &'static str, matrix: &DMatrix<f64>) -> Result<(), LtiError> {
-    let (rows, columns) = matrix.shape();
-    if rows != columns {
-        return Err(LtiError::Shape { what, rows, columns, expected: "a square matrix".to_owned() });
-    }
-    check_finite(what, matrix)
 }
 
 /// Errors unless the interval is a positive number.

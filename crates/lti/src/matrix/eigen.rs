@@ -3,7 +3,7 @@
 use nalgebra::linalg::{Schur, balancing::balance_parlett_reinsch};
 use nalgebra::{DMatrix, DVector};
 
-use crate::state_space::check_square;
+use crate::matrix::checks::check_square;
 use crate::{Complex, LtiError};
 
 /// QR steps per state before a matrix counts as stuck; three or four are usual.

@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use crate::exponential::one_norm;
-use crate::state_space::check_square;
+use crate::matrix::checks::check_square;
+use crate::matrix::exponential::one_norm;
 use crate::{LtiError, eigenvalues, matrix_exponential};
 
 /// Nodes of 8-point Gauss-Legendre quadrature on [-1, 1], the positive half, with their weights.

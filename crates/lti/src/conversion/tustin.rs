@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::state_space::check_sample_time;
+use crate::model::state_space::check_sample_time;
 use crate::{LtiError, StateSpace};
 
 /// Reciprocal condition, by the 1-norm, below which a matrix counts as singular.
@@ -43,9 +43,9 @@ pub fn undo_tustin(model: &StateSpace) -> Result<StateSpace, LtiError> {
 }
 
 fn inverted(matrix: DMatrix<f64>, what: &'static str) -> Result<DMatrix<f64>, LtiError> {
-    let norm = crate::exponential::one_norm(&matrix);
+    let norm = crate::matrix::exponential::one_norm(&matrix);
     match matrix.try_inverse() {
-        Some(inverse) if crate::exponential::one_norm(&inverse) * norm < 1.0 / SINGULAR => Ok(inverse),
+        Some(inverse) if crate::matrix::exponential::one_norm(&inverse) * norm < 1.0 / SINGULAR => Ok(inverse),
         _ => Err(LtiError::Singular { what }),
     }
 }

@@ -39,7 +39,8 @@ mod tests {
     use nalgebra::dmatrix;
 
     use super::*;
-    use crate::{discretize_zero_order_hold, to_transfer_function};
+    use crate::discretize_zero_order_hold;
+    use crate::to_transfer_function;
 
     #[test]
     fn agrees_with_the_transfer_function_and_with_the_sampled_model_at_low_frequency() {

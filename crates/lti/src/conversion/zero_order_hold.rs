@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use crate::exponential::one_norm;
-use crate::state_space::check_sample_time;
+use crate::matrix::exponential::one_norm;
+use crate::model::state_space::check_sample_time;
 use crate::{LtiError, StateSpace, matrix_exponential, matrix_logarithm};
 
 /// The sampled model whose response to a zero-order hold is the continuous one's, exactly.
