@@ -9,8 +9,8 @@ use crate::{LtiError, StateSpace, matrix_exponential, matrix_logarithm};
 /// Poles nearer to zero than this are delays: there is no continuous counterpart of any order.
 const DELAY: f64 = 1e-6;
 
-/// Cosine between a left and a right eigenvector below which the pole counts as multiple: rounding parts a double pole by
-/// `sqrt(f64::EPSILON)`, 1.5e-8 of its size, and leaves a cosine of that order.
+/// Cosine between a left and a right eigenvector below which the pole counts as multiple: rounding parts a double pole
+/// by `sqrt(f64::EPSILON)`, 1.5e-8 of its size, and leaves a cosine of that order.
 const DEFECTIVE: f64 = 1e-6;
 
 /// What an input does between its samples.
@@ -38,8 +38,8 @@ pub struct Continuous {
 /// for every pole that a principal logarithm can give, a rigid body (`z = 1`) among them.
 ///
 /// A negative real pole has no real logarithm. As MATLAB's `d2c` does, it gets a conjugate, `s = ln|z|/dt +- i pi/dt`:
-/// the outputs at the samples stay the same, the order grows by one, the pole is listed in `conjugated`. Such a pole is an
-/// artefact of sampling or of too high an order; nothing in the continuous world is known of it.
+/// the outputs at the samples stay the same, the order grows by one, the pole is listed in `conjugated`. Such a pole is
+/// an artefact of sampling or of too high an order; nothing in the continuous world is known of it.
 ///
 /// Errors: a pole within 1e-6 of zero (a delay), a multiple negative pole.
 pub fn to_continuous(model: &StateSpace, hold: InputHold) -> Result<Continuous, LtiError> {
@@ -155,12 +155,12 @@ mod tests {
     #[test]
     fn without_negative_poles_it_is_the_logarithm_of_the_whole() {
         let model = sampled(dmatrix![0.9, 0.3, 0.0; -0.3, 0.9, 0.1; 0.0, 0.0, 1.0]);
-        let found = to_continuous(&model, InputHold::Zero).unwrap();
+        let continuous = to_continuous(&model, InputHold::Zero).unwrap();
         let whole = undo_zero_order_hold(&model).unwrap();
-        assert!(found.conjugated.is_empty());
+        assert!(continuous.conjugated.is_empty());
         // Two ways to the same: rounding of the logarithm over dt.
-        assert!((&found.model.a - &whole.a).norm() < 1e-12 * whole.a.norm());
-        assert!((&found.model.b - &whole.b).norm() < 1e-12 * whole.b.norm());
+        assert!((&continuous.model.a - &whole.a).norm() < 1e-12 * whole.a.norm());
+        assert!((&continuous.model.b - &whole.b).norm() < 1e-12 * whole.b.norm());
     }
 
     #[test]
@@ -168,15 +168,15 @@ mod tests {
         let a = dmatrix![0.9, 0.3, 0.0, 0.2; -0.3, 0.9, 0.1, 0.0; 0.1, 0.0, -0.5, 0.3; 0.0, 0.0, 0.0, -0.2];
         let model = sampled(a);
         let expected = impulse_response(&model, 40).unwrap();
-        let found = to_continuous(&model, InputHold::Zero).unwrap();
-        assert_eq!((found.model.order(), found.conjugated.len()), (6, 2));
-        let again = impulse_response(&discretize_zero_order_hold(&found.model, 0.01).unwrap(), 40).unwrap();
+        let continuous = to_continuous(&model, InputHold::Zero).unwrap();
+        assert_eq!((continuous.model.order(), continuous.conjugated.len()), (6, 2));
+        let again = impulse_response(&discretize_zero_order_hold(&continuous.model, 0.01).unwrap(), 40).unwrap();
         for (x, y) in expected.iter().zip(&again) {
             // Rounding of a logarithm and an exponential of norm 4.
             assert!((x - y).abs() < 1e-12, "{x} {y}");
         }
         let nyquist = std::f64::consts::PI / 0.01;
-        let poles = found.model.poles().unwrap();
+        let poles = continuous.model.poles().unwrap();
         assert_eq!(poles.iter().filter(|s| (s.im.abs() - nyquist).abs() < 1e-9 * nyquist).count(), 4);
         let held = to_continuous(&model, InputHold::First).unwrap();
         let again = discretize_first_order_hold(&held.model, 0.01).unwrap().state_space().unwrap();
@@ -194,8 +194,8 @@ mod tests {
         let to = dmatrix![1.3, 0.4; -0.7, 0.9];
         let turned = &to * &double * to.clone().try_inverse().unwrap();
         for a in [double, turned] {
-            let found = to_continuous(&sampled(a), InputHold::Zero);
-            assert!(matches!(found, Err(LtiError::NegativeRealEigenvalue { .. })), "{found:?}");
+            let continuous = to_continuous(&sampled(a), InputHold::Zero);
+            assert!(matches!(continuous, Err(LtiError::NegativeRealEigenvalue { .. })), "{continuous:?}");
         }
     }
 }

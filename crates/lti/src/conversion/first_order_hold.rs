@@ -55,10 +55,10 @@ pub fn discretize_first_order_hold(model: &StateSpace, dt_s: f64) -> Result<Firs
 /// The continuous model of which a sampled one (in the form of [`FirstOrderHold::state_space`]) is the first-order-hold
 /// discretisation. Errors: a real pole `z <= 0` ([`LtiError::NegativeRealEigenvalue`]).
 pub fn undo_first_order_hold(model: &StateSpace) -> Result<StateSpace, LtiError> {
-    let found = to_continuous(model, InputHold::First)?;
-    match found.conjugated.first() {
+    let continuous = to_continuous(model, InputHold::First)?;
+    match continuous.conjugated.first() {
         Some(&re) => Err(LtiError::NegativeRealEigenvalue { re }),
-        None => Ok(found.model),
+        None => Ok(continuous.model),
     }
 }
 

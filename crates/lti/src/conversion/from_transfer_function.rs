@@ -4,8 +4,8 @@ use nalgebra::DMatrix;
 
 use crate::{LtiError, StateSpace, TransferFunction};
 
-/// The controller form of a transfer function, as MATLAB's `tf2ss` has it: the denominator's negated coefficients in the
-/// first row, ones below the diagonal, the input on the first state.
+/// The controller form of a transfer function, as MATLAB's `tf2ss` has it: the denominator's negated coefficients in
+/// the first row, ones below the diagonal, the input on the first state.
 ///
 /// The coefficients are those of the polynomials, bit for bit; the form is as badly balanced as they are. Errors: not
 /// finite.
@@ -53,7 +53,8 @@ mod tests {
         }
         // A quotient of two coefficients, rounded once, against a value printed to its last digit: two units of 9e-16.
         assert!((tf.zeros().unwrap()[0].re - 6.122_127_380_170_716).abs() < 2e-15);
-        // Roundings of a matrix of norm 4e5 are 1e-10 (balancing leaves far less), of poles near 76: 1e-12 after multiplying out.
+        // Roundings of a matrix of norm 4e5 are 1e-10 (balancing leaves far less), of poles near 76: 1e-12 after
+        // multiplying out.
         let back = to_transfer_function(&model).unwrap();
         for (x, y) in back.denominator().iter().zip(tf.denominator()) {
             assert!((x / y - 1.0).abs() < 1e-12, "{x} {y}");

@@ -87,7 +87,10 @@ mod tests {
 
     proptest! {
         #[test]
-        fn answers_as_the_resolvent_does(entries in prop::collection::vec(-1.0..1.0_f64, 81), frequency in 0.1..3.0_f64) {
+        fn answers_as_the_resolvent_does(
+            entries in prop::collection::vec(-1.0..1.0_f64, 81),
+            frequency in 0.1..3.0_f64,
+        ) {
             let n = 8;
             let speed = 500.0;
             let a = (DMatrix::from_column_slice(n, n, &entries[..64]) - DMatrix::identity(n, n) * 3.0) * speed;

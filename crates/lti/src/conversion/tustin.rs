@@ -59,8 +59,8 @@ mod tests {
     #[test]
     fn a_lag_gives_its_textbook_coefficients() {
         // 1/(s + 2) at dt = 1: (z + 1)/(4 z).
-        let one = dmatrix![1.0];
-        let lag = StateSpace::new(dmatrix![-2.0], one.clone(), one, dmatrix![0.0], None).unwrap();
+        let unit = dmatrix![1.0];
+        let lag = StateSpace::new(dmatrix![-2.0], unit.clone(), unit, dmatrix![0.0], None).unwrap();
         let d = discretize_tustin(&lag, 1.0).unwrap();
         assert_eq!((d.a[0], d.d[0]), (0.0, 0.25));
         // Value at z = 2: 3/8.
@@ -80,10 +80,10 @@ mod tests {
 
     #[test]
     fn a_pole_without_image_is_refused() {
-        let one = dmatrix![1.0];
-        let fast = StateSpace::new(dmatrix![2.0], one.clone(), one.clone(), dmatrix![0.0], None).unwrap();
+        let unit = dmatrix![1.0];
+        let fast = StateSpace::new(dmatrix![2.0], unit.clone(), unit.clone(), dmatrix![0.0], None).unwrap();
         assert!(matches!(discretize_tustin(&fast, 1.0), Err(LtiError::Singular { .. })));
-        let alternating = StateSpace::new(dmatrix![-1.0], one.clone(), one, dmatrix![0.0], Some(1.0)).unwrap();
+        let alternating = StateSpace::new(dmatrix![-1.0], unit.clone(), unit, dmatrix![0.0], Some(1.0)).unwrap();
         assert!(matches!(undo_tustin(&alternating), Err(LtiError::Singular { .. })));
     }
 }

@@ -101,8 +101,8 @@ mod tests {
 
     #[test]
     fn alternating_pole_has_no_continuous_counterpart() {
-        let one = dmatrix![1.0];
-        let model = StateSpace::new(dmatrix![-0.5], one.clone(), one.clone(), one, Some(1e-3)).unwrap();
+        let unit = dmatrix![1.0];
+        let model = StateSpace::new(dmatrix![-0.5], unit.clone(), unit.clone(), unit, Some(1e-3)).unwrap();
         assert_eq!(undo_zero_order_hold(&model), Err(LtiError::NegativeRealEigenvalue { re: -0.5 }));
     }
 
@@ -115,9 +115,9 @@ mod tests {
             let mut model = mass_spring_damper(mass, 2.0 * damping * frequency * mass, frequency * frequency * mass);
             model.b *= gain;
             let back = undo_zero_order_hold(&discretize_zero_order_hold(&model, dt).unwrap()).unwrap();
-            // Scaled to its natural frequency a has entries of 1, and Ad those of exp(a w dt). The logarithm divides their rounding
-            // by w dt, and once more in the entries that differ from the identity by (w dt)^2 only; 1e-13 is 450 roundings:
-            // room for the squarings and roots of a 3 x 3 matrix.
+            // Scaled to its natural frequency a has entries of 1, and Ad those of exp(a w dt). The logarithm divides
+            // their rounding by w dt, and once more in the entries that differ from the identity by (w dt)^2 only;
+            // 1e-13 is 450 roundings: room for the squarings and roots of a 3 x 3 matrix.
             let scale = dmatrix![frequency, 1.0; frequency * frequency, frequency];
             let worst = (&back.a - &model.a).component_div(&scale).amax() / frequency;
             prop_assert!(worst < 1e-13 / (frequency * dt) / (frequency * dt).min(1.0), "{worst:e}");

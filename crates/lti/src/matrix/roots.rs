@@ -106,7 +106,8 @@ mod tests {
     #[test]
     fn wildly_scaled_coefficients_do_not_overflow() {
         let roots = polynomial_roots(&[1.0, 0.0, 1e300]).unwrap();
-        // ±i 1e150. Scaled to a monic polynomial near s² + 1: an eigenvalue of a companion matrix of two rows, a few roundings.
+        // ±i 1e150. Scaled to a monic polynomial near s² + 1: an eigenvalue of a companion matrix of two rows, a few
+        // roundings.
         assert!(
             (roots[0].im / 1e150 - 1.0).abs() < 8.0 * f64::EPSILON && roots[0].re.abs() < 8.0 * f64::EPSILON * 1e150
         );
@@ -126,9 +127,10 @@ mod tests {
                     product[k] -= previous * root;
                 }
             }
-            // Backward stability: the eigenvalues are those of a companion matrix off by roundings of its norm, up to 70 for seven
-            // coefficients below 10. Multiplying the roots (all below 11) out again sums up to 2^7 products: 1e4 roundings of the
-            // largest coefficient, 2e-12. A factor of fifty is left for products larger than their sum.
+            // Backward stability: the eigenvalues are those of a companion matrix off by roundings of its norm, up to
+            // 70 for seven coefficients below 10. Multiplying the roots (all below 11) out again sums up to 2^7
+            // products: 1e4 roundings of the largest coefficient, 2e-12. A factor of fifty is left for products larger
+            // than their sum.
             let size = coefficients.iter().fold(1.0_f64, |m, c| m.max(c.abs()));
             for (c, p) in coefficients.iter().zip(&product) {
                 prop_assert!((p.re - c).abs() < 1e-10 * size && p.im.abs() < 1e-10 * size, "{c} {p}");

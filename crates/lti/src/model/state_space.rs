@@ -103,10 +103,10 @@ mod tests {
 
     #[test]
     fn refuses_a_nan_and_a_zero_interval() {
-        let one = dmatrix![1.0];
-        let nan = StateSpace::new(dmatrix![f64::NAN], one.clone(), one.clone(), one.clone(), None).unwrap_err();
+        let unit = dmatrix![1.0];
+        let nan = StateSpace::new(dmatrix![f64::NAN], unit.clone(), unit.clone(), unit.clone(), None).unwrap_err();
         assert_eq!(nan.to_string(), "a holds a value that is not finite");
-        let zero = StateSpace::new(one.clone(), one.clone(), one.clone(), one, Some(0.0)).unwrap_err();
+        let zero = StateSpace::new(unit.clone(), unit.clone(), unit.clone(), unit, Some(0.0)).unwrap_err();
         assert_eq!(zero, LtiError::SampleTime(0.0));
     }
 }

@@ -7,7 +7,7 @@ use crate::{Complex, LtiError, StateSpace};
 /// `c (p I - a)^-1 b + d` of a model with one input and one output at angular frequencies in rad/s, with `p = i w` in
 /// continuous and `p = exp(i w dt)` in discrete time.
 ///
-/// At a pole on the axis the entry is not finite, for the caller to judge. Errors: several channels.
+/// At a pole on the axis the entry is not finite, which the caller must check. Errors: several channels.
 pub fn frequency_response(model: &StateSpace, rad_per_s: &[f64]) -> Result<Vec<Complex>, LtiError> {
     model.require_single()?;
     let n = model.order();
@@ -48,15 +48,15 @@ mod tests {
         let model = StateSpace::new(a, dmatrix![0.0; 1.0], dmatrix![3.0, 0.5], dmatrix![0.1], None).unwrap();
         let tf = to_transfer_function(&model).unwrap();
         let w = [0.0, 10.0, 30.0, 200.0];
-        let found = frequency_response(&model, &w).unwrap();
-        for (found, w) in found.iter().zip(w) {
+        let values = frequency_response(&model, &w).unwrap();
+        for (value, w) in values.iter().zip(w) {
             let exact = tf.at(Complex::new(0.0, w));
             // Rounding of a two by two system of condition 1e3.
-            assert!((found - exact).norm() < 1e-12 * exact.norm(), "{w}: {found} {exact}");
+            assert!((value - exact).norm() < 1e-12 * exact.norm(), "{w}: {value} {exact}");
         }
         let sampled = discretize_zero_order_hold(&model, 1e-5).unwrap();
         // A hold delays by half a sample: a phase of w dt/2 = 1e-3 at most here.
-        for (sampled, exact) in frequency_response(&sampled, &w).unwrap().iter().zip(&found) {
+        for (sampled, exact) in frequency_response(&sampled, &w).unwrap().iter().zip(&values) {
             assert!((sampled - exact).norm() < 1.01e-3 * exact.norm(), "{sampled} {exact}");
         }
     }
@@ -64,10 +64,10 @@ mod tests {
     #[test]
     fn a_pole_on_the_axis_is_not_finite_and_two_channels_are_refused() {
         let zero = dmatrix![0.0];
-        let one = dmatrix![1.0];
-        let integrator = StateSpace::new(zero.clone(), one.clone(), one.clone(), zero, None).unwrap();
+        let unit = dmatrix![1.0];
+        let integrator = StateSpace::new(zero.clone(), unit.clone(), unit.clone(), zero, None).unwrap();
         assert!(!frequency_response(&integrator, &[0.0]).unwrap()[0].norm().is_finite());
-        let two = StateSpace::new(one.clone(), dmatrix![1.0, 2.0], one, dmatrix![0.0, 0.0], None).unwrap();
+        let two = StateSpace::new(unit.clone(), dmatrix![1.0, 2.0], unit, dmatrix![0.0, 0.0], None).unwrap();
         assert!(frequency_response(&two, &[1.0]).is_err());
     }
 }

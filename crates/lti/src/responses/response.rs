@@ -6,7 +6,7 @@ use crate::{LtiError, StateSpace};
 
 /// Output of a discrete model driven by `input` from the state `initial`: `y[k] = c x[k] + d u[k]`.
 ///
-/// An unstable model may overflow: the result is then not finite from some sample on, for the caller to judge.
+/// An unstable model may overflow: the result is then not finite from some sample on, which the caller must check.
 /// Errors: continuous model, several channels, wrong length of the state.
 pub fn response(model: &StateSpace, input: &[f64], initial: &DVector<f64>) -> Result<Vec<f64>, LtiError> {
     simulate(model, initial, input.len(), |k| input[k])

@@ -7,7 +7,7 @@ use crate::{LtiError, StateSpace};
 /// Outputs of a discrete model driven by `inputs` (one signal each, all of one length) from the state `initial`:
 /// `y[k] = c x[k] + d u[k]`, one signal per output.
 ///
-/// An unstable model may overflow: the result is then not finite from some sample on, for the caller to judge.
+/// An unstable model may overflow: the result is then not finite from some sample on, which the caller must check.
 /// Without inputs the response has no length; use a model with one input of zeros. Errors: continuous model, number or
 /// lengths of the inputs, length of the state.
 pub fn simulate(model: &StateSpace, inputs: &[Vec<f64>], initial: &[f64]) -> Result<Vec<Vec<f64>>, LtiError> {

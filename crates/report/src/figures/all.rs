@@ -2,9 +2,8 @@
 
 use serde_json::json;
 
-use super::{
-    bode, elements, force, mass_split, models, motion, poles, responses, sensors, singular_values, stabilisation,
-};
+use super::crash::{elements, force, mass_split, models, motion, sensors};
+use super::identification::{bode, poles, responses, singular_values, stabilisation};
 use crate::drawing::figure::{Figure, set};
 use crate::{Ranking, Run};
 
