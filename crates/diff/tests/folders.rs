@@ -94,7 +94,8 @@ fn run_of(folder: &Path, stiffness_n_per_m: f64) {
         "model": "kelvin", "method": "direct-fit", "physical": true, "equivalent_to": null, "uncertainty": null,
         "parameters": {"k1_n_per_m": stiffness_n_per_m, "mass_kg": 900.0}, "notes": [],
         "fit": {"channel": "93", "quantity": "displacement", "from_s": 0.0, "to_s": 0.1, "samples": 100,
-                "rmse": stiffness_n_per_m, "iterations": 3, "evaluations": 4, "stop_reason": "cost", "active_bounds": [], "sensors": []},
+                "rmse": stiffness_n_per_m, "iterations": 3, "evaluations": 4, "stop_reason": "cost",
+                "active_bounds": [], "sensors": []},
     });
     let record: CandidateV1 = serde_json::from_value(candidate.clone()).unwrap();
     let mut builder = ArtifactBuilder::new();

@@ -84,7 +84,8 @@ impl ArtifactBuilder {
         self.records.iter().map(|r| (r.topic.as_str(), r.schema, r.payload.as_slice()))
     }
 
-    /// Writes the artifact to `path` in one step (see [`write_atomically`](crate::write_atomically)) and returns its content digest.
+    /// Writes the artifact to `path` in one step (see [`write_atomically`](crate::write_atomically)) and returns its
+    /// content digest.
     pub fn write(&self, path: &Path, provenance: &Provenance, compression: Compression) -> Result<String, WriteError> {
         self.write_replacing(path, &[], provenance, compression, &mut |_| ())
     }

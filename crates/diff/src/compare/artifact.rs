@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crumple_artifact::{Artifact, JsonForm, RawRecord, ReadError, WAVE_PREFIX, Wave, blake3_text};
 use serde_json::{Value, json};
 
-use crate::Settings;
+use crate::CompareSettings;
 use crate::compare::json::compare_json;
 use crate::compare::provenance::compare_provenance;
 use crate::compare::wave::compare_waves;
@@ -15,7 +15,12 @@ use crate::differences::report::{Difference, FileReport, Side, TopicReport};
 ///
 /// Encodings, compression, chunking and the order of topics do not count. Equal content digests need no comparison of
 /// values. Errors: a record that does not decode.
-pub fn compare_artifacts(name: &str, a: &Artifact, b: &Artifact, settings: &Settings) -> Result<FileReport, ReadError> {
+pub fn compare_artifacts(
+    name: &str,
+    a: &Artifact,
+    b: &Artifact,
+    settings: &CompareSettings,
+) -> Result<FileReport, ReadError> {
     let provenance = compare_provenance(a.provenance(), b.provenance());
     let topics = if a.digest() == b.digest() { quantities(a, b) } else { topics(a, b, settings)? };
     let same = topics.iter().all(|topic| topic.same) && (provenance.is_empty() || !settings.provenance);
@@ -67,7 +72,7 @@ fn contents(artifact: &Artifact) -> BTreeMap<String, Content<'_>> {
     contents
 }
 
-fn topics(a: &Artifact, b: &Artifact, settings: &Settings) -> Result<Vec<TopicReport>, ReadError> {
+fn topics(a: &Artifact, b: &Artifact, settings: &CompareSettings) -> Result<Vec<TopicReport>, ReadError> {
     let (left, right) = (contents(a), contents(b));
     let names: BTreeSet<&String> = left.keys().chain(right.keys()).collect();
     let mut reports = Vec::new();
@@ -110,7 +115,7 @@ fn append(report: &mut TopicReport, more: TopicReport) {
 fn compare_records(
     a: (&Artifact, &RawRecord),
     b: (&Artifact, &RawRecord),
-    settings: &Settings,
+    settings: &CompareSettings,
 ) -> Result<TopicReport, ReadError> {
     let topic = &a.1.topic;
     if a.1.schema != b.1.schema {

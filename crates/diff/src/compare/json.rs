@@ -9,20 +9,20 @@ use crate::compare::words::{same_but_for_numbers, same_words};
 use crate::differences::report::{Difference, TopicReport};
 use crate::tolerances::candidate::{Candidate, same_ranking};
 use crate::tolerances::unit::Unit;
-use crate::{Base, Settings, Tolerance};
+use crate::{Base, CompareSettings, Tolerance};
 
 /// Compares two values: numbers by tolerance (also decimal numbers inside texts), texts exactly, maps by key. Notes
 /// that differ in numbers alone, and the digest of the source, are put aside.
 ///
 /// Lists whose elements have a unique `id` or `name` are paired by it, whatever their order; other lists by index.
-pub fn compare_json(topic: &str, a: &Value, b: &Value, settings: &Settings) -> TopicReport {
+pub fn compare_json(topic: &str, a: &Value, b: &Value, settings: &CompareSettings) -> TopicReport {
     let mut walk = Walk { settings, report: TopicReport::new(topic), candidate: None };
     walk.value(At { place: String::new(), unit: None, scale: None, root_modulus: None }, a, b);
     walk.report
 }
 
 struct Walk<'a> {
-    settings: &'a Settings,
+    settings: &'a CompareSettings,
     report: TopicReport,
     /// The candidate that the walk is in.
     candidate: Option<Candidate>,
@@ -245,7 +245,7 @@ mod tests {
     use crate::Tolerances;
 
     fn compare(a: &Value, b: &Value) -> TopicReport {
-        compare_json("/events", a, b, &Settings::default())
+        compare_json("/events", a, b, &CompareSettings::default())
     }
 
     fn places(report: &TopicReport) -> Vec<&str> {
@@ -273,8 +273,10 @@ mod tests {
 
     #[test]
     fn integers_that_no_f64_tells_apart_still_differ() {
-        let exact =
-            Settings { tolerances: Tolerances { base: Base::Exact, ..Tolerances::default() }, ..Settings::default() };
+        let exact = CompareSettings {
+            tolerances: Tolerances { base: Base::Exact, ..Tolerances::default() },
+            ..CompareSettings::default()
+        };
         let report = compare_json("/x", &json!(9_007_199_254_740_993_u64), &json!(9_007_199_254_740_992_u64), &exact);
         assert!(!report.same);
     }
@@ -283,7 +285,7 @@ mod tests {
     fn a_zero_s_sign_counts_only_where_bits_do() {
         let (a, b) = (json!([0.0]), json!([-0.0]));
         assert!(compare(&a, &b).same);
-        assert!(!compare_json("/x", &a, &b, &Settings { bits: true, ..Settings::default() }).same);
+        assert!(!compare_json("/x", &a, &b, &CompareSettings { bits: true, ..CompareSettings::default() }).same);
     }
 
     #[test]
@@ -324,7 +326,8 @@ mod tests {
     #[test]
     fn what_is_ignored_may_differ_or_lack() {
         let rules = crate::parse_rules("\"/events#fit.*\" = { ignore = true }").unwrap();
-        let settings = Settings { tolerances: Tolerances { rules, ..Tolerances::default() }, ..Settings::default() };
+        let settings =
+            CompareSettings { tolerances: Tolerances { rules, ..Tolerances::default() }, ..CompareSettings::default() };
         let (a, b) =
             (json!({"fit": {"n": 1, "why": "x", "l": [1]}, "x": 1}), json!({"fit": {"n": 2, "l": []}, "x": 1}));
         let report = compare_json("/events", &a, &b, &settings);

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::compare::json::compare_json;
 use crate::differences::report::Difference;
-use crate::{Base, Settings, Tolerances};
+use crate::{Base, CompareSettings, Tolerances};
 
 /// Stage, version, options and inputs that differ.
 pub(crate) fn compare_provenance(a: Option<&Provenance>, b: Option<&Provenance>) -> Vec<Difference> {
@@ -16,8 +16,10 @@ pub(crate) fn compare_provenance(a: Option<&Provenance>, b: Option<&Provenance>)
         let only = Difference { a: name(a), b: name(b), ..Difference::default() };
         return if a.is_none() && b.is_none() { Vec::new() } else { vec![only] };
     };
-    let exact =
-        Settings { tolerances: Tolerances { base: Base::Exact, ..Tolerances::default() }, ..Settings::default() };
+    let exact = CompareSettings {
+        tolerances: Tolerances { base: Base::Exact, ..Tolerances::default() },
+        ..CompareSettings::default()
+    };
     let mut differences = compare_json("provenance", &to_json(a), &to_json(b), &exact).differences;
     for difference in &mut differences {
         // By how much an option differs says nothing.

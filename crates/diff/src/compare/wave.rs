@@ -3,7 +3,7 @@
 use crumple_artifact::Wave;
 use serde_json::{Value, json};
 
-use crate::Settings;
+use crate::CompareSettings;
 use crate::differences::report::{Difference, TopicReport};
 use crate::tolerances::table::Base;
 use crate::tolerances::unit::Unit;
@@ -17,7 +17,7 @@ const GRID_START_S: f64 = 1e-9;
 ///
 /// Relative differences refer to the largest magnitude of both waveforms: a sample near a zero crossing came out of
 /// large ones and carries their rounding error. On different grids samples are not compared.
-pub fn compare_waves(topic: &str, a: &Wave, b: &Wave, settings: &Settings) -> TopicReport {
+pub fn compare_waves(topic: &str, a: &Wave, b: &Wave, settings: &CompareSettings) -> TopicReport {
     let mut report = TopicReport::new(topic);
     let unit = Unit::from_symbol(a.quantity.si_unit());
     let tolerance = settings.tolerances.tolerance_of(topic, "", unit, None);
@@ -110,7 +110,7 @@ mod tests {
     }
 
     fn compare(a: &Wave, b: &Wave) -> TopicReport {
-        compare_waves("/wave/93", a, b, &Settings::default())
+        compare_waves("/wave/93", a, b, &CompareSettings::default())
     }
 
     #[test]
@@ -133,7 +133,7 @@ mod tests {
         assert!(report.same);
         assert_eq!(report.max_abs, Some(2e-15));
         let exact = Tolerances { base: Base::Exact, ..Tolerances::default() };
-        let settings = Settings { tolerances: exact, ..Settings::default() };
+        let settings = CompareSettings { tolerances: exact, ..CompareSettings::default() };
         assert_eq!(compare_waves("/wave/93", &a, &b, &settings).different, 1);
     }
 

@@ -123,7 +123,7 @@ impl FileReport {
 
 /// The whole comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Report {
+pub struct Comparison {
     /// What the first side is called.
     pub a: String,
     /// What the second side is called.
@@ -136,7 +136,7 @@ pub struct Report {
     pub files: Vec<FileReport>,
 }
 
-impl Report {
+impl Comparison {
     /// Puts the files' reports together.
     pub fn new(a: String, b: String, provenance_counts: bool, files: Vec<FileReport>) -> Self {
         Self { a, b, same: files.iter().all(|file| file.same), provenance_counts, files }

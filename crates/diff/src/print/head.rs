@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use crate::Report;
+use crate::Comparison;
 
 /// Parameters that differ by less, relative to the larger, are not shown where they do not count.
 const SHOWN_RELATIVE: f64 = 0.01;
@@ -40,7 +40,7 @@ pub fn head(a: &Value, b: &Value) -> Vec<String> {
 /// Parameters of candidates of both summaries that differ by more than 1 % and are no difference of the report: the
 /// record does not determine them, or the tolerance is wide.
 /// `kelvin/closed-form/1, stiffness_n_per_m: 357000.0  768000.0  (for information)`.
-pub fn tolerated_parameters(a: &Value, b: &Value, report: &Report) -> Vec<String> {
+pub fn tolerated_parameters(a: &Value, b: &Value, report: &Comparison) -> Vec<String> {
     let topics = report.files.iter().flat_map(|file| &file.topics).filter(|topic| !topic.topic.starts_with('/'));
     let reported: BTreeSet<&str> = topics.flat_map(|topic| &topic.differences).map(|d| d.place.as_str()).collect();
     let candidates = |side: &'_ Value| side["candidates"].as_array().cloned().unwrap_or_default();
@@ -86,10 +86,10 @@ mod tests {
                 "uncertainty": {"standard_deviation": {"k": 1e6, "c": 1.0}, "interval_low": {}, "interval_high": {}}}]})
         };
         let (a, b) = (side(1000.0, 50.0), side(2000.0, 90.0));
-        let topic = crate::compare_json("summary.json", &a, &b, &crate::Settings::default());
+        let topic = crate::compare_json("summary.json", &a, &b, &crate::CompareSettings::default());
         assert_eq!(topic.differences.len(), 1, "c alone: {topic:?}");
         let file = crate::FileReport { name: "summary.json".into(), topics: vec![topic], ..Default::default() };
-        let report = Report::new("one".into(), "two".into(), false, vec![file]);
+        let report = Comparison::new("one".into(), "two".into(), false, vec![file]);
         assert_eq!(tolerated_parameters(&a, &b, &report), ["kelvin/fit/1, k: 1000.0  2000.0  (for information)"]);
         assert!(tolerated_parameters(&a, &side(1000.5, 90.0), &report).is_empty(), "a thousandth");
     }

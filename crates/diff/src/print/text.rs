@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use crumple_artifact::WAVE_PREFIX;
 use serde_json::Value;
 
-use crate::differences::report::{Difference, FileReport, Report, Side, TopicReport};
+use crate::differences::report::{Comparison, Difference, FileReport, Side, TopicReport};
 use crate::print::headline::{Headline, sort_key};
 
 /// Differences of a topic that are shown without `--all`.
@@ -28,7 +28,7 @@ pub struct TextOptions {
 }
 
 /// Writes the report: files on one side only, headlines, the rest, the conclusion.
-pub fn write_text(report: &Report, options: TextOptions, out: &mut dyn Write) -> io::Result<()> {
+pub fn write_text(report: &Comparison, options: TextOptions, out: &mut dyn Write) -> io::Result<()> {
     for file in &report.files {
         if let Some(side) = file.only_in {
             writeln!(out, "{}: only in {}", file.name, path_of(report, side))?;
@@ -69,7 +69,7 @@ pub fn write_text(report: &Report, options: TextOptions, out: &mut dyn Write) ->
 type Written = HashSet<*const Difference>;
 
 /// Writes the headlines of all files, each once; of metrics only a few.
-fn write_headlines(report: &Report, options: TextOptions, out: &mut dyn Write) -> io::Result<Written> {
+fn write_headlines(report: &Comparison, options: TextOptions, out: &mut dyn Write) -> io::Result<Written> {
     let mut written = Written::new();
     let mut names = BTreeSet::new();
     for kind in Headline::ALL {
@@ -119,16 +119,16 @@ fn differing(file: &FileReport) -> impl Iterator<Item = &TopicReport> {
 }
 
 /// Of two single files the name is known.
-fn file_prefix(report: &Report, file: &FileReport) -> String {
+fn file_prefix(report: &Comparison, file: &FileReport) -> String {
     if report.files.len() > 1 { format!("{}: ", file.name) } else { String::new() }
 }
 
 /// summary.json is one topic of its own name.
-fn prefix(report: &Report, file: &FileReport, topic: &TopicReport) -> String {
+fn prefix(report: &Comparison, file: &FileReport, topic: &TopicReport) -> String {
     if topic.topic == file.name { String::new() } else { file_prefix(report, file) }
 }
 
-fn path_of(report: &Report, side: Side) -> &str {
+fn path_of(report: &Comparison, side: Side) -> &str {
     match side {
         Side::A => &report.a,
         Side::B => &report.b,
@@ -137,7 +137,7 @@ fn path_of(report: &Report, side: Side) -> &str {
 
 /// Writes the differences of a topic that are not written yet.
 fn write_topic(
-    report: &Report,
+    report: &Comparison,
     topic: &TopicReport,
     prefix: &str,
     written: &Written,
@@ -184,7 +184,7 @@ fn write_topic(
 }
 
 fn write_record_line(
-    report: &Report,
+    report: &Comparison,
     topic: &TopicReport,
     difference: &Difference,
     prefix: &str,
@@ -237,7 +237,7 @@ fn value(value: Option<&Value>) -> String {
     }
 }
 
-fn conclusion(report: &Report) -> String {
+fn conclusion(report: &Comparison) -> String {
     let topics = || report.files.iter().flat_map(|file| &file.topics);
     let places = if report.files.len() == 1 { String::new() } else { format!(" in {} files", report.files.len()) };
     if report.same {

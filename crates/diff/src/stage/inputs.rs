@@ -6,7 +6,8 @@ use std::path::Path;
 
 use crumple_artifact::Artifact;
 use crumple_diff::{
-    DiffError, FileReport, Report, Settings, Side, compare_artifacts, compare_json, head, tolerated_parameters,
+    CompareSettings, Comparison, DiffError, FileReport, Side, compare_artifacts, compare_json, head,
+    tolerated_parameters,
 };
 
 const SUMMARY: &str = "summary.json";
@@ -40,7 +41,7 @@ impl Kind {
 }
 
 /// Compares two files or two folders.
-pub fn compare_paths(a: &Path, b: &Path, settings: &Settings) -> Result<Vec<FileReport>, DiffError> {
+pub fn compare_paths(a: &Path, b: &Path, settings: &CompareSettings) -> Result<Vec<FileReport>, DiffError> {
     let (kind_a, kind_b) = (Kind::of_path(a)?, Kind::of_path(b)?);
     if kind_a != kind_b {
         return Err(DiffError::Kinds { a: a.into(), a_is: kind_a.name(), b: b.into(), b_is: kind_b.name() });
@@ -52,7 +53,7 @@ pub fn compare_paths(a: &Path, b: &Path, settings: &Settings) -> Result<Vec<File
 }
 
 /// What people want to know first of two runs that differ; empty where there are no two summaries.
-pub fn head_of(a: &Path, b: &Path, report: &Report) -> Vec<String> {
+pub fn head_of(a: &Path, b: &Path, report: &Comparison) -> Vec<String> {
     let summary = |path: &Path| {
         let path = if path.is_dir() { path.join(SUMMARY) } else { path.to_owned() };
         path.extension().is_some_and(|extension| extension == "json").then(|| read_json(&path).ok())?
@@ -71,7 +72,7 @@ fn name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn compare_files(name: &str, a: &Path, b: &Path, settings: &Settings) -> Result<FileReport, DiffError> {
+fn compare_files(name: &str, a: &Path, b: &Path, settings: &CompareSettings) -> Result<FileReport, DiffError> {
     if Kind::of_path(a)? == Kind::Json {
         // The summary's tolerances apply under whatever name it was kept.
         let topic = compare_json(SUMMARY, &read_json(a)?, &read_json(b)?, settings);
@@ -80,7 +81,7 @@ fn compare_files(name: &str, a: &Path, b: &Path, settings: &Settings) -> Result<
     Ok(compare_artifacts(name, &Artifact::open(a)?, &Artifact::open(b)?, settings)?)
 }
 
-fn compare_folders(a: &Path, b: &Path, settings: &Settings) -> Result<Vec<FileReport>, DiffError> {
+fn compare_folders(a: &Path, b: &Path, settings: &CompareSettings) -> Result<Vec<FileReport>, DiffError> {
     let (left, right) = (results_in(a)?, results_in(b)?);
     left.union(&right)
         .map(|name| match (left.contains(name), right.contains(name)) {

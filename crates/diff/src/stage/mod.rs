@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Context;
-use crumple_diff::{Base, DiffError, Report, Settings, TextOptions, Tolerances, parse_rules, write_text};
+use crumple_diff::{Base, CompareSettings, Comparison, DiffError, TextOptions, Tolerances, parse_rules, write_text};
 use crumple_stage::{ExitStatus, Usage, tool_main};
 
 /// Compares two artifacts or two run folders by what they mean: waveforms sample by sample, records value by value,
@@ -88,7 +88,7 @@ fn run(args: &Args) -> anyhow::Result<ExitStatus> {
     let settings = settings(args)?;
     let files = inputs::compare_paths(&args.a, &args.b, &settings)?;
     let (a, b) = (args.a.display().to_string(), args.b.display().to_string());
-    let report = Report::new(a, b, settings.provenance, files);
+    let report = Comparison::new(a, b, settings.provenance, files);
     if !args.quiet {
         match print(args, &report) {
             // A reader that has seen enough closes the pipe; the exit code still tells the result.
@@ -99,7 +99,7 @@ fn run(args: &Args) -> anyhow::Result<ExitStatus> {
     Ok(if report.same { ExitStatus::Done } else { ExitStatus::Failure })
 }
 
-fn print(args: &Args, report: &Report) -> io::Result<()> {
+fn print(args: &Args, report: &Comparison) -> io::Result<()> {
     let mut stdout = io::stdout().lock();
     if args.json {
         serde_json::to_writer_pretty(&mut stdout, report)?;
@@ -114,7 +114,7 @@ fn print(args: &Args, report: &Report) -> io::Result<()> {
     }
 }
 
-fn settings(args: &Args) -> Result<Settings, DiffError> {
+fn settings(args: &Args) -> Result<CompareSettings, DiffError> {
     let rules = match &args.tolerance {
         None => Vec::new(),
         Some(path) => {
@@ -127,7 +127,7 @@ fn settings(args: &Args) -> Result<Settings, DiffError> {
         (_, true) => Base::Exact,
         _ => Base::Computation,
     };
-    Ok(Settings {
+    Ok(CompareSettings {
         tolerances: Tolerances { base, abs: args.abs, rel: args.rel, rules },
         bits: args.bits,
         provenance: args.provenance,

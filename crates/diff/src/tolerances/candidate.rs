@@ -107,7 +107,7 @@ fn open(candidate: &Map<String, Value>, known: &Map<String, Value>, name: &str) 
 mod tests {
     use serde_json::json;
 
-    use crate::{Base, Settings, Tolerances, compare_json};
+    use crate::{Base, CompareSettings, Tolerances, compare_json};
 
     fn candidate(stiffness: f64, deviation: f64, fit: f64, energy: f64) -> serde_json::Value {
         json!({
@@ -120,7 +120,7 @@ mod tests {
     }
 
     fn same(a: &serde_json::Value, b: &serde_json::Value) -> bool {
-        compare_json("/parameters/kelvin/closed-form/1", a, b, &Settings::default()).same
+        compare_json("/parameters/kelvin/closed-form/1", a, b, &CompareSettings::default()).same
     }
 
     #[test]
@@ -129,8 +129,10 @@ mod tests {
         assert!(same(&reference, &candidate(1000.4, 50.0, 99.0, 5.0)));
         assert!(!same(&reference, &candidate(1000.6, 50.0, 99.0, 5.0)), "0.012 standard deviations");
         assert!(!same(&reference, &candidate(1000.4, 10.0, 99.0, 5.0)), "the smaller deviation of both counts");
-        let exact =
-            Settings { tolerances: Tolerances { base: Base::Exact, ..Tolerances::default() }, ..Settings::default() };
+        let exact = CompareSettings {
+            tolerances: Tolerances { base: Base::Exact, ..Tolerances::default() },
+            ..CompareSettings::default()
+        };
         assert!(!compare_json("/parameters/x", &reference, &candidate(1000.4, 50.0, 99.0, 5.0), &exact).same);
     }
 
@@ -162,8 +164,13 @@ mod tests {
             json!({"candidates": candidates, "ranking": order})
         };
         let compare = |fit| {
-            compare_json("summary.json", &summary(["a", "b"], fit), &summary(["b", "a"], fit), &Settings::default())
-                .same
+            compare_json(
+                "summary.json",
+                &summary(["a", "b"], fit),
+                &summary(["b", "a"], fit),
+                &CompareSettings::default(),
+            )
+            .same
         };
         assert!(compare(99.05));
         assert!(!compare(99.5));

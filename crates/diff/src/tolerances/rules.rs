@@ -6,7 +6,7 @@ use crate::DiffError;
 
 /// What a user allows for one pattern of topics and places.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rule {
+pub struct ToleranceRule {
     /// Topic pattern; `*` is any text, `?` one character.
     pub topic: String,
     /// Pattern of the place inside a record.
@@ -19,7 +19,7 @@ pub struct Rule {
     pub ignore: bool,
 }
 
-impl Rule {
+impl ToleranceRule {
     /// Characters that are not a star: the more of them, the more is said.
     pub(crate) fn length(&self) -> usize {
         self.topic.chars().chain(self.place.chars()).filter(|c| *c != '*').count()
@@ -38,13 +38,13 @@ struct Line {
 /// Reads the text of a tolerance file: `"<topic>#<place>" = { abs = 1e-6, rel = 1e-9 }` or `{ ignore = true }`.
 ///
 /// `#<place>` may be left out: everything under the topic. An empty topic: every topic.
-pub fn parse_rules(text: &str) -> Result<Vec<Rule>, DiffError> {
+pub fn parse_rules(text: &str) -> Result<Vec<ToleranceRule>, DiffError> {
     let lines: std::collections::BTreeMap<String, Line> =
         toml::from_str(text).map_err(|error| DiffError::Tolerance(error.to_string().trim_end().to_owned()))?;
     lines.into_iter().map(|(pattern, line)| rule(&pattern, line)).collect()
 }
 
-fn rule(pattern: &str, line: Line) -> Result<Rule, DiffError> {
+fn rule(pattern: &str, line: Line) -> Result<ToleranceRule, DiffError> {
     let bad = |problem: &str| Err(DiffError::Tolerance(format!("{pattern:?}: {problem}")));
     for value in [line.abs, line.rel].into_iter().flatten() {
         if !(value.is_finite() && value >= 0.0) {
@@ -59,7 +59,7 @@ fn rule(pattern: &str, line: Line) -> Result<Rule, DiffError> {
     }
     let (topic, place) = pattern.split_once('#').unwrap_or((pattern, "*"));
     let topic = if topic.is_empty() { "*" } else { topic };
-    Ok(Rule { topic: topic.into(), place: place.into(), abs: line.abs, rel: line.rel, ignore: line.ignore })
+    Ok(ToleranceRule { topic: topic.into(), place: place.into(), abs: line.abs, rel: line.rel, ignore: line.ignore })
 }
 
 #[cfg(test)]

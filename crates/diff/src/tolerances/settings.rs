@@ -4,7 +4,7 @@ use super::table::Tolerances;
 
 /// What counts as different.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Settings {
+pub struct CompareSettings {
     /// Tolerance by topic and place.
     pub tolerances: Tolerances,
     /// Whether -0.0 and 0.0 differ.

@@ -3,7 +3,7 @@
 use crumple_artifact::topic_matches;
 
 use super::candidate::Candidate;
-use super::rules::Rule;
+use super::rules::ToleranceRule;
 use super::tolerance::{Tolerance, tolerance};
 use super::unit::Unit;
 
@@ -29,7 +29,7 @@ pub struct Tolerances {
     /// Replaces every relative part of the table.
     pub rel: Option<f64>,
     /// What the user says of single topics and places; goes before all else. The longest pattern that matches counts.
-    pub rules: Vec<Rule>,
+    pub rules: Vec<ToleranceRule>,
 }
 
 /// Topic pattern, place pattern, tolerance; the first that matches counts.

@@ -2,11 +2,11 @@
 
 use crumple_artifact::records::{ProfileV1, ReplicatesV1};
 
-use crate::Candidate;
-use crate::people::{NBSP, at_most, parameter, parameter_order, significant};
+use crate::CandidateResult;
+use crate::text::numbers::{NBSP, at_most, parameter, parameter_order, significant};
 
 /// A sentence for each method that the candidate was put through.
-pub(super) fn remarks(candidate: &Candidate) -> Vec<String> {
+pub(super) fn remarks(candidate: &CandidateResult) -> Vec<String> {
     let Some(u) = &candidate.record.uncertainty else { return Vec::new() };
     let mut remarks = Vec::new();
     if !u.profile.is_empty() {
