@@ -1,5 +1,5 @@
-//! Time of reading two-column CSV text, beside a plain memory pass over the same bytes: the table alone (numbers, time grid, SI),
-//! the digest alone, and the whole of ingest (both, and the checks of quality).
+//! Time of reading two-column CSV text, beside a plain memory pass over the same bytes: the table alone (numbers, time
+//! grid, SI), the digest alone, and the whole of ingest (both, and the checks of quality).
 
 use std::fmt::Write;
 

@@ -5,6 +5,8 @@
 //! recognised by content: [`READERS`]. Nothing is guessed: what a record does not say is asked for by name, and
 //! what is chosen (the pulse, a unit of time) is said in a note. Nothing is corrected either: zero level, time zero,
 //! clipping, dropouts and drift are reported. [`list()`] makes the table of channels alone.
+//!
+//! rooms: listing | files | checks formats | pulse | recording time
 
 mod checks;
 mod error;

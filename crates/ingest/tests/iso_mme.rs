@@ -11,7 +11,8 @@ use crumple_signal::{ChannelStatus, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-const MME: &str = "Data format edition number  :1.6\r\nTitle                       :sled 7\r\nName of test object 1       :white car\r\n\
+const MME: &str = "Data format edition number  :1.6\r\nTitle                       :sled 7\r\n\
+    Name of test object 1       :white car\r\n\
     Mass test object 1          :1500\r\nVelocity test object 1      :50 km/h\r\n";
 const CHN: &str = "Instrumentation standard    :ISO 6487\r\nNumber of channels          :4\r\n\
     Name of channel 001         :10SECMLERE00ACXP / seat\r\nName of channel 002         :10SECMRIRE00ACXP\r\n\

@@ -112,12 +112,16 @@ fn channels_without_samples_are_left_out() {
     has_note(&recording, "no samples in Untitled, Untitled_1, Untitled_2, Untitled_3: left out");
 }
 
-const HEAD: &str = "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\nX_Columns\tOne\nDate\t2024/01/02\nTime\t10:00:00.0\n***End_of_Header***\t\n\t\n";
+const HEAD: &str = "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n\
+    X_Columns\tOne\nDate\t2024/01/02\nTime\t10:00:00.0\n\
+    ***End_of_Header***\t\n\t\n";
 
 fn segment(x0: f64, from: usize, n: usize) -> String {
     let rows: String = (0..n).map(|k| format!("{:.6}\t{}\n", x0 + k as f64 * 1e-3, from + k)).collect();
     format!(
-        "Channels\t1\nSamples\t{n}\nDate\t2024/01/02\nTime\t10:00:05.0\nY_Unit_Label\tg\nX_Dimension\tTime\nX0\t{x0}\nDelta_X\t0.001\n***End_of_Header***\t\nX_Value\tacc\tComment\n{rows}\n"
+        "Channels\t1\nSamples\t{n}\nDate\t2024/01/02\nTime\t10:00:05.0\nY_Unit_Label\tg\n\
+         X_Dimension\tTime\nX0\t{x0}\nDelta_X\t0.001\n***End_of_Header***\t\n\
+         X_Value\tacc\tComment\n{rows}\n"
     )
 }
 
@@ -209,7 +213,10 @@ proptest! {
         let settings = Settings { allow_missing: Some(true), channel: Some("1".to_owned()), ..Settings::default() };
         for settings in [Settings::default(), settings] {
             match Bundle::from_bytes("t.lvm", bytes.clone()).and_then(|bundle| ingest(&bundle, &settings)) {
-                Ok(found) => prop_assert!(found.waves.iter().all(|w| w.samples.samples().iter().all(|x| x.is_finite()))),
+                Ok(record) => {
+                    let mut samples = record.waves.iter().flat_map(|wave| wave.samples.samples());
+                    prop_assert!(samples.all(|x| x.is_finite()));
+                }
                 Err(error) => prop_assert!(!error.to_string().is_empty() && !error.hint().is_empty()),
             }
         }

@@ -202,6 +202,7 @@ fn the_logged_bag_gives_gravity() {
     let ingested = ingest(&bundle, &asked).unwrap();
     let samples = ingested.pulse().unwrap().samples.samples();
     let mean = samples.iter().sum::<f64>() / samples.len() as f64;
-    // The mean of the raw messages is stated as 9.796; interpolation on as many instants moves it by far less than 0.01.
+    // The mean of the raw messages is stated as 9.796; interpolation on as many instants moves it by far less than
+    // 0.01.
     assert!((mean - 9.796).abs() < 0.01, "{mean}");
 }

@@ -17,8 +17,8 @@ fn changes() -> impl Strategy<Value = Vec<Change>> {
     prop::collection::vec((any::<u8>(), any::<Index>(), any::<u8>(), 0_u16..400), 1..5)
 }
 
-/// Bytes set, pieces put in, taken out or doubled, the end cut off. Half of the places are in the first 4 KiB, where the
-/// headers are.
+/// Bytes set, pieces put in, taken out or doubled, the end cut off. Half of the places are in the first 4 KiB, where
+/// the headers are.
 fn mutate(mut bytes: Vec<u8>, changes: &[Change]) -> Vec<u8> {
     const PIECES: [&[u8]; 16] = [
         b"NaN",

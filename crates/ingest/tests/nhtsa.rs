@@ -110,7 +110,8 @@ fn channels_without_data_say_why() {
     let error = |channel| read(folder.join("v10146.EV5"), Some(channel)).unwrap_err().to_string();
     assert_eq!(
         error("45"),
-        "v10146.EV5: channel 45: not installed (DRIVER SHOULDER BELT: Not installed): it has no data, and no file is missing"
+        "v10146.EV5: channel 45: not installed (DRIVER SHOULDER BELT: Not installed): it has no data, and no file is \
+         missing"
     );
     assert!(error("2").contains("channel 2 (driver, head): its signal file, with the extension .002, is not here"));
     assert!(error("700").contains("channel 700 is not listed"));

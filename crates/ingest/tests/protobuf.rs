@@ -158,10 +158,13 @@ fn unnamed_fields_and_broken_schemas_are_refused_by_name() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Neither a damaged description nor damaged messages stop the program; they are written into an intact MCAP file, so that
-    /// no checksum is in the way.
+    /// Neither a damaged description nor damaged messages stop the program; they are written into an intact MCAP file,
+    /// so that no checksum is in the way.
     #[test]
-    fn damaged_descriptions_and_messages(changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6), which in 0..2) {
+    fn damaged_descriptions_and_messages(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        which in 0..2,
+    ) {
         let pool = DescriptorPool::decode(description().as_slice()).unwrap();
         let change = |mut bytes: Vec<u8>| {
             for (at, byte) in &changes {

@@ -47,7 +47,8 @@ fn the_longitudinal_table_of_the_first_event_is_taken_and_the_others_are_named()
     assert!((wave.quality.minimum + 60.0 / 3.6).abs() < 1e-12, "{}", wave.quality.minimum);
     let notes = ingested.notes.to_texts().join("\n");
     for said in [
-        "others: Velocity_Change (Lateral Crash Pulse (Event Record 1)), Velocity_Change-3 (Longitudinal Crash Pulse (Event Record 2))",
+        "others: Velocity_Change (Lateral Crash Pulse (Event Record 1)), Velocity_Change-3 (Longitudinal Crash Pulse \
+         (Event Record 2))",
         "not read: \"Pre-Crash Data (Event Record 1)\"",
         "its file is not complete (line 2: Complete File Recorded,No)",
     ] {

@@ -161,7 +161,8 @@ proptest! {
 fn channel_file() -> Vec<u8> {
     let samples: String = (0..80).map(|k| format!("{:.4e}\n", -0.1 * f64::from(k))).collect();
     format!(
-        "Test object number          :1\nChannel code                :10SECMLERE00ACXP\nUnit                        :g\n\
+        "Test object number          :1\nChannel code                :10SECMLERE00ACXP\n\
+         Unit                        :g\n\
          Reference channel           :implicit\nSampling interval           :0.0001\n\
          Time of first sample        :-0.002\nNumber of samples           :80\n{samples}NOVALUE\n"
     )

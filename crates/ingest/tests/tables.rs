@@ -137,7 +137,8 @@ fn kilo_g_and_surplus_names_of_the_drop_tower() {
 
 #[test]
 fn header_comments_state_the_test() {
-    let header = "# Title: Test 7\n# vehicle: Ford Fiesta\n# mass: 873 kg\n# Impact_Speed: 36 km/h\n# barrier: pole\n# unit: g\ntime_s,accel\n";
+    let header = "# Title: Test 7\n# vehicle: Ford Fiesta\n# mass: 873 kg\n# Impact_Speed: 36 km/h\n# barrier: pole\n\
+        # unit: g\ntime_s,accel\n";
     let ingested = from_text(&pulse(header, 500), &Settings::default()).unwrap();
     let test = &ingested.test;
     assert_eq!(
@@ -230,7 +231,8 @@ fn recorder_report() -> String {
     let rows: String = (0..26).map(|k| format!("{},-{}\n", 10 * k, (6 * k).min(54))).collect();
     format!(
         "CDR Report,v21\nPre-Crash Data\nTime (sec),Speed (km/h)\n-5,60\n-4,61\n\n\
-         Longitudinal Crash Pulse (Event Record 1)\nTime (msec),\"Delta-V, longitudinal (km/h)\"\n{rows}\nLateral\n0,1\n"
+         Longitudinal Crash Pulse (Event Record 1)\n\
+         Time (msec),\"Delta-V, longitudinal (km/h)\"\n{rows}\nLateral\n0,1\n"
     )
 }
 

@@ -77,19 +77,22 @@ fn of_the_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, no
     let zero_level = quality.pre_event.map(|p| p.zero_level);
     if zero_level.is_none() {
         notes.warning(
-            "the pulse has less than 10 ms of data between -50 ms and -10 ms: its zero level and noise floor are not known",
+            "the pulse has less than 10 ms of data between -50 ms and -10 ms: its zero level and noise floor are not \
+             known",
         );
     }
     if let Some(muted) = muted(pulse) {
         notes.info(format!(
-            "the first {muted} samples of the pulse are exactly 0: the recorder was muted, its zero level is that of the rest"
+            "the first {muted} samples of the pulse are exactly 0: the recorder was muted, its zero level is that of \
+             the rest"
         ));
     }
     polarity::check(&pulse.samples, zero_level, speed_m_per_s, polarity, notes);
     time_zero::check(&pulse.samples, zero_level, notes);
     if slow(pulse) {
         notes.warning(format!(
-            "the pulse has {:.1} samples a second: CFC 60 needs {CFC60_RATE_HZ} at least, a crash pulse is not resolved",
+            "the pulse has {:.1} samples a second: CFC 60 needs {CFC60_RATE_HZ} at least, a crash pulse is not \
+             resolved",
             quality.sample_rate_hz
         ));
     }
@@ -104,7 +107,8 @@ fn of_the_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, no
     }
     if let Some(noise) = noise(pulse) {
         notes.warning(format!(
-            "the pulse is noisy before the event: standard deviation {:.2} g, at most 1 g is usual: the sensor may have failed",
+            "the pulse is noisy before the event: standard deviation {:.2} g, at most 1 g is usual: the sensor may \
+             have failed",
             noise / G
         ));
     }
@@ -128,7 +132,8 @@ fn of_the_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, no
     }
 }
 
-/// Channels that must be resampled before they can be compared with the pulse sample by sample, or drive one model with it.
+/// Channels that must be resampled before they can be compared with the pulse sample by sample, or drive one model with
+/// it.
 fn other_grids(waves: &[Wave], pulse: &Wave, notes: &mut Notes) {
     let rate = |w: &Wave| format!("{} Hz", (w.quality.sample_rate_hz * 1e3).round() / 1e3);
     let mut others: BTreeMap<String, Vec<&Wave>> = BTreeMap::new();

@@ -26,11 +26,11 @@ pub struct Disagreement {
     pub crush_m: Option<[f64; 2]>,
 }
 
-/// Compares two records on one grid, each without its zero level. `None` where the grids differ or there is no sample after
-/// contact.
+/// Compares two records on one grid, each without its zero level. `None` where the grids differ or there is no sample
+/// after contact.
 ///
-/// Velocity and displacement by the trapezoidal rule of the unfiltered samples. A difference of zero level of 0.1 g alone is
-/// 0.1 m/s and 5 mm after 0.1 s.
+/// Velocity and displacement by the trapezoidal rule of the unfiltered samples. A difference of zero level of 0.1 g
+/// alone is 0.1 m/s and 5 mm after 0.1 s.
 pub fn compare(one: &Sampled, other: &Sampled, zeros: [f64; 2], v0_m_per_s: Option<f64>) -> Option<Disagreement> {
     let dt = one.dt_s();
     let shift = (other.t0_s() - one.t0_s()) / dt;
@@ -69,8 +69,8 @@ pub fn compare(one: &Sampled, other: &Sampled, zeros: [f64; 2], v0_m_per_s: Opti
     Some(Disagreement { acceleration_m_per_s2: acceleration, velocity_m_per_s: velocity, crush_m })
 }
 
-/// Notes on all pairs of accelerations with data whose codes differ by redundancy alone, or by left and right along x on the
-/// vehicle. `same_place` tells the ids that serve as the pulse.
+/// Notes on all pairs of accelerations with data whose codes differ by redundancy alone, or by left and right along x
+/// on the vehicle. `same_place` tells the ids that serve as the pulse.
 pub fn notes(
     channels: &[Channel],
     waves: &[Wave],

@@ -62,7 +62,8 @@ pub fn open(file: &str, bytes: &[u8]) -> Result<Bundle, IngestError> {
         beside && !known && bundle.reader.companion(&main.name, &entry.name)
     };
     let companions: Vec<&Entry> = entries.iter().filter(is_companion).collect();
-    // By the sizes that the archive claims, before any is unpacked; that none holds more than it claims is checked there.
+    // By the sizes that the archive claims, before any is unpacked; that none holds more than it claims is checked
+    // there.
     let mut claimed = total;
     for entry in &companions {
         let size = zip.by_index_raw(entry.index).map_or(0, |raw| raw.size());

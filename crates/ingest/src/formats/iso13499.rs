@@ -1,8 +1,8 @@
 //! Channel codes of ISO/TS 13499 as names of columns and waveforms: `10VEHC0000__ACXD`, `10VEHCCG0000ACXP (g)`.
 //!
-//! DIAdem and laboratories name the channels of TDMS, TDM, LVM and CSV files by their codes. The code then says place, axis and
-//! filter class, as it does in an ISO-MME file. A name is only taken for a code if every place of it that has a table holds
-//! something of that table, so that `Acceleration_0` stays a name.
+//! DIAdem and laboratories name the channels of TDMS, TDM, LVM and CSV files by their codes. The code then says place,
+//! axis and filter class, as it does in an ISO-MME file. A name is only taken for a code if every place of it that has
+//! a table holds something of that table, so that `Acceleration_0` stays a name.
 
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{Channel, Notes, QuantityKind};
@@ -22,8 +22,8 @@ const FILTERS: &str = "?_0ABCDEFGHLPQSXV123";
 
 /// The code that a name without its unit is, and what had to be made of it.
 ///
-/// DIAdem appends `_NoName` and a number where a name is taken already. A name in small letters, or one without test object and
-/// position, is a code only if its main location is known.
+/// DIAdem appends `_NoName` and a number where a name is taken already. A name in small letters, or one without test
+/// object and position, is a code only if its main location is known.
 pub fn of_name(name: &str) -> Option<(IsoCode, Vec<String>)> {
     let name = name.trim();
     let suffix = name.to_ascii_lowercase().find("_noname");
@@ -76,8 +76,8 @@ pub fn by_code(channel: &mut Channel, code: &IsoCode) {
     channel.polarity = code.polarity_remark();
 }
 
-/// How the pulse is found among channels of which some are named by codes: as in an ISO-MME test if all accelerations that may
-/// be the pulse are and one sits at a usual place, else there must be only one.
+/// How the pulse is found among channels of which some are named by codes: as in an ISO-MME test if all accelerations
+/// that may be the pulse are and one sits at a usual place, else there must be only one.
 pub fn pulse_rule(channels: &mut [Found], settings: &Settings, notes: &mut Notes) -> PulseRule {
     let code_of =
         |found: &Found| found.channel.code.as_deref().and_then(|code| IsoCode::parse(code).ok()).map(|(c, _)| c);

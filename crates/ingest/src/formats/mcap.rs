@@ -62,8 +62,8 @@ fn damaged(file: &str, found: &str) -> IngestError {
     )
 }
 
-/// Tells `each` all records of the file; chunks as they are (`unpack` false), or the records in them. No record may be longer
-/// than [`CHUNK_LIMIT`], whatever it claims.
+/// Tells `each` all records of the file; chunks as they are (`unpack` false), or the records in them. No record may be
+/// longer than [`CHUNK_LIMIT`], whatever it claims.
 fn scan(
     file: &str,
     bytes: &[u8],
@@ -172,7 +172,8 @@ fn topics(file: &str, bytes: &[u8]) -> Result<BTreeMap<String, Topic>, IngestErr
     Ok(topics)
 }
 
-/// `--field`: a path, or several separated by commas, each with its topic and a colon in front if more than one topic has it.
+/// `--field`: a path, or several separated by commas, each with its topic and a colon in front if more than one topic
+/// has it.
 struct Field<'a> {
     topic: Option<&'a str>,
     path: &'a str,
@@ -335,7 +336,8 @@ fn nothing(file: &str, topics: &BTreeMap<String, Topic>, named: &[Field], collec
     let hint = if topics.values().any(|t| matches!(t.encoding.as_str(), "json" | "protobuf")) {
         "name the acceleration by --field, such as --field imu.acceleration.x, and its unit by --unit"
     } else if topics.values().any(|t| is_imu(&t.kind)) {
-        "its encoding is not read (cdr, ros1, json and protobuf are): export the acceleration as CSV, or record it in one of them"
+        "its encoding is not read (cdr, ros1, json and protobuf are): export the acceleration as CSV, or record it in \
+         one of them"
     } else {
         "export the acceleration as CSV: time and acceleration columns with their units in the header"
     };

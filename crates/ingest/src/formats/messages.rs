@@ -1,7 +1,8 @@
-//! Channels from stamped messages: `sensor_msgs/Imu` of ROS 1 and ROS 2, and numbers named in JSON and protobuf messages.
+//! Channels from stamped messages: `sensor_msgs/Imu` of ROS 1 and ROS 2, and numbers named in JSON and protobuf
+//! messages.
 //!
-//! A logger's messages come at uneven times. The stamp in the message is taken, not the time of recording; stamps that do
-//! not form a uniform grid are refused, unless resampling is asked for (`--resample`, linear interpolation).
+//! A logger's messages come at uneven times. The stamp in the message is taken, not the time of recording; stamps that
+//! do not form a uniform grid are refused, unless resampling is asked for (`--resample`, linear interpolation).
 
 use std::collections::BTreeMap;
 
@@ -71,7 +72,8 @@ pub fn imu_components() -> Vec<Component> {
     [of("acceleration", QuantityKind::Acceleration), of("angular_velocity", QuantityKind::AngularVelocity)].concat()
 }
 
-/// Whether a type name is that of an IMU message: `sensor_msgs/Imu`, `sensor_msgs/msg/Imu`, `sensor_msgs::msg::dds_::Imu_`.
+/// Whether a type name is that of an IMU message: `sensor_msgs/Imu`, `sensor_msgs/msg/Imu`,
+/// `sensor_msgs::msg::dds_::Imu_`.
 pub fn is_imu(kind: &str) -> bool {
     let parts: Vec<&str> = kind.split(['/', ':', '.']).filter(|p| !p.is_empty()).collect();
     parts.first() == Some(&"sensor_msgs") && matches!(parts.last(), Some(&("Imu" | "Imu_")))
@@ -114,8 +116,8 @@ impl Bytes<'_> {
     }
 }
 
-/// Decodes `sensor_msgs/Imu` in CDR (`cdr`) or as ROS 1 writes it. Linear acceleration in m/s^2 with gravity, angular velocity in
-/// rad/s; a field whose first covariance is -1 is absent: without acceleration there is no sample, without
+/// Decodes `sensor_msgs/Imu` in CDR (`cdr`) or as ROS 1 writes it. Linear acceleration in m/s^2 with gravity, angular
+/// velocity in rad/s; a field whose first covariance is -1 is absent: without acceleration there is no sample, without
 /// angular velocity it has three values.
 pub fn imu(data: &[u8], cdr: bool) -> Option<Sample> {
     let data = if cdr {

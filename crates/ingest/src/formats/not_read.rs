@@ -29,7 +29,8 @@ const FORMATS: &[Foreign] = &[
     },
     Foreign {
         what: "an enDAQ recording (IDE)",
-        instead: "export it as CSV with enDAQ Lab or idelib: time and acceleration columns with their units in the header",
+        instead: "export it as CSV with enDAQ Lab or idelib: time and acceleration columns with their units in the \
+            header",
         matches: |b| b.starts_with(b"\x1A\x45\xDF\xA3"),
     },
     Foreign { what: "a DTS channel file (SLICE)", instead: DTS, matches: |b| b.starts_with(b"\x1F\x35\x36\x2C") },

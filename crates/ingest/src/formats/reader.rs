@@ -72,8 +72,8 @@ pub struct Bundle {
     pub show_progress: ShowProgress,
 }
 
-/// Shows how far work has come. Called with what is done and the bytes there are to it; what it returns is called with the
-/// bytes of each piece done.
+/// Shows how far work has come. Called with what is done and the bytes there are to it; what it returns is called with
+/// the bytes of each piece done.
 pub type ShowProgress = fn(what: String, total: u64) -> Box<dyn FnMut(u64)>;
 
 /// Opens a file from an offset on.
@@ -102,8 +102,8 @@ impl LargeFile {
 }
 
 impl Bundle {
-    /// `blake3:<hex>` of the record. One file: of its bytes. Several: of each file's name, a zero byte, its length (u64,
-    /// little-endian) and its bytes, the main file first, the others by name. The sidecar is not part of it.
+    /// `blake3:<hex>` of the record. One file: of its bytes. Several: of each file's name, a zero byte, its length
+    /// (u64, little-endian) and its bytes, the main file first, the others by name. The sidecar is not part of it.
     pub fn digest(&self) -> String {
         if let Some(large) = &self.large {
             return large.digest.clone();

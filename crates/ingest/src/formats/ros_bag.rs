@@ -1,7 +1,7 @@
 //! ROS 1 bags, version 2.0; chunks plain, or packed by bz2 or lz4.
 //!
-//! After the line `#ROSBAG V2.0`, records: header length, header fields `name=value`, data length, data. A chunk's data are
-//! records; a connection names topic and type of the messages that carry its number.
+//! After the line `#ROSBAG V2.0`, records: header length, header fields `name=value`, data length, data. A chunk's data
+//! are records; a connection names topic and type of the messages that carry its number.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;

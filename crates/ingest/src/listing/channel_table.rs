@@ -29,7 +29,8 @@ pub struct Line {
     pub samples: usize,
     /// Channel frequency class.
     pub cfc: Option<u16>,
-    /// What the laboratory says of the data; `not read` where the file is damaged, the comment has file, line and what is wrong.
+    /// What the laboratory says of the data; `not read` where the file is damaged, the comment has file, line and what
+    /// is wrong.
     pub status: String,
     /// The laboratory's remark.
     pub comment: Option<String>,
@@ -49,7 +50,8 @@ impl Line {
             samples: found.wave.as_ref().map_or(0, crumple_signal::Sampled::len),
             cfc: channel.cfc,
             status: {
-                // Its file is here and damaged, which is another thing than a file that is not here; the comment says how.
+                // Its file is here and damaged, which is another thing than a file that is not here; the comment says
+                // how.
                 let status = found.unread().map_or_else(|| channel.status.to_string(), |_| "not read".to_owned());
                 if channel.redundant { format!("{status}, redundant") } else { status }
             },
@@ -58,7 +60,8 @@ impl Line {
     }
 }
 
-/// The channels of a record, in its order. What would stop a stage for want of a unit, a mass or a pulse does not stop here.
+/// The channels of a record, in its order. What would stop a stage for want of a unit, a mass or a pulse does not stop
+/// here.
 pub fn list(bundle: &Bundle, flags: &Settings) -> Result<Vec<Line>, IngestError> {
     let beside = sidecar::settings(bundle)?;
     let mut choices = flags.over(&beside);

@@ -8,8 +8,8 @@ use crate::recording::channel_selection::select;
 use crate::recording::content::{MINIMUM_SAMPLES, PulseRule, Recording};
 use crate::recording::read_channel::{Found, NOT_READ};
 
-/// Index of the pulse among the channels: the one asked for, else the fittest of those that are valid and have data. What
-/// was taken, why, and what else there is goes into a note. `None` only where one may be missing.
+/// Index of the pulse among the channels: the one asked for, else the fittest of those that are valid and have data.
+/// What was taken, why, and what else there is goes into a note. `None` only where one may be missing.
 pub fn choose(
     file: &str,
     recording: &Recording,
@@ -46,8 +46,8 @@ pub fn choose(
     Ok(Some(index))
 }
 
-/// Index of the change of velocity that stands for the pulse of an event data recorder: the one asked for, else the first along x,
-/// else the first whose axis is not stated, else none. A note names the others.
+/// Index of the change of velocity that stands for the pulse of an event data recorder: the one asked for, else the
+/// first along x, else the first whose axis is not stated, else none. A note names the others.
 pub fn velocity_change(
     file: &str,
     recording: &Recording,
@@ -125,7 +125,8 @@ fn by_rule(file: &str, recording: &Recording, candidates: &[usize]) -> Result<us
             Err(IngestError::channel(
                 file,
                 format!(
-                    "no valid accelerometer along x at a usual place of the compartment has its file here; accelerations here: {}",
+                    "no valid accelerometer along x at a usual place of the compartment has its file here; \
+                     accelerations here: {}",
                     if others.is_empty() { "none".to_owned() } else { list(others.into_iter()) }
                 ),
                 "rear-seat crossmember, rear floor, sill, B-pillar or centre of gravity",
@@ -148,8 +149,8 @@ fn by_rule(file: &str, recording: &Recording, candidates: &[usize]) -> Result<us
     }
 }
 
-/// The only accelerometer of several columns that is of no occupant's head or chest; where all are, the first of them along x: criteria
-/// are made of all of them, and nothing else is here.
+/// The only accelerometer of several columns that is of no occupant's head or chest; where all are, the first of them
+/// along x: criteria are made of all of them, and nothing else is here.
 fn beside_occupants(recording: &Recording, several: &[usize]) -> Option<usize> {
     let channel = |k: usize| &recording.channels[k].channel;
     let vehicle: Vec<usize> = several.iter().copied().filter(|k| part_of(channel(*k)).is_none()).collect();
@@ -258,7 +259,8 @@ fn note(recording: &Recording, index: usize, candidates: &[usize], asked: bool, 
     if let Some(doubt) = compartment::doubt(found, recording.pulse_rule) {
         let taken = if asked { "taken as asked for" } else { "nothing else is here" };
         notes.warning(format!(
-            "the pulse, channel {}, does not stand for the passenger compartment: {doubt}; {taken}, but crush, force and models are then not those of the vehicle",
+            "the pulse, channel {}, does not stand for the passenger compartment: {doubt}; {taken}, but crush, force \
+             and models are then not those of the vehicle",
             describe(&found.channel)
         ));
     }

@@ -1,7 +1,8 @@
 //! Whether a channel moves with the passenger compartment, as the pulse of a vehicle has to.
 //!
-//! An engine stops in half the time of the car and a head in a time of its own: crush, force and models of such a channel are not those
-//! of the vehicle. It is taken where a person names it, or where nothing else is in the file, and said.
+//! An engine stops in half the time of the car and a head in a time of its own: crush, force and models of such a
+//! channel are not those of the vehicle. It is taken where a person names it, or where nothing else is in the file, and
+//! said.
 
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{Axis, Channel};

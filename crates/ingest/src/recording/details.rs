@@ -33,8 +33,8 @@ pub struct Details {
     pub time_zero_s: Option<Stated<f64>>,
     /// What the record says of the impact speed and is not taken, and why, in words.
     pub speed_not_taken: Option<String>,
-    /// The record is of a kind that has no crash pulse (an event data recorder's velocity change, say): mass, speed and pulse
-    /// may be missing.
+    /// The record is of a kind that has no crash pulse (an event data recorder's velocity change, say): mass, speed and
+    /// pulse may be missing.
     pub no_pulse: bool,
     /// Facts that have no field of their own: static crush, laboratory, date.
     pub facts: Vec<String>,
@@ -53,9 +53,9 @@ pub struct CommentFacts {
     pub notes: Notes,
 }
 
-/// Reads `key: value` from comment lines. Keys: mass, impact speed, vehicle, title, barrier, unit, time unit, time zero, in
-/// any case, with blanks, `_` or `-` between the words. Prose is left alone: only a line that starts with a key and a
-/// colon counts.
+/// Reads `key: value` from comment lines. Keys: mass, impact speed, vehicle, title, barrier, unit, time unit, time
+/// zero, in any case, with blanks, `_` or `-` between the words. Prose is left alone: only a line that starts with a
+/// key and a colon counts.
 pub fn from_comments<'a>(
     file: &str,
     comments: impl Iterator<Item = (usize, &'a str)>,
@@ -171,7 +171,8 @@ pub fn require(
     };
     if allow_missing {
         notes.warning(format!(
-            "not stated, as allowed: {what}; enough to filter and to identify, not for crush, force or physical parameters"
+            "not stated, as allowed: {what}; enough to filter and to identify, not for crush, force or physical \
+             parameters"
         ));
         return Ok(());
     }

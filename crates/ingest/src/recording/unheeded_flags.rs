@@ -4,8 +4,8 @@ use crumple_signal::Notes;
 
 use crate::Settings;
 
-/// Flags about the form of a file that are given. Facts about the test (mass, speed, time zero ...) and the choice of the pulse
-/// count for every format.
+/// Flags about the form of a file that are given. Facts about the test (mass, speed, time zero ...) and the choice of
+/// the pulse count for every format.
 fn given(settings: &Settings) -> Vec<&'static str> {
     let flags = [
         ("--unit", settings.unit.is_some()),

@@ -15,8 +15,10 @@ pub struct Ingest;
 
 impl Stage for Ingest {
     const NAME: &'static str = "ingest";
-    const ABOUT: &'static str = "Reads a crash record as you have it (a table such as CSV, an NHTSA EV5 or ISO-MME test, its folder, or a zip of one) and writes it in SI units: \
-        every channel, the test's mass and impact speed, the crash pulse. Asks for what the record does not say; corrects nothing. \
+    const ABOUT: &'static str = "Reads a crash record as you have it (a table such as CSV, an NHTSA EV5 or ISO-MME \
+        test, its folder, or a zip of one) and writes it in SI units: \
+        every channel, the test's mass and impact speed, the crash pulse. Asks for what the record does not say; \
+        corrects nothing. \
         crumple-ingest --list INPUT prints the table of channels and writes nothing.";
 
     type Options = Settings;

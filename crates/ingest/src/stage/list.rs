@@ -16,7 +16,8 @@ use crate::stage::process::{refused, show_progress};
     bin_name = "crumple-ingest",
     display_name = "crumple-ingest",
     about = "Prints the table of channels of a record and writes nothing.",
-    after_help = "Values are in SI units, as they would be written. --channel prints only the channels it means: an id, a code, a pattern such as '1?VEHC*X?'."
+    after_help = "Values are in SI units, as they would be written. --channel prints only the channels it means: an \
+        id, a code, a pattern such as '1?VEHC*X?'."
 )]
 pub struct Cli {
     /// The record as you have it.

@@ -1,7 +1,7 @@
 //! Samples at uneven times on a uniform grid, by linear interpolation, where a person asks for it (`--resample`).
 //!
-//! Between two samples the signal is taken for a straight line: the error is up to h²/8 times the second derivative, h the step.
-//! Frequencies near half the rate are damped; nothing is filtered.
+//! Between two samples the signal is taken for a straight line: the error is up to h²/8 times the second derivative, h
+//! the step. Frequencies near half the rate are damped; nothing is filtered.
 
 /// Most samples that resampling may make.
 const RESAMPLED_LIMIT: f64 = 1e8;
@@ -25,7 +25,8 @@ pub fn rate_to_type(step_s: f64) -> f64 {
     ((rate / unit).round() * unit).max(1.0)
 }
 
-/// For each instant of a uniform grid from the first sample on: the sample before it, and the part of the way to the next.
+/// For each instant of a uniform grid from the first sample on: the sample before it, and the part of the way to the
+/// next.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interpolation {
     positions: Vec<usize>,

@@ -20,8 +20,9 @@ pub fn refused(place: Place, found: impl Into<String>) -> IngestError {
     IngestError::content(place, found, format!("one of {}", choices(Dimension::Time)), HINT)
 }
 
-/// The factor to s where nothing states it, with a note: steps of 1e-7 to 0.02 are those of a recorder in s, longer ones up to 20
-/// those of one in ms. `whose` are the stamps of a column or channel, which needs `expected`. Errors: other steps.
+/// The factor to s where nothing states it, with a note: steps of 1e-7 to 0.02 are those of a recorder in s, longer
+/// ones up to 20 those of one in ms. `whose` are the stamps of a column or channel, which needs `expected`. Errors:
+/// other steps.
 pub fn of_steps(file: &str, whose: &str, expected: &str, times: &[f64], notes: &mut Notes) -> Result<f64, IngestError> {
     let step = grid::median_step(times);
     let (symbol, factor) = match step {

@@ -125,8 +125,8 @@ mod tests {
 
     #[test]
     fn zero_level_and_crossing_agree_with_another_implementation() {
-        // 0.35 g offset, half sine of -22 g and 90 ms from t = 0, 10 kHz from -50 ms; an independent script gives 0.35 g
-        // from 401 samples and 0.651145457828 ms, printed to 1e-15 s.
+        // 0.35 g offset, half sine of -22 g and 90 ms from t = 0, 10 kHz from -50 ms; an independent script gives 0.35
+        // g from 401 samples and 0.651145457828 ms, printed to 1e-15 s.
         let g = STANDARD_GRAVITY_M_PER_S2;
         let at = |t: f64| {
             0.35 - if (0.0..=0.09).contains(&t) { 22.0 * (std::f64::consts::PI * t / 0.09).sin() } else { 0.0 }

@@ -125,8 +125,8 @@ fn samples(
     Ok((sampled, grid.jitter))
 }
 
-/// The listed grid where the printed times agree with it, else the printed one: DELT is rounded to whole microseconds by
-/// the guide, so 16 kHz cannot be listed.
+/// The listed grid where the printed times agree with it, else the printed one: DELT is rounded to whole microseconds
+/// by the guide, so 16 kHz cannot be listed.
 fn reconcile(
     number: u32,
     listed: Option<Grid>,
@@ -142,7 +142,8 @@ fn reconcile(
         return Grid { jitter: printed.jitter, ..listed };
     }
     notes.warning(format!(
-        "channel {number}: its entry lists samples every {} s from {} s, the times in its file say every {} s from {} s: those are used",
+        "channel {number}: its entry lists samples every {} s from {} s, the times in its file say every {} s from {} \
+         s: those are used",
         listed.dt_s, listed.t0_s, printed.dt_s, printed.t0_s
     ));
     printed

@@ -322,8 +322,8 @@ fn remarks(name: &str, file: &ChannelFile, notes: &mut Notes) {
     }
 }
 
-/// The extremes stated in the header against those of the samples, in the unit of the file. The stated time may be that of
-/// any sample of a plateau.
+/// The extremes stated in the header against those of the samples, in the unit of the file. The stated time may be that
+/// of any sample of a plateau.
 fn extremes(name: &str, file: &ChannelFile, grid: &Grid, notes: &mut Notes) {
     let low = file.samples.iter().copied().fold(f64::INFINITY, f64::min);
     let high = file.samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);

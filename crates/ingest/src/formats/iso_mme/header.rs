@@ -29,7 +29,8 @@ pub fn recognises(head: &[u8]) -> bool {
     })
 }
 
-/// Whether the start of a file is a text of lines `keyword :value`: three at least, and half of those that say something.
+/// Whether the start of a file is a text of lines `keyword :value`: three at least, and half of those that say
+/// something.
 pub fn has_keyword_lines(head: &[u8]) -> bool {
     if head.contains(&0) {
         return false;
@@ -134,7 +135,8 @@ mod tests {
 
     #[test]
     fn lines_are_split_at_the_first_colon_and_trimmed() {
-        let text = b"\xEF\xBB\xBFTitle                       :a: b \r\nTEST\tobject  number :1\r\nno colon\nComments :x\nComments :y\nUnit :NOVALUE\n";
+        let text = b"\xEF\xBB\xBFTitle                       :a: b \r\nTEST\tobject  number :1\r\nno colon\nComments \
+            :x\nComments :y\nUnit :NOVALUE\n";
         let header = Header::parse("a.mme", text).unwrap();
         assert_eq!(header.text("title"), Some("a: b"));
         assert_eq!(header.number("test object number"), Some(1.0));

@@ -1,5 +1,5 @@
-//! ISO/TS 13499 (ISO-MME): a test file `.mme`, a channel list `.chn`, channel files `.001`, `.002`, ...; or a single channel
-//! file, with or without the others.
+//! ISO/TS 13499 (ISO-MME): a test file `.mme`, a channel list `.chn`, channel files `.001`; or one channel file alone.
+//! May use text, iso13499 and what formats may use, no other reader.
 
 mod channel;
 mod channel_file;
@@ -71,7 +71,8 @@ fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> 
     let details = match part(".mme") {
         Some((name, bytes)) if !header::recognises(bytes) => {
             notes.warning(format!(
-                "{name} lacks the line \"Data format edition number\": read as ISO-MME by its name and its keyword lines"
+                "{name} lacks the line \"Data format edition number\": read as ISO-MME by its name and its keyword \
+                 lines"
             ));
             test_file::details(name, &Header::parse(name, bytes)?, settings, &mut notes)
         }

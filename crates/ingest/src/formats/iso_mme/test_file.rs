@@ -110,7 +110,8 @@ mod tests {
     #[test]
     fn mass_and_speed_of_the_first_object_are_found_by_words() {
         let (details, notes) = read(
-            "Title :frontal\nMass test object 2 :900\nMass test object 1 :1719\nVelocity test object 1 :57.09 km/h\nName of test object 1 :car\nOdd key :kept\n",
+            "Title :frontal\nMass test object 2 :900\nMass test object 1 :1719\nVelocity test object 1 :57.09 \
+             km/h\nName of test object 1 :car\nOdd key :kept\n",
         );
         assert_eq!((details.mass_kg.unwrap().value, details.vehicle.unwrap().value.as_str()), (1719.0, "car"));
         assert!((details.impact_speed_m_per_s.unwrap().value - 57.09 / 3.6).abs() < 1e-12);

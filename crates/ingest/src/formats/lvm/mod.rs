@@ -1,4 +1,5 @@
 //! LVM, the text files of LabVIEW's "Write to Measurement File": a header, then segments of columns.
+//! May use text, waveform, iso13499 and what formats may use, no other reader.
 
 mod header;
 mod lines;
@@ -85,7 +86,8 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, 
     let several = segments.len() > 1;
     if several {
         notes.warning(format!(
-            "{} segments of the file do not continue each other: their channels are kept apart as segment_1, segment_2, ...",
+            "{} segments of the file do not continue each other: their channels are kept apart as segment_1, \
+             segment_2, ...",
             segments.len()
         ));
     }
@@ -115,7 +117,8 @@ impl Segment {
         }
         for ((announced, found), channels) in off.into_iter().take(5) {
             notes.warning(format!(
-                "segment {number}: {announced} samples are announced, {found} are there, in {channels} channels: those are used"
+                "segment {number}: {announced} samples are announced, {found} are there, in {channels} channels: those \
+                 are used"
             ));
         }
     }
@@ -128,7 +131,8 @@ impl Segment {
         self.header.number("Delta_X", column, self.decimal).filter(|dt| *dt > 0.0)
     }
 
-    /// Whether `next` has the same channels, each from where this one ends: by X0, or by the clock where X0 starts anew.
+    /// Whether `next` has the same channels, each from where this one ends: by X0, or by the clock where X0 starts
+    /// anew.
     fn continues(&self, next: &Self) -> bool {
         let (a, b) = (&self.header, &next.header);
         a.titles == b.titles
@@ -180,7 +184,8 @@ impl Segment {
         }
         if since_program_start > 0.0 {
             notes.info(format!(
-                "X0 = {since_program_start} s is the time since the program began, by the clock: the samples start at t = 0, and --time-zero counts from there"
+                "X0 = {since_program_start} s is the time since the program began, by the clock: the samples start at \
+                 t = 0, and --time-zero counts from there"
             ));
         }
         waveforms

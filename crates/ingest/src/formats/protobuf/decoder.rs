@@ -1,8 +1,8 @@
 //! Numbers out of protobuf messages, by the description of their type that an MCAP file carries.
 //!
-//! The schema of such a topic is a `FileDescriptorSet` (descriptor.proto), its name that of the message type. Read here and
-//! not by a library: what decodes any message by its description (`prost-reflect` 0.16) panics on damaged descriptions,
-//! and a path of numbers needs little of it. The tests write their messages with that library.
+//! The schema of such a topic is a `FileDescriptorSet` (descriptor.proto), its name that of the message type. Read here
+//! and not by a library: what decodes any message by its description (`prost-reflect` 0.16) panics on damaged
+//! descriptions, and a path of numbers needs little of it. The tests write their messages with that library.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -108,8 +108,8 @@ impl Decoder {
     }
 }
 
-/// The number at a path. A plain number that was not sent is 0, as protobuf has it; a message or an `optional` number that was
-/// not sent is not there.
+/// The number at a path. A plain number that was not sent is 0, as protobuf has it; a message or an `optional` number
+/// that was not sent is not there.
 pub fn number(message: &[u8], path: &Path) -> Option<f64> {
     Some(match read(message, path)? {
         Value::Whole(x) => x as f64,

@@ -88,8 +88,8 @@ impl Types {
         messages.into_iter().try_for_each(|message| self.message(message, &package, proto3, NESTING))
     }
 
-    /// `DescriptorProto`: name = 1, field = 2, nested_type = 3, options = 7 (map_entry = 7). The entries of a map have no order:
-    /// their type is left out.
+    /// `DescriptorProto`: name = 1, field = 2, nested_type = 3, options = 7 (map_entry = 7). The entries of a map have
+    /// no order: their type is left out.
     fn message(&mut self, message: &[u8], scope: &str, proto3: bool, depth: usize) -> Option<()> {
         let (mut name, mut fields, mut nested, mut map) = (String::new(), Vec::new(), Vec::new(), false);
         wire::each(message, |number, raw| {

@@ -52,8 +52,8 @@ pub fn channels(
             notes,
         );
     }
-    // A record of other quantities is welcome where mass and speed may be missing; a sole column without a unit, or one named as
-    // acceleration, is asked about all the same.
+    // A record of other quantities is welcome where mass and speed may be missing; a sole column without a unit, or one
+    // named as acceleration, is asked about all the same.
     let sole = data.len() == 1 && settings.sample_time.is_none();
     let others_are_welcome = settings.allow_missing.unwrap_or(false)
         && selected.is_none()
@@ -125,7 +125,8 @@ fn kinds(
                 if *f != over && (selected == Some(k) || accelerations == 1) =>
             {
                 notes.warning(format!(
-                    "the header of column {title} says its unit is {f} m/s^2, the flag or sidecar says {over} m/s^2: that is used"
+                    "the header of column {title} says its unit is {f} m/s^2, the flag or sidecar says {over} m/s^2: \
+                     that is used"
                 ));
                 (QuantityKind::Acceleration, over)
             }
@@ -171,7 +172,8 @@ fn check_for_acceleration(
             && data.len() > 1
             && !data.iter().any(|k| names_acceleration(&header.columns[*k].title))
         {
-            "if it is a crash, add --unit g or --unit m/s^2, whichever it is; inputs and outputs that are no crash need none: \
+            "if it is a crash, add --unit g or --unit m/s^2, whichever it is; inputs and outputs that are no crash \
+             need none: \
              --allow-missing, and then crumple-identify --methods n4sid --inputs COLUMN --outputs COLUMN"
         } else {
             "add --unit g or --unit m/s^2, whichever it is: a unit is never guessed from the numbers"

@@ -96,8 +96,8 @@ fn cells(line: &Line, delimiter: Delimiter, count: usize) -> Vec<String> {
         .unwrap_or(own)
 }
 
-/// Whether the last line before the rows has the names, and the line above it is a title: as many cells as there are columns, each
-/// with a name and a unit or one of them named for time, and no such names above.
+/// Whether the last line before the rows has the names, and the line above it is a title: as many cells as there are
+/// columns, each with a name and a unit or one of them named for time, and no such names above.
 fn is_header_below_a_title(last: &[String], above: &[String], count: usize) -> bool {
     let filled = last.iter().rposition(|cell| !cell.is_empty()).map_or(0, |end| end + 1);
     let above_is_names = above.len() >= count && above.iter().any(|cell| is_time_name(cell));

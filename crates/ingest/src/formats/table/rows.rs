@@ -72,8 +72,8 @@ pub struct Pieces<'a, R> {
     pub piece: usize,
 }
 
-/// Reads all rows piece by piece, so that the text itself is never in memory as a whole. `done` is told of the bytes of each
-/// piece.
+/// Reads all rows piece by piece, so that the text itself is never in memory as a whole. `done` is told of the bytes of
+/// each piece.
 pub fn read_stream(
     mut from: Pieces<impl Read>,
     layout: &Layout,

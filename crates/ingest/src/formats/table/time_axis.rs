@@ -34,7 +34,8 @@ pub fn stated(file: &str, header: &Header, interval_s: f64) -> Result<TimeAxis, 
     Ok(TimeAxis { column: usize::MAX, grid: Grid { t0_s: 0.0, dt_s: interval_s, jitter: 0.0 } })
 }
 
-/// Finds the time column (by name, else by unit, else the first), its unit and its grid. The stamps are taken out of `rows`.
+/// Finds the time column (by name, else by unit, else the first), its unit and its grid. The stamps are taken out of
+/// `rows`.
 pub fn find(
     file: &str,
     header: &Header,
@@ -75,7 +76,8 @@ pub fn find(
             ),
             format!("equal steps within {} of the interval", grid::STEP_TOLERANCE),
             format!(
-                "a gap is better exported again; for uneven sampling --resample {}Hz brings it to a uniform rate by linear interpolation",
+                "a gap is better exported again; for uneven sampling --resample {}Hz brings it to a uniform rate by \
+                 linear interpolation",
                 resampling::rate_to_type(dt_s)
             ),
         ),
@@ -105,7 +107,8 @@ fn resampled(
         *samples = interpolation.apply(samples.len(), |k| samples[k]);
     }
     notes.warning(format!(
-        "{} rows with a jitter of {:.3} (max|dt - median|/median, median {:.6} s) are resampled to {rate} by linear interpolation, \
+        "{} rows with a jitter of {:.3} (max|dt - median|/median, median {:.6} s) are resampled to {rate} by linear \
+         interpolation, \
          as asked: {} samples",
         times.len(),
         resampling::step_jitter(times, median_s),
@@ -132,7 +135,8 @@ fn order(place: Place, named: bool, before: f64, now: f64, line_before: usize) -
     let hint = if named {
         "remove the repeated rows, or export with more decimals in the time column"
     } else {
-        "no column is named as time, so the first is taken for it: name it time_s, or state --sample-time if there is none; \
+        "no column is named as time, so the first is taken for it: name it time_s, or state --sample-time if there is \
+         none; \
          inputs and outputs that are no crash also take --allow-missing, and then crumple-identify"
     };
     IngestError::content(place, found, "times that increase from row to row", hint)

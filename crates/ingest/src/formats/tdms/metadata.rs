@@ -257,7 +257,8 @@ fn property(cursor: &mut Cursor) -> Result<Property, Broken> {
     })
 }
 
-/// Fraction of a second, and whole seconds since 1904-01-01 UTC. The whole 16 bytes change their order with the byte order.
+/// Fraction of a second, and whole seconds since 1904-01-01 UTC. The whole 16 bytes change their order with the byte
+/// order.
 pub fn time(cursor: &mut Cursor) -> Result<(f64, i64), Broken> {
     const PER_S: f64 = 18_446_744_073_709_551_616.0;
     let big_endian = cursor.is_big_endian();

@@ -1,7 +1,8 @@
 //! TDMS, the binary files of LabVIEW and DIAdem: segments of metadata and raw data, channels in groups.
+//! May use waveform, diadem, iso13499, records and sensors of ev5 and what formats may use.
 //!
-//! Read after NI's description of the format: contiguous and interleaved data, both byte orders, inherited object lists, DAQmx
-//! raw data, linear scaling, aborted recordings.
+//! Read after NI's description of the format: contiguous and interleaved data, both byte orders, inherited object
+//! lists, DAQmx raw data, linear scaling, aborted recordings.
 
 mod bytes;
 pub(crate) mod metadata;
@@ -191,7 +192,8 @@ fn start_times(layers: &Layers, objects: &[Object], notes: &mut Notes) {
         && first != last
     {
         notes.warning(format!(
-            "channels start at times of the day up to {:.6} s apart (wf_start_time): they are not aligned, each keeps its own offset",
+            "channels start at times of the day up to {:.6} s apart (wf_start_time): they are not aligned, each keeps \
+             its own offset",
             (last - first) as f64 / 1e6
         ));
     }

@@ -1,7 +1,8 @@
-//! TDMS files of the NHTSA database: the fields of the EV5 guide as properties `INST_SENTYP`, `VEH_VEHTWT`, `TEST_CLSSPD`.
+//! TDMS files of the NHTSA database: the fields of the EV5 guide as properties `INST_SENTYP`, `VEH_VEHTWT`,
+//! `TEST_CLSSPD`.
 //!
-//! Written after descriptions of such files; none was at hand. Hence tolerant: a field may stand at the channel, its group or
-//! the file, with any prefix, as a text or as a number.
+//! Written after descriptions of such files; none was at hand. Hence tolerant: a field may stand at the channel, its
+//! group or the file, with any prefix, as a text or as a number.
 
 use crumple_signal::{Notes, QuantityKind};
 

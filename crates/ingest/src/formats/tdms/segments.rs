@@ -1,7 +1,8 @@
 //! The segments of a file, one after the other: metadata, then raw data in chunks.
 //!
-//! A segment without a list of objects of its own has that of the segment before it, in the same order. A recording that was
-//! aborted has a last segment without a length, or one that runs past the end of the file: it is read as far as it goes.
+//! A segment without a list of objects of its own has that of the segment before it, in the same order. A recording
+//! that was aborted has a last segment without a length, or one that runs past the end of the file: it is read as far
+//! as it goes.
 
 use std::collections::BTreeMap;
 
@@ -329,7 +330,10 @@ impl Walk {
         let mixed =
             || Cursor::broken(start, "DAQmx channels that do not share their buffers and counts, or with others");
         let RawIndex::Daqmx { count: rows, widths, .. } = &active[0].1 else { return Ok(mixed()?) };
-        let alike = |index: &RawIndex| matches!(index, RawIndex::Daqmx { count, widths: w, .. } if count == rows && w == widths);
+        let alike = |index: &RawIndex| match index {
+            RawIndex::Daqmx { count, widths: others, .. } => count == rows && others == widths,
+            RawIndex::Plain { .. } => false,
+        };
         if !active.iter().all(|(_, index)| alike(index)) {
             return Ok(mixed()?);
         }

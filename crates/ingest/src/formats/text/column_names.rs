@@ -101,8 +101,8 @@ pub fn is_kg(text: &str) -> bool {
     text.trim().eq_ignore_ascii_case("kg")
 }
 
-/// Whether words speak of acceleration: `accel_g`, `Deceleration`, `deacceleration`, `Beschleunigung`, `Verzögerung`, `a`, or a
-/// channel code.
+/// Whether words speak of acceleration: `accel_g`, `Deceleration`, `deacceleration`, `Beschleunigung`, `Verzögerung`,
+/// `a`, or a channel code.
 pub fn names_acceleration(text: &str) -> bool {
     let lower = text.to_lowercase();
     ["acc", "decel", "beschl", "verzög", "verzoeg"].iter().any(|part| lower.contains(part))

@@ -16,9 +16,9 @@ const POWERS: [f64; 23] = [
 
 /// Reads the number at the start of `bytes` and says how many bytes it takes.
 ///
-/// Takes `1`, `-.206786E-02` and `1.5D+03` (Fortran), `+1.234560E+01`, `1E-04`; the decimal mark is `decimal`. Correctly
-/// rounded: where mantissa and power of ten are exact in f64 one multiplication or division is (Clinger 1990),
-/// elsewhere the standard library's parser is asked. `None` where there is no finite number.
+/// Takes `1`, `-.206786E-02` and `1.5D+03` (Fortran), `+1.234560E+01`, `1E-04`; the decimal mark is `decimal`.
+/// Correctly rounded: where mantissa and power of ten are exact in f64 one multiplication or division is (Clinger
+/// 1990), elsewhere the standard library's parser is asked. `None` where there is no finite number.
 #[inline]
 pub fn scan(bytes: &[u8], decimal: u8) -> Option<(Number, usize)> {
     let mut at = 0;
@@ -206,7 +206,10 @@ mod tests {
 
     proptest! {
         #[test]
-        fn agrees_with_the_standard_library(x in any::<f64>().prop_filter("finite", |x| x.is_finite()), digits in 0_usize..20) {
+        fn agrees_with_the_standard_library(
+            x in any::<f64>().prop_filter("finite", |x| x.is_finite()),
+            digits in 0_usize..20,
+        ) {
             for text in [format!("{x}"), format!("{x:e}"), format!("{x:.digits$e}"), format!("{:.digits$}", x % 1e9)] {
                 let number = field(text.as_bytes(), b'.').unwrap();
                 prop_assert_eq!(number.value.to_bits(), text.parse::<f64>().unwrap().to_bits(), "{}", text);
@@ -214,7 +217,10 @@ mod tests {
         }
 
         #[test]
-        fn any_bytes_give_an_answer(bytes in proptest::collection::vec(any::<u8>(), 0..40), decimal in prop::sample::select(vec![b'.', b','])) {
+        fn any_bytes_give_an_answer(
+            bytes in proptest::collection::vec(any::<u8>(), 0..40),
+            decimal in prop::sample::select(vec![b'.', b',']),
+        ) {
             if let Some((number, length)) = scan(&bytes, decimal) {
                 prop_assert!(number.value.is_finite() && length <= bytes.len());
             }

@@ -44,8 +44,8 @@ pub struct Clocks {
 }
 
 impl Clocks {
-    /// A channel holds times if its unit is one of time, or its name is time and it has none, and its values increase. The first
-    /// of a group is its clock.
+    /// A channel holds times if its unit is one of time, or its name is time and it has none, and its values increase.
+    /// The first of a group is its clock.
     pub fn find(file: &str, waveforms: &[Waveform], labels: &[Label], settings: &Settings, notes: &mut Notes) -> Self {
         let mut clocks = Self { by_group: BTreeMap::new(), are_times: vec![false; waveforms.len()] };
         for (k, (waveform, label)) in waveforms.iter().zip(labels).enumerate() {
@@ -213,7 +213,8 @@ fn grid_of(
             found,
             format!("equal steps within {} of the interval", grid::STEP_TOLERANCE),
             format!(
-                "a gap is better exported again; for uneven sampling --resample {}Hz brings it to a uniform rate by linear interpolation",
+                "a gap is better exported again; for uneven sampling --resample {}Hz brings it to a uniform rate by \
+                 linear interpolation",
                 resampling::rate_to_type(grid::median_step(&times))
             ),
         )

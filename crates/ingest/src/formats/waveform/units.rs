@@ -37,7 +37,8 @@ pub fn kinds(
                 if *f != over && (wanted == Some(k) || accelerations == 1) =>
             {
                 notes.warning(format!(
-                    "the unit of channel {} is {f} m/s^2 by the file, {over} m/s^2 by the flag or sidecar: that is used",
+                    "the unit of channel {} is {f} m/s^2 by the file, {over} m/s^2 by the flag or sidecar: that is \
+                     used",
                     labels[k].title
                 ));
                 (QuantityKind::Acceleration, over)

@@ -132,7 +132,8 @@ pub fn edr_notes(channels: &[Found], details: &mut Details, notes: &mut Notes) {
         "event data recorder (49 CFR 563): time zero is the recorder's, some milliseconds after contact".to_owned(),
     );
     notes.warning(
-        "event data recorder table: the velocity change is cumulative and coarse (as a rule 10 ms, whole km/h or mph), and how the recorder \
+        "event data recorder table: the velocity change is cumulative and coarse (as a rule 10 ms, whole km/h or mph), \
+         and how the recorder \
          filtered it is not stated: peak acceleration and force cannot be taken from it, crush roughly",
     );
 }

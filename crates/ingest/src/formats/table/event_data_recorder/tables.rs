@@ -1,8 +1,8 @@
 //! Reports of event data recorders: several tables in one text, cells in two units at once.
 //!
-//! A table is a run of rows that begin with a number, under a line of names, under lines of text of which the last is its title.
-//! `-2 [-3]` under `Velocity Change (MPH [km/h])` says one thing twice: the way of writing that is the finer one is kept, and
-//! both are compared.
+//! A table is a run of rows that begin with a number, under a line of names, under lines of text of which the last is
+//! its title. `-2 [-3]` under `Velocity Change (MPH [km/h])` says one thing twice: the way of writing that is the finer
+//! one is kept, and both are compared.
 
 use crumple_signal::Notes;
 use crumple_signal::unit::signal_unit;
@@ -206,8 +206,8 @@ fn section(
         let word = column.iter().position(|cell| !is_number(cell) && !is_gap(cell));
         if let Some(row) = word.filter(|_| k > 0) {
             let numbers = column.iter().any(is_number);
-            // In the pulse itself such a cell is an error of its line, which the reader of the table names; whether it is one, its own name
-            // says, or the title of the table.
+            // In the pulse itself such a cell is an error of its line, which the reader of the table names; whether it
+            // is one, its own name says, or the title of the table.
             let of_the_pulse = is_of_the_pulse(&name) || (numbers && title_of_a_pulse(&title));
             if !of_the_pulse {
                 if numbers {
@@ -311,7 +311,8 @@ fn of_two_units(
     }
     if let Some((_, line, cell)) = worst {
         notes.warning(format!(
-            "{apart} cells of column {name} say two different things in {} and {}, the worst {cell:?} in line {line}: {} is used",
+            "{apart} cells of column {name} say two different things in {} and {}, the worst {cell:?} in line {line}: \
+             {} is used",
             units[0], units[1], units[kept]
         ));
     }
@@ -358,7 +359,8 @@ mod tests {
 
     #[test]
     fn cells_in_two_units_are_read_in_the_finer_one_and_compared() {
-        let text = b"Longitudinal Crash Pulse (Event Record 1)\nTime (msec),\"Velocity Change (MPH [km/h])\"\n0,0 [0]\n10,-2 [-3]\n20,-4 [-9]\n";
+        let text = b"Longitudinal Crash Pulse (Event Record 1)\nTime (msec),\"Velocity Change (MPH [km/h])\"\n0,0 \
+            [0]\n10,-2 [-3]\n20,-4 [-9]\n";
         let [section] = sections(text, "a.csv").unwrap().try_into().unwrap();
         assert_eq!(section.title, "Longitudinal Crash Pulse (Event Record 1)");
         assert_eq!(section.axis(), Some(crumple_signal::Axis::X));
@@ -391,7 +393,9 @@ mod tests {
 
     #[test]
     fn every_table_is_found_with_its_heading() {
-        let text = b"CDR Report,v21\nComplete File Recorded,No\nPre-Crash Data\nTime (sec),\"Speed (MPH [km/h])\",Brake\n-5,37 [60],Off\n-4,38 [61],On\n\nLateral Crash Pulse\nTime (msec),Delta-V (km/h)\n0,0\n10,1\n";
+        let text = b"CDR Report,v21\nComplete File Recorded,No\nPre-Crash Data\nTime (sec),\"Speed (MPH \
+            [km/h])\",Brake\n-5,37 [60],Off\n-4,38 [61],On\n\nLateral Crash Pulse\nTime (msec),Delta-V \
+            (km/h)\n0,0\n10,1\n";
         let found = sections(text, "a.csv").unwrap();
         let titles: Vec<_> = found.iter().map(|s| (s.title.as_str(), s.is_pulse)).collect();
         assert_eq!(titles, [("Pre-Crash Data", false), ("Lateral Crash Pulse", true)]);
@@ -403,7 +407,8 @@ mod tests {
 
     #[test]
     fn a_pedal_is_no_acceleration_and_a_word_in_the_pulse_is_an_error_of_its_line() {
-        let text = b"Pre-Crash Data\nTime (sec),Accelerator Pedal Switch,\"Accelerator Pedal, % Full\",\"Speed, km/h\"\n-2,Off,0,60\n-1,On,9,SNA\n\n\
+        let text = b"Pre-Crash Data\nTime (sec),Accelerator Pedal Switch,\"Accelerator Pedal, % Full\",\"Speed, \
+            km/h\"\n-2,Off,0,60\n-1,On,9,SNA\n\n\
                      Longitudinal Crash Pulse\nTime (msec),Longitudinal (km/h),Status\n0,0,ok\n10,SNA,ok\n20,-4,ok\n";
         let [before, pulse] = sections(text, "a.csv").unwrap().try_into().unwrap();
         assert!(!before.is_pulse && pulse.is_pulse);
@@ -436,7 +441,8 @@ mod tests {
         #[test]
         fn any_text_gives_an_answer(text in "[-0-9., \\[\\]();\n\ta-z\"#]{0,300}") {
             for section in sections(text.as_bytes(), "t").unwrap() {
-                proptest::prop_assert!(section.text.iter().filter(|b| **b == b'\n').count() <= text.lines().count() + 1);
+                let lines = section.text.iter().filter(|b| **b == b'\n').count();
+                proptest::prop_assert!(lines <= text.lines().count() + 1);
             }
             incomplete(text.as_bytes(), "t").unwrap();
         }
