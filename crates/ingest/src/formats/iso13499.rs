@@ -82,7 +82,7 @@ pub fn pulse_rule(channels: &mut [Found], settings: &Settings, notes: &mut Notes
     let code_of =
         |found: &Found| found.channel.code.as_deref().and_then(|code| IsoCode::parse(code).ok()).map(|(c, _)| c);
     if settings.vehicle_number.is_some() && !channels.iter().any(|found| code_of(found).is_some()) {
-        unheeded_flags::note("--vehicle-number", "no channel is named by a channel code", notes);
+        unheeded_flags::warn("--vehicle-number", "no channel is named by a channel code", notes);
     }
     let candidates: Vec<usize> = (0..channels.len()).filter(|k| channels[*k].fitness.is_some()).collect();
     let vehicle = settings.vehicle_number.unwrap_or(1);

@@ -36,7 +36,7 @@ impl Reader for Mcap {
         head.starts_with(b"\x89MCAP0\r\n")
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--unit", "--field", "--resample"]
     }
 
@@ -46,7 +46,7 @@ impl Reader for Mcap {
         if topics.get("/test").is_some_and(|t| t.kind.starts_with("crumple.Test.v")) {
             let mut recording = of_artifact(file, bytes)?;
             let why = "channels and samples of an artifact are as its stage left them";
-            unheeded_flags::notes(settings, |flag| self.heeds().contains(&flag), why, &mut recording.notes);
+            unheeded_flags::warn_except(settings, self.relevant_flags(), why, &mut recording.notes);
             return Ok(recording);
         }
         of_messages(file, bytes, &topics, settings)
@@ -285,7 +285,7 @@ fn of_messages(
     let named = settings.field.as_deref().map(fields).unwrap_or_default();
     let unit = unit_of_fields(file, settings)?;
     if named.is_empty() && settings.unit.is_some() {
-        unheeded_flags::note("--unit", "it is the unit of --field, which is not given", &mut notes);
+        unheeded_flags::warn("--unit", "it is the unit of --field, which is not given", &mut notes);
     }
     let plans: BTreeMap<&str, Plan> =
         topics.iter().filter_map(|(name, topic)| Some((name.as_str(), plan(name, topic, &named, unit)?))).collect();

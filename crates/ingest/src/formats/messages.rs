@@ -12,7 +12,7 @@ use crumple_signal::{Axis, Channel, Notes, QuantityKind, Sampled};
 use crate::recording::content::{PulseRule, Recording};
 use crate::recording::details::Details;
 use crate::recording::read_channel::{Fitness, Found};
-use crate::time::grid::{self, GridError};
+use crate::time::grid::{self, Grid, GridError};
 use crate::time::resampling::{Interpolation, jitter, resample};
 use crate::{IngestError, Place, Settings};
 
@@ -205,7 +205,7 @@ pub fn recording(
     ));
     let mut channels = Vec::new();
     for (topic, track) in tracks {
-        channels.extend(of_track(file, topic, track, start_ns, settings, &mut notes)?);
+        channels.extend(track_channels(file, topic, track, start_ns, settings, &mut notes)?);
     }
     if channels.iter().any(|f| f.channel.quantity == QuantityKind::Acceleration) {
         notes.info("accelerations of an IMU hold gravity, and are along the axes of the sensor, not of the vehicle");
@@ -219,43 +219,43 @@ pub fn recording(
     })
 }
 
-fn of_track(
+/// The uniform grid of a track's samples.
+struct TrackGrid {
+    grid: Grid,
+    /// How the samples are brought to it; `None` where they lie on it.
+    interpolation: Option<Interpolation>,
+    /// A remark for its channels.
+    comment: Option<String>,
+}
+
+/// An error about message `index` of a topic.
+fn message_error(file: &str, topic: &str, index: usize, found: String, hint: &str) -> IngestError {
+    let place = Place::file(&format!("{file}, topic {topic}, message {}", index + 1));
+    IngestError::content(place, found, "stamps at equal steps", hint)
+}
+
+/// The grid of stamps: as they are, or the one of `--resample`. Errors: stamps that do not increase, or are uneven and no
+/// rate is asked for.
+fn track_grid(
     file: &str,
     topic: &str,
-    track: &Track,
-    start_ns: i64,
+    times: &[f64],
     settings: &Settings,
     notes: &mut Notes,
-) -> Result<Vec<Found>, IngestError> {
-    let times: Vec<f64> = track.samples.iter().map(|s| s.stamp_ns.wrapping_sub(start_ns) as f64 / 1e9).collect();
-    let at = |index: usize, found: String, hint: &str| {
-        IngestError::content(
-            Place::file(&format!("{file}, topic {topic}, message {}", index + 1)),
-            found,
-            "stamps at equal steps",
-            hint,
-        )
-    };
-    if times.len() < 2 {
-        return Err(at(0, format!("{} messages with data", times.len()), "give a longer recording"));
-    }
-    let fitted = grid::fit(&times, 1e-9);
-    let resampled = |rate: Frequency| resample(&times, rate.si());
-    let mut comment = None;
-    let (grid, columns): (grid::Grid, Option<Interpolation>) = match (fitted, settings.resample) {
-        (Ok(grid), None) => (grid, None),
+) -> Result<TrackGrid, IngestError> {
+    let error_at = |index, found, hint: &str| Err(message_error(file, topic, index, found, hint));
+    match (grid::fit(times, 1e-9), settings.resample) {
+        (Ok(grid), None) => Ok(TrackGrid { grid, interpolation: None, comment: None }),
         (Err(GridError::Repeated { index } | GridError::Backwards { index }), _) => {
-            return Err(at(
-                index,
-                "its stamp does not come after the one before".to_owned(),
-                "remove the repeated messages",
-            ));
+            error_at(index, "its stamp does not come after the one before".to_owned(), "remove the repeated messages")
         }
         (Err(GridError::Uneven { dt_s, .. }), None) if settings.listing => {
-            comment =
-                Some(format!("uneven stamps, up to {:.2} steps off a uniform grid: needs --resample", jitter(&times)));
-            let found = resampled(Frequency::from_si(1.0 / dt_s));
-            (grid::Grid { t0_s: times[0], dt_s, jitter: jitter(&times) }, found)
+            let jitter = jitter(times);
+            Ok(TrackGrid {
+                grid: Grid { t0_s: times[0], dt_s, jitter },
+                interpolation: resample(times, Frequency::from_si(1.0 / dt_s).si()),
+                comment: Some(format!("uneven stamps, up to {jitter:.2} steps off a uniform grid: needs --resample")),
+            })
         }
         (Err(GridError::Uneven { index, step_s, dt_s }), None) => {
             let steps = times.windows(2).map(|p| p[1] - p[0]);
@@ -271,25 +271,39 @@ fn of_track(
                 "resample on a uniform grid by linear interpolation: --resample {}Hz",
                 (1.0 / dt_s).round().max(1.0)
             );
-            return Err(at(index, found, &hint));
+            error_at(index, found, &hint)
         }
         (_, Some(rate)) => {
-            let interpolation = resampled(rate).ok_or_else(|| {
-                at(
-                    0,
-                    format!("--resample {rate} gives no usable number of samples"),
-                    "give a rate near that of the messages",
-                )
-            })?;
-            let dt_s = 1.0 / rate.si();
+            let Some(interpolation) = resample(times, rate.si()) else {
+                let found = format!("--resample {rate} gives no usable number of samples");
+                return error_at(0, found, "give a rate near that of the messages");
+            };
             notes.warning(format!(
                 "topic {topic}: {} messages are resampled to {rate} by linear interpolation, as asked: {} samples",
                 times.len(),
                 interpolation.len()
             ));
-            (grid::Grid { t0_s: times[0], dt_s, jitter: jitter(&times) }, Some(interpolation))
+            let grid = Grid { t0_s: times[0], dt_s: 1.0 / rate.si(), jitter: jitter(times) };
+            Ok(TrackGrid { grid, interpolation: Some(interpolation), comment: None })
         }
-    };
+    }
+}
+
+/// The channels of one topic: one for each component that every message has.
+fn track_channels(
+    file: &str,
+    topic: &str,
+    track: &Track,
+    start_ns: i64,
+    settings: &Settings,
+    notes: &mut Notes,
+) -> Result<Vec<Found>, IngestError> {
+    let times: Vec<f64> = track.samples.iter().map(|s| s.stamp_ns.wrapping_sub(start_ns) as f64 / 1e9).collect();
+    if times.len() < 2 {
+        let found = format!("{} messages with data", times.len());
+        return Err(message_error(file, topic, 0, found, "give a longer recording"));
+    }
+    let TrackGrid { grid, interpolation, comment } = track_grid(file, topic, &times, settings, notes)?;
     let stem: String = topic.trim_matches('/').chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
     // What one message lacks is no channel.
     let measured = track.samples.iter().map(|s| s.values.len()).min().unwrap_or(0);
@@ -300,12 +314,13 @@ fn of_track(
         .enumerate()
         .map(|(c, component)| {
             let read = |k: usize| track.samples[k].values[c] * component.factor;
-            let samples: Vec<f64> = match &columns {
+            let samples: Vec<f64> = match &interpolation {
                 None => (0..track.samples.len()).map(read).collect(),
                 Some(interpolation) => interpolation.apply(track.samples.len(), read),
             };
-            let wave = Sampled::new(grid.t0_s, grid.dt_s, samples)
-                .map_err(|error| at(0, format!("{}: {error}", component.name), "cut the recording before it"))?;
+            let wave = Sampled::new(grid.t0_s, grid.dt_s, samples).map_err(|error| {
+                message_error(file, topic, 0, format!("{}: {error}", component.name), "cut the recording before it")
+            })?;
             let name: String =
                 component.name.chars().map(|c| if c.is_alphanumeric() || c == '_' { c } else { '_' }).collect();
             let mut channel = Channel::new(format!("{stem}-{name}"), component.quantity);

@@ -36,9 +36,14 @@ pub trait Reader: Sync {
         false
     }
 
-    /// Flags about the form of a file that the reader heeds, by their names, `--unit`; others given are warned about.
-    fn heeds(&self) -> &'static [&'static str] {
+    /// Flags about the form of a file that have an effect here, by their names, `--unit`; others given are warned about.
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &[]
+    }
+
+    /// Whether mass and impact speed can be stated in comment lines of the file.
+    fn has_comments(&self) -> bool {
+        false
     }
 
     /// Reads the record. Sees bytes only; the same bytes and settings give the same recording.

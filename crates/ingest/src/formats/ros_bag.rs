@@ -33,7 +33,7 @@ impl Reader for RosBag {
         head.starts_with(b"#ROSBAG V")
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--resample"]
     }
 

@@ -20,14 +20,14 @@ fn given(settings: &Settings) -> Vec<&'static str> {
     flags.into_iter().filter(|(_, is_given)| *is_given).map(|(flag, _)| flag).collect()
 }
 
-/// Warns of every flag given that is `unused`. `why` says what settles the matter instead.
-pub fn notes(settings: &Settings, unused: impl Fn(&str) -> bool, why: &str, notes: &mut Notes) {
-    for flag in given(settings).into_iter().filter(|flag| unused(flag)) {
-        note(flag, why, notes);
+/// Warns of every flag given that is not among the `relevant` ones. `why` says what settles the matter instead.
+pub fn warn_except(settings: &Settings, relevant: &[&str], why: &str, notes: &mut Notes) {
+    for flag in given(settings).into_iter().filter(|flag| !relevant.contains(flag)) {
+        warn(flag, why, notes);
     }
 }
 
 /// Warns of a flag that this record does not need.
-pub fn note(flag: &str, why: &str, notes: &mut Notes) {
+pub fn warn(flag: &str, why: &str, notes: &mut Notes) {
     notes.warning(format!("{flag} has no effect: {why}"));
 }

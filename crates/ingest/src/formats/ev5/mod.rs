@@ -37,7 +37,7 @@ impl Reader for Ev5 {
         stem(name).eq_ignore_ascii_case(stem(main)) && curve_number(name).is_some()
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--vehicle-number"]
     }
 

@@ -43,7 +43,7 @@ impl Reader for IsoMme {
         true
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--unit", "--vehicle-number"]
     }
 
@@ -99,7 +99,7 @@ fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> 
         return Err(no_channels(bundle, &main.name, unread.len()));
     }
     if settings.unit.is_some() && parsed.iter().all(|(_, file)| channel::states_a_known_unit(&file.header)) {
-        unheeded_flags::note("--unit", "every channel file states a unit that is known", &mut notes);
+        unheeded_flags::warn("--unit", "every channel file states a unit that is known", &mut notes);
     }
     let mut taken = BTreeSet::new();
     for (name, file) in &parsed {

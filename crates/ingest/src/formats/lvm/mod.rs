@@ -36,7 +36,7 @@ impl Reader for Lvm {
         without_mark(head).trim_ascii_start().starts_with(b"LabVIEW Measurement")
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--unit", "--time-unit", "--vehicle-number", "--resample"]
     }
 

@@ -46,7 +46,7 @@ pub fn channels(
     if let Some((factor, true)) = stated
         && !kinds.iter().any(|(kind, f)| *kind != QuantityKind::Other && *f == factor)
     {
-        unheeded_flags::note(
+        unheeded_flags::warn(
             "--unit",
             "the columns state units of their own; --channel names the one that is meant",
             notes,

@@ -15,7 +15,7 @@ use std::borrow::Cow;
 use crate::formats::iso13499;
 use crate::formats::reader::{Bundle, Reader};
 use crate::formats::table::event_data_recorder::report;
-use crate::formats::table::one_table::{OneTable, one_table};
+use crate::formats::table::one_table::{OneTable, TextAbove, one_table};
 use crate::formats::text::lines::{is_text, without_mark};
 use crate::recording::content::Recording;
 use crate::{IngestError, Place, Profile, Settings};
@@ -37,8 +37,12 @@ impl Reader for Table {
         !matches!(without_mark(head), Cow::Owned(_))
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--unit", "--time-unit", "--sample-time", "--profile", "--skip-to", "--vehicle-number", "--resample"]
+    }
+
+    fn has_comments(&self) -> bool {
+        true
     }
 
     fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
@@ -66,10 +70,11 @@ fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &Settings) -> Resul
         }
         text = Cow::Owned(section::cut(&text, title, file)?);
     }
-    let OneTable { mut channels, mut details, mut notes } = match one_table(file, bytes, &text, bundle, settings) {
-        Err(error) if !edr && bundle.large.is_none() => return Err(report::hinted(file, &text, error)),
-        table => table?,
-    };
+    let OneTable { mut channels, mut details, mut notes } =
+        match one_table(file, bytes, &text, bundle, settings, TextAbove::Unused) {
+            Err(error) if !edr && bundle.large.is_none() => return Err(report::hinted(file, &text, error)),
+            table => table?,
+        };
     if edr {
         report::edr_notes(&channels, &mut details, &mut notes);
     }

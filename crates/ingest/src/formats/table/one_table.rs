@@ -26,6 +26,15 @@ pub struct OneTable {
     pub notes: Notes,
 }
 
+/// What lines of text above the names of a table are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TextAbove {
+    /// Not used, which is noted.
+    Unused,
+    /// The heading of a table in a report.
+    Heading,
+}
+
 /// Reads one table. `text` is that of `bytes` without its mark; a long table goes on in the file of the bundle.
 pub fn one_table(
     file: &str,
@@ -33,6 +42,7 @@ pub fn one_table(
     text: &[u8],
     bundle: &Bundle,
     settings: &Settings,
+    text_above: TextAbove,
 ) -> Result<OneTable, IngestError> {
     let edr = settings.profile == Some(Profile::Edr);
     let least_columns = if settings.sample_time.is_some() { 1 } else { 2 };
@@ -70,12 +80,12 @@ pub fn one_table(
         ));
     }
     let mut notes = Notes::new();
-    header_notes(file, &header, &mut notes);
+    header_notes(file, &header, text_above, &mut notes);
     notes.extend(facts.notes);
     let time = match settings.sample_time {
         Some(interval) => {
             if settings.time_unit.is_some() {
-                unheeded_flags::note("--time-unit", "--sample-time states the interval with its unit", &mut notes);
+                unheeded_flags::warn("--time-unit", "--sample-time states the interval with its unit", &mut notes);
             }
             time_axis::stated(file, &header, interval.si())?
         }
@@ -85,7 +95,7 @@ pub fn one_table(
     Ok(OneTable { channels, details: facts.details, notes })
 }
 
-fn header_notes(file: &str, header: &header::Header, notes: &mut Notes) {
+fn header_notes(file: &str, header: &header::Header, text_above: TextAbove, notes: &mut Notes) {
     if let Some(names) = header.surplus_names {
         notes.warning(format!(
             "{names} names in the header of {file}, but {} columns: the first names are used",
@@ -95,7 +105,7 @@ fn header_notes(file: &str, header: &header::Header, notes: &mut Notes) {
     if !header.kilo_g.is_empty() {
         notes.info("unit kg in a column of acceleration is read as kilo-g, 9806.65 m/s^2");
     }
-    if let Some(line) = header.ignored_lines.first() {
+    if let Some(line) = header.ignored_lines.first().filter(|_| text_above == TextAbove::Unused) {
         let count = header.ignored_lines.len();
         notes.info(format!("{count} lines of text above the header of {file} are not used, the first is line {line}"));
     }

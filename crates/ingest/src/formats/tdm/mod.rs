@@ -40,7 +40,7 @@ impl Reader for Tdm {
         is_tdx && stem(name).to_lowercase() == stem(main).to_lowercase()
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--unit", "--time-unit", "--vehicle-number", "--resample"]
     }
 

@@ -37,7 +37,7 @@ impl Reader for Tdms {
         head.starts_with(b"TDSm")
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--unit", "--time-unit", "--vehicle-number", "--resample"]
     }
 

@@ -52,7 +52,7 @@ pub fn channels(
     let mut clocks = Clocks::find(file, &waveforms, &labels, settings, notes);
     let own_steps = |(k, w): (usize, &Waveform)| clocks.is_clock(k) || w.steps.is_some();
     if settings.time_unit.is_some() && waveforms.iter().enumerate().all(own_steps) {
-        unheeded_flags::note("--time-unit", "every channel states its step in seconds", notes);
+        unheeded_flags::warn("--time-unit", "every channel states its step in seconds", notes);
     }
     let kinds = units::kinds(file, &waveforms, &labels, &clocks, wanted, settings, notes)?;
 
@@ -102,7 +102,7 @@ pub fn channels(
     }
     if settings.resample.is_some() && !clocks.resamples() {
         let why = "every channel states a uniform step; crumple-filter --resample brings channels to another rate";
-        unheeded_flags::note("--resample", why, notes);
+        unheeded_flags::warn("--resample", why, notes);
     }
     clocks.notes(notes);
     remarks.notes(notes);

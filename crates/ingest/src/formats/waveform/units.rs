@@ -51,7 +51,7 @@ pub fn kinds(
     if let Some(factor) = stated
         && !data.iter().any(|k| kinds[*k] == (QuantityKind::Acceleration, factor))
     {
-        unheeded_flags::note(
+        unheeded_flags::warn(
             "--unit",
             "the channels state units of their own; --channel names the one that is meant",
             notes,

@@ -6,7 +6,7 @@ use crumple_signal::{Notes, QuantityKind};
 
 use crate::formats::reader::Bundle;
 use crate::formats::table::event_data_recorder::tables::{self, Section};
-use crate::formats::table::one_table::{OneTable, one_table};
+use crate::formats::table::one_table::{OneTable, TextAbove, one_table};
 use crate::formats::table::section;
 use crate::recording::content::{PulseRule, Recording};
 use crate::recording::details::Details;
@@ -47,7 +47,7 @@ pub fn read(file: &str, text: &[u8], bundle: &Bundle, settings: &Settings) -> Re
             left_out.push(section.name());
             continue;
         }
-        let table = match one_table(file, &section.text, &section.text, bundle, &of_table) {
+        let table = match one_table(file, &section.text, &section.text, bundle, &of_table, TextAbove::Heading) {
             Ok(table) => table,
             // A table that a list cannot read does not hide the others.
             Err(error) if settings.listing || channels.iter().any(is_change) => {
@@ -61,7 +61,7 @@ pub fn read(file: &str, text: &[u8], bundle: &Bundle, settings: &Settings) -> Re
             details = facts;
         }
         notes.extend(section.notes.clone());
-        for note in said.iter().filter(|note| !note.text.contains("lines of text above the header")) {
+        for note in said.iter() {
             if !notes.iter().any(|before| before == note) {
                 notes.push(note.clone());
             }
