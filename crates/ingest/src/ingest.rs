@@ -9,11 +9,11 @@ use crate::pulse::choice;
 use crate::pulse::polarity::{self, Polarity};
 use crate::recording::content::Recording;
 use crate::recording::details::{self, Details, Stated};
-use crate::recording::read_channel::Found;
+use crate::recording::read_channel::ReadChannel;
 use crate::recording::wave::Wave;
 use crate::recording::{quality, unheeded_flags};
 use crate::time::time_zero;
-use crate::{IngestError, Place, Settings, Sign};
+use crate::{IngestError, IngestSettings, Place, Sign};
 
 /// Result of the stage.
 #[derive(Debug, Clone)]
@@ -37,7 +37,7 @@ impl Ingested {
 /// Reads a record and applies what is stated about it: `flags` beat the sidecar, which beats the record.
 ///
 /// Samples are as in the file but for the factor of their unit, and the sign if flipping is asked for.
-pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError> {
+pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError> {
     let file = bundle.name.as_str();
     let beside = sidecar::settings(bundle)?;
     let choices = flags.over(&beside);
@@ -153,7 +153,7 @@ fn turn_sign(
 
 /// The channels with data, with their quality as measured.
 fn take_waves(recording: &mut Recording) -> Vec<Wave> {
-    let take = |read: &mut Found| {
+    let take = |read: &mut ReadChannel| {
         let samples = read.wave.take()?;
         let quality = quality::measure(&samples, read.jitter);
         Some(Wave { id: read.channel.id.clone(), quantity: read.channel.quantity, samples, quality })

@@ -4,7 +4,7 @@
 
 use std::fs;
 
-use crumple_ingest::{Bundle, IngestError, Settings, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, ingest};
 use crumple_testkit::shared;
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -61,13 +61,13 @@ fn mutate(mut bytes: Vec<u8>, changes: &[Change]) -> Vec<u8> {
 
 fn check(name: &str, bundle: Result<Bundle, IngestError>) {
     // What a record lacks is not asked back, and messages are resampled, so that reading gets as far as it can.
-    let settings = Settings {
+    let settings = IngestSettings {
         allow_missing: Some(true),
         unit: Some("g".to_owned()),
         field: name.ends_with(".mcap").then(|| "clientX".to_owned()),
         sample_time: name.ends_with(".dat").then(|| "80ms".parse().unwrap()),
         resample: Some("20Hz".parse().unwrap()),
-        ..Settings::default()
+        ..IngestSettings::default()
     };
     match bundle.and_then(|bundle| ingest(&bundle, &settings)) {
         Ok(ingested) => {

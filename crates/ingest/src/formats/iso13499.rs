@@ -7,10 +7,10 @@
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{Channel, Notes, QuantityKind};
 
-use crate::Settings;
+use crate::IngestSettings;
 use crate::pulse::place_rank;
 use crate::recording::content::PulseRule;
-use crate::recording::read_channel::Found;
+use crate::recording::read_channel::ReadChannel;
 use crate::recording::unheeded_flags;
 
 /// Test objects a code may begin with.
@@ -78,9 +78,9 @@ pub fn by_code(channel: &mut Channel, code: &IsoCode) {
 
 /// How the pulse is found among channels of which some are named by codes: as in an ISO-MME test if all accelerations
 /// that may be the pulse are and one sits at a usual place, else there must be only one.
-pub fn pulse_rule(channels: &mut [Found], settings: &Settings, notes: &mut Notes) -> PulseRule {
+pub fn pulse_rule(channels: &mut [ReadChannel], settings: &IngestSettings, notes: &mut Notes) -> PulseRule {
     let code_of =
-        |found: &Found| found.channel.code.as_deref().and_then(|code| IsoCode::parse(code).ok()).map(|(c, _)| c);
+        |found: &ReadChannel| found.channel.code.as_deref().and_then(|code| IsoCode::parse(code).ok()).map(|(c, _)| c);
     if settings.vehicle_number.is_some() && !channels.iter().any(|found| code_of(found).is_some()) {
         unheeded_flags::warn("--vehicle-number", "no channel is named by a channel code", notes);
     }

@@ -11,15 +11,15 @@ use mcap::records::{Channel as McapChannel, Record as McapRecord};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::formats::messages::{
-    self, Component, Sample, Topic, Track, imu_components, is_imu, json_number, json_stamp_ns,
+    self, Component, StampedSample, Topic, Track, imu_components, is_imu, json_number, json_stamp_ns,
 };
 use crate::formats::protobuf::decoder::{self, Decoder};
 use crate::formats::reader::{Bundle, Reader};
 use crate::recording::content::{PulseRule, Recording};
 use crate::recording::details::{Details, Stated};
-use crate::recording::read_channel::{Fitness, Found};
+use crate::recording::read_channel::{Fitness, ReadChannel};
 use crate::recording::unheeded_flags;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 /// Largest chunk that is unpacked, bytes.
 const CHUNK_LIMIT: u64 = 1 << 28;
@@ -40,7 +40,7 @@ impl Reader for Mcap {
         &["--unit", "--field", "--resample"]
     }
 
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
         let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
         let topics = topics(file, bytes)?;
         if topics.get("/test").is_some_and(|t| t.kind.starts_with("crumple.Test.v")) {
@@ -209,7 +209,7 @@ fn plan(name: &str, topic: &Topic, named: &[Field], unit: Option<(QuantityKind, 
 }
 
 /// The unit of the fields named.
-fn unit_of_fields(file: &str, settings: &Settings) -> Result<Option<(QuantityKind, f64)>, IngestError> {
+fn unit_of_fields(file: &str, settings: &IngestSettings) -> Result<Option<(QuantityKind, f64)>, IngestError> {
     let Some(symbol) = settings.unit.as_deref().filter(|_| settings.field.is_some()) else { return Ok(None) };
     signal_unit(symbol).map(Some).ok_or_else(|| {
         IngestError::content(
@@ -256,7 +256,7 @@ impl Collected {
         }
     }
 
-    fn decoded(&mut self, message: &Message, paths: &[String]) -> Option<Sample> {
+    fn decoded(&mut self, message: &Message, paths: &[String]) -> Option<StampedSample> {
         let decoder = self.decoders.entry(message.schema).or_insert_with(|| {
             let decoder = Decoder::new(&message.kind.name, &message.kind.description)?;
             let ways = paths.iter().map(|path| decoder.path(path)).collect();
@@ -268,10 +268,10 @@ impl Collected {
         self.stamped(stamp, message.log_time_ns, values)
     }
 
-    fn stamped(&mut self, own: Option<i64>, log_time_ns: u64, values: Vec<f64>) -> Option<Sample> {
+    fn stamped(&mut self, own: Option<i64>, log_time_ns: u64, values: Vec<f64>) -> Option<StampedSample> {
         self.by_log_time |= own.is_none();
         let stamp_ns = own.or_else(|| i64::try_from(log_time_ns).ok())?;
-        Some(Sample { stamp_ns, values })
+        Some(StampedSample { stamp_ns, values })
     }
 }
 
@@ -279,7 +279,7 @@ fn of_messages(
     file: &str,
     bytes: &[u8],
     topics: &BTreeMap<String, Topic>,
-    settings: &Settings,
+    settings: &IngestSettings,
 ) -> Result<Recording, IngestError> {
     let mut notes = Notes::new();
     let named = settings.field.as_deref().map(fields).unwrap_or_default();
@@ -386,9 +386,9 @@ fn of_artifact(file: &str, bytes: &[u8]) -> Result<Recording, IngestError> {
         let is_pulse = test.pulse.as_deref() == Some(channel.id.as_str());
         let fitness = (channel.quantity == QuantityKind::Acceleration && (is_pulse || test.pulse.is_none()))
             .then_some(Fitness { redundant: false, place: 0, why: "the pulse of the artifact" });
-        Found { wave: wave.map(|w| w.sampled.clone()), jitter: 0.0, fitness, aliases: Vec::new(), channel }
+        ReadChannel { wave: wave.map(|w| w.sampled.clone()), jitter: 0.0, fitness, aliases: Vec::new(), channel }
     };
-    let mut channels: Vec<Found> = test.channels.iter().cloned().map(found).collect();
+    let mut channels: Vec<ReadChannel> = test.channels.iter().cloned().map(found).collect();
     for (id, wave) in artifact.waves() {
         if !test.channels.iter().any(|c| c.id == *id && c.quantity == wave.quantity) {
             // A wave that the test does not list, or lists as something else, such as a displacement of the pulse.

@@ -11,14 +11,14 @@ use crumple_signal::{Axis, Channel, Notes, QuantityKind, Sampled};
 
 use crate::recording::content::{PulseRule, Recording};
 use crate::recording::details::Details;
-use crate::recording::read_channel::{Fitness, Found};
+use crate::recording::read_channel::{Fitness, ReadChannel};
 use crate::time::grid::{self, Grid, GridError};
-use crate::time::resampling::{Interpolation, jitter, resample};
-use crate::{IngestError, Place, Settings};
+use crate::time::resampling::{LinearInterpolation, jitter, resample};
+use crate::{IngestError, IngestSettings, Place};
 
 /// What a message of one topic gives: its stamp, and the values of its components.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sample {
+pub struct StampedSample {
     /// Stamp in ns since the epoch.
     pub stamp_ns: i64,
     /// Values of the first components of the track; the others are not measured.
@@ -44,7 +44,7 @@ pub struct Track {
     /// Components in the order of the values.
     pub components: Vec<Component>,
     /// In the order of the file.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<StampedSample>,
 }
 
 /// A topic as listed in a refusal.
@@ -119,7 +119,7 @@ impl Bytes<'_> {
 /// Decodes `sensor_msgs/Imu` in CDR (`cdr`) or as ROS 1 writes it. Linear acceleration in m/s^2 with gravity, angular
 /// velocity in rad/s; a field whose first covariance is -1 is absent: without acceleration there is no sample, without
 /// angular velocity it has three values.
-pub fn imu(data: &[u8], cdr: bool) -> Option<Sample> {
+pub fn imu(data: &[u8], cdr: bool) -> Option<StampedSample> {
     let data = if cdr {
         // Encapsulation: 0x0001 is CDR little-endian.
         data.strip_prefix(&[0, 1]).and_then(|rest| rest.get(2..))?
@@ -142,7 +142,7 @@ pub fn imu(data: &[u8], cdr: bool) -> Option<Sample> {
         return None;
     }
     let angular = if angular_covariance[0] == -1.0 { Vec::new() } else { angular.to_vec() };
-    Some(Sample {
+    Some(StampedSample {
         stamp_ns: i64::from(seconds) * 1_000_000_000 + i64::from(nanoseconds),
         values: [linear.to_vec(), angular].concat(),
     })
@@ -194,7 +194,7 @@ pub fn refuse(file: &str, topics: &BTreeMap<String, Topic>, found: &str, hint: &
 pub fn recording(
     file: &str,
     tracks: &BTreeMap<String, Track>,
-    settings: &Settings,
+    settings: &IngestSettings,
     mut notes: Notes,
 ) -> Result<Recording, IngestError> {
     let start_ns = tracks.values().filter_map(|t| t.samples.first()).map(|s| s.stamp_ns).min().unwrap_or(0);
@@ -223,7 +223,7 @@ pub fn recording(
 struct TrackGrid {
     grid: Grid,
     /// How the samples are brought to it; `None` where they lie on it.
-    interpolation: Option<Interpolation>,
+    interpolation: Option<LinearInterpolation>,
     /// A remark for its channels.
     comment: Option<String>,
 }
@@ -240,7 +240,7 @@ fn track_grid(
     file: &str,
     topic: &str,
     times: &[f64],
-    settings: &Settings,
+    settings: &IngestSettings,
     notes: &mut Notes,
 ) -> Result<TrackGrid, IngestError> {
     let error_at = |index, found, hint: &str| Err(message_error(file, topic, index, found, hint));
@@ -295,9 +295,9 @@ fn track_channels(
     topic: &str,
     track: &Track,
     start_ns: i64,
-    settings: &Settings,
+    settings: &IngestSettings,
     notes: &mut Notes,
-) -> Result<Vec<Found>, IngestError> {
+) -> Result<Vec<ReadChannel>, IngestError> {
     let times: Vec<f64> = track.samples.iter().map(|s| s.stamp_ns.wrapping_sub(start_ns) as f64 / 1e9).collect();
     if times.len() < 2 {
         let found = format!("{} messages with data", times.len());
@@ -333,7 +333,7 @@ fn track_channels(
                 why: "the only acceleration",
             });
             let aliases = vec![component.name.clone(), format!("{topic}:{}", component.name)];
-            Ok(Found { channel, wave: Some(wave), jitter: grid.jitter, fitness, aliases })
+            Ok(ReadChannel { channel, wave: Some(wave), jitter: grid.jitter, fitness, aliases })
         })
         .collect()
 }

@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::recording::content::Recording;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 /// Largest file that is read, bytes.
 pub const FILE_LIMIT: u64 = 1 << 30;
@@ -47,7 +47,7 @@ pub trait Reader: Sync {
     }
 
     /// Reads the record. Sees bytes only; the same bytes and settings give the same recording.
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError>;
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError>;
 }
 
 /// A file's name without folder, and its content.

@@ -12,7 +12,7 @@ use crumple_signal::Notes;
 use crate::formats::messages::{self, Topic, Track, imu_components, is_imu};
 use crate::formats::reader::{Bundle, Reader, check_total};
 use crate::recording::content::Recording;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 const MESSAGE: u8 = 2;
@@ -37,7 +37,7 @@ impl Reader for RosBag {
         &["--resample"]
     }
 
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
         let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
         let Some(body) = bytes.strip_prefix(MAGIC) else {
             return Err(refuse(

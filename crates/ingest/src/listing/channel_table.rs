@@ -5,12 +5,12 @@ use serde::Serialize;
 use crate::files::sidecar;
 use crate::formats::reader::Bundle;
 use crate::recording::channel_selection::select;
-use crate::recording::read_channel::Found;
-use crate::{IngestError, Settings};
+use crate::recording::read_channel::ReadChannel;
+use crate::{IngestError, IngestSettings};
 
 /// One line of the table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Line {
+pub struct ListedChannel {
     /// Id of the channel.
     pub id: String,
     /// Channel code of ISO/TS 13499.
@@ -36,8 +36,8 @@ pub struct Line {
     pub comment: Option<String>,
 }
 
-impl Line {
-    fn new(found: &Found) -> Self {
+impl ListedChannel {
+    fn new(found: &ReadChannel) -> Self {
         let channel = &found.channel;
         Self {
             id: channel.id.clone(),
@@ -62,7 +62,7 @@ impl Line {
 
 /// The channels of a record, in its order. What would stop a stage for want of a unit, a mass or a pulse does not stop
 /// here.
-pub fn list(bundle: &Bundle, flags: &Settings) -> Result<Vec<Line>, IngestError> {
+pub fn list(bundle: &Bundle, flags: &IngestSettings) -> Result<Vec<ListedChannel>, IngestError> {
     let beside = sidecar::settings(bundle)?;
     let mut choices = flags.over(&beside);
     let wanted = choices.channel.take();
@@ -84,5 +84,5 @@ pub fn list(bundle: &Bundle, flags: &Settings) -> Result<Vec<Line>, IngestError>
         }
         None => (0..recording.channels.len()).collect(),
     };
-    Ok(shown.into_iter().map(|k| Line::new(&recording.channels[k])).collect())
+    Ok(shown.into_iter().map(|k| ListedChannel::new(&recording.channels[k])).collect())
 }

@@ -6,7 +6,7 @@ use crate::IngestError;
 use crate::pulse::compartment;
 use crate::recording::channel_selection::select;
 use crate::recording::content::{MINIMUM_SAMPLES, PulseRule, Recording};
-use crate::recording::read_channel::{Found, NOT_READ};
+use crate::recording::read_channel::{NOT_READ, ReadChannel};
 
 /// Index of the pulse among the channels: the one asked for, else the fittest of those that are valid and have data.
 /// What was taken, why, and what else there is goes into a note. `None` only where one may be missing.
@@ -55,7 +55,7 @@ pub fn velocity_change(
     notes: &mut Notes,
 ) -> Result<Option<usize>, IngestError> {
     let is_change = |k: &usize| {
-        let Found { channel, wave, .. } = &recording.channels[*k];
+        let ReadChannel { channel, wave, .. } = &recording.channels[*k];
         channel.quantity == QuantityKind::VelocityChange && wave.is_some()
     };
     let changes: Vec<usize> = (0..recording.channels.len()).filter(is_change).collect();
@@ -95,7 +95,7 @@ pub fn velocity_change(
     Ok(Some(taken))
 }
 
-fn candidate(found: &Found) -> bool {
+fn candidate(found: &ReadChannel) -> bool {
     found.fitness.is_some()
         && found.wave.is_some()
         && matches!(found.channel.status, ChannelStatus::Valid | ChannelStatus::Computed)
@@ -106,12 +106,12 @@ fn by_rule(file: &str, recording: &Recording, candidates: &[usize]) -> Result<us
     match (candidates, recording.pulse_rule) {
         ([], PulseRule::OnlyOne) => Err(IngestError::channel(file, "no acceleration column with data", "one", hint)),
         ([], PulseRule::Fittest) => {
-            let others: Vec<&Found> = recording
+            let others: Vec<&ReadChannel> = recording
                 .channels
                 .iter()
                 .filter(|f| f.wave.is_some() && f.channel.quantity == QuantityKind::Acceleration)
                 .collect();
-            let unread: Vec<&str> = recording.channels.iter().filter_map(Found::unread).collect();
+            let unread: Vec<&str> = recording.channels.iter().filter_map(ReadChannel::unread).collect();
             if let Some(first) = unread.first() {
                 let more = unread.len() - 1;
                 let more = if more > 0 { format!("; and {more} more cannot be read") } else { String::new() };
@@ -185,7 +185,7 @@ fn asked_for(file: &str, recording: &Recording, wanted: &str, candidates: &[usiz
             "crumple-ingest --list prints the table of channels",
         ));
     };
-    let Found { channel, wave, .. } = &recording.channels[index];
+    let ReadChannel { channel, wave, .. } = &recording.channels[index];
     let id = &channel.id;
     let hint = || match candidates {
         [] => "choose a channel with data by --channel".to_owned(),
@@ -227,7 +227,7 @@ fn describe(channel: &Channel) -> String {
     }
 }
 
-fn list<'a>(channels: impl Iterator<Item = &'a Found>) -> String {
+fn list<'a>(channels: impl Iterator<Item = &'a ReadChannel>) -> String {
     let names: Vec<String> = channels.map(|f| describe(&f.channel)).collect();
     if names.len() > 12 {
         format!("{} and {} more", names[..12].join(", "), names.len() - 12)
@@ -246,7 +246,8 @@ fn note(recording: &Recording, index: usize, candidates: &[usize], asked: bool, 
         (false, Some(fitness)) => fitness.why.to_owned(),
         (false, None) => String::new(),
     };
-    let others: Vec<&Found> = candidates.iter().filter(|k| **k != index).map(|k| &recording.channels[*k]).collect();
+    let others: Vec<&ReadChannel> =
+        candidates.iter().filter(|k| **k != index).map(|k| &recording.channels[*k]).collect();
     let others = match others.as_slice() {
         [] => String::new(),
         others => format!("; others by --channel: {}", list(others.iter().copied())),

@@ -9,7 +9,7 @@ use crumple_signal::{Axis, Channel};
 
 use crate::pulse::place_rank;
 use crate::recording::content::PulseRule;
-use crate::recording::read_channel::Found;
+use crate::recording::read_channel::ReadChannel;
 
 /// Words in an id, a location or a remark that speak of a place elsewhere.
 const ELSEWHERE: [&str; 24] = [
@@ -40,7 +40,7 @@ const ELSEWHERE: [&str; 24] = [
 ];
 
 /// Why the channel may not stand for the compartment, in words; `None` if nothing speaks against it.
-pub fn doubt(found: &Found, rule: PulseRule) -> Option<String> {
+pub fn doubt(found: &ReadChannel, rule: PulseRule) -> Option<String> {
     let channel = &found.channel;
     if let Some(axis) = channel.axis.filter(|axis| *axis != Axis::X) {
         return Some(format!("it measures along {axis}, not along x"));
@@ -68,11 +68,11 @@ mod tests {
     use super::*;
     use crumple_signal::QuantityKind;
 
-    fn found(id: &str, code: Option<&str>, axis: Option<Axis>) -> Found {
+    fn found(id: &str, code: Option<&str>, axis: Option<Axis>) -> ReadChannel {
         let mut channel = Channel::new(id, QuantityKind::Acceleration);
         channel.code = code.map(str::to_owned);
         channel.axis = axis;
-        Found { channel, wave: None, jitter: 0.0, fitness: None, aliases: Vec::new() }
+        ReadChannel { channel, wave: None, jitter: 0.0, fitness: None, aliases: Vec::new() }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crumple_signal::{Axis, Notes, PreEventWindow, QuantityKind, Sampled, SignalError, pre_event};
 
-use crate::recording::read_channel::Found;
+use crate::recording::read_channel::ReadChannel;
 
 /// How long after time zero the pulse is looked at, s.
 const WINDOW_S: f64 = 0.150;
@@ -94,9 +94,9 @@ pub fn check(
 
 /// Turns the sign of every acceleration along x, or along an axis that is not stated, and of its initial velocity.
 /// Returns how many channels that are.
-pub fn flip(channels: &mut [Found]) -> Result<usize, SignalError> {
+pub fn flip(channels: &mut [ReadChannel]) -> Result<usize, SignalError> {
     let mut flipped = 0;
-    for Found { channel, wave, .. } in channels {
+    for ReadChannel { channel, wave, .. } in channels {
         if channel.quantity != QuantityKind::Acceleration || !matches!(channel.axis, None | Some(Axis::X)) {
             continue;
         }

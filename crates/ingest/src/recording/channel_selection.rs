@@ -2,12 +2,12 @@
 
 use crumple_signal::{Channel, channels_meant};
 
-use crate::recording::read_channel::Found;
+use crate::recording::read_channel::ReadChannel;
 
 pub use crumple_signal::is_pattern;
 
 /// The channels meant, as indices, see [`channels_meant`].
-pub fn select(channels: &[Found], wanted: &str) -> Vec<usize> {
+pub fn select(channels: &[ReadChannel], wanted: &str) -> Vec<usize> {
     let named: Vec<(&Channel, &[String])> = channels.iter().map(|f| (&f.channel, f.aliases.as_slice())).collect();
     channels_meant(&named, wanted)
 }
@@ -17,8 +17,8 @@ mod tests {
     use super::*;
     use crumple_signal::QuantityKind;
 
-    fn found(id: &str, aliases: &[&str]) -> Found {
-        Found {
+    fn found(id: &str, aliases: &[&str]) -> ReadChannel {
+        ReadChannel {
             channel: Channel::new(id, QuantityKind::Acceleration),
             wave: None,
             jitter: 0.0,

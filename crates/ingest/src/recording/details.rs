@@ -5,7 +5,7 @@ use crumple_signal::QuantityKind;
 use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
 
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 /// A fact and where it is stated.
 #[derive(Debug, Clone, PartialEq)]
@@ -120,7 +120,7 @@ pub fn over<T: PartialEq>(
 }
 
 /// Puts the statements of a sidecar or of flags over those of the record.
-pub fn apply(details: &mut Details, settings: &Settings, from: &str, notes: &mut Notes) {
+pub fn apply(details: &mut Details, settings: &IngestSettings, from: &str, notes: &mut Notes) {
     let text = |t: &String| format!("{t:?}");
     over(&mut details.title, settings.title.clone(), from, "title", text, notes);
     over(&mut details.vehicle, settings.vehicle.clone(), from, "vehicle", text, notes);
@@ -236,7 +236,7 @@ mod tests {
     #[test]
     fn a_flag_beats_the_file_and_says_so() {
         let mut details = facts(&["mass: 873 kg"]).unwrap().details;
-        let settings = Settings { mass: Some("900kg".parse().unwrap()), ..Settings::default() };
+        let settings = IngestSettings { mass: Some("900kg".parse().unwrap()), ..IngestSettings::default() };
         let mut notes = Notes::new();
         apply(&mut details, &settings, "flag", &mut notes);
         assert_eq!(details.mass_kg.unwrap().value, 900.0);

@@ -7,7 +7,7 @@ pub const NOT_READ: &str = "its file is not read: ";
 
 /// A channel and its samples.
 #[derive(Debug, Clone)]
-pub struct Found {
+pub struct ReadChannel {
     /// Identity and state.
     pub channel: Channel,
     /// Samples in SI; `None` where the file lists the channel without data.
@@ -20,7 +20,7 @@ pub struct Found {
     pub aliases: Vec<String>,
 }
 
-impl Found {
+impl ReadChannel {
     /// Why its file could not be read, with file and line, if it is here.
     pub fn unread(&self) -> Option<&str> {
         self.channel.comment.as_deref().filter(|_| self.wave.is_none())?.strip_prefix(NOT_READ)

@@ -28,7 +28,7 @@ pub enum Profile {
 /// record itself.
 #[derive(Debug, Clone, Default, PartialEq, clap::Args, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Settings {
+pub struct IngestSettings {
     /// Test mass of the vehicle, with its unit: 873kg, 1.2t, 2000lb.
     #[arg(long, value_name = "MASS")]
     pub mass: Option<Mass>,
@@ -96,7 +96,7 @@ pub struct Settings {
     pub listing: bool,
 }
 
-impl Settings {
+impl IngestSettings {
     /// These settings where they say something, else those below.
     pub fn over(&self, below: &Self) -> Self {
         Self {

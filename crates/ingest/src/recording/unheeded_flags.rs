@@ -2,11 +2,11 @@
 
 use crumple_signal::Notes;
 
-use crate::Settings;
+use crate::IngestSettings;
 
 /// Flags about the form of a file that are given. Facts about the test (mass, speed, time zero ...) and the choice of
 /// the pulse count for every format.
-fn given(settings: &Settings) -> Vec<&'static str> {
+fn given(settings: &IngestSettings) -> Vec<&'static str> {
     let flags = [
         ("--unit", settings.unit.is_some()),
         ("--time-unit", settings.time_unit.is_some()),
@@ -21,7 +21,7 @@ fn given(settings: &Settings) -> Vec<&'static str> {
 }
 
 /// Warns of every flag given that is not among the `relevant` ones. `why` says what settles the matter instead.
-pub fn warn_except(settings: &Settings, relevant: &[&str], why: &str, notes: &mut Notes) {
+pub fn warn_except(settings: &IngestSettings, relevant: &[&str], why: &str, notes: &mut Notes) {
     for flag in given(settings).into_iter().filter(|flag| !relevant.contains(flag)) {
         warn(flag, why, notes);
     }

@@ -28,12 +28,12 @@ pub fn rate_to_type(step_s: f64) -> f64 {
 /// For each instant of a uniform grid from the first sample on: the sample before it, and the part of the way to the
 /// next.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Interpolation {
+pub struct LinearInterpolation {
     positions: Vec<usize>,
     parts: Vec<f64>,
 }
 
-impl Interpolation {
+impl LinearInterpolation {
     /// Number of instants.
     pub fn len(&self) -> usize {
         self.positions.len()
@@ -47,7 +47,7 @@ impl Interpolation {
 }
 
 /// The interpolation from `times`, which increase, at `rate_hz`; `None` if that gives no usable number of samples.
-pub fn resample(times: &[f64], rate_hz: f64) -> Option<Interpolation> {
+pub fn resample(times: &[f64], rate_hz: f64) -> Option<LinearInterpolation> {
     let span = times[times.len() - 1] - times[0];
     let count = (span * rate_hz + 1e-9).floor() + 1.0;
     if !(rate_hz > 0.0 && (2.0..=RESAMPLED_LIMIT).contains(&count)) {
@@ -63,7 +63,7 @@ pub fn resample(times: &[f64], rate_hz: f64) -> Option<Interpolation> {
         positions.push(k);
         parts.push(((t - times[k]) / (times[k + 1] - times[k])).clamp(0.0, 1.0));
     }
-    Some(Interpolation { positions, parts })
+    Some(LinearInterpolation { positions, parts })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The real files.
 
-use crumple_ingest::{Bundle, Settings};
+use crumple_ingest::{Bundle, IngestSettings};
 use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 
@@ -81,7 +81,7 @@ fn daqmx_raw_data_are_read_as_volts() {
 
 #[test]
 fn without_an_acceleration_the_channels_are_there_and_no_pulse_is_guessed() {
-    let Some(result) = open("data/nptdms-fixtures/raw1.tdms", &Settings::default()) else { return };
+    let Some(result) = open("data/nptdms-fixtures/raw1.tdms", &IngestSettings::default()) else { return };
     let error = result.unwrap_err();
     assert!(error.to_string().starts_with("raw1.tdms: no acceleration"), "{error}");
 }

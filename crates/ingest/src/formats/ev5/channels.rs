@@ -7,7 +7,7 @@ use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind, Sampled};
 
 use crate::formats::ev5::records::Curve;
 use crate::formats::ev5::{code, sensor, signal_file};
-use crate::recording::read_channel::{Found, NOT_READ};
+use crate::recording::read_channel::{NOT_READ, ReadChannel};
 use crate::time::grid::{self, Grid, GridError};
 use crate::{IngestError, Place};
 
@@ -20,7 +20,7 @@ pub fn channel(
     vehicle: u32,
     wanted: bool,
     notes: &mut Notes,
-) -> Result<Found, IngestError> {
+) -> Result<ReadChannel, IngestError> {
     let (quantity, factor) = signal_unit(&curve.y_unit).unwrap_or((QuantityKind::Other, 1.0));
     let id = curve.number.to_string();
     let mut channel = Channel::new(id.clone(), quantity);
@@ -64,7 +64,7 @@ pub fn channel(
     aliases.extend(channel.code.clone());
     aliases.extend([curve.attachment.clone(), format!("{} {}", curve.attachment, curve.axis)]);
     let fitness = sensor::fitness(curve, vehicle).filter(|_| quantity == QuantityKind::Acceleration);
-    Ok(Found { channel, wave, jitter, fitness, aliases })
+    Ok(ReadChannel { channel, wave, jitter, fitness, aliases })
 }
 
 fn samples(

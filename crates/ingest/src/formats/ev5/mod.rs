@@ -17,8 +17,8 @@ use crumple_signal::{ChannelStatus, Notes};
 
 use crate::formats::reader::{Bundle, Reader, stem};
 use crate::recording::content::{PulseRule, Recording};
-use crate::recording::read_channel::Found;
-use crate::{IngestError, Place, Settings};
+use crate::recording::read_channel::ReadChannel;
+use crate::{IngestError, IngestSettings, Place};
 use specification::Specification;
 
 /// Reader of EV5 sets.
@@ -41,7 +41,7 @@ impl Reader for Ev5 {
         &["--vehicle-number"]
     }
 
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
         read(&bundle.main.name, &bundle.main.bytes, &bundle.companions, settings)
     }
 }
@@ -58,7 +58,7 @@ pub fn read(
     file: &str,
     bytes: &[u8],
     companions: &BTreeMap<String, Vec<u8>>,
-    settings: &Settings,
+    settings: &IngestSettings,
 ) -> Result<Recording, IngestError> {
     let specification = specification::parse(file, bytes)?;
     let number = settings.vehicle_number.unwrap_or(1);
@@ -87,7 +87,7 @@ pub fn read(
         .curves
         .iter()
         .map(|curve| channels::channel(curve, &files, number, asked_for(curve.number), &mut notes))
-        .collect::<Result<Vec<Found>, _>>()?;
+        .collect::<Result<Vec<ReadChannel>, _>>()?;
     channel_notes(&channels, &mut notes);
     unit_note(&specification, &mut notes);
     Ok(Recording {
@@ -111,7 +111,7 @@ fn no_files(file: &str, specification: &Specification) -> IngestError {
 }
 
 /// One note for all files that are missing, one for each channel with data that the laboratory doubts.
-fn channel_notes(channels: &[Found], notes: &mut Notes) {
+fn channel_notes(channels: &[ReadChannel], notes: &mut Notes) {
     let with = |status| -> Vec<u32> {
         channels.iter().filter(|f| f.channel.status == status).filter_map(|f| f.channel.id.parse().ok()).collect()
     };

@@ -9,9 +9,9 @@ use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, Sampled}
 use crate::formats::iso_mme::channel_file::ChannelFile;
 use crate::formats::iso_mme::header::Header;
 use crate::formats::iso13499::by_code;
-use crate::recording::read_channel::Found;
+use crate::recording::read_channel::ReadChannel;
 use crate::time::grid::{self, Grid};
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 /// Keywords that have a place of their own in a channel, or are checked here.
 const READ: [&str; 26] = [
@@ -48,10 +48,10 @@ pub fn found(
     name: &str,
     file: &ChannelFile,
     all: &[(&str, ChannelFile)],
-    settings: &Settings,
+    settings: &IngestSettings,
     taken: &mut BTreeSet<String>,
     notes: &mut Notes,
-) -> Result<Found, IngestError> {
+) -> Result<ReadChannel, IngestError> {
     let header = &file.header;
     let number = name.rsplit_once('.').map_or(name, |(_, e)| e);
     let code = header.text("channel code").and_then(|text| match IsoCode::parse(text) {
@@ -90,7 +90,7 @@ pub fn found(
     for keyword in ["channel code", "name of the channel", "laboratory channel code", "customer channel code"] {
         aliases.extend(header.text(keyword).map(str::to_owned));
     }
-    Ok(Found { channel, wave: Some(wave), jitter: grid.jitter, fitness: None, aliases })
+    Ok(ReadChannel { channel, wave: Some(wave), jitter: grid.jitter, fitness: None, aliases })
 }
 
 /// What the code alone says.
@@ -176,7 +176,7 @@ fn unit(
     channel: &mut Channel,
     header: &Header,
     code: Option<&IsoCode>,
-    settings: &Settings,
+    settings: &IngestSettings,
     name: &str,
     notes: &mut Notes,
 ) -> f64 {

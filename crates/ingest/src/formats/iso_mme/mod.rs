@@ -17,9 +17,9 @@ use crate::formats::reader::{Bundle, Reader, stem};
 use crate::pulse::place_rank;
 use crate::recording::content::{PulseRule, Recording};
 use crate::recording::details::Details;
-use crate::recording::read_channel::{Fitness, Found, NOT_READ};
+use crate::recording::read_channel::{Fitness, NOT_READ, ReadChannel};
 use crate::recording::unheeded_flags;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 use channel_file::ChannelFile;
 use header::Header;
 
@@ -47,12 +47,12 @@ impl Reader for IsoMme {
         &["--unit", "--vehicle-number"]
     }
 
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
         read(bundle, settings)
     }
 }
 
-fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
     let mut notes = Notes::new();
     let main = &bundle.main;
     let main_is_channel = !is_text_part(&main.name);
@@ -82,7 +82,7 @@ fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> 
 
     let mut channels = Vec::new();
     let mut parsed: Vec<(&str, ChannelFile)> = Vec::new();
-    let mut unread: Vec<Found> = Vec::new();
+    let mut unread: Vec<ReadChannel> = Vec::new();
     for (name, bytes) in
         files.iter().filter(|(name, _)| is_channel_name(name) || main_is_channel && **name == main.name)
     {
@@ -135,17 +135,23 @@ fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> 
 }
 
 /// A channel whose file cannot be read: listed without data, the reason in its comment.
-fn left_out(name: &str, error: &IngestError, notes: &mut Notes) -> Found {
+fn left_out(name: &str, error: &IngestError, notes: &mut Notes) -> ReadChannel {
     notes.warning(format!("a channel is left out: {error}"));
     let id = name.rsplit_once('.').map_or(name, |(_, number)| number);
     let mut channel = Channel::new(format!("file-{id}"), QuantityKind::Other);
     channel.status = ChannelStatus::Absent;
     channel.comment = Some(format!("{NOT_READ}{error}"));
-    Found { channel, wave: None, jitter: 0.0, fitness: None, aliases: vec![id.to_owned()] }
+    ReadChannel { channel, wave: None, jitter: 0.0, fitness: None, aliases: vec![id.to_owned()] }
 }
 
 /// Channels of the list that have no file. The list's numbers are not reliable, its codes are compared.
-fn listed_only(name: &str, list: &Header, channels: &mut Vec<Found>, taken: &mut BTreeSet<String>, notes: &mut Notes) {
+fn listed_only(
+    name: &str,
+    list: &Header,
+    channels: &mut Vec<ReadChannel>,
+    taken: &mut BTreeSet<String>,
+    notes: &mut Notes,
+) {
     let mut absent = 0;
     let mut listed = 0_usize;
     for (keyword, value) in list.entries().filter(|(keyword, _)| keyword.starts_with("name of channel")) {
@@ -160,7 +166,7 @@ fn listed_only(name: &str, list: &Header, channels: &mut Vec<Found>, taken: &mut
         }
         let mut channel = channel::of_code(&code, channel::unique(code.as_str(), taken));
         channel.status = ChannelStatus::Absent;
-        channels.push(Found { channel, wave: None, jitter: 0.0, fitness: None, aliases: Vec::new() });
+        channels.push(ReadChannel { channel, wave: None, jitter: 0.0, fitness: None, aliases: Vec::new() });
         absent += 1;
     }
     if absent > 0 {
@@ -171,7 +177,7 @@ fn listed_only(name: &str, list: &Header, channels: &mut Vec<Found>, taken: &mut
     }
 }
 
-fn doubted(channels: &[Found], notes: &mut Notes) {
+fn doubted(channels: &[ReadChannel], notes: &mut Notes) {
     for found in channels.iter().filter(|f| f.wave.is_some()) {
         if matches!(found.channel.status, ChannelStatus::Questionable | ChannelStatus::Failed) {
             let comment = found.channel.comment.as_deref().unwrap_or("without a comment");

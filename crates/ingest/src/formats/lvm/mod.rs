@@ -16,8 +16,8 @@ use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::recording::content::Recording;
 use crate::recording::details::{Details, Stated};
-use crate::recording::read_channel::Found;
-use crate::{IngestError, Place, Settings};
+use crate::recording::read_channel::ReadChannel;
+use crate::{IngestError, IngestSettings, Place};
 use header::{FileHeader, SegmentHeader};
 use lines::Lines;
 
@@ -40,7 +40,7 @@ impl Reader for Lvm {
         &["--unit", "--time-unit", "--vehicle-number", "--resample"]
     }
 
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
         read(&bundle.main.name, &bundle.main.bytes, settings)
     }
 }
@@ -53,7 +53,7 @@ struct Segment {
 }
 
 /// Reads a file from its bytes. `file` names it in messages.
-pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, IngestError> {
+pub fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recording, IngestError> {
     let text = without_mark(bytes);
     let start = text.iter().take_while(|b| b.is_ascii_whitespace()).count();
     let mut lines = Lines::new(file, &text);
@@ -97,7 +97,7 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, 
         waveforms.extend(segment.waveforms(&group, &file_header, &mut notes));
     }
     let channels = conversion::channels(file, waveforms, settings, &mut notes)?;
-    let mut channels: Vec<Found> = channels.into_iter().map(|(_, found)| found).collect();
+    let mut channels: Vec<ReadChannel> = channels.into_iter().map(|(_, found)| found).collect();
     let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
     Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
 }

@@ -7,8 +7,8 @@
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-use crate::formats::protobuf::types::{Kind, Number, Types};
-use crate::formats::protobuf::wire::{self, Raw, Reader};
+use crate::formats::protobuf::types::{Kind, NumberType, Types};
+use crate::formats::protobuf::wire::{self, WireReader, WireValue};
 
 /// Fields of fields that are looked into for a list of numbers.
 const DEPTH: usize = 4;
@@ -23,7 +23,7 @@ const NANOSECONDS: [&str; 4] = ["nanos", "nsec", "nanosec", "nsecs"];
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Path {
     steps: Vec<Step>,
-    number: Number,
+    number: NumberType,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -167,13 +167,13 @@ fn inner_message<'a>(message: &'a [u8], step: &Step) -> Option<Cow<'a, [u8]>> {
 }
 
 /// Tells `each` number of a field: one, or several in a row.
-fn values(raw: Raw, number: Number, mut each: impl FnMut(Value)) -> Option<()> {
+fn values(raw: WireValue, number: NumberType, mut each: impl FnMut(Value)) -> Option<()> {
     match (raw, number.size()) {
-        (Raw::Varint(bits), None) => each(number.of_varint(bits)),
-        (Raw::Eight(bytes), Some(8)) => each(number.of_bits(u64::from_le_bytes(bytes))),
-        (Raw::Four(bytes), Some(4)) => each(number.of_bits(u64::from(u32::from_le_bytes(bytes)))),
-        (Raw::Bytes(packed), size) => {
-            let mut reader = Reader(packed);
+        (WireValue::Varint(bits), None) => each(number.of_varint(bits)),
+        (WireValue::Eight(bytes), Some(8)) => each(number.of_bits(u64::from_le_bytes(bytes))),
+        (WireValue::Four(bytes), Some(4)) => each(number.of_bits(u64::from(u32::from_le_bytes(bytes)))),
+        (WireValue::Bytes(packed), size) => {
+            let mut reader = WireReader(packed);
             while !reader.0.is_empty() {
                 each(match size {
                     None => number.of_varint(reader.varint()?),
@@ -187,7 +187,7 @@ fn values(raw: Raw, number: Number, mut each: impl FnMut(Value)) -> Option<()> {
     Some(())
 }
 
-impl Number {
+impl NumberType {
     /// Bytes of a number of fixed length.
     fn size(self) -> Option<usize> {
         match self {

@@ -30,7 +30,7 @@ pub struct Field {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Kind {
     /// A number.
-    Number(Number),
+    Number(NumberType),
     /// A message of this type.
     Message(String),
     /// Text, bytes, a truth value, an enumeration.
@@ -39,7 +39,7 @@ pub enum Kind {
 
 /// How a number is sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Number {
+pub enum NumberType {
     /// `double`.
     Double,
     /// `float`.
@@ -132,15 +132,15 @@ fn field(bytes: &[u8], proto3: bool) -> Option<Field> {
         Some(())
     })?;
     let kind = match kind {
-        1 => Kind::Number(Number::Double),
-        2 => Kind::Number(Number::Float),
-        3 | 5 => Kind::Number(Number::Int),
-        4 | 13 => Kind::Number(Number::UInt),
-        6 => Kind::Number(Number::Fixed64),
-        7 => Kind::Number(Number::Fixed32),
-        15 => Kind::Number(Number::SFixed32),
-        16 => Kind::Number(Number::SFixed64),
-        17 | 18 => Kind::Number(Number::SInt),
+        1 => Kind::Number(NumberType::Double),
+        2 => Kind::Number(NumberType::Float),
+        3 | 5 => Kind::Number(NumberType::Int),
+        4 | 13 => Kind::Number(NumberType::UInt),
+        6 => Kind::Number(NumberType::Fixed64),
+        7 => Kind::Number(NumberType::Fixed32),
+        15 => Kind::Number(NumberType::SFixed32),
+        16 => Kind::Number(NumberType::SFixed64),
+        17 | 18 => Kind::Number(NumberType::SInt),
         11 => Kind::Message(type_name.trim_start_matches('.').to_owned()),
         _ => Kind::Other,
     };

@@ -20,7 +20,7 @@ pub struct Column {
 
 /// What the header lines say.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Header {
+pub struct TableHeader {
     /// One for each column of numbers.
     pub columns: Vec<Column>,
     /// Names are given at all.
@@ -34,7 +34,7 @@ pub struct Header {
 }
 
 /// Reads names and units from the lines before the rows.
-pub fn read(layout: &Layout) -> Header {
+pub fn read(layout: &Layout) -> TableHeader {
     let count = layout.columns;
     let mut lines: Vec<(usize, Vec<String>)> =
         layout.header.iter().map(|line| (line.number, cells(line, layout.delimiter, count))).collect();
@@ -78,7 +78,13 @@ pub fn read(layout: &Layout) -> Header {
             Column { name, title, unit }
         })
         .collect();
-    Header { columns, named, surplus_names, kilo_g, ignored_lines: lines.iter().map(|(number, _)| *number).collect() }
+    TableHeader {
+        columns,
+        named,
+        surplus_names,
+        kilo_g,
+        ignored_lines: lines.iter().map(|(number, _)| *number).collect(),
+    }
 }
 
 /// The cells of a header line. Its delimiter may differ from that of the rows (`# time(s), <tab> acceleration(g)` over
@@ -143,7 +149,7 @@ mod tests {
 
     const G: Unit = Unit::Signal(QuantityKind::Acceleration, 9.806_65);
 
-    fn header(text: &str) -> Header {
+    fn header(text: &str) -> TableHeader {
         read(&sniff(text.as_bytes(), "t.csv", 2).unwrap())
     }
 

@@ -18,7 +18,7 @@ use crate::formats::table::event_data_recorder::report;
 use crate::formats::table::one_table::{OneTable, TextAbove, one_table};
 use crate::formats::text::lines::{is_text, without_mark};
 use crate::recording::content::Recording;
-use crate::{IngestError, Place, Profile, Settings};
+use crate::{IngestError, IngestSettings, Place, Profile};
 
 /// Reader of tables: whatever is text and nothing else.
 pub struct Table;
@@ -45,13 +45,13 @@ impl Reader for Table {
         true
     }
 
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
         read(&bundle.main.name, &bundle.main.bytes, bundle, settings)
     }
 }
 
 /// Reads a table from its bytes, or from the file of which these are the start. `file` names it in messages.
-fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
     let edr = settings.profile == Some(Profile::Edr);
     let mut text = without_mark(bytes);
     if edr

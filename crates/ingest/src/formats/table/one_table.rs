@@ -7,9 +7,9 @@ use crate::formats::table::{columns, header, layout, rows, time_axis};
 use crate::formats::text::lines::decode;
 use crate::recording::content::MINIMUM_SAMPLES;
 use crate::recording::details::{Details, from_comments};
-use crate::recording::read_channel::Found;
+use crate::recording::read_channel::ReadChannel;
 use crate::recording::unheeded_flags;
-use crate::{IngestError, Place, Profile, Settings};
+use crate::{IngestError, IngestSettings, Place, Profile};
 
 /// Bytes read at a time of a long table.
 const PIECE: usize = 8 << 20;
@@ -19,7 +19,7 @@ const MINIMUM_EDR_SAMPLES: usize = 5;
 /// What one table says.
 pub struct OneTable {
     /// Its columns but that of the time.
-    pub channels: Vec<Found>,
+    pub channels: Vec<ReadChannel>,
     /// Facts of its comments.
     pub details: Details,
     /// Remarks.
@@ -41,7 +41,7 @@ pub fn one_table(
     bytes: &[u8],
     text: &[u8],
     bundle: &Bundle,
-    settings: &Settings,
+    settings: &IngestSettings,
     text_above: TextAbove,
 ) -> Result<OneTable, IngestError> {
     let edr = settings.profile == Some(Profile::Edr);
@@ -95,7 +95,7 @@ pub fn one_table(
     Ok(OneTable { channels, details: facts.details, notes })
 }
 
-fn header_notes(file: &str, header: &header::Header, text_above: TextAbove, notes: &mut Notes) {
+fn header_notes(file: &str, header: &header::TableHeader, text_above: TextAbove, notes: &mut Notes) {
     if let Some(names) = header.surplus_names {
         notes.warning(format!(
             "{names} names in the header of {file}, but {} columns: the first names are used",

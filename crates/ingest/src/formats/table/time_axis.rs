@@ -3,13 +3,13 @@
 use crumple_signal::Notes;
 use crumple_signal::value::Frequency;
 
-use crate::formats::table::header::Header;
+use crate::formats::table::header::TableHeader;
 use crate::formats::table::rows::Rows;
 use crate::formats::text::column_names::{Unit, is_time_name};
 use crate::recording::details::Stated;
 use crate::time::grid::{self, Grid, GridError};
 use crate::time::{resampling, time_unit};
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 /// The time column and its grid.
 #[derive(Debug, Clone)]
@@ -21,7 +21,7 @@ pub struct TimeAxis {
 }
 
 /// The grid of a table without a time column: the first row at 0 s.
-pub fn stated(file: &str, header: &Header, interval_s: f64) -> Result<TimeAxis, IngestError> {
+pub fn stated(file: &str, header: &TableHeader, interval_s: f64) -> Result<TimeAxis, IngestError> {
     let refuse = |found: String, hint: &str| {
         Err(IngestError::content(Place::file(file), found, "an interval for a table without time column", hint))
     };
@@ -38,9 +38,9 @@ pub fn stated(file: &str, header: &Header, interval_s: f64) -> Result<TimeAxis, 
 /// `rows`.
 pub fn find(
     file: &str,
-    header: &Header,
+    header: &TableHeader,
     rows: &mut Rows,
-    settings: &Settings,
+    settings: &IngestSettings,
     comment: Option<&Stated<String>>,
     notes: &mut Notes,
 ) -> Result<TimeAxis, IngestError> {
@@ -148,7 +148,7 @@ fn unit(
     title: &str,
     header: &Unit,
     times: &[f64],
-    settings: &Settings,
+    settings: &IngestSettings,
     comment: Option<&Stated<String>>,
     notes: &mut Notes,
 ) -> Result<f64, IngestError> {

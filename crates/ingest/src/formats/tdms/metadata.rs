@@ -124,7 +124,7 @@ pub struct Scaler {
 
 /// What the entry of an object says of raw data in this segment.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Raw {
+pub enum SegmentData {
     /// There is none.
     None,
     /// As in the last segment that described it.
@@ -139,7 +139,7 @@ pub struct Entry {
     /// `/'group'/'channel'`.
     pub path: String,
     /// Its raw data.
-    pub raw: Raw,
+    pub raw: SegmentData,
     /// New or changed properties.
     pub properties: Vec<(String, Property)>,
 }
@@ -157,14 +157,14 @@ pub fn entry(cursor: &mut Cursor) -> Result<Entry, Broken> {
     Ok(Entry { path, raw, properties })
 }
 
-fn raw(cursor: &mut Cursor) -> Result<Raw, Broken> {
+fn raw(cursor: &mut Cursor) -> Result<SegmentData, Broken> {
     let at = cursor.at();
     match cursor.u32()? {
-        0xFFFF_FFFF => Ok(Raw::None),
-        0 => Ok(Raw::AsBefore),
-        0x1269 => daqmx(cursor, false).map(Raw::New),
+        0xFFFF_FFFF => Ok(SegmentData::None),
+        0 => Ok(SegmentData::AsBefore),
+        0x1269 => daqmx(cursor, false).map(SegmentData::New),
         // NI writes the second; the first is met in files, too.
-        0x126A | 0x1369 => daqmx(cursor, true).map(Raw::New),
+        0x126A | 0x1369 => daqmx(cursor, true).map(SegmentData::New),
         20 | 28 => {
             let type_at = cursor.at();
             let code = cursor.u32()?;
@@ -179,7 +179,7 @@ fn raw(cursor: &mut Cursor) -> Result<Raw, Broken> {
                 u64::try_from(kind.size()).ok().and_then(|size| size.checked_mul(count))
             };
             match bytes {
-                Some(bytes) => Ok(Raw::New(RawIndex::Plain { kind, count, bytes })),
+                Some(bytes) => Ok(SegmentData::New(RawIndex::Plain { kind, count, bytes })),
                 None => Cursor::broken(type_at, format!("an impossible count of samples, {count}")),
             }
         }

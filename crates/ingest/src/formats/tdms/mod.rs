@@ -20,8 +20,8 @@ use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::formats::{diadem, iso13499};
 use crate::recording::content::{PulseRule, Recording};
-use crate::recording::read_channel::Found;
-use crate::{IngestError, Place, Settings};
+use crate::recording::read_channel::ReadChannel;
+use crate::{IngestError, IngestSettings, Place};
 use metadata::{Properties, Property, names};
 use segments::{Content, Object, SegmentError};
 
@@ -41,13 +41,13 @@ impl Reader for Tdms {
         &["--unit", "--time-unit", "--vehicle-number", "--resample"]
     }
 
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
         read(&bundle.main.name, &bundle.main.bytes, settings)
     }
 }
 
 /// Reads a file from its bytes. `file` names it in messages.
-pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, IngestError> {
+pub fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recording, IngestError> {
     let Content { objects, warnings } = segments::read(bytes).map_err(|error| refuse(file, error))?;
     let mut notes = Notes::new();
     warnings.iter().take(12).for_each(|warning| notes.warning(warning.clone()));
@@ -74,7 +74,7 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, 
         waveforms.push(waveform(object, group, name, scales));
     }
     let channels = conversion::channels(file, waveforms, settings, &mut notes)?;
-    let mut channels: Vec<Found> = channels
+    let mut channels: Vec<ReadChannel> = channels
         .into_iter()
         .map(|(k, mut found)| {
             if let Some(curve) = &records[k] {

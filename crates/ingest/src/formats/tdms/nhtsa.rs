@@ -11,7 +11,7 @@ use crate::formats::ev5::sensor;
 use crate::formats::ev5::test_details::details;
 use crate::formats::tdms::metadata::{Properties, Property};
 use crate::recording::details::Details;
-use crate::recording::read_channel::Found;
+use crate::recording::read_channel::ReadChannel;
 
 /// A field by its name in the guide, in any of `layers`; what is empty or `NA` counts as absent.
 fn words(layers: &[&Properties], field: &str) -> Option<String> {
@@ -77,7 +77,7 @@ pub fn curve(channel: &Properties) -> Option<Curve> {
 }
 
 /// Identity, status and fitness of a channel from its record.
-pub fn describe(found: &mut Found, curve: &Curve, vehicle: u32, notes: &mut Notes) {
+pub fn describe(found: &mut ReadChannel, curve: &Curve, vehicle: u32, notes: &mut Notes) {
     let channel = &mut found.channel;
     channel.location = sensor::location(curve);
     channel.axis = sensor::axis(curve).or(channel.axis);

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use crate::formats::tdms::bytes::{Broken, Cursor};
-use crate::formats::tdms::metadata::{Properties, Raw, RawIndex, Type, entry};
+use crate::formats::tdms::metadata::{Properties, RawIndex, SegmentData, Type, entry};
 use crate::formats::tdms::samples;
 
 /// Most objects in a file.
@@ -174,15 +174,15 @@ impl Walk {
             let object = &mut self.content.objects[index];
             object.properties.extend(entry.properties);
             let has_data = match entry.raw {
-                Raw::None => false,
-                Raw::AsBefore if object.index.is_none() => {
+                SegmentData::None => false,
+                SegmentData::AsBefore if object.index.is_none() => {
                     return Ok(Cursor::broken(
                         at,
                         format!("raw data of {} as before, but there was none", object.path),
                     )?);
                 }
-                Raw::AsBefore => true,
-                Raw::New(index) => {
+                SegmentData::AsBefore => true,
+                SegmentData::New(index) => {
                     object.index = Some(index);
                     true
                 }

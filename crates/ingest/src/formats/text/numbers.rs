@@ -2,7 +2,7 @@
 
 /// A number, and how finely it is printed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Number {
+pub struct ParsedNumber {
     /// Its value, finite.
     pub value: f64,
     /// Significant digits printed, leading zeros not counted.
@@ -20,7 +20,7 @@ const POWERS: [f64; 23] = [
 /// Correctly rounded: where mantissa and power of ten are exact in f64 one multiplication or division is (Clinger
 /// 1990), elsewhere the standard library's parser is asked. `None` where there is no finite number.
 #[inline]
-pub fn scan(bytes: &[u8], decimal: u8) -> Option<(Number, usize)> {
+pub fn scan(bytes: &[u8], decimal: u8) -> Option<(ParsedNumber, usize)> {
     let mut at = 0;
     let negative = match bytes.first() {
         Some(b'-') => {
@@ -68,7 +68,7 @@ pub fn scan(bytes: &[u8], decimal: u8) -> Option<(Number, usize)> {
     } else {
         slow(&bytes[..at], decimal)?
     };
-    value.is_finite().then_some((Number { value, digits }, at))
+    value.is_finite().then_some((ParsedNumber { value, digits }, at))
 }
 
 /// `e-04`, `E+3`, `D02`: the power and its length.
@@ -104,7 +104,7 @@ fn slow(bytes: &[u8], decimal: u8) -> Option<f64> {
 }
 
 /// The number that is the whole of a field, blanks and one pair of quotes around it aside. Thousands may be apart.
-pub fn field(bytes: &[u8], decimal: u8) -> Option<Number> {
+pub fn field(bytes: &[u8], decimal: u8) -> Option<ParsedNumber> {
     let bytes = unquoted(bytes);
     let whole = scan(bytes, decimal).filter(|(_, length)| *length == bytes.len()).map(|(number, _)| number);
     whole.or_else(|| grouped(bytes, decimal))
@@ -113,7 +113,7 @@ pub fn field(bytes: &[u8], decimal: u8) -> Option<Number> {
 /// `1,234.5`, `1.234,5`, `1'234.5`, `1 234`: one to three digits, then groups of three. A comma or a point between
 /// thousands counts only where a decimal mark or a second group follows: `1,234` alone may be 1.234.
 #[cold]
-fn grouped(bytes: &[u8], decimal: u8) -> Option<Number> {
+fn grouped(bytes: &[u8], decimal: u8) -> Option<ParsedNumber> {
     let (sign, unsigned) = match bytes {
         [b'-' | b'+', rest @ ..] => (&bytes[..1], rest),
         _ => (&bytes[..0], bytes),

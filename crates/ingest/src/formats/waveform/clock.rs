@@ -8,9 +8,9 @@ use crate::formats::text::column_names::Unit;
 use crate::formats::waveform::channel::{Waveform, list};
 use crate::formats::waveform::label::{Label, is_named_time};
 use crate::time::grid::{self, Grid, GridError};
-use crate::time::resampling::{self, Interpolation};
+use crate::time::resampling::{self, LinearInterpolation};
 use crate::time::time_unit;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 /// The channel of times of a group.
 struct Clock {
@@ -29,7 +29,7 @@ struct Clock {
 
 /// A uniform rate for the channels of a clock.
 struct Resampling {
-    interpolation: Interpolation,
+    interpolation: LinearInterpolation,
     /// Rate and jitter in words.
     words: String,
     /// A channel was brought to it.
@@ -46,7 +46,13 @@ pub struct Clocks {
 impl Clocks {
     /// A channel holds times if its unit is one of time, or its name is time and it has none, and its values increase.
     /// The first of a group is its clock.
-    pub fn find(file: &str, waveforms: &[Waveform], labels: &[Label], settings: &Settings, notes: &mut Notes) -> Self {
+    pub fn find(
+        file: &str,
+        waveforms: &[Waveform],
+        labels: &[Label],
+        settings: &IngestSettings,
+        notes: &mut Notes,
+    ) -> Self {
         let mut clocks = Self { by_group: BTreeMap::new(), are_times: vec![false; waveforms.len()] };
         for (k, (waveform, label)) in waveforms.iter().zip(labels).enumerate() {
             let Ok(values) = &waveform.values else { continue };
@@ -167,7 +173,7 @@ fn grid_of(
     file: &str,
     label: &Label,
     values: &[f64],
-    settings: &Settings,
+    settings: &IngestSettings,
     notes: &mut Notes,
 ) -> Result<(Grid, Option<Resampling>), IngestError> {
     let place = || Place::file(file).in_column(label.title.clone());

@@ -8,9 +8,9 @@ use crate::formats::waveform::channel::{Waveform, list};
 use crate::formats::waveform::clock::Clocks;
 use crate::formats::waveform::label::{self, Label};
 use crate::formats::waveform::{identity, units};
-use crate::recording::read_channel::{Fitness, Found};
+use crate::recording::read_channel::{Fitness, ReadChannel};
 use crate::recording::unheeded_flags;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 /// What is said once for many channels.
 #[derive(Debug, Default)]
@@ -32,9 +32,9 @@ struct Remarks {
 pub fn channels(
     file: &str,
     mut waveforms: Vec<Waveform>,
-    settings: &Settings,
+    settings: &IngestSettings,
     notes: &mut Notes,
-) -> Result<Vec<(usize, Found)>, IngestError> {
+) -> Result<Vec<(usize, ReadChannel)>, IngestError> {
     let labels: Vec<Label> = waveforms.iter().map(|w| label::label(&w.name, &w.unit)).collect();
     let ids = identity::ids(&waveforms, &labels);
     let aliases = identity::aliases(&waveforms, &labels);
@@ -88,7 +88,7 @@ pub fn channels(
         let fitness =
             acceleration.then_some(Fitness { redundant: false, place: 0, why: "the only acceleration channel" });
         let aliases = aliases.clone();
-        channels.push((k, Found { channel, wave: Some(wave), jitter, fitness, aliases }));
+        channels.push((k, ReadChannel { channel, wave: Some(wave), jitter, fitness, aliases }));
     }
     if channels.is_empty() {
         return Err(remarks.left_out.into_iter().next().unwrap_or_else(|| {

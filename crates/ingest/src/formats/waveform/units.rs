@@ -8,7 +8,7 @@ use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::clock::Clocks;
 use crate::formats::waveform::label::Label;
 use crate::recording::unheeded_flags;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
 
@@ -21,7 +21,7 @@ pub fn kinds(
     labels: &[Label],
     clocks: &Clocks,
     wanted: Option<usize>,
-    settings: &Settings,
+    settings: &IngestSettings,
     notes: &mut Notes,
 ) -> Result<Vec<(QuantityKind, f64)>, IngestError> {
     let stated = settings.unit.as_deref().map(|symbol| acceleration_unit(file, symbol)).transpose()?;

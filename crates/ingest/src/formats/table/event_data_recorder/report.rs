@@ -5,23 +5,28 @@ use std::collections::BTreeSet;
 use crumple_signal::{Notes, QuantityKind};
 
 use crate::formats::reader::Bundle;
-use crate::formats::table::event_data_recorder::tables::{self, Section};
+use crate::formats::table::event_data_recorder::tables::{self, ReportTable};
 use crate::formats::table::one_table::{OneTable, TextAbove, one_table};
 use crate::formats::table::section;
 use crate::recording::content::{PulseRule, Recording};
 use crate::recording::details::Details;
-use crate::recording::read_channel::Found;
-use crate::{IngestError, Settings};
+use crate::recording::read_channel::ReadChannel;
+use crate::{IngestError, IngestSettings};
 
 /// Reads a text that holds several tables, or cells in two units. `None`: it is a table like any other.
-pub fn read(file: &str, text: &[u8], bundle: &Bundle, settings: &Settings) -> Result<Option<Recording>, IngestError> {
+pub fn read(
+    file: &str,
+    text: &[u8],
+    bundle: &Bundle,
+    settings: &IngestSettings,
+) -> Result<Option<Recording>, IngestError> {
     let mut sections = tables::sections(text, file)?;
     if sections.len() < 2 && !sections.iter().any(|section| section.rewritten) {
         return Ok(None);
     }
     if let Some(wanted) = &settings.skip_to {
         let fold = wanted.trim().to_lowercase();
-        let means = |s: &Section| s.heading.iter().any(|line| line.to_lowercase().contains(&fold));
+        let means = |s: &ReportTable| s.heading.iter().any(|line| line.to_lowercase().contains(&fold));
         match sections.iter().position(means) {
             Some(at) => sections = vec![sections.swap_remove(at)],
             // Its refusal says what was not found.
@@ -32,16 +37,16 @@ pub fn read(file: &str, text: &[u8], bundle: &Bundle, settings: &Settings) -> Re
         }
     }
     // One asked for by its title is read as what it was asked for.
-    let is_read = |s: &Section| s.is_pulse || settings.listing || settings.skip_to.is_some();
+    let is_read = |s: &ReportTable| s.is_pulse || settings.listing || settings.skip_to.is_some();
     if !sections.iter().any(is_read) {
         return Ok(None);
     }
     let mut notes = Notes::new();
     let mut details = Details::default();
-    let mut channels: Vec<Found> = Vec::new();
+    let mut channels: Vec<ReadChannel> = Vec::new();
     let mut ids = BTreeSet::new();
     let mut left_out = Vec::new();
-    let of_table = Settings { channel: None, skip_to: None, ..settings.clone() };
+    let of_table = IngestSettings { channel: None, skip_to: None, ..settings.clone() };
     for (k, section) in sections.iter().enumerate() {
         if !is_read(section) {
             left_out.push(section.name());
@@ -82,12 +87,12 @@ pub fn read(file: &str, text: &[u8], bundle: &Bundle, settings: &Settings) -> Re
     Ok(Some(Recording { details, channels, pulse_rule: PulseRule::OnlyOne, contact_at_zero: false, notes }))
 }
 
-fn is_change(found: &Found) -> bool {
+fn is_change(found: &ReadChannel) -> bool {
     found.channel.quantity == QuantityKind::VelocityChange
 }
 
 /// What the heading of its table says of a channel.
-fn of_section(found: &mut Found, section: &Section, number: usize, ids: &mut BTreeSet<String>) {
+fn of_section(found: &mut ReadChannel, section: &ReportTable, number: usize, ids: &mut BTreeSet<String>) {
     let channel = &mut found.channel;
     // A speed before the crash is no change of velocity.
     if !section.is_pulse && channel.quantity == QuantityKind::VelocityChange {
@@ -126,7 +131,7 @@ pub fn hinted(file: &str, text: &[u8], error: IngestError) -> IngestError {
 }
 
 /// What an event data recorder's table is good for.
-pub fn edr_notes(channels: &[Found], details: &mut Details, notes: &mut Notes) {
+pub fn edr_notes(channels: &[ReadChannel], details: &mut Details, notes: &mut Notes) {
     details.no_pulse = !channels.iter().any(|f| f.fitness.is_some());
     details.facts.push(
         "event data recorder (49 CFR 563): time zero is the recorder's, some milliseconds after contact".to_owned(),

@@ -20,7 +20,7 @@ const HEADING_LINES: usize = 20;
 
 /// One table of a report, ready to be read as a table of its own.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Section {
+pub struct ReportTable {
     /// The last line of text above the names; empty where there is none.
     pub title: String,
     /// All lines of text above the names.
@@ -37,7 +37,7 @@ pub struct Section {
     pub rewritten: bool,
 }
 
-impl Section {
+impl ReportTable {
     /// The axis that its heading speaks of.
     pub fn axis(&self) -> Option<crumple_signal::Axis> {
         self.heading.iter().rev().find_map(|line| axis(line))
@@ -56,7 +56,7 @@ struct Seen<'a> {
 }
 
 /// The tables of a report that have a line of names, in its order.
-pub fn sections(text: &[u8], file: &str) -> Result<Vec<Section>, IngestError> {
+pub fn sections(text: &[u8], file: &str) -> Result<Vec<ReportTable>, IngestError> {
     let mut lines = Vec::new();
     let (mut offset, mut number) = (0, 1);
     while offset < text.len() {
@@ -175,7 +175,7 @@ fn section(
     rows: std::ops::Range<usize>,
     delimiter: u8,
     heading: Vec<String>,
-) -> Section {
+) -> ReportTable {
     let mut notes = Notes::new();
     let names = cells(lines[header].bytes, delimiter);
     let table: Vec<Vec<&[u8]>> =
@@ -242,7 +242,7 @@ fn section(
     let acceleration = columns.iter().any(|c| is_acceleration(&c.title));
     let is_pulse = change || acceleration || title_of_a_pulse(&title);
     let text = plain_text(lines, header, rows, delimiter, &columns);
-    Section { title, heading, text, is_pulse, only_a_change: change && !acceleration, notes, rewritten }
+    ReportTable { title, heading, text, is_pulse, only_a_change: change && !acceleration, notes, rewritten }
 }
 
 /// Whether a column is named as a change of velocity or an acceleration.
