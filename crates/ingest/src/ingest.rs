@@ -49,9 +49,9 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
     let allow_missing = choices.allow_missing.unwrap_or(false) || recording.details.no_pulse;
     // A change of velocity is named as the pulse, and has none of the checks of an acceleration.
     let (pulse, change) = if recording.details.no_pulse {
-        (None, choice::velocity_change(file, &recording, choices.channel.as_deref(), &mut notes)?)
+        (None, choice::choose_velocity_change(file, &recording, choices.channel.as_deref(), &mut notes)?)
     } else {
-        (choice::choose(file, &recording, choices.channel.as_deref(), allow_missing, &mut notes)?, None)
+        (choice::choose_pulse(file, &recording, choices.channel.as_deref(), allow_missing, &mut notes)?, None)
     };
 
     if let Some(pulse) = pulse {
@@ -81,11 +81,11 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
         recording.channels.iter().filter(|f| f.fitness.is_some()).map(|f| f.channel.id.clone()).collect();
     let waves = take_waves(&mut recording);
     let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
-    channel_quality::notes(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
+    channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
     let pulse_id = pulse_id.or(change.map(|k| recording.channels[k].channel.id.clone()));
 
     let channels: Vec<Channel> = recording.channels.into_iter().map(|read| read.channel).collect();
-    redundant_sensors::notes(&channels, &waves, &same_place, speed, &mut notes);
+    redundant_sensors::check(&channels, &waves, &same_place, speed, &mut notes);
 
     let details = recording.details;
     let words = |stated: Option<Stated<String>>| stated.map(|s| s.value);
@@ -184,11 +184,11 @@ fn set_time_zero(
     match &recording.details.time_zero_s {
         Some(Stated { value, from }) => {
             if *value != 0.0 {
-                for found in &mut recording.channels {
-                    if let Some(wave) = &found.wave {
+                for read in &mut recording.channels {
+                    if let Some(wave) = &read.wave {
                         let shifted =
                             time_zero::shift(wave, *value).map_err(|error| overflow(file, &error.to_string()))?;
-                        found.wave = Some(shifted);
+                        read.wave = Some(shifted);
                     }
                 }
             }
@@ -206,7 +206,7 @@ fn set_time_zero(
         }
     }
     match pulse.and_then(|k| recording.channels[k].wave.as_ref()) {
-        Some(wave) => time_zero::require(file, wave),
+        Some(wave) => time_zero::require_contact(file, wave),
         None => Ok(()),
     }
 }

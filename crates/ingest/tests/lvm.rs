@@ -213,7 +213,8 @@ proptest! {
             let end = if replace { (at + 5).min(bytes.len()) } else { at };
             bytes.splice(at..end, PIECES[piece].iter().copied());
         }
-        let settings = IngestSettings { allow_missing: Some(true), channel: Some("1".to_owned()), ..IngestSettings::default() };
+        let channel = Some("1".to_owned());
+        let settings = IngestSettings { allow_missing: Some(true), channel, ..IngestSettings::default() };
         for settings in [IngestSettings::default(), settings] {
             match Bundle::from_bytes("t.lvm", bytes.clone()).and_then(|bundle| ingest(&bundle, &settings)) {
                 Ok(record) => {

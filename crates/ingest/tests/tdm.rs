@@ -207,8 +207,8 @@ proptest! {
         }
         tdx.truncate(length.index(2 * tdx.len()));
         if let Ok(recording) = read(&tdm, &tdx) {
-            let finite = |found: &ReadChannel| found.wave.as_ref().is_none_or(|w| w.samples().iter().all(|x| x.is_finite()));
-            prop_assert!(recording.channels.iter().all(finite));
+            let mut waves = recording.channels.iter().filter_map(|read| read.wave.as_ref());
+            prop_assert!(waves.all(|wave| wave.samples().iter().all(|x| x.is_finite())));
         }
     }
 }

@@ -174,8 +174,8 @@ fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
     for extension in ["ev5", "mme", "chn"] {
         let is_it =
             |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension)) && path.is_file();
-        let found: Vec<&PathBuf> = places.iter().filter(is_it).collect();
-        match found.as_slice() {
+        let candidates: Vec<&PathBuf> = places.iter().filter(is_it).collect();
+        match candidates.as_slice() {
             [one] => return Ok((*one).clone()),
             [] => {}
             several => {

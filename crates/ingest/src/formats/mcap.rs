@@ -44,12 +44,12 @@ impl Reader for Mcap {
         let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
         let topics = topics(file, bytes)?;
         if topics.get("/test").is_some_and(|t| t.kind.starts_with("crumple.Test.v")) {
-            let mut recording = of_artifact(file, bytes)?;
+            let mut recording = read_artifact(file, bytes)?;
             let why = "channels and samples of an artifact are as its stage left them";
             unheeded_flags::warn_except(settings, self.relevant_flags(), why, &mut recording.notes);
             return Ok(recording);
         }
-        of_messages(file, bytes, &topics, settings)
+        read_messages(file, bytes, &topics, settings)
     }
 }
 
@@ -201,11 +201,11 @@ fn plan(name: &str, topic: &Topic, named: &[Field], unit: Option<(QuantityKind, 
             .collect();
         return (is_imu(&topic.kind) && readable).then(|| (imu_components(), paths));
     }
-    let mine: Vec<&Field> = named.iter().filter(|f| f.topic.is_none_or(|t| t == name)).collect();
+    let of_topic: Vec<&Field> = named.iter().filter(|f| f.topic.is_none_or(|t| t == name)).collect();
     let (quantity, factor) = unit.unwrap_or((QuantityKind::Other, 1.0));
     let component = |f: &&Field| Component { name: f.path.to_owned(), quantity, axis: None, factor };
-    (matches!(topic.encoding.as_str(), "json" | "protobuf") && !mine.is_empty())
-        .then(|| (mine.iter().map(component).collect(), mine.iter().map(|f| f.path.to_owned()).collect()))
+    (matches!(topic.encoding.as_str(), "json" | "protobuf") && !of_topic.is_empty())
+        .then(|| (of_topic.iter().map(component).collect(), of_topic.iter().map(|f| f.path.to_owned()).collect()))
 }
 
 /// The unit of the fields named.
@@ -275,7 +275,7 @@ impl Collected {
     }
 }
 
-fn of_messages(
+fn read_messages(
     file: &str,
     bytes: &[u8],
     topics: &BTreeMap<String, Topic>,
@@ -289,19 +289,19 @@ fn of_messages(
     }
     let plans: BTreeMap<&str, Plan> =
         topics.iter().filter_map(|(name, topic)| Some((name.as_str(), plan(name, topic, &named, unit)?))).collect();
-    let mut found = Collected::default();
+    let mut collected = Collected::default();
     messages_of(file, bytes, |message| {
         if let Some(plan) = plans.get(message.topic) {
-            found.take(&message, plan);
+            collected.take(&message, plan);
         }
     })?;
-    if found.tracks.is_empty() {
-        return Err(nothing(file, topics, &named, &found));
+    if collected.tracks.is_empty() {
+        return Err(no_channel_error(file, topics, &named, &collected));
     }
-    for (topic, count) in found.unread.iter().filter(|(topic, _)| found.tracks.contains_key(*topic)) {
+    for (topic, count) in collected.unread.iter().filter(|(topic, _)| collected.tracks.contains_key(*topic)) {
         notes.warning(format!("topic {topic}: {count} messages do not hold the fields and are left out"));
     }
-    if found.by_log_time {
+    if collected.by_log_time {
         notes.warning(
             "messages without a stamp of their own: the time of recording is taken for the time of measurement",
         );
@@ -311,10 +311,15 @@ fn of_messages(
             "no unit is known for the fields: kept as read, quantity other; --unit m/s^2 or --unit g states it",
         );
     }
-    messages::recording(file, &found.tracks, settings, notes)
+    messages::recording(file, &collected.tracks, settings, notes)
 }
 
-fn nothing(file: &str, topics: &BTreeMap<String, Topic>, named: &[Field], collected: &Collected) -> IngestError {
+fn no_channel_error(
+    file: &str,
+    topics: &BTreeMap<String, Topic>,
+    named: &[Field],
+    collected: &Collected,
+) -> IngestError {
     if let Some(field) = named.first() {
         if let Some(problem) = collected.decoders.values().find_map(|d| d.as_ref().err()) {
             let hint = "record it with its schema (a FileDescriptorSet), or export the acceleration as CSV";
@@ -345,7 +350,7 @@ fn nothing(file: &str, topics: &BTreeMap<String, Topic>, named: &[Field], collec
 }
 
 /// The test and the waves of an artifact of any stage, as they are.
-fn of_artifact(file: &str, bytes: &[u8]) -> Result<Recording, IngestError> {
+fn read_artifact(file: &str, bytes: &[u8]) -> Result<Recording, IngestError> {
     let refuse = |found: String| {
         IngestError::content(
             Place::file(file),
@@ -381,20 +386,20 @@ fn of_artifact(file: &str, bytes: &[u8]) -> Result<Recording, IngestError> {
         no_pulse: false,
         facts,
     };
-    let found = |channel: Channel| {
+    let read = |channel: Channel| {
         let wave = artifact.waves().get(&channel.id).filter(|w| w.quantity == channel.quantity);
         let is_pulse = test.pulse.as_deref() == Some(channel.id.as_str());
         let fitness = (channel.quantity == QuantityKind::Acceleration && (is_pulse || test.pulse.is_none()))
             .then_some(Fitness { redundant: false, place: 0, why: "the pulse of the artifact" });
-        ReadChannel { wave: wave.map(|w| w.sampled.clone()), jitter: 0.0, fitness, aliases: Vec::new(), channel }
+        ReadChannel { wave: wave.map(|w| w.sampled.clone()), fitness, ..ReadChannel::new(channel) }
     };
-    let mut channels: Vec<ReadChannel> = test.channels.iter().cloned().map(found).collect();
+    let mut channels: Vec<ReadChannel> = test.channels.iter().cloned().map(read).collect();
     for (id, wave) in artifact.waves() {
         if !test.channels.iter().any(|c| c.id == *id && c.quantity == wave.quantity) {
             // A wave that the test does not list, or lists as something else, such as a displacement of the pulse.
             let taken = channels.iter().any(|f| f.channel.id == *id);
             let name = if taken { format!("{id}-{}", wave.quantity) } else { id.clone() };
-            let mut extra = found(Channel::new(name, wave.quantity));
+            let mut extra = read(Channel::new(name, wave.quantity));
             extra.wave = Some(wave.sampled.clone());
             channels.push(extra);
         }

@@ -61,7 +61,7 @@ pub struct Topic {
 /// The six components of an IMU message.
 pub fn imu_components() -> Vec<Component> {
     let axes = [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];
-    let of = |what: &str, quantity| {
+    let components_along_axes = |what: &str, quantity| {
         axes.map(|(letter, axis)| Component {
             name: format!("{what}_{letter}"),
             quantity,
@@ -69,7 +69,11 @@ pub fn imu_components() -> Vec<Component> {
             factor: 1.0,
         })
     };
-    [of("acceleration", QuantityKind::Acceleration), of("angular_velocity", QuantityKind::AngularVelocity)].concat()
+    [
+        components_along_axes("acceleration", QuantityKind::Acceleration),
+        components_along_axes("angular_velocity", QuantityKind::AngularVelocity),
+    ]
+    .concat()
 }
 
 /// Whether a type name is that of an IMU message: `sensor_msgs/Imu`, `sensor_msgs/msg/Imu`,
@@ -234,8 +238,8 @@ fn message_error(file: &str, topic: &str, index: usize, found: String, hint: &st
     IngestError::content(place, found, "stamps at equal steps", hint)
 }
 
-/// The grid of stamps: as they are, or the one of `--resample`. Errors: stamps that do not increase, or are uneven and no
-/// rate is asked for.
+/// The grid of stamps: as they are, or the one of `--resample`. Errors: stamps that do not increase, or are uneven and
+/// no rate is asked for.
 fn track_grid(
     file: &str,
     topic: &str,
@@ -333,7 +337,7 @@ fn track_channels(
                 why: "the only acceleration",
             });
             let aliases = vec![component.name.clone(), format!("{topic}:{}", component.name)];
-            Ok(ReadChannel { channel, wave: Some(wave), jitter: grid.jitter, fitness, aliases })
+            Ok(ReadChannel { wave: Some(wave), jitter: grid.jitter, fitness, aliases, ..ReadChannel::new(channel) })
         })
         .collect()
 }

@@ -107,7 +107,7 @@ const BY_ENDING: &[(&[&str], &str, &str)] = &[
 ];
 
 /// What a file of unknown content may be by its name, and what to do instead.
-pub fn by_ending(file: &str) -> Option<(&'static str, &'static str)> {
+pub fn recognise_ending(file: &str) -> Option<(&'static str, &'static str)> {
     let ending = file.rsplit_once('.')?.1.to_ascii_lowercase();
     BY_ENDING
         .iter()
@@ -182,8 +182,8 @@ mod tests {
 
     #[test]
     fn an_ending_tells_what_the_content_does_not() {
-        assert!(by_ending("v01234.UDS").unwrap().1.contains("EV5 ASCII"));
-        assert_eq!(by_ending("a.xyz"), None);
+        assert!(recognise_ending("v01234.UDS").unwrap().1.contains("EV5 ASCII"));
+        assert_eq!(recognise_ending("a.xyz"), None);
     }
 
     #[test]

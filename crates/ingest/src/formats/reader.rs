@@ -36,7 +36,8 @@ pub trait Reader: Sync {
         false
     }
 
-    /// Flags about the form of a file that have an effect here, by their names, `--unit`; others given are warned about.
+    /// Flags about the form of a file that have an effect here, by their names, `--unit`; others given are warned
+    /// about.
     fn relevant_flags(&self) -> &'static [&'static str] {
         &[]
     }

@@ -37,8 +37,8 @@ pub struct ListedChannel {
 }
 
 impl ListedChannel {
-    fn new(found: &ReadChannel) -> Self {
-        let channel = &found.channel;
+    fn new(read: &ReadChannel) -> Self {
+        let channel = &read.channel;
         Self {
             id: channel.id.clone(),
             code: channel.code.clone(),
@@ -46,13 +46,13 @@ impl ListedChannel {
             axis: channel.axis.map(|a| a.to_string()),
             quantity: channel.quantity.to_string(),
             unit: channel.quantity.si_unit().to_owned(),
-            rate_hz: found.wave.as_ref().map(|w| (w.rate_hz() * 1e6).round() / 1e6),
-            samples: found.wave.as_ref().map_or(0, crumple_signal::Sampled::len),
+            rate_hz: read.wave.as_ref().map(|w| (w.rate_hz() * 1e6).round() / 1e6),
+            samples: read.wave.as_ref().map_or(0, crumple_signal::Sampled::len),
             cfc: channel.cfc,
             status: {
                 // Its file is here and damaged, which is another thing than a file that is not here; the comment says
                 // how.
-                let status = found.unread().map_or_else(|| channel.status.to_string(), |_| "not read".to_owned());
+                let status = read.unread.as_ref().map_or_else(|| channel.status.to_string(), |_| "not read".to_owned());
                 if channel.redundant { format!("{status}, redundant") } else { status }
             },
             comment: channel.comment.clone(),

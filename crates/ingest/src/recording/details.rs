@@ -104,7 +104,7 @@ pub fn from_comments<'a>(
 }
 
 /// One layer of statements over another; a differing value below is noted. `show` writes a value for people.
-pub fn over<T: PartialEq>(
+pub fn overrule<T: PartialEq>(
     below: &mut Option<Stated<T>>,
     value: Option<T>,
     from: &str,
@@ -122,11 +122,11 @@ pub fn over<T: PartialEq>(
 /// Puts the statements of a sidecar or of flags over those of the record.
 pub fn apply(details: &mut Details, settings: &IngestSettings, from: &str, notes: &mut Notes) {
     let text = |t: &String| format!("{t:?}");
-    over(&mut details.title, settings.title.clone(), from, "title", text, notes);
-    over(&mut details.vehicle, settings.vehicle.clone(), from, "vehicle", text, notes);
-    over(&mut details.barrier, settings.barrier.clone(), from, "barrier", text, notes);
-    over(&mut details.mass_kg, settings.mass.map(Mass::si), from, "mass", |kg| format!("{kg} kg"), notes);
-    over(
+    overrule(&mut details.title, settings.title.clone(), from, "title", text, notes);
+    overrule(&mut details.vehicle, settings.vehicle.clone(), from, "vehicle", text, notes);
+    overrule(&mut details.barrier, settings.barrier.clone(), from, "barrier", text, notes);
+    overrule(&mut details.mass_kg, settings.mass.map(Mass::si), from, "mass", |kg| format!("{kg} kg"), notes);
+    overrule(
         &mut details.impact_speed_m_per_s,
         settings.impact_speed.map(Speed::si),
         from,
@@ -134,7 +134,14 @@ pub fn apply(details: &mut Details, settings: &IngestSettings, from: &str, notes
         |v| format!("{v} m/s"),
         notes,
     );
-    over(&mut details.time_zero_s, settings.time_zero.map(Time::si), from, "time zero", |t| format!("{t} s"), notes);
+    overrule(
+        &mut details.time_zero_s,
+        settings.time_zero.map(Time::si),
+        from,
+        "time zero",
+        |t| format!("{t} s"),
+        notes,
+    );
 }
 
 /// Checks that mass and impact speed are stated and sensible. `allow_missing` lets them be unknown, not wrong.

@@ -7,7 +7,7 @@ use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind, Sampled};
 
 use crate::formats::ev5::records::Curve;
 use crate::formats::ev5::{code, sensor, signal_file};
-use crate::recording::read_channel::{NOT_READ, ReadChannel};
+use crate::recording::read_channel::ReadChannel;
 use crate::time::grid::{self, Grid, GridError};
 use crate::{IngestError, Place};
 
@@ -35,36 +35,37 @@ pub fn channel(
     channel.filter_state = curve.prefilter_hz.map(|hz| format!("low-pass {hz} Hz"));
     channel.sensor = sensor::words(curve);
 
-    let mut wave = None;
-    let mut jitter = 0.0;
-    match files.get(&curve.number) {
-        None if channel.status != ChannelStatus::NotInstalled => channel.status = ChannelStatus::Absent,
-        None => {}
+    // Two digits and three name the file; people copy either.
+    let mut aliases = vec![format!("{:03}", curve.number), format!("{:02}", curve.number)];
+    aliases.extend(channel.code.clone());
+    aliases.extend([curve.attachment.clone(), format!("{} {}", curve.attachment, curve.axis)]);
+    let fitness = sensor::fitness(curve, vehicle).filter(|_| quantity == QuantityKind::Acceleration);
+    let read = match files.get(&curve.number) {
+        None => {
+            if channel.status != ChannelStatus::NotInstalled {
+                channel.status = ChannelStatus::Absent;
+            }
+            ReadChannel::new(channel)
+        }
         Some((file, bytes)) => match samples(curve, file, bytes, factor, notes) {
-            Ok((sampled, grid_jitter)) => {
+            Ok((samples, jitter)) => {
                 if channel.status == ChannelStatus::NotInstalled {
                     notes.warning(format!(
                         "channel {id} is listed as not installed, but {file} is here: taken as questionable"
                     ));
                     channel.status = ChannelStatus::Questionable;
                 }
-                (wave, jitter) = (Some(sampled), grid_jitter);
+                ReadChannel { wave: Some(samples), jitter, ..ReadChannel::new(channel) }
             }
             Err(error) if wanted => return Err(error),
             Err(error) => {
                 notes.warning(format!("channel {id} is left out: {error}"));
-                channel.status = ChannelStatus::Absent;
                 let remark = channel.comment.take().map_or_else(String::new, |comment| format!("; {comment}"));
-                channel.comment = Some(format!("{NOT_READ}{error}{remark}"));
+                ReadChannel::without_readable_file(channel, format!("{error}{remark}"))
             }
         },
-    }
-    // Two digits and three name the file; people copy either.
-    let mut aliases = vec![format!("{:03}", curve.number), format!("{:02}", curve.number)];
-    aliases.extend(channel.code.clone());
-    aliases.extend([curve.attachment.clone(), format!("{} {}", curve.attachment, curve.axis)]);
-    let fitness = sensor::fitness(curve, vehicle).filter(|_| quantity == QuantityKind::Acceleration);
-    Ok(ReadChannel { channel, wave, jitter, fitness, aliases })
+    };
+    Ok(ReadChannel { fitness, aliases, ..read })
 }
 
 fn samples(

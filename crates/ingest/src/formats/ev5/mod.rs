@@ -116,7 +116,7 @@ fn channel_notes(channels: &[ReadChannel], notes: &mut Notes) {
         channels.iter().filter(|f| f.channel.status == status).filter_map(|f| f.channel.id.parse().ok()).collect()
     };
     let (absent, not_installed) = (with(ChannelStatus::Absent), with(ChannelStatus::NotInstalled));
-    let unread = |id: &u32| channels.iter().any(|f| f.channel.id == id.to_string() && f.unread().is_some());
+    let unread = |id: &u32| channels.iter().any(|f| f.channel.id == id.to_string() && f.unread.is_some());
     let absent: Vec<u32> = absent.into_iter().filter(|id| !unread(id)).collect();
     if !absent.is_empty() {
         notes.info(format!(
@@ -129,8 +129,8 @@ fn channel_notes(channels: &[ReadChannel], notes: &mut Notes) {
     if !not_installed.is_empty() {
         notes.info(format!("{} listed channels were not installed: {}", not_installed.len(), ranges(&not_installed)));
     }
-    for found in channels.iter().filter(|f| f.wave.is_some()) {
-        let channel = &found.channel;
+    for read in channels.iter().filter(|f| f.wave.is_some()) {
+        let channel = &read.channel;
         if matches!(channel.status, ChannelStatus::Questionable | ChannelStatus::Failed) {
             let comment = channel.comment.as_deref().unwrap_or("without a comment");
             notes.warning(format!("channel {} is {} by its laboratory: {comment}", channel.id, channel.status));

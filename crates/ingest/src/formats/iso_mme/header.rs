@@ -91,7 +91,7 @@ impl Header {
 
     /// The first known value of a keyword; empty, `NOVALUE` and the like are unknown.
     pub fn text(&self, keyword: &str) -> Option<&str> {
-        self.entries.iter().filter(|e| e.keyword == keyword).find_map(|e| known(&e.value))
+        self.entries.iter().filter(|e| e.keyword == keyword).find_map(|e| stated_value(&e.value))
     }
 
     /// The line of a keyword.
@@ -106,7 +106,7 @@ impl Header {
 
     /// All known entries as keyword in small letters and value.
     pub fn entries(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.entries.iter().filter_map(|e| Some((e.keyword.as_str(), known(&e.value)?)))
+        self.entries.iter().filter_map(|e| Some((e.keyword.as_str(), stated_value(&e.value)?)))
     }
 
     /// All known entries whose keyword is not in the list, as `Keyword: value`, repeated ones included.
@@ -114,7 +114,7 @@ impl Header {
         self.entries
             .iter()
             .filter(|e| !keywords.contains(&e.keyword.as_str()))
-            .filter_map(|e| Some(format!("{}: {}", e.title, known(&e.value)?)))
+            .filter_map(|e| Some(format!("{}: {}", e.title, stated_value(&e.value)?)))
             .collect()
     }
 }
@@ -124,7 +124,7 @@ pub fn number(text: &str) -> Option<f64> {
     text.parse().or_else(|_| text.replace(',', ".").parse()).ok().filter(|x: &f64| x.is_finite())
 }
 
-fn known(value: &str) -> Option<&str> {
+fn stated_value(value: &str) -> Option<&str> {
     let upper = value.to_ascii_uppercase();
     (!matches!(upper.as_str(), "" | "NOVALUE" | "NONE" | "NO VALUE" | "N/A" | "UNKNOWN" | "-")).then_some(value)
 }

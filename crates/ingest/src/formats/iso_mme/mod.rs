@@ -17,7 +17,7 @@ use crate::formats::reader::{Bundle, Reader, stem};
 use crate::pulse::place_rank;
 use crate::recording::content::{PulseRule, Recording};
 use crate::recording::details::Details;
-use crate::recording::read_channel::{Fitness, NOT_READ, ReadChannel};
+use crate::recording::read_channel::{Fitness, ReadChannel};
 use crate::recording::unheeded_flags;
 use crate::{IngestError, IngestSettings, Place};
 use channel_file::ChannelFile;
@@ -90,7 +90,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestE
             Ok(file) => parsed.push((name, file)),
             Err(error) if single && *name == main.name => return Err(error),
             Err(error) if single => notes.info(format!("{name} is not read: {error}")),
-            Err(error) => unread.push(left_out(name, &error, &mut notes)),
+            Err(error) => unread.push(unread_channel(name, &error, &mut notes)),
         }
     }
     // By number: names may differ in case.
@@ -106,46 +106,44 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestE
         if single && *name != main.name {
             continue;
         }
-        match channel::found(name, file, &parsed, settings, &mut taken, &mut notes) {
-            Ok(found) => channels.push(found),
+        match channel::channel_of_file(name, file, &parsed, settings, &mut taken, &mut notes) {
+            Ok(read) => channels.push(read),
             Err(error) if single => return Err(error),
-            Err(error) => channels.push(left_out(name, &error, &mut notes)),
+            Err(error) => channels.push(unread_channel(name, &error, &mut notes)),
         }
     }
     if single {
-        for found in &mut channels {
-            if found.channel.quantity == QuantityKind::Acceleration {
-                found.fitness = Some(Fitness { redundant: false, place: 0, why: "the only channel of the file" });
+        for read in &mut channels {
+            if read.channel.quantity == QuantityKind::Acceleration {
+                read.fitness = Some(Fitness { redundant: false, place: 0, why: "the only channel of the file" });
             }
         }
     } else {
         let vehicle = settings.vehicle_number.unwrap_or(1);
-        for found in channels.iter_mut().filter(|f| f.channel.quantity == QuantityKind::Acceleration) {
-            let code = found.channel.code.as_deref().and_then(|c| IsoCode::parse(c).ok());
-            found.fitness = code.and_then(|(code, _)| place_rank::fitness(&code, vehicle));
+        for read in channels.iter_mut().filter(|f| f.channel.quantity == QuantityKind::Acceleration) {
+            let code = read.channel.code.as_deref().and_then(|c| IsoCode::parse(c).ok());
+            read.fitness = code.and_then(|(code, _)| place_rank::fitness(&code, vehicle));
         }
         channels.extend(unread);
         if let Some((name, bytes)) = part(".chn") {
-            listed_only(name, &Header::parse(name, bytes)?, &mut channels, &mut taken, &mut notes);
+            add_listed_channels(name, &Header::parse(name, bytes)?, &mut channels, &mut taken, &mut notes);
         }
-        doubted(&channels, &mut notes);
+        warn_of_doubtful(&channels, &mut notes);
     }
     let pulse_rule = if single { PulseRule::OnlyOne } else { PulseRule::Fittest };
     Ok(Recording { details, channels, pulse_rule, contact_at_zero: true, notes })
 }
 
 /// A channel whose file cannot be read: listed without data, the reason in its comment.
-fn left_out(name: &str, error: &IngestError, notes: &mut Notes) -> ReadChannel {
+fn unread_channel(name: &str, error: &IngestError, notes: &mut Notes) -> ReadChannel {
     notes.warning(format!("a channel is left out: {error}"));
     let id = name.rsplit_once('.').map_or(name, |(_, number)| number);
-    let mut channel = Channel::new(format!("file-{id}"), QuantityKind::Other);
-    channel.status = ChannelStatus::Absent;
-    channel.comment = Some(format!("{NOT_READ}{error}"));
-    ReadChannel { channel, wave: None, jitter: 0.0, fitness: None, aliases: vec![id.to_owned()] }
+    let channel = Channel::new(format!("file-{id}"), QuantityKind::Other);
+    ReadChannel { aliases: vec![id.to_owned()], ..ReadChannel::without_readable_file(channel, error.to_string()) }
 }
 
 /// Channels of the list that have no file. The list's numbers are not reliable, its codes are compared.
-fn listed_only(
+fn add_listed_channels(
     name: &str,
     list: &Header,
     channels: &mut Vec<ReadChannel>,
@@ -164,9 +162,9 @@ fn listed_only(
         if channels.iter().any(|f| f.channel.code.as_deref() == Some(code.as_str())) {
             continue;
         }
-        let mut channel = channel::of_code(&code, channel::unique(code.as_str(), taken));
+        let mut channel = channel::channel_of_code(&code, channel::unique_id(code.as_str(), taken));
         channel.status = ChannelStatus::Absent;
-        channels.push(ReadChannel { channel, wave: None, jitter: 0.0, fitness: None, aliases: Vec::new() });
+        channels.push(ReadChannel::new(channel));
         absent += 1;
     }
     if absent > 0 {
@@ -177,13 +175,13 @@ fn listed_only(
     }
 }
 
-fn doubted(channels: &[ReadChannel], notes: &mut Notes) {
-    for found in channels.iter().filter(|f| f.wave.is_some()) {
-        if matches!(found.channel.status, ChannelStatus::Questionable | ChannelStatus::Failed) {
-            let comment = found.channel.comment.as_deref().unwrap_or("without a comment");
+fn warn_of_doubtful(channels: &[ReadChannel], notes: &mut Notes) {
+    for read in channels.iter().filter(|f| f.wave.is_some()) {
+        if matches!(read.channel.status, ChannelStatus::Questionable | ChannelStatus::Failed) {
+            let comment = read.channel.comment.as_deref().unwrap_or("without a comment");
             notes.warning(format!(
                 "channel {} is {} by its laboratory: {comment}",
-                found.channel.id, found.channel.status
+                read.channel.id, read.channel.status
             ));
         }
     }

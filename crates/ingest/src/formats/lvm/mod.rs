@@ -96,7 +96,7 @@ pub fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recor
         let group = if several { format!("segment_{}", k + 1) } else { String::new() };
         waveforms.extend(segment.waveforms(&group, &file_header, &mut notes));
     }
-    let channels = conversion::channels(file, waveforms, settings, &mut notes)?;
+    let channels = conversion::to_channels(file, waveforms, settings, &mut notes)?;
     let mut channels: Vec<ReadChannel> = channels.into_iter().map(|(_, found)| found).collect();
     let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
     Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })

@@ -133,12 +133,12 @@ fn read(message: &[u8], path: &Path) -> Option<Value> {
             Cow::Owned(bytes) => Cow::Owned(inner_message(&bytes, step)?.into_owned()),
         };
     }
-    let (mut found, mut count) = (None, 0);
-    wire::each(&message, |field, raw| {
+    let (mut value, mut count) = (None, 0);
+    wire::for_each_field(&message, |field, raw| {
         if field == last.field {
-            values(raw, path.number, |value| {
+            values(raw, path.number, |next| {
                 if last.index.is_none_or(|index| index == count) {
-                    found = Some(value);
+                    value = Some(next);
                 }
                 count += 1;
             })?;
@@ -146,13 +146,13 @@ fn read(message: &[u8], path: &Path) -> Option<Value> {
         Some(())
     })?;
     let zero = if path.number.is_whole() { Value::Whole(0) } else { Value::Real(0.0) };
-    found.or((last.index.is_none() && !last.presence).then_some(zero))
+    value.or((last.index.is_none() && !last.presence).then_some(zero))
 }
 
 /// A message in a message. What was sent in several parts counts as one.
 fn inner_message<'a>(message: &'a [u8], step: &Step) -> Option<Cow<'a, [u8]>> {
     let mut parts: Vec<&[u8]> = Vec::new();
-    wire::each(message, |field, raw| {
+    wire::for_each_field(message, |field, raw| {
         if field == step.field {
             parts.push(raw.bytes()?);
         }
@@ -169,16 +169,16 @@ fn inner_message<'a>(message: &'a [u8], step: &Step) -> Option<Cow<'a, [u8]>> {
 /// Tells `each` number of a field: one, or several in a row.
 fn values(raw: WireValue, number: NumberType, mut each: impl FnMut(Value)) -> Option<()> {
     match (raw, number.size()) {
-        (WireValue::Varint(bits), None) => each(number.of_varint(bits)),
-        (WireValue::Eight(bytes), Some(8)) => each(number.of_bits(u64::from_le_bytes(bytes))),
-        (WireValue::Four(bytes), Some(4)) => each(number.of_bits(u64::from(u32::from_le_bytes(bytes)))),
+        (WireValue::Varint(bits), None) => each(number.value_of_varint(bits)),
+        (WireValue::Eight(bytes), Some(8)) => each(number.value_of_bits(u64::from_le_bytes(bytes))),
+        (WireValue::Four(bytes), Some(4)) => each(number.value_of_bits(u64::from(u32::from_le_bytes(bytes)))),
         (WireValue::Bytes(packed), size) => {
             let mut reader = WireReader(packed);
             while !reader.0.is_empty() {
                 each(match size {
-                    None => number.of_varint(reader.varint()?),
-                    Some(8) => number.of_bits(u64::from_le_bytes(reader.take()?)),
-                    Some(_) => number.of_bits(u64::from(u32::from_le_bytes(reader.take()?))),
+                    None => number.value_of_varint(reader.varint()?),
+                    Some(8) => number.value_of_bits(u64::from_le_bytes(reader.take()?)),
+                    Some(_) => number.value_of_bits(u64::from(u32::from_le_bytes(reader.take()?))),
                 });
             }
         }
@@ -201,7 +201,7 @@ impl NumberType {
         !matches!(self, Self::Double | Self::Float)
     }
 
-    fn of_varint(self, bits: u64) -> Value {
+    fn value_of_varint(self, bits: u64) -> Value {
         Value::Whole(match self {
             Self::UInt => i128::from(bits),
             // 0, -1, 1, -2, ... as 0, 1, 2, 3, ...
@@ -210,7 +210,7 @@ impl NumberType {
         })
     }
 
-    fn of_bits(self, bits: u64) -> Value {
+    fn value_of_bits(self, bits: u64) -> Value {
         match self {
             Self::Double => Value::Real(f64::from_bits(bits)),
             Self::Float => Value::Real(f64::from(f32::from_bits(bits as u32))),

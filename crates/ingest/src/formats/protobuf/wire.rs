@@ -78,7 +78,7 @@ impl<'a> WireReader<'a> {
 }
 
 /// Tells `each` field of a message in the order of its bytes. `None` if they are no message, or `each` says so.
-pub fn each<'a>(message: &'a [u8], mut each: impl FnMut(u32, WireValue<'a>) -> Option<()>) -> Option<()> {
+pub fn for_each_field<'a>(message: &'a [u8], mut each: impl FnMut(u32, WireValue<'a>) -> Option<()>) -> Option<()> {
     let mut reader = WireReader(message);
     while let Some((number, raw)) = reader.field()? {
         each(number, raw)?;
@@ -94,19 +94,19 @@ mod tests {
     fn fields_come_as_the_encoding_guide_has_them() {
         // Field 1 = 150, field 2 = "testing": the two examples of the protobuf encoding guide.
         let bytes = [&[0x08, 0x96, 0x01, 0x12, 0x07][..], b"testing"].concat();
-        let mut found = Vec::new();
-        each(&bytes, |number, raw| {
-            found.push((number, raw));
+        let mut fields = Vec::new();
+        for_each_field(&bytes, |number, raw| {
+            fields.push((number, raw));
             Some(())
         })
         .unwrap();
-        assert_eq!(found, [(1, WireValue::Varint(150)), (2, WireValue::Bytes(b"testing"))]);
+        assert_eq!(fields, [(1, WireValue::Varint(150)), (2, WireValue::Bytes(b"testing"))]);
     }
 
     #[test]
     fn what_is_cut_short_or_too_long_is_no_message() {
         for bytes in [&[0x08][..], &[0x12, 0x07, b't'], &[0xFF; 11], &[0x00, 0x00], &[0x0B, 0x0C], &[0x09, 1, 2]] {
-            assert_eq!(each(bytes, |_, _| Some(())), None, "{bytes:?}");
+            assert_eq!(for_each_field(bytes, |_, _| Some(())), None, "{bytes:?}");
         }
     }
 }

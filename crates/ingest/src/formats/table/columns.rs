@@ -75,7 +75,7 @@ pub fn channels(
         samples.iter_mut().for_each(|x| *x *= factor);
         let wave = Sampled::new(time.grid.t0_s, time.grid.dt_s, samples).map_err(|error| {
             let place = match error {
-                SignalError::NotFinite { index, .. } => Place::line(file, lines.of(index)),
+                SignalError::NotFinite { index, .. } => Place::line(file, lines.of_row(index)),
                 _ => Place::file(file),
             };
             let column = format!("{} ({})", k + 1, header.columns[k].title);
@@ -86,9 +86,8 @@ pub fn channels(
         let mut channel = Channel::new(id, quantity);
         channel.axis = axis(title);
         channel.cfc = cfc(title).filter(|_| acceleration);
-        iso13499::describe(&mut channel, name, notes);
+        iso13499::describe_by_name(&mut channel, name, notes);
         channels.push(ReadChannel {
-            channel,
             wave: Some(wave),
             jitter: time.grid.jitter,
             fitness: acceleration.then_some(Fitness {
@@ -97,6 +96,7 @@ pub fn channels(
                 why: "the only acceleration column",
             }),
             aliases: vec![name.clone(), title.clone(), (k + 1).to_string()],
+            ..ReadChannel::new(channel)
         });
     }
     Ok(channels)

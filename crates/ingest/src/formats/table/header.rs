@@ -91,15 +91,15 @@ pub fn read(layout: &Layout) -> TableHeader {
 /// blanks): then the one that gives as many cells as there are columns is taken.
 fn cells(line: &Line, delimiter: Delimiter, count: usize) -> Vec<String> {
     let clean = |fields: Vec<&[u8]>| -> Vec<String> { fields.into_iter().map(|f| decode(unquoted(f))).collect() };
-    let own = clean(delimiter.split(line.bytes));
-    if own.len() >= 2 && delimiter != Delimiter::Blanks {
-        return own;
+    let cells_by_delimiter = clean(delimiter.split(line.bytes));
+    if cells_by_delimiter.len() >= 2 && delimiter != Delimiter::Blanks {
+        return cells_by_delimiter;
     }
     [b',', b';', b'\t']
         .into_iter()
         .map(|byte| clean(Delimiter::Byte(byte).split(line.bytes)).into_iter().filter(|c| !c.is_empty()).collect())
         .find(|cells: &Vec<String>| cells.len() == count)
-        .unwrap_or(own)
+        .unwrap_or(cells_by_delimiter)
 }
 
 /// Whether the last line before the rows has the names, and the line above it is a title: as many cells as there are

@@ -72,7 +72,7 @@ fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &IngestSettings) ->
     }
     let OneTable { mut channels, mut details, mut notes } =
         match one_table(file, bytes, &text, bundle, settings, TextAbove::Unused) {
-            Err(error) if !edr && bundle.large.is_none() => return Err(report::hinted(file, &text, error)),
+            Err(error) if !edr && bundle.large.is_none() => return Err(report::with_profile_hint(file, &text, error)),
             table => table?,
         };
     if edr {

@@ -43,7 +43,7 @@ impl LineNumbers {
     }
 
     /// The line of a row; 0 past the end.
-    pub fn of(&self, row: usize) -> usize {
+    pub fn of_row(&self, row: usize) -> usize {
         let run = self.runs.partition_point(|(first, _)| *first <= row);
         self.runs.get(run.wrapping_sub(1)).filter(|_| row < self.rows).map_or(0, |(first, line)| line + (row - first))
     }
@@ -306,7 +306,7 @@ mod tests {
     #[test]
     fn lines_are_counted_through_comments() {
         let rows = rows("# x\nt,a\n0,1\n\n1,2\n").unwrap();
-        assert_eq!((rows.lines.of(0), rows.lines.of(1), rows.lines.of(2), rows.lines.len()), (3, 5, 0, 2));
+        assert_eq!((rows.lines.of_row(0), rows.lines.of_row(1), rows.lines.of_row(2), rows.lines.len()), (3, 5, 0, 2));
     }
 
     fn pieces(body: &[u8], piece: usize) -> Pieces<'_, &[u8]> {

@@ -50,10 +50,10 @@ pub fn find(
     let column = named.or(with_unit).unwrap_or(0);
     let title = format!("{} ({})", column + 1, header.columns[column].title);
     let mut times = std::mem::take(&mut rows.columns[column]);
-    let place = |index: usize| Place::line(file, rows.lines.of(index)).in_column(title.clone());
+    let place = |index: usize| Place::line(file, rows.lines.of_row(index)).in_column(title.clone());
 
     if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Err(order(place(k + 1), is_named, times[k], times[k + 1], rows.lines.of(k)));
+        return Err(order(place(k + 1), is_named, times[k], times[k + 1], rows.lines.of_row(k)));
     }
     let unit = unit(file, &title, &header.columns[column].unit, &times, settings, comment, notes)?;
     // The printed resolution: the last digit of the most finely printed stamp, seen from the largest.
@@ -66,7 +66,7 @@ pub fn find(
     }
     let grid = grid::fit(&times, resolution).map_err(|error| match error {
         GridError::Repeated { index } | GridError::Backwards { index } => {
-            order(place(index), is_named, times[index - 1], times[index], rows.lines.of(index - 1))
+            order(place(index), is_named, times[index - 1], times[index], rows.lines.of_row(index - 1))
         }
         GridError::Uneven { index, step_s, dt_s } => IngestError::content(
             place(index),
@@ -154,7 +154,7 @@ fn unit(
 ) -> Result<f64, IngestError> {
     let place = || Place::file(file).in_column(title);
     if let Some(symbol) = &settings.time_unit {
-        let flag = time_unit::stated(place(), symbol, "--time-unit")?;
+        let flag = time_unit::stated_unit(place(), symbol, "--time-unit")?;
         if matches!(header, Unit::Time(of_header) if *of_header != flag) {
             notes.warning(format!("--time-unit {symbol} is not the unit that the header of column {title} states"));
         }
@@ -164,11 +164,11 @@ fn unit(
         Unit::Time(factor) => return Ok(*factor),
         Unit::Unstated => {}
         Unit::Unknown(_) | Unit::Signal(..) => {
-            return Err(time_unit::refused(place(), "the unit in the header of the time column is no unit of time"));
+            return Err(time_unit::unit_error(place(), "the unit in the header of the time column is no unit of time"));
         }
     }
     if let Some(stated) = comment {
-        return time_unit::stated(place(), &stated.value, &stated.from);
+        return time_unit::stated_unit(place(), &stated.value, &stated.from);
     }
-    time_unit::of_steps(file, &format!("column {title}"), "a unit in the header, such as time_s", times, notes)
+    time_unit::unit_from_steps(file, &format!("column {title}"), "a unit in the header, such as time_s", times, notes)
 }

@@ -84,7 +84,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestE
         }
         waveforms.push(waveform(channel, tdx_name, tdx, header.big_endian));
     }
-    let channels = conversion::channels(file, waveforms, settings, &mut notes)?;
+    let channels = conversion::to_channels(file, waveforms, settings, &mut notes)?;
     let mut channels: Vec<ReadChannel> = channels.into_iter().map(|(_, found)| found).collect();
     let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
     let details = diadem::details(&header.root);

@@ -57,7 +57,7 @@ impl Type {
     }
 
     /// Type codes of DAQmx scalers are numbered differently.
-    fn of_daqmx(code: u32) -> Option<Self> {
+    fn from_daqmx_code(code: u32) -> Option<Self> {
         (code < 6)
             .then(|| if code.is_multiple_of(2) { Self::Unsigned(1 << (code / 2)) } else { Self::Int(1 << (code / 2)) })
     }
@@ -210,7 +210,7 @@ fn daqmx(cursor: &mut Cursor, digital: bool) -> Result<RawIndex, Broken> {
             cursor.u32()?;
         }
         cursor.u32()?;
-        scaler = match (digital, k, Type::of_daqmx(code)) {
+        scaler = match (digital, k, Type::from_daqmx_code(code)) {
             (true, ..) => Err("digital lines of DAQmx are not read"),
             (_, 0, Some(kind)) => Ok(Scaler { kind, buffer, offset }),
             (_, 0, None) => Err("raw DAQmx samples of an unknown type"),
@@ -316,8 +316,8 @@ mod tests {
     fn codes_are_types() {
         assert_eq!(Type::from_code(3), Some(Type::Int(4)));
         assert_eq!(Type::from_code(6), Some(Type::Unsigned(2)));
-        assert_eq!(Type::of_daqmx(3), Some(Type::Int(2)));
-        assert_eq!(Type::of_daqmx(4), Some(Type::Unsigned(4)));
-        assert_eq!((Type::from_code(0x99), Type::of_daqmx(6)), (None, None));
+        assert_eq!(Type::from_daqmx_code(3), Some(Type::Int(2)));
+        assert_eq!(Type::from_daqmx_code(4), Some(Type::Unsigned(4)));
+        assert_eq!((Type::from_code(0x99), Type::from_daqmx_code(6)), (None, None));
     }
 }

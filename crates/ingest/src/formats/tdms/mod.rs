@@ -52,7 +52,7 @@ pub fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recor
     let mut notes = Notes::new();
     warnings.iter().take(12).for_each(|warning| notes.warning(warning.clone()));
 
-    let layers = Layers::of(&objects);
+    let layers = Layers::from_objects(&objects);
     let vehicle = settings.vehicle_number.unwrap_or(1);
     let all: Vec<&Properties> = objects.iter().map(|object| &object.properties).collect();
     let details = if layers.channels.iter().any(|(k, ..)| nhtsa::curve(&objects[*k].properties).is_some()) {
@@ -73,14 +73,14 @@ pub fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recor
         records.push(nhtsa::curve(&object.properties).filter(|_| is_nhtsa));
         waveforms.push(waveform(object, group, name, scales));
     }
-    let channels = conversion::channels(file, waveforms, settings, &mut notes)?;
+    let channels = conversion::to_channels(file, waveforms, settings, &mut notes)?;
     let mut channels: Vec<ReadChannel> = channels
         .into_iter()
-        .map(|(k, mut found)| {
+        .map(|(k, mut read)| {
             if let Some(curve) = &records[k] {
-                nhtsa::describe(&mut found, curve, vehicle, &mut notes);
+                nhtsa::describe(&mut read, curve, vehicle, &mut notes);
             }
-            found
+            read
         })
         .collect();
     let pulse_rule =
@@ -98,7 +98,7 @@ struct Layers {
 }
 
 impl Layers {
-    fn of(objects: &[Object]) -> Self {
+    fn from_objects(objects: &[Object]) -> Self {
         let mut layers =
             Self { root: Properties::new(), groups: BTreeMap::new(), channels: Vec::new(), none: Properties::new() };
         for (k, object) in objects.iter().enumerate() {

@@ -125,14 +125,14 @@ pub fn is_time_name(text: &str) -> bool {
 
 /// The axis a name speaks of: `ax`, `accel_x`, `Acc X (g)`, `accX`.
 pub fn axis(name: &str) -> Option<Axis> {
-    let of = |word: &str| match word {
+    let axis_of_word = |word: &str| match word {
         "x" | "ax" | "accx" | "accelx" | "xg" | "longitudinal" => Some(Axis::X),
         "y" | "ay" | "accy" | "accely" | "yg" | "lateral" => Some(Axis::Y),
         "z" | "az" | "accz" | "accelz" | "zg" | "vertical" => Some(Axis::Z),
         "resultant" | "res" => Some(Axis::Resultant),
         _ => None,
     };
-    name.to_lowercase().split(|c: char| !c.is_alphanumeric()).find_map(of)
+    name.to_lowercase().split(|c: char| !c.is_alphanumeric()).find_map(axis_of_word)
 }
 
 /// The channel frequency class a name speaks of: `accel_cfc60`, `CFC 180`.

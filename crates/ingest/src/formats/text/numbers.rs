@@ -66,7 +66,7 @@ pub fn scan(bytes: &[u8], decimal: u8) -> Option<(ParsedNumber, usize)> {
         let magnitude = if exponent < 0 { m / POWERS[(-exponent) as usize] } else { m * POWERS[exponent as usize] };
         if negative { -magnitude } else { magnitude }
     } else {
-        slow(&bytes[..at], decimal)?
+        parse_slowly(&bytes[..at], decimal)?
     };
     value.is_finite().then_some((ParsedNumber { value, digits }, at))
 }
@@ -88,7 +88,7 @@ fn scan_exponent(bytes: &[u8]) -> Option<(i64, usize)> {
 }
 
 #[cold]
-fn slow(bytes: &[u8], decimal: u8) -> Option<f64> {
+fn parse_slowly(bytes: &[u8], decimal: u8) -> Option<f64> {
     if decimal == b'.' && !bytes.iter().any(|b| matches!(b, b'd' | b'D')) {
         return std::str::from_utf8(bytes).ok()?.parse().ok();
     }
@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn thousands_may_be_apart_where_nothing_else_can_be_meant() {
-        let of = |text: &str, decimal| field(text.as_bytes(), decimal).map(|n| n.value);
+        let parsed = |text: &str, decimal| field(text.as_bytes(), decimal).map(|n| n.value);
         for (text, decimal, value) in [
             ("1,234.5", b'.', 1234.5),
             ("\"-12,345,678\"", b'.', -12_345_678.0),
@@ -170,10 +170,10 @@ mod tests {
             ("1\u{a0}234,5", b',', 1234.5),
             ("1\u{202f}234,5", b',', 1234.5),
         ] {
-            assert_eq!(of(text, decimal), Some(value), "{text}");
+            assert_eq!(parsed(text, decimal), Some(value), "{text}");
         }
         for text in ["1,234", "1234,567.0", "1,23.0", ",123.0", "1,,234.0", "1,234'567.0", "1,234.5 g", "0x1,234.0"] {
-            assert_eq!(of(text, b'.'), None, "{text}");
+            assert_eq!(parsed(text, b'.'), None, "{text}");
         }
         assert_eq!(field(b"1\xA0234,5", b',').map(|n| (n.value, n.digits)), Some((1234.5, 5)));
     }

@@ -178,9 +178,9 @@ fn grid_of(
 ) -> Result<(Grid, Option<Resampling>), IngestError> {
     let place = || Place::file(file).in_column(label.title.clone());
     let unit = match (&settings.time_unit, &label.unit) {
-        (Some(symbol), _) => time_unit::stated(place(), symbol, "--time-unit or the sidecar")?,
+        (Some(symbol), _) => time_unit::stated_unit(place(), symbol, "--time-unit or the sidecar")?,
         (None, Unit::Time(factor)) => *factor,
-        (None, _) => time_unit::of_steps(file, &label.title, "a unit of the channel, such as s", values, notes)?,
+        (None, _) => time_unit::unit_from_steps(file, &label.title, "a unit of the channel, such as s", values, notes)?,
     };
     let inverse = (1.0 / unit).round();
     let times: Vec<f64> = values.iter().map(|t| if unit < 1.0 { t / inverse } else { t * unit }).collect();

@@ -29,7 +29,7 @@ struct Remarks {
 ///
 /// A channel of times and one without samples are no channels of the record. One that cannot be read is left out with a
 /// warning, unless it is asked for or nothing remains.
-pub fn channels(
+pub fn to_channels(
     file: &str,
     mut waveforms: Vec<Waveform>,
     settings: &IngestSettings,
@@ -54,7 +54,7 @@ pub fn channels(
     if settings.time_unit.is_some() && waveforms.iter().enumerate().all(own_steps) {
         unheeded_flags::warn("--time-unit", "every channel states its step in seconds", notes);
     }
-    let kinds = units::kinds(file, &waveforms, &labels, &clocks, wanted, settings, notes)?;
+    let kinds = units::quantities(file, &waveforms, &labels, &clocks, wanted, settings, notes)?;
 
     let mut channels = Vec::new();
     for (k, waveform) in waveforms.into_iter().enumerate() {
@@ -83,12 +83,12 @@ pub fn channels(
         let mut channel = Channel::new(id.clone(), quantity);
         channel.axis = column_names::axis(&label.title);
         channel.cfc = column_names::cfc(&label.title).filter(|_| acceleration);
-        iso13499::describe(&mut channel, &label.name, notes);
+        iso13499::describe_by_name(&mut channel, &label.name, notes);
         channel.comment = comment;
         let fitness =
             acceleration.then_some(Fitness { redundant: false, place: 0, why: "the only acceleration channel" });
         let aliases = aliases.clone();
-        channels.push((k, ReadChannel { channel, wave: Some(wave), jitter, fitness, aliases }));
+        channels.push((k, ReadChannel { wave: Some(wave), jitter, fitness, aliases, ..ReadChannel::new(channel) }));
     }
     if channels.is_empty() {
         return Err(remarks.left_out.into_iter().next().unwrap_or_else(|| {

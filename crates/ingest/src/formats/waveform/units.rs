@@ -15,7 +15,7 @@ const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
 /// Quantity and factor to SI of every waveform; [`QuantityKind::Other`] and 1 where no unit is known.
 ///
 /// `--unit` is for the channel asked for and for those named for acceleration, or for the only one.
-pub fn kinds(
+pub fn quantities(
     file: &str,
     waveforms: &[Waveform],
     labels: &[Label],
