@@ -39,8 +39,8 @@ impl Ingested {
 /// Samples are as in the file but for the factor of their unit, and the sign if flipping is asked for.
 pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError> {
     let file = bundle.name.as_str();
-    let beside = sidecar::settings(bundle)?;
-    let choices = flags.over(&beside);
+    let stated_in_sidecar = sidecar::settings(bundle)?;
+    let choices = flags.over(&stated_in_sidecar);
     let reader = bundle.reader;
     let mut recording = reader.read(bundle, &choices)?;
     let mut notes = std::mem::take(&mut recording.notes);
@@ -58,7 +58,7 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
         speed_of_the_pulse(&mut recording, pulse, &mut notes);
     }
     if let Some(sidecar) = &bundle.sidecar {
-        details::apply(&mut recording.details, &beside, &sidecar.name, &mut notes);
+        details::apply(&mut recording.details, &stated_in_sidecar, &sidecar.name, &mut notes);
     }
     details::apply(&mut recording.details, flags, "flag", &mut notes);
     let is_of_occupant = pulse.is_some_and(|k| part_of(&recording.channels[k].channel).is_some());
@@ -72,7 +72,7 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
     };
     let is_turned = turn_sign(file, &mut recording, pulse, choices.sign.unwrap_or_default(), &mut notes)?;
     let polarity = match (is_of_occupant, is_turned) {
-        (true, _) => Polarity::Unasked,
+        (true, _) => Polarity::OfOccupant,
         (false, true) => Polarity::Turned,
         (false, false) => Polarity::AsRead,
     };

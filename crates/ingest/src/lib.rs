@@ -3,7 +3,7 @@
 //! [`Bundle::open`] reads the files of a record into memory (of a long table its start only); [`ingest`] makes a test
 //! description, waveforms and their quality of them, and depends on their bytes and [`IngestSettings`] alone. Formats
 //! are recognised by content: [`READERS`]. Nothing is guessed: what a record does not say is asked for by name, and
-//! what is chosen (the pulse, a unit of time) is said in a note. Nothing is corrected either: zero level, time zero,
+//! what is chosen (the pulse, a unit of time) is noted. Nothing is corrected either: zero level, time zero,
 //! clipping, dropouts and drift are reported. [`list()`] makes the table of channels alone.
 //!
 //! rooms: listing | files | checks formats | pulse | recording time

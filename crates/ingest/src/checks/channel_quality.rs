@@ -239,7 +239,7 @@ mod tests {
         // 11.2 m/s of 15 m/s; ten times that is a wrong unit.
         let positive = |factor: f64| move |t: f64| -factor * pulse(t);
         assert!(texts_with_polarity(positive(1.0), Polarity::Turned)[0].ends_with("leave --sign out"));
-        assert_eq!(texts_with_polarity(positive(1.0), Polarity::Unasked), Vec::<String>::new());
+        assert_eq!(texts_with_polarity(positive(1.0), Polarity::OfOccupant), Vec::<String>::new());
         assert!(texts(positive(10.0))[0].contains("check the unit"), "{:?}", texts(positive(10.0)));
         assert!(!texts(positive(10.0))[0].contains("flip"));
     }

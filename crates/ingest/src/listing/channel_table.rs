@@ -63,8 +63,8 @@ impl ListedChannel {
 /// The channels of a record, in its order. What would stop a stage for want of a unit, a mass or a pulse does not stop
 /// here.
 pub fn list(bundle: &Bundle, flags: &IngestSettings) -> Result<Vec<ListedChannel>, IngestError> {
-    let beside = sidecar::settings(bundle)?;
-    let mut choices = flags.over(&beside);
+    let stated_in_sidecar = sidecar::settings(bundle)?;
+    let mut choices = flags.over(&stated_in_sidecar);
     let wanted = choices.channel.take();
     choices.allow_missing = Some(true);
     choices.listing = true;

@@ -1,8 +1,7 @@
 //! Whether a channel moves with the passenger compartment, as the pulse of a vehicle has to.
 //!
-//! An engine stops in half the time of the car and a head in a time of its own: crush, force and models of such a
-//! channel are not those of the vehicle. It is taken where a person names it, or where nothing else is in the file, and
-//! said.
+//! An engine stops in half the time of the car, and a head moves by itself: crush, force and models of such a channel
+//! are not those of the vehicle. It is taken only where a person names it or the file has nothing else, with a warning.
 
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{Axis, Channel};

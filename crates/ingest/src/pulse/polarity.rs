@@ -16,10 +16,10 @@ const CLEAR_PART: f64 = 0.05;
 const CERTAIN: std::ops::RangeInclusive<f64> = 0.6..=1.6;
 
 /// Gain of speed over impact speed above which no sign makes an impact of it: a perfect rebound loses twice the impact
-/// speed, and a tenth is left to gain and impact speed. More speaks of a wrong unit.
+/// speed, and a tenth is left to gain and impact speed. A larger gain suggests a wrong unit.
 const IMPOSSIBLE: f64 = 2.2;
 
-/// Whether the sign of the pulse is certainly wrong, and what `--sign auto` says of it.
+/// Whether the sign of the pulse is certainly wrong, and the note of `--sign auto` about it.
 pub fn certainly_wrong(pulse: Option<&Sampled>, impact_speed_m_per_s: Option<f64>) -> (bool, String) {
     let (Some(pulse), Some(speed)) = (pulse, impact_speed_m_per_s.filter(|speed| *speed > 0.0)) else {
         return (false, "sign kept: without a pulse and its impact speed its polarity is not certain".to_owned());
@@ -52,8 +52,8 @@ pub enum Polarity {
     AsRead,
     /// It was turned.
     Turned,
-    /// It is of an occupant, whose criteria are of magnitudes: its sign decides nothing.
-    Unasked,
+    /// The pulse is that of an occupant; its criteria are of magnitudes, so that the sign does not matter.
+    OfOccupant,
 }
 
 /// Warns if the pulse, zero level removed, gains speed over the first 150 ms, with what helps: turning it only where it
@@ -67,7 +67,7 @@ pub fn check(
 ) {
     let change = change(pulse, zero_level.unwrap_or(0.0));
     let clear = impact_speed_m_per_s.map_or(CLEAR_CHANGE_M_PER_S, |v| CLEAR_PART * v);
-    if change <= clear || polarity == Polarity::Unasked {
+    if change <= clear || polarity == Polarity::OfOccupant {
         return;
     }
     let ratio = impact_speed_m_per_s.filter(|v| *v > 0.0).map(|v| change / v);

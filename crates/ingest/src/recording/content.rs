@@ -1,4 +1,4 @@
-//! What a reader finds in a file, before flags and choices are applied.
+//! What a reader reads in a file, before flags and choices are applied.
 
 use crumple_signal::Notes;
 
@@ -17,7 +17,7 @@ pub enum PulseRule {
     Fittest,
 }
 
-/// Everything a reader finds.
+/// Everything a reader reads.
 #[derive(Debug, Clone)]
 pub struct Recording {
     /// The test's facts.

@@ -1,4 +1,4 @@
-//! Flags that say nothing to the format at hand, or to this record of it: said, so that nobody believes them heeded.
+//! Warnings of flags that have no effect on the format or on this record of it.
 
 use crumple_signal::Notes;
 

@@ -132,7 +132,7 @@ impl Segment {
     }
 
     /// Whether `next` has the same channels, each from where this one ends: by X0, or by the clock where X0 starts
-    /// anew.
+    /// again at its first value.
     fn continues(&self, next: &Self) -> bool {
         let (a, b) = (&self.header, &next.header);
         a.titles == b.titles

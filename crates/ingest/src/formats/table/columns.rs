@@ -302,7 +302,7 @@ fn titles(header: &TableHeader, data: &[usize]) -> String {
     if more == 0 { titles.join(", ") } else { format!("{} and {more} more", titles.join(", ")) }
 }
 
-/// Columns with one title get ids of their own, and that is said.
+/// Notes which ids columns of the same title get.
 fn same_titles(header: &TableHeader, data: &[usize], ids: &[String], notes: &mut Notes) {
     let mut by_title: BTreeMap<&str, Vec<(usize, &str)>> = BTreeMap::new();
     for (k, id) in data.iter().zip(ids) {

@@ -7,7 +7,7 @@ use crate::formats::text::column_names::{Unit, is_kg, is_time_name, names_accele
 use crate::formats::text::lines::{Line, decode};
 use crate::formats::text::numbers::unquoted;
 
-/// What a column is said to hold.
+/// Name and stated unit of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     /// The name in the header without its unit in brackets; `column 3` where there is none.

@@ -48,7 +48,7 @@ pub struct Object {
 pub struct Content {
     /// The objects.
     pub objects: Vec<Object>,
-    /// What was odd and did not hinder.
+    /// Oddities that did not stop the reading.
     pub warnings: Vec<String>,
 }
 

@@ -12,7 +12,7 @@ use crate::recording::read_channel::{Fitness, ReadChannel};
 use crate::recording::unheeded_flags;
 use crate::{IngestError, IngestSettings, Place};
 
-/// What is said once for many channels.
+/// What is noted once for many channels.
 #[derive(Debug, Default)]
 struct Remarks {
     /// Missing samples at the end, by channel.

@@ -38,7 +38,7 @@ pub struct ReportTable {
 }
 
 impl ReportTable {
-    /// The axis that its heading speaks of.
+    /// The axis that its heading names.
     pub fn axis(&self) -> Option<crumple_signal::Axis> {
         self.heading.iter().rev().find_map(|line| axis(line))
     }
@@ -422,7 +422,7 @@ mod tests {
         );
         assert!(texts.contains("are not read: Speed, km/h (\"SNA\" in line 4)"), "{texts}");
         assert!(String::from_utf8_lossy(&before.text).contains("-1,9\n"));
-        // The change itself stays, word and all; the column of words beside it goes.
+        // The column of the change stays, with its word; the column of words next to it goes.
         assert!(String::from_utf8_lossy(&pulse.text).ends_with("10,SNA\n20,-4\n"), "{:?}", pulse.notes);
     }
 
