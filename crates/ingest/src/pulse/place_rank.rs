@@ -9,8 +9,8 @@ use crate::recording::read_channel::Fitness;
 /// compartment; `None` elsewhere, the engine, bumper, subframe and side members first of all. Of two channels of one
 /// place the one that is less filtered ranks first.
 pub fn fitness(code: &IsoCode, vehicle: u32) -> Option<Fitness> {
-    let own = code.object() == 'S' || code.object() == '?' || code.object().to_digit(10) == Some(vehicle);
-    if !own || code.dimension() != "AC" || code.axis() != Some(Axis::X) {
+    let is_of_vehicle = code.object() == 'S' || code.object() == '?' || code.object().to_digit(10) == Some(vehicle);
+    if !is_of_vehicle || code.dimension() != "AC" || code.axis() != Some(Axis::X) {
         return None;
     }
     let fine = code.fine_locations();
