@@ -9,36 +9,27 @@
 
 mod butterworth;
 mod cfc;
-mod channel;
-mod coefficients;
-mod corridor;
-mod delay;
-mod derivative;
-mod mode;
-mod moving_average;
+mod channels;
+mod filter;
 mod recursion;
-mod resample;
-mod sections;
-mod selection;
-mod zero_level;
-mod zero_phase;
+mod samples;
 
-pub use butterworth::{Butterworth, Design, HIGHEST_ORDER, Pass, Phase, Section};
-pub use cfc::{Cfc, Class};
-pub use channel::{Applied, Filtered, Instead, Settings, filter, filter_reporting};
-pub use coefficients::Coefficients;
-pub use corridor::{CorridorPoint, corridor, limits_db};
-pub use delay::{Delay, delay};
-pub use derivative::{acceleration_of_velocity_change, derivative_note, printed_step_m_per_s};
-pub use mode::Mode;
-pub use moving_average::{moving_average, moving_average_gain, samples_of_width};
-pub use resample::{Interpolation, Resampling, resample};
-pub use sections::{run_sections, sections_extension};
-pub use selection::{
+pub use butterworth::design::{Butterworth, Design, HIGHEST_ORDER, Pass, Phase, Section};
+pub use butterworth::sections::{run_sections, sections_extension};
+pub use cfc::class::{Cfc, Class};
+pub use cfc::coefficients::Coefficients;
+pub use cfc::corridor::{CorridorPoint, corridor, limits_db};
+pub use cfc::mode::Mode;
+pub use cfc::zero_phase::{Report, filter_both_ways, filter_both_ways_into, samples_added};
+pub use channels::selection::{
     SelectionError, class_of_body, id_meant, ids_meant, is_barrier_force, is_of_body, occupants_left, select,
 };
-pub use zero_level::{ZeroLevel, pre_event};
-pub use zero_phase::{Report, filter_both_ways, filter_both_ways_into, samples_added};
+pub use filter::{Applied, Filtered, Instead, Settings, filter, filter_reporting};
+pub use samples::delay::{Delay, delay};
+pub use samples::derivative::{acceleration_of_velocity_change, derivative_note, printed_step_m_per_s};
+pub use samples::moving_average::{moving_average, moving_average_gain, samples_of_width};
+pub use samples::resampling::{Interpolation, Resampling, resample};
+pub use samples::zero_level::{ZeroLevel, pre_event};
 
 use crumple_signal::SignalError;
 

@@ -4,9 +4,9 @@ use crumple_filter::{Class, Settings, ZeroLevel, acceleration_of_velocity_change
 use crumple_signal::{Channel, ChannelStatus, QuantityKind, TestDescription};
 use crumple_stage::{Inputs, RefuseExt};
 
-use crate::record::Extra;
-use crate::remarks::Remarks;
 use crate::stage::Done;
+use crate::stage::record::Extra;
+use crate::stage::remarks::Remarks;
 
 /// The acceleration of a pulse that is a velocity change, which becomes the pulse in its place; nothing for any other. A filter that
 /// takes the place of a class is run, a class is not: the recorder has filtered, nobody says how.

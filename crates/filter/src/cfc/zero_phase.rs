@@ -1,4 +1,4 @@
-use crate::recursion::Recursion;
+use crate::recursion::second_order::Recursion;
 use crate::{Coefficients, FilterError};
 
 /// Samples of which the mean starts a pass.

@@ -1,5 +1,5 @@
-use crate::butterworth::{Design, Phase, Section};
-use crate::recursion::Recursion;
+use crate::butterworth::design::{Design, Phase, Section};
+use crate::recursion::second_order::Recursion;
 
 /// Shortest extension, samples, as long as the record has them.
 const SHORTEST_EXTENSION: usize = 100;

@@ -1,10 +1,11 @@
 use crumple_signal::{Notes, Sampled};
 use serde::Serialize;
 
+use crate::cfc::corridor::corridor;
+use crate::samples::moving_average::moving_average;
 use crate::{
-    Butterworth, Cfc, Class, Coefficients, Design, FilterError, Mode, Phase, Report, ZeroLevel, corridor,
-    filter_both_ways_into, moving_average, pre_event, run_sections, samples_added, samples_of_width,
-    sections_extension,
+    Butterworth, Cfc, Class, Coefficients, Design, FilterError, Mode, Phase, Report, ZeroLevel, filter_both_ways_into,
+    pre_event, run_sections, samples_added, samples_of_width, sections_extension,
 };
 
 /// How channels are filtered.

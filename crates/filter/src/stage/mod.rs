@@ -1,5 +1,11 @@
 //! Reads the raw channels, filters them, writes them with the record of how.
 
+mod align;
+mod derived;
+mod options;
+mod record;
+mod remarks;
+
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -13,11 +19,11 @@ use crumple_stage::records::TestV1;
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Wave};
 use rayon::prelude::*;
 
-use crate::align::align;
-use crate::derived::derived;
-use crate::options::{Align, Options, StageSettings};
-use crate::record::{Extra, pulse_line, record};
-use crate::remarks::{Remarks, first_of};
+use crate::stage::align::align;
+use crate::stage::derived::derived;
+use crate::stage::options::{Align, Options, StageSettings};
+use crate::stage::record::{Extra, pulse_line, record};
+use crate::stage::remarks::{Remarks, first_of};
 
 /// The stage.
 pub struct Filter;

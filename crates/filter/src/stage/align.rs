@@ -4,9 +4,9 @@ use crumple_filter::delay;
 use crumple_signal::QuantityKind;
 use crumple_stage::{RefuseExt, Refused};
 
-use crate::options::Align;
-use crate::remarks::Remarks;
 use crate::stage::Done;
+use crate::stage::options::Align;
+use crate::stage::remarks::Remarks;
 
 /// Below this correlation two channels do not show the same motion, and a delay between them means nothing.
 const LOWEST_CORRELATION: f64 = 0.5;

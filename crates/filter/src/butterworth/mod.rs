@@ -1,0 +1,5 @@
+//! Butterworth filters of any order: design into sections, run over a record.
+//! May use `recursion`.
+
+pub mod design;
+pub mod sections;
