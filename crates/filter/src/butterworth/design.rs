@@ -1,58 +1,14 @@
+//! Butterworth filters as sections of second order.
+
 use std::f64::consts::{PI, SQRT_2};
 
 use realfft::num_complex::Complex64;
-use serde::{Deserialize, Serialize};
 
 use crate::FilterError;
+use crate::butterworth::pass::{Butterworth, HIGHEST_ORDER, Pass, Phase};
 
-/// Highest order offered.
-pub const HIGHEST_ORDER: usize = 12;
 /// Lowest cut-off over the sampling rate: below it the rounding of the coefficients moves the gain by more than 1e-6.
 const LOWEST_RATIO: f64 = 1e-5;
-
-/// What passes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Pass {
-    /// Everything below a frequency, Hz.
-    Low(f64),
-    /// Everything above a frequency, Hz.
-    High(f64),
-    /// Everything between two frequencies, Hz.
-    Band(f64, f64),
-}
-
-/// How the filter is run.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum Phase {
-    /// Forward and backward: no phase, twice the attenuation of one pass; the cut-off is that of both passes.
-    #[default]
-    Zero,
-    /// Forward only, as an instrument does: events come late.
-    Causal,
-}
-
-impl Phase {
-    /// The name used in artifacts.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Zero => "zero",
-            Self::Causal => "causal",
-        }
-    }
-}
-
-/// A Butterworth filter in the words of whoever asks for it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Butterworth {
-    /// What passes; the frequencies are where the filter as run leaves 1/√2 of the amplitude (-3.01 dB).
-    pub pass: Pass,
-    /// Poles of one pass; a band has twice as many.
-    pub order: usize,
-    /// How it is run.
-    pub phase: Phase,
-}
 
 /// a0, a1, a2, b1, b2 of `y[i] = a0·x[i] + a1·x[i-1] + a2·x[i-2] + b1·y[i-1] + b2·y[i-2]`.
 pub type Section = [f64; 5];
@@ -131,25 +87,6 @@ impl Butterworth {
             }
         }
         Ok(Design { asked: self, dt_s, sections })
-    }
-}
-
-impl Pass {
-    /// The cut-off, or both.
-    pub fn frequencies_hz(self) -> Vec<f64> {
-        match self {
-            Self::Low(f) | Self::High(f) => vec![f],
-            Self::Band(low, high) => vec![low, high],
-        }
-    }
-
-    /// The name used in artifacts.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Low(_) => "butterworth-low",
-            Self::High(_) => "butterworth-high",
-            Self::Band(..) => "butterworth-band",
-        }
     }
 }
 

@@ -2,4 +2,5 @@
 //! May use `recursion`.
 
 pub mod design;
+pub mod pass;
 pub mod sections;

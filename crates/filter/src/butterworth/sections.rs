@@ -1,4 +1,5 @@
-use crate::butterworth::design::{Design, Phase, Section};
+use crate::butterworth::design::{Design, Section};
+use crate::butterworth::pass::Phase;
 use crate::recursion::second_order::Recursion;
 
 /// Shortest extension, samples, as long as the record has them.

@@ -4,7 +4,7 @@ use crumple_filter::delay;
 use crumple_signal::QuantityKind;
 use crumple_stage::{RefuseExt, Refused};
 
-use crate::stage::Done;
+use crate::stage::filtered_channel::FilteredChannel;
 use crate::stage::options::Align;
 use crate::stage::remarks::Remarks;
 
@@ -13,7 +13,7 @@ const LOWEST_CORRELATION: f64 = 0.5;
 
 /// Shifts the time axis of every other acceleration by its delay against the one named; heads and chests that nobody named stay. Nothing is interpolated: the
 /// samples stay as they are, their times move.
-pub fn align(channels: &mut [Done], asked: &Align, remarks: &mut Remarks) -> anyhow::Result<()> {
+pub fn align(channels: &mut [FilteredChannel], asked: &Align, remarks: &mut Remarks) -> anyhow::Result<()> {
     let reference = channels.iter().find(|channel| channel.id == asked.to).ok_or_else(|| {
         Refused::new(format!("channel {} is not among those filtered, so nothing can be aligned to it", asked.to))
             .hint("name it in --channels too")

@@ -4,8 +4,7 @@ use crumple_filter::{Class, Settings, ZeroLevel, acceleration_of_velocity_change
 use crumple_signal::{Channel, ChannelStatus, QuantityKind, TestDescription};
 use crumple_stage::{Inputs, RefuseExt};
 
-use crate::stage::Done;
-use crate::stage::record::Extra;
+use crate::stage::filtered_channel::{Extra, FilteredChannel};
 use crate::stage::remarks::Remarks;
 
 /// The acceleration of a pulse that is a velocity change, which becomes the pulse in its place; nothing for any other. A filter that
@@ -15,7 +14,7 @@ pub fn derived(
     input: &Inputs,
     test: &mut TestDescription,
     remarks: &mut Remarks,
-) -> anyhow::Result<Option<Done>> {
+) -> anyhow::Result<Option<FilteredChannel>> {
     let change = |channel: &&Channel| channel.quantity == QuantityKind::VelocityChange && channel.status.has_data();
     let Some(of) = test.pulse_channel().ok().filter(change).cloned() else { return Ok(None) };
     let wave = &input.wave(&of.id)?.sampled;
@@ -42,5 +41,11 @@ pub fn derived(
         sensor: of.sensor,
         ..Channel::new(id.clone(), QuantityKind::Acceleration)
     });
-    Ok(Some(Done { id, quantity: QuantityKind::Acceleration, filtered, extra: Extra::default(), for_criteria: false }))
+    Ok(Some(FilteredChannel {
+        id,
+        quantity: QuantityKind::Acceleration,
+        filtered,
+        extra: Extra::default(),
+        for_criteria: false,
+    }))
 }

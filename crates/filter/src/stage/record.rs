@@ -3,12 +3,7 @@
 use crumple_filter::{Applied, CorridorPoint, Filtered, corridor};
 use crumple_stage::records::{ChannelFilterV1, CorridorPointV1};
 
-/// What was done to a channel after filtering.
-#[derive(Default)]
-pub struct Extra {
-    pub shift_s: Option<f64>,
-    pub resampled_to_hz: Option<f64>,
-}
+use crate::stage::filtered_channel::Extra;
 
 /// The line of the summary about the pulse.
 pub fn pulse_line(id: &str, cfc: Option<u16>, filtered: &Filtered) -> String {
