@@ -12,74 +12,48 @@
 //! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]
 //! - two curves: [`iso18571()`], [`cora()`], [`residuals()`]; several: [`Corridor`], [`agreement`], [`over_channels`]
 
-mod asi;
-mod best_shift;
-mod butterworth;
-mod centroid;
-mod channels;
-mod clip;
-mod cora;
-mod corridor;
-mod corridor_rating;
-mod crush_energy;
-mod cumulative;
-pub mod definitions;
+mod curves;
 mod energy;
 mod events;
-mod flail_space;
-mod force_deflection;
-mod hic;
-mod iso18571;
-mod mean;
 mod metric;
-mod olc;
-mod peak;
-mod pulse_metrics;
-mod recorder;
-mod residuals;
-mod resultant;
-mod ride_down;
-mod separation;
-mod sliding_mean;
-mod square_wave;
-mod stiffness;
-mod time_zero;
-mod unstopped;
-mod vpi;
+mod occupant;
+mod pulse;
+mod roadside;
+mod sums;
 
-pub use asi::{AsiLimits, AsiMethod, asi};
-pub use centroid::{centroid_time_by_moment, centroid_time_from_crush};
-pub use channels::{Agreement, ChannelMotion, LARGEST_CRUSH_GAP, agreement, over_channels};
-pub use clip::{CLIP_3MS_S, clip_contiguous, clip_cumulative};
-pub use cora::{Cora, CoraInterval, CoraOptions, cora};
-pub use corridor::{Corridor, CorridorOptions, CorridorResult, Excursion};
-pub use crush_energy::{CrushStiffness, NO_DAMAGE_SPEED_M_PER_S};
-pub use definitions::{Definition, Mark};
-pub use energy::{absorbed_energy, energy_equivalent_speed, kinetic_energy, loading_work_per_kg};
-pub use events::{CrashEvents, DynamicCrush, Rebound, crash_events};
-pub use flail_space::{FlailSpace, oiv_ora, thiv_phd};
-pub use force_deflection::{Branch, ForceDeflection, force_deflection, specific_energy};
-pub use hic::{HIC15_WINDOW_S, HIC36_WINDOW_S, gadd_severity_index, hic, hic_all_pairs, hic_d, hic_d_of};
-pub use iso18571::{Grade, Iso18571, Iso18571Options, iso18571};
-pub use mean::mean_deceleration;
-pub use metric::{Interval, IntervalBy, Metric, Window};
-pub use olc::{OlcOptions, olc};
-pub use peak::{Peak, peak};
-pub use pulse_metrics::{Pulse, pulse_metrics};
-pub use recorder::maximum_delta_v;
-pub use residuals::{Residuals, fit_percent, residuals, rmse};
-pub use resultant::resultant;
-pub use ride_down::{RideDown, ride_down};
-pub use separation::{acceleration_after_separation, restitution_of_two_bodies};
-pub use sliding_mean::{sliding_mean, sliding_mean_of_velocity};
-pub use square_wave::{average_square_wave, equivalent_square_wave};
-pub use stiffness::average_stiffness;
-pub use time_zero::{
+pub use curves::channel_agreement::{Agreement, ChannelMotion, LARGEST_CRUSH_GAP, agreement, over_channels};
+pub use curves::cora::{Cora, CoraInterval, CoraOptions, cora};
+pub use curves::corridor::{Corridor, CorridorOptions, CorridorResult, Excursion};
+pub use curves::iso18571::{Grade, Iso18571, Iso18571Options, iso18571};
+pub use curves::residuals::{Residuals, fit_percent, residuals, rmse};
+pub use energy::average_stiffness::average_stiffness;
+pub use energy::crush_energy::{CrushStiffness, NO_DAMAGE_SPEED_M_PER_S};
+pub use energy::force_deflection::{Branch, ForceDeflection, force_deflection, specific_energy};
+pub use energy::work::{absorbed_energy, energy_equivalent_speed, kinetic_energy, loading_work_per_kg};
+pub use events::crash_events::{CrashEvents, DynamicCrush, Rebound, crash_events};
+pub use events::separation::{acceleration_after_separation, restitution_of_two_bodies};
+pub use events::time_zero::{
     EDR_CHANGE_M_PER_S, EDR_INTERVAL_S, ThresholdRule, event_end_by_velocity_change, time_zero_by_threshold,
     time_zero_by_velocity_change,
 };
-pub use unstopped::{EventEnd, Unstopped, unstopped};
-pub use vpi::{VpiOptions, vpi};
+pub use events::unstopped::{EventEnd, Unstopped, unstopped};
+pub use metric::definitions::{self, Definition, Mark};
+pub use metric::value::{Interval, IntervalBy, Metric, Window};
+pub use occupant::clip::{CLIP_3MS_S, clip_contiguous, clip_cumulative};
+pub use occupant::hic::{HIC15_WINDOW_S, HIC36_WINDOW_S, gadd_severity_index, hic, hic_all_pairs, hic_d, hic_d_of};
+pub use occupant::resultant::resultant;
+pub use occupant::ride_down::{RideDown, ride_down};
+pub use pulse::centroid::{centroid_time_by_moment, centroid_time_from_crush};
+pub use pulse::mean::mean_deceleration;
+pub use pulse::olc::{OlcOptions, olc};
+pub use pulse::peak::{Peak, peak};
+pub use pulse::pulse_metrics::{Pulse, pulse_metrics};
+pub use pulse::recorder::maximum_delta_v;
+pub use pulse::square_wave::{average_square_wave, equivalent_square_wave};
+pub use pulse::vpi::{VpiOptions, vpi};
+pub use roadside::asi::{AsiLimits, AsiMethod, asi};
+pub use roadside::flail_space::{FlailSpace, oiv_ora, thiv_phd};
+pub use sums::sliding_mean::{sliding_mean, sliding_mean_of_velocity};
 
 /// Why a metric cannot be computed from what was given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
