@@ -1,7 +1,8 @@
 use crumple_signal::{Acceleration, Signal, Velocity};
 
 use crate::curves::residuals::residuals;
-use crate::{Interval, IntervalBy, Metric, MetricsError, same_grid};
+use crate::metric::grid::same_grid;
+use crate::{Interval, IntervalBy, Metric, MetricsError};
 
 /// Dynamic crushes further apart than this share are not averaged.
 pub const LARGEST_CRUSH_GAP: f64 = 0.05;

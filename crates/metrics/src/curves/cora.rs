@@ -5,7 +5,8 @@ use crate::curves::corridor_rating::corridor_score;
 use crate::metric::definitions::{
     CORA, CORA_AUTOMATIC, CORA_CORRIDOR, CORA_CORRIDOR_AUTOMATIC, CORA_CROSS, CORA_CROSS_AUTOMATIC,
 };
-use crate::{Metric, MetricsError, rated_grid};
+use crate::metric::grid::rated_grid;
+use crate::{Metric, MetricsError};
 
 /// Which part of the signals is rated.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,8 @@
 use crumple_signal::Sampled;
 
 use crate::metric::definitions::{CORRIDOR_EXCURSION, CORRIDOR_EXIT, CORRIDOR_INSIDE};
-use crate::{Metric, MetricsError, same_grid};
+use crate::metric::grid::same_grid;
+use crate::{Metric, MetricsError};
 
 /// How wide a corridor of several tests is.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -8,7 +8,8 @@ use crate::metric::definitions::{
     ANOVA_MEAN, ANOVA_STD, FIT, NRMSE, R2, RMSE, SPRAGUE_GEERS_C, SPRAGUE_GEERS_M, SPRAGUE_GEERS_P, THEIL_U1, THEIL_U2,
     VAF,
 };
-use crate::{Metric, MetricsError, same_grid};
+use crate::metric::grid::same_grid;
+use crate::{Metric, MetricsError};
 
 /// All measures of one pair of curves; `None` where a measure is not defined for them.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,7 @@
 use crumple_signal::{Acceleration, Displacement, Signal, Velocity};
 
-use crate::{CrashEvents, MetricsError, same_grid};
+use crate::metric::grid::same_grid;
+use crate::{CrashEvents, MetricsError};
 
 /// One branch of a force-deflection curve; both lists have one entry a sample.
 #[derive(Debug, Clone, PartialEq, Default)]

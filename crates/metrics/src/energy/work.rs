@@ -1,6 +1,7 @@
 use crumple_signal::{Acceleration, Displacement, Signal};
 
-use crate::{DynamicCrush, MetricsError, same_grid};
+use crate::metric::grid::same_grid;
+use crate::{DynamicCrush, MetricsError};
 
 /// Kinetic energy m·v²/2, J.
 pub fn kinetic_energy(mass_kg: f64, speed_m_per_s: f64) -> f64 {

@@ -1,7 +1,8 @@
 use crumple_signal::{Displacement, Signal, Velocity};
 
 use crate::events::unstopped::unstopped;
-use crate::{MetricsError, Unstopped, same_grid};
+use crate::metric::grid::same_grid;
+use crate::{MetricsError, Unstopped};
 
 /// The moment of largest crush: the first zero of velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]

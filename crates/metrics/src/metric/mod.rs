@@ -2,4 +2,5 @@
 //! May use nothing.
 
 pub mod definitions;
+pub mod grid;
 pub mod value;

@@ -1,8 +1,9 @@
 use crumple_signal::{Acceleration, Signal};
 
 use crate::metric::definitions::{OCCUPANT_TRAVEL, RESTRAINT, RIDE_DOWN};
+use crate::metric::grid::same_grid;
 use crate::sums::cumulative;
-use crate::{Metric, MetricsError, same_grid};
+use crate::{Metric, MetricsError};
 
 /// Where the occupant's energy goes.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,8 @@
 use crumple_signal::{Displacement, Signal, Velocity};
 
 use crate::metric::definitions::OLC;
-use crate::{Metric, MetricsError, same_grid};
+use crate::metric::grid::same_grid;
+use crate::{Metric, MetricsError};
 
 /// The two lengths of the occupant load criterion.
 #[derive(Debug, Clone, Copy, PartialEq)]

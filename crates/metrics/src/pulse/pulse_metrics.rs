@@ -5,6 +5,7 @@ use crate::metric::definitions::{
     DYNAMIC_CRUSH, EES, ESW, IMPACT_ENERGY, LOSS_RATIO, PEAK, REBOUND_DISPLACEMENT, RESTITUTION, RETURNED_ENERGY,
     SEPARATION, TIME_OF_CRUSH, TIME_OF_PEAK, X_MEAN,
 };
+use crate::metric::grid::same_grid;
 use crate::pulse::olc::olc;
 use crate::pulse::peak::peak;
 use crate::pulse::vpi::vpi;
@@ -12,7 +13,7 @@ use crate::{
     CrashEvents, Definition, EventEnd, Metric, MetricsError, OlcOptions, VpiOptions, absorbed_energy,
     acceleration_after_separation, average_square_wave, average_stiffness, centroid_time_by_moment,
     centroid_time_from_crush, energy_equivalent_speed, equivalent_square_wave, kinetic_energy, loading_work_per_kg,
-    mean_deceleration, same_grid, sliding_mean_of_velocity,
+    mean_deceleration, sliding_mean_of_velocity,
 };
 
 /// A crash as motion: what [`pulse_metrics`] looks at. The three signals share one grid.

@@ -2,7 +2,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use crate::curves::iso18571::warping::Warping;
+use crate::curves::iso18571::warping::band::Warping;
 use crate::curves::iso18571::warping::cells::accumulate;
 use crate::curves::iso18571::warping::front::Front;
 

@@ -1,6 +1,6 @@
 //! Two neighbouring diagonals, and how they move on.
 
-use crate::curves::iso18571::warping::Warping;
+use crate::curves::iso18571::warping::band::Warping;
 use crate::curves::iso18571::warping::sweep::{Buffers, Tile};
 
 /// Diagonals filled before the next tile is taken, at most.

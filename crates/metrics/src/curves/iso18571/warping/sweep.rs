@@ -2,7 +2,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use crate::curves::iso18571::warping::Warping;
+use crate::curves::iso18571::warping::band::Warping;
 use crate::curves::iso18571::warping::cells::accumulate;
 
 /// What tiles of one row of tiles hand on, and their working memory.
