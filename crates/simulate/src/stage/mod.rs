@@ -1,5 +1,9 @@
 //! Reads candidates and the motion of the test, simulates, writes responses and comparisons.
 
+mod chain_table;
+mod drive;
+mod fitted_parameters;
+
 use std::path::PathBuf;
 
 use crumple_estimation::statistics::effective_samples;
@@ -15,9 +19,9 @@ use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::chain_table::ChainSettings;
-use crate::chosen::chosen;
-use crate::drive::Driven;
+use crate::stage::chain_table::ChainSettings;
+use crate::stage::drive::Driven;
+use crate::stage::fitted_parameters::chosen;
 
 /// The stage.
 pub struct Simulate;

@@ -11,7 +11,7 @@ use crumple_stage::{
 use serde::Serialize;
 use toml::{Table, Value};
 
-use crate::drive::Driven;
+use crate::stage::drive::Driven;
 
 const CHAIN_KEYS: [&str; 5] = ["masses", "speed", "drive", "drive_wave", "drive_mass"];
 
