@@ -2,9 +2,9 @@ use crumple_lumped::{CrushEvents, Drive, Dynamics, LumpedError, Model, Motion, S
 use crumple_metrics::{fit_percent, rmse};
 use crumple_signal::Sampled;
 
-use crate::excitation::Excitation;
-use crate::measures::max_abs_error;
-use crate::ratings::{Rating, iso_ratings, ratings};
+use crate::comparison::measures::max_abs_error;
+use crate::comparison::ratings::{Rating, iso_ratings, ratings};
+use crate::drive::excitation::Excitation;
 
 /// Why a candidate cannot be compared.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
