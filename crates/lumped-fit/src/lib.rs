@@ -51,7 +51,7 @@ pub use fit::nonlinear::nonlinear2::fit_nonlinear2;
 pub use fit::nonlinear::problem::conditions_at_crush;
 pub use fit::options::SingleMassFitOptions;
 pub use fit::refine::{Refined, refine};
-pub use free::free_parameter::{FreeParameter, free_masses, free_parameters};
+pub use free::free_parameter::{FreeParameter, free_masses, free_parameters, mass_of};
 pub use free::mass_split::{MassSplit, masses, triple_masses};
 pub use free::model_coordinates::{MassFit, largest_of_chain};
 pub use matching::coefficient_matching::{Identified, Matched, Quartic, match_identified};

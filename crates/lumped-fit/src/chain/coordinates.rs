@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crumple_lumped::{Chain, Instants, LumpedError, PiecewiseLinear, SecantChain, Sensitivity};
+use crumple_lumped::{Chain, Instants, LumpedError, ParameterKind, PiecewiseLinear, SecantChain, Sensitivity};
 
 use serde::Serialize;
 
@@ -324,9 +324,18 @@ impl ChainCoordinates {
         self.free.iter().map(|(place, _)| at(*place).is_some_and(|k| of.get(k) == Some(&true))).collect()
     }
 
+    /// What this free number is.
+    pub fn kind(&self, index: usize) -> ParameterKind {
+        match self.free[index].0 {
+            Place::Mass(_) => ParameterKind::Mass,
+            Place::Spring(..) => ParameterKind::Stiffness,
+            Place::Damper(..) => ParameterKind::Damping,
+        }
+    }
+
     /// Whether this free number is a mass.
     pub fn is_mass(&self, index: usize) -> bool {
-        matches!(self.free[index].0, Place::Mass(_))
+        self.kind(index) == ParameterKind::Mass
     }
 }
 

@@ -73,7 +73,12 @@ pub(crate) fn linearised(
     }
     let named: Vec<NamedCoordinate> = kept
         .iter()
-        .map(|&i| NamedCoordinate { name: family.names[i].clone(), logarithmic: true, slope: minimum.theta[i].exp() })
+        .map(|&i| NamedCoordinate {
+            name: family.names[i].clone(),
+            kind: family.kind(i),
+            logarithmic: true,
+            slope: minimum.theta[i].exp(),
+        })
         .collect();
     let split = waves.split(misfit);
     Some(LinearisedUncertainty {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{Instants, LumpedError, Model, ModelKind, Sensitivity};
+use crumple_lumped::{Instants, LumpedError, Model, ModelKind, Parameter, ParameterKind, Sensitivity};
 
 use crate::free::parameterisation::{Axis, Parameterisation};
 
@@ -118,25 +118,37 @@ impl ModelCoordinates {
                 push(place, Map::MassShare, (lower, upper), (lower, upper));
             }
         }
-        for (place, &name) in names.iter().enumerate().skip(masses_kg.len()) {
-            match name {
-                "crush_m" => known[place] = scale.crush_m,
-                "v0_m_per_s" => known[place] = scale.impact_speed_m_per_s,
-                "x1_m" => push(place, Map::Share(scale.crush_m), (0.005, 0.995), (0.1, 0.95)),
-                "v_thresh_m_per_s" | "v2_m_per_s" => {
+        let parameters = kind.parameters();
+        let free_rate = |p: &Parameter| p.kind == ParameterKind::Rate && !p.of_the_test;
+        for (place, parameter) in parameters.iter().enumerate().skip(masses_kg.len()) {
+            match parameter.kind {
+                ParameterKind::Length if parameter.of_the_test => known[place] = scale.crush_m,
+                ParameterKind::Rate if parameter.of_the_test => known[place] = scale.impact_speed_m_per_s,
+                ParameterKind::Length => push(place, Map::Share(scale.crush_m), (0.005, 0.995), (0.1, 0.95)),
+                // Below another knot that is free: a share of it.
+                ParameterKind::Rate if parameters.get(place + 1).is_some_and(free_rate) => {
+                    push(place, Map::ShareOf(place + 1), (0.005, 0.995), (0.05, 0.95));
+                }
+                ParameterKind::Rate => {
                     push(place, Map::Share(scale.impact_speed_m_per_s), (0.005, 0.995), (0.05, 0.95));
                 }
-                "v1_m_per_s" => push(place, Map::ShareOf(place + 1), (0.005, 0.995), (0.05, 0.95)),
-                _ if nonlinear && name.starts_with('k') => {
+                ParameterKind::Stiffness if nonlinear => {
                     push(place, Map::Logarithm(total_mass_kg * rate * rate), (1e-8, 1e3), (1e-3, 10.0));
                 }
-                _ if nonlinear => push(place, Map::Logarithm(total_mass_kg * rate), (1e-8, 1e3), (1e-3, 10.0)),
-                "unloading_stiffness_n_per_m" => push(place, Map::Logarithm(spring), (1e-2, 1e5), (1.0, 300.0)),
-                _ if name.ends_with("n_s_per_m") => {
+                ParameterKind::Damping if nonlinear => {
+                    push(place, Map::Logarithm(total_mass_kg * rate), (1e-8, 1e3), (1e-3, 10.0));
+                }
+                ParameterKind::Stiffness if parameter.name == "unloading_stiffness_n_per_m" => {
+                    push(place, Map::Logarithm(spring), (1e-2, 1e5), (1.0, 300.0));
+                }
+                ParameterKind::Damping => {
                     let searched = if kind == ModelKind::Maxwell { (0.1, 30.0) } else { (0.01, 3.0) };
                     push(place, Map::Logarithm(damper), (1e-5, STRONGEST), searched);
                 }
-                _ => push(place, Map::Logarithm(spring), (1e-4, STIFFEST), (0.2, 30.0)),
+                // Masses stand in front of all others.
+                ParameterKind::Stiffness | ParameterKind::Mass => {
+                    push(place, Map::Logarithm(spring), (1e-4, STIFFEST), (0.2, 30.0));
+                }
             }
         }
         // A knot that is a share of another needs that one first.
@@ -196,7 +208,7 @@ impl ModelCoordinates {
     /// Places of the parameters that change, and for each coordinate their derivatives by it.
     fn changes(&self, theta: &[f64]) -> Vec<Vec<(usize, f64)>> {
         let values = self.values(theta);
-        let masses = values.iter().zip(self.kind.parameter_names()).filter(|(_, n)| n.ends_with("_kg")).count();
+        let masses = self.kind.parameters().iter().filter(|p| p.kind == ParameterKind::Mass).count();
         self.coordinates
             .iter()
             .zip(theta)

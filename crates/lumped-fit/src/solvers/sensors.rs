@@ -1,6 +1,6 @@
 //! Any model fitted to acceleration, velocity or displacement of one or several sensors.
 
-use crumple_lumped::{Model, ModelKind};
+use crumple_lumped::{Model, ModelKind, Parameter, ParameterKind};
 use crumple_signal::Notes;
 
 use crate::fit::options::SingleMassFitOptions;
@@ -173,16 +173,16 @@ fn one_soft_pair(
     let behind_kg: f64 = masses_kg[soft..].iter().sum();
     let kelvin = kelvin_from_events(behind_kg, v0, time_s, crush_m).ok()?.model;
     let damper = kelvin.damping_n_s_per_m.max(SOME_DAMPING * behind_kg / time_s);
-    let value = |name: &&str| -> Option<f64> {
-        let place = name[1..].split('_').next()?.parse::<usize>().ok()?.checked_sub(1)?;
+    let value = |index: usize, parameter: &Parameter| -> Option<f64> {
+        let place = kind.parameters()[..index].iter().filter(|before| before.kind == parameter.kind).count();
         let rigid = if place == soft { 1.0 } else { NEARLY_RIGID };
-        Some(match name.as_bytes()[0] {
-            b'm' => *masses_kg.get(place)?,
-            b'k' => rigid * kelvin.stiffness_n_per_m,
+        Some(match parameter.kind {
+            ParameterKind::Mass => *masses_kg.get(place)?,
+            ParameterKind::Stiffness => rigid * kelvin.stiffness_n_per_m,
             _ => rigid * damper,
         })
     };
-    let named = kind.parameter_names().iter().map(|name| Some(((*name).to_owned(), value(name)?)));
+    let named = kind.parameters().iter().enumerate().map(|(k, p)| Some((p.name.to_owned(), value(k, p)?)));
     Model::from_parameters(kind, &named.collect::<Option<_>>()?).ok()
 }
 

@@ -1,6 +1,6 @@
 //! What a solver is given.
 
-use crumple_lumped::ModelKind;
+use crumple_lumped::{ModelKind, ParameterKind};
 use crumple_signal::Sampled;
 
 use crate::candidate::method::Method;
@@ -50,5 +50,5 @@ impl Task<'_> {
 
 /// How many masses a model has.
 pub(crate) fn mass_count(kind: ModelKind) -> usize {
-    kind.parameter_names().iter().filter(|name| matches!(**name, "mass_kg" | "m1_kg" | "m2_kg" | "m3_kg")).count()
+    kind.parameters().iter().filter(|parameter| parameter.kind == ParameterKind::Mass).count()
 }

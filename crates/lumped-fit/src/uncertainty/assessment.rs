@@ -12,7 +12,7 @@ use crate::uncertainty::identifiability::weakest_direction;
 use crate::uncertainty::profile_likelihood::{Profile, profile};
 use crumple_estimation::statistics::lag_1_autocorrelation;
 use crumple_estimation::statistics::{Covariance, covariance_of_blocks};
-use crumple_lumped::Model;
+use crumple_lumped::{Model, ParameterKind};
 
 /// What is computed beyond the covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -98,7 +98,7 @@ pub fn assess(
     }
     // A mass that a bound holds leaves the rest of the total open too.
     let model = given.unwrap_or(&refined.model);
-    let all_masses = free.iter().filter(|p| p.name.ends_with("_kg")).count() + 1 == masses_of(model).len();
+    let all_masses = free.iter().filter(|p| p.kind == ParameterKind::Mass).count() + 1 == masses_of(model).len();
     if let Some((rest, value)) = rest_mass(model, &refined.free) {
         let (deviation, ends) = of_the_rest(value, &free, &found, &interval);
         if all_masses {
@@ -156,7 +156,7 @@ fn of_the_rest(
     found: &Covariance,
     interval: &Intervals,
 ) -> (f64, (Option<f64>, Option<f64>)) {
-    let masses: Vec<usize> = (0..free.len()).filter(|&i| free[i].name.ends_with("_kg")).collect();
+    let masses: Vec<usize> = (0..free.len()).filter(|&i| free[i].kind == ParameterKind::Mass).collect();
     let slope = |i: usize| free[i].slope(free[i].coordinate(free[i].value));
     let pairs = masses.iter().flat_map(|&i| masses.iter().map(move |&j| (i, j)));
     let variance: f64 = pairs.map(|(i, j)| slope(i) * found.matrix[(i, j)] * slope(j)).sum();
@@ -180,7 +180,7 @@ fn of_the_rest(
 /// The profile of the rest of the total, which is that of the one free mass mirrored; none with two free masses.
 fn profile_of_the_rest(refined: &Refined, profiles: &[Profile]) -> Option<Profile> {
     let (parameter, value) = rest_mass(&refined.model, &refined.free)?;
-    let mut masses = refined.free.iter().filter(|p| p.name.ends_with("_kg"));
+    let mut masses = refined.free.iter().filter(|p| p.kind == ParameterKind::Mass);
     let (one, None) = (masses.next()?, masses.next()) else { return None };
     let of = profiles.iter().find(|p| p.parameter == one.name)?;
     let total = value + one.value;

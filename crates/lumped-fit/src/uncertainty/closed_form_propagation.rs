@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::Model;
+use crumple_lumped::{Model, ParameterKind};
 
 use crate::record::observation::Observation;
 use crate::uncertainty::propagation::{InputUncertainty, Propagation, Repetition, over_repetitions, with_errors};
@@ -100,8 +100,8 @@ fn repeat_closed_form(
         _ => return None,
     };
     let values = solved.parameters();
-    let named = solved.kind().parameter_names().iter().filter(|name| !name.ends_with("_kg"));
-    let mut result: BTreeMap<&'static str, f64> = named.map(|name| (*name, values[*name])).collect();
+    let but_masses = solved.kind().parameters().iter().filter(|p| p.kind != ParameterKind::Mass);
+    let mut result: BTreeMap<&'static str, f64> = but_masses.map(|p| (p.name, values[p.name])).collect();
     if matches!(model, Model::Elastoplastic(m) if unloads_rigidly(m)) {
         // A stand-in, and no number of the record.
         result.remove("unloading_stiffness_n_per_m");

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{Instants, Model, Nonlinear1};
+use crumple_lumped::{Instants, Model, Nonlinear1, ParameterKind};
 use nalgebra::DMatrix;
 
 use crate::Observation;
@@ -90,10 +90,12 @@ fn repeat_conditioned(
     }
     let fitted = Model::Nonlinear1(problem.model(&theta)?);
     let values = fitted.parameters();
-    let names = fitted.kind().parameter_names();
-    let by = |name: &str| if name.ends_with("_m_per_s") { 1.0 } else { repetition.mass_ratio };
-    let mut result: BTreeMap<&'static str, f64> =
-        PLACES.iter().map(|&place| (names[place], values[names[place]] * by(names[place]))).collect();
+    let scaled = |&place: &usize| {
+        let parameter = &fitted.kind().parameters()[place];
+        let ratio = if parameter.kind == ParameterKind::Rate { 1.0 } else { repetition.mass_ratio };
+        (parameter.name, values[parameter.name] * ratio)
+    };
+    let mut result: BTreeMap<&'static str, f64> = PLACES.iter().map(scaled).collect();
     if let Some(crush) = fitted.events(v0).ok().and_then(|events| events.dynamic_crush_m) {
         result.insert("dynamic_crush_m", crush);
     }

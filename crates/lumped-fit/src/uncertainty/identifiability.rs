@@ -1,7 +1,8 @@
 //! What a record does not determine, in words.
 
+use crumple_lumped::ParameterKind;
+
 use crate::FitQuantity;
-use crate::candidate::parameter_words::short;
 use crate::free::free_parameter::FreeParameter;
 use crumple_estimation::statistics::Covariance;
 
@@ -17,6 +18,7 @@ const LOOSE: f64 = 0.5;
 pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance, quantity: FitQuantity) -> Option<String> {
     let named = |p: &FreeParameter| NamedCoordinate {
         name: p.name.to_owned(),
+        kind: p.kind,
         logarithmic: p.logarithmic,
         slope: p.slope(p.coordinate(p.value)),
     };
@@ -28,10 +30,19 @@ pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance, quanti
 pub(crate) struct NamedCoordinate {
     /// The parameter, with its unit.
     pub name: String,
+    /// What it is.
+    pub kind: ParameterKind,
     /// Whether the coordinate is its logarithm.
     pub logarithmic: bool,
     /// Derivative of the parameter by the coordinate.
     pub slope: f64,
+}
+
+impl NamedCoordinate {
+    /// The parameter without its unit: `k1` of `k1_n_per_m`.
+    fn symbol(&self) -> String {
+        self.kind.symbol_of(&self.name).replace('_', " ")
+    }
 }
 
 /// As [`weakest_direction`], of parameters of any name.
@@ -58,7 +69,7 @@ pub(crate) fn direction_in_words(
         .iter()
         .map(|&i| {
             let of = if free[i].logarithmic { "" } else { " of its scale" };
-            format!("{} {:+.2} %{of}", short(&free[i].name), 100.0 * unit * sign * along[i])
+            format!("{} {:+.2} %{of}", free[i].symbol(), 100.0 * unit * sign * along[i])
         })
         .collect();
     let moved = format!(
@@ -68,21 +79,16 @@ pub(crate) fn direction_in_words(
         size(unit * covariance.weakest_change_m, quantity)
     );
     let known = match parts[..] {
-        [_] => format!("{} is the least determined", short(&free[lead].name)),
+        [_] => format!("{} is the least determined", free[lead].symbol()),
         [a, b] if deviation > LOOSE => {
             let slope = |i: usize| along[i] * free[i].slope;
-            let (first, second) = if comes_before(&free[a].name, &free[b].name, a < b) { (a, b) } else { (b, a) };
+            let (first, second) = if comes_before(&free[a], &free[b], a < b) { (a, b) } else { (b, a) };
             let factor = -slope(first) / slope(second);
             let sign = if factor < 0.0 { '-' } else { '+' };
-            format!(
-                "only {} {sign} {:.3} {} is determined",
-                short(&free[first].name),
-                factor.abs(),
-                short(&free[second].name)
-            )
+            format!("only {} {sign} {:.3} {} is determined", free[first].symbol(), factor.abs(), free[second].symbol())
         }
         _ if deviation > LOOSE => {
-            let names: Vec<_> = parts.iter().map(|&i| short(&free[i].name)).collect();
+            let names: Vec<_> = parts.iter().map(|&i| free[i].symbol()).collect();
             format!("{} are not determined one by one", names.join(", "))
         }
         _ => "the least determined combination".to_owned(),
@@ -96,8 +102,8 @@ pub(crate) fn direction_in_words(
 }
 
 /// Two of one kind stand by their numbers, others as the model has them.
-fn comes_before(a: &str, b: &str, in_the_model: bool) -> bool {
-    if a.as_bytes().first() == b.as_bytes().first() { a < b } else { in_the_model }
+fn comes_before(a: &NamedCoordinate, b: &NamedCoordinate, in_the_model: bool) -> bool {
+    if a.kind == b.kind { a.name < b.name } else { in_the_model }
 }
 
 fn size(value: f64, quantity: FitQuantity) -> String {
@@ -115,7 +121,16 @@ mod tests {
     use nalgebra::DMatrix;
 
     fn spring(name: &'static str, value: f64) -> FreeParameter {
-        FreeParameter { name, value, unit: value, scale: 0.0, logarithmic: true, limit: f64::INFINITY, lowest: 0.0 }
+        FreeParameter {
+            name,
+            kind: ParameterKind::Stiffness,
+            value,
+            unit: value,
+            scale: 0.0,
+            logarithmic: true,
+            limit: f64::INFINITY,
+            lowest: 0.0,
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
-use crumple_lumped::Model;
+use crumple_lumped::{Model, Parameter, ParameterKind};
 use crumple_signal::Distribution;
 
 use crate::fit::observed_problem::{Problem, with_parameters};
@@ -243,8 +243,9 @@ pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) ->
     let v0 = repetition.observed.impact_speed_m_per_s;
     // The last knot of a nonlinear damper is the impact speed.
     let mut values = model.parameters();
-    if let Some(knot) = values.get_mut("v0_m_per_s") {
-        *knot = v0;
+    let is_last_knot = |p: &&Parameter| p.of_the_test && p.kind == ParameterKind::Rate;
+    if let Some(knot) = model.kind().parameters().iter().find(is_last_knot) {
+        values.insert(knot.name.to_owned(), v0);
     }
     let template = with_parameters(model, &values)?;
     let problem = Problem::new(template, free.to_vec(), &repetition.observed);
@@ -252,7 +253,7 @@ pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) ->
     let fitted = problem.model(&optimum.theta)?;
     let mut result: BTreeMap<&'static str, f64> = BTreeMap::new();
     for (parameter, theta) in free.iter().zip(&optimum.theta) {
-        let by_mass = ["_n_per_m", "_n_s_per_m", "_kg"].iter().any(|unit| parameter.name.ends_with(unit));
+        let by_mass = matches!(parameter.kind, ParameterKind::Mass | ParameterKind::Stiffness | ParameterKind::Damping);
         result.insert(parameter.name, parameter.at(*theta) * if by_mass { repetition.mass_ratio } else { 1.0 });
     }
     if let Some((rest, kg)) = rest_mass(&fitted, free) {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crumple_lumped::{ParameterKind, SecantChain};
 use crumple_lumped_fit::{
     ChainAssessment, ChainAssessmentOptions, ChainDual, ChainSolution, LinearisedUncertainty, Observation,
     ObservedWave, Place, RESOLUTION_M, assess_chain, errors_in_words, fit_chain, note_of_errors,
@@ -126,7 +127,7 @@ fn dual(chain: &FittedChain, solution: &ChainSolution) -> Option<String> {
             let springs: Vec<String> = other
                 .parameters()
                 .iter()
-                .filter(|(name, _)| !name.ends_with("_kg"))
+                .filter(|(name, _)| SecantChain::parameter_kind(name) != Some(ParameterKind::Mass))
                 .map(|(name, value)| format!("{name} {value:.1}"))
                 .collect();
             format!(

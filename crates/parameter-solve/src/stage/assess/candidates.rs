@@ -1,9 +1,9 @@
 //! Follows every candidate through the measurement of the record and says how well its parameters are known.
 
-use crumple_lumped::{Elastoplastic, Model, Nonlinear1};
+use crumple_lumped::{Elastoplastic, Model, Nonlinear1, ParameterKind};
 use crumple_lumped_fit::{
     AssessmentOptions, Candidate, FollowedEvents, FreeParameter, MassFit, Measurement, Method, Observation,
-    Propagation, RESOLUTION_M, Refined, assess, free_masses, free_parameters, largest_draw, largest_of_chain,
+    Propagation, RESOLUTION_M, Refined, assess, free_masses, free_parameters, largest_draw, largest_of_chain, mass_of,
     propagate, propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine, unloads_rigidly,
 };
 use crumple_signal::{Displacement, Signal};
@@ -27,13 +27,11 @@ const ONE_MINIMUM_S: f64 = 2.5e-4;
 
 /// The minimum seen through the filter does not leave the search at its stiff end; springs and dampers may go on to zero.
 fn within_the_search(free: &mut [FreeParameter], model: &Model, window_s: f64) {
-    let values = model.parameters();
-    let mass_kg = values.iter().filter(|(name, _)| name.ends_with("_kg")).map(|(_, kg)| kg).sum();
-    let (stiffest, strongest) = largest_of_chain(mass_kg, window_s);
+    let (stiffest, strongest) = largest_of_chain(mass_of(model), window_s);
     for parameter in free {
-        let largest = match parameter.name {
-            name if name.ends_with("_n_s_per_m") => strongest,
-            name if name.ends_with("_n_per_m") => stiffest,
+        let largest = match parameter.kind {
+            ParameterKind::Damping => strongest,
+            ParameterKind::Stiffness => stiffest,
             _ => continue,
         };
         parameter.limit = parameter.limit.min(largest.max(parameter.value));
@@ -282,10 +280,10 @@ impl Assessor<'_> {
         }
         if candidate.of_sensors()
             && self.settings.solve.mass_fit != MassFit::Known
-            && let Some(rest) = candidate.model.kind().parameter_names().iter().rfind(|name| name.ends_with("_kg"))
+            && let Some(rest) = candidate.model.kind().parameters().iter().rfind(|p| p.kind == ParameterKind::Mass)
         {
             // Without any mass that was followed there is no word on the rest of the total.
-            assessment.interval.entry(rest).or_insert((None, None));
+            assessment.interval.entry(rest.name).or_insert((None, None));
         }
         let propagation = self.propagation(candidate, observed, refined);
         let repeated = if candidate.method == Method::ClosedForm && candidate.fit.is_none() {
@@ -314,8 +312,7 @@ impl Assessor<'_> {
             return None;
         }
         let values = candidate.model.parameters();
-        let own_mass_kg = values.iter().filter(|(name, _)| name.ends_with("_kg")).map(|(_, kg)| kg).sum();
-        let mass_kg = self.mass_kg.unwrap_or(own_mass_kg);
+        let mass_kg = self.mass_kg.unwrap_or_else(|| mass_of(&candidate.model));
         let repetitions = asked.repetitions;
         let events = FollowedEvents {
             time_of_dynamic_crush_s: self.events.time_of_dynamic_crush_s.unwrap_or(0.0),

@@ -1,8 +1,8 @@
 //! What a candidate takes over from the minimum seen through the filter, and how several sensors are weighed there.
 
-use crumple_lumped::Model;
+use crumple_lumped::{Model, ParameterKind};
 use crumple_lumped_fit::{
-    Candidate, Observation, Refined, bounds_remark, errors_in_words, is_note_of_errors, note_of_errors,
+    Candidate, Observation, Refined, bounds_remark, errors_in_words, is_note_of_errors, mass_of, note_of_errors,
 };
 
 /// Rounds of weighing sensors, and the change of a weight that is worth another one.
@@ -22,7 +22,8 @@ const NO_DAMPER: f64 = 1e-4;
 /// damper of a chain of masses (one of them is Kelvin's) on its lower bound is not held: zero is what it goes to.
 pub fn fixed_at_bound(candidate: &Candidate) -> impl Iterator<Item = &'static str> {
     let values = candidate.model.parameters();
-    let mass_kg: f64 = values.iter().filter(|(name, _)| name.ends_with("_kg")).map(|(_, kg)| kg).sum();
+    let kind = candidate.model.kind();
+    let mass_kg = mass_of(&candidate.model);
     let window_s = candidate.fit.as_ref().map_or(f64::INFINITY, |fit| fit.to_s);
     let names = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
     let is_chain = matches!(
@@ -30,7 +31,8 @@ pub fn fixed_at_bound(candidate: &Candidate) -> impl Iterator<Item = &'static st
         Model::Kelvin(_) | Model::DoubleSpringMassDamper(_) | Model::TripleSpringMassDamper(_)
     );
     let least = if is_chain { NO_DAMPER * mass_kg / window_s } else { 0.0 };
-    let nothing = move |name: &str| if name.ends_with("_n_s_per_m") { least } else { 0.0 };
+    let is_damper = move |name: &str| kind.parameter(name).is_some_and(|p| p.kind == ParameterKind::Damping);
+    let nothing = move |name: &str| if is_damper(name) { least } else { 0.0 };
     names.iter().copied().filter(move |name| values.get(*name).is_some_and(|value| *value > nothing(name)))
 }
 

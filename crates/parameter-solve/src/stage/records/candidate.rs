@@ -1,5 +1,6 @@
 //! A candidate as the artifact and a person get it.
 
+use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_lumped_fit::Candidate;
 use crumple_stage::records::{CandidateV1, FitV1, SensorFitV1};
 
@@ -39,7 +40,7 @@ pub fn record(candidate: &Candidate, assessed: Option<&CandidateAssessment>, cha
         }),
         uncertainty: assessed
             .map(uncertainty_record)
-            .or_else(|| candidate.uncertainty.as_ref().map(|u| uncertainty_of_fit(u, &candidate.model.parameters()))),
+            .or_else(|| candidate.uncertainty.as_ref().map(|u| uncertainty_of_fit(u, &candidate.model))),
         notes: candidate.notes.clone(),
     }
 }
@@ -54,16 +55,14 @@ pub fn parameters_line(id: &str, candidate: &CandidateV1) -> String {
         .parameters
         .iter()
         .map(|(name, value)| {
-            if let Some(name) = name.strip_suffix("_n_s_per_m") {
-                format!("{name} {:.3} kN s/m", value / 1e3)
-            } else if let Some(name) = name.strip_suffix("_n_per_m") {
-                format!("{name} {:.2} kN/m", value / 1e3)
-            } else if let Some(name) = name.strip_suffix("_m_per_s") {
-                format!("{name} {value:.3} m/s")
-            } else if let Some(name) = name.strip_suffix("_m") {
-                format!("{name} {:.1} mm", 1e3 * value)
-            } else {
-                format!("{} {value:.1} kg", name.trim_end_matches("_kg"))
+            let kind = parameter_kind(&candidate.model, name).unwrap_or(ParameterKind::Mass);
+            let symbol = kind.symbol_of(name);
+            match kind {
+                ParameterKind::Damping => format!("{symbol} {:.3} kN s/m", value / 1e3),
+                ParameterKind::Stiffness => format!("{symbol} {:.2} kN/m", value / 1e3),
+                ParameterKind::Rate => format!("{symbol} {value:.3} m/s"),
+                ParameterKind::Length => format!("{symbol} {:.1} mm", 1e3 * value),
+                ParameterKind::Mass => format!("{symbol} {value:.1} kg"),
             }
         })
         .map(|text| text.replace('_', " "))

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
+use crumple_lumped::{Model, Parameter, ParameterKind};
 use crumple_lumped_fit::{Bootstrap, Candidate, Profile, Propagation, Uncertainty, in_words};
 use crumple_stage::records::{ProfileV1, ReplicatesV1, UncertaintyV1};
 
@@ -114,11 +115,13 @@ pub fn summary_text<N: Display + Ord>(
 
 /// The uncertainty that a fit to several sensors or a matching brings along, with 95 % intervals from its standard deviations: log-normal, so
 /// that a spring stays positive, 1.96 relative deviations wide; open beyond a factor of `e^9`, and for what is on a bound.
-pub fn uncertainty_of_fit(uncertainty: &Uncertainty, parameters: &BTreeMap<String, f64>) -> UncertaintyV1 {
+pub fn uncertainty_of_fit(uncertainty: &Uncertainty, model: &Model) -> UncertaintyV1 {
+    let parameters = model.parameters();
+    let is_given = |p: &Parameter| p.of_the_test || p.kind == ParameterKind::Mass;
     let ends = |side: f64| {
         parameters
             .iter()
-            .filter(|(name, _)| !matches!(name.as_str(), "crush_m" | "v0_m_per_s") && !name.ends_with("_kg"))
+            .filter(|(name, _)| model.kind().parameter(name).is_some_and(|parameter| !is_given(parameter)))
             .map(|(name, value)| {
                 let known = uncertainty.standard_deviation.get(name.as_str()).filter(|_| *value > 0.0);
                 let half = known.map(|deviation| 1.96 * deviation / value).filter(|half| *half < 9.0);
