@@ -26,6 +26,7 @@ mod solvers;
 mod uncertainty;
 
 pub use candidate::method::{METHODS, Method};
+pub use candidate::note::{CandidateNote, NoteTopic};
 pub use candidate::parameter_set::{Candidate, Fit, Uncertainty, bounds_remark};
 pub use candidate::parameter_words::{all_in_words, in_words};
 pub use chain::assessment::{ChainAssessment, ChainAssessmentOptions, assess_chain};
@@ -65,7 +66,7 @@ pub use papers::tfest::match_as_the_paper_typed;
 pub use record::fit_quantity::FitQuantity;
 pub use record::measurement::{IntegrationRule, Measurement, TwoPassFilter};
 pub use record::observation::{Observation, ObservedWave, RESOLUTION_M};
-pub use record::sensor::{Place, Sensor, SensorFit, errors_in_words, is_note_of_errors, note_of_errors};
+pub use record::sensor::{Place, Sensor, SensorFit, errors_in_words, note_of_errors};
 pub use record::test_data::TestData;
 pub use solvers::settings::SolveSettings;
 pub use solvers::solve::solve;

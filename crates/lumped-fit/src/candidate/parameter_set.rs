@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use crumple_estimation::minimise::StopReason;
 use crumple_lumped::Model;
 
+use crate::candidate::note::CandidateNote;
 use crate::candidate::parameter_words::all_in_words;
 use crate::record::window::Window;
 use crate::{FitQuantity, Method, SensorFit};
@@ -24,7 +25,7 @@ pub struct Candidate {
     /// How well the parameters are determined; `None` where nothing is left over to judge by.
     pub uncertainty: Option<Uncertainty>,
     /// Reductions and assumptions, in words.
-    pub notes: Vec<String>,
+    pub notes: Vec<CandidateNote>,
 }
 
 impl Candidate {

@@ -6,6 +6,7 @@ use crumple_lumped::{
 };
 use crumple_signal::Notes;
 
+use crate::candidate::note::infos;
 use crate::{Candidate, CoefficientSpread, Method, SolveError};
 
 /// Divisions of the mass in a sweep.
@@ -138,7 +139,7 @@ pub fn match_identified(
             equivalent_to: (solution.dual != place).then(|| index(solution.dual)),
             fit: None,
             uncertainty,
-            notes: remarks,
+            notes: infos(remarks),
         });
     }
     let mut remarks = vec![solutions_in_words, format!("used: the {} {}", identified.source, identified.id)];
@@ -170,7 +171,7 @@ pub fn match_identified(
                     equivalent_to: None,
                     fit: None,
                     uncertainty: None,
-                    notes: vec![text],
+                    notes: infos(vec![text]),
                 });
             }
             Ok(None) => {}

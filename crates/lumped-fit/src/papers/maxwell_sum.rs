@@ -2,6 +2,7 @@
 
 use crumple_lumped::{Complex, Model};
 
+use crate::candidate::note::CandidateNote;
 use crate::{Candidate, MaxwellExponents, Method, SolveError, maxwell_from_exponents};
 
 /// How large the exponent of the constant may be beside the slowest of the others before it is remarked upon, and before one that
@@ -60,14 +61,14 @@ pub fn maxwell_from_sum(id: &str, exponents: &[Complex], mass_kg: f64, index: us
         }
         MaxwellExponents::Real { .. } => format!("{:.4} and {:.4} 1/s, real: the mass creeps", a.re, b.re),
     };
-    let mut notes = vec![format!("from the exponents of {id}: {kind}; amplitudes are not used")];
+    let mut notes = vec![CandidateNote::info(format!("from the exponents of {id}: {kind}; amplitudes are not used"))];
     notes.push(if near_zero.abs() > CONSTANT * slowest {
-        format!(
-            "warning: the exponent taken for the constant is {near_zero:.4} 1/s, 0 in the model, and not small beside {slowest:.4} 1/s: \
+        CandidateNote::warning(format!(
+            "the exponent taken for the constant is {near_zero:.4} 1/s, 0 in the model, and not small beside {slowest:.4} 1/s: \
              this is hardly the motion of a Maxwell model"
-        )
+        ))
     } else {
-        format!("the exponent taken for the constant is {near_zero:.3e} 1/s, 0 in the model")
+        CandidateNote::info(format!("the exponent taken for the constant is {near_zero:.3e} 1/s, 0 in the model"))
     });
     Ok(Candidate {
         model: Model::Maxwell(model),
@@ -126,6 +127,10 @@ mod tests {
     fn a_constant_that_decays_is_remarked() {
         let list = [(-5.0, 0.0), (-20.0, 30.0), (-20.0, -30.0)].map(|(re, im)| Complex::new(re, im));
         let found = maxwell_from_sum("x", &list, 900.0, 1).unwrap();
-        assert!(found.notes[1].starts_with("warning: the exponent taken for the constant is -5"), "{:?}", found.notes);
+        assert!(
+            found.notes[1].to_string().starts_with("warning: the exponent taken for the constant is -5"),
+            "{:?}",
+            found.notes
+        );
     }
 }

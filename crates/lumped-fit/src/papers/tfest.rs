@@ -3,6 +3,7 @@
 use crumple_signal::Notes;
 
 use crate::SolveError;
+use crate::candidate::note::CandidateNote;
 use crate::matching::coefficient_matching::{Identified, Matched, Quartic, match_identified};
 
 /// The printed denominator `s^4 + 35.7 s^3 + 6024 s^2 + 185000 s + 414600`.
@@ -42,7 +43,7 @@ pub fn match_as_the_paper_typed(first_index: usize, notes: &mut Notes) -> Result
                      k1 and c2 exchanged (its solver answers in the order c1, c2, k1, k2)";
         matched.remarks.push(label.to_owned());
         for candidate in &mut matched.candidates {
-            candidate.notes.push(label.to_owned());
+            candidate.notes.push(CandidateNote::info(label));
         }
         found.push(matched);
     }

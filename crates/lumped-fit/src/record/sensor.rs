@@ -26,11 +26,6 @@ pub fn note_of_errors(errors: &str, seen: Option<&str>) -> String {
     format!("{ERRORS}{seen}{errors}; residuals weighted by the noise level of each sensor")
 }
 
-/// Whether a note is an [`note_of_errors`].
-pub fn is_note_of_errors(note: &str) -> bool {
-    note.starts_with(ERRORS)
-}
-
 /// Which mass of a model a sensor sits on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {

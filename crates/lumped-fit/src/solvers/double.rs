@@ -3,6 +3,7 @@
 use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_signal::Notes;
 
+use crate::candidate::note::infos;
 use crate::solvers::sensors;
 use crate::solvers::task::Task;
 use crate::{Candidate, DoubleFitOptions, SolveError, fit_double, masses};
@@ -89,7 +90,7 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
                 equivalent_to: (!own).then_some(2 * place + 2 - dual),
                 fit: Some(fit),
                 uncertainty: pair.uncertainty[dual].clone().filter(|_| !own),
-                notes: remarks,
+                notes: infos(remarks),
             });
         }
     }

@@ -4,11 +4,20 @@ use crumple_lumped::Model;
 use crumple_signal::Notes;
 
 use crate::Candidate;
+use crate::candidate::note::infos;
 use crate::solvers::task::Task;
 
 /// A candidate that nothing was fitted for.
 pub(super) fn unfitted(task: &Task<'_>, model: Model, notes: Vec<String>) -> Candidate {
-    Candidate { model, method: task.method, index: 1, equivalent_to: None, fit: None, uncertainty: None, notes }
+    Candidate {
+        model,
+        method: task.method,
+        index: 1,
+        equivalent_to: None,
+        fit: None,
+        uncertainty: None,
+        notes: infos(notes),
+    }
 }
 
 /// What a fit to the displacement of one mass is scaled by.

@@ -4,6 +4,7 @@ use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_signal::Notes;
 
 use crate::candidate::linearised::uncertainty;
+use crate::candidate::note::{CandidateNote, infos};
 use crate::fit::sensors::fit::Fitted;
 use crate::fit::sensors::problem::{SensorProblem, SensorWindow};
 use crate::free::model_coordinates::ModelCoordinates;
@@ -30,7 +31,7 @@ fn broken_side_constraints(model: &Model) -> Option<String> {
     .collect();
     (!broken.is_empty()).then(|| {
         format!(
-            "warning: breaks the side constraints of the paper, {}, which this fit does not know: direct-fit and interior-point to the \
+            "breaks the side constraints of the paper, {}, which this fit does not know: direct-fit and interior-point to the \
              displacement of the pulse keep them",
             broken.join(" and ")
         )
@@ -79,18 +80,18 @@ impl<'a> Report<'a> {
         let first = &self.found.sensors[0];
         let active_bounds: Vec<_> =
             names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound).map(|(name, _)| *name).collect();
-        let mut notes = remarks.to_vec();
-        notes.push(format!(
+        let mut notes = infos(remarks.to_vec());
+        notes.push(CandidateNote::info(format!(
             "fitted to {} from {:.2} ms to {:.2} ms after time zero",
             first.quantity,
             1e3 * first.window.first_s,
             1e3 * first.window.last_s()
-        ));
+        )));
         if self.sensors.len() > 1 {
-            notes.push(note_of_errors(&self.errors(&minimum.theta)?, None));
+            notes.push(CandidateNote::sensor_errors(note_of_errors(&self.errors(&minimum.theta)?, None)));
         }
-        notes.extend(bounds_remark(&model, &active_bounds));
-        notes.extend(broken_side_constraints(&model));
+        notes.extend(bounds_remark(&model, &active_bounds).map(CandidateNote::active_bounds));
+        notes.extend(broken_side_constraints(&model).map(CandidateNote::warning));
         let of = |((mass, sensor), (observed, rmse)): (&(usize, Sensor<'_>), (&SensorWindow, &f64))| SensorFit {
             channel: sensor.channel.to_owned(),
             mass: mass + 1,
@@ -239,6 +240,6 @@ mod tests {
         assert_eq!(broken_side_constraints(&Model::Nonlinear1(kept)), None);
         let broken = Nonlinear1 { k1_n_per_m: 4e5, c3_n_s_per_m: 2e4, ..kept };
         let text = broken_side_constraints(&Model::Nonlinear1(broken)).unwrap();
-        assert!(text.starts_with("warning: breaks the side constraints of the paper, k1 <= k2 and c2 >= c3"), "{text}");
+        assert!(text.starts_with("breaks the side constraints of the paper, k1 <= k2 and c2 >= c3"), "{text}");
     }
 }

@@ -4,6 +4,7 @@ use crumple_lumped::Model;
 use crumple_signal::{Displacement, Notes, Signal};
 
 use super::extent::{Extent, crush_of, extent_of};
+use crate::candidate::note::{CandidateNote, infos};
 use crate::fit::options::SingleMassFitOptions;
 use crate::solvers::sensors;
 use crate::solvers::task::Task;
@@ -141,7 +142,8 @@ pub(super) fn fitted(
         notes.warning(format!("{kind}: {finding}"));
         remarks.push(finding);
     }
-    remarks.extend(bounds_remark(&model, &fit.active_bounds));
+    let mut notes = infos(remarks);
+    notes.extend(bounds_remark(&model, &fit.active_bounds).map(CandidateNote::active_bounds));
     Ok(vec![Candidate {
         model,
         method: task.method,
@@ -149,6 +151,6 @@ pub(super) fn fitted(
         equivalent_to: None,
         fit: Some(fit),
         uncertainty,
-        notes: remarks,
+        notes,
     }])
 }

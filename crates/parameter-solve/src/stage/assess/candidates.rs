@@ -2,9 +2,10 @@
 
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1, ParameterKind};
 use crumple_lumped_fit::{
-    AssessmentOptions, Candidate, FollowedEvents, FreeParameter, MassFit, Measurement, Method, Observation,
-    Propagation, RESOLUTION_M, Refined, assess, free_masses, free_parameters, largest_draw, largest_of_chain, mass_of,
-    propagate, propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine, unloads_rigidly,
+    AssessmentOptions, Candidate, CandidateNote, FollowedEvents, FreeParameter, MassFit, Measurement, Method,
+    Observation, Propagation, RESOLUTION_M, Refined, assess, free_masses, free_parameters, largest_draw,
+    largest_of_chain, mass_of, propagate, propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine,
+    unloads_rigidly,
 };
 use crumple_signal::{Displacement, Signal};
 use crumple_stage::records::EventsV1;
@@ -137,9 +138,9 @@ pub fn assess_all(
             if let Model::Elastoplastic(model) = candidate.model {
                 let chosen =
                     if model.release { "leaves the barrier at rebound" } else { "stays attached and swings on" };
-                candidate
-                    .notes
-                    .push(format!("the model {chosen}: fits the record up to rebound better than the other way"));
+                candidate.notes.push(CandidateNote::info(format!(
+                    "the model {chosen}: fits the record up to rebound better than the other way"
+                )));
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use crumple_lumped::{Model, ParameterKind};
 use crumple_lumped_fit::{
-    Candidate, Observation, Refined, bounds_remark, errors_in_words, is_note_of_errors, mass_of, note_of_errors,
+    Candidate, CandidateNote, NoteTopic, Observation, Refined, bounds_remark, errors_in_words, mass_of, note_of_errors,
 };
 
 /// Rounds of weighing sensors, and the change of a weight that is worth another one.
@@ -38,7 +38,7 @@ pub fn fixed_at_bound(candidate: &Candidate) -> impl Iterator<Item = &'static st
 
 /// A fit takes the values of the minimum.
 pub fn replace_by_refined(candidate: &mut Candidate, observed: &Observation, refined: &Refined) {
-    let unrefined = std::mem::replace(&mut candidate.model, refined.model);
+    candidate.model = refined.model;
     if let Some(fit) = &mut candidate.fit {
         let rmse = observed.rmse(&refined.misfit_m);
         fit.rmse = rmse.first().copied().unwrap_or(fit.rmse);
@@ -48,14 +48,13 @@ pub fn replace_by_refined(candidate: &mut Candidate, observed: &Observation, ref
             sensor.noise = noise / wave.weight;
         }
         let errors = fit.sensors.iter().map(|s| (s.rmse, s.quantity, s.channel.as_str(), format!("mass {}", s.mass)));
-        let said = note_of_errors(&errors_in_words(errors), Some("through the filter"));
-        for note in candidate.notes.iter_mut().filter(|note| is_note_of_errors(note)) {
-            note.clone_from(&said);
+        let errors = note_of_errors(&errors_in_words(errors), Some("through the filter"));
+        for note in candidate.notes.iter_mut().filter(|note| note.topic == NoteTopic::SensorErrors) {
+            note.note.text.clone_from(&errors);
         }
         fit.iterations += refined.iterations;
         fit.evaluations += refined.evaluations;
         fit.stop_reason = refined.stop_reason;
-        let before = bounds_remark(&unrefined, &fit.active_bounds);
         // What was held stays named; a zero may have been left.
         fit.active_bounds.retain(|name| refined.free.iter().all(|p| p.name != *name));
         let stopped = refined
@@ -65,8 +64,9 @@ pub fn replace_by_refined(candidate: &mut Candidate, observed: &Observation, ref
             .filter(|(_, fixed_at_bound)| **fixed_at_bound)
             .map(|(p, _)| p.name);
         fit.active_bounds.extend(stopped);
-        candidate.notes.retain(|note| Some(note) != before.as_ref());
-        candidate.notes.extend(bounds_remark(&candidate.model, &fit.active_bounds));
+        candidate.notes.retain(|note| note.topic != NoteTopic::ActiveBounds);
+        let bounds = bounds_remark(&candidate.model, &fit.active_bounds);
+        candidate.notes.extend(bounds.map(CandidateNote::active_bounds));
     }
 }
 

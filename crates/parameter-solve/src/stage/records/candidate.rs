@@ -41,7 +41,7 @@ pub fn record(candidate: &Candidate, assessed: Option<&CandidateAssessment>, cha
         uncertainty: assessed
             .map(uncertainty_record)
             .or_else(|| candidate.uncertainty.as_ref().map(|u| uncertainty_of_fit(u, &candidate.model))),
-        notes: candidate.notes.clone(),
+        notes: candidate.notes.iter().map(ToString::to_string).collect(),
     }
 }
 
