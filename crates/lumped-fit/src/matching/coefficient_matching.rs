@@ -156,29 +156,41 @@ pub fn match_identified(
         remarks.push(start_remark(zeta, &found));
     }
     if let Some(realised) = identified.realised.as_ref().filter(|realised| realised.chassis.is_some()) {
-        match realised.from_both_masses(m1_kg + m2_kg) {
-            Ok(Some((model, residual))) => {
-                let text = format!(
-                    "from the rows of both masses, with the total mass alone given: m1 = {:.2} kg, m2 = {:.2} kg; the state space is a \
-                     chain of two masses up to {residual:.1e}",
-                    model.m1_kg, model.m2_kg
-                );
-                remarks.push(text.clone());
-                candidates.push(Candidate {
-                    model: Model::DoubleSpringMassDamper(model),
-                    method: Method::CoefficientMatching,
-                    index: first_index + candidates.len(),
-                    equivalent_to: None,
-                    fit: None,
-                    uncertainty: None,
-                    notes: infos(vec![text]),
-                });
-            }
-            Ok(None) => {}
-            Err(error) => remarks.push(format!("not from the rows of both masses: {error}")),
-        }
+        let index = first_index + candidates.len();
+        candidates.extend(from_both_masses(realised, m1_kg + m2_kg, index, &mut remarks));
     }
     Ok(Matched { found, sweep, candidates, remarks, coordinates, zeta_of_the_start })
+}
+
+/// The model that the output rows of both masses give with the total mass alone; a remark on it, or on why there is none.
+fn from_both_masses(
+    realised: &RealisedModel,
+    total_kg: f64,
+    index: usize,
+    remarks: &mut Vec<String>,
+) -> Option<Candidate> {
+    let (model, residual) = match realised.from_both_masses(total_kg) {
+        Ok(found) => found?,
+        Err(error) => {
+            remarks.push(format!("not from the rows of both masses: {error}"));
+            return None;
+        }
+    };
+    let text = format!(
+        "from the rows of both masses, with the total mass alone given: m1 = {:.2} kg, m2 = {:.2} kg; the state space is a \
+         chain of two masses up to {residual:.1e}",
+        model.m1_kg, model.m2_kg
+    );
+    remarks.push(text.clone());
+    Some(Candidate {
+        model: Model::DoubleSpringMassDamper(model),
+        method: Method::CoefficientMatching,
+        index,
+        equivalent_to: None,
+        fit: None,
+        uncertainty: None,
+        notes: infos(vec![text]),
+    })
 }
 
 /// What the transformation says, and what it does not.
