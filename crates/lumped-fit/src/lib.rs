@@ -1,17 +1,18 @@
 //! Solves for the physical parameters of lumped models.
 //!
-//! From the events of a crash (`t_m`, `C`, restitution) by closed forms; from the displacement, velocity or acceleration of one
-//! or several sensors by bounded least squares of every model, the first nonlinear one also by an interior point, the second
-//! also by firefly, all by L-SHADE; from an identified transfer function, state space or set of modes by coefficient matching;
-//! from four exponentials as the ERA paper does. Every candidate says how it was found, what was assumed, how well its
-//! parameters are determined (covariance, profile, bootstrap, propagation) and which other candidate gives the same record.
-//! Where a model has no solution the notes say why: that is an answer, not an error.
+//! From the events of a crash (`t_m`, `C`, restitution) by closed forms; from the displacement, velocity or
+//! acceleration of one or several sensors by bounded least squares of every model, the first nonlinear one also by an
+//! interior point, the second also by firefly, all by L-SHADE; from an identified transfer function, state space or set
+//! of modes by coefficient matching; from four exponentials as the ERA paper does. Every candidate says how it was
+//! found, what was assumed, how well its parameters are determined (covariance, profile, bootstrap, propagation) and
+//! which other candidate gives the same record. Where a model has no solution the notes say why: that is an answer, not
+//! an error.
 //!
 //! rooms: solvers | papers chain | matching uncertainty | fit | closed_form free candidate | record
 //!
-//! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model; transfer
-//! function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two nonlinear models; each
-//! function names its own.
+//! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model;
+//! transfer function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two nonlinear
+//! models; each function names its own.
 
 mod candidate;
 mod chain;
@@ -73,7 +74,7 @@ pub use solvers::solve::solve;
 pub use solvers::table::{DEFAULT_MODELS, MODELS, SOLVERS, Solver, solvers_of};
 pub use solvers::task::Needs;
 pub use uncertainty::assessment::{Assessment, AssessmentOptions, Intervals, assess, undetermined};
-pub use uncertainty::block_bootstrap::{Bootstrap, REPLICATES, bootstrap};
+pub use uncertainty::block_bootstrap::{BlockBootstrap, REPLICATES, bootstrap};
 pub use uncertainty::closed_form_propagation::{FollowedEvents, propagate_closed_form};
 pub use uncertainty::conditioned_propagation::propagate_conditioned;
 pub use uncertainty::dual_scale::DualScale;

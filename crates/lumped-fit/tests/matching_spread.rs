@@ -112,7 +112,8 @@ fn without_a_covariance_deviations_are_taken_as_independent_and_say_so() {
 fn the_solutions_of_the_transfer_function_paper_come_from_its_printed_polynomial() {
     let found = match_as_the_paper_typed(3, &mut Notes::new()).unwrap();
     let solutions: Vec<Candidate> = found.iter().flat_map(|matched| matched.candidates.clone()).collect();
-    // k1, k2, c1, c2 as printed, with k1 and c2 exchanged back, the lost minus sign, and 19581.82 for the misprinted 19581.12.
+    // k1, k2, c1, c2 as printed, with k1 and c2 exchanged back, the lost minus sign, and 19581.82 for the misprinted
+    // 19581.12.
     let printed = [
         [75_332.067, 1_780_609.088, 34_435.783, -19_420.450],
         [2_225_761.360, 60_265.654, -24_275.563, 27_548.626],

@@ -29,8 +29,8 @@ fn model(kind: ModelKind) -> Model {
     Model::from_parameters(kind, &named).unwrap()
 }
 
-/// The first nonlinear model with the last knot of its spring at its own dynamic crush, as the side conditions of its fit
-/// to the plain displacement have it; other models as they are.
+/// The first nonlinear model with the last knot of its spring at its own dynamic crush, as the side conditions of its
+/// fit to the plain displacement have it; other models as they are.
 fn with_knot_at_crush(model: Model) -> Model {
     let mut named = model.parameters();
     if model.kind() == ModelKind::Nonlinear1 {

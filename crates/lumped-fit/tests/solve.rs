@@ -206,7 +206,8 @@ fn a_record_that_never_stops_is_fitted_up_to_its_end() {
         // Every one of them holds an undamped spring: Maxwell with a rigid damper, the nonlinear ones with equal knots.
         assert!(fit.rmse < 1e-4, "{}: {}", candidate.id(), fit.rmse);
     }
-    // The loading part is that spring; the unloading is not determined and says so. Sensitivity near one, least squares to 1e-12.
+    // The loading part is that spring; the unloading is not determined and says so. Sensitivity near one, least squares
+    // to 1e-12.
     let p = found[0].model.parameters();
     assert!((p["loading_stiffness_n_per_m"] / stiffness_n_per_m - 1.0).abs() < 1e-6, "{p:?}");
     assert_eq!(found[0].fit.as_ref().unwrap().active_bounds, ["unloading_stiffness_n_per_m"]);

@@ -111,8 +111,8 @@ pub struct Uncertainty {
     pub residual_autocorrelation: Option<f64>,
 }
 
-/// What is said of the parameters that stopped on a bound; `None` where none did. Zero is the limit of what is physical, and an
-/// answer; any other bound is that of the search.
+/// What is said of the parameters that stopped on a bound; `None` where none did. Zero is the limit of what is
+/// physical, and an answer; any other bound is that of the search.
 pub fn bounds_remark(model: &Model, active_bounds: &[&'static str]) -> Option<String> {
     let values = model.parameters();
     let (zero, other): (Vec<&str>, Vec<&str>) =

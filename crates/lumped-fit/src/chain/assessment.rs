@@ -7,7 +7,7 @@ use crate::chain::fit::ChainSolution;
 use crate::chain::problem::ChainProblem;
 use crate::free::parameterisation::Parameterisation;
 use crate::uncertainty::assessment::AssessmentOptions;
-use crate::uncertainty::block_bootstrap::{Bootstrap, replicate};
+use crate::uncertainty::block_bootstrap::{BlockBootstrap, replicate};
 use crate::uncertainty::profile_likelihood::{Minimum, Profile};
 use crate::uncertainty::propagation::{
     Errors, InputUncertainty, Propagation, Repetition, over_repetitions, with_errors,
@@ -31,7 +31,7 @@ pub struct ChainAssessment {
     /// Profiles of everything that was free; of a mass that is the rest where one mass was.
     pub profile: Vec<Profile<String>>,
     /// Block bootstrap.
-    pub bootstrap: Option<Bootstrap<String>>,
+    pub bootstrap: Option<BlockBootstrap<String>>,
     /// The fit repeated with uncertain inputs.
     pub propagation: Option<Propagation<String>>,
 }
@@ -39,12 +39,14 @@ pub struct ChainAssessment {
 /// The crush of a chain that stops later than this has none, s.
 const HORIZON_S: f64 = 2.0;
 
-/// Answers for a solution of [`fit_chain`](crate::fit_chain) from the same arguments, by the rules of [`profile`](crate::uncertainty::profile_likelihood),
-/// [`bootstrap`](crate::uncertainty::block_bootstrap) and [`propagate`](crate::propagate).
+/// Answers for a solution of [`fit_chain`](crate::fit_chain) from the same arguments, by the rules of
+/// [`profile`](crate::uncertainty::profile_likelihood), [`bootstrap`](crate::uncertainty::block_bootstrap) and
+/// [`propagate`](crate::propagate).
 ///
-/// An uncertain mass is that of the test: a mass that is the rest takes it up; where none is, all masses of the chain change by the
-/// same share. What else is given stays, so springs are proportional to the mass only where all of them are free. Each repetition
-/// starts from the minimum, weights as there: it says nothing of other minima. Errors: as of the fit.
+/// An uncertain mass is that of the test: a mass that is the rest takes it up; where none is, all masses of the chain
+/// change by the same share. What else is given stays, so springs are proportional to the mass only where all of them
+/// are free. Each repetition starts from the minimum, weights as there: it says nothing of other minima. Errors: as of
+/// the fit.
 pub fn assess_chain(
     stated: &StatedChain,
     observed: &Observation,
@@ -107,7 +109,8 @@ fn repeat(
     theta: &[f64],
     mass_ratio: f64,
 ) -> Option<BTreeMap<String, f64>> {
-    // Without a rest everything is a share of the mass; with one the masses that are looked for, so that something is left for it.
+    // Without a rest everything is a share of the mass; with one the masses that are looked for, so that something is
+    // left for it.
     let by = |i: usize| if !family.has_rest() || family.is_mass(i) { mass_ratio.ln() } else { 0.0 };
     let start: Vec<f64> = theta.iter().enumerate().map(|(i, x)| x + by(i)).collect();
     let found = ChainProblem::new(family, waves, through_filter).follow(&start)?;

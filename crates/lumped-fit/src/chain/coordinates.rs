@@ -84,8 +84,8 @@ pub(crate) struct ChainCoordinates {
     pub names: Vec<String>,
 }
 
-/// Springs are looked for within these factors of `M (π/2T)²`, and started in the second pair; dampers of `M/T`: as in the fits of
-/// two and three masses.
+/// Springs are looked for within these factors of `M (π/2T)²`, and started in the second pair; dampers of `M/T`: as in
+/// the fits of two and three masses.
 const SPRINGS: [(f64, f64); 2] = [(1e-4, 1e4), (0.2, 30.0)];
 const DAMPERS: [(f64, f64); 2] = [(1e-5, 1e3), (0.01, 3.0)];
 /// Masses, of the total.
@@ -279,8 +279,8 @@ impl ChainCoordinates {
         free + given.map(|i| self.masses[i]).sum::<f64>()
     }
 
-    /// Coordinates of a chain that is as stated: what was given has its value, what is free is in the bounds that were given. Those
-    /// of the search alone leave nothing out.
+    /// Coordinates of a chain that is as stated: what was given has its value, what is free is in the bounds that were
+    /// given. Those of the search alone leave nothing out.
     pub fn point(&self, chain: &SecantChain) -> Option<Vec<f64>> {
         let value = |place: Place| match place {
             Place::Mass(i) => chain.masses_kg().get(i).copied(),
@@ -301,8 +301,9 @@ impl ChainCoordinates {
         (own.len() == other.len() && own.iter().all(same)).then_some(theta)
     }
 
-    /// The same chain where the test weighs `ratio` times as much: the rest takes the difference; where no mass is the rest, all
-    /// masses are shares of the test's and change alike. Springs and dampers that are given stay, and so do bounds.
+    /// The same chain where the test weighs `ratio` times as much: the rest takes the difference; where no mass is the
+    /// rest, all masses are shares of the test's and change alike. Springs and dampers that are given stay, and so do
+    /// bounds.
     #[must_use]
     pub fn of_mass(&self, ratio: f64) -> Self {
         let mut other = self.clone();
@@ -313,7 +314,8 @@ impl ChainCoordinates {
         other
     }
 
-    /// What is said of every free number, of the dual of two masses, where first and second spring and damper change places.
+    /// What is said of every free number, of the dual of two masses, where first and second spring and damper change
+    /// places.
     pub fn exchanged(&self, of: &[bool]) -> Vec<bool> {
         let other = |place: Place| match place {
             Place::Mass(i) => Place::Mass(i),

@@ -14,7 +14,8 @@ use crumple_estimation::statistics::{Covariance, covariance_of_blocks};
 /// Both ends of an interval; `None`: open.
 type Ends = (Option<f64>, Option<f64>);
 
-/// How well the free numbers are known, linearised about the minimum; see [`covariance`](crumple_estimation::statistics::covariance).
+/// How well the free numbers are known, linearised about the minimum; see
+/// [`covariance`](crumple_estimation::statistics::covariance).
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearisedUncertainty {
     /// Standard deviations, in the unit of each; none without a bound on it.
@@ -95,8 +96,8 @@ pub(crate) fn linearised(
     })
 }
 
-/// Name, deviation and interval of the mass that is the rest: of one free mass its interval mirrored, of several the deviation of
-/// their sum with the widest factor of theirs. `None` where a free mass is on a bound or open.
+/// Name, deviation and interval of the mass that is the rest: of one free mass its interval mirrored, of several the
+/// deviation of their sum with the widest factor of theirs. `None` where a free mass is on a bound or open.
 fn of_the_rest(
     family: &ChainCoordinates,
     theta: &[f64],

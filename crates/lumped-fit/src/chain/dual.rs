@@ -17,7 +17,8 @@ pub enum ChainDual {
 /// Two chains whose coordinates are nearer than this are one.
 const SAME: f64 = 1e-6;
 
-/// The chain with the same masses and the same motion of the last mass; `None` for any but two masses with constant coefficients.
+/// The chain with the same masses and the same motion of the last mass; `None` for any but two masses with constant
+/// coefficients.
 pub(crate) fn dual(chain: &SecantChain) -> Option<SecantChain> {
     let ([m1_kg, m2_kg], [k1, k2], [c1, c2]) = (chain.masses_kg(), chain.springs(), chain.dampers()) else {
         return None;

@@ -45,10 +45,11 @@ pub struct ChainSolution {
     pub stop_reason: StopReason,
     /// What the record says of the free numbers; `None` where there is nothing to judge by.
     pub linearised: Option<LinearisedUncertainty>,
-    /// The chain with the same masses and the same motion of the last one; `None` where a wave tells it, or there is none.
+    /// The chain with the same masses and the same motion of the last one; `None` where a wave tells it, or there is
+    /// none.
     pub dual: Option<ChainDual>,
-    /// Whether masses were looked for and no wave is of another mass than the last: their division is then in the record by a
-    /// formula, and in practice not.
+    /// Whether masses were looked for and no wave is of another mass than the last: their division is then in the
+    /// record by a formula, and in practice not.
     pub division_undecided: bool,
     /// The logarithms of what was free.
     pub(crate) theta: Vec<f64>,
@@ -56,11 +57,12 @@ pub struct ChainSolution {
 
 /// Fits the free numbers of a chain to waves, each of a mass by its index (`None`: the last).
 ///
-/// Least squares in the logarithms within bounds: Levenberg-Marquardt on analytic sensitivities, or on differences where a
-/// coefficient has knots, from the start that was given and from evenly spread (Halton) points; sensors weighed by their noise
-/// levels as in the fits of the other models. `through_filter`: whether the measurement of every wave is known: then the
-/// minima are followed to those of the misfit as measured. Deterministic for any number of threads; a global minimum is likely, not
-/// proven. Errors: a chain without meaning, waves of masses it does not have, no start with a finite response.
+/// Least squares in the logarithms within bounds: Levenberg-Marquardt on analytic sensitivities, or on differences
+/// where a coefficient has knots, from the start that was given and from evenly spread (Halton) points; sensors weighed
+/// by their noise levels as in the fits of the other models. `through_filter`: whether the measurement of every wave is
+/// known: then the minima are followed to those of the misfit as measured. Deterministic for any number of threads; a
+/// global minimum is likely, not proven. Errors: a chain without meaning, waves of masses it does not have, no start
+/// with a finite response.
 pub fn fit_chain(
     stated: &StatedChain,
     observed: &Observation,

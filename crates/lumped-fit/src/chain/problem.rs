@@ -14,8 +14,9 @@ use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Respons
 /// Iterations, and the relative decrease of the cost worth going on for, where a minimum is followed.
 const FOLLOWING: (u32, f64) = (200, 1e-7);
 
-/// A chain of which some numbers are free, beside waves: as measured, each sampled, filtered and integrated like its wave; or as the
-/// motion itself where a filter is not known. Residuals are weighted, in units of [`Observation::scale_m`].
+/// A chain of which some numbers are free, beside waves: as measured, each sampled, filtered and integrated like its
+/// wave; or as the motion itself where a filter is not known. Residuals are weighted, in units of
+/// [`Observation::scale_m`].
 pub(crate) struct ChainProblem<'a> {
     pub family: &'a ChainCoordinates,
     pub waves: &'a Observation,
@@ -70,7 +71,8 @@ impl<'a> ChainProblem<'a> {
         descend(self, start, &self.bounds())
     }
 
-    /// The minimum near `others` where number `fixed` stays at `coordinate`: the coordinates of the others and the sum of squares.
+    /// The minimum near `others` where number `fixed` stays at `coordinate`: the coordinates of the others and the sum
+    /// of squares.
     pub fn follow_others(&self, fixed: usize, coordinate: f64, others: &[f64]) -> Option<(Vec<f64>, f64)> {
         let mut start = others.to_vec();
         start.insert(fixed, coordinate);

@@ -30,8 +30,8 @@ impl<F: Fn(&[f64]) -> G + Sync, G: Fn(f64) -> f64> Response for ClosedForm<'_, F
     }
 }
 
-/// The best end of descents from every start, its record, and the deviations of the parameters `names`, which are logarithms in
-/// the search; `values` gives them at a point.
+/// The best end of descents from every start, its record, and the deviations of the parameters `names`, which are
+/// logarithms in the search; `values` gives them at a point.
 pub(crate) fn fit_logarithms<F: Fn(&[f64]) -> G + Sync, G: Fn(f64) -> f64>(
     problem: &ClosedForm<'_, F>,
     starts: Vec<Vec<f64>>,

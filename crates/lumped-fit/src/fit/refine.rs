@@ -33,8 +33,8 @@ pub struct Refined {
 }
 
 const ITERATIONS: u32 = 200;
-/// Relative decrease of the cost that is worth another step: over 250 samples it moves a parameter by `sqrt(250e-7)`, 0.5 % of
-/// its standard deviation.
+/// Relative decrease of the cost that is worth another step: over 250 samples it moves a parameter by `sqrt(250e-7)`,
+/// 0.5 % of its standard deviation.
 const COST_TOLERANCE: f64 = 1e-7;
 /// Steps along the weakest direction from which the descent starts once more, in the coordinates.
 const HOPS: [f64; 4] = [-0.3, 0.3, -0.05, 0.05];
@@ -50,9 +50,9 @@ impl Refined {
 
 /// Descends from `model` to the least misfit, all parameters of `free` moving.
 ///
-/// Bounded Levenberg-Marquardt in the coordinates of [`FreeParameter`], then from both sides of the direction along which
-/// the misfit rises least, as long as that finds something better and the misfit is more than what is resolved. Local: the result depends on the start. `None`
-/// where the model has no finite response.
+/// Bounded Levenberg-Marquardt in the coordinates of [`FreeParameter`], then from both sides of the direction along
+/// which the misfit rises least, as long as that finds something better and the misfit is more than what is resolved.
+/// Local: the result depends on the start. `None` where the model has no finite response.
 ///
 /// A parameter that comes near zero, or away from it, is described anew there and the descent goes on.
 pub fn refine(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Refined> {

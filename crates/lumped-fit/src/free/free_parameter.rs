@@ -60,8 +60,8 @@ impl FreeParameter {
     }
 }
 
-/// The springs, dampers and knots of a model that a displacement can tell, with coordinates of size one. Masses, and the end
-/// knots of a nonlinear model, are given.
+/// The springs, dampers and knots of a model that a displacement can tell, with coordinates of size one. Masses, and
+/// the end knots of a nonlinear model, are given.
 ///
 /// `crush_m` and `time_s` are those of the test; `with_unloading`: whether the window goes beyond the dynamic crush.
 pub fn free_parameters(

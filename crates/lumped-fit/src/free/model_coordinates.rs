@@ -35,7 +35,8 @@ pub(crate) struct Coordinate {
     pub box_upper: f64,
 }
 
-/// Largest spring of a chain in a search, in units of `M (π/2T)²`, and largest damper in units of `M/T`: M the mass, T the window.
+/// Largest spring of a chain in a search, in units of `M (π/2T)²`, and largest damper in units of `M/T`: M the mass, T
+/// the window.
 pub(crate) const STIFFEST: f64 = 1e4;
 pub(crate) const STRONGEST: f64 = 1e3;
 

@@ -30,8 +30,8 @@ pub(crate) trait Parameterisation: Sync {
         places: &[usize],
     ) -> Result<Sensitivity, LumpedError>;
 
-    /// Places of the parameters that change with each number, and their derivatives by it; `None` where the model has no
-    /// derivatives of its own and differences must do.
+    /// Places of the parameters that change with each number, and their derivatives by it; `None` where the model has
+    /// no derivatives of its own and differences must do.
     fn chain(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>>;
 }
 

@@ -145,7 +145,8 @@ pub fn match_identified(
     let mut remarks = vec![solutions_in_words, format!("used: the {} {}", identified.source, identified.id)];
     if identified.delay_s != 0.0 {
         let text = format!(
-            "its input acts {:.3} ms late: poles do not know of that, so neither do springs and dampers, and a simulation of them \
+            "its input acts {:.3} ms late: poles do not know of that, so neither do springs and dampers, and a \
+             simulation of them \
              starts at contact",
             1e3 * identified.delay_s
         );
@@ -162,7 +163,8 @@ pub fn match_identified(
     Ok(Matched { found, sweep, candidates, remarks, coordinates, zeta_of_the_start })
 }
 
-/// The model that the output rows of both masses give with the total mass alone; a remark on it, or on why there is none.
+/// The model that the output rows of both masses give with the total mass alone; a remark on it, or on why there is
+/// none.
 fn from_both_masses(
     realised: &RealisedModel,
     total_kg: f64,
@@ -177,7 +179,8 @@ fn from_both_masses(
         }
     };
     let text = format!(
-        "from the rows of both masses, with the total mass alone given: m1 = {:.2} kg, m2 = {:.2} kg; the state space is a \
+        "from the rows of both masses, with the total mass alone given: m1 = {:.2} kg, m2 = {:.2} kg; the state space \
+         is a \
          chain of two masses up to {residual:.1e}",
         model.m1_kg, model.m2_kg
     );

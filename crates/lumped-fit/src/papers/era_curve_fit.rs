@@ -5,13 +5,13 @@ use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crate::candidate::note::CandidateNote;
 use crate::{Candidate, Method, SolveError, front_from_amplitudes, rear_from_amplitudes};
 
-/// Springs and dampers of the double model from four real exponents and amplitudes of the displacement, by equations 17 to
-/// 25 of the ERA paper.
+/// Springs and dampers of the double model from four real exponents and amplitudes of the displacement, by equations 17
+/// to 25 of the ERA paper.
 ///
-/// **For reproduction, not for use.** The amplitude relation `C_1k = m2 s_k² + c2 s_k + k2` holds up to one unknown factor for each
-/// exponent, so metres are set equal to N/m and the equations are no consequence of the model; the amplitudes are those
-/// of the compartment, used as if they were the chassis's; and the model found does not have the exponents it was found
-/// from. Coefficient matching of the same four exponents finds every model that does.
+/// **For reproduction, not for use.** The amplitude relation `C_1k = m2 s_k² + c2 s_k + k2` holds up to one unknown
+/// factor for each exponent, so metres are set equal to N/m and the equations are no consequence of the model; the
+/// amplitudes are those of the compartment, used as if they were the chassis's; and the model found does not have the
+/// exponents it was found from. Coefficient matching of the same four exponents finds every model that does.
 ///
 /// Errors: masses that are not positive, exponents that coincide.
 pub fn curve_fit_of_the_paper(
@@ -38,14 +38,17 @@ pub fn curve_fit_of_the_paper(
         .fold(0.0, f64::max);
     let notes = vec![
         CandidateNote::warning(format!(
-            "as the ERA paper prints it (equations 17 to 25, proper least squares), from {id}; for reproduction, not for use"
+            "as the ERA paper prints it (equations 17 to 25, proper least squares), from {id}; for reproduction, not \
+             for use"
         )),
         CandidateNote::info(
-            "equations 19 to 25 are not a consequence of the model: an amplitude is known up to one factor for each exponent, so \
+            "equations 19 to 25 are not a consequence of the model: an amplitude is known up to one factor for each \
+             exponent, so \
          metres are set equal to N/m, and nearly all of k2 and c2 is m2 times a straight line through s²",
         ),
         CandidateNote::info(format!(
-            "the model does not have the exponents it was made from: its characteristic polynomial misses zero there by up to {:.1} % \
+            "the model does not have the exponents it was made from: its characteristic polynomial misses zero there \
+             by up to {:.1} % \
              of its parts; coefficient-matching of the same exponents finds every model that has them",
             100.0 * miss
         )),

@@ -14,8 +14,8 @@ use crate::{Fit, FitQuantity, SolveError};
 /// In which units distances between fireflies are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FireflyUnits {
-    /// As printed: N/m, N·s/m, m and m/s side by side. The attraction `exp(-gamma r²)` of two fireflies that differ by a
-    /// thousandth of one stiffness range is below the smallest number, so every firefly walks at random.
+    /// As printed: N/m, N·s/m, m and m/s side by side. The attraction `exp(-gamma r²)` of two fireflies that differ by
+    /// a thousandth of one stiffness range is below the smallest number, so every firefly walks at random.
     Physical,
     /// Every variable over its range: the attraction acts.
     #[default]
@@ -59,8 +59,8 @@ pub struct FireflyResult {
 /// Upper bounds as printed (Table 4): coefficients up to 1e6, knots up to crush and impact speed.
 const COEFFICIENT: f64 = 1e6;
 
-/// The model at a place of the unit box, every variable times its range: coefficients, knots of spring and damper; the knots of
-/// the damper in rising order, each with its value.
+/// The model at a place of the unit box, every variable times its range: coefficients, knots of spring and damper; the
+/// knots of the damper in rising order, each with its value.
 fn model_at(p: &[f64; 10], range: &[f64; 10], options: &SingleMassFitOptions) -> Nonlinear2 {
     let x: [f64; 10] = std::array::from_fn(|i| p[i] * range[i]);
     let ((v1, c2), (v2, c3)) = if x[8] <= x[9] { ((x[8], x[5]), (x[9], x[6])) } else { ((x[9], x[6]), (x[8], x[5])) };
@@ -83,9 +83,10 @@ fn model_at(p: &[f64; 10], range: &[f64; 10], options: &SingleMassFitOptions) ->
 
 /// Firefly search for the ten parameters of the second nonlinear model.
 ///
-/// Each firefly moves towards every brighter one, `x_i += beta0 exp(-gamma r²)(x_j - x_i) + alpha (random - 1/2) range`, with
-/// `gamma = 1/sqrt(L)` and `L` the length of the box's diagonal (single-mass paper, section 5.5; Yang 2009). A model
-/// without a response is dark. The same seed gives the same result on every machine.
+/// Each firefly moves towards every brighter one,
+/// `x_i += beta0 exp(-gamma r²)(x_j - x_i) + alpha (random - 1/2) range`, with `gamma = 1/sqrt(L)` and `L` the length
+/// of the box's diagonal (single-mass paper, section 5.5; Yang 2009). A model without a response is dark. The same seed
+/// gives the same result on every machine.
 ///
 /// A population search ends near a minimum, not in it: [`fit_nonlinear2`](crate::fit_nonlinear2) is better by orders of
 /// magnitude and faster. Errors: as that fit.

@@ -5,20 +5,20 @@ use crumple_lumped::{Complex, Model};
 use crate::candidate::note::CandidateNote;
 use crate::{Candidate, MaxwellExponents, Method, SolveError, maxwell_from_exponents};
 
-/// How large the exponent of the constant may be beside the slowest of the others before it is remarked upon, and before one that
-/// grows is refused.
+/// How large the exponent of the constant may be beside the slowest of the others before it is remarked upon, and
+/// before one that grows is refused.
 const CONSTANT: f64 = 0.01;
 
-/// The Maxwell model whose displacement `x = C1 + e^(a t) (...)` has these exponents, 1/s: a real one for the constant and a
-/// conjugate pair, or three real ones (single-mass paper, equations 18 to 25).
+/// The Maxwell model whose displacement `x = C1 + e^(a t) (...)` has these exponents, 1/s: a real one for the constant
+/// and a conjugate pair, or three real ones (single-mass paper, equations 18 to 25).
 ///
-/// The real exponent nearest zero is that of the constant, which the model has at exactly zero; how far it is from there is
-/// remarked, and the other two give spring and damper in closed form. Amplitudes play no part: impact speed and start of the
-/// record are not used, so a model of the right exponents may still miss the motion. The relative error of `k` is the sum of those
-/// of both exponents.
+/// The real exponent nearest zero is that of the constant, which the model has at exactly zero; how far it is from
+/// there is remarked, and the other two give spring and damper in closed form. Amplitudes play no part: impact speed
+/// and start of the record are not used, so a model of the right exponents may still miss the motion. The relative
+/// error of `k` is the sum of those of both exponents.
 ///
-/// Errors: another number of exponents, none of them real, a mass that is not positive, an exponent that does not decay (its spring
-/// or damper would be negative).
+/// Errors: another number of exponents, none of them real, a mass that is not positive, an exponent that does not decay
+/// (its spring or damper would be negative).
 pub fn maxwell_from_sum(id: &str, exponents: &[Complex], mass_kg: f64, index: usize) -> Result<Candidate, SolveError> {
     let count = exponents.len();
     if count != 3 {
@@ -51,7 +51,8 @@ pub fn maxwell_from_sum(id: &str, exponents: &[Complex], mass_kg: f64, index: us
         return Err(SolveError::Value {
             name: "real exponent nearest zero",
             value: near_zero,
-            expected: "0, that of the constant, or at most a hundredth of the slowest other: the motion grows without end",
+            expected: "0, that of the constant, or at most a hundredth of the slowest other: the motion grows without \
+                end",
         });
     }
     let model = maxwell_from_exponents(mass_kg, exponents_of_the_motion)?;
@@ -64,7 +65,8 @@ pub fn maxwell_from_sum(id: &str, exponents: &[Complex], mass_kg: f64, index: us
     let mut notes = vec![CandidateNote::info(format!("from the exponents of {id}: {kind}; amplitudes are not used"))];
     notes.push(if near_zero.abs() > CONSTANT * slowest {
         CandidateNote::warning(format!(
-            "the exponent taken for the constant is {near_zero:.4} 1/s, 0 in the model, and not small beside {slowest:.4} 1/s: \
+            "the exponent taken for the constant is {near_zero:.4} 1/s, 0 in the model, and not small beside \
+             {slowest:.4} 1/s: \
              this is hardly the motion of a Maxwell model"
         ))
     } else {

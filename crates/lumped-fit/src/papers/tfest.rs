@@ -17,8 +17,8 @@ const TYPED_KG: f64 = 284.6;
 /// The solutions that the paper lists, from its printed polynomial: for reproduction only.
 ///
 /// In the first of the four equations 284.6 kg is typed for 284.4 kg, which is to say that the coefficient of `s^3` is
-/// `284.6/284.4` times the printed one. Both splits of the mass: one fifth in front, then four fifths. Candidates are numbered
-/// from `first_index`; each says that it is a reproduction.
+/// `284.6/284.4` times the printed one. Both splits of the mass: one fifth in front, then four fifths. Candidates are
+/// numbered from `first_index`; each says that it is a reproduction.
 pub fn match_as_the_paper_typed(first_index: usize, notes: &mut Notes) -> Result<Vec<Matched>, SolveError> {
     let splits = [
         ("tfest-paper/one-fifth-in-front", FIFTH_KG, FOUR_FIFTHS_KG),
@@ -39,7 +39,8 @@ pub fn match_as_the_paper_typed(first_index: usize, notes: &mut Notes) -> Result
         };
         let first = first_index + found.iter().map(|matched| matched.candidates.len()).sum::<usize>();
         let mut matched = match_identified(&identified, m1_kg, m2_kg, first, notes)?;
-        let label = "for reproduction only: 284.6 kg stands for 284.4 kg in the first right-hand side, as in the paper, which lists \
+        let label = "for reproduction only: 284.6 kg stands for 284.4 kg in the first right-hand side, as in the \
+            paper, which lists \
                      k1 and c2 exchanged (its solver answers in the order c1, c2, k1, k2)";
         matched.remarks.push(label.to_owned());
         for candidate in &mut matched.candidates {

@@ -49,11 +49,13 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     let window = &found[0].fit;
     let window = format!("fitted from {:.2} ms to {:.2} ms after time zero", 1e3 * window.from_s, 1e3 * window.to_s);
     notes.info(format!(
-        "{kind}: {window}; one compartment accelerometer cannot tell its two dual solutions apart, a second one on the front can"
+        "{kind}: {window}; one compartment accelerometer cannot tell its two dual solutions apart, a second one on the \
+         front can"
     ));
     if found.len() > 1 {
         notes.warning(format!(
-            "{kind}: {} pairs of parameter sets fit equally well within the accuracy of the displacement; the record does \
+            "{kind}: {} pairs of parameter sets fit equally well within the accuracy of the displacement; the record \
+             does \
              not determine the parameters",
             found.len()
         ));
@@ -65,7 +67,8 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
             let mut remarks = vec![split.clone(), window.clone()];
             if own {
                 remarks.push(
-                    "its own dual, listed once, counts twice: front and rear can move against each other without a change of \
+                    "its own dual, listed once, counts twice: front and rear can move against each other without a \
+                     change of \
                      the record in first order, so there are no standard deviations"
                         .to_owned(),
                 );
@@ -75,7 +78,8 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
                     format!(", widened for a residual autocorrelation of {correlation:.4}")
                 });
                 remarks.push(format!(
-                    "standard deviations: linearised{widened}; they hold for the given masses and if the model is true, and \
+                    "standard deviations: linearised{widened}; they hold for the given masses and if the model is \
+                     true, and \
                      say nothing of other solutions"
                 ));
             }
@@ -97,7 +101,8 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     Ok(candidates)
 }
 
-/// Whether the two models of a pair are one to 1e-4: the error is flat to fourth order there, so a fit to 1e-16 leaves that.
+/// Whether the two models of a pair are one to 1e-4: the error is flat to fourth order there, so a fit to 1e-16 leaves
+/// that.
 fn coincides_with_its_dual([a, b]: &[DoubleSpringMassDamper; 2]) -> bool {
     let near = |x: f64, y: f64| (x - y).abs() <= 1e-4 * x.abs().max(y.abs());
     near(a.k1_n_per_m, b.k1_n_per_m) && near(a.c1_n_s_per_m, b.c1_n_s_per_m)

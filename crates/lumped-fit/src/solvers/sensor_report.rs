@@ -31,7 +31,8 @@ fn broken_side_constraints(model: &Model) -> Option<String> {
     .collect();
     (!broken.is_empty()).then(|| {
         format!(
-            "breaks the side constraints of the paper, {}, which this fit does not know: direct-fit and interior-point to the \
+            "breaks the side constraints of the paper, {}, which this fit does not know: direct-fit and interior-point \
+             to the \
              displacement of the pulse keep them",
             broken.join(" and ")
         )
@@ -131,7 +132,8 @@ impl<'a> Report<'a> {
         let mut minima: Vec<Optimum> = self.found.minima.iter().filter(|m| self.level(m) <= limit).cloned().collect();
         if minima.len() > 1 {
             notes.warning(format!(
-                "{}: {} parameter sets fit within 1 % as well as the best; the record does not determine the parameters",
+                "{}: {} parameter sets fit within 1 % as well as the best; the record does not determine the \
+                 parameters",
                 self.task.model,
                 minima.len()
             ));
@@ -143,7 +145,8 @@ impl<'a> Report<'a> {
             let at_best = self.errors(&best.theta);
             if let (Some(at_dual), Some(at_best)) = (self.errors(&dual), at_best) {
                 let text = format!(
-                    "the dual model moves the compartment alike, but not the chassis: it misses by {at_dual}, this one by \
+                    "the dual model moves the compartment alike, but not the chassis: it misses by {at_dual}, this one \
+                     by \
                      {at_best}; the second sensor decides, and the two are not equivalent"
                 );
                 notes.info(format!("{}: {text}", self.task.model));
@@ -157,7 +160,8 @@ impl<'a> Report<'a> {
                 let apart = |m: &Optimum| m.theta.iter().zip(&followed.theta).any(|(a, b)| (a - b).abs() > 0.01);
                 if minima.iter().all(apart) {
                     own.push(vec![format!(
-                        "followed from the dual of the first: weighted error {:.3} times that of the first, not equivalent",
+                        "followed from the dual of the first: weighted error {:.3} times that of the first, not \
+                         equivalent",
                         self.level(&followed) / self.level(best).max(f64::MIN_POSITIVE)
                     )]);
                     minima.push(followed);

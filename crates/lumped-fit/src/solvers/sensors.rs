@@ -69,7 +69,8 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
         remarks.push(match settings.mass_fit {
             MassFit::Known => text.clone(),
             MassFit::Shares { lower, upper } => format!(
-                "masses fitted: total {:.1} kg known, each but the last between {lower} and {upper} of what is left behind it",
+                "masses fitted: total {:.1} kg known, each but the last between {lower} and {upper} of what is left \
+                 behind it",
                 masses_kg.iter().sum::<f64>()
             ),
         });
@@ -83,8 +84,8 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     }
 }
 
-/// Why a model cannot be fitted: two sensors of different places fall on one of its masses, which moves one way only. One channel
-/// named for two places is one sensor, and two sensors of one place are two looks at it.
+/// Why a model cannot be fitted: two sensors of different places fall on one of its masses, which moves one way only.
+/// One channel named for two places is one sensor, and two sensors of one place are two looks at it.
 pub(crate) fn shared_mass(places: &[(Place, &str)], count: usize) -> Option<String> {
     let on_masses = || places.iter().filter_map(|(place, channel)| Some((place.mass(count)?, *place, *channel)));
     let (mass, first, second) = on_masses().enumerate().find_map(|(k, (mass, place, channel))| {
@@ -101,7 +102,8 @@ pub(crate) fn shared_mass(places: &[(Place, &str)], count: usize) -> Option<Stri
         place => format!("leave {place}={} out of sensors, or this model out of models", goes.1),
     };
     Some(format!(
-        "not fitted: sensors {} ({}) and {} ({}) both fall on mass {} of its {count}, which moves one way only; {instead}",
+        "not fitted: sensors {} ({}) and {} ({}) both fall on mass {} of its {count}, which moves one way only; \
+         {instead}",
         first.1,
         first.0,
         second.1,
@@ -110,8 +112,8 @@ pub(crate) fn shared_mass(places: &[(Place, &str)], count: usize) -> Option<Stri
     ))
 }
 
-/// The sensors that sit on a mass of the model; without any, the compartment's displacement. `None` with a warning where there is
-/// nothing to fit to, or no way to ([`shared_mass`]).
+/// The sensors that sit on a mass of the model; without any, the compartment's displacement. `None` with a warning
+/// where there is nothing to fit to, or no way to ([`shared_mass`]).
 fn sensors_of<'a>(task: &Task<'a>, count: usize, notes: &mut Notes) -> Option<Vec<(usize, Sensor<'a>)>> {
     let places: Vec<_> = task.test.sensors.iter().map(|sensor| (sensor.place, sensor.channel)).collect();
     if let Some(reason) = shared_mass(&places, count) {
@@ -157,12 +159,13 @@ fn window_end(task: &Task<'_>) -> Option<f64> {
     })
 }
 
-/// Springs beside the soft one, as multiples of it, and least damper, in units of mass over the time of crush, of [`one_soft_pair`].
+/// Springs beside the soft one, as multiples of it, and least damper, in units of mass over the time of crush, of
+/// [`one_soft_pair`].
 const NEARLY_RIGID: f64 = 100.0;
 const SOME_DAMPING: f64 = 0.01;
 
-/// A chain that is nearly one mass: the Kelvin model of this crush and time at one place, of all that is behind it, and nearly rigid
-/// elsewhere.
+/// A chain that is nearly one mass: the Kelvin model of this crush and time at one place, of all that is behind it, and
+/// nearly rigid elsewhere.
 fn one_soft_pair(
     kind: ModelKind,
     masses_kg: &[f64],
@@ -234,7 +237,8 @@ mod tests {
         assert_eq!(shared_mass(&stated, 3), None);
         assert_eq!(
             shared_mass(&stated, 2).unwrap(),
-            "not fitted: sensors floor (compartment) and engine (m2) both fall on mass 2 of its 2, which moves one way only; leave \
+            "not fitted: sensors floor (compartment) and engine (m2) both fall on mass 2 of its 2, which moves one way \
+             only; leave \
              m2=engine out of sensors, or this model out of models"
         );
         let one = shared_mass(&stated, 1).unwrap();

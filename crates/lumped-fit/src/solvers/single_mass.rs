@@ -13,7 +13,7 @@ use crate::{
     fit_nonlinear1, fit_nonlinear2, interior_point_nonlinear1, undetermined_by_the_record,
 };
 
-type Found = (Model, Fit, Option<Uncertainty>);
+type SingleMassFit = (Model, Fit, Option<Uncertainty>);
 
 /// Spring and damper in series.
 pub(crate) fn maxwell(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
@@ -69,7 +69,8 @@ pub(crate) fn interior_point(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<C
     let Some((time_s, crush_m)) = crush_of(task, notes) else { return Ok(Vec::new()) };
     fitted(task, &Extent { crush_m, time_s, stops: true }, notes, |x, options, remarks| {
         remarks.push(
-            "the paper's way: interior point with x(t_m) = C, v(t_m) = 0, k1 <= k2, c1 >= c2 >= c3; direct-fit reaches the \
+            "the paper's way: interior point with x(t_m) = C, v(t_m) = 0, k1 <= k2, c1 >= c2 >= c3; direct-fit reaches \
+             the \
              same point"
                 .to_owned(),
         );
@@ -109,7 +110,7 @@ pub(super) fn fitted(
     task: &Task<'_>,
     extent: &Extent,
     notes: &mut Notes,
-    fit: impl FnOnce(&Signal<Displacement>, &SingleMassFitOptions, &mut Vec<String>) -> Result<Found, SolveError>,
+    fit: impl FnOnce(&Signal<Displacement>, &SingleMassFitOptions, &mut Vec<String>) -> Result<SingleMassFit, SolveError>,
 ) -> Result<Vec<Candidate>, SolveError> {
     let (kind, test, settings) = (task.model, task.test, task.settings);
     let Some(displacement) = test.displacement else {

@@ -30,8 +30,8 @@ pub(crate) struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// Whether the displacement of the pulse alone is to be fitted, with known masses: what the fits made for one model do. A sensor
-    /// on a mass that the model does not have changes nothing, nor does naming the pulse itself.
+    /// Whether the displacement of the pulse alone is to be fitted, with known masses: what the fits made for one model
+    /// do. A sensor on a mass that the model does not have changes nothing, nor does naming the pulse itself.
     pub(crate) fn fits_displacement_alone(&self) -> bool {
         let count = mass_count(self.model);
         let is_pulse = |sensor: &Sensor<'_>| {

@@ -6,7 +6,7 @@ use crate::FitQuantity;
 use crate::fit::refine::Refined;
 use crate::free::free_parameter::{FreeParameter, masses_of, rest_mass};
 use crate::record::observation::Observation;
-use crate::uncertainty::block_bootstrap::{Bootstrap, bootstrap};
+use crate::uncertainty::block_bootstrap::{BlockBootstrap, bootstrap};
 use crate::uncertainty::dual_scale::DualScale;
 use crate::uncertainty::identifiability::weakest_direction;
 use crate::uncertainty::profile_likelihood::{Profile, profile};
@@ -50,7 +50,7 @@ pub struct Assessment {
     /// Profile likelihood intervals, where asked for.
     pub profile: Vec<Profile>,
     /// Bootstrap, where asked for.
-    pub bootstrap: Option<Bootstrap>,
+    pub bootstrap: Option<BlockBootstrap>,
     /// What the sentence on the weakest direction is made from.
     free: Vec<FreeParameter>,
     covariance: Covariance,
@@ -59,9 +59,9 @@ pub struct Assessment {
 
 /// Judges a model at the minimum of its misfit.
 ///
-/// `given`: the values that are to be judged, where they are not those of the minimum: a closed form that follows two events
-/// instead of the whole curve. Its intervals stand around its own values and are widened by their distance from the minimum, as
-/// one more deviation: the same model, taken from the record in another way, gives values so far apart.
+/// `given`: the values that are to be judged, where they are not those of the minimum: a closed form that follows two
+/// events instead of the whole curve. Its intervals stand around its own values and are widened by their distance from
+/// the minimum, as one more deviation: the same model, taken from the record in another way, gives values so far apart.
 pub fn assess(
     refined: &Refined,
     given: Option<&Model>,
@@ -148,8 +148,8 @@ fn around(parameter: &FreeParameter, value: f64, half: f64) -> (Option<f64>, Opt
     }
 }
 
-/// Standard deviation and interval of the mass that is the rest of the total: those of the free mass, mirrored; of two free
-/// masses normal, from the deviation of their sum with the factor of the wider of their intervals.
+/// Standard deviation and interval of the mass that is the rest of the total: those of the free mass, mirrored; of two
+/// free masses normal, from the deviation of their sum with the factor of the wider of their intervals.
 fn of_the_rest(
     value: f64,
     free: &[FreeParameter],
@@ -231,7 +231,7 @@ impl Assessment {
                     }
                 })
                 .collect(),
-            bootstrap: self.bootstrap.as_ref().map(|b| Bootstrap { interval: exchange(&b.interval), ..b.clone() }),
+            bootstrap: self.bootstrap.as_ref().map(|b| BlockBootstrap { interval: exchange(&b.interval), ..b.clone() }),
             free,
             ..self.clone()
         }

@@ -23,7 +23,7 @@ const LARGEST_SHARE: usize = 3;
 
 /// What the replicates say of parameters named by `N`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bootstrap<N: Ord = &'static str> {
+pub struct BlockBootstrap<N: Ord = &'static str> {
     /// Replicates that led to a fit.
     pub replicates: usize,
     /// Samples in a block.
@@ -34,13 +34,19 @@ pub struct Bootstrap<N: Ord = &'static str> {
 
 /// Fits the model again to its own response with the misfit laid over it in shuffled blocks, and reads the percentiles.
 ///
-/// Several waves are shuffled in the same blocks of time, so that an error they share stays shared. Moving blocks on a circle (Politis & Romano 1992), two autocorrelation times long but at most a third of the window, so
-/// that what hangs together stays together. Every replicate starts from the minimum and draws from its own stream of a fixed
-/// seed: the result does not depend on threads. Says nothing of other minima, nor of an error that is the same in
-/// the whole record. `None` with fewer than 20 fits, or for a misfit of rounding alone.
+/// Several waves are shuffled in the same blocks of time, so that an error they share stays shared. Moving blocks on a
+/// circle (Politis & Romano 1992), two autocorrelation times long but at most a third of the window, so that what hangs
+/// together stays together. Every replicate starts from the minimum and draws from its own stream of a fixed seed: the
+/// result does not depend on threads. Says nothing of other minima, nor of an error that is the same in the whole
+/// record. `None` with fewer than 20 fits, or for a misfit of rounding alone.
 ///
 /// `with_rest`: whether a last mass that is the rest of the total has an interval too.
-pub fn bootstrap(refined: &Refined, observed: &Observation, replicates: usize, with_rest: bool) -> Option<Bootstrap> {
+pub fn bootstrap(
+    refined: &Refined,
+    observed: &Observation,
+    replicates: usize,
+    with_rest: bool,
+) -> Option<BlockBootstrap> {
     let rest = |model: &Model, free: &[FreeParameter]| rest_mass(model, free).filter(|_| with_rest);
     let rest_name = rest(&refined.model, &refined.free).map(|(name, _)| name);
     let names = refined.free.iter().map(|parameter| parameter.name).chain(rest_name).collect();
@@ -59,7 +65,7 @@ pub(crate) fn replicate<N: Ord>(
     replicates: usize,
     names: Vec<N>,
     fit: impl Fn(&Observation) -> Option<Vec<f64>> + Sync,
-) -> Option<Bootstrap<N>> {
+) -> Option<BlockBootstrap<N>> {
     let misfits = observed.split(misfit);
     let n = misfits.first()?.len();
     // In samples of the first wave; the same blocks of time for all.
@@ -96,7 +102,7 @@ pub(crate) fn replicate<N: Ord>(
             (name, (percentile(&mut values, 0.025), percentile(&mut values, 0.975)))
         })
         .collect();
-    Some(Bootstrap { replicates: found.len(), block, interval })
+    Some(BlockBootstrap { replicates: found.len(), block, interval })
 }
 
 /// Percentile by linear interpolation between order statistics.

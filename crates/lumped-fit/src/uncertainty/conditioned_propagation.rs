@@ -1,5 +1,5 @@
-//! What uncertain inputs do to the first nonlinear model under its side conditions: the same fit from the record as it would
-//! have been.
+//! What uncertain inputs do to the first nonlinear model under its side conditions: the same fit from the record as it
+//! would have been.
 
 use std::collections::BTreeMap;
 
@@ -18,14 +18,15 @@ const MET: f64 = 1e-8;
 /// Places of the parameters that are free: all but the mass and the last knots.
 const PLACES: [usize; 6] = [1, 2, 3, 4, 5, 6];
 
-/// Repeats the fit of the first nonlinear model under `k1 <= k2`, `c1 >= c2 >= c3`, `x(t_m) = C` and `v(t_m) = 0` with inputs
-/// drawn anew, and reads the percentiles.
+/// Repeats the fit of the first nonlinear model under `k1 <= k2`, `c1 >= c2 >= c3`, `x(t_m) = C` and `v(t_m) = 0` with
+/// inputs drawn anew, and reads the percentiles.
 ///
-/// The estimator of [`fit_nonlinear1`](crate::fit_nonlinear1): crush, its time and the last knots are those of each repetition's
-/// record, the displacement is compared without the filter. Every repetition descends from `model`: where errors are so large that
-/// another start of the fit would win (time zero more than 0.25 ms off), the spread is that of one minimum and too small. `events`, `whole`: as
-/// [`propagate_closed_form`](crate::propagate_closed_form) takes them; `observed`: the samples compared. A repetition that cannot meet
-/// the conditions is left out and not counted. `None` with fewer than 20 results.
+/// The estimator of [`fit_nonlinear1`](crate::fit_nonlinear1): crush, its time and the last knots are those of each
+/// repetition's record, the displacement is compared without the filter. Every repetition descends from `model`: where
+/// errors are so large that another start of the fit would win (time zero more than 0.25 ms off), the spread is that of
+/// one minimum and too small. `events`, `whole`: as [`propagate_closed_form`](crate::propagate_closed_form) takes them;
+/// `observed`: the samples compared. A repetition that cannot meet the conditions is left out and not counted. `None`
+/// with fewer than 20 results.
 pub fn propagate_conditioned(
     model: &Nonlinear1,
     events: &FollowedEvents,
@@ -102,8 +103,8 @@ fn repeat_conditioned(
     Some(result)
 }
 
-/// Displacements in units of the crush, and the two weighted conditions after them. Coefficients are sums of parts that are not
-/// negative, which keeps their order.
+/// Displacements in units of the crush, and the two weighted conditions after them. Coefficients are sums of parts that
+/// are not negative, which keeps their order.
 struct Conditioned<'a> {
     record: &'a ObservedWave,
     impact_speed_m_per_s: f64,

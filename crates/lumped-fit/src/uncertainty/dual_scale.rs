@@ -6,11 +6,11 @@ use crumple_lumped::DoubleSpringMassDamper;
 
 use crate::Propagation;
 
-/// Names and factors that lead to the dual, which exchanges front and rear: `k1' = mu k2`, `k2' = k1/mu`, the dampers alike,
-/// `mu = (m1 + m2)/m2`.
+/// Names and factors that lead to the dual, which exchanges front and rear: `k1' = mu k2`, `k2' = k1/mu`, the dampers
+/// alike, `mu = (m1 + m2)/m2`.
 ///
-/// The factors are constants of the masses, so logarithms move by constants: deviations and intervals keep their relative size,
-/// and so does what repetitions with another mass give as long as its split stays.
+/// The factors are constants of the masses, so logarithms move by constants: deviations and intervals keep their
+/// relative size, and so does what repetitions with another mass give as long as its split stays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DualScale {
     mu: f64,

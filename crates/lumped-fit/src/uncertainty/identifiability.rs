@@ -11,10 +11,12 @@ const WORTH_NAMING: f64 = 0.2;
 /// A combination known to less than this, in relative terms, is called not determined.
 const LOOSE: f64 = 0.5;
 
-/// The weakest direction as a sentence: which parameters can move together how far, and what that does to the displacement.
+/// The weakest direction as a sentence: which parameters can move together how far, and what that does to the
+/// displacement.
 ///
-/// `quantity`: what the sensitivities are of, in its SI unit; of several waves that of the first, with the others weighted. With two parameters the combination that
-/// remains determined is named too: moving `k1` by `d1` and `k2` by `d2` changes nothing, so only `k1 - (d1/d2) k2` is known.
+/// `quantity`: what the sensitivities are of, in its SI unit; of several waves that of the first, with the others
+/// weighted. With two parameters the combination that remains determined is named too: moving `k1` by `d1` and `k2` by
+/// `d2` changes nothing, so only `k1 - (d1/d2) k2` is known.
 pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance, quantity: FitQuantity) -> Option<String> {
     let named = |p: &FreeParameter| NamedCoordinate {
         name: p.name.to_owned(),

@@ -42,11 +42,13 @@ impl<N> Profile<N> {
 /// Fixes each free parameter on a grid away from the minimum, fits all others again from the neighbour, and ends the
 /// interval where `2 ΔlnL = Ne ln(S/S_min)` exceeds 3.84.
 ///
-/// `Ne` is the effective number of samples, at least one more than there are parameters. To both sums of squares comes the
-/// resolution of the displacement. Up to 24 points on each side, with growing steps; a side that never rises so far, or ends on
-/// a bound of the search, is open: not identifiable. Where zero is reached below the limit, zero is the end.
+/// `Ne` is the effective number of samples, at least one more than there are parameters. To both sums of squares comes
+/// the resolution of the displacement. Up to 24 points on each side, with growing steps; a side that never rises so
+/// far, or ends on a bound of the search, is open: not identifiable. Where zero is reached below the limit, zero is the
+/// end.
 ///
-/// `expected`: half-width of the linear interval of each free parameter's coordinate, where there is one; it sets the first step.
+/// `expected`: half-width of the linear interval of each free parameter's coordinate, where there is one; it sets the
+/// first step.
 pub fn profile(
     refined: &Refined,
     observed: &Observation,
@@ -84,8 +86,8 @@ pub fn profile(
     .profiles()
 }
 
-/// How the other parameters are fitted while one is held: which, at what coordinate, from what coordinates of the others; gives
-/// those of the minimum and its sum of squares in units of [`Observation::scale_m`].
+/// How the other parameters are fitted while one is held: which, at what coordinate, from what coordinates of the
+/// others; gives those of the minimum and its sum of squares in units of [`Observation::scale_m`].
 pub(crate) type Refit<'a> = &'a (dyn Fn(usize, f64, &[f64]) -> Option<(Vec<f64>, f64)> + Sync);
 
 /// A minimum of which the parameters can be held one at a time.

@@ -72,9 +72,10 @@ pub struct Repetition {
 
 /// The inputs of repetition `index`: four numbers from its own stream of a fixed seed.
 ///
-/// Another impact speed adds `δv t` to the displacement `t` after contact, another zero level `δb (t - t_start)²/2` less what that
-/// is at contact, since the integration starts at `t_start`: at contact, or at the first sample; another time zero moves the label of contact, with the displacement made zero again there and, where
-/// the integration starts at contact, the velocity made the impact speed.
+/// Another impact speed adds `δv t` to the displacement `t` after contact, another zero level `δb (t - t_start)²/2`
+/// less what that is at contact, since the integration starts at `t_start`: at contact, or at the first sample; another
+/// time zero moves the label of contact, with the displacement made zero again there and, where the integration starts
+/// at contact, the velocity made the impact speed.
 pub fn repetition(observed: &Observation, inputs: &InputUncertainty, index: usize) -> Option<Repetition> {
     with_errors(observed, &drawn(inputs, index, observed.waves.len()))
 }
@@ -92,7 +93,8 @@ pub(crate) struct Errors {
     pub bias_m_per_s2: Vec<f64>,
 }
 
-/// What repetition `index` draws; the mass as a share of that which `inputs` are relative to. Every sensor has its own zero level.
+/// What repetition `index` draws; the mass as a share of that which `inputs` are relative to. Every sensor has its own
+/// zero level.
 fn drawn(inputs: &InputUncertainty, index: usize, sensors: usize) -> Errors {
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     random.set_stream(index as u64);
@@ -133,9 +135,10 @@ pub(crate) fn with_errors(observed: &Observation, errors: &Errors) -> Option<Rep
 
 /// One wave with these errors and its own zero level `bias` higher.
 ///
-/// The new contact is looked up in the whole record, wherever the window starts: a displacement is zero there, and one that is
-/// integrated from contact has the impact speed there too. Before the record's first sample nothing has slowed the vehicle. The
-/// window starts as long after the new contact as it did after the old one, and ends with the same sample.
+/// The new contact is looked up in the whole record, wherever the window starts: a displacement is zero there, and one
+/// that is integrated from contact has the impact speed there too. Before the record's first sample nothing has slowed
+/// the vehicle. The window starts as long after the new contact as it did after the old one, and ends with the same
+/// sample.
 fn shifted(wave: &ObservedWave, v0: f64, errors: &Errors, bias: f64) -> ObservedWave {
     let (speed, late) = (errors.speed_m_per_s, errors.late_s);
     let m = wave.measurement;
@@ -173,8 +176,9 @@ fn shifted(wave: &ObservedWave, v0: f64, errors: &Errors, bias: f64) -> Observed
 
 /// Repeats the fit of `model` with inputs drawn anew, each from the values found, and reads the percentiles.
 ///
-/// Springs and dampers are proportional to the mass, since a displacement knows only their ratio to it. Without a fit the
-/// repetition is left out and not counted. `mass_kg`: the mass that `inputs` speak of. `None` with fewer than 20 results.
+/// Springs and dampers are proportional to the mass, since a displacement knows only their ratio to it. Without a fit
+/// the repetition is left out and not counted. `mass_kg`: the mass that `inputs` speak of. `None` with fewer than 20
+/// results.
 pub fn propagate(
     model: &Model,
     free: &[FreeParameter],
@@ -188,8 +192,8 @@ pub fn propagate(
     })
 }
 
-/// [`propagate`] for a fit that takes the record as unfiltered: the errors act on the record as it was measured, the model is
-/// compared without the filter.
+/// [`propagate`] for a fit that takes the record as unfiltered: the errors act on the record as it was measured, the
+/// model is compared without the filter.
 pub fn propagate_unfiltered(
     model: &Model,
     free: &[FreeParameter],
@@ -265,7 +269,8 @@ pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) ->
     Some(result)
 }
 
-/// Twelve uniform numbers less six: normal to 2 % up to three deviations, without a logarithm whose last digit depends on the machine.
+/// Twelve uniform numbers less six: normal to 2 % up to three deviations, without a logarithm whose last digit depends
+/// on the machine.
 fn normal(random: &mut ChaCha8Rng) -> f64 {
     (0..12).map(|_| uniform(random)).sum::<f64>() - 6.0
 }

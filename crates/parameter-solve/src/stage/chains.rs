@@ -112,7 +112,8 @@ fn warn_of_open_parameters(chain: &FittedChain, solutions: &[ChainSolution], out
 }
 
 /// Said where masses were looked for and one sensor on the last mass has seen the chain.
-const DIVISION: &str = "masses were looked for with a sensor on the last mass alone: their division follows from a formula and, with any \
+const DIVISION: &str = "masses were looked for with a sensor on the last mass alone: their division follows from a \
+    formula and, with any \
                         noise, not from the record; give a mass, or name a sensor on another mass with --sensors";
 
 /// What the dual is, in words.

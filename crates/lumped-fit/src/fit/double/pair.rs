@@ -62,11 +62,11 @@ const SEARCH_SAMPLES: usize = 64;
 ///
 /// The masses are given, since one accelerometer does not tell them. Parameters are positive by construction (their
 /// logarithms are fitted) and bounded: springs between 1e-4 and 1e4 times `M (π/2T)²`, the spring of an undamped
-/// mass `M` that stops at the window's end `T`, dampers between 1e-5 and 1e3 times `M/T` (those in the rear divided by `M/m2`). A fit that ends on a bound
-/// says so: that damper or spring does not matter (or ties the masses together), and no value is determined. The
-/// search is a deterministic multi-start on a thinned window, see `search`; what it finds is followed to convergence on the
-/// whole window. Starts run in parallel and are collected by index, so the result does not depend on the number of
-/// threads. A global minimum is likely, not proven.
+/// mass `M` that stops at the window's end `T`, dampers between 1e-5 and 1e3 times `M/T` (those in the rear divided by
+/// `M/m2`). A fit that ends on a bound says so: that damper or spring does not matter (or ties the masses together),
+/// and no value is determined. The search is a deterministic multi-start on a thinned window, see `search`; what it
+/// finds is followed to convergence on the whole window. Starts run in parallel and are collected by index, so the
+/// result does not depend on the number of threads. A global minimum is likely, not proven.
 ///
 /// The two models of a pair fit equally, exactly. With an exact record the parameters come back to 1e-9 relative and
 /// better; with a displacement integrated by the trapezoidal rule at 10 kHz (error about 1e-6 m, smooth) to 1e-4 to
@@ -76,8 +76,8 @@ const SEARCH_SAMPLES: usize = 64;
 /// finite response from any start.
 ///
 /// **Several minima.** The error has more than one minimum, and with strong damping they lie close: records with
-/// real poles were met where parameter sets that differ by a factor 5 leave 4e-9 to 1.4e-7 m. So the result is a list, best
-/// first, of all minima found that the record cannot tell from the best.
+/// real poles were met where parameter sets that differ by a factor 5 leave 4e-9 to 1.4e-7 m. So the result is a list,
+/// best first, of all minima found that the record cannot tell from the best.
 pub fn fit_double(
     displacement: &Signal<Displacement>,
     options: &DoubleFitOptions,

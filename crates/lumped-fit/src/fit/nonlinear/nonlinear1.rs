@@ -11,12 +11,12 @@ use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crate::{Fit, SolveError};
 
-/// Fits the first nonlinear model under the side constraints of the paper: `k1 <= k2`, `c1 >= c2 >= c3`, and at the time of
-/// dynamic crush `x = C` and `v = 0`.
+/// Fits the first nonlinear model under the side constraints of the paper: `k1 <= k2`, `c1 >= c2 >= c3`, and at the
+/// time of dynamic crush `x = C` and `v = 0`.
 ///
 /// The inequalities by parameters that are sums of non-negative parts, the two equations by augmented Lagrangian around
-/// the bounded least squares, to 1e-8 of crush and speed. Starts as in [`fit_nonlinear2`], from nine places of the knee.
-/// With `constrained` false the two equations are left out.
+/// the bounded least squares, to 1e-8 of crush and speed. Starts as in [`fit_nonlinear2`], from nine places of the
+/// knee. With `constrained` false the two equations are left out.
 pub fn fit_nonlinear1(
     displacement: &Signal<Displacement>,
     options: &SingleMassFitOptions,

@@ -19,10 +19,10 @@ const SPRING_KNOTS: [f64; 9] = [0.1, 0.25, 0.4, 0.55, 0.7, 0.8, 0.87, 0.93, 0.97
 /// Fits the ten parameters of the second nonlinear model.
 ///
 /// For fixed knots the force is linear in the seven coefficients, and the momentum it takes,
-/// `m (v0 - v(t)) = sum of coefficient_j times the integral of hat_j`, needs no acceleration: non-negative least squares
-/// on a grid of 324 knot vectors gives starting values; the best eight go through bounded Levenberg-Marquardt on the
-/// simulated displacement, the best two to the end. Deterministic. From the exact displacement of the paper's own
-/// parameters all ten come back. A real record determines fewer: see the deviations and the active bounds.
+/// `m (v0 - v(t)) = sum of coefficient_j times the integral of hat_j`, needs no acceleration: non-negative least
+/// squares on a grid of 324 knot vectors gives starting values; the best eight go through bounded Levenberg-Marquardt
+/// on the simulated displacement, the best two to the end. Deterministic. From the exact displacement of the paper's
+/// own parameters all ten come back. A real record determines fewer: see the deviations and the active bounds.
 ///
 /// Errors: masses, speed or crush that are not positive, a window outside the record, no finite response.
 pub fn fit_nonlinear2(

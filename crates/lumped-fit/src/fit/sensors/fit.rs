@@ -44,9 +44,9 @@ pub(crate) struct Fitted {
 
 /// Fits a family to sensors; `weigh[i]` says whether the noise level of sensor i is to be found from its residuals.
 ///
-/// Descents are bounded Levenberg-Marquardt on analytic sensitivities. With several sensors whose noise is not known the
-/// fit and the noise levels (root mean square residual of each sensor, at least 1e-6 of its record) are found in turn,
-/// which is the maximum of the likelihood. Deterministic. A global minimum is likely, not proven.
+/// Descents are bounded Levenberg-Marquardt on analytic sensitivities. With several sensors whose noise is not known
+/// the fit and the noise levels (root mean square residual of each sensor, at least 1e-6 of its record) are found in
+/// turn, which is the maximum of the likelihood. Deterministic. A global minimum is likely, not proven.
 pub(crate) fn fit_sensors(
     family: &impl Parameterisation,
     impact_speed_m_per_s: f64,
@@ -180,7 +180,8 @@ fn global(
     let spent = descent + hops;
     let level = |cost: f64| (cost / rows as f64).sqrt();
     remarks.push(format!(
-        "L-SHADE in the unit box of {} logarithms: {} evaluations, seed {}, {}; the descent from its best point took the \
+        "L-SHADE in the unit box of {} logarithms: {} evaluations, seed {}, {}; the descent from its best point took \
+         the \
          weighted error from {:.3e} to {:.3e} in {} more",
         axes.len(),
         found.evaluations,

@@ -19,14 +19,15 @@ use crate::stage::assess::sensor_waves::SensorWaves;
 use crate::stage::inputs::measurement::{UNKNOWN_FILTER_M, measurement};
 use crate::stage::options::settings::StageSettings;
 
-/// A fit under side conditions gives way to the minimum where that meets them to this, of crush and its time: the filter
-/// itself moves the time of a crush that ends steeply by 0.1 ms and more.
+/// A fit under side conditions gives way to the minimum where that meets them to this, of crush and its time: the
+/// filter itself moves the time of a crush that ends steeply by 0.1 ms and more.
 const CONDITIONS: f64 = 5e-3;
 
 /// Shift of time zero from which a fit under side conditions may have its least misfit in another minimum.
 const ONE_MINIMUM_S: f64 = 2.5e-4;
 
-/// The minimum seen through the filter does not leave the search at its stiff end; springs and dampers may go on to zero.
+/// The minimum seen through the filter does not leave the search at its stiff end; springs and dampers may go on to
+/// zero.
 fn within_the_search(free: &mut [FreeParameter], model: &Model, window_s: f64) {
     let (stiffest, strongest) = largest_of_chain(mass_of(model), window_s);
     for parameter in free {
@@ -55,8 +56,8 @@ struct Assessor<'a> {
     crush_m: f64,
 }
 
-/// Refines the fits among `candidates` and judges all of them; double pairs that turn out equal, or worse than the record
-/// can tell, are taken out. The result goes with the candidates.
+/// Refines the fits among `candidates` and judges all of them; double pairs that turn out equal, or worse than the
+/// record can tell, are taken out. The result goes with the candidates.
 pub fn assess_all(
     candidates: &mut Vec<Candidate>,
     settings: &StageSettings,
@@ -78,7 +79,8 @@ pub fn assess_all(
     }
     if events.dynamic_crush_m.is_none() {
         out.notes().info(
-            "the vehicle does not stop within the record: its models are judged over the window they were fitted to and not to a \
+            "the vehicle does not stop within the record: its models are judged over the window they were fitted to \
+             and not to a \
              dynamic crush; what unloads is not seen",
         );
     }
@@ -102,7 +104,8 @@ pub fn assess_all(
     };
     if !known {
         out.notes().info(
-            "the filter of the record is not known here (give the artifact of crumple-filter too): models are fitted as if \
+            "the filter of the record is not known here (give the artifact of crumple-filter too): models are fitted \
+             as if \
              the displacement had none",
         );
     }
@@ -188,7 +191,8 @@ impl Assessor<'_> {
         Some(observed)
     }
 
-    /// Follows the candidate to its minimum; several sensors weighted as `weighted` has them, else by their own misfits.
+    /// Follows the candidate to its minimum; several sensors weighted as `weighted` has them, else by their own
+    /// misfits.
     fn refine(&self, candidate: &Candidate, weighted: Option<&Observation>) -> Option<(Observation, Refined)> {
         if candidate.method == Method::CoefficientMatching || candidate.is_second_of_pair() {
             return None;
@@ -361,7 +365,8 @@ impl Assessor<'_> {
             .collect();
         if !flags.is_empty() && !elsewhere.is_empty() {
             out.notes().info(format!(
-                "{} left out for {}: they look from the minimum of a fit through the filter, and these values are not there",
+                "{} left out for {}: they look from the minimum of a fit through the filter, and these values are not \
+                 there",
                 flags.join(" and "),
                 elsewhere.join(", ")
             ));
@@ -374,7 +379,8 @@ impl Assessor<'_> {
                 && refined.as_ref().is_some_and(|(_, r)| self.is_conditioned(candidate, r))
             {
                 out.notes().warning(format!(
-                    "{}: its repetitions begin at its own minimum, and with time zero more than {} ms off another start of the fit can \
+                    "{}: its repetitions begin at its own minimum, and with time zero more than {} ms off another \
+                     start of the fit can \
                      win: the propagated intervals are those of one minimum, and may be too narrow",
                     candidate.id(),
                     1e3 * ONE_MINIMUM_S

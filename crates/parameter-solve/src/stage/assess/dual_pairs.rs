@@ -45,7 +45,8 @@ impl FitKind for Candidate {
     }
 }
 
-/// Leaves out further explanations of several sensors that, seen through the filters, came to the place of an earlier one.
+/// Leaves out further explanations of several sensors that, seen through the filters, came to the place of an earlier
+/// one.
 pub fn drop_repeated(
     candidates: &mut Vec<Candidate>,
     assessed: &mut Vec<Option<CandidateAssessment>>,
@@ -74,8 +75,8 @@ pub fn drop_repeated(
     }
 }
 
-/// Gives every double pair its dual again, best pair first; leaves out pairs that came to the same place, and those that the
-/// record tells from the best.
+/// Gives every double pair its dual again, best pair first; leaves out pairs that came to the same place, and those
+/// that the record tells from the best.
 pub fn pair_up(candidates: &mut Vec<Candidate>, assessed: &mut Vec<Option<CandidateAssessment>>, out: &mut Output) {
     let Some(first) = candidates.iter().position(Candidate::is_double) else { return };
     let count = candidates[first..].iter().take_while(|candidate| candidate.is_double()).count();

@@ -14,12 +14,13 @@ pub fn weigh(observed: &mut Observation, found: &Refined) -> bool {
     observed.weigh(&observed.rmse(&found.misfit_m), WORTH_ANOTHER)
 }
 
-/// A damper of a chain below this share of `M/T`, of the mass and the window of a fit, stands for none: the least that searches in
-/// logarithms reach is 1e-5 of it.
+/// A damper of a chain below this share of `M/T`, of the mass and the window of a fit, stands for none: the least that
+/// searches in logarithms reach is 1e-5 of it.
 const NO_DAMPER: f64 = 1e-4;
 
-/// Parameters that the search left on a bound, other than zero: that value is the bound's, so it is held and has no interval. A
-/// damper of a chain of masses (one of them is Kelvin's) on its lower bound is not held: zero is what it goes to.
+/// Parameters that the search left on a bound, other than zero: that value is the bound's, so it is held and has no
+/// interval. A damper of a chain of masses (one of them is Kelvin's) on its lower bound is not held: zero is what it
+/// goes to.
 pub fn fixed_at_bound(candidate: &Candidate) -> impl Iterator<Item = &'static str> {
     let values = candidate.model.parameters();
     let kind = candidate.model.kind();

@@ -93,8 +93,8 @@ fn continuous(model: &StateSpaceV1) -> Option<(Matrix4<f64>, Vec<RowVector4<f64>
     Some((a, rows))
 }
 
-/// One output is the compartment's; of two the first is that of the chassis. `None` where the words of the output name no
-/// motion.
+/// One output is the compartment's; of two the first is that of the chassis. `None` where the words of the output name
+/// no motion.
 fn realised(a: &Matrix4<f64>, rows: &[RowVector4<f64>], model: &StateSpaceV1) -> Option<RealisedModel> {
     let derivative = ["displacement", "velocity", "acceleration"].iter().position(|q| model.output.starts_with(q))?;
     let (chassis, compartment) = match rows {

@@ -44,8 +44,8 @@ pub fn motion(input: &Inputs, channel: &str, quantity: FitQuantity, mass_kg: f64
     })
 }
 
-/// The refusal of a sensor whose motion no input holds: where other channels were integrated it was not among them, else the
-/// artifact is missing.
+/// The refusal of a sensor whose motion no input holds: where other channels were integrated it was not among them,
+/// else the artifact is missing.
 fn not_integrated(input: &Inputs, channel: &str, what: &str) -> anyhow::Error {
     let integrated: Vec<&str> = input.waves().filter_map(|(id, _)| id.strip_suffix(&format!("/{what}"))).collect();
     if integrated.is_empty() {

@@ -45,7 +45,8 @@ pub fn record(candidate: &Candidate, assessed: Option<&CandidateAssessment>, cha
     }
 }
 
-/// `kelvin/closed-form/1: stiffness 321.9 kN/m, ...` in the units of the trade, and how many of them the record leaves open.
+/// `kelvin/closed-form/1: stiffness 321.9 kN/m, ...` in the units of the trade, and how many of them the record leaves
+/// open.
 pub fn parameters_line(id: &str, candidate: &CandidateV1) -> String {
     let open = match (candidate.undetermined().len(), candidate.asked().count()) {
         (0, _) => String::new(),

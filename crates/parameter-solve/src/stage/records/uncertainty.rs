@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 
 use crumple_lumped::{Model, Parameter, ParameterKind};
-use crumple_lumped_fit::{Bootstrap, Candidate, Profile, Propagation, Uncertainty, in_words};
+use crumple_lumped_fit::{BlockBootstrap, Candidate, Profile, Propagation, Uncertainty, in_words};
 use crumple_stage::records::{ProfileV1, ReplicatesV1, UncertaintyV1};
 
 use crate::stage::assess::candidate_assessment::CandidateAssessment;
@@ -64,7 +64,7 @@ pub fn profile_record<N: Display>(profile: &Profile<N>) -> ProfileV1 {
 }
 
 /// A bootstrap, of parameters of any name.
-pub fn bootstrap_record<N: Display + Ord>(bootstrap: &Bootstrap<N>) -> ReplicatesV1 {
+pub fn bootstrap_record<N: Display + Ord>(bootstrap: &BlockBootstrap<N>) -> ReplicatesV1 {
     let ends = |of: fn(&Ends) -> Option<f64>| {
         bootstrap.interval.iter().filter_map(|(name, i)| Some((name.to_string(), of(i)?))).collect()
     };
@@ -88,7 +88,8 @@ pub fn propagation_record<N: Display + Ord>(propagation: &Propagation<N>, repeat
     }
 }
 
-/// What a person should hear at once of the candidate of this id, its parameters in these words; empty where there is nothing.
+/// What a person should hear at once of the candidate of this id, its parameters in these words; empty where there is
+/// nothing.
 pub fn summary_text<N: Display + Ord>(
     id: &str,
     profiles: &[Profile<N>],
@@ -113,8 +114,9 @@ pub fn summary_text<N: Display + Ord>(
     if parts.is_empty() { String::new() } else { format!("{id}: {}", parts.join("; ")) }
 }
 
-/// The uncertainty that a fit to several sensors or a matching brings along, with 95 % intervals from its standard deviations: log-normal, so
-/// that a spring stays positive, 1.96 relative deviations wide; open beyond a factor of `e^9`, and for what is on a bound.
+/// The uncertainty that a fit to several sensors or a matching brings along, with 95 % intervals from its standard
+/// deviations: log-normal, so that a spring stays positive, 1.96 relative deviations wide; open beyond a factor of
+/// `e^9`, and for what is on a bound.
 pub fn uncertainty_of_fit(uncertainty: &Uncertainty, model: &Model) -> UncertaintyV1 {
     let parameters = model.parameters();
     let is_given = |p: &Parameter| p.of_the_test || p.kind == ParameterKind::Mass;
