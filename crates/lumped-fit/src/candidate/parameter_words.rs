@@ -6,8 +6,8 @@ use crumple_lumped::{Model, ParameterKind, parameter_kind};
 ///
 /// A knot of a nonlinear model is named with its place. What the model does not have stays as it is, without its unit.
 pub fn in_words(model: &Model, name: &str) -> String {
-    let own = model.kind().parameter(name);
-    let kind = own.map(|parameter| parameter.kind).or_else(|| parameter_kind("", name));
+    let parameter = model.kind().parameter(name);
+    let kind = parameter.map(|parameter| parameter.kind).or_else(|| parameter_kind("", name));
     let Some(kind) = kind else { return name.replace('_', " ") };
     let stem = kind.symbol_of(name).replace('_', " ");
     let length = |m: f64| format!("at {m:.3} m");
@@ -34,7 +34,9 @@ pub fn in_words(model: &Model, name: &str) -> String {
         ParameterKind::Damping if is_numbered => "damping ",
         ParameterKind::Mass if is_numbered => "mass ",
         ParameterKind::Length if is_numbered => "displacement of the spring's knot ",
-        ParameterKind::Rate if own.is_some_and(|parameter| !parameter.of_the_test) => "speed of the damper's knot ",
+        ParameterKind::Rate if parameter.is_some_and(|parameter| !parameter.of_the_test) => {
+            "speed of the damper's knot "
+        }
         _ => "",
     };
     let place = place.map(|place| format!(" {place}")).unwrap_or_default();

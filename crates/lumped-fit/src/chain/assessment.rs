@@ -85,9 +85,9 @@ pub fn assess_chain(
         assessment.profile.extend(profile_of_the_rest(&family, theta, &assessment.profile));
     }
     if asked.options.bootstrap > 0 {
-        assessment.bootstrap = replicate(&waves, &misfit, asked.options.bootstrap, family.all_names(), |again| {
-            let found = ChainProblem::new(&family, again, through_filter).follow(theta)?;
-            Some(family.values(&found.theta))
+        assessment.bootstrap = replicate(&waves, &misfit, asked.options.bootstrap, family.all_names(), |resampled| {
+            let minimum = ChainProblem::new(&family, resampled, through_filter).follow(theta)?;
+            Some(family.values(&minimum.theta))
         });
     }
     if asked.inputs.any() {
@@ -113,9 +113,9 @@ fn repeat(
     // left for it.
     let by = |i: usize| if !family.has_rest() || family.is_mass(i) { mass_ratio.ln() } else { 0.0 };
     let start: Vec<f64> = theta.iter().enumerate().map(|(i, x)| x + by(i)).collect();
-    let found = ChainProblem::new(family, waves, through_filter).follow(&start)?;
-    let mut values: BTreeMap<String, f64> = family.all_names().into_iter().zip(family.values(&found.theta)).collect();
-    let events = family.model(&found.theta)?.events(waves.impact_speed_m_per_s, HORIZON_S).ok();
+    let minimum = ChainProblem::new(family, waves, through_filter).follow(&start)?;
+    let mut values: BTreeMap<String, f64> = family.all_names().into_iter().zip(family.values(&minimum.theta)).collect();
+    let events = family.model(&minimum.theta)?.events(waves.impact_speed_m_per_s, HORIZON_S).ok();
     if let Some(crush) = events.and_then(|mut events| events.pop()?.dynamic_crush_m) {
         values.insert("dynamic_crush_m".to_owned(), crush);
     }
@@ -130,13 +130,13 @@ fn profile_of_the_rest(
 ) -> Option<Profile<String>> {
     family.free_rest()?;
     let mut masses = (0..theta.len()).filter(|&i| family.is_mass(i));
-    let (one, None) = (masses.next()?, masses.next()) else { return None };
-    let of = profiles.get(one)?;
-    let total = family.values(theta).last()? + theta[one].exp();
+    let (mass, None) = (masses.next()?, masses.next()) else { return None };
+    let mirrored = profiles.get(mass)?;
+    let total = family.values(theta).last()? + theta[mass].exp();
     Some(Profile {
         parameter: family.all_names().pop()?,
-        low: of.high.map(|kg| total - kg),
-        high: of.low.map(|kg| total - kg),
-        points: of.points.iter().rev().map(|(kg, rise)| (total - kg, *rise)).collect(),
+        low: mirrored.high.map(|kg| total - kg),
+        high: mirrored.low.map(|kg| total - kg),
+        points: mirrored.points.iter().rev().map(|(kg, rise)| (total - kg, *rise)).collect(),
     })
 }

@@ -117,8 +117,8 @@ impl ChainCoordinates {
         };
         for (i, element) in stated.elements.iter().enumerate() {
             let number = i + 1;
-            for of in [&element.stiffness, &element.damping] {
-                if let Some((knot, _)) = of.first().filter(|(knot, _)| *knot != 0.0) {
+            for law in [&element.stiffness, &element.damping] {
+                if let Some((knot, _)) = law.first().filter(|(knot, _)| *knot != 0.0) {
                     let expected = "zero, where a coefficient that is fitted begins";
                     return Err(SolveError::Value { name: "first knot", value: *knot, expected });
                 }
@@ -256,9 +256,9 @@ impl ChainCoordinates {
 
     /// The values of those names.
     pub fn values(&self, theta: &[f64]) -> Vec<f64> {
-        let own = theta.iter().map(|x| x.exp());
+        let free = theta.iter().map(|x| x.exp());
         let rest = self.free_rest().map(|rest| self.total_kg - self.others_kg(rest, theta));
-        own.chain(rest).collect()
+        free.chain(rest).collect()
     }
 
     /// Whether a mass is the rest of the total.
@@ -390,7 +390,7 @@ impl Parameterisation for ChainCoordinates {
         if !self.is_linear() {
             return None;
         }
-        let of = |((place, _), x): (&(Place, Axis), &f64)| {
+        let changes = |((place, _), x): (&(Place, Axis), &f64)| {
             let value = x.exp();
             match *place {
                 Place::Mass(i) => {
@@ -401,6 +401,6 @@ impl Parameterisation for ChainCoordinates {
                 Place::Damper(i, _) => vec![(2 * n + i, value)],
             }
         };
-        Some(self.free.iter().zip(theta).map(of).collect())
+        Some(self.free.iter().zip(theta).map(changes).collect())
     }
 }

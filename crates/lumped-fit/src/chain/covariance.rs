@@ -53,22 +53,22 @@ pub(crate) fn linearised(
 ) -> Option<LinearisedUncertainty> {
     let kept: Vec<usize> =
         (0..minimum.theta.len()).filter(|&i| !minimum.on_bound[i] && sensitivities.column(i).norm() > 0.0).collect();
-    let found = covariance_of_blocks(&sensitivities.select_columns(&kept), misfit, &waves.blocks())?;
+    let covariance = covariance_of_blocks(&sensitivities.select_columns(&kept), misfit, &waves.blocks())?;
     let mut standard_deviation = BTreeMap::new();
     // What is on a bound, or moves nothing, is open.
     let mut interval: BTreeMap<String, Ends> =
         family.all_names().into_iter().map(|name| (name, (None, None))).collect();
     let mut half_width = vec![None; minimum.theta.len()];
     for (k, &i) in kept.iter().enumerate() {
-        let (value, half) = (minimum.theta[i].exp(), found.half_width[k]);
+        let (value, half) = (minimum.theta[i].exp(), covariance.half_width[k]);
         if half < LARGEST_HALF_WIDTH {
             let name = &family.names[i];
             half_width[i] = Some(half);
-            standard_deviation.insert(name.clone(), value * found.matrix[(k, k)].max(0.0).sqrt());
+            standard_deviation.insert(name.clone(), value * covariance.matrix[(k, k)].max(0.0).sqrt());
             interval.insert(name.clone(), (Some(value * (-half).exp()), Some(value * half.exp())));
         }
     }
-    if let Some((name, deviation, ends)) = of_the_rest(family, &minimum.theta, &kept, &found, &half_width) {
+    if let Some((name, deviation, ends)) = of_the_rest(family, &minimum.theta, &kept, &covariance, &half_width) {
         standard_deviation.insert(name.clone(), deviation);
         interval.insert(name, ends);
     }
@@ -86,12 +86,13 @@ pub(crate) fn linearised(
         standard_deviation,
         interval,
         order: named.iter().map(|n| n.name.clone()).collect(),
-        correlation: found.correlation().row_iter().map(|row| row.iter().copied().collect()).collect(),
-        condition: Some(found.condition).filter(|c| c.is_finite()),
-        rank: found.rank,
-        weakest_direction: direction_in_words(&named, &found, waves.waves.first()?.quantity),
-        residual_autocorrelation: split.iter().map(|own| lag_1_autocorrelation(own)).sum::<f64>() / split.len() as f64,
-        effective_samples: found.effective_samples,
+        correlation: covariance.correlation().row_iter().map(|row| row.iter().copied().collect()).collect(),
+        condition: Some(covariance.condition).filter(|c| c.is_finite()),
+        rank: covariance.rank,
+        weakest_direction: direction_in_words(&named, &covariance, waves.waves.first()?.quantity),
+        residual_autocorrelation: split.iter().map(|misfit| lag_1_autocorrelation(misfit)).sum::<f64>()
+            / split.len() as f64,
+        effective_samples: covariance.effective_samples,
         half_width,
     })
 }
@@ -102,7 +103,7 @@ fn of_the_rest(
     family: &ChainCoordinates,
     theta: &[f64],
     kept: &[usize],
-    found: &Covariance,
+    covariance: &Covariance,
     half_width: &[Option<f64>],
 ) -> Option<(String, f64, Ends)> {
     family.free_rest()?;
@@ -111,15 +112,15 @@ fn of_the_rest(
     let masses: Vec<usize> = (0..theta.len()).filter(|&i| family.is_mass(i)).collect();
     let halves = masses.iter().map(|&i| half_width[i]).collect::<Option<Vec<f64>>>()?;
     let places = masses.iter().map(|i| kept.iter().position(|k| k == i)).collect::<Option<Vec<usize>>>()?;
-    let own = |a: usize| theta[masses[a]].exp();
+    let value_of = |a: usize| theta[masses[a]].exp();
     let pairs = (0..masses.len()).flat_map(|a| (0..masses.len()).map(move |b| (a, b)));
-    let variance: f64 = pairs.map(|(a, b)| own(a) * found.matrix[(places[a], places[b])] * own(b)).sum();
+    let variance: f64 = pairs.map(|(a, b)| value_of(a) * covariance.matrix[(places[a], places[b])] * value_of(b)).sum();
     let deviation = variance.max(0.0).sqrt();
     let ends = if let [half] = halves[..] {
-        let total = value + own(0);
-        ((total - own(0) * half.exp()).max(0.0), total - own(0) * (-half).exp())
+        let total = value + value_of(0);
+        ((total - value_of(0) * half.exp()).max(0.0), total - value_of(0) * (-half).exp())
     } else {
-        let factor = |(half, k): (&f64, &usize)| half / found.matrix[(*k, *k)].sqrt();
+        let factor = |(half, k): (&f64, &usize)| half / covariance.matrix[(*k, *k)].sqrt();
         let half = halves.iter().zip(&places).map(factor).fold(1.96, f64::max) * deviation;
         ((value - half).max(0.0), value + half)
     };

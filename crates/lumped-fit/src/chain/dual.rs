@@ -23,7 +23,7 @@ pub(crate) fn dual(chain: &SecantChain) -> Option<SecantChain> {
     let ([m1_kg, m2_kg], [k1, k2], [c1, c2]) = (chain.masses_kg(), chain.springs(), chain.dampers()) else {
         return None;
     };
-    let of = DoubleSpringMassDamper {
+    let double = DoubleSpringMassDamper {
         m1_kg: *m1_kg,
         m2_kg: *m2_kg,
         k1_n_per_m: k1.as_constant()?,
@@ -32,9 +32,10 @@ pub(crate) fn dual(chain: &SecantChain) -> Option<SecantChain> {
         c2_n_s_per_m: c2.as_constant()?,
     }
     .dual();
-    let laws = |of: [f64; 2]| of.map(PiecewiseLinear::constant);
-    let (springs, dampers) = (laws([of.k1_n_per_m, of.k2_n_per_m]), laws([of.c1_n_s_per_m, of.c2_n_s_per_m]));
-    SecantChain::new(&[of.m1_kg, of.m2_kg], &springs, &dampers).ok()
+    let laws = |values: [f64; 2]| values.map(PiecewiseLinear::constant);
+    let (springs, dampers) =
+        (laws([double.k1_n_per_m, double.k2_n_per_m]), laws([double.c1_n_s_per_m, double.c2_n_s_per_m]));
+    SecantChain::new(&[double.m1_kg, double.m2_kg], &springs, &dampers).ok()
 }
 
 /// Springs, then dampers; `None` where one is no constant.

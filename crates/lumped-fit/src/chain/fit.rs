@@ -91,12 +91,12 @@ pub fn fit_chain(
     let starts = starts.max(6 * family.names.len());
     let search = Search::Starts(starts, vec![family.start.clone()]);
     let weigh = vec![true; seen.len()];
-    let found = fit_sensors(&family, observed.impact_speed_m_per_s, seen, &weigh, &search)
+    let fitted = fit_sensors(&family, observed.impact_speed_m_per_s, seen, &weigh, &search)
         .ok_or(SolveError::NoFit { starts })?;
-    for (wave, sensor) in waves.waves.iter_mut().zip(&found.sensors) {
-        wave.weight = found.sensors[0].noise / sensor.noise;
+    for (wave, sensor) in waves.waves.iter_mut().zip(&fitted.sensors) {
+        wave.weight = fitted.sensors[0].noise / sensor.noise;
     }
-    let (mut minima, mut evaluations) = (found.minima, found.evaluations);
+    let (mut minima, mut evaluations) = (fitted.minima, fitted.evaluations);
     if through_filter {
         for _ in 0..WEIGHINGS {
             let problem = ChainProblem::new(&family, &waves, true);
@@ -116,17 +116,17 @@ pub fn fit_chain(
     let best = minima.first().ok_or(SolveError::NoFit { starts })?.cost;
     minima.retain(|minimum| minimum.cost.sqrt() <= AS_GOOD * best.sqrt());
     let problem = ChainProblem::new(&family, &waves, through_filter);
-    let mut found: Vec<ChainSolution> = Vec::new();
+    let mut solutions: Vec<ChainSolution> = Vec::new();
     let mut sets = 0;
     for minimum in &minima {
-        let known = found.iter().any(|f| f.theta.iter().zip(&minimum.theta).all(|(a, b)| (a - b).abs() < SAME));
+        let known = solutions.iter().any(|f| f.theta.iter().zip(&minimum.theta).all(|(a, b)| (a - b).abs() < SAME));
         if known || sets == REPORTED {
             continue;
         }
-        let Some(mut own) = solution(&problem, minimum, evaluations) else { continue };
+        let Some(mut primal) = solution(&problem, minimum, evaluations) else { continue };
         sets += 1;
-        let place = found.len() + 1;
-        let dual = sees_the_last_only(&waves, masses).then(|| dual_of(&family, &own.chain, &own.theta)).flatten();
+        let place = solutions.len() + 1;
+        let dual = sees_the_last_only(&waves, masses).then(|| dual_of(&family, &primal.chain, &primal.theta)).flatten();
         let other = match dual {
             Some(DualOf::At(theta)) => {
                 // What the search stopped at is the bound of the minimum: that of the other place in its dual.
@@ -134,7 +134,7 @@ pub fn fit_chain(
                 solution(&problem, &Optimum { theta, on_bound, ..minimum.clone() }, evaluations)
             }
             Some(DualOf::Outside(chain)) => {
-                own.dual = Some(ChainDual::NotAsStated(chain));
+                primal.dual = Some(ChainDual::NotAsStated(chain));
                 None
             }
             None => None,
@@ -142,17 +142,17 @@ pub fn fit_chain(
         match other {
             // The one with the softer first spring comes first, whichever was met first.
             Some(mut other) => {
-                if other.first_spring() < own.first_spring() {
-                    std::mem::swap(&mut own, &mut other);
+                if other.first_spring() < primal.first_spring() {
+                    std::mem::swap(&mut primal, &mut other);
                 }
-                own.dual = Some(ChainDual::Solution(place + 1));
+                primal.dual = Some(ChainDual::Solution(place + 1));
                 other.dual = Some(ChainDual::Solution(place));
-                found.extend([own, other]);
+                solutions.extend([primal, other]);
             }
-            None => found.push(own),
+            None => solutions.push(primal),
         }
     }
-    Ok(found)
+    Ok(solutions)
 }
 
 impl ChainSolution {

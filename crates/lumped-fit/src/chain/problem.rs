@@ -28,7 +28,7 @@ pub(crate) struct ChainProblem<'a> {
 
 /// The windows of waves for a comparison with the motion itself; `unit` is the noise level of the first.
 pub(crate) fn windows(waves: &Observation, masses: usize, unit: f64) -> Vec<SensorWindow> {
-    let of = |wave: &ObservedWave| SensorWindow {
+    let window_of = |wave: &ObservedWave| SensorWindow {
         mass: wave.mass.unwrap_or(masses - 1),
         quantity: wave.quantity,
         window: Window {
@@ -38,7 +38,7 @@ pub(crate) fn windows(waves: &Observation, masses: usize, unit: f64) -> Vec<Sens
         },
         noise: unit / wave.weight,
     };
-    waves.waves.iter().map(of).collect()
+    waves.waves.iter().map(window_of).collect()
 }
 
 impl<'a> ChainProblem<'a> {
@@ -78,9 +78,9 @@ impl<'a> ChainProblem<'a> {
         start.insert(fixed, coordinate);
         let mut limits = self.bounds();
         (limits.lower[fixed], limits.upper[fixed]) = (coordinate, coordinate);
-        let mut found = descend(self, &start, &limits)?;
-        found.theta.remove(fixed);
-        Some((found.theta, found.cost))
+        let mut minimum = descend(self, &start, &limits)?;
+        minimum.theta.remove(fixed);
+        Some((minimum.theta, minimum.cost))
     }
 
     fn plain<'b>(&'b self, sensors: &'b [SensorWindow]) -> SensorProblem<'b, ChainCoordinates> {
@@ -91,12 +91,12 @@ impl<'a> ChainProblem<'a> {
     fn measured(&self, chain: &SecantChain, places: &[usize]) -> Option<Vec<Vec<Vec<f64>>>> {
         let v0 = self.waves.impact_speed_m_per_s;
         let last = chain.masses_kg().len() - 1;
-        let of = |wave: &ObservedWave| {
+        let measured_wave = |wave: &ObservedWave| {
             let what = (wave.mass.unwrap_or(last), wave.quantity);
             let respond = |at: &Instants| self.family.sensitivity(chain, v0, at, places);
             wave.measurement.of_motions(what, v0, wave.last(), respond).ok()
         };
-        self.waves.waves.iter().map(of).collect()
+        self.waves.waves.iter().map(measured_wave).collect()
     }
 }
 
@@ -112,8 +112,8 @@ impl Response for ChainProblem<'_> {
         let Some(chain) = self.family.model(theta) else { return false };
         let Some(measured) = self.measured(&chain, &[]) else { return false };
         let mut row = 0;
-        for (wave, found) in self.waves.waves.iter().zip(&measured) {
-            let picked = found[0].get(wave.first..).unwrap_or_default().iter().step_by(wave.stride);
+        for (wave, motions) in self.waves.waves.iter().zip(&measured) {
+            let picked = motions[0].get(wave.first..).unwrap_or_default().iter().step_by(wave.stride);
             for (model, record) in picked.zip(&wave.samples) {
                 out[row] = (model - record) * wave.weight / self.unit;
                 row += 1;
@@ -132,7 +132,7 @@ impl Response for ChainProblem<'_> {
             return Some(false);
         };
         let mut first = 0;
-        for (wave, found) in self.waves.waves.iter().zip(&measured) {
+        for (wave, motions) in self.waves.waves.iter().zip(&measured) {
             for (j, by) in chain.iter().enumerate() {
                 for k in 0..wave.samples.len() {
                     let at = wave.first + k * wave.stride;
@@ -140,7 +140,7 @@ impl Response for ChainProblem<'_> {
                         .iter()
                         .map(|(place, factor)| {
                             let p = places.binary_search(place).ok()?;
-                            Some(factor * found.get(p + 1)?.get(at)?)
+                            Some(factor * motions.get(p + 1)?.get(at)?)
                         })
                         .sum();
                     let Some(change) = change else { return Some(false) };

@@ -220,12 +220,12 @@ impl ModelCoordinates {
                     Map::Share(scale) => {
                         let follows = |c: &&Coordinate| c.map == Map::ShareOf(place);
                         let follower = self.coordinates.iter().find(follows);
-                        let own = (place, scale);
-                        std::iter::once(own).chain(follower.map(|c| (c.place, values[c.place] / x))).collect()
+                        let itself = (place, scale);
+                        std::iter::once(itself).chain(follower.map(|c| (c.place, values[c.place] / x))).collect()
                     }
                     Map::ShareOf(of) => vec![(place, values[of])],
                     Map::MassShare => {
-                        // Its own mass grows by what the others behind it lose in proportion.
+                        // Its itself mass grows by what the others behind it lose in proportion.
                         let left: f64 = values[place..masses].iter().sum();
                         let behind = left - values[place];
                         let loses = |i: usize| (i, -left * values[i] / behind);
@@ -246,9 +246,9 @@ impl Parameterisation for ModelCoordinates {
     type Model = Model;
 
     fn axes(&self) -> Vec<Axis> {
-        let of =
+        let axis =
             |c: &Coordinate| Axis { lower: c.lower, upper: c.upper, box_lower: c.box_lower, box_upper: c.box_upper };
-        self.coordinates.iter().map(of).collect()
+        self.coordinates.iter().map(axis).collect()
     }
 
     fn model(&self, theta: &[f64]) -> Option<Model> {
@@ -309,11 +309,11 @@ mod tests {
                 };
                 let (up, down) = (moved(1e-5), moved(-1e-5));
                 for place in 0..up.len() {
-                    let found = by.iter().find(|(p, _)| *p == place).map_or(0.0, |(_, d)| *d);
+                    let derivative = by.iter().find(|(p, _)| *p == place).map_or(0.0, |(_, d)| *d);
                     let difference = (up[place] - down[place]) / 2e-5;
                     // h²/6 of the third derivative, and rounding over h.
                     assert!(
-                        (found - difference).abs() <= 1e-9 * up[place].abs().max(found.abs()),
+                        (derivative - difference).abs() <= 1e-9 * up[place].abs().max(derivative.abs()),
                         "{kind} {j} {place}"
                     );
                 }

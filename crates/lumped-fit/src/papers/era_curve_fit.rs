@@ -73,13 +73,13 @@ mod tests {
 
     #[test]
     fn gives_the_rear_of_the_papers_first_case_and_says_what_it_is() {
-        let found = curve_fit_of_the_paper("exponentials-4", &S, &C, 291.0, 582.0, 1).unwrap();
-        let p = found.model.parameters();
+        let candidate = curve_fit_of_the_paper("exponentials-4", &S, &C, 291.0, 582.0, 1).unwrap();
+        let p = candidate.model.parameters();
         // Printed with 5 and 4 digits; the front, recomputed from the printed formulas, is negative.
         assert!((p["k2_n_per_m"] - 40731.0).abs() < 0.5 && (p["c2_n_s_per_m"] - 9952.0).abs() < 0.5, "{p:?}");
-        assert!(p["k1_n_per_m"] < 0.0 && !found.model.is_physical());
-        assert_eq!(found.id(), "double-spring-mass-damper/curve-fit/1");
-        assert!(found.notes[0].to_string().starts_with("warning: as the ERA paper prints it"));
+        assert!(p["k1_n_per_m"] < 0.0 && !candidate.model.is_physical());
+        assert_eq!(candidate.id(), "double-spring-mass-damper/curve-fit/1");
+        assert!(candidate.notes[0].to_string().starts_with("warning: as the ERA paper prints it"));
     }
 
     #[test]

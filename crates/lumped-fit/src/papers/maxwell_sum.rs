@@ -101,12 +101,12 @@ mod tests {
         // Critical at sqrt(k m)/2 = 31,225 N·s/m.
         for damping_n_s_per_m in [60_000.0, 25_000.0] {
             let model = Maxwell { mass_kg: 1300.0, stiffness_n_per_m: 3e6, damping_n_s_per_m };
-            let found = maxwell_from_sum("exponentials-3", &exponents(&model), 1300.0, 1).unwrap();
-            let p = found.model.parameters();
+            let candidate = maxwell_from_sum("exponentials-3", &exponents(&model), 1300.0, 1).unwrap();
+            let p = candidate.model.parameters();
             // Ten roundings.
             assert!((p["stiffness_n_per_m"] / 3e6 - 1.0).abs() < 1e-13, "{p:?}");
             assert!((p["damping_n_s_per_m"] / damping_n_s_per_m - 1.0).abs() < 1e-13, "{p:?}");
-            assert_eq!(found.id(), "maxwell/closed-form/1");
+            assert_eq!(candidate.id(), "maxwell/closed-form/1");
         }
     }
 
@@ -128,11 +128,11 @@ mod tests {
     #[test]
     fn a_constant_that_decays_is_remarked() {
         let list = [(-5.0, 0.0), (-20.0, 30.0), (-20.0, -30.0)].map(|(re, im)| Complex::new(re, im));
-        let found = maxwell_from_sum("x", &list, 900.0, 1).unwrap();
+        let candidate = maxwell_from_sum("x", &list, 900.0, 1).unwrap();
         assert!(
-            found.notes[1].to_string().starts_with("warning: the exponent taken for the constant is -5"),
+            candidate.notes[1].to_string().starts_with("warning: the exponent taken for the constant is -5"),
             "{:?}",
-            found.notes
+            candidate.notes
         );
     }
 }

@@ -25,7 +25,7 @@ pub fn match_as_the_paper_typed(first_index: usize, notes: &mut Notes) -> Result
         ("tfest-paper/four-fifths-in-front", FOUR_FIFTHS_KG, FIFTH_KG),
     ];
     let [t, u, v, w] = PRINTED;
-    let mut found: Vec<Matched> = Vec::new();
+    let mut results: Vec<Matched> = Vec::new();
     for (id, m1_kg, m2_kg) in splits {
         let typed = t * TYPED_KG / FIFTH_KG;
         let identified = Identified {
@@ -37,7 +37,7 @@ pub fn match_as_the_paper_typed(first_index: usize, notes: &mut Notes) -> Result
             spread: None,
             delay_s: 0.0,
         };
-        let first = first_index + found.iter().map(|matched| matched.candidates.len()).sum::<usize>();
+        let first = first_index + results.iter().map(|matched| matched.candidates.len()).sum::<usize>();
         let mut matched = match_identified(&identified, m1_kg, m2_kg, first, notes)?;
         let label = "for reproduction only: 284.6 kg stands for 284.4 kg in the first right-hand side, as in the \
             paper, which lists \
@@ -46,10 +46,10 @@ pub fn match_as_the_paper_typed(first_index: usize, notes: &mut Notes) -> Result
         for candidate in &mut matched.candidates {
             candidate.notes.push(CandidateNote::info(label));
         }
-        found.push(matched);
+        results.push(matched);
     }
     notes.warning(
         "the candidates of --paper tfest are those of the paper's printed polynomial, not of this test".to_owned(),
     );
-    Ok(found)
+    Ok(results)
 }

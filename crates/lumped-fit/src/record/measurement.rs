@@ -108,9 +108,9 @@ impl Measurement {
         };
         let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples };
         let of_some = |places: &[usize]| -> Result<Vec<Vec<f64>>, LumpedError> {
-            let found = model.sensitivity(v0_m_per_s, &at, places)?;
+            let response = model.sensitivity(v0_m_per_s, &at, places)?;
             let motions =
-                found.derivatives.iter().map(|motions| mass.and_then(|mass| motions.get(mass)).or(motions.last()));
+                response.derivatives.iter().map(|motions| mass.and_then(|mass| motions.get(mass)).or(motions.last()));
             let accelerations: Vec<&[f64]> =
                 motions.map(|motion| motion.map_or(&[][..], |motion| &motion.acceleration_m_per_s2)).collect();
             Ok(self.all_seen(&accelerations, quantity, last))
@@ -132,12 +132,13 @@ impl Measurement {
         respond: impl FnOnce(&Instants) -> Result<Sensitivity, LumpedError>,
     ) -> Result<Vec<Vec<f64>>, LumpedError> {
         let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples: self.samples_of_the_model(last).unwrap_or(0) };
-        let found = respond(&at)?;
-        fn of(motions: &[Motion], mass: usize) -> &[f64] {
+        let response = respond(&at)?;
+        fn acceleration_of(motions: &[Motion], mass: usize) -> &[f64] {
             motions.get(mass).map_or(&[], |motion| &motion.acceleration_m_per_s2)
         }
-        let derivatives: Vec<&[f64]> = found.derivatives.iter().map(|motions| of(motions, mass)).collect();
-        let mut seen = vec![self.seen(of(&found.motions, mass), quantity, v0_m_per_s, last)];
+        let derivatives: Vec<&[f64]> =
+            response.derivatives.iter().map(|motions| acceleration_of(motions, mass)).collect();
+        let mut seen = vec![self.seen(acceleration_of(&response.motions, mass), quantity, v0_m_per_s, last)];
         seen.extend(self.all_seen(&derivatives, quantity, last));
         Ok(seen)
     }
@@ -167,8 +168,8 @@ impl Measurement {
         for chunk in accelerations.chunks(ABREAST) {
             // Places of a last chunk that nothing fills repeat its first.
             let accelerations = std::array::from_fn(|lane| *chunk.get(lane).unwrap_or(&chunk[0]));
-            let found = arch.dispatch(Together { measurement: self, accelerations, quantity, last });
-            seen.extend(found.into_iter().take(chunk.len()));
+            let lanes = arch.dispatch(Together { measurement: self, accelerations, quantity, last });
+            seen.extend(lanes.into_iter().take(chunk.len()));
         }
         seen
     }

@@ -191,21 +191,21 @@ impl Observation {
 
     /// The part of each wave of what stands one after the other.
     pub fn split<'a>(&self, rows: &'a [f64]) -> Vec<&'a [f64]> {
-        let mut rest = rows;
-        let of = |wave: &ObservedWave| {
-            let (own, others) = rest.split_at(wave.samples.len().min(rest.len()));
-            rest = others;
-            own
+        let mut remaining = rows;
+        let rows_of = |wave: &ObservedWave| {
+            let (of_wave, others) = remaining.split_at(wave.samples.len().min(remaining.len()));
+            remaining = others;
+            of_wave
         };
-        self.waves.iter().map(of).collect()
+        self.waves.iter().map(rows_of).collect()
     }
 
     /// Root mean square misfit of every wave, in its unit.
     pub fn rmse(&self, misfit: &[f64]) -> Vec<f64> {
-        let of = |(own, wave): (&[f64], &ObservedWave)| {
-            (own.iter().map(|r| r * r).sum::<f64>() / own.len() as f64).sqrt() / wave.weight
+        let rmse_of = |(misfit_of_wave, wave): (&[f64], &ObservedWave)| {
+            (misfit_of_wave.iter().map(|r| r * r).sum::<f64>() / misfit_of_wave.len() as f64).sqrt() / wave.weight
         };
-        self.split(misfit).into_iter().zip(&self.waves).map(of).collect()
+        self.split(misfit).into_iter().zip(&self.waves).map(rmse_of).collect()
     }
 
     /// Samples and weighted resolution of every wave.
@@ -236,8 +236,8 @@ impl Observation {
 
     /// The noise level of each wave from its root mean square misfit: never less than a millionth of the wave.
     pub fn noise_levels(&self, rmse: &[f64]) -> Vec<f64> {
-        let of = |(wave, rmse): (&ObservedWave, &f64)| rmse.max(LEAST_LEVEL * wave.size()).max(f64::MIN_POSITIVE);
-        self.waves.iter().zip(rmse).map(of).collect()
+        let level_of = |(wave, rmse): (&ObservedWave, &f64)| rmse.max(LEAST_LEVEL * wave.size()).max(f64::MIN_POSITIVE);
+        self.waves.iter().zip(rmse).map(level_of).collect()
     }
 
     /// Weighs the waves by the noise levels that follow from the root mean square misfit of each; whether a weight

@@ -10,14 +10,14 @@ const ERRORS: &str = "root mean square errors ";
 
 /// How far sensors were missed: each root mean square error in its unit, with channel and place.
 pub fn errors_in_words<'a>(errors: impl IntoIterator<Item = (f64, FitQuantity, &'a str, String)>) -> String {
-    let one = |(rmse, quantity, channel, place): (f64, FitQuantity, &str, String)| {
+    let error_text = |(rmse, quantity, channel, place): (f64, FitQuantity, &str, String)| {
         let (value, unit) = match quantity {
             FitQuantity::Displacement => (1e3 * rmse, "mm"),
             other => (rmse, other.unit()),
         };
         format!("{value:.4} {unit} at {channel} ({place})")
     };
-    errors.into_iter().map(one).collect::<Vec<_>>().join(", ")
+    errors.into_iter().map(error_text).collect::<Vec<_>>().join(", ")
 }
 
 /// The note on these [`errors_in_words`]; `seen`: how, `"through the filter"`, or nothing.

@@ -44,7 +44,7 @@ pub(super) struct Report<'a> {
     pub task: &'a Task<'a>,
     pub family: &'a ModelCoordinates,
     pub sensors: &'a [(usize, Sensor<'a>)],
-    pub found: &'a Fitted,
+    pub fitted: &'a Fitted,
 }
 
 impl<'a> Report<'a> {
@@ -52,7 +52,7 @@ impl<'a> Report<'a> {
         SensorProblem {
             family: self.family,
             impact_speed_m_per_s: self.task.test.impact_speed_m_per_s,
-            sensors: &self.found.sensors,
+            sensors: &self.fitted.sensors,
         }
     }
 
@@ -63,10 +63,10 @@ impl<'a> Report<'a> {
     /// How far the sensors were missed, in words: `8.1 mm at 93 (compartment)`.
     fn errors(&self, theta: &[f64]) -> Option<String> {
         let rmse = self.problem().rmse(theta)?;
-        let of = |((_, sensor), rmse): (&(usize, Sensor<'a>), f64)| {
+        let sensor_error = |((_, sensor), rmse): (&(usize, Sensor<'a>), f64)| {
             (rmse, sensor.quantity, sensor.channel, sensor.place.to_string())
         };
-        Some(errors_in_words(self.sensors.iter().zip(rmse).map(of)))
+        Some(errors_in_words(self.sensors.iter().zip(rmse).map(sensor_error)))
     }
 
     fn candidate(&self, minimum: &Optimum, index: usize, remarks: &[String]) -> Option<Candidate> {
@@ -78,7 +78,7 @@ impl<'a> Report<'a> {
         }
         let rmse = problem.rmse(&minimum.theta)?;
         let names = self.family.names();
-        let first = &self.found.sensors[0];
+        let first = &self.fitted.sensors[0];
         let active_bounds: Vec<_> =
             names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound).map(|(name, _)| *name).collect();
         let mut notes = infos(remarks.to_vec());
@@ -93,16 +93,17 @@ impl<'a> Report<'a> {
         }
         notes.extend(bounds_remark(&model, &active_bounds).map(CandidateNote::active_bounds));
         notes.extend(broken_side_constraints(&model).map(CandidateNote::warning));
-        let of = |((mass, sensor), (observed, rmse)): (&(usize, Sensor<'_>), (&SensorWindow, &f64))| SensorFit {
-            channel: sensor.channel.to_owned(),
-            mass: mass + 1,
-            quantity: sensor.quantity,
-            rmse: *rmse,
-            noise: observed.noise,
-        };
-        // The pulse's displacement: judged like the fits made for one model, through the filter of the record.
+        let sensor_fit =
+            |((mass, sensor), (observed, rmse)): (&(usize, Sensor<'_>), (&SensorWindow, &f64))| SensorFit {
+                channel: sensor.channel.to_owned(),
+                mass: mass + 1,
+                quantity: sensor.quantity,
+                rmse: *rmse,
+                noise: observed.noise,
+            };
+        // The pulse's displacement: judged like the fits made for one model, through the filter sensor_fit the record.
         let plain = self.task.fits_displacement_alone();
-        let sensors = self.sensors.iter().zip(self.found.sensors.iter().zip(&rmse)).map(of);
+        let sensors = self.sensors.iter().zip(self.fitted.sensors.iter().zip(&rmse)).map(sensor_fit);
         Some(Candidate {
             model,
             method: self.task.method,
@@ -115,7 +116,7 @@ impl<'a> Report<'a> {
                 quantity: first.quantity,
                 rmse: rmse[0],
                 iterations: minimum.iterations,
-                evaluations: self.found.evaluations,
+                evaluations: self.fitted.evaluations,
                 stop_reason: minimum.stop,
                 active_bounds,
                 sensors: if plain { Vec::new() } else { sensors.collect() },
@@ -127,9 +128,9 @@ impl<'a> Report<'a> {
 
     /// Every minimum as good as the best; for the double model with a sensor on the chassis, also what its dual does.
     pub fn candidates(&self, remarks: &[String], notes: &mut Notes) -> Vec<Candidate> {
-        let Some(best) = self.found.minima.first() else { return Vec::new() };
+        let Some(best) = self.fitted.minima.first() else { return Vec::new() };
         let limit = AS_GOOD * self.level(best);
-        let mut minima: Vec<Optimum> = self.found.minima.iter().filter(|m| self.level(m) <= limit).cloned().collect();
+        let mut minima: Vec<Optimum> = self.fitted.minima.iter().filter(|m| self.level(m) <= limit).cloned().collect();
         if minima.len() > 1 {
             notes.warning(format!(
                 "{}: {} parameter sets fit within 1 % as well as the best; the record does not determine the \
@@ -139,7 +140,7 @@ impl<'a> Report<'a> {
             ));
             minima.truncate(REPORTED);
         }
-        let mut own = vec![Vec::new(); minima.len()];
+        let mut extra_remarks = vec![Vec::new(); minima.len()];
         if let Some(Model::DoubleSpringMassDamper(model)) = self.family.model(&best.theta) {
             let dual = self.family.theta(&Model::DoubleSpringMassDamper(model.dual()));
             let at_best = self.errors(&best.theta);
@@ -150,7 +151,7 @@ impl<'a> Report<'a> {
                      {at_best}; the second sensor decides, and the two are not equivalent"
                 );
                 notes.info(format!("{}: {text}", self.task.model));
-                own[0].push(text);
+                extra_remarks[0].push(text);
             }
             // Where the dual leads if it is followed: the second best explanation.
             let settings = crate::fit::descents::bounds(self.family, 200, 1e-15);
@@ -159,7 +160,7 @@ impl<'a> Report<'a> {
             {
                 let apart = |m: &Optimum| m.theta.iter().zip(&followed.theta).any(|(a, b)| (a - b).abs() > 0.01);
                 if minima.iter().all(apart) {
-                    own.push(vec![format!(
+                    extra_remarks.push(vec![format!(
                         "followed from the dual of the first: weighted error {:.3} times that of the first, not \
                          equivalent",
                         self.level(&followed) / self.level(best).max(f64::MIN_POSITIVE)
@@ -168,8 +169,11 @@ impl<'a> Report<'a> {
                 }
             }
         }
-        let all = minima.iter().zip(own).enumerate();
-        all.filter_map(|(k, (minimum, own))| self.candidate(minimum, k + 1, &[remarks, &own].concat())).collect()
+        let all = minima.iter().zip(extra_remarks).enumerate();
+        all.filter_map(|(k, (minimum, extra_remarks))| {
+            self.candidate(minimum, k + 1, &[remarks, &extra_remarks].concat())
+        })
+        .collect()
     }
 
     /// The compartment alone: each minimum stands for a model and its dual.
@@ -178,11 +182,11 @@ impl<'a> Report<'a> {
             "{}: one compartment accelerometer cannot tell its two dual solutions apart, a second one on the front can",
             self.task.model
         ));
-        let Some(best) = self.found.minima.first() else { return Vec::new() };
+        let Some(best) = self.fitted.minima.first() else { return Vec::new() };
         let limit = AS_GOOD * self.level(best);
-        let mut seen: Vec<DoubleSpringMassDamper> = Vec::new();
-        let mut found = Vec::new();
-        for minimum in self.found.minima.iter().filter(|m| self.level(m) <= limit) {
+        let mut models: Vec<DoubleSpringMassDamper> = Vec::new();
+        let mut pairs = Vec::new();
+        for minimum in self.fitted.minima.iter().filter(|m| self.level(m) <= limit) {
             let Some(Model::DoubleSpringMassDamper(model)) = self.family.model(&minimum.theta) else { continue };
             // Alike within 1 %; dampers also where both are nothing beside the critical one of their spring.
             let alike = |a: &DoubleSpringMassDamper, b: &DoubleSpringMassDamper| {
@@ -192,11 +196,11 @@ impl<'a> Report<'a> {
                     && near(a.c1_n_s_per_m, b.c1_n_s_per_m, 0.1 * (a.k1_n_per_m * a.m1_kg).sqrt())
                     && near(a.c2_n_s_per_m, b.c2_n_s_per_m, 0.1 * (a.k2_n_per_m * a.m2_kg).sqrt())
             };
-            if seen.iter().any(|other| alike(&model, other) || alike(&model.dual(), other)) {
+            if models.iter().any(|other| alike(&model, other) || alike(&model.dual(), other)) {
                 continue;
             }
-            seen.push(model);
-            let index = found.len() + 1;
+            models.push(model);
+            let index = pairs.len() + 1;
             let dual = model.dual();
             let theta = self.family.theta(&Model::DoubleSpringMassDamper(dual));
             let settings = crate::fit::descents::bounds(self.family, 0, 1e-15);
@@ -217,9 +221,9 @@ impl<'a> Report<'a> {
                 pair[0].equivalent_to = Some(index + 1);
                 pair[1].equivalent_to = Some(index);
             }
-            found.extend(pair);
+            pairs.extend(pair);
         }
-        found
+        pairs
     }
 }
 

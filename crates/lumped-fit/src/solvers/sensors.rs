@@ -36,11 +36,11 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     for (mass, sensor) in &sensors {
         let window = Window::pick(sensor.record, test.time_zero_s, settings.fit_from_s, to_s, settings.fit_samples)?;
         let noise = sensor.noise.unwrap_or(1.0);
-        let mut one = SensorWindow { mass: *mass, quantity: sensor.quantity, window, noise };
+        let mut sensor_window = SensorWindow { mass: *mass, quantity: sensor.quantity, window, noise };
         if sensor.noise.is_none() {
-            one.noise = one.size().max(f64::MIN_POSITIVE);
+            sensor_window.noise = sensor_window.size().max(f64::MIN_POSITIVE);
         }
-        observed.push(one);
+        observed.push(sensor_window);
     }
     let length_s = observed.iter().map(|o| o.window.last_s()).fold(0.0, f64::max);
     let scale = Scale {
@@ -59,7 +59,7 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
         }
     };
     let weigh: Vec<bool> = sensors.iter().map(|(_, sensor)| sensor.noise.is_none()).collect();
-    let Some(mut found) = fit_sensors(&family, test.impact_speed_m_per_s, observed, &weigh, &search) else {
+    let Some(mut fitted) = fit_sensors(&family, test.impact_speed_m_per_s, observed, &weigh, &search) else {
         notes.warning(format!("{kind}: {}", SolveError::NoFit { starts: settings.fit_starts }));
         return Ok(Vec::new());
     };
@@ -75,8 +75,8 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
             ),
         });
     }
-    remarks.append(&mut found.remarks);
-    let report = Report { task, family: &family, sensors: &sensors, found: &found };
+    remarks.append(&mut fitted.remarks);
+    let report = Report { task, family: &family, sensors: &sensors, fitted: &fitted };
     if kind == ModelKind::DoubleSpringMassDamper && sensors.iter().all(|(mass, _)| *mass == 1) {
         Ok(report.pairs(&remarks, notes))
     } else {
@@ -237,16 +237,16 @@ mod tests {
         assert_eq!(shared_mass(&stated, 3), None);
         assert_eq!(
             shared_mass(&stated, 2).unwrap(),
-            "not fitted: sensors floor (compartment) and engine (m2) both fall on mass 2 of its 2, which moves one way \
+            "not fitted: sensors floor (compartment) and engine (m2) both fall on mass 2 of its 2, which moves reason way \
              only; leave \
              m2=engine out of sensors, or this model out of models"
         );
-        let one = shared_mass(&stated, 1).unwrap();
+        let reason = shared_mass(&stated, 1).unwrap();
         assert!(
-            one.ends_with("write front=front in sensors instead, which a model of one mass is not fitted to"),
-            "{one}"
+            reason.ends_with("write front=front in sensors instead, which a model of reason mass is not fitted to"),
+            "{reason}"
         );
-        // Front and chassis are one mass of two; a model of one has neither.
+        // Front and chassis are reason mass of two; a model of reason has neither.
         let parts = [(Place::Front, "a"), (Place::Chassis, "b"), (Place::Compartment, "c")];
         assert!(shared_mass(&parts, 2).unwrap().contains("a (front) and b (chassis) both fall on mass 1"));
         assert_eq!(shared_mass(&parts, 1), None);

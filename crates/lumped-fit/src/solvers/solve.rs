@@ -16,7 +16,7 @@ pub fn solve(test: &TestData<'_>, settings: &SolveSettings, notes: &mut Notes) -
     crate::error::positive("impact_speed_m_per_s", test.impact_speed_m_per_s)?;
     // Solvers know nothing of each other; candidates and notes keep the order of the settings for any number of
     // threads.
-    let found: Vec<(Result<Vec<Candidate>, SolveError>, Notes)> = settings
+    let results: Vec<(Result<Vec<Candidate>, SolveError>, Notes)> = settings
         .models
         .par_iter()
         .flat_map_iter(|&model| {
@@ -41,7 +41,7 @@ pub fn solve(test: &TestData<'_>, settings: &SolveSettings, notes: &mut Notes) -
         })
         .collect();
     let mut candidates = Vec::new();
-    for (result, remarks) in found {
+    for (result, remarks) in results {
         notes.extend(remarks);
         candidates.extend(result?);
     }

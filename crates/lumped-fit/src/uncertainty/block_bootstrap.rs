@@ -50,8 +50,8 @@ pub fn bootstrap(
     let rest = |model: &Model, free: &[FreeParameter]| rest_mass(model, free).filter(|_| with_rest);
     let rest_name = rest(&refined.model, &refined.free).map(|(name, _)| name);
     let names = refined.free.iter().map(|parameter| parameter.name).chain(rest_name).collect();
-    replicate(observed, &refined.misfit_m, replicates, names, |again| {
-        let problem = Problem::new(refined.model, refined.free.clone(), again);
+    replicate(observed, &refined.misfit_m, replicates, names, |resampled| {
+        let problem = Problem::new(refined.model, refined.free.clone(), resampled);
         let optimum = follow(&problem, &problem.start())?;
         let rest = rest(&problem.model(&optimum.theta)?, &problem.free).map(|(_, kg)| kg);
         Some(problem.free.iter().zip(&optimum.theta).map(|(p, theta)| p.at(*theta)).chain(rest).collect())
@@ -69,40 +69,43 @@ pub(crate) fn replicate<N: Ord>(
     let misfits = observed.split(misfit);
     let n = misfits.first()?.len();
     // In samples of the first wave; the same blocks of time for all.
-    let time = misfits.iter().map(|own| autocorrelation_time(own) * n as f64 / own.len() as f64).fold(0.0, f64::max);
+    let time = misfits
+        .iter()
+        .map(|samples| autocorrelation_time(samples) * n as f64 / samples.len() as f64)
+        .fold(0.0, f64::max);
     let block = ((BLOCK_TIMES * time).ceil() as usize).clamp(1, n / LARGEST_SHARE);
-    let found: Vec<Option<Vec<f64>>> = (0..replicates)
+    let fits: Vec<Option<Vec<f64>>> = (0..replicates)
         .into_par_iter()
         .map(|index| {
             let mut random = ChaCha8Rng::seed_from_u64(SEED);
             random.set_stream(index as u64);
             let from: Vec<usize> = (0..n.div_ceil(block)).map(|_| (random.next_u64() % n as u64) as usize).collect();
-            let mut again = observed.clone();
-            for (wave, misfit) in again.waves.iter_mut().zip(&misfits) {
-                let own = misfit.len();
+            let mut resampled = observed.clone();
+            for (wave, misfit) in resampled.waves.iter_mut().zip(&misfits) {
+                let samples = misfit.len();
                 for (k, sample) in wave.samples.iter_mut().enumerate() {
-                    let place = k * n / own;
-                    let drawn = ((from[place / block] + place % block) * own / n) % own;
+                    let place = k * n / samples;
+                    let drawn = ((from[place / block] + place % block) * samples / n) % samples;
                     // The misfit is model minus record, times the weight.
                     *sample += (misfit[k] - misfit[drawn]) / wave.weight;
                 }
             }
-            fit(&again)
+            fit(&resampled)
         })
         .collect();
-    let found: Vec<Vec<f64>> = found.into_iter().flatten().collect();
-    if found.len() < 20 {
+    let fits: Vec<Vec<f64>> = fits.into_iter().flatten().collect();
+    if fits.len() < 20 {
         return None;
     }
     let interval = names
         .into_iter()
         .enumerate()
         .map(|(i, name)| {
-            let mut values: Vec<f64> = found.iter().map(|f| f[i]).collect();
+            let mut values: Vec<f64> = fits.iter().map(|f| f[i]).collect();
             (name, (percentile(&mut values, 0.025), percentile(&mut values, 0.975)))
         })
         .collect();
-    Some(BlockBootstrap { replicates: found.len(), block, interval })
+    Some(BlockBootstrap { replicates: fits.len(), block, interval })
 }
 
 /// Percentile by linear interpolation between order statistics.

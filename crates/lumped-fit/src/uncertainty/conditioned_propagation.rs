@@ -76,12 +76,12 @@ fn repeat_conditioned(
     let mut met = false;
     for _ in 0..ROUNDS {
         theta = descend(&problem, &theta, &bounds)?.theta;
-        let found = problem.at_crush(&problem.model(&theta)?)?;
-        met = found.iter().all(|c| c.abs() <= MET);
+        let conditions = problem.at_crush(&problem.model(&theta)?)?;
+        met = conditions.iter().all(|c| c.abs() <= MET);
         if met {
             break;
         }
-        for (multiplier, condition) in problem.multipliers.iter_mut().zip(found) {
+        for (multiplier, condition) in problem.multipliers.iter_mut().zip(conditions) {
             *multiplier += problem.weight * condition;
         }
         problem.weight = (problem.weight * 4.0).min(1e8);
@@ -149,8 +149,8 @@ impl Conditioned<'_> {
     /// `x(t_m)/C - 1` and `v(t_m)/v0`.
     fn at_crush(&self, model: &Nonlinear1) -> Option<[f64; 2]> {
         let v0 = self.impact_speed_m_per_s;
-        let found = Model::Nonlinear1(*model).sensitivity(v0, &self.stop(), &[]).ok()?;
-        let motion = found.motions.first()?;
+        let response = Model::Nonlinear1(*model).sensitivity(v0, &self.stop(), &[]).ok()?;
+        let motion = response.motions.first()?;
         Some([motion.displacement_m[0] / self.events.dynamic_crush_m - 1.0, motion.velocity_m_per_s[0] / v0])
     }
 
@@ -195,13 +195,13 @@ impl Response for Conditioned<'_> {
         let Some(model) = self.model(theta).map(Model::Nonlinear1) else { return Some(false) };
         let (v0, crush) = (self.impact_speed_m_per_s, self.events.dynamic_crush_m);
         let n = self.record.samples.len();
-        let Ok(found) = model.sensitivity(v0, &self.instants(), &PLACES) else { return Some(false) };
+        let Ok(response) = model.sensitivity(v0, &self.instants(), &PLACES) else { return Some(false) };
         let Ok(stop) = model.sensitivity(v0, &self.stop(), &PLACES) else { return Some(false) };
         let weight = self.weight.sqrt();
         for (j, by) in self.chain().iter().enumerate() {
             out.column_mut(j).fill(0.0);
             for (place, factor) in by {
-                for (k, d) in found.derivatives[place - 1][0].displacement_m.iter().enumerate() {
+                for (k, d) in response.derivatives[place - 1][0].displacement_m.iter().enumerate() {
                     out[(k, j)] += factor * d / crush;
                 }
                 let motion = &stop.derivatives[place - 1][0];

@@ -70,8 +70,8 @@ pub(crate) fn direction_in_words(
     let named: Vec<String> = parts
         .iter()
         .map(|&i| {
-            let of = if free[i].logarithmic { "" } else { " of its scale" };
-            format!("{} {:+.2} %{of}", free[i].symbol(), 100.0 * unit * sign * along[i])
+            let suffix = if free[i].logarithmic { "" } else { " of its scale" };
+            format!("{} {:+.2} %{suffix}", free[i].symbol(), 100.0 * unit * sign * along[i])
         })
         .collect();
     let moved = format!(
@@ -80,7 +80,7 @@ pub(crate) fn direction_in_words(
         if named.len() == 1 { "moves" } else { "together move" },
         size(unit * covariance.weakest_change_m, quantity)
     );
-    let known = match parts[..] {
+    let determined = match parts[..] {
         [_] => format!("{} is the least determined", free[lead].symbol()),
         [a, b] if deviation > LOOSE => {
             let slope = |i: usize| along[i] * free[i].slope;
@@ -100,7 +100,7 @@ pub(crate) fn direction_in_words(
     } else {
         "nothing bounds it".to_owned()
     };
-    Some(format!("{known}: {moved}; {width}"))
+    Some(format!("{determined}: {moved}; {width}"))
 }
 
 /// Two of one kind stand by their numbers, others as the model has them.
@@ -145,10 +145,13 @@ mod tests {
             by_value * if k == 0 { k1 } else { k2 } * 1e-6
         });
         let noise: Vec<f64> = (0..100).map(|i| 1e-3 * (f64::from(i * i)).sin()).collect();
-        let found = covariance(&j, &noise, 0.0).unwrap();
-        let text =
-            weakest_direction(&[spring("k1_n_per_m", k1), spring("k2_n_per_m", k2)], &found, FitQuantity::Displacement)
-                .unwrap();
+        let estimate = covariance(&j, &noise, 0.0).unwrap();
+        let text = weakest_direction(
+            &[spring("k1_n_per_m", k1), spring("k2_n_per_m", k2)],
+            &estimate,
+            FitQuantity::Displacement,
+        )
+        .unwrap();
         assert!(text.starts_with("only k1 + 0.900 k2 is determined: k1 +1.00 %, k2 -0.56 %"), "{text}");
     }
 }

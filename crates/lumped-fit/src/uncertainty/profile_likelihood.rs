@@ -68,8 +68,8 @@ pub fn profile(
             let cost = observed.misfit(&template)?.iter().map(|r| (r / problem.unit_m).powi(2)).sum();
             return Some((Vec::new(), cost));
         }
-        let found = follow(&problem, start)?;
-        Some((found.theta, found.cost))
+        let refitted = follow(&problem, start)?;
+        Some((refitted.theta, refitted.cost))
     };
     Minimum {
         names: &names,
@@ -174,23 +174,23 @@ impl<'a, N> Side<'a, N> {
             if next == inside {
                 return (zero(inside), points);
             }
-            let Some((found, rise)) = self.rise(next, &theta) else { return (None, points) };
+            let Some((refitted, rise)) = self.rise(next, &theta) else { return (None, points) };
             points.push((value(next), rise));
             if rise > RISE_95 {
                 let (mut good, mut bad) = (inside, next);
                 for _ in 0..BISECTIONS {
                     let middle = 0.5 * (good + bad);
                     match self.rise(middle, &theta) {
-                        Some((found, rise)) if rise <= RISE_95 => {
+                        Some((refitted, rise)) if rise <= RISE_95 => {
                             good = middle;
-                            theta = found;
+                            theta = refitted;
                         }
                         _ => bad = middle,
                     }
                 }
                 return (Some(value(0.5 * (good + bad))), points);
             }
-            (theta, inside) = (found, next);
+            (theta, inside) = (refitted, next);
             step *= GROWTH;
         }
         (None, points)

@@ -98,18 +98,18 @@ pub(crate) struct Errors {
 fn drawn(inputs: &InputUncertainty, index: usize, sensors: usize) -> Errors {
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     random.set_stream(index as u64);
-    let mut of = |size: f64, distribution: Distribution| {
+    let mut draw = |size: f64, distribution: Distribution| {
         size * match distribution {
             Distribution::Normal => normal(&mut random),
             Distribution::Uniform => 2.0 * uniform(&mut random) - 1.0,
         }
     };
     let [of_mass, of_speed, of_bias, of_zero] = inputs.distributions;
-    let mass = of(inputs.mass_kg, of_mass);
-    let speed_m_per_s = of(inputs.impact_speed_m_per_s, of_speed);
-    let bias = of(inputs.bias_m_per_s2, of_bias);
-    let late_s = of(inputs.time_zero_s, of_zero);
-    let others = (1..sensors).map(|_| of(inputs.bias_m_per_s2, of_bias));
+    let mass = draw(inputs.mass_kg, of_mass);
+    let speed_m_per_s = draw(inputs.impact_speed_m_per_s, of_speed);
+    let bias = draw(inputs.bias_m_per_s2, of_bias);
+    let late_s = draw(inputs.time_zero_s, of_zero);
+    let others = (1..sensors).map(|_| draw(inputs.bias_m_per_s2, of_bias));
     let bias_m_per_s2 = std::iter::once(bias).chain(others).collect();
     Errors { mass, speed_m_per_s, late_s, bias_m_per_s2 }
 }
@@ -219,18 +219,18 @@ pub(crate) fn over_repetitions<N: Ord + Clone + Send>(
     one: impl Fn(&Errors) -> Option<BTreeMap<N, f64>> + Sync,
 ) -> Option<Propagation<N>> {
     let relative = InputUncertainty { mass_kg: inputs.mass_kg / mass_kg, ..*inputs };
-    let found: Vec<Option<BTreeMap<N, f64>>> =
+    let results: Vec<Option<BTreeMap<N, f64>>> =
         (0..repetitions).into_par_iter().map(|index| one(&drawn(&relative, index, sensors))).collect();
-    let found: Vec<_> = found.into_iter().flatten().collect();
-    if found.len() < LEAST_REPETITIONS {
+    let results: Vec<_> = results.into_iter().flatten().collect();
+    if results.len() < LEAST_REPETITIONS {
         return None;
     }
     let mut interval_90 = BTreeMap::new();
     let mut standard_deviation = BTreeMap::new();
     // A repetition may lack what the others have, such as a crush.
-    let names: BTreeSet<N> = found.iter().flat_map(|values| values.keys().cloned()).collect();
+    let names: BTreeSet<N> = results.iter().flat_map(|values| values.keys().cloned()).collect();
     for name in names {
-        let mut values: Vec<f64> = found.iter().filter_map(|f| f.get(&name).copied()).collect();
+        let mut values: Vec<f64> = results.iter().filter_map(|f| f.get(&name).copied()).collect();
         if values.len() < LEAST_REPETITIONS {
             continue;
         }
@@ -239,7 +239,7 @@ pub(crate) fn over_repetitions<N: Ord + Clone + Send>(
         standard_deviation.insert(name.clone(), (power / (values.len() - 1) as f64).sqrt());
         interval_90.insert(name, (percentile(&mut values, 0.05)?, percentile(&mut values, 0.95)?));
     }
-    Some(Propagation { repetitions: found.len(), interval_90, standard_deviation })
+    Some(Propagation { repetitions: results.len(), interval_90, standard_deviation })
 }
 
 /// The parameters and the model's crush of one repetition.

@@ -51,7 +51,7 @@ pub fn fit_chains(
         inputs: assessment.inputs(),
         repetitions: assessment.repetitions,
     };
-    let mut found = Vec::new();
+    let mut records = Vec::new();
     for chain in &settings.chain {
         let (observed, sensors) = waves(chain, settings, input, &events, speed, out)?;
         let known = sensors.iter().all(|sensor| sensor.known);
@@ -75,15 +75,15 @@ pub fn fit_chains(
             for (what, _) in without.iter().filter(|(_, missing)| *missing) {
                 out.notes().warning(format!("{id}: not {what}, too few fits near its minimum came to an end"));
             }
-            let said = summary_text(&id, &assessment.profile, assessment.propagation.as_ref(), ToString::to_string);
-            if !said.is_empty() {
-                out.summary(said);
+            let text = summary_text(&id, &assessment.profile, assessment.propagation.as_ref(), ToString::to_string);
+            if !text.is_empty() {
+                out.summary(text);
             }
-            let of = (chain, solution, &assessment, total_kg);
-            found.push((id, record(of, &observed, &sensors, &events.channel)));
+            let subject = (chain, solution, &assessment, total_kg);
+            records.push((id, record(subject, &observed, &sensors, &events.channel)));
         }
     }
-    Ok(found)
+    Ok(records)
 }
 
 /// Warnings on what the record does not decide.
@@ -279,8 +279,9 @@ fn uncertainty(solution: &ChainSolution, assessment: &ChainAssessment, sensors: 
         return UncertaintyV1 { method, interval_low: open.clone(), interval_high: open, ..UncertaintyV1::default() };
     };
     let LinearisedUncertainty { standard_deviation, order, correlation, weakest_direction, .. } = known.clone();
-    let side =
-        |of: fn(&Ends) -> Option<f64>| known.interval.iter().map(|(name, ends)| (name.clone(), of(ends))).collect();
+    let side = |subject: fn(&Ends) -> Option<f64>| {
+        known.interval.iter().map(|(name, ends)| (name.clone(), subject(ends))).collect()
+    };
     UncertaintyV1 {
         method,
         standard_deviation,

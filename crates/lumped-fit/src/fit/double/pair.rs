@@ -114,9 +114,9 @@ pub fn fit_double(
     let (box_lower, box_upper) = (logarithms(0.2, 0.01), logarithms(30.0, 3.0));
 
     let coarse = problem(&thin);
-    let (found, mut evaluations) = search(&coarse, options.starts, &settings, &box_lower, &box_upper);
+    let (coarse_minima, mut evaluations) = search(&coarse, options.starts, &settings, &box_lower, &box_upper);
     let fine = problem(&window);
-    let mut minima: Vec<Minimum> = found
+    let mut minima: Vec<Minimum> = coarse_minima
         .par_iter()
         .map(|m| {
             minimise(&fine, &m.theta, &settings).map(|on| Minimum { iterations: m.iterations + on.iterations, ..on })

@@ -63,15 +63,15 @@ pub fn fit_nonlinear1(
     (bounds.lower[5], bounds.upper[5]) = (0.005, 0.995);
     let model = |theta: &[f64]| build(theta).map(Model::Nonlinear1);
     let mut problem = Displacements { window: &window, options, model, chain: chain1, conditions: None };
-    let (found, mut evaluations) = all(&problem, points, &bounds);
+    let (ends, mut evaluations) = all(&problem, points, &bounds);
     bounds.max_iterations = 120;
     bounds.cost_tolerance = 1e-10;
-    let (mut found, more) = all(&problem, found.into_iter().take(FOLLOWED).map(|m| m.theta).collect(), &bounds);
+    let (mut ends, more) = all(&problem, ends.into_iter().take(FOLLOWED).map(|m| m.theta).collect(), &bounds);
     evaluations += more;
-    if found.is_empty() {
+    if ends.is_empty() {
         return Err(SolveError::NoFit { starts: REFINED });
     }
-    let mut best = found.remove(0);
+    let mut best = ends.remove(0);
     if constrained {
         // Residuals are of size one times the number of samples.
         let mut weight = window.samples.len() as f64;
@@ -94,9 +94,9 @@ pub fn fit_nonlinear1(
         }
         // The cost of the record alone.
         problem.conditions = None;
-        let mut rest = vec![0.0; problem.rows()];
-        if problem.residuals(&best.theta, &mut rest) {
-            best.cost = rest.iter().map(|x| x * x).sum();
+        let mut residuals = vec![0.0; problem.rows()];
+        if problem.residuals(&best.theta, &mut residuals) {
+            best.cost = residuals.iter().map(|x| x * x).sum();
         }
     }
     let model = build(&best.theta).ok_or(SolveError::NoFit { starts: REFINED })?;

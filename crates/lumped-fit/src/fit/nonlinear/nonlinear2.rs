@@ -76,13 +76,13 @@ pub fn fit_nonlinear2(
         bounds.lower[knot] = 0.005;
         bounds.upper[knot] = 0.995;
     }
-    let (mut found, mut evaluations) = all(&problem, starts.iter().map(to_theta).collect(), &bounds);
-    found.truncate(FOLLOWED);
+    let (mut ends, mut evaluations) = all(&problem, starts.iter().map(to_theta).collect(), &bounds);
+    ends.truncate(FOLLOWED);
     bounds.max_iterations = 120;
     bounds.cost_tolerance = 1e-9;
-    let (found, more) = all(&problem, found.into_iter().map(|m| m.theta).collect(), &bounds);
+    let (ends, more) = all(&problem, ends.into_iter().map(|m| m.theta).collect(), &bounds);
     evaluations += more;
-    let best = found.first().ok_or(SolveError::NoFit { starts: REFINED })?;
+    let best = ends.first().ok_or(SolveError::NoFit { starts: REFINED })?;
     let model = build(&best.theta).ok_or(SolveError::NoFit { starts: REFINED })?;
     let names = [
         "k1_n_per_m",
@@ -107,9 +107,9 @@ pub fn fit_nonlinear2(
     }
     let (x, v) = (options.crush_m, options.impact_speed_m_per_s);
     let factors = [spring, spring, spring, x, damper, damper, damper, damper, v, v];
-    let mut rest = vec![0.0; problem.rows()];
-    let known = problem.residuals(&best.theta, &mut rest);
-    let deviations = known.then(|| uncertainty(&ordered, &rest, &names, &factors)).flatten();
+    let mut residuals = vec![0.0; problem.rows()];
+    let finite = problem.residuals(&best.theta, &mut residuals);
+    let deviations = finite.then(|| uncertainty(&ordered, &residuals, &names, &factors)).flatten();
     Ok((model, Fit::of_displacement(&ordered, &window, evaluations, &names, options.crush_m), deviations))
 }
 

@@ -70,21 +70,21 @@ impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
         let n = self.window.samples.len();
         let v0 = self.options.impact_speed_m_per_s;
         let at = Instants { first_s: self.window.first_s, dt_s: self.window.dt_s, samples: n };
-        let Ok(found) = model.sensitivity(v0, &at, &places) else { return Some(false) };
+        let Ok(response) = model.sensitivity(v0, &at, &places) else { return Some(false) };
         for (j, by) in chain.iter().enumerate() {
             out.column_mut(j).fill(0.0);
             for (place, factor) in by {
                 let scale = factor / self.options.crush_m;
-                for (k, d) in found.derivatives[place - 1][0].displacement_m.iter().enumerate() {
+                for (k, d) in response.derivatives[place - 1][0].displacement_m.iter().enumerate() {
                     out[(k, j)] += scale * d;
                 }
             }
         }
         if let Some((weight, _)) = self.conditions {
             let at = Instants { first_s: self.options.time_of_dynamic_crush_s, dt_s: self.window.dt_s, samples: 1 };
-            let Ok(found) = model.sensitivity(v0, &at, &places) else { return Some(false) };
+            let Ok(response) = model.sensitivity(v0, &at, &places) else { return Some(false) };
             for (j, (place, factor)) in chain.iter().enumerate().flat_map(|(j, by)| by.iter().map(move |b| (j, b))) {
-                let motion = &found.derivatives[place - 1][0];
+                let motion = &response.derivatives[place - 1][0];
                 out[(n, j)] += weight.sqrt() * factor * motion.displacement_m[0] / self.options.crush_m;
                 out[(n + 1, j)] += weight.sqrt() * factor * motion.velocity_m_per_s[0] / v0;
             }

@@ -60,7 +60,7 @@ pub(crate) fn fit_sensors(
         .map(|sensor| SensorWindow { window: sensor.window.thinned(SEARCH_SAMPLES), ..sensor.clone() })
         .collect();
     let coarse = SensorProblem { family, impact_speed_m_per_s, sensors: &thin };
-    let (found, mut evaluations) = match search {
+    let (ends, mut evaluations) = match search {
         Search::Starts(count, given) => multi_start(&coarse, *count, given),
         Search::LShade(options) => global(&coarse, options, &mut remarks),
     };
@@ -69,9 +69,9 @@ pub(crate) fn fit_sensors(
         let fine = SensorProblem { family, impact_speed_m_per_s, sensors };
         all(&fine, points, &settings)
     };
-    let (found, spent) = follow(&sensors, found.into_iter().map(|m| m.theta).collect());
+    let (ends, spent) = follow(&sensors, ends.into_iter().map(|m| m.theta).collect());
     evaluations += spent;
-    let mut minima = distinct(found);
+    let mut minima = distinct(ends);
     let wanted = weigh.iter().filter(|w| **w).count();
     for _ in 0..if sensors.len() > 1 && wanted > 0 { WEIGHINGS } else { 0 } {
         let fine = SensorProblem { family, impact_speed_m_per_s, sensors: &sensors };
@@ -84,9 +84,9 @@ pub(crate) fn fit_sensors(
                 sensor.noise = noise;
             }
         }
-        let (found, spent) = follow(&sensors, minima.iter().map(|m| m.theta.clone()).collect());
+        let (ends, spent) = follow(&sensors, minima.iter().map(|m| m.theta.clone()).collect());
         evaluations += spent;
-        minima = distinct(found);
+        minima = distinct(ends);
         if moved < 1e-3 {
             break;
         }
@@ -107,9 +107,9 @@ fn multi_start(
     let (screened, mut evaluations) = all(problem, points, &bounds(family, SCREENING_ITERATIONS, 1e-6));
     let hopeful: Vec<_> = distinct(screened).into_iter().take(FOLLOWED).map(|m| m.theta).collect();
     let settings = bounds(family, 200, 1e-15);
-    let (found, spent) = all(problem, hopeful, &settings);
+    let (ends, spent) = all(problem, hopeful, &settings);
     evaluations += spent;
-    let (minima, spent) = hop(problem, distinct(found));
+    let (minima, spent) = hop(problem, distinct(ends));
     (minima, evaluations + spent)
 }
 
@@ -167,7 +167,7 @@ fn global(
     let theta =
         |unit: &[f64]| -> Vec<f64> { (0..unit.len()).map(|i| lower[i] + unit[i] * (upper[i] - lower[i])).collect() };
     let rows = problem.rows();
-    let found = l_shade(axes.len(), options, |unit| {
+    let population = l_shade(axes.len(), options, |unit| {
         let mut residuals = vec![0.0; rows];
         if problem.residuals(&theta(unit), &mut residuals) {
             residuals.iter().map(|r| r * r).sum()
@@ -175,7 +175,7 @@ fn global(
             f64::INFINITY
         }
     });
-    let (minima, descent) = all(problem, vec![theta(&found.point)], &bounds(problem.family, 200, 1e-15));
+    let (minima, descent) = all(problem, vec![theta(&population.point)], &bounds(problem.family, 200, 1e-15));
     let (minima, hops) = hop(problem, minima);
     let spent = descent + hops;
     let level = |cost: f64| (cost / rows as f64).sqrt();
@@ -184,15 +184,15 @@ fn global(
          the \
          weighted error from {:.3e} to {:.3e} in {} more",
         axes.len(),
-        found.evaluations,
+        population.evaluations,
         options.seed,
-        match found.stop {
+        match population.stop {
             LShadeStop::Evaluations => "all of those allowed",
             LShadeStop::Converged => "ended since all members were alike",
         },
-        level(found.cost),
+        level(population.cost),
         minima.first().map_or(f64::INFINITY, |m| level(m.cost)),
         spent
     ));
-    (minima, found.evaluations + spent)
+    (minima, population.evaluations + spent)
 }

@@ -124,8 +124,8 @@ pub fn assess_all(
             (k, best.and_then(|best| scene.refine(candidate, Some(best))))
         })
         .collect();
-    for (k, found) in later {
-        refined[k] = found;
+    for (k, minimum) in later {
+        refined[k] = minimum;
     }
     let mut assessed: Vec<Option<CandidateAssessment>> = candidates
         .par_iter()
@@ -133,8 +133,8 @@ pub fn assess_all(
         .map(|(candidate, refined)| refined.as_ref().and_then(|(o, r)| scene.assess(candidate, o, r)))
         .collect();
     scene.note_what_is_left_out(candidates, &refined, &assessed, out);
-    for (candidate, found) in candidates.iter_mut().zip(&refined) {
-        if let Some((observed, refined)) = found
+    for (candidate, minimum) in candidates.iter_mut().zip(&refined) {
+        if let Some((observed, refined)) = minimum
             && scene.is_replaced_by_refined(candidate, refined)
         {
             replace_by_refined(candidate, observed, refined);
@@ -214,7 +214,7 @@ impl Assessor<'_> {
             }
             refine(model, &free, observed)
         };
-        let mut found = match &candidate.model {
+        let mut minimum = match &candidate.model {
             // Whether the vehicle leaves the barrier or swings on: what fits the record better.
             Model::Elastoplastic(model) if !candidate.of_sensors() => {
                 let both = [true, false]
@@ -225,12 +225,12 @@ impl Assessor<'_> {
         }?;
         // The noise levels of several sensors are those of the misfit through the filter.
         for _ in 0..if weighted.is_none() { WEIGHINGS } else { 0 } {
-            if !weigh(&mut observed, &found) {
+            if !weigh(&mut observed, &minimum) {
                 break;
             }
-            found = refine(&found.model, &found.free, &observed)?;
+            minimum = refine(&minimum.model, &minimum.free, &observed)?;
         }
-        Some((observed, found))
+        Some((observed, minimum))
     }
 
     /// Whether the candidate is a fit that the minimum through the filter replaces.
@@ -257,7 +257,7 @@ impl Assessor<'_> {
         }
         ordered
             && crush.is_some_and(|crush| (crush / self.crush_m - 1.0).abs() <= CONDITIONS)
-            && time.is_some_and(|(found, wanted)| (found / wanted - 1.0).abs() <= CONDITIONS)
+            && time.is_some_and(|(of_model, of_record)| (of_model / of_record - 1.0).abs() <= CONDITIONS)
     }
 
     /// Whether the values judged are those of the minimum that the judgement looks from.
@@ -272,8 +272,8 @@ impl Assessor<'_> {
 
     fn assess(&self, candidate: &Candidate, observed: &Observation, refined: &Refined) -> Option<CandidateAssessment> {
         let asked = &self.settings.assessment;
-        let here = self.is_minimum(candidate, refined);
-        let options = if here { asked.options() } else { AssessmentOptions::default() };
+        let at_minimum = self.is_minimum(candidate, refined);
+        let options = if at_minimum { asked.options() } else { AssessmentOptions::default() };
         let given = (!self.is_replaced_by_refined(candidate, refined)).then_some(&candidate.model);
         let mut assessment = assess(refined, given, observed, options)?;
         assessment.interval.extend(fixed_at_bound(candidate).map(|name| (name, (None, None))));
@@ -337,8 +337,8 @@ impl Assessor<'_> {
                 propagate_conditioned(model, &events, records, mass_kg, &inputs, repetitions)
             }
             (Method::DirectFit | Method::LShade, model) => {
-                let own = |p: &FreeParameter| p.described_at(values[p.name]);
-                let free: Vec<FreeParameter> = refined.free.iter().map(own).collect();
+                let described = |p: &FreeParameter| p.described_at(values[p.name]);
+                let free: Vec<FreeParameter> = refined.free.iter().map(described).collect();
                 propagate_unfiltered(model, &free, observed, mass_kg, &inputs, repetitions)
             }
             _ => None,

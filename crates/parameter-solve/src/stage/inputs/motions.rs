@@ -21,11 +21,11 @@ pub fn sensor_waves(
     if !places.iter().any(|(place, _)| *place == Place::Compartment) {
         places.insert(0, (Place::Compartment, pulse.to_owned()));
     }
-    let one = |(place, channel): (Place, String)| -> anyhow::Result<(Place, String, Sampled)> {
+    let read = |(place, channel): (Place, String)| -> anyhow::Result<(Place, String, Sampled)> {
         let record = motion(input, &channel, quantity, mass_kg)?;
         Ok((place, channel, record))
     };
-    places.into_iter().map(one).collect()
+    places.into_iter().map(read).collect()
 }
 
 /// The motion of a channel.
@@ -52,14 +52,14 @@ fn not_integrated(input: &Inputs, channel: &str, what: &str) -> anyhow::Error {
         return input.missing(&format!("/wave/{channel}/{what}"));
     }
     let known = input.test().is_ok_and(|test| test.channel(channel).is_some());
-    let (found, hint) = if known {
+    let (problem, hint) = if known {
         let hint = format!("add {channel:?} to channels of [integrate], or crumple-integrate --channels all,{channel}");
         (format!("channel {channel}, which sensors names, was not integrated"), hint)
     } else {
         let hint = "sensors = [\"place=channel\"] takes ids of channels; crumple-artifact show lists them".to_owned();
         (format!("the test has no channel {channel:?}, which sensors names"), hint)
     };
-    Refused::new(found)
+    Refused::new(problem)
         .expected(format!("a channel whose {what} the inputs hold: {}", integrated.join(", ")))
         .hint(hint)
         .into()

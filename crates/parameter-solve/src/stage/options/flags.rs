@@ -17,12 +17,12 @@ fn models_help() -> String {
 fn methods_help() -> String {
     let describe = |method: &Method| {
         let models: Vec<_> = method.models().collect();
-        let of = if models.len() == MODELS.len() {
+        let suffix = if models.len() == MODELS.len() {
             String::new()
         } else {
             format!(" [{}]", models.iter().map(|model| model.name()).collect::<Vec<_>>().join(", "))
         };
-        format!("{method}: {}{of}", method.about())
+        format!("{method}: {}{suffix}", method.about())
     };
     let by_default = |model: &ModelKind| {
         let methods: Vec<_> = solvers_of(*model, &[]).iter().map(|solver| solver.method.name()).collect();

@@ -15,17 +15,17 @@ pub type Ends = (Option<f64>, Option<f64>);
 /// What goes to the artifact.
 pub fn uncertainty_record(assessed: &CandidateAssessment) -> UncertaintyV1 {
     let j = &assessed.assessment;
-    let own = |name: &&'static str| (*name).to_owned();
-    let finite = |values: &BTreeMap<&'static str, f64>| values.iter().map(|(k, v)| (own(k), *v)).collect();
+    let owned = |name: &&'static str| (*name).to_owned();
+    let finite = |values: &BTreeMap<&'static str, f64>| values.iter().map(|(k, v)| (owned(k), *v)).collect();
     let side =
-        |of: fn(&Ends) -> Option<f64>| j.interval.iter().map(|(name, interval)| (own(name), of(interval))).collect();
+        |of: fn(&Ends) -> Option<f64>| j.interval.iter().map(|(name, interval)| (owned(name), of(interval))).collect();
     UncertaintyV1 {
         method: linearised(assessed.through_filter),
         standard_deviation: finite(&j.standard_deviation),
         condition: j.condition,
         interval_low: side(|i| i.0),
         interval_high: side(|i| i.1),
-        order: j.parameters.iter().map(own).collect(),
+        order: j.parameters.iter().map(owned).collect(),
         correlation: j.correlation.clone(),
         rank: Some(j.rank as u32),
         weakest_direction: j.weakest_direction.clone(),
