@@ -67,7 +67,7 @@ pub use papers::tfest::match_as_the_paper_typed;
 pub use record::fit_quantity::FitQuantity;
 pub use record::measurement::{IntegrationRule, Measurement, TwoPassFilter};
 pub use record::observation::{Observation, ObservedWave, RESOLUTION_M};
-pub use record::sensor::{Place, Sensor, SensorFit, errors_in_words, note_of_errors};
+pub use record::sensor::{Sensor, SensorFit, SensorPlace, errors_in_words, note_of_errors};
 pub use record::test_data::TestData;
 pub use solvers::settings::SolveSettings;
 pub use solvers::solve::solve;

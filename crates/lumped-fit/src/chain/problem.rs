@@ -126,14 +126,14 @@ impl Response for ChainProblem<'_> {
         if let Some(sensors) = &self.direct {
             return self.plain(sensors).sensitivities(theta, out);
         }
-        let chain = self.family.chain(theta)?;
-        let places = places(&chain);
+        let derivatives = self.family.derivatives_by_coordinate(theta)?;
+        let places = places(&derivatives);
         let Some(measured) = self.family.model(theta).and_then(|model| self.measured(&model, &places)) else {
             return Some(false);
         };
         let mut first = 0;
         for (wave, motions) in self.waves.waves.iter().zip(&measured) {
-            for (j, by) in chain.iter().enumerate() {
+            for (j, by) in derivatives.iter().enumerate() {
                 for k in 0..wave.samples.len() {
                     let at = wave.first + k * wave.stride;
                     let change: Option<f64> = by

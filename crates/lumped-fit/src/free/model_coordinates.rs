@@ -271,7 +271,7 @@ impl Parameterisation for ModelCoordinates {
         model.sensitivity(impact_speed_m_per_s, at, places)
     }
 
-    fn chain(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>> {
+    fn derivatives_by_coordinate(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>> {
         Some(self.changes(theta))
     }
 }

@@ -28,7 +28,7 @@ pub fn note_of_errors(errors: &str, seen: Option<&str>) -> String {
 
 /// Which mass of a model a sensor sits on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum SensorPlace {
     /// The last mass.
     Compartment,
     /// The mass next to the barrier: engine and front structure.
@@ -39,7 +39,7 @@ pub enum Place {
     Mass(usize),
 }
 
-impl Place {
+impl SensorPlace {
     /// Index of the mass in a model of so many masses. A model of one mass has a compartment only.
     pub fn mass(self, masses: usize) -> Option<usize> {
         match self {
@@ -51,7 +51,7 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for SensorPlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Compartment => f.write_str("compartment"),
@@ -62,7 +62,7 @@ impl fmt::Display for Place {
     }
 }
 
-impl FromStr for Place {
+impl FromStr for SensorPlace {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -88,7 +88,7 @@ pub struct Sensor<'a> {
     /// Its channel, for records and notes.
     pub channel: &'a str,
     /// Where it sits.
-    pub place: Place,
+    pub place: SensorPlace,
     /// What it says.
     pub quantity: FitQuantity,
     /// Its samples, SI.

@@ -11,8 +11,8 @@ use crate::record::window::Window;
 use crate::solvers::sensor_report::Report;
 use crate::solvers::task::{Task, mass_count};
 use crate::{
-    Candidate, FitQuantity, MassFit, Method, Place, Sensor, SolveError, elastoplastic_from_events, fit_nonlinear1,
-    fit_nonlinear2, kelvin_from_events, masses, triple_masses,
+    Candidate, FitQuantity, MassFit, Method, Sensor, SensorPlace, SolveError, elastoplastic_from_events,
+    fit_nonlinear1, fit_nonlinear2, kelvin_from_events, masses, triple_masses,
 };
 
 /// The fit of the table of solvers, by descents or by L-SHADE.
@@ -86,7 +86,7 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
 
 /// Why a model cannot be fitted: two sensors of different places fall on one of its masses, which moves one way only.
 /// One channel named for two places is one sensor, and two sensors of one place are two looks at it.
-pub(crate) fn shared_mass(places: &[(Place, &str)], count: usize) -> Option<String> {
+pub(crate) fn shared_mass(places: &[(SensorPlace, &str)], count: usize) -> Option<String> {
     let on_masses = || places.iter().filter_map(|(place, channel)| Some((place.mass(count)?, *place, *channel)));
     let (mass, first, second) = on_masses().enumerate().find_map(|(k, (mass, place, channel))| {
         let mut before = on_masses().take(k);
@@ -94,9 +94,9 @@ pub(crate) fn shared_mass(places: &[(Place, &str)], count: usize) -> Option<Stri
         Some((mass, (other.1, other.2), (place, channel)))
     })?;
     // The compartment is the pulse, which every fit needs: the other one has to go.
-    let goes = if second.0 == Place::Compartment { first } else { second };
+    let goes = if second.0 == SensorPlace::Compartment { first } else { second };
     let instead = match goes.0 {
-        Place::Mass(1) if count == 1 => {
+        SensorPlace::Mass(1) if count == 1 => {
             format!("write front={} in sensors instead, which a model of one mass is not fitted to", goes.1)
         }
         place => format!("leave {place}={} out of sensors, or this model out of models", goes.1),
@@ -136,7 +136,7 @@ fn sensors_of<'a>(task: &Task<'a>, count: usize, notes: &mut Notes) -> Option<Ve
     {
         let compartment = Sensor {
             channel: "",
-            place: Place::Compartment,
+            place: SensorPlace::Compartment,
             quantity: FitQuantity::Displacement,
             record: displacement,
             noise: None,
@@ -233,7 +233,8 @@ mod tests {
 
     #[test]
     fn two_places_on_one_mass_leave_the_model_out_and_say_what_to_write() {
-        let stated = [(Place::Compartment, "floor"), (Place::Mass(1), "front"), (Place::Mass(2), "engine")];
+        let stated =
+            [(SensorPlace::Compartment, "floor"), (SensorPlace::Mass(1), "front"), (SensorPlace::Mass(2), "engine")];
         assert_eq!(shared_mass(&stated, 3), None);
         assert_eq!(
             shared_mass(&stated, 2).unwrap(),
@@ -247,14 +248,14 @@ mod tests {
             "{reason}"
         );
         // Front and chassis are reason mass of two; a model of reason has neither.
-        let parts = [(Place::Front, "a"), (Place::Chassis, "b"), (Place::Compartment, "c")];
+        let parts = [(SensorPlace::Front, "a"), (SensorPlace::Chassis, "b"), (SensorPlace::Compartment, "c")];
         assert!(shared_mass(&parts, 2).unwrap().contains("a (front) and b (chassis) both fall on mass 1"));
         assert_eq!(shared_mass(&parts, 1), None);
     }
 
     #[test]
     fn a_sensor_named_for_two_places_and_two_sensors_of_one_place_are_no_conflict() {
-        assert_eq!(shared_mass(&[(Place::Compartment, "93"), (Place::Mass(2), "93")], 2), None);
-        assert_eq!(shared_mass(&[(Place::Compartment, "93"), (Place::Compartment, "94")], 2), None);
+        assert_eq!(shared_mass(&[(SensorPlace::Compartment, "93"), (SensorPlace::Mass(2), "93")], 2), None);
+        assert_eq!(shared_mass(&[(SensorPlace::Compartment, "93"), (SensorPlace::Compartment, "94")], 2), None);
     }
 }

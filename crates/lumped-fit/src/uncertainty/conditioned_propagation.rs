@@ -155,7 +155,7 @@ impl Conditioned<'_> {
     }
 
     /// The parameters by their places that each of theta moves, and how far.
-    fn chain(&self) -> [Vec<(usize, f64)>; 6] {
+    fn derivatives(&self) -> [Vec<(usize, f64)>; 6] {
         let (k, c) = (self.spring, self.damper);
         [
             vec![(1, k), (2, k)],
@@ -198,7 +198,7 @@ impl Response for Conditioned<'_> {
         let Ok(response) = model.sensitivity(v0, &self.instants(), &PLACES) else { return Some(false) };
         let Ok(stop) = model.sensitivity(v0, &self.stop(), &PLACES) else { return Some(false) };
         let weight = self.weight.sqrt();
-        for (j, by) in self.chain().iter().enumerate() {
+        for (j, by) in self.derivatives().iter().enumerate() {
             out.column_mut(j).fill(0.0);
             for (place, factor) in by {
                 for (k, d) in response.derivatives[place - 1][0].displacement_m.iter().enumerate() {

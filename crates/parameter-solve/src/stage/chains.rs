@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crumple_lumped::{ParameterKind, SecantChain};
 use crumple_lumped_fit::{
     ChainAssessment, ChainAssessmentOptions, ChainDual, ChainSolution, LinearisedUncertainty, Observation,
-    ObservedWave, Place, RESOLUTION_M, assess_chain, errors_in_words, fit_chain, note_of_errors,
+    ObservedWave, RESOLUTION_M, SensorPlace, assess_chain, errors_in_words, fit_chain, note_of_errors,
 };
 use crumple_signal::Sampled;
 use crumple_stage::records::{CandidateV1, EventsV1, FitV1, SensorFitV1, UncertaintyV1};
@@ -22,7 +22,7 @@ use crate::stage::records::uncertainty::{
 /// A sensor on a mass of the chain.
 struct Sensor {
     channel: String,
-    place: Place,
+    place: SensorPlace,
     mass: usize,
     /// Whether its filter is known.
     known: bool,
@@ -150,8 +150,8 @@ fn waves(
 ) -> anyhow::Result<(Observation, Vec<Sensor>)> {
     let quantity = settings.solve.quantity;
     let mut places = settings.places.clone();
-    if !places.iter().any(|(place, _)| *place == Place::Compartment) {
-        places.insert(0, (Place::Compartment, events.channel.clone()));
+    if !places.iter().any(|(place, _)| *place == SensorPlace::Compartment) {
+        places.insert(0, (SensorPlace::Compartment, events.channel.clone()));
     }
     let masses = chain.masses.len();
     let mass_kg = settings.mass_kg.or(input.test()?.mass_kg).unwrap_or(1.0);

@@ -6,7 +6,7 @@ use crumple_signal::{Displacement, Signal};
 
 use crate::fit::descents::all;
 use crate::fit::nonlinear::momentum_starts::{DAMPER_KNOTS, FOLLOWED, Momentum, REFINED, Start};
-use crate::fit::nonlinear::problem::{Displacements, chain1, conditions_at_crush};
+use crate::fit::nonlinear::problem::{Displacements, conditions_at_crush, derivatives1};
 use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crate::{Fit, SolveError};
@@ -62,7 +62,7 @@ pub fn fit_nonlinear1(
     let mut bounds = Bounds { lower: vec![0.0; 6], upper: vec![1e3; 6], max_iterations: 30, cost_tolerance: 1e-4 };
     (bounds.lower[5], bounds.upper[5]) = (0.005, 0.995);
     let model = |theta: &[f64]| build(theta).map(Model::Nonlinear1);
-    let mut problem = Displacements { window: &window, options, model, chain: chain1, conditions: None };
+    let mut problem = Displacements { window: &window, options, model, derivatives: derivatives1, conditions: None };
     let (ends, mut evaluations) = all(&problem, points, &bounds);
     bounds.max_iterations = 120;
     bounds.cost_tolerance = 1e-10;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::candidate::linearised::uncertainty;
 use crate::fit::descents::all;
 use crate::fit::nonlinear::momentum_starts::{DAMPER_KNOTS, FOLLOWED, Momentum, REFINED, Start};
-use crate::fit::nonlinear::problem::{Displacements, chain2};
+use crate::fit::nonlinear::problem::{Displacements, derivatives2};
 use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crate::{Fit, SolveError, Uncertainty};
@@ -68,7 +68,7 @@ pub fn fit_nonlinear2(
         window: &window,
         options,
         model: |theta: &[f64]| build(theta).map(Model::Nonlinear2),
-        chain: chain2,
+        derivatives: derivatives2,
         conditions: None,
     };
     let mut bounds = Bounds { lower: vec![0.0; 10], upper: vec![1e3; 10], max_iterations: 12, cost_tolerance: 1e-4 };

@@ -78,14 +78,14 @@ impl<F: Parameterisation> Response for SensorProblem<'_, F> {
 
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
         let model = self.family.model(theta)?;
-        let chain = self.family.chain(theta)?;
-        let places = places(&chain);
+        let derivatives = self.family.derivatives_by_coordinate(theta)?;
+        let places = places(&derivatives);
         let mut first = 0;
         for sensor in self.sensors {
             let at = sensor.instants();
             let response = self.family.sensitivity(&model, self.impact_speed_m_per_s, &at, &places);
             let Ok(response) = response else { return Some(false) };
-            for (j, by) in chain.iter().enumerate() {
+            for (j, by) in derivatives.iter().enumerate() {
                 for k in 0..at.samples {
                     out[(first + k, j)] = 0.0;
                 }

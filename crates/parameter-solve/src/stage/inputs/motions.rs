@@ -1,6 +1,6 @@
 //! The motion of a channel, as integrated or as filtered.
 
-use crumple_lumped_fit::{FitQuantity, Place};
+use crumple_lumped_fit::{FitQuantity, SensorPlace};
 use crumple_signal::{Acceleration, Displacement, Force, Sampled, Velocity};
 use crumple_stage::{Inputs, RefuseExt, Refused};
 
@@ -12,16 +12,16 @@ pub fn sensor_waves(
     input: &Inputs,
     pulse: &str,
     mass_kg: f64,
-) -> anyhow::Result<Vec<(Place, String, Sampled)>> {
+) -> anyhow::Result<Vec<(SensorPlace, String, Sampled)>> {
     let quantity = settings.solve.quantity;
     let mut places = settings.places.clone();
     if places.is_empty() && quantity == FitQuantity::Displacement || !settings.solve.fits_a_signal() {
         return Ok(Vec::new());
     }
-    if !places.iter().any(|(place, _)| *place == Place::Compartment) {
-        places.insert(0, (Place::Compartment, pulse.to_owned()));
+    if !places.iter().any(|(place, _)| *place == SensorPlace::Compartment) {
+        places.insert(0, (SensorPlace::Compartment, pulse.to_owned()));
     }
-    let read = |(place, channel): (Place, String)| -> anyhow::Result<(Place, String, Sampled)> {
+    let read = |(place, channel): (SensorPlace, String)| -> anyhow::Result<(SensorPlace, String, Sampled)> {
         let record = motion(input, &channel, quantity, mass_kg)?;
         Ok((place, channel, record))
     };

@@ -3,7 +3,7 @@
 use crumple_lumped::ModelKind;
 use crumple_lumped_fit::{
     DEFAULT_MODELS, FireflyOptions, FireflyUnits, FitQuantity, LShadeOptions, METHODS, MODELS, MassFit, MassSplit,
-    Method, Place, REPETITIONS, SolveSettings,
+    Method, REPETITIONS, SensorPlace, SolveSettings,
 };
 use crumple_signal::value::{Mass, Time};
 use crumple_stage::{Usage, nearest};
@@ -51,7 +51,7 @@ pub struct StageSettings {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paper: Option<&'static str>,
     #[serde(skip)]
-    pub places: Vec<(Place, String)>,
+    pub places: Vec<(SensorPlace, String)>,
     #[serde(flatten)]
     pub assessment: AssessmentSettings,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -234,7 +234,7 @@ fn model(name: &str) -> Result<ModelKind, Usage> {
 }
 
 /// `front=103`.
-fn sensor(text: &str) -> Result<(Place, String), Usage> {
+fn sensor(text: &str) -> Result<(SensorPlace, String), Usage> {
     let hint = "--sensors compartment=93,front=103";
     let (place, channel) = text
         .split_once('=')
@@ -288,8 +288,8 @@ mod tests {
 
     #[test]
     fn sensors_and_masses_are_read_or_refused() {
-        assert_eq!(sensor("engine=103").unwrap(), (Place::Front, "103".to_owned()));
-        assert_eq!(sensor("m2=7").unwrap(), (Place::Mass(2), "7".to_owned()));
+        assert_eq!(sensor("engine=103").unwrap(), (SensorPlace::Front, "103".to_owned()));
+        assert_eq!(sensor("m2=7").unwrap(), (SensorPlace::Mass(2), "7".to_owned()));
         for text in ["103", "roof=103", "front=", "m0=3"] {
             assert!(sensor(text).is_err(), "{text}");
         }
