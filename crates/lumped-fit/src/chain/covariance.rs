@@ -45,7 +45,7 @@ const LARGEST_HALF_WIDTH: f64 = 9.0;
 
 /// What residuals and sensitivities say of the parameters that are not on a bound.
 pub(crate) fn linearised(
-    family: &ChainCoordinates,
+    coordinates: &ChainCoordinates,
     waves: &Observation,
     minimum: &Optimum,
     misfit: &[f64],
@@ -57,26 +57,26 @@ pub(crate) fn linearised(
     let mut standard_deviation = BTreeMap::new();
     // What is on a bound, or moves nothing, is open.
     let mut interval: BTreeMap<String, Ends> =
-        family.all_names().into_iter().map(|name| (name, (None, None))).collect();
+        coordinates.all_names().into_iter().map(|name| (name, (None, None))).collect();
     let mut half_width = vec![None; minimum.theta.len()];
     for (k, &i) in kept.iter().enumerate() {
         let (value, half) = (minimum.theta[i].exp(), covariance.half_width[k]);
         if half < LARGEST_HALF_WIDTH {
-            let name = &family.names[i];
+            let name = &coordinates.names[i];
             half_width[i] = Some(half);
             standard_deviation.insert(name.clone(), value * covariance.matrix[(k, k)].max(0.0).sqrt());
             interval.insert(name.clone(), (Some(value * (-half).exp()), Some(value * half.exp())));
         }
     }
-    if let Some((name, deviation, ends)) = of_the_rest(family, &minimum.theta, &kept, &covariance, &half_width) {
+    if let Some((name, deviation, ends)) = of_the_rest(coordinates, &minimum.theta, &kept, &covariance, &half_width) {
         standard_deviation.insert(name.clone(), deviation);
         interval.insert(name, ends);
     }
     let named: Vec<NamedCoordinate> = kept
         .iter()
         .map(|&i| NamedCoordinate {
-            name: family.names[i].clone(),
-            kind: family.kind(i),
+            name: coordinates.names[i].clone(),
+            kind: coordinates.kind(i),
             logarithmic: true,
             slope: minimum.theta[i].exp(),
         })
@@ -100,16 +100,16 @@ pub(crate) fn linearised(
 /// Name, deviation and interval of the mass that is the rest: of one free mass its interval mirrored, of several the
 /// deviation of their sum with the widest factor of theirs. `None` where a free mass is on a bound or open.
 fn of_the_rest(
-    family: &ChainCoordinates,
+    coordinates: &ChainCoordinates,
     theta: &[f64],
     kept: &[usize],
     covariance: &Covariance,
     half_width: &[Option<f64>],
 ) -> Option<(String, f64, Ends)> {
-    family.free_rest()?;
-    let name = family.all_names().pop()?;
-    let value = *family.values(theta).last()?;
-    let masses: Vec<usize> = (0..theta.len()).filter(|&i| family.is_mass(i)).collect();
+    coordinates.free_rest()?;
+    let name = coordinates.all_names().pop()?;
+    let value = *coordinates.values(theta).last()?;
+    let masses: Vec<usize> = (0..theta.len()).filter(|&i| coordinates.is_mass(i)).collect();
     let halves = masses.iter().map(|&i| half_width[i]).collect::<Option<Vec<f64>>>()?;
     let places = masses.iter().map(|i| kept.iter().position(|k| k == i)).collect::<Option<Vec<usize>>>()?;
     let value_of = |a: usize| theta[masses[a]].exp();

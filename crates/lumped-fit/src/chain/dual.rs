@@ -58,14 +58,14 @@ pub(crate) enum DualOf {
 }
 
 /// The dual of the chain at `theta`; `None` where it has none, or is its own.
-pub(crate) fn dual_of(family: &ChainCoordinates, chain: &SecantChain, theta: &[f64]) -> Option<DualOf> {
+pub(crate) fn dual_of(coordinates: &ChainCoordinates, chain: &SecantChain, theta: &[f64]) -> Option<DualOf> {
     let dual = dual(chain)?;
     // By value, not by name: a law with knots of one value is a constant under another name.
     let (own, other) = (constants(chain)?, constants(&dual)?);
     if own.iter().zip(&other).all(|(value, other)| (value - other).abs() <= SAME * value.abs()) {
         return None;
     }
-    Some(match family.point(&dual) {
+    Some(match coordinates.point(&dual) {
         Some(point) if point.len() == theta.len() => DualOf::At(point),
         _ => DualOf::Outside(dual),
     })

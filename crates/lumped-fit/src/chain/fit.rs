@@ -74,7 +74,7 @@ pub fn fit_chain(
     if length_s <= 0.0 {
         return Err(SolveError::Value { name: "number of waves", value: 0.0, expected: "one or more" });
     }
-    let family = ChainCoordinates::new(stated, length_s)?;
+    let coordinates = ChainCoordinates::new(stated, length_s)?;
     let index = |mass: Option<usize>| mass.unwrap_or(masses - 1);
     if let Some(strange) = observed.waves.iter().map(|wave| index(wave.mass)).find(|mass| *mass >= masses) {
         return Err(SolveError::Value {
@@ -88,10 +88,10 @@ pub fn fit_chain(
     for (sensor, wave) in seen.iter_mut().zip(&waves.waves) {
         sensor.noise = wave.size().max(f64::MIN_POSITIVE);
     }
-    let starts = starts.max(6 * family.names.len());
-    let search = Search::Starts(starts, vec![family.start.clone()]);
+    let starts = starts.max(6 * coordinates.names.len());
+    let search = Search::Starts(starts, vec![coordinates.start.clone()]);
     let weigh = vec![true; seen.len()];
-    let fitted = fit_sensors(&family, observed.impact_speed_m_per_s, seen, &weigh, &search)
+    let fitted = fit_sensors(&coordinates, observed.impact_speed_m_per_s, seen, &weigh, &search)
         .ok_or(SolveError::NoFit { starts })?;
     for (wave, sensor) in waves.waves.iter_mut().zip(&fitted.sensors) {
         wave.weight = fitted.sensors[0].noise / sensor.noise;
@@ -99,9 +99,9 @@ pub fn fit_chain(
     let (mut minima, mut evaluations) = (fitted.minima, fitted.evaluations);
     if through_filter {
         for _ in 0..WEIGHINGS {
-            let problem = ChainProblem::new(&family, &waves, true);
+            let problem = ChainProblem::new(&coordinates, &waves, true);
             let points = minima.iter().map(|m| m.theta.clone()).collect();
-            let (next, spent) = all(&problem, points, &bounds(&family, 200, 1e-12));
+            let (next, spent) = all(&problem, points, &bounds(&coordinates, 200, 1e-12));
             evaluations += spent;
             minima = distinct(next);
             let Some(best) = minima.first() else { break };
@@ -115,7 +115,7 @@ pub fn fit_chain(
     }
     let best = minima.first().ok_or(SolveError::NoFit { starts })?.cost;
     minima.retain(|minimum| minimum.cost.sqrt() <= AS_GOOD * best.sqrt());
-    let problem = ChainProblem::new(&family, &waves, through_filter);
+    let problem = ChainProblem::new(&coordinates, &waves, through_filter);
     let mut solutions: Vec<ChainSolution> = Vec::new();
     let mut sets = 0;
     for minimum in &minima {
@@ -126,11 +126,12 @@ pub fn fit_chain(
         let Some(mut primal) = solution(&problem, minimum, evaluations) else { continue };
         sets += 1;
         let place = solutions.len() + 1;
-        let dual = sees_the_last_only(&waves, masses).then(|| dual_of(&family, &primal.chain, &primal.theta)).flatten();
+        let dual =
+            sees_the_last_only(&waves, masses).then(|| dual_of(&coordinates, &primal.chain, &primal.theta)).flatten();
         let other = match dual {
             Some(DualOf::At(theta)) => {
                 // What the search stopped at is the bound of the minimum: that of the other place in its dual.
-                let on_bound = family.exchanged(&minimum.on_bound);
+                let on_bound = coordinates.exchanged(&minimum.on_bound);
                 solution(&problem, &Optimum { theta, on_bound, ..minimum.clone() }, evaluations)
             }
             Some(DualOf::Outside(chain)) => {
@@ -162,17 +163,17 @@ impl ChainSolution {
 }
 
 fn solution(problem: &ChainProblem<'_>, minimum: &Optimum, evaluations: u64) -> Option<ChainSolution> {
-    let (family, waves) = (problem.family, problem.waves);
-    let chain = family.model(&minimum.theta)?;
+    let (coordinates, waves) = (problem.coordinates, problem.waves);
+    let chain = coordinates.model(&minimum.theta)?;
     let misfit = problem.misfit(&minimum.theta)?;
     let rmse = waves.rmse(&misfit);
     let sensitivities = derivatives(problem, &minimum.theta, &problem.bounds())? * problem.unit;
-    let on_bound = family.names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
+    let on_bound = coordinates.names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
     let first = waves.noise_levels(&rmse).first().copied().unwrap_or(0.0);
-    let free_masses = (0..family.names.len()).any(|i| family.is_mass(i));
+    let free_masses = (0..coordinates.names.len()).any(|i| coordinates.is_mass(i));
     Some(ChainSolution {
         chain,
-        free: family.all_names(),
+        free: coordinates.all_names(),
         on_bound: on_bound.map(|(name, _)| name.clone()).collect(),
         noise: waves.waves.iter().map(|wave| first / wave.weight).collect(),
         rmse,
@@ -180,9 +181,9 @@ fn solution(problem: &ChainProblem<'_>, minimum: &Optimum, evaluations: u64) -> 
         iterations: minimum.iterations,
         evaluations,
         stop_reason: minimum.stop,
-        linearised: linearised(family, waves, minimum, &misfit, &sensitivities),
+        linearised: linearised(coordinates, waves, minimum, &misfit, &sensitivities),
         dual: None,
-        division_undecided: free_masses && family.masses() > 1 && sees_the_last_only(waves, family.masses()),
+        division_undecided: free_masses && coordinates.masses() > 1 && sees_the_last_only(waves, coordinates.masses()),
         theta: minimum.theta.clone(),
     })
 }

@@ -18,7 +18,7 @@ const FOLLOWING: (u32, f64) = (200, 1e-7);
 /// wave; or as the motion itself where a filter is not known. Residuals are weighted, in units of
 /// [`Observation::scale_m`].
 pub(crate) struct ChainProblem<'a> {
-    pub family: &'a ChainCoordinates,
+    pub coordinates: &'a ChainCoordinates,
     pub waves: &'a Observation,
     /// The windows to compare with the motion itself; `None`: through the filters.
     direct: Option<Vec<SensorWindow>>,
@@ -42,10 +42,10 @@ pub(crate) fn windows(waves: &Observation, masses: usize, unit: f64) -> Vec<Sens
 }
 
 impl<'a> ChainProblem<'a> {
-    pub fn new(family: &'a ChainCoordinates, waves: &'a Observation, through_filter: bool) -> Self {
+    pub fn new(coordinates: &'a ChainCoordinates, waves: &'a Observation, through_filter: bool) -> Self {
         let unit = waves.scale_m();
-        let direct = (!through_filter).then(|| windows(waves, family.masses(), unit));
-        Self { family, waves, direct, unit }
+        let direct = (!through_filter).then(|| windows(waves, coordinates.masses(), unit));
+        Self { coordinates, waves, direct, unit }
     }
 
     /// Weighted misfit at every sample of every wave, in the unit of the first.
@@ -63,7 +63,7 @@ impl<'a> ChainProblem<'a> {
 
     /// Bounds of a descent near a minimum.
     pub fn bounds(&self) -> Bounds {
-        bounds(self.family, FOLLOWING.0, FOLLOWING.1)
+        bounds(self.coordinates, FOLLOWING.0, FOLLOWING.1)
     }
 
     /// The minimum near `start`.
@@ -84,7 +84,7 @@ impl<'a> ChainProblem<'a> {
     }
 
     fn plain<'b>(&'b self, sensors: &'b [SensorWindow]) -> SensorProblem<'b, ChainCoordinates> {
-        SensorProblem { family: self.family, impact_speed_m_per_s: self.waves.impact_speed_m_per_s, sensors }
+        SensorProblem { coordinates: self.coordinates, impact_speed_m_per_s: self.waves.impact_speed_m_per_s, sensors }
     }
 
     /// What is measured of every wave's motion, and of its derivatives by these places.
@@ -93,7 +93,7 @@ impl<'a> ChainProblem<'a> {
         let last = chain.masses_kg().len() - 1;
         let measured_wave = |wave: &ObservedWave| {
             let what = (wave.mass.unwrap_or(last), wave.quantity);
-            let respond = |at: &Instants| self.family.sensitivity(chain, v0, at, places);
+            let respond = |at: &Instants| self.coordinates.sensitivity(chain, v0, at, places);
             wave.measurement.of_motions(what, v0, wave.last(), respond).ok()
         };
         self.waves.waves.iter().map(measured_wave).collect()
@@ -109,7 +109,7 @@ impl Response for ChainProblem<'_> {
         if let Some(sensors) = &self.direct {
             return self.plain(sensors).residuals(theta, out);
         }
-        let Some(chain) = self.family.model(theta) else { return false };
+        let Some(chain) = self.coordinates.model(theta) else { return false };
         let Some(measured) = self.measured(&chain, &[]) else { return false };
         let mut row = 0;
         for (wave, motions) in self.waves.waves.iter().zip(&measured) {
@@ -126,9 +126,9 @@ impl Response for ChainProblem<'_> {
         if let Some(sensors) = &self.direct {
             return self.plain(sensors).sensitivities(theta, out);
         }
-        let derivatives = self.family.derivatives_by_coordinate(theta)?;
+        let derivatives = self.coordinates.derivatives_by_coordinate(theta)?;
         let places = places(&derivatives);
-        let Some(measured) = self.family.model(theta).and_then(|model| self.measured(&model, &places)) else {
+        let Some(measured) = self.coordinates.model(theta).and_then(|model| self.measured(&model, &places)) else {
             return Some(false);
         };
         let mut first = 0;

@@ -11,8 +11,8 @@ const REPORTED: usize = 3;
 const APART: f64 = 0.01;
 
 /// Bounds of a descent in the coordinates of a model.
-pub(crate) fn bounds(family: &impl Parameterisation, max_iterations: u32, cost_tolerance: f64) -> Bounds {
-    let axes = family.axes();
+pub(crate) fn bounds(coordinates: &impl Parameterisation, max_iterations: u32, cost_tolerance: f64) -> Bounds {
+    let axes = coordinates.axes();
     Bounds {
         lower: axes.iter().map(|axis| axis.lower).collect(),
         upper: axes.iter().map(|axis| axis.upper).collect(),

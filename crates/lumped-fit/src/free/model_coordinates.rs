@@ -52,7 +52,7 @@ pub(crate) struct ModelCoordinates {
     pub kind: ModelKind,
     /// Every parameter, in the order of the names; free ones are overwritten.
     known: Vec<f64>,
-    pub coordinates: Vec<Coordinate>,
+    pub free: Vec<Coordinate>,
     total_mass_kg: f64,
     /// Whether an elastoplastic model leaves the barrier.
     release: bool,
@@ -99,12 +99,12 @@ impl ModelCoordinates {
         let nonlinear = matches!(kind, ModelKind::Nonlinear1 | ModelKind::Nonlinear2);
         let mut known = vec![1.0; names.len()];
         known[..masses_kg.len()].copy_from_slice(masses_kg);
-        let mut coordinates = Vec::new();
+        let mut free = Vec::new();
         let mut push = |place, map, bounds: (f64, f64), searched: (f64, f64)| {
             let name = names[place];
             let logarithm = matches!(map, Map::Logarithm(_));
             let to = |x: f64| if logarithm { x.ln() } else { x };
-            coordinates.push(Coordinate {
+            free.push(Coordinate {
                 name,
                 place,
                 map,
@@ -153,19 +153,19 @@ impl ModelCoordinates {
             }
         }
         // A knot that is a share of another needs that one first.
-        coordinates.sort_by_key(|c| matches!(c.map, Map::ShareOf(_)));
-        Self { kind, known, coordinates, total_mass_kg, release: scale.release }
+        free.sort_by_key(|c| matches!(c.map, Map::ShareOf(_)));
+        Self { kind, known, free, total_mass_kg, release: scale.release }
     }
 
     pub fn names(&self) -> Vec<&'static str> {
-        self.coordinates.iter().map(|c| c.name).collect()
+        self.free.iter().map(|c| c.name).collect()
     }
 
     /// Every parameter, in the order of the names.
     fn values(&self, theta: &[f64]) -> Vec<f64> {
         let mut values = self.known.clone();
         let mut left = self.total_mass_kg;
-        for (coordinate, x) in self.coordinates.iter().zip(theta) {
+        for (coordinate, x) in self.free.iter().zip(theta) {
             values[coordinate.place] = match coordinate.map {
                 Map::Logarithm(scale) => scale * x.exp(),
                 Map::Share(scale) => scale * x,
@@ -203,14 +203,14 @@ impl ModelCoordinates {
             // A zero has no logarithm: the bound stands for it.
             x.max(c.lower).min(c.upper)
         };
-        self.coordinates.iter().map(coordinate).collect()
+        self.free.iter().map(coordinate).collect()
     }
 
     /// Places of the parameters that change, and for each coordinate their derivatives by it.
     fn changes(&self, theta: &[f64]) -> Vec<Vec<(usize, f64)>> {
         let values = self.values(theta);
         let masses = self.kind.parameters().iter().filter(|p| p.kind == ParameterKind::Mass).count();
-        self.coordinates
+        self.free
             .iter()
             .zip(theta)
             .map(|(coordinate, x)| {
@@ -219,7 +219,7 @@ impl ModelCoordinates {
                     Map::Logarithm(_) => vec![(place, values[place])],
                     Map::Share(scale) => {
                         let follows = |c: &&Coordinate| c.map == Map::ShareOf(place);
-                        let follower = self.coordinates.iter().find(follows);
+                        let follower = self.free.iter().find(follows);
                         let itself = (place, scale);
                         std::iter::once(itself).chain(follower.map(|c| (c.place, values[c.place] / x))).collect()
                     }
@@ -248,7 +248,7 @@ impl Parameterisation for ModelCoordinates {
     fn axes(&self) -> Vec<Axis> {
         let axis =
             |c: &Coordinate| Axis { lower: c.lower, upper: c.upper, box_lower: c.box_lower, box_upper: c.box_upper };
-        self.coordinates.iter().map(axis).collect()
+        self.free.iter().map(axis).collect()
     }
 
     fn model(&self, theta: &[f64]) -> Option<Model> {
@@ -289,23 +289,23 @@ mod tests {
                 ModelKind::TripleSpringMassDamper => &[200.0, 100.0, 900.0],
                 _ => &[1200.0],
             };
-            let family = ModelCoordinates::new(kind, masses, MassFit::Shares { lower: 0.05, upper: 0.6 }, &scale);
-            let theta: Vec<f64> = family
-                .coordinates
+            let coordinates = ModelCoordinates::new(kind, masses, MassFit::Shares { lower: 0.05, upper: 0.6 }, &scale);
+            let theta: Vec<f64> = coordinates
+                .free
                 .iter()
                 .enumerate()
                 .map(|(k, c)| c.box_lower + (c.box_upper - c.box_lower) * (0.3 + 0.05 * k as f64))
                 .collect();
-            let model = family.model(&theta).unwrap();
-            for (a, b) in family.theta(&model).iter().zip(&theta) {
+            let model = coordinates.model(&theta).unwrap();
+            for (a, b) in coordinates.theta(&model).iter().zip(&theta) {
                 // Two roundings of a logarithm.
                 assert!((a - b).abs() < 1e-13, "{kind}");
             }
-            for (j, by) in family.changes(&theta).iter().enumerate() {
+            for (j, by) in coordinates.changes(&theta).iter().enumerate() {
                 let moved = |h: f64| {
                     let mut theta = theta.clone();
                     theta[j] += h;
-                    family.values(&theta)
+                    coordinates.values(&theta)
                 };
                 let (up, down) = (moved(1e-5), moved(-1e-5));
                 for place in 0..up.len() {

@@ -42,7 +42,7 @@ fn broken_side_constraints(model: &Model) -> Option<String> {
 /// What was found, as candidates.
 pub(super) struct Report<'a> {
     pub task: &'a Task<'a>,
-    pub family: &'a ModelCoordinates,
+    pub coordinates: &'a ModelCoordinates,
     pub sensors: &'a [(usize, Sensor<'a>)],
     pub fitted: &'a Fitted,
 }
@@ -50,7 +50,7 @@ pub(super) struct Report<'a> {
 impl<'a> Report<'a> {
     fn problem(&self) -> SensorProblem<'_, ModelCoordinates> {
         SensorProblem {
-            family: self.family,
+            coordinates: self.coordinates,
             impact_speed_m_per_s: self.task.test.impact_speed_m_per_s,
             sensors: &self.fitted.sensors,
         }
@@ -71,13 +71,13 @@ impl<'a> Report<'a> {
 
     fn candidate(&self, minimum: &Optimum, index: usize, remarks: &[String]) -> Option<Candidate> {
         let problem = self.problem();
-        let model = self.family.model(&minimum.theta)?;
+        let model = self.coordinates.model(&minimum.theta)?;
         let mut residuals = vec![0.0; problem.rows()];
         if !problem.residuals(&minimum.theta, &mut residuals) {
             return None;
         }
         let rmse = problem.rmse(&minimum.theta)?;
-        let names = self.family.names();
+        let names = self.coordinates.names();
         let first = &self.fitted.sensors[0];
         let active_bounds: Vec<_> =
             names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound).map(|(name, _)| *name).collect();
@@ -121,7 +121,7 @@ impl<'a> Report<'a> {
                 active_bounds,
                 sensors: if plain { Vec::new() } else { sensors.collect() },
             }),
-            uncertainty: uncertainty(minimum, &residuals, &names, &self.family.factors(&minimum.theta)),
+            uncertainty: uncertainty(minimum, &residuals, &names, &self.coordinates.factors(&minimum.theta)),
             notes,
         })
     }
@@ -141,8 +141,8 @@ impl<'a> Report<'a> {
             minima.truncate(REPORTED);
         }
         let mut extra_remarks = vec![Vec::new(); minima.len()];
-        if let Some(Model::DoubleSpringMassDamper(model)) = self.family.model(&best.theta) {
-            let dual = self.family.theta(&Model::DoubleSpringMassDamper(model.dual()));
+        if let Some(Model::DoubleSpringMassDamper(model)) = self.coordinates.model(&best.theta) {
+            let dual = self.coordinates.theta(&Model::DoubleSpringMassDamper(model.dual()));
             let at_best = self.errors(&best.theta);
             if let (Some(at_dual), Some(at_best)) = (self.errors(&dual), at_best) {
                 let text = format!(
@@ -154,7 +154,7 @@ impl<'a> Report<'a> {
                 extra_remarks[0].push(text);
             }
             // Where the dual leads if it is followed: the second best explanation.
-            let settings = crate::fit::descents::bounds(self.family, 200, 1e-15);
+            let settings = crate::fit::descents::bounds(self.coordinates, 200, 1e-15);
             if let Some(followed) =
                 crumple_estimation::minimise::levenberg_marquardt::descend(&self.problem(), &dual, &settings)
             {
@@ -187,7 +187,7 @@ impl<'a> Report<'a> {
         let mut models: Vec<DoubleSpringMassDamper> = Vec::new();
         let mut pairs = Vec::new();
         for minimum in self.fitted.minima.iter().filter(|m| self.level(m) <= limit) {
-            let Some(Model::DoubleSpringMassDamper(model)) = self.family.model(&minimum.theta) else { continue };
+            let Some(Model::DoubleSpringMassDamper(model)) = self.coordinates.model(&minimum.theta) else { continue };
             // Alike within 1 %; dampers also where both are nothing beside the critical one of their spring.
             let alike = |a: &DoubleSpringMassDamper, b: &DoubleSpringMassDamper| {
                 let near = |x: f64, y: f64, size: f64| (x - y).abs() <= 0.01 * x.abs().max(y.abs()).max(size);
@@ -202,8 +202,8 @@ impl<'a> Report<'a> {
             models.push(model);
             let index = pairs.len() + 1;
             let dual = model.dual();
-            let theta = self.family.theta(&Model::DoubleSpringMassDamper(dual));
-            let settings = crate::fit::descents::bounds(self.family, 0, 1e-15);
+            let theta = self.coordinates.theta(&Model::DoubleSpringMassDamper(dual));
+            let settings = crate::fit::descents::bounds(self.coordinates, 0, 1e-15);
             // Where a bound keeps the dual out it is none of the candidates.
             let other = crumple_estimation::minimise::levenberg_marquardt::descend(&self.problem(), &theta, &settings)
                 .filter(|other| other.cost <= minimum.cost * (1.0 + 1e-6) + 1e-20);

@@ -50,16 +50,16 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
         crush_m: test.dynamic_crush_m.unwrap_or(test.impact_speed_m_per_s * length_s),
         release: settings.release,
     };
-    let family = ModelCoordinates::new(kind, &masses_kg, settings.mass_fit, &scale);
+    let coordinates = ModelCoordinates::new(kind, &masses_kg, settings.mass_fit, &scale);
     let search = match task.method {
         Method::LShade => Search::LShade(settings.l_shade),
         _ => {
-            let starts = settings.fit_starts.max(6 * family.coordinates.len());
-            Search::Starts(starts, given_starts(task, &family, &masses_kg, to_s))
+            let starts = settings.fit_starts.max(6 * coordinates.free.len());
+            Search::Starts(starts, given_starts(task, &coordinates, &masses_kg, to_s))
         }
     };
     let weigh: Vec<bool> = sensors.iter().map(|(_, sensor)| sensor.noise.is_none()).collect();
-    let Some(mut fitted) = fit_sensors(&family, test.impact_speed_m_per_s, observed, &weigh, &search) else {
+    let Some(mut fitted) = fit_sensors(&coordinates, test.impact_speed_m_per_s, observed, &weigh, &search) else {
         notes.warning(format!("{kind}: {}", SolveError::NoFit { starts: settings.fit_starts }));
         return Ok(Vec::new());
     };
@@ -76,7 +76,7 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
         });
     }
     remarks.append(&mut fitted.remarks);
-    let report = Report { task, family: &family, sensors: &sensors, fitted: &fitted };
+    let report = Report { task, coordinates: &coordinates, sensors: &sensors, fitted: &fitted };
     if kind == ModelKind::DoubleSpringMassDamper && sensors.iter().all(|(mass, _)| *mass == 1) {
         Ok(report.pairs(&remarks, notes))
     } else {
@@ -190,14 +190,19 @@ fn one_soft_pair(
 }
 
 /// Points that other solvers of this crate give: closed forms, and the fit of a nonlinear model to the displacement.
-fn given_starts(task: &Task<'_>, family: &ModelCoordinates, masses_kg: &[f64], to_s: Option<f64>) -> Vec<Vec<f64>> {
+fn given_starts(
+    task: &Task<'_>,
+    coordinates: &ModelCoordinates,
+    masses_kg: &[f64],
+    to_s: Option<f64>,
+) -> Vec<Vec<f64>> {
     let e = task.test;
     let events = e.time_of_dynamic_crush_s.zip(e.dynamic_crush_m);
     let (v0, m) = (e.impact_speed_m_per_s, e.mass_kg);
     if let (ModelKind::DoubleSpringMassDamper | ModelKind::TripleSpringMassDamper, Some(crush)) = (task.model, events) {
         let places = 0..masses_kg.len();
         let models = places.filter_map(|soft| one_soft_pair(task.model, masses_kg, soft, v0, crush));
-        return models.map(|model| family.theta(&model)).collect();
+        return models.map(|model| coordinates.theta(&model)).collect();
     }
     let model = match (task.model, events, e.displacement) {
         (ModelKind::Kelvin, Some((t, c)), _) => kelvin_from_events(m, v0, t, c).ok().map(|s| Model::Kelvin(s.model)),
@@ -224,7 +229,7 @@ fn given_starts(task: &Task<'_>, family: &ModelCoordinates, masses_kg: &[f64], t
         }
         _ => None,
     };
-    model.iter().map(|model| family.theta(model)).collect()
+    model.iter().map(|model| coordinates.theta(model)).collect()
 }
 
 #[cfg(test)]

@@ -48,7 +48,7 @@ pub(crate) struct Fitted {
 /// the fit and the noise levels (root mean square residual of each sensor, at least 1e-6 of its record) are found in
 /// turn, which is the maximum of the likelihood. Deterministic. A global minimum is likely, not proven.
 pub(crate) fn fit_sensors(
-    family: &impl Parameterisation,
+    coordinates: &impl Parameterisation,
     impact_speed_m_per_s: f64,
     mut sensors: Vec<SensorWindow>,
     weigh: &[bool],
@@ -59,14 +59,14 @@ pub(crate) fn fit_sensors(
         .iter()
         .map(|sensor| SensorWindow { window: sensor.window.thinned(SEARCH_SAMPLES), ..sensor.clone() })
         .collect();
-    let coarse = SensorProblem { family, impact_speed_m_per_s, sensors: &thin };
+    let coarse = SensorProblem { coordinates, impact_speed_m_per_s, sensors: &thin };
     let (ends, mut evaluations) = match search {
         Search::Starts(count, given) => multi_start(&coarse, *count, given),
         Search::LShade(options) => global(&coarse, options, &mut remarks),
     };
-    let settings = bounds(family, 200, 1e-15);
+    let settings = bounds(coordinates, 200, 1e-15);
     let follow = |sensors: &[SensorWindow], points: Vec<Vec<f64>>| {
-        let fine = SensorProblem { family, impact_speed_m_per_s, sensors };
+        let fine = SensorProblem { coordinates, impact_speed_m_per_s, sensors };
         all(&fine, points, &settings)
     };
     let (ends, spent) = follow(&sensors, ends.into_iter().map(|m| m.theta).collect());
@@ -74,7 +74,7 @@ pub(crate) fn fit_sensors(
     let mut minima = distinct(ends);
     let wanted = weigh.iter().filter(|w| **w).count();
     for _ in 0..if sensors.len() > 1 && wanted > 0 { WEIGHINGS } else { 0 } {
-        let fine = SensorProblem { family, impact_speed_m_per_s, sensors: &sensors };
+        let fine = SensorProblem { coordinates, impact_speed_m_per_s, sensors: &sensors };
         let rmse = fine.rmse(&minima.first()?.theta)?;
         let mut moved = 0.0_f64;
         for ((sensor, rmse), weigh) in sensors.iter_mut().zip(rmse).zip(weigh) {
@@ -99,14 +99,14 @@ fn multi_start(
     count: usize,
     given: &[Vec<f64>],
 ) -> (Vec<Optimum>, u64) {
-    let family = problem.family;
-    let axes = family.axes();
+    let coordinates = problem.coordinates;
+    let axes = coordinates.axes();
     let lower: Vec<f64> = axes.iter().map(|axis| axis.box_lower).collect();
     let upper: Vec<f64> = axes.iter().map(|axis| axis.box_upper).collect();
     let points = given.iter().cloned().chain((0..count).map(|k| start_in(k, &lower, &upper))).collect();
-    let (screened, mut evaluations) = all(problem, points, &bounds(family, SCREENING_ITERATIONS, 1e-6));
+    let (screened, mut evaluations) = all(problem, points, &bounds(coordinates, SCREENING_ITERATIONS, 1e-6));
     let hopeful: Vec<_> = distinct(screened).into_iter().take(FOLLOWED).map(|m| m.theta).collect();
-    let settings = bounds(family, 200, 1e-15);
+    let settings = bounds(coordinates, 200, 1e-15);
     let (ends, spent) = all(problem, hopeful, &settings);
     evaluations += spent;
     let (minima, spent) = hop(problem, distinct(ends));
@@ -116,7 +116,7 @@ fn multi_start(
 /// Leaves the best minimum along the direction the residuals know least, beyond which other minima lie, as long as that
 /// finds something better.
 fn hop(problem: &SensorProblem<'_, impl Parameterisation>, mut minima: Vec<Optimum>) -> (Vec<Optimum>, u64) {
-    let settings = bounds(problem.family, 200, 1e-15);
+    let settings = bounds(problem.coordinates, 200, 1e-15);
     let mut evaluations = 0;
     for _ in 0..ROUNDS {
         let Some(best) = minima.first() else { break };
@@ -159,7 +159,7 @@ fn global(
     options: &LShadeOptions,
     remarks: &mut Vec<String>,
 ) -> (Vec<Optimum>, u64) {
-    let axes = problem.family.axes();
+    let axes = problem.coordinates.axes();
     // The box of the starts, wider by its half on each side where the bounds allow it.
     let edge = |x: f64, other: f64| x + 0.5 * (x - other);
     let lower: Vec<f64> = axes.iter().map(|c| edge(c.box_lower, c.box_upper).max(c.lower)).collect();
@@ -175,7 +175,7 @@ fn global(
             f64::INFINITY
         }
     });
-    let (minima, descent) = all(problem, vec![theta(&population.point)], &bounds(problem.family, 200, 1e-15));
+    let (minima, descent) = all(problem, vec![theta(&population.point)], &bounds(problem.coordinates, 200, 1e-15));
     let (minima, hops) = hop(problem, minima);
     let spent = descent + hops;
     let level = |cost: f64| (cost / rows as f64).sqrt();

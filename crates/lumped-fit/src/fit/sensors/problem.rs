@@ -33,7 +33,7 @@ impl SensorWindow {
 
 /// `(model - record)/noise` of every sensor, one after the other.
 pub(crate) struct SensorProblem<'a, F> {
-    pub family: &'a F,
+    pub coordinates: &'a F,
     pub impact_speed_m_per_s: f64,
     pub sensors: &'a [SensorWindow],
 }
@@ -62,10 +62,10 @@ impl<F: Parameterisation> Response for SensorProblem<'_, F> {
     }
 
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
-        let Some(model) = self.family.model(theta) else { return false };
+        let Some(model) = self.coordinates.model(theta) else { return false };
         let mut row = 0;
         for sensor in self.sensors {
-            let response = self.family.sensitivity(&model, self.impact_speed_m_per_s, &sensor.instants(), &[]);
+            let response = self.coordinates.sensitivity(&model, self.impact_speed_m_per_s, &sensor.instants(), &[]);
             let Ok(response) = response else { return false };
             let Some(motion) = response.motions.get(sensor.mass) else { return false };
             for (x, s) in sensor.quantity.of(motion).iter().zip(&sensor.window.samples) {
@@ -77,13 +77,13 @@ impl<F: Parameterisation> Response for SensorProblem<'_, F> {
     }
 
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
-        let model = self.family.model(theta)?;
-        let derivatives = self.family.derivatives_by_coordinate(theta)?;
+        let model = self.coordinates.model(theta)?;
+        let derivatives = self.coordinates.derivatives_by_coordinate(theta)?;
         let places = places(&derivatives);
         let mut first = 0;
         for sensor in self.sensors {
             let at = sensor.instants();
-            let response = self.family.sensitivity(&model, self.impact_speed_m_per_s, &at, &places);
+            let response = self.coordinates.sensitivity(&model, self.impact_speed_m_per_s, &at, &places);
             let Ok(response) = response else { return Some(false) };
             for (j, by) in derivatives.iter().enumerate() {
                 for k in 0..at.samples {
