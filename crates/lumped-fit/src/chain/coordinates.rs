@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::SolveError;
 use crate::free::parameterisation::{Axis, Parameterisation};
+use crate::free::search_bounds::{DAMPER_BOUNDS, DAMPER_STARTS, SPRING_BOUNDS, SPRING_STARTS};
 
 /// A number that is given or looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -84,10 +85,9 @@ pub(crate) struct ChainCoordinates {
     pub names: Vec<String>,
 }
 
-/// Springs are looked for within these factors of `M (π/2T)²`, and started in the second pair; dampers of `M/T`: as in
-/// the fits of two and three masses.
-const SPRINGS: [(f64, f64); 2] = [(1e-4, 1e4), (0.2, 30.0)];
-const DAMPERS: [(f64, f64); 2] = [(1e-5, 1e3), (0.01, 3.0)];
+/// Bounds of springs and where searches start, in their unit; of dampers.
+const SPRINGS: [(f64, f64); 2] = [SPRING_BOUNDS, SPRING_STARTS];
+const DAMPERS: [(f64, f64); 2] = [DAMPER_BOUNDS, DAMPER_STARTS];
 /// Masses, of the total.
 const MASSES: [(f64, f64); 2] = [(1e-3, 0.999), (0.05, 0.6)];
 /// Two numbers nearer than this, relatively, are the same.

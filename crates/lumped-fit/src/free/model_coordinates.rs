@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crumple_lumped::{Instants, LumpedError, Model, ModelKind, Parameter, ParameterKind, Sensitivity};
 
 use crate::free::parameterisation::{Axis, Parameterisation};
+use crate::free::search_bounds::{DAMPER_BOUNDS, DAMPER_STARTS, SPRING_BOUNDS, SPRING_STARTS};
 
 /// How a coordinate becomes parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,17 +34,6 @@ pub(crate) struct Coordinate {
     /// Where searches start: inside the bounds.
     pub box_lower: f64,
     pub box_upper: f64,
-}
-
-/// Largest spring of a chain in a search, in units of `M (π/2T)²`, and largest damper in units of `M/T`: M the mass, T
-/// the window.
-pub(crate) const STIFFEST: f64 = 1e4;
-pub(crate) const STRONGEST: f64 = 1e3;
-
-/// Largest spring, N/m, and damper, N s/m, that a search gives a chain of this mass over a window of this length.
-pub fn largest_of_chain(mass_kg: f64, length_s: f64) -> (f64, f64) {
-    let rate = std::f64::consts::FRAC_PI_2 / length_s;
-    (STIFFEST * mass_kg * rate * rate, STRONGEST * mass_kg / length_s)
 }
 
 /// A model family with its known and its free parameters.
@@ -143,12 +133,12 @@ impl ModelCoordinates {
                     push(place, Map::Logarithm(spring), (1e-2, 1e5), (1.0, 300.0));
                 }
                 ParameterKind::Damping => {
-                    let searched = if kind == ModelKind::Maxwell { (0.1, 30.0) } else { (0.01, 3.0) };
-                    push(place, Map::Logarithm(damper), (1e-5, STRONGEST), searched);
+                    let searched = if kind == ModelKind::Maxwell { (0.1, 30.0) } else { DAMPER_STARTS };
+                    push(place, Map::Logarithm(damper), DAMPER_BOUNDS, searched);
                 }
                 // Masses stand in front of all others.
                 ParameterKind::Stiffness | ParameterKind::Mass => {
-                    push(place, Map::Logarithm(spring), (1e-4, STIFFEST), (0.2, 30.0));
+                    push(place, Map::Logarithm(spring), SPRING_BOUNDS, SPRING_STARTS);
                 }
             }
         }

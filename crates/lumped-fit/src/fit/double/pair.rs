@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::error::positive;
 use crate::fit::double::multistart::{REPORTED, distinct, search};
 use crate::fit::double::residuals::DoubleResiduals;
-use crate::free::model_coordinates::{STIFFEST, STRONGEST};
+use crate::free::search_bounds::{DAMPER_BOUNDS, DAMPER_STARTS, SPRING_BOUNDS, SPRING_STARTS};
 use crate::record::window::Window;
 use crate::{Fit, FitQuantity, SolveError, Uncertainty};
 use crumple_estimation::minimise::levenberg_marquardt_4::{Minimum, Residuals, Settings, minimise};
@@ -103,15 +103,16 @@ pub fn fit_double(
     };
     let logarithms = |springs: f64, dampers: f64| Vector4::new(springs, springs, dampers, dampers).map(f64::ln);
     let settings = Settings {
-        lower: logarithms(1e-4, 1e-5),
-        upper: logarithms(STIFFEST, STRONGEST),
+        lower: logarithms(SPRING_BOUNDS.0, DAMPER_BOUNDS.0),
+        upper: logarithms(SPRING_BOUNDS.1, DAMPER_BOUNDS.1),
         max_iterations: 200,
         cost_tolerance: 1e-15,
         step_tolerance: 1e-13,
         gradient_tolerance: 1e-13,
     };
     // Structures that stop a car in time T are near these scales.
-    let (box_lower, box_upper) = (logarithms(0.2, 0.01), logarithms(30.0, 3.0));
+    let (box_lower, box_upper) =
+        (logarithms(SPRING_STARTS.0, DAMPER_STARTS.0), logarithms(SPRING_STARTS.1, DAMPER_STARTS.1));
 
     let coarse = problem(&thin);
     let (coarse_minima, mut evaluations) = search(&coarse, options.starts, &settings, &box_lower, &box_upper);
