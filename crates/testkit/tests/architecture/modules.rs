@@ -208,6 +208,16 @@ impl<'a> Modules<'a> {
     }
 }
 
+/// The line from 1 of the first path, imported or written out, that begins with these words.
+pub fn line_of_path(source: &Source, words: &[&str]) -> Option<usize> {
+    let (module, _) = read(source, 0, None, 0);
+    let imports = module.imports.iter().chain(&module.inner).map(|import| (&import.path, import.line));
+    let globs = module.globs.iter().map(|path| (path, 0));
+    let mut paths = imports.chain(module.paths.iter().map(|(path, line)| (path, *line))).chain(globs);
+    let (_, line) = paths.find(|(path, _)| path.len() >= words.len() && path.iter().zip(words).all(|(a, b)| a == b))?;
+    Some(line + 1)
+}
+
 /// Reads one file: what it defines, imports and names, and the modules it mounts.
 fn read(source: &Source, index: usize, parent: Option<usize>, root: usize) -> (Module, Vec<String>) {
     let mut module = Module { source: index, parent, root, ..Module::default() };

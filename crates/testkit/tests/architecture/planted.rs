@@ -82,6 +82,10 @@ fn names_a_planted_stage_that_uses_a_stage() {
 fn names_planted_files_in_numerics() {
     let file = (FIND, "//! Finds poles.\n\n/// Finds them.\npub fn poles() {\n    let _ = std::fs::read(\"a\");\n}\n");
     names(&[file], "crates/lti/src/poles/find.rs:5: rule 1:", &["std::fs", "do it in the stage"]);
+    let group = "//! Finds poles.\n\nuse std::{fmt, fs::{self, File}};\n\n/// Finds them.\npub fn poles() {}\n";
+    names(&[(FIND, group)], "crates/lti/src/poles/find.rs:3: rule 1:", &["std::fs"]);
+    let other = "//! Finds poles.\n\nuse anyhow::Context;\n\n/// Finds them.\npub fn poles() {}\n";
+    names(&[(FIND, other)], "crates/lti/src/poles/find.rs:3: rule 1:", &["anyhow"]);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::modules::Arrow;
+use crate::modules::{Arrow, line_of_path};
 use crate::rule::Violation;
 use crate::source::{Package, Source};
 
@@ -176,11 +176,9 @@ pub fn check_stage(package: &Package) -> Vec<Violation> {
     }
     if package.name == "ingest" {
         for source in package.sources.iter().filter(|s| !s.path.starts_with(&format!("{root}/files/"))) {
-            let tokens = source.tokens();
-            let place = tokens.windows(3).find(|t| t[0].text == "std" && t[1].text == "::" && t[2].text == "fs");
-            violations.extend(place.map(|place| {
+            violations.extend(line_of_path(source, &["std", "fs"]).map(|line| {
                 let message = "std::fs outside of files/: read the file there and hand over what is in it";
-                Violation::of_file(5, source, place[0].line + 1, message.to_owned())
+                Violation::of_file(5, source, line, message.to_owned())
             }));
         }
     }
