@@ -333,7 +333,7 @@ fn the_sign_is_turned_by_auto_only_where_it_is_certainly_wrong() {
         (ingested.pulse().unwrap().samples.samples()[950] < 0.0, notes(&ingested))
     };
     let (negative, said) = run(30.0, "15m/s");
-    assert!(negative && said.contains("sign turned, as --sign auto has it") && !said.contains("--sign flip"), "{said}");
+    assert!(negative && said.contains("sign turned by --sign auto") && !said.contains("--sign flip"), "{said}");
     let (negative, said) = run(-30.0, "15m/s");
     assert!(negative && said.contains("sign kept: "), "{said}");
     // A gain of a third of the speed proves nothing.

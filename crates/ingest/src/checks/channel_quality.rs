@@ -87,8 +87,8 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
     }
     if let Some(muted) = muted_samples(pulse) {
         notes.info(format!(
-            "the first {muted} samples of the pulse are exactly 0: the recorder was muted, its zero level is that of \
-             the rest"
+            "the first {muted} samples of the pulse are exactly 0: the recorder was muted, and the zero level is \
+             that of the other samples"
         ));
     }
     polarity::check(&pulse.samples, zero_level, speed_m_per_s, polarity, notes);

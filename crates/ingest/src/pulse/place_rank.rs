@@ -1,4 +1,6 @@
 //! How well a place on the vehicle serves as the crash pulse, by the channel code.
+//!
+//! The places of an NHTSA test, which have names of their own, are ranked in `formats/ev5/sensor.rs`.
 
 use crumple_signal::Axis;
 use crumple_signal::iso13499::IsoCode;

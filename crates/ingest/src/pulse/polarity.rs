@@ -31,7 +31,7 @@ pub fn certainly_wrong(pulse: Option<&Sampled>, impact_speed_m_per_s: Option<f64
         1e3 * pulse.end_s().min(WINDOW_S)
     );
     if CERTAIN.contains(&ratio) {
-        (true, format!("sign turned, as --sign auto has it: {gains}, a frontal impact loses it"))
+        (true, format!("sign turned by --sign auto: {gains}, where a frontal impact loses speed"))
     } else if ratio <= 0.0 {
         (false, format!("sign kept: {gains}"))
     } else {
@@ -72,10 +72,11 @@ pub fn check(
     }
     let ratio = impact_speed_m_per_s.filter(|v| *v > 0.0).map(|v| change / v);
     let way_out = match (polarity, ratio) {
-        (Polarity::Turned, _) => "it was turned as read: leave --sign out".to_owned(),
+        (Polarity::Turned, _) => "--sign has turned it: leave --sign out".to_owned(),
         (_, Some(ratio)) if ratio > IMPOSSIBLE => {
             format!(
-                "{ratio:.1} times the impact speed is no impact of either sign: check the unit (--unit) and the \
+                "{ratio:.1} times the impact speed is too large for an impact of either sign: check the unit (--unit) \
+                 and the \
                 impact speed first"
             )
         }

@@ -44,8 +44,8 @@ pub struct IngestSettings {
     /// Unit of acceleration columns that state none: g, m/s^2, mg, kilo-g, ft/s^2, mm/s^2.
     #[arg(long, value_name = "UNIT")]
     pub unit: Option<String>,
-    /// Unit of the time column: s, ms, us. Default: from the header, else judged from the sampling interval and said
-    /// so.
+    /// Unit of the time column: s, ms, us. Default: from the header, else inferred from the sampling interval, with
+    /// a note.
     #[arg(long, value_name = "UNIT")]
     pub time_unit: Option<String>,
     /// Time of first contact on the file's own time axis, with its unit: 0s, 12ms. The axis is shifted so that this is
@@ -53,7 +53,7 @@ pub struct IngestSettings {
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub time_zero: Option<Time>,
     /// Polarity of acceleration along x: keep; flip where the file has deceleration positive; auto flips only where the
-    /// pulse gains 0.6 to 1.6 times the impact speed in 150 ms, and says so. Default: keep.
+    /// pulse gains 0.6 to 1.6 times the impact speed in 150 ms, with a note. Default: keep.
     #[arg(long, value_enum, value_name = "SIGN")]
     pub sign: Option<Sign>,
     /// Sampling interval of a table without a time column, with its unit: 0.08s, 100us. The first row is at 0 s.

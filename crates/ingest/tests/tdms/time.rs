@@ -23,7 +23,7 @@ fn a_sibling_channel_of_times_gives_the_grid() {
         assert_eq!((recording.channels.len(), wave.len(), wave.t0_s(), wave.dt_s()), (1, length, -0.01, 1e-4));
         has_note(&recording, "no unit of time is stated for Time: taken as s");
         if n != m {
-            has_note(&recording, &format!("has {n} samples, g.acc {m}: the shorter counts"));
+            has_note(&recording, &format!("has {n} samples, g.acc {m}: the shorter length is used"));
         }
     }
     let settings = IngestSettings { time_unit: Some("ms".to_owned()), ..IngestSettings::default() };

@@ -143,7 +143,7 @@ impl Clocks {
         for clock in self.by_group.values() {
             for (samples, ids) in &clock.cut {
                 notes.warning(format!(
-                    "the channel of times {} has {} samples, {} {samples}: the shorter counts",
+                    "the channel of times {} has {} samples, {} {samples}: the shorter length is used",
                     clock.title,
                     clock.samples,
                     list(ids)
@@ -164,7 +164,7 @@ impl Clocks {
         names.sort_unstable();
         if !names.is_empty() {
             let names: Vec<&str> = names.into_iter().map(|(_, name)| name).collect();
-            notes.info(format!("{} holds times and is no channel of its own", list(&names)));
+            notes.info(format!("{} holds the times of the others and is not a channel", list(&names)));
         }
     }
 }
