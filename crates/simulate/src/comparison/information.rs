@@ -1,7 +1,7 @@
 //! Information criterion of the displacement error, with what the samples are worth.
 
 use crumple_estimation::statistics::InformationCriteria;
-use crumple_lumped::ModelKind;
+use crumple_lumped::{ModelKind, Parameter, ParameterKind};
 
 /// The criterion of one candidate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,8 +24,8 @@ pub fn information(mean_square_m2: f64, effective_samples: f64, parameters: u32)
 
 /// Springs, dampers and knots of a model: what its fit was free to choose. Masses and the ends of curves are given.
 pub fn parameters_of(kind: ModelKind) -> u32 {
-    let given = |name: &str| name.ends_with("_kg") || name == "crush_m" || name == "v0_m_per_s";
-    kind.parameter_names().iter().filter(|name| !given(name)).count() as u32
+    let fitted = |parameter: &&Parameter| parameter.kind != ParameterKind::Mass && !parameter.of_the_test;
+    kind.parameters().iter().filter(fitted).count() as u32
 }
 
 #[cfg(test)]

@@ -2,6 +2,6 @@
 //! May use nothing.
 
 pub mod information;
-pub mod measures;
 pub mod other_sensor;
 pub mod ratings;
+pub mod simulation;

@@ -4,7 +4,7 @@ use crumple_lumped::Motion;
 use crumple_metrics::{fit_percent, rmse};
 use crumple_signal::{Channel, Sampled};
 
-use crate::Simulation;
+use crate::comparison::simulation::Simulation;
 
 /// Another accelerometer on the vehicle, integrated.
 #[derive(Debug, Clone)]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{LumpedError, PiecewiseLinear, SecantChain};
+use crumple_lumped::{LumpedError, ParameterKind, PiecewiseLinear, SecantChain};
 use crumple_signal::value::Speed;
 use crumple_stage::records::CandidateV1;
 use crumple_stage::{
@@ -71,7 +71,8 @@ impl Law {
     }
 
     /// Named as parameters of a candidate: `k2_n_per_m`, or `k2_knot1_m` and `k2_knot1_n_per_m`. A knot at zero is no parameter.
-    fn parameters(&self, symbol: &str, place: &str, unit: &str, out: &mut BTreeMap<String, f64>) {
+    fn parameters(&self, symbol: &str, place: ParameterKind, value: ParameterKind, out: &mut BTreeMap<String, f64>) {
+        let (place, unit) = (place.unit_in_name(), value.unit_in_name());
         match self {
             Self::Constant(value) => {
                 out.insert(format!("{symbol}_{unit}"), *value);
@@ -159,8 +160,18 @@ impl ChainSettings {
         let mut parameters = BTreeMap::new();
         for (i, mass) in (1..).zip(&self.masses) {
             parameters.insert(format!("m{i}_kg"), mass.mass_kg);
-            mass.stiffness_n_per_m.parameters(&format!("k{i}"), "m", "n_per_m", &mut parameters);
-            mass.damping_n_s_per_m.parameters(&format!("c{i}"), "m_per_s", "n_s_per_m", &mut parameters);
+            mass.stiffness_n_per_m.parameters(
+                &format!("k{i}"),
+                ParameterKind::Length,
+                ParameterKind::Stiffness,
+                &mut parameters,
+            );
+            mass.damping_n_s_per_m.parameters(
+                &format!("c{i}"),
+                ParameterKind::Rate,
+                ParameterKind::Damping,
+                &mut parameters,
+            );
         }
         let names: Vec<&str> = self.masses.iter().map(|mass| mass.name.as_str()).collect();
         CandidateV1 {

@@ -1,6 +1,6 @@
 //! How many numbers of a candidate were chosen to meet the record.
 
-use crumple_lumped::ModelKind;
+use crumple_lumped::{ModelKind, ParameterKind, parameter_kind};
 use crumple_simulate::parameters_of;
 use crumple_stage::records::CandidateV1;
 
@@ -9,19 +9,20 @@ use crumple_stage::records::CandidateV1;
 /// Of a model by name: its springs, dampers and knots. Of a fitted chain: what its record says was free (an interval, a place in the
 /// correlation, or a bound it stopped on), without a mass that is the rest of the total. Of a stated chain, and of a fitted one that
 /// says nothing of it: all springs, dampers and knots.
-pub fn chosen(candidate: &CandidateV1) -> u32 {
+pub fn fitted_parameters(candidate: &CandidateV1) -> u32 {
     if let Ok(kind) = candidate.model.parse::<ModelKind>() {
         return parameters_of(kind);
     }
     let names = || candidate.parameters.keys();
+    let is_mass = |name: &str| parameter_kind(&candidate.model, name) == Some(ParameterKind::Mass);
     let Some(known) = &candidate.uncertainty else {
-        return names().filter(|name| !name.ends_with("_kg")).count() as u32;
+        return names().filter(|name| !is_mass(name)).count() as u32;
     };
     let on_bound = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
     let free = |name: &&String| {
-        let judged = known.order.contains(name) || on_bound.contains(name);
+        let fitted = known.order.contains(name) || on_bound.contains(name);
         // A mass with an interval and nothing else follows from the total.
-        judged || (!name.ends_with("_kg") && known.interval_low.contains_key(*name))
+        fitted || (!is_mass(name) && known.interval_low.contains_key(*name))
     };
     names().filter(free).count() as u32
 }
@@ -80,17 +81,17 @@ mod tests {
 
     #[test]
     fn only_what_was_free_of_a_fitted_chain_is_counted() {
-        assert_eq!(chosen(&fitted()), 3);
+        assert_eq!(fitted_parameters(&fitted()), 3);
     }
 
     #[test]
     fn what_a_person_stated_was_chosen_by_a_person() {
-        assert_eq!(chosen(&stated()), 4);
-        assert_eq!(chosen(&CandidateV1 { uncertainty: None, ..fitted() }), 4);
+        assert_eq!(fitted_parameters(&stated()), 4);
+        assert_eq!(fitted_parameters(&CandidateV1 { uncertainty: None, ..fitted() }), 4);
     }
 
     #[test]
     fn a_model_by_name_counts_as_ever() {
-        assert_eq!(chosen(&CandidateV1 { model: "kelvin".to_owned(), ..stated() }), 2);
+        assert_eq!(fitted_parameters(&CandidateV1 { model: "kelvin".to_owned(), ..stated() }), 2);
     }
 }
