@@ -2,44 +2,29 @@
 
 use std::f64::consts::TAU;
 
-use crumple_lti::{Complex, StateSpace};
+use crumple_lti::Complex;
 use crumple_signal::{Notes, QuantityKind, TestDescription};
-use crumple_stage::records::EvidenceV1;
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 use crumple_sysid::{
-    Hold, InitialConditions, IoData, Stop, TransferFunctionFit, TransferFunctionOptions, compare, continued,
-    response_deviations, sampled, transfer_function_array, transfer_function_fit,
+    Hold, InitialConditions, IoData, Stop, TransferFunctionFit, TransferFunctionOptions, response_deviations,
+    transfer_function_array, transfer_function_fit,
 };
-use nalgebra::DVector;
 
-use crate::stage::options::input_output::BeyondEra;
 use crate::stage::options::paper;
 use crate::stage::options::settings::Settings;
 use crate::stage::records::acceptance::note_on_fit;
 use crate::stage::records::evidence::{
-    INTEGRATOR, evidence, foretold, identification, modes, notes_on_modes, percent, put_transfer_functions,
-    validate_all,
+    INTEGRATOR, evidence, foretold, identification, known, modes, notes_on_modes, percent, put_search,
+    put_transfer_functions,
 };
 use crate::stage::records::realization::state_space;
 use crate::stage::records::responses::{Band, Judged, put_spreads, spread};
-use crate::stage::records::search::{known, put_search};
 use crate::stage::records::selection::Comparison;
 use crate::stage::records::transfer_function_array::put_array;
+use crate::stage::records::transfer_function_task::{
+    TransferFunctionTask, condition_note, preparation, validate_continuous,
+};
 use crate::stage::waves::input_output::{Cut, Record, record};
-
-/// What transfer functions are for and from.
-pub struct Task<'a> {
-    /// Id of the model.
-    pub id: &'a str,
-    /// How it was fitted.
-    pub options: &'a TransferFunctionOptions,
-    /// Settings of the stage.
-    pub settings: &'a Settings,
-    /// Those beside `era`.
-    pub beyond: &'a BeyondEra,
-    /// The waveforms.
-    pub record: &'a Record,
-}
 
 /// One transfer function, or an array of them, for every limit of iterations.
 pub fn run(
@@ -74,7 +59,7 @@ pub fn run(
         if settings.paper.is_some() {
             id.push_str("-paper");
         }
-        let task = Task { id: &id, options: &options, settings, beyond, record: &record };
+        let task = TransferFunctionTask { id: &id, options: &options, settings, beyond, record: &record };
         let mut notes = Notes::new();
         limit.into_iter().for_each(|text| notes.info(text));
         if let Some(name) = &settings.paper {
@@ -93,18 +78,6 @@ pub fn run(
         out.notes().extend(notes);
     }
     Ok(Outcome::Done)
-}
-
-/// What was done to the waveforms before the fit.
-pub fn preparation(id: &str, record: &Record) -> Notes {
-    let mut notes = Notes::new();
-    record.remarks.iter().for_each(|remark| notes.info(format!("{id}: {remark}")));
-    if let Some(delay_s) = record.delay_s {
-        notes.info(format!(
-            "{id}: the input acts {delay_s:.6} s late: the coefficients have no delay in them, delay_s and the responses have"
-        ));
-    }
-    notes
 }
 
 /// What a reader should know before believing the coefficients.
@@ -152,47 +125,14 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> No
     notes
 }
 
-/// Says so where the fit determines no single coefficient.
-pub fn condition_note(id: &str, condition: f64, notes: &mut Notes) {
-    if condition > 1e8 {
-        notes.warning(format!(
-            "{id}: condition number {condition:.1e}: the curve is known, single coefficients are not"
-        ));
-    }
-}
-
-/// Puts the fit of the kept samples into the evidence, if there are any.
-pub fn validate_continuous(
-    task: &Task<'_>,
-    model: &StateSpace,
-    initial_estimated: bool,
-    supports: &mut [EvidenceV1],
-) -> anyhow::Result<()> {
-    let Task { options, record, .. } = *task;
-    if record.answers[0].kept.is_empty() {
-        return Ok(());
-    }
-    let (model, rest) = sampled(model, options.hold, record.data.sample_time_s())?;
-    let (first, whole) = (record.data.delayed(options.delay), record.whole.delayed(options.delay));
-    let start = rest * DVector::from_iterator(first.inputs().len(), first.inputs().iter().map(|u| u[0]));
-    let foretold = continued(&model, &first, &whole, (!initial_estimated).then_some(start.as_slice()))?;
-    validate_all(record, &foretold, supports);
-    // The protocol of published comparisons: the initial state is fitted to the kept samples.
-    let restarted = compare(&model, &whole.slice(first.samples(), whole.samples())?)?;
-    for (support, fit) in supports.iter_mut().zip(restarted) {
-        support.validation_restarted_fit_percent = fit.and_then(|fit| fit.fit_percent);
-    }
-    Ok(())
-}
-
 fn put(
-    task: &Task<'_>,
+    task: &TransferFunctionTask<'_>,
     fit: &TransferFunctionFit,
     notes: &mut Notes,
     comparison: &mut Comparison,
     out: &mut Output,
 ) -> anyhow::Result<()> {
-    let Task { id, options, settings, beyond, record } = *task;
+    let TransferFunctionTask { id, options, settings, beyond, record } = *task;
     let (data, drive, answer) = (&record.data, &record.drives[0], &record.answers[0]);
     let (input, output) = (drive.describe(), answer.describe());
     let tf = &fit.transfer_function;

@@ -5,7 +5,8 @@ use crumple_signal::{Notes, QuantityKind};
 use crumple_stage::Output;
 use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeV1, ModesV1, TransferFunctionV1};
 use crumple_sysid::{
-    InformationCriteria, ResidualTests, autoregressive_effective_samples, fit_measures, mode_notes, residual_tests,
+    InformationCriteria, ResidualTests, SearchOutcome, autoregressive_effective_samples, fit_measures, mode_notes,
+    residual_tests,
 };
 
 use crate::stage::waves::input_output::{Cut, Record, filter_edges};
@@ -268,4 +269,25 @@ pub fn modes(modes: impl Iterator<Item = (Mode, Option<Complex>)>) -> ModesV1 {
 /// `99.76 %`, or that there is no such figure.
 pub fn percent(fit: Option<f64>) -> String {
     fit.map_or("no defined fit".to_owned(), |fit| format!("fit {fit:.2} %"))
+}
+
+/// Puts a search into the evidence of one output: `hold` as declared, `paper` whose procedure it is.
+pub fn put_search(search: &SearchOutcome, hold: &str, paper: Option<&str>, support: &mut EvidenceV1) {
+    support.hold = Some(hold.to_owned());
+    support.initial_conditions = if search.initial_estimated { "estimated" } else { "zero" }.to_owned();
+    support.start = Some(search.start.name().to_owned());
+    support.stop_reason = Some(search.termination.name().to_owned());
+    support.iterations = u32::try_from(search.iterations).ok();
+    support.evaluations = Some(search.evaluations as u64);
+    support.losses = search.losses.clone();
+    support.condition = Some(search.condition).filter(|c| c.is_finite());
+    support.denominator_deviations = known(&search.denominator_deviations);
+    support.frequency_deviations = search.mode_deviations.iter().map(|d| d.map(|d| d.0)).collect();
+    support.damping_deviations = search.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
+    support.paper = paper.map(str::to_owned);
+}
+
+/// Deviations, or none where they are not determined.
+pub fn known(deviations: &[f64]) -> Vec<f64> {
+    if deviations.iter().all(|x| x.is_finite()) { deviations.to_vec() } else { Vec::new() }
 }

@@ -1,7 +1,9 @@
 //! A sampled model between waveforms, and the evidence for it, as records.
 
 use crumple_lti::{Complex, InputHold, Mode, StateSpace, to_continuous, to_transfer_function};
+use crumple_signal::Notes;
 use crumple_stage::Output;
+use crumple_stage::records::EvidenceV1;
 use crumple_sysid::{IdentifyError, IoData, compare, continued, fit_measures, mode_shapes};
 
 use crate::stage::options::evidence::BootstrapSettings;
@@ -50,37 +52,88 @@ pub fn put(
     comparison: &mut Comparison,
     out: &mut Output,
 ) -> anyhow::Result<()> {
-    let Task { id, method, order, record, hold, .. } = *task;
-    let (input, output) = (record.input(), record.output());
-    let kind = if hold == "zero-order" { InputHold::Zero } else { InputHold::First };
+    let Task { id, method, order, record, .. } = *task;
     let mut notes = record.remarks.clone();
     notes.extend(found.notes.iter().cloned());
     for text in notes.iter().filter_map(|note| note.strip_prefix("warning: ")) {
         out.notes().warning(format!("{id}: {text}"));
     }
+    let continuous = put_models(task, found, &mut notes, out)?;
+    let poles = put_modes(task, &found.model, out)?;
+    let judged = judged(&found.model, continuous.as_ref(), &record.answers[0], task.delay())?;
+    let mut remarks = notes_on_modes(id, &judged.poles, &record.cuts());
+    let (mut whole, mut supports) = of_record(method, order, record, simulated, found.parameters, Vec::new());
+    fill_evidence(task, found, &poles, &mut supports, &mut notes);
+    validate_kept(task, &found.model, &mut supports, &mut remarks)?;
+    put_responses(task, (found, simulated), &judged, &mut supports, &mut remarks, out)?;
+    notes.extend(remarks.to_texts());
+    out.notes().extend(remarks);
+    whole.notes = notes;
+    whole.singular_values = found.singular_values.clone();
+    let rows = |block_rows: usize| u32::try_from(block_rows * record.answers.len()).ok();
+    whole.hankel_rows = found.chosen.block_rows.and_then(rows);
+    let samples = record.data.samples();
+    out.summary(format!("{id}: {} of {samples} samples{}", percent(whole.fit_percent), foretold(&supports)));
+    out.put(&format!("/identification/{id}"), &whole)?;
+    comparison.enter(id, samples, &supports);
+    put_evidence(id, &supports, out)
+}
+
+impl Task<'_> {
+    /// Hold that the continuous model is made for.
+    fn input_hold(&self) -> InputHold {
+        if self.hold == "zero-order" { InputHold::Zero } else { InputHold::First }
+    }
+
+    /// Samples by which the inputs act late.
+    fn delay(&self) -> usize {
+        self.record.delay_s.map_or(0, |delay| (delay / self.record.data.sample_time_s()).round() as usize)
+    }
+}
+
+/// Writes the sampled model, the continuous one, which is returned, and those beside it.
+fn put_models(
+    task: &Task<'_>,
+    found: &Found,
+    notes: &mut Vec<String>,
+    out: &mut Output,
+) -> anyhow::Result<Option<StateSpace>> {
+    let Task { id, record, .. } = *task;
+    let (input, output) = (record.input(), record.output());
     out.put(&format!("/model/{id}/discrete"), &state_space(&found.model, &input, &output, record.delay_s))?;
-    let continuous = put_continuous(id, &found.model, (record, kind), &mut notes, out)?;
+    let continuous = put_continuous(id, &found.model, (record, task.input_hold()), notes, out)?;
     for (name, model) in &found.beside {
         let inputs = format!("{input}; {output}");
         out.put(&format!("/model/{id}/{name}"), &state_space(model, &inputs, &output, record.delay_s))?;
     }
-    let dt = record.data.sample_time_s();
-    let pairs: Vec<_> =
-        found.model.poles()?.into_iter().filter_map(|z| Some((Mode::discrete(z, dt)?, Some(z)))).collect();
-    let first = &record.answers[0];
-    let delay = record.delay_s.map_or(0, |delay| (delay / dt).round() as usize);
-    let judged = judged(&found.model, continuous.as_ref(), first, delay)?;
-    let mut remarks = notes_on_modes(id, &judged.poles, &record.cuts());
-    out.put(&format!("/modes/{id}"), &modes(pairs.iter().copied()))?;
-    if record.answers.len() > 1 {
-        let poles: Vec<_> = pairs.iter().filter_map(|(mode, z)| Some(((*z)?, Some(*mode)))).collect();
-        let discrete: Vec<Complex> = poles.iter().map(|(z, _)| *z).collect();
-        out.put(&format!("/shapes/{id}"), &shapes(&poles, &mode_shapes(&found.model, &discrete), &record.answers))?;
-    }
+    Ok(continuous)
+}
 
-    let (mut whole, mut supports) = of_record(method, order, record, simulated, found.parameters, Vec::new());
-    let discrete: Vec<Complex> = pairs.iter().filter_map(|(_, z)| *z).collect();
-    let deviations = found.deviations.as_ref().map(|deviations| deviations(&discrete)).unwrap_or_default();
+/// Writes the modes, of several outputs their shapes too. Returns the sampled poles that have a continuous counterpart.
+fn put_modes(task: &Task<'_>, model: &StateSpace, out: &mut Output) -> anyhow::Result<Vec<Complex>> {
+    let Task { id, record, .. } = *task;
+    let dt = record.data.sample_time_s();
+    let pairs: Vec<(Complex, Mode)> =
+        model.poles()?.into_iter().filter_map(|z| Some((z, Mode::discrete(z, dt)?))).collect();
+    out.put(&format!("/modes/{id}"), &modes(pairs.iter().map(|(z, mode)| (*mode, Some(*z)))))?;
+    let discrete: Vec<Complex> = pairs.iter().map(|(z, _)| *z).collect();
+    if record.answers.len() > 1 {
+        let poles: Vec<_> = pairs.iter().map(|(z, mode)| (*z, Some(*mode))).collect();
+        out.put(&format!("/shapes/{id}"), &shapes(&poles, &mode_shapes(model, &discrete), &record.answers))?;
+    }
+    Ok(discrete)
+}
+
+/// Fills in what the method tells of its fit: one-step predictions, deviations of the `poles`, losses, or why there are none.
+fn fill_evidence(
+    task: &Task<'_>,
+    found: &Found,
+    poles: &[Complex],
+    supports: &mut [EvidenceV1],
+    notes: &mut Vec<String>,
+) {
+    let Task { method, record, hold, .. } = *task;
+    let deviations = found.deviations.as_ref().map(|deviations| deviations(poles)).unwrap_or_default();
     let no_deviations = found.deviations.is_none().then(|| match method {
         "arx" => {
             "arx of several outputs has neither a covariance of its poles that is known nor a bootstrap".to_owned()
@@ -95,13 +148,10 @@ pub fn put(
     let losses: Vec<f64> = found.losses.iter().map(|loss| loss * unit).collect();
     for (k, support) in supports.iter_mut().enumerate() {
         support.hold = (!record.drives.is_empty()).then(|| hold.to_owned());
-        support.prediction_fit_percent = found
-            .predicted
-            .get(k)
-            .and_then(|predicted| fit_measures(&record.data.outputs()[k], predicted))
-            .and_then(|fit| fit.fit_percent);
         if let Some(predicted) = found.predicted.get(k) {
-            let errors: Vec<f64> = record.data.outputs()[k].iter().zip(predicted).map(|(y, yh)| y - yh).collect();
+            let measured = &record.data.outputs()[k];
+            support.prediction_fit_percent = fit_measures(measured, predicted).and_then(|fit| fit.fit_percent);
+            let errors: Vec<f64> = measured.iter().zip(predicted).map(|(y, yh)| y - yh).collect();
             let tests = prediction_tests(task.data.inputs(), &errors, found.predicted_from);
             support.whiteness = tests.map(|t| t.whiteness);
             support.whiteness_limit = tests.map(|t| t.whiteness_limit);
@@ -120,57 +170,74 @@ pub fn put(
                 .to_owned(),
         );
     }
-    if !first.kept.is_empty() {
-        match continued(&found.model, task.data, task.whole, None) {
-            Ok(foretold) => {
-                validate_all(record, &foretold, &mut supports);
-                // The protocol of published comparisons: the initial state is fitted to the kept samples.
-                let rest = task.whole.slice(task.data.samples(), task.whole.samples())?;
-                for (support, fit) in supports.iter_mut().zip(compare(&found.model, &rest)?) {
-                    support.validation_restarted_fit_percent = fit.and_then(|fit| fit.fit_percent);
-                }
-            }
-            Err(error) => remarks.warning(format!("{id}: no validation: {error}")),
-        }
+}
+
+/// Fits of the samples kept for validation, where there are any: simulated on from the samples identified from, and with
+/// the initial state fitted to the kept ones.
+fn validate_kept(
+    task: &Task<'_>,
+    model: &StateSpace,
+    supports: &mut [EvidenceV1],
+    remarks: &mut Notes,
+) -> anyhow::Result<()> {
+    let Task { id, record, data, whole, .. } = *task;
+    if record.answers[0].kept.is_empty() {
+        return Ok(());
     }
+    match continued(model, data, whole, None) {
+        Ok(foretold) => {
+            validate_all(record, &foretold, supports);
+            // The protocol of published comparisons: the initial state is fitted to the kept samples.
+            let rest = whole.slice(data.samples(), whole.samples())?;
+            for (support, fit) in supports.iter_mut().zip(compare(model, &rest)?) {
+                support.validation_restarted_fit_percent = fit.and_then(|fit| fit.fit_percent);
+            }
+        }
+        Err(error) => remarks.warning(format!("{id}: no validation: {error}")),
+    }
+    Ok(())
+}
+
+/// Runs the bootstrap, if asked for, and writes the responses of a model of one input and one output.
+fn put_responses(
+    task: &Task<'_>,
+    (found, simulated): (&Found, &[Vec<f64>]),
+    judged: &Judged<'_>,
+    supports: &mut [EvidenceV1],
+    remarks: &mut Notes,
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    let Task { id, method, record, .. } = *task;
     // Noise added to the outputs of a regression would bias its replicates.
     let regression = method == "arx" && found.equation.is_none();
     let bootstrap = task.bootstrap.filter(|_| !regression);
     let without = task.bootstrap.filter(|_| regression);
-    limits(id, (record.drives.len(), record.answers.len()), without, &mut remarks);
+    limits(id, (record.drives.len(), record.answers.len()), without, remarks);
     let grid = if record.single() { judged.grid_hz() } else { Vec::new() };
     let sample = judged.sample(&grid);
     let refit = |y: &[Vec<f64>]| {
         let model = (task.refit)(y)?;
-        let continuous = to_continuous(&model, kind).ok().map(|found| found.model);
-        Some(self::judged(&model, continuous.as_ref(), first, delay).ok()?.sample(&grid))
+        let continuous = to_continuous(&model, task.input_hold()).ok().map(|found| found.model);
+        Some(self::judged(&model, continuous.as_ref(), &record.answers[0], task.delay()).ok()?.sample(&grid))
     };
     let of = (id, &sample);
     let spreads = match &found.equation {
-        Some(equation) => spread_of_equation(bootstrap, of, equation, &mut remarks, |y| refit(&[y.to_vec()])),
+        Some(equation) => spread_of_equation(bootstrap, of, equation, remarks, |y| refit(&[y.to_vec()])),
         None => {
             let signals = (record.data.outputs(), simulated);
-            spread_of_outputs(bootstrap, of, signals, found.parameters, &mut remarks, refit)
+            spread_of_outputs(bootstrap, of, signals, found.parameters, remarks, refit)
         }
     };
     let band = spreads.as_ref().map(Band::from_bootstrap);
     if let Some(spreads) = &spreads {
         supports.iter_mut().for_each(|support| put_spreads(spreads, support));
     }
-    if let Some(response) = judged.response(&input, &output, band.as_ref()).filter(|_| record.single()) {
+    if let Some(response) =
+        judged.response(&record.input(), &record.output(), band.as_ref()).filter(|_| record.single())
+    {
         out.put(&format!("/response/{id}"), &response)?;
     }
-    notes.extend(remarks.to_texts());
-    out.notes().extend(remarks);
-    whole.notes = notes;
-    whole.singular_values = found.singular_values.clone();
-    let rows = |block_rows: usize| u32::try_from(block_rows * record.answers.len()).ok();
-    whole.hankel_rows = found.chosen.block_rows.and_then(rows);
-    let samples = record.data.samples();
-    out.summary(format!("{id}: {} of {samples} samples{}", percent(whole.fit_percent), foretold(&supports)));
-    out.put(&format!("/identification/{id}"), &whole)?;
-    comparison.enter(id, samples, &supports);
-    put_evidence(id, &supports, out)
+    Ok(())
 }
 
 fn judged<'a>(

@@ -5,25 +5,26 @@ use crumple_signal::Notes;
 use crumple_stage::Output;
 use crumple_sysid::TransferFunctionArray;
 
-use crate::stage::methods::tfest::{Task, condition_note, preparation, validate_continuous};
 use crate::stage::records::acceptance::note_on_fit;
 use crate::stage::records::evidence::{
-    foretold, modes, notes_on_modes, of_record, percent, put_evidence, put_transfer_functions,
+    foretold, known, modes, notes_on_modes, of_record, percent, put_evidence, put_search, put_transfer_functions,
 };
 use crate::stage::records::realization::state_space;
 use crate::stage::records::responses::limits;
-use crate::stage::records::search::{known, put_search};
 use crate::stage::records::selection::Comparison;
+use crate::stage::records::transfer_function_task::{
+    TransferFunctionTask, condition_note, preparation, validate_continuous,
+};
 
 /// Writes the records of one array and a summary line.
 pub fn put_array(
-    task: &Task<'_>,
+    task: &TransferFunctionTask<'_>,
     fit: &TransferFunctionArray,
     notes: &mut Notes,
     comparison: &mut Comparison,
     out: &mut Output,
 ) -> anyhow::Result<()> {
-    let Task { id, settings, beyond, record, .. } = *task;
+    let TransferFunctionTask { id, settings, beyond, record, .. } = *task;
     notes.extend(preparation(id, record));
     let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
     notes.extend(notes_on_modes(id, &poles, &record.cuts()));
