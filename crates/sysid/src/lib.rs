@@ -43,7 +43,7 @@ pub use era::era_dc::{EraDc, EraDcOptions, era_dc};
 pub use era::realization::Realization;
 pub use era::shift_form::ShiftForm;
 pub use error::era::EraError;
-pub use error::identify::IdentifyError;
+pub use error::identify::{IdentifyError, MissReason};
 pub use exponentials::exponential_sum::{ExponentialSumFit, exponential_sum};
 pub use exponentials::options::ExponentialOptions;
 pub use exponentials::terms::ExponentialTerm;

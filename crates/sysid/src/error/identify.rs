@@ -126,7 +126,7 @@ pub enum IdentifyError {
         /// The least that is accepted.
         limit: f64,
         /// What is known of the model, e.g. its fastest growth.
-        why: String,
+        why: MissReason,
     },
     /// The Hankel matrix of estimated Markov parameters gives no model.
     #[error(transparent)]
@@ -137,4 +137,21 @@ pub enum IdentifyError {
     /// A system that cannot be analysed.
     #[error(transparent)]
     System(#[from] LtiError),
+}
+
+/// What is known of a model that misses the record by far.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum MissReason {
+    /// A pole lies outside the unit circle.
+    #[error("a pole grows by a factor {factor:.6} a sample")]
+    Grows {
+        /// Its modulus.
+        factor: f64,
+    },
+    /// Growing poles were mirrored at the unit circle, so that the model could be simulated.
+    #[error("it has growing poles, mirrored at the unit circle, and is nothing without them")]
+    Mirrored,
+    /// No pole grows.
+    #[error("none of its poles grows")]
+    Stable,
 }

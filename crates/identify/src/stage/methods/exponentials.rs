@@ -1,7 +1,7 @@
 //! The method `exponentials`: a record as a sum of exponentials.
 
 use crumple_lti::{Complex, Mode};
-use crumple_signal::{QuantityKind, TestDescription};
+use crumple_signal::{Notes, QuantityKind, TestDescription};
 use crumple_stage::records::{EvidenceV1, ExponentialSumV1, ExponentialTermV1};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Refused};
 use crumple_sysid::{ExponentialOptions, ExponentialSumFit, ExponentialTerm, Sample, Stop, exponential_sum};
@@ -115,11 +115,12 @@ fn one(
     let record = answer.sampled.samples();
     let fit = exponential_sum(record, answer.sampled.dt_s(), options)
         .refuse_with_hint("widen the window (--from, --to), lower --terms, or name another of --outputs")?;
-    let mut notes = said.clone();
-    notes.push(format!("time of the exponents runs from the first sample, {} s", answer.sampled.t0_s()));
+    let mut notes = Notes::new();
+    said.iter().for_each(|remark| notes.info(remark));
+    notes.info(format!("time of the exponents runs from the first sample, {} s", answer.sampled.t0_s()));
     if paper.is_some() {
         let sum = |of: fn(&ExponentialTerm) -> Complex| fit.terms.iter().map(of).sum::<Complex>().re;
-        notes.push(format!(
+        notes.info(format!(
             "at its start the sum is {:.6e}, its slope {:.6e}",
             sum(|term| term.amplitude),
             sum(|term| term.amplitude * term.exponent)
@@ -131,7 +132,7 @@ fn one(
             fit.condition
         );
         out.notes().warning(text.clone());
-        notes.push(format!("warning: {text}"));
+        notes.warning(text);
     }
     let poles: Vec<Complex> = fit.terms.iter().map(|term| term.exponent).collect();
     let mut remarks = notes_on_modes(id, &poles, &[answer]);
@@ -170,12 +171,12 @@ fn one(
         put_spreads(found, &mut support);
     }
     note_on_fit(id, fit.fit.and_then(|fit| fit.fit_percent), &mut remarks);
-    notes.extend(remarks.to_texts());
+    notes.extend(remarks.clone());
     out.notes().extend(remarks);
     let all = answer.sampled.len() + answer.kept.len();
     let curve: Vec<f64> = (0..all).map(|k| value_at(&fit, k as f64 * answer.sampled.dt_s())).collect();
     validate(answer, &curve, &mut support);
-    let record = identification("exponentials", options.terms, "free-decay", answer, &fit.simulated, notes);
+    let record = identification("exponentials", options.terms, "free-decay", answer, &fit.simulated, notes.to_texts());
     let held = options.start.len();
     if held > 0 {
         let values: Vec<String> =

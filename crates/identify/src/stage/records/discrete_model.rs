@@ -1,6 +1,7 @@
 //! What a discrete method gives for one order.
 
 use crumple_lti::{Complex, StateSpace};
+use crumple_signal::Notes;
 
 use crate::stage::records::responses::Equation;
 
@@ -23,7 +24,10 @@ pub struct Found {
     pub losses: Vec<f64>,
     /// Standard deviations of frequency and damping of discrete poles, where the method has a covariance.
     pub deviations: Option<Deviations>,
-    pub notes: Vec<String>,
+    /// What a reader should know of it.
+    pub notes: Notes,
+    /// Growing poles that were mirrored at the unit circle after the fit.
+    pub mirrored_poles: usize,
     /// Models written beside the one that is simulated, by the last part of their topic.
     pub beside: Vec<(&'static str, StateSpace)>,
     /// What the method chose by the record and a fit to a replicate of it keeps.
@@ -58,7 +62,8 @@ impl Found {
             condition: None,
             losses: Vec::new(),
             deviations: None,
-            notes: Vec::new(),
+            notes: Notes::new(),
+            mirrored_poles: 0,
             beside: Vec::new(),
             chosen: Chosen::default(),
         }

@@ -82,14 +82,14 @@ pub fn put_model(
     let (order, samples, single) = (model.order(), pass.samples(), pass.single());
     let id = pass.id(order);
     let output = pass.describe();
-    let mut notes = notes.to_texts();
+    let mut notes = notes.clone();
     out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output, None))?;
     if let Ok(continuous) = &model.continuous {
         out.put(&format!("/model/{id}/continuous"), &state_space(continuous, INPUT, &output, None))?;
         match transfer_function(continuous, &output) {
             _ if !single => {}
             Ok(record) => out.put(&format!("/model/{id}/transfer-function"), &record)?,
-            Err(error) => notes.push(format!("no transfer function: {error}")),
+            Err(error) => notes.info(format!("no transfer function: {error}")),
         }
     }
     out.put(&format!("/modes/{id}"), &modes(model))?;
@@ -103,7 +103,7 @@ pub fn put_model(
             .iter()
             .take_while(|error| **error <= 1e-9 * model.singular_values.first().copied().unwrap_or(0.0))
             .count();
-        notes.push(format!(
+        notes.info(format!(
             "the {} leading singular values are listed after {steps} Lanczos steps: {converged} converged, the others within 3 %",
             model.singular_values.len()
         ));
@@ -136,9 +136,9 @@ pub fn put_model(
     if let Some(record) = judged.response(INPUT, &output, band.as_ref()).filter(|_| single) {
         out.put(&format!("/response/{id}"), &record)?;
     }
-    notes.extend(remarks.to_texts());
+    notes.extend(remarks.clone());
     out.notes().extend(remarks);
-    out.put(&format!("/identification/{id}"), &identification(model, pass, notes))?;
+    out.put(&format!("/identification/{id}"), &identification(model, pass, notes.to_texts()))?;
     put_evidence(&id, &supports, out)?;
     comparison.enter(&id, samples, &supports);
     out.summary(format!("{}{}", summary(&id, model, samples), foretold(&supports)));

@@ -1,7 +1,7 @@
 //! A sampled model between waveforms, and the evidence for it, as records.
 
 use crumple_lti::{Complex, InputHold, Mode, StateSpace, to_continuous, to_transfer_function};
-use crumple_signal::Notes;
+use crumple_signal::{Note, Notes, Severity};
 use crumple_stage::Output;
 use crumple_stage::records::EvidenceV1;
 use crumple_sysid::{IdentifyError, IoData, compare, continued, fit_measures, mode_shapes};
@@ -53,9 +53,10 @@ pub fn put(
     out: &mut Output,
 ) -> anyhow::Result<()> {
     let Task { id, method, order, record, .. } = *task;
-    let mut notes = record.remarks.clone();
-    notes.extend(found.notes.iter().cloned());
-    for text in notes.iter().filter_map(|note| note.strip_prefix("warning: ")) {
+    let mut notes = Notes::new();
+    record.remarks.iter().for_each(|remark| notes.info(remark));
+    notes.extend(found.notes.clone());
+    for Note { text, .. } in notes.iter().filter(|note| note.severity == Severity::Warning) {
         out.notes().warning(format!("{id}: {text}"));
     }
     let continuous = put_models(task, found, &mut notes, out)?;
@@ -66,9 +67,9 @@ pub fn put(
     fill_evidence(task, found, &poles, &mut supports, &mut notes);
     validate_kept(task, &found.model, &mut supports, &mut remarks)?;
     put_responses(task, (found, simulated), &judged, &mut supports, &mut remarks, out)?;
-    notes.extend(remarks.to_texts());
+    notes.extend(remarks.clone());
     out.notes().extend(remarks);
-    whole.notes = notes;
+    whole.notes = notes.to_texts();
     whole.singular_values = found.singular_values.clone();
     let rows = |block_rows: usize| u32::try_from(block_rows * record.answers.len()).ok();
     whole.hankel_rows = found.chosen.block_rows.and_then(rows);
@@ -95,7 +96,7 @@ impl Task<'_> {
 fn put_models(
     task: &Task<'_>,
     found: &Found,
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
     out: &mut Output,
 ) -> anyhow::Result<Option<StateSpace>> {
     let Task { id, record, .. } = *task;
@@ -125,13 +126,7 @@ fn put_modes(task: &Task<'_>, model: &StateSpace, out: &mut Output) -> anyhow::R
 }
 
 /// Fills in what the method tells of its fit: one-step predictions, deviations of the `poles`, losses, or why there are none.
-fn fill_evidence(
-    task: &Task<'_>,
-    found: &Found,
-    poles: &[Complex],
-    supports: &mut [EvidenceV1],
-    notes: &mut Vec<String>,
-) {
+fn fill_evidence(task: &Task<'_>, found: &Found, poles: &[Complex], supports: &mut [EvidenceV1], notes: &mut Notes) {
     let Task { method, record, hold, .. } = *task;
     let deviations = found.deviations.as_ref().map(|deviations| deviations(poles)).unwrap_or_default();
     let no_deviations = found.deviations.is_none().then(|| match method {
@@ -140,9 +135,9 @@ fn fill_evidence(
         }
         _ => format!("{method} has no covariance of its poles that is known; --bootstrap 200 gives their spread"),
     });
-    notes.extend(
-        no_deviations.iter().filter(|_| task.bootstrap.is_none()).map(|why| format!("no standard deviations: {why}")),
-    );
+    if let Some(why) = no_deviations.iter().find(|_| task.bootstrap.is_none()) {
+        notes.info(format!("no standard deviations: {why}"));
+    }
     // In units of the output if there is one.
     let unit = if let [scale] = record.data.output_scales()[..] { scale * scale } else { 1.0 };
     let losses: Vec<f64> = found.losses.iter().map(|loss| loss * unit).collect();
@@ -165,9 +160,8 @@ fn fill_evidence(
         support.damping_deviations = deviations.iter().map(|d| d.map(|d| d.1)).collect();
     }
     if !found.predicted.is_empty() {
-        notes.push(
-            "whiteness and correlation with the input are those of the one-step prediction errors, all else of the simulation"
-                .to_owned(),
+        notes.info(
+            "whiteness and correlation with the input are those of the one-step prediction errors, all else of the simulation",
         );
     }
 }
@@ -263,18 +257,18 @@ fn put_continuous(
     id: &str,
     model: &StateSpace,
     (record, hold): (&Record, InputHold),
-    notes: &mut Vec<String>,
+    notes: &mut Notes,
     out: &mut Output,
 ) -> anyhow::Result<Option<StateSpace>> {
     let found = match to_continuous(model, hold) {
         Ok(found) => found,
         Err(error) => {
-            notes.push(format!("no continuous model: {error}"));
+            notes.info(format!("no continuous model: {error}"));
             return Ok(None);
         }
     };
     for z in &found.conjugated {
-        notes.push(format!(
+        notes.info(format!(
             "the pole z = {z:.6} has no continuous counterpart: the continuous model has one more state, a conjugate at the Nyquist frequency, and agrees at the samples only"
         ));
     }
@@ -299,7 +293,7 @@ fn put_continuous(
             match to_transfer_function(&path) {
                 Ok(tf) => entries.push((tf.numerator().to_vec(), tf.denominator().to_vec())),
                 Err(error) => {
-                    notes.push(format!("no transfer function: {error}"));
+                    notes.info(format!("no transfer function: {error}"));
                     return Ok(Some(continuous));
                 }
             }

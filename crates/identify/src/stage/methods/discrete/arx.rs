@@ -24,7 +24,7 @@ pub fn of_order(order: usize, data: &IoData) -> Result<Found, IdentifyError> {
     let lags = order.div_ceil(outputs);
     let mut found = of_structure(ArxOrder { na: lags, nb: lags + 1, nk: 0 }, data)?;
     if outputs > 1 {
-        found.notes.push(format!("{lags} lags of {outputs} outputs make {} states", lags * outputs));
+        found.notes.info(format!("{lags} lags of {outputs} outputs make {} states", lags * outputs));
     }
     Ok(found)
 }

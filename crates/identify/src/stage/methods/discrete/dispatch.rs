@@ -13,7 +13,7 @@ use crate::stage::methods::discrete::subspace::{Horizon, chosen_order, put_diagr
 use crate::stage::options::hankel::HankelSettings;
 use crate::stage::options::input_output::BeyondEra;
 use crate::stage::options::settings::Settings;
-use crate::stage::records::acceptance::steady;
+use crate::stage::records::acceptance::mirror_growing_poles;
 use crate::stage::records::discrete_model::Found;
 use crate::stage::records::selection::Comparison;
 
@@ -114,7 +114,9 @@ fn identify(
 ) -> Result<Found, IdentifyError> {
     match (method, hankel) {
         ("okid", Some(hankel)) => okid(order, data, hankel),
-        ("fir", Some(hankel)) => steady(impulse_response(order, data, hankel, beyond.initial == "zero")?, data),
+        ("fir", Some(hankel)) => {
+            mirror_growing_poles(impulse_response(order, data, hankel, beyond.initial == "zero")?, data)
+        }
         ("arx", _) => arx::of_order(order, data),
         ("output-error", _) => output_error::of_order(order, data, beyond),
         _ => {

@@ -1,5 +1,6 @@
 //! The methods `okid` and `fir`: Markov parameters from an input and an output, then ERA.
 
+use crumple_signal::Notes;
 use crumple_sysid::{
     Criterion, Era, EraOptions, FirOptions, IdentifyError, IoData, Lags, MarkovParameters, Okid, OkidOptions,
     OkidRealization, Order, fir, simulate_fitted,
@@ -19,17 +20,18 @@ pub fn okid(order: usize, data: &IoData, settings: &HankelSettings) -> Result<Fo
     let criterion = if settings.lag_criterion == "bic" { Criterion::Bic } else { Criterion::Aicc };
     let lags = settings.lags.map_or(Lags::Best { highest, criterion }, Lags::Given);
     let okid = Okid::new(data, OkidOptions::new(lags))?;
-    let mut notes = vec![if okid.scan.is_empty() {
+    let mut notes = Notes::new();
+    notes.info(if okid.scan.is_empty() {
         format!("observer of {} lags, as given", okid.lags)
     } else {
         format!("observer of {} lags, the best of 1 to {} by {}", okid.lags, okid.scan.len(), settings.lag_criterion)
-    }];
+    });
     if okid.lags == okid.scan.len() {
-        notes.push("warning: the criterion would take more lags than it was offered".to_owned());
+        notes.warning("the criterion would take more lags than it was offered");
     }
     let deficient = okid.rank < okid.regressors;
     if deficient {
-        notes.push(format!(
+        notes.info(format!(
             "the regression has rank {} of {}: collinear signals, or no noise; states are chosen from the system alone",
             okid.rank, okid.regressors
         ));
@@ -43,7 +45,7 @@ pub fn okid(order: usize, data: &IoData, settings: &HankelSettings) -> Result<Fo
     let predicted = if predictor.poles()?.iter().all(|z| z.norm() < 1.0) {
         simulate_fitted(&predictor, &seen)?.0
     } else {
-        notes.push("warning: the predictor with the Kalman gain grows: too few states for this observer".to_owned());
+        notes.warning("the predictor with the Kalman gain grows: too few states for this observer");
         Vec::new()
     };
     Ok(Found {
@@ -72,12 +74,13 @@ pub fn impulse_response(
     let order = Order::Given(order);
     let model = Era::of(markov, options, &[order])?.realize(order)?;
     let start = if at_rest { "from rest" } else { "the first of them as past only" };
-    let mut notes = vec![format!("impulse response of {taps} samples, kernel {}, {start}", kernel.name())];
+    let mut notes = Notes::new();
+    notes.info(format!("impulse response of {taps} samples, kernel {}, {start}", kernel.name()));
     if taps < settings.taps {
-        notes.push(format!("the record is too short for {} taps", settings.taps));
+        notes.info(format!("the record is too short for {} taps", settings.taps));
     }
     if let Some(chosen) = found.hyperparameters.first().copied().flatten() {
-        notes.push(format!(
+        notes.info(format!(
             "decay {:.4} per sample, likeness of neighbours {:.4}, {:.1} effective parameters",
             chosen.decay, chosen.likeness, chosen.effective_parameters
         ));
@@ -85,9 +88,7 @@ pub fn impulse_response(
     let last = found.sequences.iter().map(|h| h.last().map_or(0.0, |x| x.abs())).fold(0.0, f64::max);
     let largest = found.sequences.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
     if last > 0.05 * largest {
-        notes.push(format!(
-            "warning: the impulse response has not died out after {taps} samples; take more --taps, or okid"
-        ));
+        notes.warning(format!("the impulse response has not died out after {taps} samples; take more --taps, or okid"));
     }
     let (m, q) = (data.inputs().len(), data.outputs().len());
     let parameters = model.order() * (m + q + 1) + m * q;

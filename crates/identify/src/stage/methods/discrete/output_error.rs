@@ -1,6 +1,7 @@
 //! The method `output-error`.
 
 use crumple_lti::Complex;
+use crumple_signal::Notes;
 use crumple_sysid::{IdentifyError, IoData, OutputErrorOptions, Stop, output_error};
 
 use crate::stage::options::input_output::BeyondEra;
@@ -13,10 +14,10 @@ pub fn of_order(order: usize, data: &IoData, beyond: &BeyondEra) -> Result<Found
         ..OutputErrorOptions::new(order)
     };
     let found = output_error(data, options)?;
-    let mut notes = Vec::new();
+    let mut notes = Notes::new();
     let copies = data.inputs().len().min(data.outputs().len());
     if copies > 1 {
-        notes.push(format!(
+        notes.info(format!(
             "all paths share {order} poles, each with a numerator of its own: the model has {} states",
             copies * order
         ));

@@ -6,7 +6,7 @@ use crumple_sysid::{IdentifyError, IoData};
 
 use crate::stage::options::input_output::BeyondEra;
 use crate::stage::options::settings::Settings;
-use crate::stage::records::acceptance::simulated;
+use crate::stage::records::acceptance::simulate_accepted;
 use crate::stage::records::discrete_model::{Chosen, Found};
 use crate::stage::records::selection::Comparison;
 use crate::stage::records::state_space::{Task, put};
@@ -71,7 +71,7 @@ impl<'a> Attempts<'a> {
         let mut failures = Vec::new();
         for attempt in attempts {
             let found = (attempt.identify)(&self.data, Chosen::default());
-            match found.and_then(|found| simulated(found, &self.data)) {
+            match found.and_then(|found| simulate_accepted(found, &self.data)) {
                 Ok((simulated, found)) => {
                     self.put_one(attempt, found, &simulated, comparison, out)?;
                     written += 1;
@@ -104,9 +104,9 @@ impl<'a> Attempts<'a> {
         out: &mut Output,
     ) -> anyhow::Result<()> {
         let Self { method, settings, beyond, record, data, whole, .. } = self;
-        found.notes.extend(attempt.remark.clone());
+        attempt.remark.iter().for_each(|remark| found.notes.info(remark));
         if beyond.delay > 0 {
-            found.notes.push(format!("the input acts {} samples late; the model itself has no delay", beyond.delay));
+            found.notes.info(format!("the input acts {} samples late; the model itself has no delay", beyond.delay));
         }
         let chosen = found.chosen;
         let refit = |y: &[Vec<f64>]| {

@@ -1,5 +1,6 @@
 //! The subspace methods: an order, the order that the record asks for, and the stabilisation diagram.
 
+use crumple_signal::Notes;
 use crumple_stage::Output;
 use crumple_sysid::{
     Horizons, IdentifyError, IoData, Subspace, SubspaceModel, SubspaceOptions, Weighting, automatic_thinning, horizons,
@@ -145,7 +146,7 @@ pub fn of_order(
     let best = results.into_iter().reduce(|best, next| if losses(&next) < losses(&best) { next } else { best });
     let OfHorizon { every, thin_samples, block_rows, subspace: (singular_values, (excited, full)), found, .. } =
         best.ok_or(IdentifyError::OrderZero)??;
-    let mut notes = Vec::new();
+    let mut notes = Notes::new();
     if beyond.block_rows.is_none() {
         let mut tried: Vec<String> = own.iter().map(ToString::to_string).collect();
         tried.extend(compared.map(|other| format!("{} by which the order was chosen", other.block_rows)));
@@ -155,22 +156,22 @@ pub fn of_order(
             _ => format!("of [{}] the one whose model simulates best", tried.join(", ")),
         });
         text.extend(lags.map(|lags| format!("; a regression on the past needs {lags} lags by BIC")));
-        notes.push(text);
+        notes.info(text);
     }
     if excited < full {
-        notes.push(format!(
-            "warning: the input is worth {excited} of {full} independent ones: it follows from its own past, so driven and free motion cannot be told apart and the poles mean little; take tfest, or --inputs none for a free motion"
+        notes.warning(format!(
+            "the input is worth {excited} of {full} independent ones: it follows from its own past, so driven and free motion cannot be told apart and the poles mean little; take tfest, or --inputs none for a free motion"
         ));
     }
     if every > 1 {
-        notes.push(format!(
+        notes.info(format!(
             "poles from every {every}th sample behind a low-pass filter ({thin_samples} samples of {:.4e} s), inputs and initial state from all: as many block rows of the whole record are too short a horizon",
             data.sample_time_s() * every as f64
         ));
     }
     if found.reflected_poles > 0 {
-        notes.push(format!(
-            "warning: {} growing poles were mirrored at the unit circle so that the model can be simulated",
+        notes.warning(format!(
+            "{} growing poles were mirrored at the unit circle so that the model can be simulated",
             found.reflected_poles
         ));
     }
