@@ -1,7 +1,7 @@
 //! The methods `era` and `era-dc`: records taken for impulse responses.
 
-use crumple_signal::{QuantityKind, TestDescription};
-use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
+use crumple_signal::QuantityKind;
+use crumple_stage::{Outcome, Output, RefuseExt};
 use crumple_sysid::{
     Era, EraDc, EraDcOptions, EraError, EraOptions, MarkovParameters, Order, OrderPoles, Realization, caveats,
     era_order_scan_of,
@@ -11,10 +11,11 @@ use crate::stage::options::hankel::HankelSettings;
 use crate::stage::options::paper;
 use crate::stage::options::settings::Settings;
 use crate::stage::records::realization::{Pass, put_model};
-use crate::stage::records::selection::Comparison;
+use crate::stage::records::results::Results;
 use crate::stage::records::stabilization;
 use crate::stage::waves::input_output::{Cut, cuts, filter_edges};
 use crate::stage::waves::scaled::RecordsTogether;
+use crate::stage::waves::source::Source;
 use crate::stage::waves::window::channel;
 
 /// What models of all orders are for and from.
@@ -29,25 +30,19 @@ struct Task<'a> {
 }
 
 /// Models of every order asked for, or those of the paper.
-pub fn run(
-    method: &str,
-    settings: &Settings,
-    test: &TestDescription,
-    inputs: &Inputs,
-    comparison: &mut Comparison,
-    out: &mut Output,
-) -> anyhow::Result<Outcome> {
+pub fn run(method: &str, source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+    let settings = source.settings;
     let channels = match &settings.hankel {
         Some(hankel) if !hankel.channels.is_empty() => hankel.channels.clone(),
-        _ => vec![channel(settings, test, "name the waveform with --outputs")?.to_owned()],
+        _ => vec![channel(source, "name the waveform with --outputs")?.to_owned()],
     };
     let names = channels.join(", ");
-    let cuts = together(channels, settings, test, inputs)?;
+    let cuts = together(channels, source)?;
     let free = settings.hankel.as_ref().is_some_and(|hankel| hankel.free_decay_share.is_some());
     let treated_as = if free { "free-decay" } else { "impulse-response" };
     if !free {
         let pulse = cuts.iter().any(|cut| cut.quantity == QuantityKind::Acceleration);
-        out.notes().info(format!(
+        results.out.notes().info(format!(
             "{method}: the record of {names} is taken for an impulse response{}",
             if pulse {
                 "; of a crash pulse the strongest poles are often those of its filter and of its shape, not of the car"
@@ -58,26 +53,21 @@ pub fn run(
     }
     let task = Task { method, settings, cuts: &cuts, treated_as, remarks: &[] };
     if settings.paper.is_some() {
-        return by_paper(&task, comparison, out);
+        return by_paper(&task, results);
     }
     if let Some(wanted) = &settings.stabilisation {
         match order_scan(&task) {
-            Ok(models) => stabilization::put(method, &names, &models, cuts[0].sampled.dt_s(), wanted, out)?,
-            Err(error) => out.notes().warning(format!("{method}: no stabilisation diagram: {error}")),
+            Ok(models) => stabilization::put(method, &names, &models, cuts[0].sampled.dt_s(), wanted, results.out)?,
+            Err(error) => results.out.notes().warning(format!("{method}: no stabilisation diagram: {error}")),
         }
     }
     let orders: Vec<Order> = settings.orders.iter().map(|order| order.0).collect();
-    realize_all(&task, &orders, &mut Vec::new(), comparison, out)
+    realize_all(&task, &orders, &mut Vec::new(), results)
 }
 
 /// The window of every waveform. Errors: not sampled together.
-fn together(
-    ids: Vec<String>,
-    settings: &Settings,
-    test: &TestDescription,
-    inputs: &Inputs,
-) -> anyhow::Result<Vec<Cut>> {
-    let cuts = cuts(ids, settings, test, inputs)?;
+fn together(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<Cut>> {
+    let cuts = cuts(ids, source)?;
     for next in &cuts[1..] {
         let hint = "name channels of one time base with --channels, or a window that all have";
         cuts[0].together_with(next, hint)?;
@@ -113,9 +103,9 @@ fn order_scan(task: &Task<'_>) -> Result<Vec<OrderPoles>, EraError> {
 }
 
 /// The realisations of the paper: each order from its own number of samples, as far as the record has them.
-fn by_paper(task: &Task<'_>, comparison: &mut Comparison, out: &mut Output) -> anyhow::Result<Outcome> {
+fn by_paper(task: &Task<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
     let remarks = paper::remarks("era");
-    remarks.iter().for_each(|remark| out.notes().info(*remark));
+    remarks.iter().for_each(|remark| results.out.notes().info(*remark));
     let mut outcome = Outcome::Done;
     // A window shorter than the samples of two runs makes one of them.
     let mut written = Vec::new();
@@ -133,9 +123,9 @@ fn by_paper(task: &Task<'_>, comparison: &mut Comparison, out: &mut Output) -> a
             .collect();
         let found = shorter[0].sampled.len();
         if found < samples {
-            out.notes().info(format!("paper era: the window has {found} samples, not {samples}"));
+            results.out.notes().info(format!("paper era: the window has {found} samples, not {samples}"));
         }
-        match realize_all(&Task { cuts: &shorter, remarks, ..*task }, &[order], &mut written, comparison, out)? {
+        match realize_all(&Task { cuts: &shorter, remarks, ..*task }, &[order], &mut written, results)? {
             Outcome::Done => {}
             other => outcome = other,
         }
@@ -148,8 +138,7 @@ fn realize_all(
     task: &Task<'_>,
     orders: &[Order],
     written: &mut Vec<(usize, usize)>,
-    comparison: &mut Comparison,
-    out: &mut Output,
+    results: &mut Results<'_>,
 ) -> anyhow::Result<Outcome> {
     let Task { method, settings, cuts, treated_as, remarks } = *task;
     let dt_s = cuts[0].sampled.dt_s();
@@ -166,10 +155,10 @@ fn realize_all(
     let before = written.len();
     let mut first_failure = None;
     for &order in orders {
-        let model = match realize(&decomposed, order, out) {
+        let model = match realize(&decomposed, order, results.out) {
             Ok(model) => records.unscaled(model),
             Err(error) => {
-                out.notes().warning(error.to_string());
+                results.out.notes().warning(error.to_string());
                 first_failure.get_or_insert(error);
                 continue;
             }
@@ -196,9 +185,9 @@ fn realize_all(
             refit: &refit,
         };
         let mut notes = caveats(&pass.id(model.order()), &model, filter_edges(cuts));
-        out.notes().extend(notes.clone());
+        results.out.notes().extend(notes.clone());
         remarks.iter().for_each(|remark| notes.info(*remark));
-        put_model(&model, &pass, &notes, comparison, out)?;
+        put_model(&model, &pass, &notes, results)?;
     }
     if let Some(error) = first_failure.filter(|_| written.len() == before) {
         return Err(error).refuse_with_hint("lower --orders, or widen the window (--from, --to, --samples)");

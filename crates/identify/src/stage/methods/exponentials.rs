@@ -1,9 +1,9 @@
 //! The method `exponentials`: a record as a sum of exponentials.
 
 use crumple_lti::{Complex, Mode};
-use crumple_signal::{Notes, QuantityKind, TestDescription};
+use crumple_signal::{Notes, QuantityKind};
 use crumple_stage::records::{EvidenceV1, ExponentialSumV1, ExponentialTermV1};
-use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Refused};
+use crumple_stage::{Inputs, Outcome, RefuseExt, Refused};
 use crumple_sysid::{ExponentialOptions, ExponentialSumFit, ExponentialTerm, Sample, Stop, exponential_sum};
 
 use crate::stage::options::input_output::{BeyondEra, CONDITIONS};
@@ -12,8 +12,9 @@ use crate::stage::options::settings::Settings;
 use crate::stage::records::acceptance::note_on_fit;
 use crate::stage::records::evidence::{evidence, foretold, identification, modes, notes_on_modes, percent, validate};
 use crate::stage::records::responses::{put_spreads, spread};
-use crate::stage::records::selection::Comparison;
+use crate::stage::records::results::Results;
 use crate::stage::waves::input_output::{Cut, output};
+use crate::stage::waves::source::Source;
 
 /// What one sum is fitted with.
 struct Task {
@@ -25,15 +26,9 @@ struct Task {
 }
 
 /// One sum; of the paper's curve fit a second one beside it, as the stage goes by itself.
-pub fn run(
-    settings: &Settings,
-    test: &TestDescription,
-    inputs: &Inputs,
-    comparison: &mut Comparison,
-    out: &mut Output,
-) -> anyhow::Result<Outcome> {
-    let Some(beyond) = &settings.beyond_era else { return Ok(Outcome::Done) };
-    let answer = output(settings, beyond, test, inputs)?;
+pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+    let Some(beyond) = &source.settings.beyond_era else { return Ok(Outcome::Done) };
+    let answer = output(source, beyond)?;
     let id = format!("exponentials-{}", beyond.terms);
     let options = |real: bool, start: Vec<f64>| ExponentialOptions {
         real,
@@ -41,10 +36,10 @@ pub fn run(
         stop: Stop { max_iterations: beyond.most_iterations(), ..Stop::default() },
         ..ExponentialOptions::new(beyond.terms)
     };
-    let Some(paper) = settings.paper.clone().filter(|paper| paper::has_curve_fit(paper)) else {
-        let start = conditions(beyond.conditions, beyond, &answer, inputs)?;
+    let Some(paper) = source.settings.paper.clone().filter(|paper| paper::has_curve_fit(paper)) else {
+        let start = conditions(beyond.conditions, beyond, &answer, source.inputs)?;
         let task = Task { id, options: options(beyond.real, start), remarks: Vec::new(), paper: None };
-        return one(&task, settings, &answer, comparison, out);
+        return one(&task, source.settings, &answer, results);
     };
     let printed = Task {
         id: format!("{id}-paper"),
@@ -53,14 +48,14 @@ pub fn run(
         paper: Some(paper),
     };
     // Contact: the position and the velocity of the record, as far as they are known.
-    let held = if velocity(beyond, &answer, inputs)?.is_some() { 2 } else { 1 };
-    let start = conditions(held, beyond, &answer, inputs)?;
+    let held = if velocity(beyond, &answer, source.inputs)?.is_some() { 2 } else { 1 };
+    let start = conditions(held, beyond, &answer, source.inputs)?;
     let remark = format!(
         "beside the paper's curve fit: the sum may oscillate, and holds {} of the record at the start",
         CONDITIONS[..held].join(" and ")
     );
     let own = Task { id, options: options(false, start), remarks: vec![remark], paper: None };
-    let outcomes = [printed, own].map(|task| one(&task, settings, &answer, comparison, out));
+    let outcomes = [printed, own].map(|task| one(&task, source.settings, &answer, results));
     // The second stands even where the first has no terms.
     let mut all = outcomes.into_iter().collect::<anyhow::Result<Vec<Outcome>>>()?.into_iter();
     let first = all.next().unwrap_or(Outcome::Done);
@@ -104,13 +99,7 @@ fn velocity(beyond: &BeyondEra, answer: &Cut, inputs: &Inputs) -> anyhow::Result
     Ok(inputs.wave_if(&format!("{base}/velocity")).and_then(|wave| wave.sampled.at(answer.sampled.t0_s())))
 }
 
-fn one(
-    task: &Task,
-    settings: &Settings,
-    answer: &Cut,
-    comparison: &mut Comparison,
-    out: &mut Output,
-) -> anyhow::Result<Outcome> {
+fn one(task: &Task, settings: &Settings, answer: &Cut, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
     let Task { id, options, remarks: said, paper } = task;
     let record = answer.sampled.samples();
     let fit = exponential_sum(record, answer.sampled.dt_s(), options)
@@ -131,7 +120,7 @@ fn one(
             "{id}: condition number {:.1e}: the curve is known, its single terms are not; believe crush, time and energy only",
             fit.condition
         );
-        out.notes().warning(text.clone());
+        results.out.notes().warning(text.clone());
         notes.warning(text);
     }
     let poles: Vec<Complex> = fit.terms.iter().map(|term| term.exponent).collect();
@@ -152,8 +141,10 @@ fn one(
             "{id}: exponents coincide exactly, so that the sum has a term t exp(st), which the record cannot hold"
         )));
     }
-    out.put(&format!("/model/{id}"), &ExponentialSumV1 { terms, output: answer.describe() })?;
-    out.put(&format!("/modes/{id}"), &modes(fit.terms.iter().map(|term| (Mode::continuous(term.exponent), None))))?;
+    results.out.put(&format!("/model/{id}"), &ExponentialSumV1 { terms, output: answer.describe() })?;
+    results
+        .out
+        .put(&format!("/modes/{id}"), &modes(fit.terms.iter().map(|term| (Mode::continuous(term.exponent), None))))?;
     let mut support = evidence(None, answer, &fit.simulated, fit.criteria.parameters);
     let again = ExponentialOptions { random_starts: 0, given: vec![poles.clone()], ..options.clone() };
     let found = spread(
@@ -172,7 +163,7 @@ fn one(
     }
     note_on_fit(id, fit.fit.and_then(|fit| fit.fit_percent), &mut remarks);
     notes.extend(remarks.clone());
-    out.notes().extend(remarks);
+    results.out.notes().extend(remarks);
     let all = answer.sampled.len() + answer.kept.len();
     let curve: Vec<f64> = (0..all).map(|k| value_at(&fit, k as f64 * answer.sampled.dt_s())).collect();
     validate(answer, &curve, &mut support);
@@ -193,10 +184,10 @@ fn one(
     support.losses = fit.losses.clone();
     support.condition = Some(fit.condition).filter(|c| c.is_finite());
     let percent = percent(record.fit_percent);
-    out.put(&format!("/identification/{id}"), &record)?;
-    out.put(&format!("/evidence/{id}"), &support)?;
-    comparison.enter(id, answer.sampled.len(), std::slice::from_ref(&support));
-    out.summary(format!(
+    results.out.put(&format!("/identification/{id}"), &record)?;
+    results.out.put(&format!("/evidence/{id}"), &support)?;
+    results.comparison.enter(id, answer.sampled.len(), std::slice::from_ref(&support));
+    results.out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations{}",
         answer.sampled.len(),
         fit.termination.name(),

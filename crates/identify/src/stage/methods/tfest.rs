@@ -3,15 +3,14 @@
 use std::f64::consts::TAU;
 
 use crumple_lti::Complex;
-use crumple_signal::{Notes, QuantityKind, TestDescription};
-use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
+use crumple_signal::{Notes, QuantityKind};
+use crumple_stage::{Outcome, RefuseExt};
 use crumple_sysid::{
     Hold, InitialConditions, IoData, Stop, TransferFunctionFit, TransferFunctionOptions, response_deviations,
     transfer_function_array, transfer_function_fit,
 };
 
 use crate::stage::options::paper;
-use crate::stage::options::settings::Settings;
 use crate::stage::records::acceptance::note_on_fit;
 use crate::stage::records::evidence::{
     INTEGRATOR, evidence, foretold, identification, known, modes, notes_on_modes, percent, put_search,
@@ -19,23 +18,19 @@ use crate::stage::records::evidence::{
 };
 use crate::stage::records::realization::state_space;
 use crate::stage::records::responses::{Band, Judged, put_spreads, spread};
-use crate::stage::records::selection::Comparison;
+use crate::stage::records::results::Results;
 use crate::stage::records::transfer_function_array::put_array;
 use crate::stage::records::transfer_function_task::{
     TransferFunctionTask, condition_note, preparation, validate_continuous,
 };
 use crate::stage::waves::input_output::{Cut, Record, record};
+use crate::stage::waves::source::Source;
 
 /// One transfer function, or an array of them, for every limit of iterations.
-pub fn run(
-    settings: &Settings,
-    test: &TestDescription,
-    inputs: &Inputs,
-    comparison: &mut Comparison,
-    out: &mut Output,
-) -> anyhow::Result<Outcome> {
+pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+    let settings = source.settings;
     let Some(beyond) = &settings.beyond_era else { return Ok(Outcome::Done) };
-    let record = record(settings, beyond, test, inputs)?;
+    let record = record(source, beyond)?;
     let options = TransferFunctionOptions {
         hold: if beyond.hold == "zero-order" { Hold::Zero } else { Hold::First },
         delay: beyond.delay,
@@ -70,12 +65,12 @@ pub fn run(
             let fit = transfer_function_fit(&record.data, &options).refuse_with_hint(hint)?;
             notes.extend(preparation(&id, &record));
             notes.extend(remarks(&id, &fit, &record.drives[0], &record.answers[0]));
-            put(&task, &fit, &mut notes, comparison, out)?;
+            put(&task, &fit, &mut notes, results)?;
         } else {
             let fit = transfer_function_array(&record.data, &options).refuse_with_hint(hint)?;
-            put_array(&task, &fit, &mut notes, comparison, out)?;
+            put_array(&task, &fit, &mut notes, results)?;
         }
-        out.notes().extend(notes);
+        results.out.notes().extend(notes);
     }
     Ok(Outcome::Done)
 }
@@ -129,16 +124,17 @@ fn put(
     task: &TransferFunctionTask<'_>,
     fit: &TransferFunctionFit,
     notes: &mut Notes,
-    comparison: &mut Comparison,
-    out: &mut Output,
+    results: &mut Results<'_>,
 ) -> anyhow::Result<()> {
     let TransferFunctionTask { id, options, settings, beyond, record } = *task;
     let (data, drive, answer) = (&record.data, &record.drives[0], &record.answers[0]);
     let (input, output) = (drive.describe(), answer.describe());
     let tf = &fit.transfer_function;
-    put_transfer_functions(id, record, |_, _| (tf.numerator().to_vec(), tf.denominator().to_vec()), out)?;
-    out.put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &input, &output, record.delay_s))?;
-    out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
+    put_transfer_functions(id, record, |_, _| (tf.numerator().to_vec(), tf.denominator().to_vec()), results.out)?;
+    results
+        .out
+        .put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &input, &output, record.delay_s))?;
+    results.out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
     let mut support = evidence(Some(drive), answer, &fit.simulated, fit.criteria.parameters);
     put_search(&fit.search, &beyond.hold, settings.paper.as_deref(), &mut support);
     support.numerator_deviations = known(&fit.numerator_deviations);
@@ -179,16 +175,16 @@ fn put(
         (None, None) => None,
     };
     if let Some(response) = judged.response(&input, &output, band.as_ref()) {
-        out.put(&format!("/response/{id}"), &response)?;
+        results.out.put(&format!("/response/{id}"), &response)?;
     }
     let mut whole = identification("tfest", beyond.poles, "input-output", answer, &fit.simulated, notes.to_texts());
     whole.delay_s = record.delay_s;
     let percent = percent(whole.fit_percent);
-    out.put(&format!("/identification/{id}"), &whole)?;
-    out.put(&format!("/evidence/{id}"), &support)?;
+    results.out.put(&format!("/identification/{id}"), &whole)?;
+    results.out.put(&format!("/evidence/{id}"), &support)?;
     let supports = std::slice::from_ref(&support);
-    comparison.enter(id, answer.sampled.len(), supports);
-    out.summary(format!(
+    results.comparison.enter(id, answer.sampled.len(), supports);
+    results.out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
         answer.sampled.len(),
         fit.search.termination.name(),

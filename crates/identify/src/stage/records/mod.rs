@@ -6,6 +6,7 @@ pub mod discrete_model;
 pub mod evidence;
 pub mod realization;
 pub mod responses;
+pub mod results;
 pub mod selection;
 pub mod stabilization;
 pub mod state_space;

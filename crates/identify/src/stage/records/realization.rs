@@ -2,7 +2,6 @@
 
 use crumple_lti::{Complex, LtiError, Mode, StateSpace, to_transfer_function};
 use crumple_signal::{Notes, Sampled};
-use crumple_stage::Output;
 use crumple_stage::records::{
     EvidenceV1, IdentificationV1, ModeV1, ModesV1, ShapeV1, ShapesV1, StateSpaceV1, TransferFunctionV1,
 };
@@ -13,7 +12,7 @@ use crate::stage::options::evidence::BootstrapSettings;
 use crate::stage::records::acceptance::note_on_fit;
 use crate::stage::records::evidence::{evidence, foretold, put_evidence, validate};
 use crate::stage::records::responses::{Band, Judged, limits, put_spreads, spread_of_outputs, zeros_of};
-use crate::stage::records::selection::Comparison;
+use crate::stage::records::results::Results;
 use crate::stage::waves::input_output::{Cut, filter_edges};
 
 /// What a reader of the model must know of its input.
@@ -72,30 +71,24 @@ impl Pass<'_> {
 }
 
 /// Writes the records of one model under its id, `<method>-<order>`, and a summary line.
-pub fn put_model(
-    model: &Realization,
-    pass: &Pass<'_>,
-    notes: &Notes,
-    comparison: &mut Comparison,
-    out: &mut Output,
-) -> anyhow::Result<()> {
+pub fn put_model(model: &Realization, pass: &Pass<'_>, notes: &Notes, results: &mut Results<'_>) -> anyhow::Result<()> {
     let (order, samples, single) = (model.order(), pass.samples(), pass.single());
     let id = pass.id(order);
     let output = pass.describe();
     let mut notes = notes.clone();
-    out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output, None))?;
+    results.out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output, None))?;
     if let Ok(continuous) = &model.continuous {
-        out.put(&format!("/model/{id}/continuous"), &state_space(continuous, INPUT, &output, None))?;
+        results.out.put(&format!("/model/{id}/continuous"), &state_space(continuous, INPUT, &output, None))?;
         match transfer_function(continuous, &output) {
             _ if !single => {}
-            Ok(record) => out.put(&format!("/model/{id}/transfer-function"), &record)?,
+            Ok(record) => results.out.put(&format!("/model/{id}/transfer-function"), &record)?,
             Err(error) => notes.info(format!("no transfer function: {error}")),
         }
     }
-    out.put(&format!("/modes/{id}"), &modes(model))?;
+    results.out.put(&format!("/modes/{id}"), &modes(model))?;
     if !single {
         let poles: Vec<_> = model.modes.iter().map(|mode| (mode.discrete_pole, mode.mode)).collect();
-        out.put(&format!("/shapes/{id}"), &shapes(&poles, &model.mode_shapes, pass.cuts))?;
+        results.out.put(&format!("/shapes/{id}"), &shapes(&poles, &model.mode_shapes, pass.cuts))?;
     }
     if let Decomposition::Lanczos { steps } = model.decomposition {
         let converged = model
@@ -134,14 +127,14 @@ pub fn put_model(
     }
     let band = found.as_ref().map(Band::from_bootstrap);
     if let Some(record) = judged.response(INPUT, &output, band.as_ref()).filter(|_| single) {
-        out.put(&format!("/response/{id}"), &record)?;
+        results.out.put(&format!("/response/{id}"), &record)?;
     }
     notes.extend(remarks.clone());
-    out.notes().extend(remarks);
-    out.put(&format!("/identification/{id}"), &identification(model, pass, notes.to_texts()))?;
-    put_evidence(&id, &supports, out)?;
-    comparison.enter(&id, samples, &supports);
-    out.summary(format!("{}{}", summary(&id, model, samples), foretold(&supports)));
+    results.out.notes().extend(remarks);
+    results.out.put(&format!("/identification/{id}"), &identification(model, pass, notes.to_texts()))?;
+    put_evidence(&id, &supports, results.out)?;
+    results.comparison.enter(&id, samples, &supports);
+    results.out.summary(format!("{}{}", summary(&id, model, samples), foretold(&supports)));
     Ok(())
 }
 

@@ -16,7 +16,7 @@ use crate::stage::records::realization::{shapes, state_space};
 use crate::stage::records::responses::{
     Band, Judged, limits, put_spreads, spread_of_equation, spread_of_outputs, zeros_of,
 };
-use crate::stage::records::selection::Comparison;
+use crate::stage::records::results::Results;
 use crate::stage::waves::input_output::{Cut, Record};
 
 /// Transfer functions of more states are not written: their coefficients say nothing.
@@ -45,39 +45,33 @@ pub struct Task<'a> {
 }
 
 /// Writes the records of one model under its id and a summary line.
-pub fn put(
-    task: &Task<'_>,
-    found: &Found,
-    simulated: &[Vec<f64>],
-    comparison: &mut Comparison,
-    out: &mut Output,
-) -> anyhow::Result<()> {
+pub fn put(task: &Task<'_>, found: &Found, simulated: &[Vec<f64>], results: &mut Results<'_>) -> anyhow::Result<()> {
     let Task { id, method, order, record, .. } = *task;
     let mut notes = Notes::new();
     record.remarks.iter().for_each(|remark| notes.info(remark));
     notes.extend(found.notes.clone());
     for Note { text, .. } in notes.iter().filter(|note| note.severity == Severity::Warning) {
-        out.notes().warning(format!("{id}: {text}"));
+        results.out.notes().warning(format!("{id}: {text}"));
     }
-    let continuous = put_models(task, found, &mut notes, out)?;
-    let poles = put_modes(task, &found.model, out)?;
+    let continuous = put_models(task, found, &mut notes, results.out)?;
+    let poles = put_modes(task, &found.model, results.out)?;
     let judged = judged(&found.model, continuous.as_ref(), &record.answers[0], task.delay())?;
     let mut remarks = notes_on_modes(id, &judged.poles, &record.cuts());
     let (mut whole, mut supports) = of_record(method, order, record, simulated, found.parameters, Vec::new());
     fill_evidence(task, found, &poles, &mut supports, &mut notes);
     validate_kept(task, &found.model, &mut supports, &mut remarks)?;
-    put_responses(task, (found, simulated), &judged, &mut supports, &mut remarks, out)?;
+    put_responses(task, (found, simulated), &judged, &mut supports, &mut remarks, results.out)?;
     notes.extend(remarks.clone());
-    out.notes().extend(remarks);
+    results.out.notes().extend(remarks);
     whole.notes = notes.to_texts();
     whole.singular_values = found.singular_values.clone();
     let rows = |block_rows: usize| u32::try_from(block_rows * record.answers.len()).ok();
     whole.hankel_rows = found.chosen.block_rows.and_then(rows);
     let samples = record.data.samples();
-    out.summary(format!("{id}: {} of {samples} samples{}", percent(whole.fit_percent), foretold(&supports)));
-    out.put(&format!("/identification/{id}"), &whole)?;
-    comparison.enter(id, samples, &supports);
-    put_evidence(id, &supports, out)
+    results.out.summary(format!("{id}: {} of {samples} samples{}", percent(whole.fit_percent), foretold(&supports)));
+    results.out.put(&format!("/identification/{id}"), &whole)?;
+    results.comparison.enter(id, samples, &supports);
+    put_evidence(id, &supports, results.out)
 }
 
 impl Task<'_> {

@@ -2,7 +2,6 @@
 
 use crumple_lti::Complex;
 use crumple_signal::Notes;
-use crumple_stage::Output;
 use crumple_sysid::TransferFunctionArray;
 
 use crate::stage::records::acceptance::note_on_fit;
@@ -11,7 +10,7 @@ use crate::stage::records::evidence::{
 };
 use crate::stage::records::realization::state_space;
 use crate::stage::records::responses::limits;
-use crate::stage::records::selection::Comparison;
+use crate::stage::records::results::Results;
 use crate::stage::records::transfer_function_task::{
     TransferFunctionTask, condition_note, preparation, validate_continuous,
 };
@@ -21,8 +20,7 @@ pub fn put_array(
     task: &TransferFunctionTask<'_>,
     fit: &TransferFunctionArray,
     notes: &mut Notes,
-    comparison: &mut Comparison,
-    out: &mut Output,
+    results: &mut Results<'_>,
 ) -> anyhow::Result<()> {
     let TransferFunctionTask { id, settings, beyond, record, .. } = *task;
     notes.extend(preparation(id, record));
@@ -41,12 +39,12 @@ pub fn put_array(
         let tf = &fit.entries[i][j];
         (tf.numerator().to_vec(), tf.denominator().to_vec())
     };
-    put_transfer_functions(id, record, entry, out)?;
-    out.put(
+    put_transfer_functions(id, record, entry, results.out)?;
+    results.out.put(
         &format!("/model/{id}/continuous"),
         &state_space(&fit.state_space, &record.input(), &record.output(), record.delay_s),
     )?;
-    out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
+    results.out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
     let (whole, mut supports) =
         of_record("tfest", beyond.poles, record, &fit.simulated, fit.parameters, notes.to_texts());
     for (support, deviations) in supports.iter_mut().zip(&fit.numerator_deviations) {
@@ -56,10 +54,10 @@ pub fn put_array(
     }
     validate_continuous(task, &fit.state_space, fit.search.initial_estimated, &mut supports)?;
     let percent = percent(whole.fit_percent);
-    out.put(&format!("/identification/{id}"), &whole)?;
-    put_evidence(id, &supports, out)?;
-    comparison.enter(id, record.data.samples(), &supports);
-    out.summary(format!(
+    results.out.put(&format!("/identification/{id}"), &whole)?;
+    put_evidence(id, &supports, results.out)?;
+    results.comparison.enter(id, record.data.samples(), &supports);
+    results.out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
         record.data.samples(),
         fit.search.termination.name(),

@@ -1,13 +1,13 @@
 //! The driving and the answering waveforms of a stage run, cut to one window.
 
-use crumple_signal::{QuantityKind, Sampled, TestDescription};
+use crumple_signal::{QuantityKind, Sampled};
 use crumple_stage::records::ChannelFilterV1;
-use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
+use crumple_stage::{RefuseExt, Refused, Wave};
 use crumple_sysid::{FilterEdge, IoData};
 
 use crate::stage::options::input_output::BeyondEra;
-use crate::stage::options::settings::Settings;
-use crate::stage::waves::window::{Window, window};
+use crate::stage::waves::source::Source;
+use crate::stage::waves::window::{Window, channel, window};
 
 /// What a user may do about waveforms that do not fit.
 const HINT: &str = "name other waveforms with --inputs and --outputs";
@@ -34,20 +34,14 @@ pub struct Cut {
 
 impl Cut {
     /// The window of a waveform.
-    pub fn new(
-        id: String,
-        wave: &Wave,
-        settings: &Settings,
-        test: &TestDescription,
-        inputs: &Inputs,
-    ) -> anyhow::Result<Self> {
-        let Window { used, kept } = window(&wave.sampled, settings, inputs)?;
+    pub fn new(id: String, wave: &Wave, source: Source<'_>) -> anyhow::Result<Self> {
+        let Window { used, kept } = window(&wave.sampled, source)?;
         let channel = id.split('/').next().unwrap_or(&id);
-        let edges = match inputs.record_if::<ChannelFilterV1>(&format!("/filter/{channel}"))? {
+        let edges = match source.inputs.record_if::<ChannelFilterV1>(&format!("/filter/{channel}"))? {
             Some(record) => edges_of(&record),
             None => Vec::new(),
         };
-        let cfc = test.channel(&id).or_else(|| test.channel(channel)).and_then(|c| c.cfc);
+        let cfc = source.test.channel(&id).or_else(|| source.test.channel(channel)).and_then(|c| c.cfc);
         // Without a filter of ours, the class that the record came with.
         let edges = if edges.is_empty() { cfc.into_iter().map(FilterEdge::of_class).collect() } else { edges };
         Ok(Self { quantity: wave.quantity, sampled: used, kept, edges, id })
@@ -163,41 +157,32 @@ fn described(cuts: &[Cut]) -> String {
 }
 
 /// The first answering waveform: as asked for, else the displacement of the pulse.
-pub fn output(settings: &Settings, beyond: &BeyondEra, test: &TestDescription, inputs: &Inputs) -> anyhow::Result<Cut> {
-    let mut outputs = outputs(settings, beyond, test, inputs)?;
+pub fn output(source: Source<'_>, beyond: &BeyondEra) -> anyhow::Result<Cut> {
+    let mut outputs = outputs(source, beyond)?;
     Ok(outputs.swap_remove(0))
 }
 
-fn outputs(
-    settings: &Settings,
-    beyond: &BeyondEra,
-    test: &TestDescription,
-    inputs: &Inputs,
-) -> anyhow::Result<Vec<Cut>> {
+fn outputs(source: Source<'_>, beyond: &BeyondEra) -> anyhow::Result<Vec<Cut>> {
     if beyond.outputs.is_empty() {
-        let pulse = crate::stage::waves::window::channel(settings, test, NO_PULSE)?;
-        return cuts(vec![format!("{pulse}/displacement")], settings, test, inputs);
+        let pulse = channel(source, NO_PULSE)?;
+        return cuts(vec![format!("{pulse}/displacement")], source);
     }
-    cuts(beyond.outputs.clone(), settings, test, inputs)
+    cuts(beyond.outputs.clone(), source)
 }
 
 /// The windows of waveforms, any quantity.
-pub fn cuts(
-    ids: Vec<String>,
-    settings: &Settings,
-    test: &TestDescription,
-    inputs: &Inputs,
-) -> anyhow::Result<Vec<Cut>> {
+pub fn cuts(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<Cut>> {
     ids.into_iter()
         .map(|id| {
-            let wave = wave(&id, test, inputs)?;
-            Cut::new(id, wave, settings, test, inputs)
+            let wave = wave(&id, source)?;
+            Cut::new(id, wave, source)
         })
         .collect()
 }
 
 /// A waveform by its id. Where no channel of the test has that name, the error lists the waveforms that there are.
-fn wave<'a>(id: &str, test: &TestDescription, inputs: &'a Inputs) -> anyhow::Result<&'a Wave> {
+fn wave<'a>(id: &str, source: Source<'a>) -> anyhow::Result<&'a Wave> {
+    let Source { test, inputs, .. } = source;
     let channel = id.split('/').next().unwrap_or(id);
     match inputs.wave_if(id) {
         Some(wave) => Ok(wave),
@@ -212,19 +197,14 @@ fn wave<'a>(id: &str, test: &TestDescription, inputs: &'a Inputs) -> anyhow::Res
 }
 
 /// Inputs and outputs, sampled together.
-pub fn record(
-    settings: &Settings,
-    beyond: &BeyondEra,
-    test: &TestDescription,
-    inputs: &Inputs,
-) -> anyhow::Result<Record> {
-    let mut answers = outputs(settings, beyond, test, inputs)?;
+pub fn record(source: Source<'_>, beyond: &BeyondEra) -> anyhow::Result<Record> {
+    let mut answers = outputs(source, beyond)?;
     let ids = match &beyond.inputs[..] {
-        [] => vec![crate::stage::waves::window::channel(settings, test, NO_PULSE)?.to_owned()],
+        [] => vec![channel(source, NO_PULSE)?.to_owned()],
         [none] if none == "none" => Vec::new(),
         several => several.to_vec(),
     };
-    let mut drives = cuts(ids, settings, test, inputs)?;
+    let mut drives = cuts(ids, source)?;
     let mut remarks = Vec::new();
     if beyond.remove_mean {
         for cut in answers.iter_mut().chain(&mut drives) {

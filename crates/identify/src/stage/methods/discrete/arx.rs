@@ -1,17 +1,16 @@
 //! The method `arx`: of an order, of a structure, or of the best structure of a scan.
 
-use crumple_signal::TestDescription;
 use crumple_stage::records::{ArxScanModelV1, ArxScanV1};
-use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Refused};
+use crumple_stage::{Outcome, Output, RefuseExt, Refused};
 use crumple_sysid::{Arx, ArxOrder, IdentifyError, IoData, arx, arx_scan, fit_measures, simulate_fitted, vector_arx};
 
 use crate::stage::methods::discrete::run::{Attempt, Attempts};
 use crate::stage::options::arx_structure::ArxRanges;
-use crate::stage::options::settings::Settings;
 use crate::stage::records::discrete_model::Found;
 use crate::stage::records::responses::Equation;
-use crate::stage::records::selection::Comparison;
+use crate::stage::records::results::Results;
 use crate::stage::waves::input_output::Record;
+use crate::stage::waves::source::Source;
 
 /// What to do about a regression that does not work.
 const HINT: &str =
@@ -58,19 +57,13 @@ fn of_structure(order: ArxOrder, data: &IoData) -> Result<Found, IdentifyError> 
 }
 
 /// The structures asked for, and the best of the scan.
-pub fn run(
-    settings: &Settings,
-    test: &TestDescription,
-    inputs: &Inputs,
-    comparison: &mut Comparison,
-    out: &mut Output,
-) -> anyhow::Result<Outcome> {
-    let Some(beyond) = &settings.beyond_era else { return Ok(Outcome::Done) };
-    let all = Attempts::new("arx", (settings, beyond), test, inputs, HINT)?;
+pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+    let Some(beyond) = &source.settings.beyond_era else { return Ok(Outcome::Done) };
+    let all = Attempts::new("arx", source, beyond, HINT)?;
     let mut structures: Vec<(ArxOrder, Option<String>)> =
         beyond.arx_orders.iter().map(|structure| (structure.0, None)).collect();
     if let Some(ranges) = &beyond.arx_scan {
-        let best = scan(ranges, &all.record, &all.data, out)?;
+        let best = scan(ranges, &all.record, &all.data, results.out)?;
         let remark =
             Some(format!("the smallest BIC of the one-step prediction over the structures {ranges}, see /scan"));
         match structures.iter_mut().find(|(order, _)| *order == best) {
@@ -87,7 +80,7 @@ pub fn run(
             remark,
         })
         .collect();
-    all.put(&attempts, comparison, out)
+    all.put(&attempts, results)
 }
 
 fn id_of(order: &ArxOrder) -> String {

@@ -1,7 +1,6 @@
 //! The discrete methods with an input: subspace, ARX, output error, and through Markov parameters OKID and FIR.
 
-use crumple_signal::TestDescription;
-use crumple_stage::{Inputs, Outcome, Output};
+use crumple_stage::{Outcome, Output};
 use crumple_sysid::{IdentifyError, IoData, Order, Weighting};
 
 use crate::stage::methods::discrete::arx;
@@ -12,10 +11,10 @@ use crate::stage::methods::discrete::subspace;
 use crate::stage::methods::discrete::subspace::{Horizon, chosen_order, put_diagram};
 use crate::stage::options::hankel::HankelSettings;
 use crate::stage::options::input_output::BeyondEra;
-use crate::stage::options::settings::Settings;
 use crate::stage::records::acceptance::mirror_growing_poles;
 use crate::stage::records::discrete_model::Found;
-use crate::stage::records::selection::Comparison;
+use crate::stage::records::results::Results;
+use crate::stage::waves::source::Source;
 
 /// The order where it is left to a method that does not choose one.
 const AUTOMATIC_ORDER: usize = 4;
@@ -27,32 +26,25 @@ const HINT: &str = "lower --orders, widen the window (--from, --to), or name oth
 type Choice = (Horizon, String);
 
 /// One model per order.
-pub fn run(
-    method: &str,
-    settings: &Settings,
-    test: &TestDescription,
-    inputs: &Inputs,
-    comparison: &mut Comparison,
-    out: &mut Output,
-) -> anyhow::Result<Outcome> {
-    let Some(beyond) = &settings.beyond_era else { return Ok(Outcome::Done) };
-    let all = Attempts::new(method, (settings, beyond), test, inputs, HINT)?;
+pub fn run(method: &str, source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+    let Some(beyond) = &source.settings.beyond_era else { return Ok(Outcome::Done) };
+    let all = Attempts::new(method, source, beyond, HINT)?;
     let weighting = Weighting::ALL.into_iter().find(|weighting| weighting.name() == method);
-    if let (Some(wanted), Some(weighting)) = (&settings.stabilisation, weighting) {
-        put_diagram(weighting, settings.max_order, (&all.record, &all.data), beyond, wanted, out)?;
+    if let (Some(wanted), Some(weighting)) = (&source.settings.stabilisation, weighting) {
+        put_diagram(weighting, source.settings.max_order, (&all.record, &all.data), beyond, wanted, results.out)?;
     }
-    let mut orders: Vec<(usize, Option<Choice>)> = Vec::with_capacity(settings.orders.len());
-    for order in &settings.orders {
+    let mut orders: Vec<(usize, Option<Choice>)> = Vec::with_capacity(source.settings.orders.len());
+    for order in &source.settings.orders {
         let (order, choice) = match order.0 {
             Order::Given(n) => (n, None),
-            Order::Automatic => automatic(method, weighting, settings.max_order, &all.data, beyond, out),
+            Order::Automatic => automatic(method, weighting, source.settings.max_order, &all.data, beyond, results.out),
         };
         match orders.iter_mut().find(|(other, _)| *other == order) {
             Some((_, known)) => *known = known.take().or(choice),
             None => orders.push((order, choice)),
         }
     }
-    let hankel = settings.hankel.as_ref();
+    let hankel = source.settings.hankel.as_ref();
     let attempts: Vec<Attempt<'_>> = orders
         .into_iter()
         .map(|(order, choice)| (order, choice.unzip()))
@@ -73,7 +65,7 @@ pub fn run(
             remark,
         })
         .collect();
-    all.put(&attempts, comparison, out)
+    all.put(&attempts, results)
 }
 
 /// The number of states where it is left to the method, told in a note, and why this one where the record chose it.

@@ -1,16 +1,16 @@
 //! Models of one discrete method, one attempt after the other: identified, simulated, written.
 
-use crumple_signal::TestDescription;
-use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
+use crumple_stage::{Outcome, RefuseExt};
 use crumple_sysid::{IdentifyError, IoData};
 
 use crate::stage::options::input_output::BeyondEra;
 use crate::stage::options::settings::Settings;
 use crate::stage::records::acceptance::simulate_accepted;
 use crate::stage::records::discrete_model::{Chosen, Found};
-use crate::stage::records::selection::Comparison;
+use crate::stage::records::results::Results;
 use crate::stage::records::state_space::{Task, put};
 use crate::stage::waves::input_output::{Record, record};
+use crate::stage::waves::source::Source;
 
 /// A method and the waveforms that it works on.
 pub struct Attempts<'a> {
@@ -47,33 +47,22 @@ pub struct Attempt<'a> {
 
 impl<'a> Attempts<'a> {
     /// Reads the waveforms.
-    pub fn new(
-        method: &'a str,
-        (settings, beyond): (&'a Settings, &'a BeyondEra),
-        test: &TestDescription,
-        inputs: &Inputs,
-        hint: &'static str,
-    ) -> anyhow::Result<Self> {
-        let record = record(settings, beyond, test, inputs)?;
+    pub fn new(method: &'a str, source: Source<'a>, beyond: &'a BeyondEra, hint: &'static str) -> anyhow::Result<Self> {
+        let record = record(source, beyond)?;
         let (data, whole) = (record.data.delayed(beyond.delay), record.whole.delayed(beyond.delay));
-        Ok(Self { method, settings, beyond, record, data, whole, hint })
+        Ok(Self { method, settings: source.settings, beyond, record, data, whole, hint })
     }
 
     /// Writes one model an attempt. What one attempt does not allow is a warning; an error, told by who asked, only if there
     /// is no model at all.
-    pub fn put(
-        &self,
-        attempts: &[Attempt<'_>],
-        comparison: &mut Comparison,
-        out: &mut Output,
-    ) -> anyhow::Result<Outcome> {
+    pub fn put(&self, attempts: &[Attempt<'_>], results: &mut Results<'_>) -> anyhow::Result<Outcome> {
         let mut written = 0;
         let mut failures = Vec::new();
         for attempt in attempts {
             let found = (attempt.identify)(&self.data, Chosen::default());
             match found.and_then(|found| simulate_accepted(found, &self.data)) {
                 Ok((simulated, found)) => {
-                    self.put_one(attempt, found, &simulated, comparison, out)?;
+                    self.put_one(attempt, found, &simulated, results)?;
                     written += 1;
                 }
                 Err(error) => failures.push((&attempt.id, error)),
@@ -83,7 +72,7 @@ impl<'a> Attempts<'a> {
         // Where there is no model the first failure is the answer.
         let answer = if written == 0 { failures.next() } else { None };
         for (id, error) in failures {
-            out.notes().warning(format!("{id}: {error}"));
+            results.out.notes().warning(format!("{id}: {error}"));
         }
         match answer.map(|(_, error)| error) {
             // Nothing is passed on, but what was found is written: it is a result.
@@ -100,8 +89,7 @@ impl<'a> Attempts<'a> {
         attempt: &Attempt<'_>,
         mut found: Found,
         simulated: &[Vec<f64>],
-        comparison: &mut Comparison,
-        out: &mut Output,
+        results: &mut Results<'_>,
     ) -> anyhow::Result<()> {
         let Self { method, settings, beyond, record, data, whole, .. } = self;
         attempt.remark.iter().for_each(|remark| found.notes.info(remark));
@@ -124,6 +112,6 @@ impl<'a> Attempts<'a> {
             bootstrap: settings.bootstrap.as_ref(),
             refit: &refit,
         };
-        put(&task, &found, simulated, comparison, out)
+        put(&task, &found, simulated, results)
     }
 }
