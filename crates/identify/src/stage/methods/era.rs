@@ -10,16 +10,16 @@ use crumple_sysid::{
 use crate::stage::options::hankel::HankelSettings;
 use crate::stage::options::paper;
 use crate::stage::options::settings::Settings;
-use crate::stage::records::realization::{Pass, put_model};
+use crate::stage::records::realization::{RealizationTask, put_realization};
 use crate::stage::records::results::Results;
 use crate::stage::records::stabilization;
 use crate::stage::waves::input_output::{Cut, cuts, filter_edges};
-use crate::stage::waves::scaled::RecordsTogether;
+use crate::stage::waves::scaled::ScaledWaves;
 use crate::stage::waves::source::Source;
 use crate::stage::waves::window::channel;
 
 /// What models of all orders are for and from.
-struct Task<'a> {
+struct EraRun<'a> {
     method: &'a str,
     settings: &'a Settings,
     /// The channels, sampled together.
@@ -37,7 +37,7 @@ pub fn run(method: &str, source: Source<'_>, results: &mut Results<'_>) -> anyho
         _ => vec![channel(source, "name the waveform with --outputs")?.to_owned()],
     };
     let names = channels.join(", ");
-    let cuts = together(channels, source)?;
+    let cuts = sampled_together(channels, source)?;
     let free = settings.hankel.as_ref().is_some_and(|hankel| hankel.free_decay_share.is_some());
     let treated_as = if free { "free-decay" } else { "impulse-response" };
     if !free {
@@ -51,13 +51,15 @@ pub fn run(method: &str, source: Source<'_>, results: &mut Results<'_>) -> anyho
             }
         ));
     }
-    let task = Task { method, settings, cuts: &cuts, treated_as, remarks: &[] };
+    let task = EraRun { method, settings, cuts: &cuts, treated_as, remarks: &[] };
     if settings.paper.is_some() {
-        return by_paper(&task, results);
+        return run_paper(&task, results);
     }
     if let Some(wanted) = &settings.stabilisation {
         match order_scan(&task) {
-            Ok(models) => stabilization::put(method, &names, &models, cuts[0].sampled.dt_s(), wanted, results.out)?,
+            Ok(models) => {
+                stabilization::put_diagram(method, &names, &models, cuts[0].sampled.dt_s(), wanted, results.out)?
+            }
             Err(error) => results.out.notes().warning(format!("{method}: no stabilisation diagram: {error}")),
         }
     }
@@ -66,7 +68,7 @@ pub fn run(method: &str, source: Source<'_>, results: &mut Results<'_>) -> anyho
 }
 
 /// The window of every waveform. Errors: not sampled together.
-fn together(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<Cut>> {
+fn sampled_together(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<Cut>> {
     let cuts = cuts(ids, source)?;
     for next in &cuts[1..] {
         let hint = "name channels of one time base with --channels, or a window that all have";
@@ -76,9 +78,9 @@ fn together(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<Cut>> {
 }
 
 /// Poles of all orders, for the stabilisation diagram.
-fn order_scan(task: &Task<'_>) -> Result<Vec<OrderPoles>, EraError> {
-    let Task { method, settings, cuts, .. } = *task;
-    let records = RecordsTogether::new(cuts);
+fn order_scan(task: &EraRun<'_>) -> Result<Vec<OrderPoles>, EraError> {
+    let EraRun { method, settings, cuts, .. } = *task;
+    let records = ScaledWaves::new(cuts);
     let highest = settings.max_order;
     if method == "era" {
         return era_order_scan_of(records.markov()?, highest, settings.rows, settings.columns);
@@ -103,7 +105,7 @@ fn order_scan(task: &Task<'_>) -> Result<Vec<OrderPoles>, EraError> {
 }
 
 /// The realisations of the paper: each order from its own number of samples, as far as the record has them.
-fn by_paper(task: &Task<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+fn run_paper(task: &EraRun<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
     let remarks = paper::remarks("era");
     remarks.iter().for_each(|remark| results.out.notes().info(*remark));
     let mut outcome = Outcome::Done;
@@ -121,11 +123,11 @@ fn by_paper(task: &Task<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcom
                 edges: cut.edges.clone(),
             })
             .collect();
-        let found = shorter[0].sampled.len();
-        if found < samples {
-            results.out.notes().info(format!("paper era: the window has {found} samples, not {samples}"));
+        let available = shorter[0].sampled.len();
+        if available < samples {
+            results.out.notes().info(format!("paper era: the window has {available} samples, not {samples}"));
         }
-        match realize_all(&Task { cuts: &shorter, remarks, ..*task }, &[order], &mut written, results)? {
+        match realize_all(&EraRun { cuts: &shorter, remarks, ..*task }, &[order], &mut written, results)? {
             Outcome::Done => {}
             other => outcome = other,
         }
@@ -135,14 +137,14 @@ fn by_paper(task: &Task<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcom
 
 /// Models of several orders from one decomposition; `written` are orders and samples of those that are there already.
 fn realize_all(
-    task: &Task<'_>,
+    task: &EraRun<'_>,
     orders: &[Order],
     written: &mut Vec<(usize, usize)>,
     results: &mut Results<'_>,
 ) -> anyhow::Result<Outcome> {
-    let Task { method, settings, cuts, treated_as, remarks } = *task;
+    let EraRun { method, settings, cuts, treated_as, remarks } = *task;
     let dt_s = cuts[0].sampled.dt_s();
-    let records = RecordsTogether::new(cuts);
+    let records = ScaledWaves::new(cuts);
     let decomposed = match decompose(method, settings, records.slices(), dt_s, orders) {
         Err(error @ EraError::Silent { .. }) => {
             let names: Vec<&str> = cuts.iter().map(|cut| cut.id.as_str()).collect();
@@ -168,15 +170,17 @@ fn realize_all(
             continue;
         }
         written.push(made);
-        let found = Order::Given(model.order());
+        let realized_order = Order::Given(model.order());
         // A Hankel matrix sized by the order asked for stays as it was.
-        let of = if matches!(decomposed, Decomposed::Sized(_)) { order } else { found };
+        let sizing_order = if matches!(decomposed, Decomposed::Sized(_)) { order } else { realized_order };
         let refit = |y: &[Vec<f64>]| {
             let divided = records.divided(y);
             let slices = divided.iter().map(Vec::as_slice).collect();
-            Some(records.unscaled(decompose(method, settings, slices, dt_s, &[of]).ok()?.realize(found).ok()?))
+            Some(records.unscaled(
+                decompose(method, settings, slices, dt_s, &[sizing_order]).ok()?.realize(realized_order).ok()?,
+            ))
         };
-        let pass = Pass {
+        let realization = RealizationTask {
             method,
             cuts,
             treated_as,
@@ -184,10 +188,10 @@ fn realize_all(
             paper: !remarks.is_empty(),
             refit: &refit,
         };
-        let mut notes = caveats(&pass.id(model.order()), &model, filter_edges(cuts));
+        let mut notes = caveats(&realization.id(model.order()), &model, filter_edges(cuts));
         results.out.notes().extend(notes.clone());
         remarks.iter().for_each(|remark| notes.info(*remark));
-        put_model(&model, &pass, &notes, results)?;
+        put_realization(&model, &realization, &notes, results)?;
     }
     if let Some(error) = first_failure.filter(|_| written.len() == before) {
         return Err(error).refuse_with_hint("lower --orders, or widen the window (--from, --to, --samples)");
@@ -211,7 +215,7 @@ impl Decomposed<'_> {
             Self::Whole(era) => era.realize(order),
             Self::Correlations(era) => era.realize(order),
             Self::Sized(all) => {
-                let sized = all.iter().find(|(of, _)| *of == order).or(all.first());
+                let sized = all.iter().find(|(sized_for, _)| *sized_for == order).or(all.first());
                 sized.map_or(Err(EraError::OrderZero), |(_, era)| era.realize(order))
             }
         }
@@ -261,7 +265,7 @@ fn realize(era: &Decomposed<'_>, order: Order, out: &mut Output) -> Result<Reali
             out.notes().info(format!("{error}: order {rank} is used, which follows the record to rounding"));
             match era {
                 Decomposed::Sized(all) => {
-                    let sized = all.iter().find(|(of, _)| *of == order);
+                    let sized = all.iter().find(|(sized_for, _)| *sized_for == order);
                     sized.map_or(Err(error), |(_, era)| era.realize(Order::Given(rank)))
                 }
                 _ => era.realize(Order::Given(rank)),

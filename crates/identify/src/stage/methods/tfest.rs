@@ -13,48 +13,48 @@ use crumple_sysid::{
 use crate::stage::options::paper;
 use crate::stage::records::acceptance::note_on_fit;
 use crate::stage::records::evidence::{
-    INTEGRATOR, evidence, foretold, identification, known, modes, notes_on_modes, percent, put_search,
-    put_transfer_functions,
+    INTEGRATOR, fit_in_words, identification, if_determined, modes, notes_on_modes, put_search, put_transfer_functions,
+    simulation_evidence, validation_summary,
 };
 use crate::stage::records::realization::state_space;
-use crate::stage::records::responses::{Band, Judged, put_spreads, spread};
+use crate::stage::records::responses::{Band, ModelResponses, put_spreads, spread};
 use crate::stage::records::results::Results;
 use crate::stage::records::transfer_function_array::put_array;
 use crate::stage::records::transfer_function_task::{
     TransferFunctionTask, condition_note, preparation, validate_continuous,
 };
-use crate::stage::waves::input_output::{Cut, Record, record};
+use crate::stage::waves::input_output::{Cut, record};
 use crate::stage::waves::source::Source;
 
 /// One transfer function, or an array of them, for every limit of iterations.
 pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
     let settings = source.settings;
-    let Some(beyond) = &settings.beyond_era else { return Ok(Outcome::Done) };
-    let record = record(source, beyond)?;
+    let Some(input_output) = &settings.input_output else { return Ok(Outcome::Done) };
+    let record = record(source, input_output)?;
     let options = TransferFunctionOptions {
-        hold: if beyond.hold == "zero-order" { Hold::Zero } else { Hold::First },
-        delay: beyond.delay,
-        initial: match beyond.initial.as_str() {
+        hold: if input_output.hold == "zero-order" { Hold::Zero } else { Hold::First },
+        delay: input_output.delay,
+        initial: match input_output.initial.as_str() {
             "zero" => InitialConditions::Zero,
             "auto" => InitialConditions::Auto,
             _ => InitialConditions::Estimate,
         },
-        stable: beyond.stable,
-        starts: beyond.start_kinds(),
-        ..TransferFunctionOptions::new(beyond.poles, beyond.zeros)
+        stable: input_output.stable,
+        starts: input_output.start_kinds(),
+        ..TransferFunctionOptions::new(input_output.poles, input_output.zeros)
     };
-    for &max_iterations in &beyond.max_iterations {
+    for &max_iterations in &input_output.max_iterations {
         let options = TransferFunctionOptions { stop: Stop { max_iterations, ..Stop::default() }, ..options.clone() };
-        let mut id = format!("tfest-{}-{}", beyond.poles, beyond.zeros);
+        let mut id = format!("tfest-{}-{}", input_output.poles, input_output.zeros);
         let mut limit = None;
-        if max_iterations < beyond.most_iterations() {
+        if max_iterations < input_output.most_iterations() {
             id.push_str(&format!("-after-{max_iterations}"));
             limit = Some(format!("{id}: every start is stopped after {max_iterations} iterations, converged or not"));
         }
         if settings.paper.is_some() {
             id.push_str("-paper");
         }
-        let task = TransferFunctionTask { id: &id, options: &options, settings, beyond, record: &record };
+        let task = TransferFunctionTask { id: &id, options: &options, settings, input_output, record: &record };
         let mut notes = Notes::new();
         limit.into_iter().for_each(|text| notes.info(text));
         if let Some(name) = &settings.paper {
@@ -65,7 +65,7 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
             let fit = transfer_function_fit(&record.data, &options).refuse_with_hint(hint)?;
             notes.extend(preparation(&id, &record));
             notes.extend(remarks(&id, &fit, &record.drives[0], &record.answers[0]));
-            put(&task, &fit, &mut notes, results)?;
+            put_transfer_function(&task, &fit, &mut notes, results)?;
         } else {
             let fit = transfer_function_array(&record.data, &options).refuse_with_hint(hint)?;
             put_array(&task, &fit, &mut notes, results)?;
@@ -120,13 +120,13 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> No
     notes
 }
 
-fn put(
+fn put_transfer_function(
     task: &TransferFunctionTask<'_>,
     fit: &TransferFunctionFit,
     notes: &mut Notes,
     results: &mut Results<'_>,
 ) -> anyhow::Result<()> {
-    let TransferFunctionTask { id, options, settings, beyond, record } = *task;
+    let TransferFunctionTask { id, options, settings, input_output, record } = *task;
     let (data, drive, answer) = (&record.data, &record.drives[0], &record.answers[0]);
     let (input, output) = (drive.describe(), answer.describe());
     let tf = &fit.transfer_function;
@@ -135,68 +135,70 @@ fn put(
         .out
         .put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &input, &output, record.delay_s))?;
     results.out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
-    let mut support = evidence(Some(drive), answer, &fit.simulated, fit.criteria.parameters);
-    put_search(&fit.search, &beyond.hold, settings.paper.as_deref(), &mut support);
-    support.numerator_deviations = known(&fit.numerator_deviations);
-    support.denominator_covariance = fit.denominator_covariance();
-    support.zeros_re_per_s = fit.zeros.iter().map(|zero| zero.re).collect();
-    support.zeros_im_rad_per_s = fit.zeros.iter().map(|zero| zero.im).collect();
-    support.zero_re_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.0)).collect();
-    support.zero_im_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.1)).collect();
-    validate_continuous(task, &fit.state_space, fit.search.initial_estimated, std::slice::from_mut(&mut support))?;
+    let mut evidence = simulation_evidence(Some(drive), answer, &fit.simulated, fit.criteria.parameters);
+    put_search(&fit.search, &input_output.hold, settings.paper.as_deref(), &mut evidence);
+    evidence.numerator_deviations = if_determined(&fit.numerator_deviations);
+    evidence.denominator_covariance = fit.denominator_covariance();
+    evidence.zeros_re_per_s = fit.zeros.iter().map(|zero| zero.re).collect();
+    evidence.zeros_im_rad_per_s = fit.zeros.iter().map(|zero| zero.im).collect();
+    evidence.zero_re_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.0)).collect();
+    evidence.zero_im_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.1)).collect();
+    validate_continuous(task, &fit.state_space, fit.search.initial_estimated, std::slice::from_mut(&mut evidence))?;
 
-    let judged = judged(fit, answer, options.delay);
-    let grid = judged.grid_hz();
+    let responses = responses_of(fit, answer, options.delay);
+    let grid = responses.grid_hz();
     let initial = if fit.search.initial_estimated { InitialConditions::Estimate } else { InitialConditions::Zero };
-    let poles = vec![judged.poles.clone()];
+    let poles = vec![responses.poles.clone()];
     let again = TransferFunctionOptions { starts: Vec::new(), given: poles, initial, ..options.clone() };
-    let found = spread(
+    let bootstrap = spread(
         settings.bootstrap.as_ref(),
-        (id, &judged.sample(&grid)),
+        (id, &responses.sample(&grid)),
         (answer.sampled.samples(), &fit.simulated),
         fit.criteria.parameters,
         notes,
         |y| {
             let data = IoData::single(data.inputs()[0].clone(), y.to_vec(), data.sample_time_s()).ok()?;
-            Some(self::judged(&transfer_function_fit(&data, &again).ok()?, answer, options.delay).sample(&grid))
+            Some(responses_of(&transfer_function_fit(&data, &again).ok()?, answer, options.delay).sample(&grid))
         },
     );
-    if let Some(found) = &found {
-        put_spreads(found, &mut support);
+    if let Some(bootstrap) = &bootstrap {
+        put_spreads(bootstrap, &mut evidence);
     }
-    let band = match (&found, &fit.coefficient_covariance) {
-        (Some(found), _) => Some(Band::from_bootstrap(found)),
+    let band = match (&bootstrap, &fit.coefficient_covariance) {
+        (Some(bootstrap), _) => Some(Band::from_bootstrap(bootstrap)),
         (None, Some(covariance)) => {
             let rad_per_s: Vec<f64> = grid.iter().map(|f| TAU * f).collect();
-            let magnitude: Vec<f64> = judged.sample(&grid).response.iter().map(|h| h.norm()).collect();
-            let deviations = response_deviations(&fit.transfer_function, beyond.zeros + 1, covariance, &rad_per_s);
+            let magnitude: Vec<f64> = responses.sample(&grid).response.iter().map(|h| h.norm()).collect();
+            let deviations =
+                response_deviations(&fit.transfer_function, input_output.zeros + 1, covariance, &rad_per_s);
             Some(Band::from_deviations(&magnitude, &deviations))
         }
         (None, None) => None,
     };
-    if let Some(response) = judged.response(&input, &output, band.as_ref()) {
+    if let Some(response) = responses.response(&input, &output, band.as_ref()) {
         results.out.put(&format!("/response/{id}"), &response)?;
     }
-    let mut whole = identification("tfest", beyond.poles, "input-output", answer, &fit.simulated, notes.to_texts());
+    let mut whole =
+        identification("tfest", input_output.poles, "input-output", answer, &fit.simulated, notes.to_texts());
     whole.delay_s = record.delay_s;
-    let percent = percent(whole.fit_percent);
+    let percent = fit_in_words(whole.fit_percent);
     results.out.put(&format!("/identification/{id}"), &whole)?;
-    results.out.put(&format!("/evidence/{id}"), &support)?;
-    let supports = std::slice::from_ref(&support);
-    results.comparison.enter(id, answer.sampled.len(), supports);
+    results.out.put(&format!("/evidence/{id}"), &evidence)?;
+    let all = std::slice::from_ref(&evidence);
+    results.comparison.enter(id, answer.sampled.len(), all);
     results.out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
         answer.sampled.len(),
         fit.search.termination.name(),
         fit.search.iterations,
         fit.search.start.name(),
-        foretold(supports)
+        validation_summary(all)
     ));
     Ok(())
 }
 
-fn judged<'a>(fit: &'a TransferFunctionFit, answer: &Cut, delay: usize) -> Judged<'a> {
-    Judged {
+fn responses_of<'a>(fit: &'a TransferFunctionFit, answer: &Cut, delay: usize) -> ModelResponses<'a> {
+    ModelResponses {
         continuous: Some(&fit.state_space),
         discrete: None,
         poles: fit.modes.iter().map(|mode| mode.pole).collect(),

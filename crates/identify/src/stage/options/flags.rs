@@ -202,10 +202,10 @@ fn one_or_several<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<V
 }
 
 /// An error that suggests the nearest name.
-pub fn unknown(what: &str, found: &str, choices: &[&str]) -> Usage {
-    let hint = match nearest(found, choices.iter().copied()) {
+pub fn unknown(what: &str, name: &str, choices: &[&str]) -> Usage {
+    let hint = match nearest(name, choices.iter().copied()) {
         Some(near) => format!("did you mean {near:?}?"),
         None => format!("there are: {}", choices.join(", ")),
     };
-    Usage::new(format!("unknown {what} {found:?}")).hint(hint)
+    Usage::new(format!("unknown {what} {name:?}")).hint(hint)
 }

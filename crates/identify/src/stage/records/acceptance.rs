@@ -3,20 +3,20 @@
 use crumple_signal::Notes;
 use crumple_sysid::{IdentifyError, IoData, MissReason, fit_measures, mirrored_poles, simulate_fitted, weak_fit};
 
-use crate::stage::records::discrete_model::Found;
+use crate::stage::records::discrete_model::DiscreteModel;
 
 /// A fit below this (percent) gets a warning, or is refused where the model accounts for none of the variance either.
 const LEAST_FIT_PERCENT: f64 = -100.0;
 
 /// A model of an estimated impulse response with its growing poles mirrored at the unit circle, and a note of it; without
 /// the models beside it then, which belong to the poles as they were.
-pub fn mirror_growing_poles(found: Found, data: &IoData) -> Result<Found, IdentifyError> {
-    let Some((model, mirrored_poles)) = mirrored_poles(&found.model, data)? else { return Ok(found) };
-    let Found { parameters, singular_values, mut notes, chosen, .. } = found;
+pub fn mirror_growing_poles(model: DiscreteModel, data: &IoData) -> Result<DiscreteModel, IdentifyError> {
+    let Some((state_space, mirrored_poles)) = mirrored_poles(&model.state_space, data)? else { return Ok(model) };
+    let DiscreteModel { parameters, singular_values, mut notes, choices, .. } = model;
     notes.warning(format!(
         "{mirrored_poles} growing poles, mirrored at the unit circle, inputs and initial state fitted again: the impulse response does not hold these modes"
     ));
-    Ok(Found { singular_values, notes, mirrored_poles, chosen, ..Found::new(model, parameters) })
+    Ok(DiscreteModel { singular_values, notes, mirrored_poles, choices, ..DiscreteModel::new(state_space, parameters) })
 }
 
 /// Simulates a model on the record it was identified from.
@@ -24,31 +24,34 @@ pub fn mirror_growing_poles(found: Found, data: &IoData) -> Result<Found, Identi
 /// Errors: a simulation that misses the record by more than twice what its mean does (fit below -100 %) and accounts for none
 /// of its variance. Where it accounts for some, the level of the record is what is missed, and a note says so; another where the
 /// errors have more than half of the variance.
-pub fn simulate_accepted(mut found: Found, data: &IoData) -> Result<(Vec<Vec<f64>>, Found), IdentifyError> {
-    let simulated = simulate_fitted(&found.model, data)?.0;
-    for (measured, model) in data.outputs().iter().zip(&simulated) {
-        let fit = match fit_measures(measured, model) {
+pub fn simulate_accepted(
+    mut model: DiscreteModel,
+    data: &IoData,
+) -> Result<(Vec<Vec<f64>>, DiscreteModel), IdentifyError> {
+    let simulated = simulate_fitted(&model.state_space, data)?.0;
+    for (measured, response) in data.outputs().iter().zip(&simulated) {
+        let fit = match fit_measures(measured, response) {
             Some(fit) => fit,
-            None => return Err(miss(f64::NEG_INFINITY, &found)),
+            None => return Err(miss(f64::NEG_INFINITY, &model)),
         };
         match fit.fit_percent.filter(|fit| *fit < LEAST_FIT_PERCENT) {
-            Some(percent) if fit.vaf_percent.is_none_or(|vaf| vaf <= 0.0) => return Err(miss(percent, &found)),
+            Some(percent) if fit.vaf_percent.is_none_or(|vaf| vaf <= 0.0) => return Err(miss(percent, &model)),
             _ => {
                 if let Some(text) = fit.fit_percent.and_then(fit_warning) {
-                    found.notes.warning(text);
+                    model.notes.warning(text);
                 }
             }
         }
     }
-    Ok((simulated, found))
+    Ok((simulated, model))
 }
 
 /// The error of a model that misses the record, with what is known of its poles.
-fn miss(fit_percent: f64, found: &Found) -> IdentifyError {
-    let largest = found.model.poles().unwrap_or_default().iter().map(|z| z.norm()).fold(0.0, f64::max);
+fn miss(fit_percent: f64, model: &DiscreteModel) -> IdentifyError {
+    let largest = model.state_space.poles().unwrap_or_default().iter().map(|z| z.norm()).fold(0.0, f64::max);
     let why = if largest > 1.0 {
         MissReason::Grows { factor: largest }
-    } else if found.mirrored_poles > 0 {
+    } else if model.mirrored_poles > 0 {
         MissReason::Mirrored
     } else {
         MissReason::Stable

@@ -6,7 +6,7 @@ use crumple_stage::records::EvidenceV1;
 use crumple_sysid::{TransferFunctionOptions, compare, continued, sampled};
 use nalgebra::DVector;
 
-use crate::stage::options::input_output::BeyondEra;
+use crate::stage::options::input_output::InputOutputSettings;
 use crate::stage::options::settings::Settings;
 use crate::stage::records::evidence::validate_all;
 use crate::stage::waves::input_output::Record;
@@ -20,7 +20,7 @@ pub struct TransferFunctionTask<'a> {
     /// Settings of the stage.
     pub settings: &'a Settings,
     /// Those beside `era`.
-    pub beyond: &'a BeyondEra,
+    pub input_output: &'a InputOutputSettings,
     /// The waveforms.
     pub record: &'a Record,
 }
@@ -51,7 +51,7 @@ pub fn validate_continuous(
     task: &TransferFunctionTask<'_>,
     model: &StateSpace,
     initial_estimated: bool,
-    supports: &mut [EvidenceV1],
+    evidence: &mut [EvidenceV1],
 ) -> anyhow::Result<()> {
     let TransferFunctionTask { options, record, .. } = *task;
     if record.answers[0].kept.is_empty() {
@@ -60,12 +60,12 @@ pub fn validate_continuous(
     let (model, rest) = sampled(model, options.hold, record.data.sample_time_s())?;
     let (first, whole) = (record.data.delayed(options.delay), record.whole.delayed(options.delay));
     let start = rest * DVector::from_iterator(first.inputs().len(), first.inputs().iter().map(|u| u[0]));
-    let foretold = continued(&model, &first, &whole, (!initial_estimated).then_some(start.as_slice()))?;
-    validate_all(record, &foretold, supports);
+    let simulated = continued(&model, &first, &whole, (!initial_estimated).then_some(start.as_slice()))?;
+    validate_all(record, &simulated, evidence);
     // The protocol of published comparisons: the initial state is fitted to the kept samples.
     let restarted = compare(&model, &whole.slice(first.samples(), whole.samples())?)?;
-    for (support, fit) in supports.iter_mut().zip(restarted) {
-        support.validation_restarted_fit_percent = fit.and_then(|fit| fit.fit_percent);
+    for (output_evidence, fit) in evidence.iter_mut().zip(restarted) {
+        output_evidence.validation_restarted_fit_percent = fit.and_then(|fit| fit.fit_percent);
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use crumple_stage::records::ChannelFilterV1;
 use crumple_stage::{RefuseExt, Refused, Wave};
 use crumple_sysid::{FilterEdge, IoData};
 
-use crate::stage::options::input_output::BeyondEra;
+use crate::stage::options::input_output::InputOutputSettings;
 use crate::stage::waves::source::Source;
 use crate::stage::waves::window::{Window, channel, window};
 
@@ -80,10 +80,10 @@ impl Cut {
         let (u, y) = (&self.sampled, &other.sampled);
         let dt = y.dt_s();
         let apart = (u.t0_s() - y.t0_s()).abs() > 1e-6 * dt || (u.dt_s() / dt - 1.0).abs() > 1e-9;
-        let (here, there) = (u.len() + self.kept.len(), y.len() + other.kept.len());
-        if apart || u.len() != y.len() || here != there {
+        let (samples, other_samples) = (u.len() + self.kept.len(), y.len() + other.kept.len());
+        if apart || u.len() != y.len() || samples != other_samples {
             return Err(Refused::new(format!(
-                "waveforms {} and {} are not sampled together: {here} samples of {} s from {} s, and {there} of {dt} s from {} s",
+                "waveforms {} and {} are not sampled together: {samples} samples of {} s from {} s, and {other_samples} of {dt} s from {} s",
                 self.id,
                 other.id,
                 u.dt_s(),
@@ -157,17 +157,17 @@ fn described(cuts: &[Cut]) -> String {
 }
 
 /// The first answering waveform: as asked for, else the displacement of the pulse.
-pub fn output(source: Source<'_>, beyond: &BeyondEra) -> anyhow::Result<Cut> {
-    let mut outputs = outputs(source, beyond)?;
+pub fn output(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Cut> {
+    let mut outputs = outputs(source, input_output)?;
     Ok(outputs.swap_remove(0))
 }
 
-fn outputs(source: Source<'_>, beyond: &BeyondEra) -> anyhow::Result<Vec<Cut>> {
-    if beyond.outputs.is_empty() {
+fn outputs(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Vec<Cut>> {
+    if input_output.outputs.is_empty() {
         let pulse = channel(source, NO_PULSE)?;
         return cuts(vec![format!("{pulse}/displacement")], source);
     }
-    cuts(beyond.outputs.clone(), source)
+    cuts(input_output.outputs.clone(), source)
 }
 
 /// The windows of waveforms, any quantity.
@@ -190,23 +190,23 @@ fn wave<'a>(id: &str, source: Source<'a>) -> anyhow::Result<&'a Wave> {
         None if test.channel(channel).is_some() || inputs.waves().next().is_none() => inputs.wave(id),
         None => {
             let names: Vec<&str> = inputs.waves().map(|(id, _)| id).collect();
-            let found = format!("there is no waveform {id:?}, the inputs hold: {}", names.join(", "));
-            Err(Refused::new(found).hint("name one of them with --inputs or --outputs").into())
+            let text = format!("there is no waveform {id:?}, the inputs hold: {}", names.join(", "));
+            Err(Refused::new(text).hint("name one of them with --inputs or --outputs").into())
         }
     }
 }
 
 /// Inputs and outputs, sampled together.
-pub fn record(source: Source<'_>, beyond: &BeyondEra) -> anyhow::Result<Record> {
-    let mut answers = outputs(source, beyond)?;
-    let ids = match &beyond.inputs[..] {
+pub fn record(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Record> {
+    let mut answers = outputs(source, input_output)?;
+    let ids = match &input_output.inputs[..] {
         [] => vec![channel(source, NO_PULSE)?.to_owned()],
         [none] if none == "none" => Vec::new(),
         several => several.to_vec(),
     };
     let mut drives = cuts(ids, source)?;
     let mut remarks = Vec::new();
-    if beyond.remove_mean {
+    if input_output.remove_mean {
         for cut in answers.iter_mut().chain(&mut drives) {
             remarks.push(cut.remove_mean()?);
         }
@@ -217,10 +217,11 @@ pub fn record(source: Source<'_>, beyond: &BeyondEra) -> anyhow::Result<Record> 
         other.together_with(first, hint)?;
     }
     let data = |samples: &dyn Fn(&Cut) -> Vec<f64>| {
-        let of = |cuts: &[Cut]| cuts.iter().map(samples).collect();
-        IoData::new(of(&drives), of(&answers), first.sampled.dt_s()).refuse_with_hint(HINT)
+        let signals_of = |cuts: &[Cut]| cuts.iter().map(samples).collect();
+        IoData::new(signals_of(&drives), signals_of(&answers), first.sampled.dt_s()).refuse_with_hint(HINT)
     };
     let (used, whole) = (data(&|cut| cut.sampled.samples().to_vec())?, data(&Cut::whole)?);
-    let delay_s = (beyond.delay > 0 && !drives.is_empty()).then(|| beyond.delay as f64 * first.sampled.dt_s());
+    let delay_s =
+        (input_output.delay > 0 && !drives.is_empty()).then(|| input_output.delay as f64 * first.sampled.dt_s());
     Ok(Record { drives, answers, data: used, whole, delay_s, remarks })
 }

@@ -25,8 +25,8 @@ pub fn automatic_order(subspace: &Subspace<'_>, thin: bool, whole: &IoData, high
 }
 
 fn contender(subspace: &Subspace<'_>, thin: bool, whole: &IoData, order: usize) -> Result<Contender, IdentifyError> {
-    let found = if thin { subspace.realize_on(order, whole)? } else { subspace.realize(order)? };
-    let (simulated, _) = simulate_fitted(&found.model, whole)?;
+    let candidate = if thin { subspace.realize_on(order, whole)? } else { subspace.realize(order)? };
+    let (simulated, _) = simulate_fitted(&candidate.model, whole)?;
     let (m, q) = (whole.inputs().len(), whole.outputs().len());
     let mut log_loss = 0.0;
     let mut effective = 0.0;
