@@ -12,7 +12,8 @@ use crumple_sysid::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Shortest of several runs, ten times as many as asked for where they are short: what else runs on the machine only adds.
+/// Shortest of several runs, ten times as many as asked for where they are short: what else runs on the machine only
+/// adds.
 fn shortest(runs: usize, mut work: impl FnMut()) -> Duration {
     let mut best = Duration::MAX;
     let mut run = 0;

@@ -1,4 +1,7 @@
-//! Models of every method asked for, one after the other, and their comparison.
+//! The stage: models of every method asked for, one after the other, and their comparison.
+//! May use the rooms below; the estimators are those of `crumple-sysid`.
+//!
+//! rooms: methods | records | waves | options
 
 mod methods;
 mod options;

@@ -54,8 +54,9 @@ impl EraOptions {
         }
     }
 
-    /// The same with a Hankel matrix of `2 order` rows and columns, the size other toolboxes start from (python-control,
-    /// ControlSystemIdentification.jl). It uses the first `4 order` samples alone: quick, and poor in noise.
+    /// The same with a Hankel matrix of `2 order` rows and columns, the size other toolboxes start from
+    /// (python-control, ControlSystemIdentification.jl). It uses the first `4 order` samples alone: quick, and poor in
+    /// noise.
     pub fn twice_the_order(self, order: usize) -> Self {
         let size = Some(order.saturating_mul(2));
         Self { order: Order::Given(order), rows: size, columns: size, ..self }

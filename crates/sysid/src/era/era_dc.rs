@@ -18,9 +18,9 @@ use crate::{EraError, EraOptions, MarkovParameters, Order, Realization};
 /// Settings of [`EraDc`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EraDcOptions {
-    /// Settings shared with [`Era`](crate::Era). `rows` are those of the Hankel matrices that are correlated, `columns` what
-    /// the correlations sum over: by default half each of what the lags leave of the record, as in ERA. In noise fewer
-    /// rows lose much and more columns gain nothing (50 rows of 500 to 3000: two to five times the pole error).
+    /// Settings shared with [`Era`](crate::Era). `rows` are those of the Hankel matrices that are correlated, `columns`
+    /// what the correlations sum over: by default half each of what the lags leave of the record, as in ERA. In noise
+    /// fewer rows lose much and more columns gain nothing (50 rows of 500 to 3000: two to five times the pole error).
     pub era: EraOptions,
     /// Lag of the first correlation, samples. 0: none is left out. From `rows` on no correlation has white noise in it,
     /// at the price of a decayed signal.

@@ -74,7 +74,8 @@ pub enum IdentifyError {
     },
     /// A least-squares problem without a determined solution.
     #[error(
-        "the equations of {method} have condition number {condition:.1e}, above {limit:.0e}: the data do not determine the model"
+        "the equations of {method} have condition number {condition:.1e}, above {limit:.0e}: the data do not determine \
+         the model"
     )]
     IllConditioned {
         /// The method.
@@ -110,7 +111,8 @@ pub enum IdentifyError {
     },
     /// The identified observer is unstable, so its Markov parameters grow.
     #[error(
-        "okid_diverged: the Markov parameters grow by a factor {growth:.1e} beyond the {lags} lags; take more lags or a subspace method"
+        "okid_diverged: the Markov parameters grow by a factor {growth:.1e} beyond the {lags} lags; take more lags or \
+         a subspace method"
     )]
     Diverged {
         /// Largest of the last Markov parameters over the largest within the lags.

@@ -36,8 +36,8 @@ pub struct ExponentialSumFit {
     pub criteria: InformationCriteria,
     /// Standard deviations of natural frequency (rad/s) and damping ratio of every term; `None` where not determined.
     pub mode_deviations: Vec<Option<(f64, f64)>>,
-    /// Covariance of what [`ExponentialSumFit::numbers`] lists, linearised and inflated for correlated residuals; `None`
-    /// where exponents coincide or the sensitivities do not determine it.
+    /// Covariance of what [`ExponentialSumFit::numbers`] lists, linearised and inflated for correlated residuals;
+    /// `None` where exponents coincide or the sensitivities do not determine it.
     pub covariance: Option<DMatrix<f64>>,
     /// Condition number of the column-scaled sensitivities of all unknowns. Above 1e8 the curve is known but its terms
     /// are not.
@@ -57,8 +57,8 @@ pub struct ExponentialSumFit {
 /// Starts from the matrix pencil (ERA of the thinned record), from exponents that coincide or nearly do on a grid of
 /// decays of a tenth to fifty over the record, and from seeded random ones over that range and over all frequencies;
 /// variable projection with exact sensitivities takes all a few iterations on and the best eight to the end. The
-/// exponentials are taken as states of a cascade, so that coinciding exponents are ordinary points (`t exp(s t)` among the
-/// states), and conditions at the start hold exactly.
+/// exponentials are taken as states of a cascade, so that coinciding exponents are ordinary points (`t exp(s t)` among
+/// the states), and conditions at the start hold exactly.
 ///
 /// Real exponentials of similar rates are nearly dependent: four of them follow a crash curve to a fraction of a
 /// percent with terms that noise of a micrometre changes altogether. Believe [`ExponentialSumFit::condition`].
@@ -127,8 +127,9 @@ pub fn exponential_sum(
 }
 
 impl ExponentialSumFit {
-    /// Amplitudes and exponents, named by the terms from 1 on, conjugates once: `re_amplitude_1, im_amplitude_1, re_per_s_1,
-    /// im_rad_per_s_1` of an oscillating term, without the imaginary parts of a real one.
+    /// Amplitudes and exponents, named by the terms from 1 on, conjugates once:
+    /// `re_amplitude_1, im_amplitude_1, re_per_s_1, im_rad_per_s_1` of an oscillating term, without the imaginary parts
+    /// of a real one.
     pub fn numbers(&self) -> Vec<(String, f64)> {
         let parts = parts(&self.terms);
         let name = |(term, part): &(usize, Part)| format!("{}_{}", part.name(), term + 1);

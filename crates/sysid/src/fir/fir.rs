@@ -60,11 +60,11 @@ pub struct Fir {
 
 /// Estimates `y[k] = sum_i h[i] u[k-i] + white noise` with a Gaussian prior of covariance `c K` on `h`.
 ///
-/// With `R` the triangular factor of the regressors, `r` the rotated output and `R K R' = U diag(d) U'`, the estimate is
-/// `h = g K R' U diag(1/(1 + g d)) U' r`, `g = c/noise variance`: the kernel is never inverted, however ill-conditioned.
-/// The likelihood of the output (noise variance eliminated) is maximised over `g` exactly on every corner of a grid of
-/// kernel shapes, then by a compass search over `(ln -ln lambda, atanh rho)`. One optimum of several may be missed; the
-/// estimate depends weakly on it.
+/// With `R` the triangular factor of the regressors, `r` the rotated output and `R K R' = U diag(d) U'`, the estimate
+/// is `h = g K R' U diag(1/(1 + g d)) U' r`, `g = c/noise variance`: the kernel is never inverted, however
+/// ill-conditioned. The likelihood of the output (noise variance eliminated) is maximised over `g` exactly on every
+/// corner of a grid of kernel shapes, then by a compass search over `(ln -ln lambda, atanh rho)`. One optimum of
+/// several may be missed; the estimate depends weakly on it.
 ///
 /// This keeps short and noisy records usable, where least squares needs several samples for each tap. Without a kernel
 /// it is least squares: a condition number above 1e12 is an error.

@@ -95,8 +95,8 @@ fn modal_evidence(
     Some(evidence.collect())
 }
 
-/// Shape of every pole of a discrete model, scaled and turned so that the largest entry is 1: what each output shows of the
-/// mode. `None` for a pole that no output shows, and for all where eigenvectors do not span the state space.
+/// Shape of every pole of a discrete model, scaled and turned so that the largest entry is 1: what each output shows of
+/// the mode. `None` for a pole that no output shows, and for all where eigenvectors do not span the state space.
 pub fn mode_shapes(model: &StateSpace, poles: &[Complex]) -> Vec<Option<Vec<Complex>>> {
     match eigenvectors(&model.a, poles) {
         Some(vectors) => {

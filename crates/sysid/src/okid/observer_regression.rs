@@ -12,8 +12,8 @@ pub enum Criterion {
     Bic,
 }
 
-/// Outputs by the inputs of the same sample and by inputs and outputs of the last `lags` samples, in units of the root mean
-/// square of each signal.
+/// Outputs by the inputs of the same sample and by inputs and outputs of the last `lags` samples, in units of the root
+/// mean square of each signal.
 ///
 /// `y[k] = D u[k] + sum_(i=1..p) (Yb1_i u[k-i] + Yb2_i y[k-i]) + e[k]`: a vector ARX model whose coefficients are the
 /// Markov parameters of a deadbeat observer; in noise and with `p` large, of the Kalman filter.

@@ -60,8 +60,8 @@ pub struct Okid {
     pub regressors: usize,
     /// Largest of the last Markov parameters over the largest within the lags; above 10 is divergence.
     pub growth: f64,
-    /// In units of the root mean square of each signal: of every output `i` first those of the inputs, `h`, then those of
-    /// the gain, `o`, whose sample 0 is 0.
+    /// In units of the root mean square of each signal: of every output `i` first those of the inputs, `h`, then those
+    /// of the gain, `o`, whose sample 0 is 0.
     sequences: Vec<Vec<f64>>,
     input_scales: Vec<f64>,
     output_scales: Vec<f64>,
@@ -110,9 +110,9 @@ impl OkidModel {
 impl Okid {
     /// Regresses every output on the inputs at the same sample and on inputs and outputs of the last `p` samples, then
     /// takes the observer apart: with `Yb1_k`, `-Yb2_k` the coefficients of inputs and outputs `k` samples ago,
-    /// `h_0 = D`, `h_k = Yb1_k - sum_i Yb2_i h_(k-i)` and `o_k = Yb2_k - sum_(i<k) Yb2_i o_(k-i)` (the gain is `G = -K`).
-    /// Signals are divided by their root mean square first. The first `p` samples only serve as past, for the record
-    /// need not start from rest.
+    /// `h_0 = D`, `h_k = Yb1_k - sum_i Yb2_i h_(k-i)` and `o_k = Yb2_k - sum_(i<k) Yb2_i o_(k-i)` (the gain is
+    /// `G = -K`). Signals are divided by their root mean square first. The first `p` samples only serve as past, for
+    /// the record need not start from rest.
     ///
     /// The recursion runs beyond the lags, and grows without bound where the regression has a root outside the unit
     /// circle, as in coloured noise. This is [`IdentifyError::Diverged`], and nothing is passed on.
@@ -211,8 +211,8 @@ impl Okid {
         self.sequences[i * width + m + j].iter().map(|o| o * scale).collect()
     }
 
-    /// The model of one order by ERA: on both sequences jointly, or on those of the system alone with the gain then fitted
-    /// by least squares to `C A^(k-1) G`.
+    /// The model of one order by ERA: on both sequences jointly, or on those of the system alone with the gain then
+    /// fitted by least squares to `C A^(k-1) G`.
     ///
     /// Jointly the gain takes part in the choice of states. Where the regression is rank-deficient (data without noise,
     /// equal outputs) the gain is not determined and its sequence has states of its own, which disturb; and where it is

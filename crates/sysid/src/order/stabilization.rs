@@ -23,8 +23,8 @@ pub struct StabilizationOptions {
     /// Least modal phase collinearity of a shape, with several sensors.
     pub least_collinearity: f64,
     /// Least strength, where the method gives one: energy of the mode in the record over that of the strongest wave in
-    /// noise like the residual. Models of rising order that contain each other keep a wave of the noise for ever, so that
-    /// staying alone proves nothing.
+    /// noise like the residual. Models of rising order that contain each other keep a wave of the noise for ever, so
+    /// that staying alone proves nothing.
     pub least_strength: f64,
     /// Relative change of frequency from order to order up to which a pole is stable.
     pub frequency_change: f64,
@@ -37,7 +37,8 @@ pub struct StabilizationOptions {
 }
 
 impl Default for StabilizationOptions {
-    /// Order 20, damping ratio 2, 95 % of Nyquist, MPC 0.5, strength 2, changes of 1 %, 5 % and 2 %, half of the orders.
+    /// Order 20, damping ratio 2, 95 % of Nyquist, MPC 0.5, strength 2, changes of 1 %, 5 % and 2 %, half of the
+    /// orders.
     fn default() -> Self {
         Self {
             highest_order: 20,
@@ -131,8 +132,8 @@ pub struct StabilizationDiagram {
 /// below the Nyquist frequency, be stronger than a wave of noise (ERA), and with several sensors have a shape of nearly
 /// one phase. Soft criteria compare it
 /// with the nearest accepted pole of the order before, in `|df|/f + (1 - MAC)`. Poles that last are clustered by single
-/// linkage in the same distance; clusters present in the asked share of the orders are the physical modes, as far as one
-/// record tells. A record without noise has no orders above its rank, and little to show.
+/// linkage in the same distance; clusters present in the asked share of the orders are the physical modes, as far as
+/// one record tells. A record without noise has no orders above its rank, and little to show.
 ///
 /// After Peeters & De Roeck, Mech. Syst. Signal Process. 13(6), 1999, and Reynders, Houbrechts & De Roeck, 26(1), 2012.
 pub fn stabilization(models: &[OrderPoles], sample_time_s: f64, options: StabilizationOptions) -> StabilizationDiagram {

@@ -186,7 +186,8 @@ pub(crate) fn search(data: &IoData, options: &TransferFunctionOptions, free: boo
 }
 
 impl Search {
-    /// Numerator of one input for the output of `c`, in 1/s, signals scaled, `zeros + 1` coefficients, highest power first.
+    /// Numerator of one input for the output of `c`, in 1/s, signals scaled, `zeros + 1` coefficients, highest power
+    /// first.
     ///
     /// The sum of the states' numerators, weighed by the coefficients `c` of one output, plus the direct term times
     /// the denominator; the coefficient of `(sT)^j` is divided by `T^(n-j)`. Gains of the signal scales are left to

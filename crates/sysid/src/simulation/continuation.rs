@@ -8,8 +8,8 @@ use crate::{Hold, IdentifyError, IoData, simulate_fitted};
 
 /// A continuous model as a sampled one that gives the same outputs for an input of the declared kind.
 ///
-/// With straight lines between samples the state is shifted by `b_next u[k]`, so that no later input is needed. Returned
-/// with it: the shifted state of rest, a column per unit of the first sample of every input.
+/// With straight lines between samples the state is shifted by `b_next u[k]`, so that no later input is needed.
+/// Returned with it: the shifted state of rest, a column per unit of the first sample of every input.
 ///
 /// With `x[k+1] = A x[k] + b_now u[k] + b_next u[k+1]` the state `z = x - b_next u` has
 /// `z[k+1] = A z[k] + (A b_next + b_now) u[k]` and `y = C z + (D + C b_next) u`. Errors: a discretisation beyond the

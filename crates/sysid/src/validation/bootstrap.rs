@@ -96,10 +96,10 @@ pub struct Bootstrap {
 
 /// Fits again and again: to the model's own output with noise like its residuals.
 ///
-/// `model` is the fit that is judged, `simulated` its output, `residual` what it leaves of the record, `parameters` their
-/// number. `refit` gets a new output of the same length and returns what the estimator makes of it; `None` is a failure
-/// that is counted. Replicates run in parallel and are collected by index. Poles and zeros of a replicate are given to
-/// the nearest of the model, each once.
+/// `model` is the fit that is judged, `simulated` its output, `residual` what it leaves of the record, `parameters`
+/// their number. `refit` gets a new output of the same length and returns what the estimator makes of it; `None` is a
+/// failure that is counted. Replicates run in parallel and are collected by index. Poles and zeros of a replicate are
+/// given to the nearest of the model, each once.
 ///
 /// This is the spread that noise like the residuals causes if the model is true. It knows nothing of a wrong structure,
 /// and percentile intervals of 200 replicates are themselves uncertain by a tenth of their length. The bias of the
@@ -268,8 +268,8 @@ mod tests {
                 }
             }
         }
-        // The estimate lies in the middle of its replicates. The truth: 90 % of 20, and a binomial number falls below 14
-        // once in 400.
+        // The estimate lies in the middle of its replicates. The truth: 90 % of 20, and a binomial number falls below
+        // 14 once in 400.
         assert!(holds[0].iter().all(|h| *h >= 18) && holds[1].iter().all(|h| *h >= 14), "{holds:?}");
     }
 

@@ -28,7 +28,8 @@ impl Resampling {
     }
 }
 
-/// Residuals prepared for drawing: mean removed, and enlarged by `sqrt(N/(N - p))` for the parameters that the fit took.
+/// Residuals prepared for drawing: mean removed, and enlarged by `sqrt(N/(N - p))` for the parameters that the fit
+/// took.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidualNoise {
     residual: Vec<f64>,
@@ -68,9 +69,9 @@ fn prepared(residual: &[f64], parameters: usize) -> Vec<f64> {
 impl ResidualNoise {
     /// From the residuals of a fit with a number of parameters.
     ///
-    /// Block length: `(sqrt 6 rho/(1 - rho²))^(2/3) N^(1/3)`, the best for a first-order autoregression of the residuals'
-    /// autocorrelation time `(1 + rho)/(1 - rho)` (Carlstein, Ann. Stat. 14, 1986), at most a quarter of the record.
-    /// Order of the autoregression: by Akaike's criterion up to `10 log10 N` (Yule-Walker).
+    /// Block length: `(sqrt 6 rho/(1 - rho²))^(2/3) N^(1/3)`, the best for a first-order autoregression of the
+    /// residuals' autocorrelation time `(1 + rho)/(1 - rho)` (Carlstein, Ann. Stat. 14, 1986), at most a quarter of the
+    /// record. Order of the autoregression: by Akaike's criterion up to `10 log10 N` (Yule-Walker).
     pub fn new(residual: &[f64], parameters: usize, resampling: Resampling, seed: u64) -> Self {
         let residual = prepared(residual, parameters);
         let kind = match resampling {
@@ -189,8 +190,8 @@ fn block_length(residual: &[f64]) -> usize {
     (length.ceil() as usize).clamp(1, (residual.len() / 4).max(1))
 }
 
-/// Coefficients `a` of `e[k] = sum a_i e[k-i] + w[k]` by the recursion of Levinson and Durbin, of the order with the least
-/// `N ln V + 2 p`.
+/// Coefficients `a` of `e[k] = sum a_i e[k-i] + w[k]` by the recursion of Levinson and Durbin, of the order with the
+/// least `N ln V + 2 p`.
 fn autoregression(residual: &[f64]) -> Vec<f64> {
     let n = residual.len();
     let highest = ((10.0 * (n.max(1) as f64).log10()) as usize).min(n / 4);

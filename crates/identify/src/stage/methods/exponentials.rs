@@ -77,8 +77,10 @@ fn conditions(
     }
     if count > 1 {
         start.push(velocity(input_output, answer, inputs)?.ok_or_else(|| {
-            Refused::new(format!("the velocity of {} at the start of the window is not known", answer.id))
-                .hint("give --start-velocity, leave \"velocity\" out of --conditions, or take a displacement as the first of --outputs")
+            Refused::new(format!("the velocity of {} at the start of the window is not known", answer.id)).hint(
+                "give --start-velocity, leave \"velocity\" out of --conditions, or take a displacement as the \
+                    first of --outputs",
+            )
         })?);
     }
     if count > 2 {
@@ -124,7 +126,8 @@ fn fit_sum(task: &SumTask, settings: &Settings, answer: &Cut, results: &mut Resu
     }
     if fit.condition > 1e8 {
         let text = format!(
-            "{id}: condition number {:.1e}: the curve is known, its single terms are not; believe crush, time and energy only",
+            "{id}: condition number {:.1e}: the curve is known, its single terms are not; believe crush, time and \
+             energy only",
             fit.condition
         );
         results.out.notes().warning(text.clone());
@@ -204,7 +207,8 @@ fn fit_sum(task: &SumTask, settings: &Settings, answer: &Cut, results: &mut Resu
     Ok(Outcome::Done)
 }
 
-/// Names, values, standard deviations and correlations of amplitudes and exponents; without a covariance the reason why.
+/// Names, values, standard deviations and correlations of amplitudes and exponents; without a covariance the reason
+/// why.
 fn put_correlations(fit: &ExponentialSumFit, evidence: &mut EvidenceV1) {
     let Some(covariance) = &fit.covariance else {
         evidence.no_deviations = Some("the sensitivities of the record do not determine the terms".to_owned());

@@ -89,7 +89,8 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> No
         let place = format!("{id}: the zero {:.4} {:+.4}i 1/s ({sure}) lies in the right half plane", zero.re, zero.im);
         if of_motion {
             notes.warning(format!(
-                "{place}: a chain of springs and dampers has it at -k2/c2, on the left; with positive constants this model is impossible"
+                "{place}: a chain of springs and dampers has it at -k2/c2, on the left; with positive constants this \
+                 model is impossible"
             ));
         } else {
             notes.info(place);
@@ -100,7 +101,8 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> No
         let exact = "the true system is 1/s^2 and has none";
         if gain < 0.0 {
             notes.warning(format!(
-                "{id}: the gain at rest, {gain:.4e} s^2, is negative: a steady acceleration forward would end behind; {exact}"
+                "{id}: the gain at rest, {gain:.4e} s^2, is negative: a steady acceleration forward would end behind; \
+                 {exact}"
             ));
         } else {
             notes.info(format!("{id}: a gain at rest, {gain:.4e} s^2, is that of the record's length; {exact}"));
@@ -111,7 +113,8 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> No
     for (power, (b, deviation)) in numerator.iter().rev().zip(shown.iter().rev()).enumerate() {
         if 1.96 * deviation > b.abs() {
             notes.warning(format!(
-                "{id}: the numerator's coefficient of s^{power}, {b:.6e} with standard deviation {deviation:.2e}, is not known even in sign"
+                "{id}: the numerator's coefficient of s^{power}, {b:.6e} with standard deviation {deviation:.2e}, is \
+                 not known even in sign"
             ));
         }
     }

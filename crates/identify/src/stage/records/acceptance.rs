@@ -8,22 +8,23 @@ use crate::stage::records::discrete_model::DiscreteModel;
 /// A fit below this (percent) gets a warning, or is refused where the model accounts for none of the variance either.
 const LEAST_FIT_PERCENT: f64 = -100.0;
 
-/// A model of an estimated impulse response with its growing poles mirrored at the unit circle, and a note of it; without
-/// the models beside it then, which belong to the poles as they were.
+/// A model of an estimated impulse response with its growing poles mirrored at the unit circle, and a note of it;
+/// without the models beside it then, which belong to the poles as they were.
 pub fn mirror_growing_poles(model: DiscreteModel, data: &IoData) -> Result<DiscreteModel, IdentifyError> {
     let Some((state_space, mirrored_poles)) = mirrored_poles(&model.state_space, data)? else { return Ok(model) };
     let DiscreteModel { parameters, singular_values, mut notes, choices, .. } = model;
     notes.warning(format!(
-        "{mirrored_poles} growing poles, mirrored at the unit circle, inputs and initial state fitted again: the impulse response does not hold these modes"
+        "{mirrored_poles} growing poles, mirrored at the unit circle, inputs and initial state fitted again: the \
+         impulse response does not hold these modes"
     ));
     Ok(DiscreteModel { singular_values, notes, mirrored_poles, choices, ..DiscreteModel::new(state_space, parameters) })
 }
 
 /// Simulates a model on the record it was identified from.
 ///
-/// Errors: a simulation that misses the record by more than twice what its mean does (fit below -100 %) and accounts for none
-/// of its variance. Where it accounts for some, the level of the record is what is missed, and a note says so; another where the
-/// errors have more than half of the variance.
+/// Errors: a simulation that misses the record by more than twice what its mean does (fit below -100 %) and accounts
+/// for none of its variance. Where it accounts for some, the level of the record is what is missed, and a note says so;
+/// another where the errors have more than half of the variance.
 pub fn simulate_accepted(
     mut model: DiscreteModel,
     data: &IoData,
@@ -63,7 +64,8 @@ fn miss(fit_percent: f64, model: &DiscreteModel) -> IdentifyError {
 fn fit_warning(percent: f64) -> Option<String> {
     if percent < LEAST_FIT_PERCENT {
         return Some(format!(
-            "fit {percent:.1} %: the model misses the level of the record; a linear model has no constant, see --remove-mean"
+            "fit {percent:.1} %: the model misses the level of the record; a linear model has no constant, see \
+             --remove-mean"
         ));
     }
     weak_fit(percent)

@@ -107,8 +107,8 @@ pub fn validate_all(record: &Record, simulated: &[Vec<f64>], evidence: &mut [Evi
 
 /// Notes on single modes of a model between waveforms: growth, sampling, and the edge of the filter they went through.
 ///
-/// From an acceleration to a displacement two poles at zero are no modes: noise parts them by the root of what it does to a
-/// single one, and one of them then seems to grow. A note says what they are instead.
+/// From an acceleration to a displacement two poles at zero are no modes: noise parts them by the root of what it does
+/// to a single one, and one of them then seems to grow. A note says what they are instead.
 pub fn notes_on_modes(id: &str, poles: &[Complex], cuts: &[&Cut]) -> Notes {
     let dt_s = cuts.first().map(|cut| cut.sampled.dt_s());
     let duration_s = cuts.first().map_or(0.0, |cut| cut.sampled.dt_s() * cut.sampled.len() as f64);
@@ -121,7 +121,8 @@ pub fn notes_on_modes(id: &str, poles: &[Complex], cuts: &[&Cut]) -> Notes {
     let mut notes = mode_notes(id, &modes, (dt_s, duration_s), filter_edges(cuts.iter().copied()));
     if twice {
         notes.warning(format!(
-            "{id}: two poles lie at zero: the model integrates the acceleration twice, which is true of any body and says nothing about this car"
+            "{id}: two poles lie at zero: the model integrates the acceleration twice, which is true of any body and \
+             says nothing about this car"
         ));
     }
     notes

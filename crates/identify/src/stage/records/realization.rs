@@ -102,7 +102,8 @@ pub fn put_realization(
             .take_while(|error| **error <= 1e-9 * model.singular_values.first().copied().unwrap_or(0.0))
             .count();
         notes.info(format!(
-            "the {} leading singular values are listed after {steps} Lanczos steps: {converged} converged, the others within 3 %",
+            "the {} leading singular values are listed after {steps} Lanczos steps: {converged} converged, the others \
+             within 3 %",
             model.singular_values.len()
         ));
     }
@@ -143,8 +144,8 @@ pub fn put_realization(
     Ok(())
 }
 
-/// Evidence from the response over all samples: one record for channels of one quantity, whose residuals stand one after
-/// the other, else one for each.
+/// Evidence from the response over all samples: one record for channels of one quantity, whose residuals stand one
+/// after the other, else one for each.
 fn evidence_of_outputs(
     task: &RealizationTask<'_>,
     whole: &[Vec<f64>],

@@ -94,8 +94,8 @@ impl ModelResponses<'_> {
         self.continuous.or(self.discrete)
     }
 
-    /// Frequencies, Hz: from a decade below the slowest mode (at most ten records long) to a decade above the fastest, at
-    /// most half the sampling rate.
+    /// Frequencies, Hz: from a decade below the slowest mode (at most ten records long) to a decade above the fastest,
+    /// at most half the sampling rate.
     pub fn grid_hz(&self) -> Vec<f64> {
         let (duration, nyquist) = (self.samples as f64 * self.dt_s, 0.5 / self.dt_s);
         let moduli: Vec<f64> = self.poles.iter().map(|s| s.norm() / TAU).filter(|f| *f * duration > 0.01).collect();
@@ -124,7 +124,8 @@ impl ModelResponses<'_> {
         Sample { poles: self.poles.clone(), zeros: self.zeros.clone(), response }
     }
 
-    /// The record of responses; `None` for a model without an input, or one that is not finite where it should be drawn.
+    /// The record of responses; `None` for a model without an input, or one that is not finite where it should be
+    /// drawn.
     pub fn response(&self, input: &str, output: &str, band: Option<&Band>) -> Option<ResponseV1> {
         let grid = self.grid_hz();
         let values = self.sample(&grid).response;
@@ -313,7 +314,8 @@ fn note_scatter(id: &str, sample: &Sample, bootstrap: &Bootstrap, notes: &mut No
         let variation = spread.deviation / s.norm();
         if variation > DROPPED_ABOVE {
             notes.info(format!(
-                "{id}: the natural frequency {:.4} Hz varies by {:.1} % over {} replicates: above 2 % a pole is not counted as a mode of the record",
+                "{id}: the natural frequency {:.4} Hz varies by {:.1} % over {} replicates: above 2 % a pole is not \
+                 counted as a mode of the record",
                 s.norm() / TAU,
                 100.0 * variation,
                 bootstrap.replicates

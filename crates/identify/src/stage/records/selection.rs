@@ -13,9 +13,9 @@ pub struct Comparison(BTreeMap<(String, u64), Vec<Contender>>);
 impl Comparison {
     /// Enters a model of so many samples, with the evidence of every output.
     ///
-    /// Of several outputs the losses are multiplied (their geometric mean is taken) and the independent samples added: the
-    /// likelihood of noises that are independent of each other. Such models are compared among themselves, for their
-    /// parameters serve all outputs.
+    /// Of several outputs the losses are multiplied (their geometric mean is taken) and the independent samples added:
+    /// the likelihood of noises that are independent of each other. Such models are compared among themselves, for
+    /// their parameters serve all outputs.
     pub fn enter(&mut self, id: &str, samples: usize, evidence: &[EvidenceV1]) {
         let Some(first) = evidence.first() else { return };
         let known: Vec<(f64, f64)> = evidence.iter().filter_map(|s| Some((s.loss?, s.effective_samples?))).collect();
@@ -53,7 +53,8 @@ impl Comparison {
             let best_by_aicc = selection.ranked[0].contender.id.clone();
             if selection.near_equal.len() > 1 {
                 out.notes().info(format!(
-                    "the record does not tell apart {}: their AICc differ by less than 2 (with {:.0} independent samples)",
+                    "the record does not tell apart {}: their AICc differ by less than 2 (with {:.0} independent \
+                     samples)",
                     selection.near_equal.join(", "),
                     selection.effective_samples
                 ));

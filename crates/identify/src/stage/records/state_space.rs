@@ -129,7 +129,8 @@ fn put_modes(task: &DiscreteTask<'_>, model: &StateSpace, out: &mut Output) -> a
     Ok(discrete)
 }
 
-/// Fills in what the method tells of its fit: one-step predictions, deviations of the `poles`, losses, or why there are none.
+/// Fills in what the method tells of its fit: one-step predictions, deviations of the `poles`, losses, or why there are
+/// none.
 fn fill_evidence(
     task: &DiscreteTask<'_>,
     model: &DiscreteModel,
@@ -171,13 +172,14 @@ fn fill_evidence(
     }
     if !model.predicted.is_empty() {
         notes.info(
-            "whiteness and correlation with the input are those of the one-step prediction errors, all else of the simulation",
+            "whiteness and correlation with the input are those of the one-step prediction errors, all else of the \
+             simulation",
         );
     }
 }
 
-/// Fits of the samples kept for validation, where there are any: simulated on from the samples identified from, and with
-/// the initial state fitted to the kept ones.
+/// Fits of the samples kept for validation, where there are any: simulated on from the samples identified from, and
+/// with the initial state fitted to the kept ones.
 fn validate_kept(
     task: &DiscreteTask<'_>,
     model: &StateSpace,
@@ -280,7 +282,8 @@ fn put_continuous(
     };
     for z in &result.conjugated {
         notes.info(format!(
-            "the pole z = {z:.6} has no continuous counterpart: the continuous model has one more state, a conjugate at the Nyquist frequency, and agrees at the samples only"
+            "the pole z = {z:.6} has no continuous counterpart: the continuous model has one more state, a conjugate \
+             at the Nyquist frequency, and agrees at the samples only"
         ));
     }
     let continuous = result.model;

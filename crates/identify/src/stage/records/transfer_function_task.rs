@@ -31,7 +31,8 @@ pub fn preparation(id: &str, record: &Record) -> Notes {
     record.remarks.iter().for_each(|remark| notes.info(format!("{id}: {remark}")));
     if let Some(delay_s) = record.delay_s {
         notes.info(format!(
-            "{id}: the input acts {delay_s:.6} s late: the coefficients have no delay in them, delay_s and the responses have"
+            "{id}: the input acts {delay_s:.6} s late: the coefficients have no delay in them, delay_s and the \
+             responses have"
         ));
     }
     notes

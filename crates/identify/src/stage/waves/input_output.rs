@@ -83,7 +83,8 @@ impl Cut {
         let (samples, other_samples) = (u.len() + self.kept.len(), y.len() + other.kept.len());
         if apart || u.len() != y.len() || samples != other_samples {
             return Err(Refused::new(format!(
-                "waveforms {} and {} are not sampled together: {samples} samples of {} s from {} s, and {other_samples} of {dt} s from {} s",
+                "waveforms {} and {} are not sampled together: {samples} samples of {} s from {} s, and \
+                 {other_samples} of {dt} s from {} s",
                 self.id,
                 other.id,
                 u.dt_s(),

@@ -16,8 +16,8 @@ use crate::stage::waves::source::Source;
 const HINT: &str =
     "lower the numbers of --arx-orders or --arx-scan, widen the window (--from, --to), or name other waveforms";
 
-/// ARX of an order `n`: `n` past outputs, `n + 1` inputs from the same sample on; of several outputs as many lags of all
-/// as make `n` states.
+/// ARX of an order `n`: `n` past outputs, `n + 1` inputs from the same sample on; of several outputs as many lags of
+/// all as make `n` states.
 pub fn identify_order(order: usize, data: &IoData) -> Result<DiscreteModel, IdentifyError> {
     let outputs = data.outputs().len();
     let lags = order.div_ceil(outputs);

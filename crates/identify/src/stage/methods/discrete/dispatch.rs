@@ -22,7 +22,8 @@ const AUTOMATIC_ORDER: usize = 4;
 /// What to do about orders without a model.
 const HINT: &str = "lower --orders, widen the window (--from, --to), or name other waveforms";
 
-/// Why an order is tried that the record chose: the horizon of the models that were compared, and the comparison in words.
+/// Why an order is tried that the record chose: the horizon of the models that were compared, and the comparison in
+/// words.
 type Choice = (Horizon, String);
 
 /// One model per order.

@@ -58,8 +58,8 @@ impl<'a> MethodRun<'a> {
         Ok(Self { method, settings: source.settings, input_output, record, data, whole, hint })
     }
 
-    /// Writes one model an attempt. What one attempt does not allow is a warning; an error, told by who asked, only if there
-    /// is no model at all.
+    /// Writes one model an attempt. What one attempt does not allow is a warning; an error, told by who asked, only if
+    /// there is no model at all.
     pub fn put_all(&self, requests: &[ModelRequest<'_>], results: &mut Results<'_>) -> anyhow::Result<Outcome> {
         let mut written = 0;
         let mut failures = Vec::new();

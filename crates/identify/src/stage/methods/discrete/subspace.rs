@@ -60,8 +60,8 @@ fn with_all_orders<T>(
 
 /// The number of states that the record asks for, and why in words.
 ///
-/// The models compared come from one factorisation with a horizon for the highest order, which is returned too: the model
-/// that is written may choose it for its own, so it simulates no worse than the one that was compared.
+/// The models compared come from one factorisation with a horizon for the highest order, which is returned too: the
+/// model that is written may choose it for its own, so it simulates no worse than the one that was compared.
 pub fn chosen_order(
     weighting: Weighting,
     max_order: usize,
@@ -86,7 +86,8 @@ pub fn chosen_order(
     .map_err(|error| error.to_string())?;
     let order = order.ok_or("no order has a model")?;
     let why = format!(
-        "order {order} of 1 to {highest} has the smallest BIC of the simulation, with the effective number of samples, in models of one horizon of {} block rows",
+        "order {order} of 1 to {highest} has the smallest BIC of the simulation, with the effective number of samples, \
+         in models of one horizon of {} block rows",
         horizon.block_rows
     );
     Ok((order, horizon, why))
@@ -115,8 +116,8 @@ pub fn put_subspace_diagram(
     Ok(())
 }
 
-/// A subspace model of one order, from the horizon that simulates best: of those that the order and the record ask for, and of
-/// that by which the order was chosen, where it was.
+/// A subspace model of one order, from the horizon that simulates best: of those that the order and the record ask for,
+/// and of that by which the order was chosen, where it was.
 pub fn identify_order(
     weighting: Weighting,
     order: usize,
@@ -161,12 +162,14 @@ pub fn identify_order(
     }
     if excited < full {
         notes.warning(format!(
-            "the input is worth {excited} of {full} independent ones: it follows from its own past, so driven and free motion cannot be told apart and the poles mean little; take tfest, or --inputs none for a free motion"
+            "the input is worth {excited} of {full} independent ones: it follows from its own past, so driven and free \
+             motion cannot be told apart and the poles mean little; take tfest, or --inputs none for a free motion"
         ));
     }
     if every > 1 {
         notes.info(format!(
-            "poles from every {every}th sample behind a low-pass filter ({thin_samples} samples of {:.4e} s), inputs and initial state from all: as many block rows of the whole record are too short a horizon",
+            "poles from every {every}th sample behind a low-pass filter ({thin_samples} samples of {:.4e} s), inputs \
+             and initial state from all: as many block rows of the whole record are too short a horizon",
             data.sample_time_s() * every as f64
         ));
     }

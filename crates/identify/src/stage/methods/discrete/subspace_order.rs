@@ -5,7 +5,8 @@ use crumple_sysid::{
 };
 use rayon::prelude::*;
 
-/// Errors below this share of the root mean square of an output are rounding: models that are exact compare by their parameters.
+/// Errors below this share of the root mean square of an output are rounding: models that are exact compare by their
+/// parameters.
 const ROUNDING: f64 = 1e-10;
 
 /// The order from 1 to `highest` whose model has the smallest BIC of its simulation; `None` where no order has a model.
