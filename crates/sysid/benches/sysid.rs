@@ -180,7 +180,8 @@ fn era_dc_times() {
     let time = shortest(5, || {
         let markov = MarkovParameters::new(sensors.iter().map(Vec::as_slice).collect(), 1);
         let order = Order::Given(4);
-        black_box(markov.and_then(|markov| Era::of(markov, EraOptions::new(1e-4), &[order])?.realize(order))).ok();
+        black_box(markov.and_then(|markov| Era::from_markov(markov, EraOptions::new(1e-4), &[order])?.realize(order)))
+            .ok();
     });
     line("era order 4, 4 sensors of 2501 samples, 1 % noise", "", time, &sensors[0]);
 }

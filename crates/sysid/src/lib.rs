@@ -75,7 +75,8 @@ pub use subspace::weighting::Weighting;
 pub use transfer_function::array::{TransferFunctionArray, transfer_function_array};
 pub use transfer_function::fit::{TransferFunctionFit, transfer_function_fit};
 pub use validation::bootstrap::{
-    BandPoint, Bootstrap, BootstrapOptions, Sample, Spread, bootstrap, bootstrap_equation_errors, bootstrap_outputs,
+    BandPoint, BootstrapOptions, ResidualBootstrap, Sample, Spread, bootstrap, bootstrap_equation_errors,
+    bootstrap_outputs,
 };
 pub use validation::caveats::{FilterEdge, caveats, mode_notes, weak_fit};
 pub use validation::model_selection::{Contender, Ranked, Selection, select};

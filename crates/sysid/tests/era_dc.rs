@@ -112,9 +112,12 @@ fn several_sensors_and_an_order_by_gap() {
     let first = record(700, 0.0, 0);
     let second: Vec<f64> = first.windows(4).map(|w| w[3] - 0.3 * w[0]).collect();
     let markov = MarkovParameters::new(vec![&first[3..], &second], 1).unwrap();
-    let dc = EraDc::of(markov.clone(), options(0, 5, Some(30)), &[Order::Automatic]).unwrap();
+    let dc = EraDc::from_markov(markov.clone(), options(0, 5, Some(30)), &[Order::Automatic]).unwrap();
     let model = dc.realize(Order::Automatic).unwrap();
-    let plain = Era::of(markov, options(0, 0, None).era, &[Order::Given(4)]).unwrap().realize(Order::Given(4)).unwrap();
+    let plain = Era::from_markov(markov, options(0, 0, None).era, &[Order::Given(4)])
+        .unwrap()
+        .realize(Order::Given(4))
+        .unwrap();
     assert_eq!((model.order(), model.discrete.c.nrows()), (4, 2));
     assert!(worst(&model) < 1e-10, "{:e}", worst(&model));
     for (a, b) in model.mode_shapes.iter().zip(&plain.mode_shapes) {

@@ -92,8 +92,8 @@ pub fn exponential_sum(
         terms(&problem.chain(theta), &problem.state_coefficients(theta, c).1, duration, scale)
     };
     let unknowns: Vec<f64> = best.theta.iter().chain(&c).copied().collect();
-    let found = terms_of(&unknowns);
-    let parts = parts(&found);
+    let fitted_terms = terms_of(&unknowns);
+    let parts = parts(&fitted_terms);
     // Frequency and damping of every term, then the numbers of the terms.
     let describe = |unknowns: &[f64]| -> Vec<f64> {
         let terms = terms_of(unknowns);
@@ -109,11 +109,14 @@ pub fn exponential_sum(
         };
         deviation(i).zip(deviation(n + i))
     });
-    let of_numbers = described.as_ref().map(|all| all.view((2 * n, 2 * n), (all.nrows() - 2 * n, all.nrows() - 2 * n)));
+    let number_covariance =
+        described.as_ref().map(|all| all.view((2 * n, 2 * n), (all.nrows() - 2 * n, all.nrows() - 2 * n)));
     Ok(ExponentialSumFit {
         mode_deviations: mode_deviations.collect(),
-        covariance: of_numbers.filter(|part| part.iter().all(|x| x.is_finite())).map(nalgebra::Matrix::into_owned),
-        terms: found,
+        covariance: number_covariance
+            .filter(|part| part.iter().all(|x| x.is_finite()))
+            .map(nalgebra::Matrix::into_owned),
+        terms: fitted_terms,
         fit: fit_measures(record, &simulated),
         simulated,
         loss: best.cost * unit,

@@ -226,7 +226,7 @@ impl Evidence<'_> {
         }
         let log = 0.5 * (low + high);
         let ratio = log.exp() / largest;
-        let found = Candidate {
+        let candidate = Candidate {
             shape,
             ratio,
             noise_variance: noise(ratio),
@@ -234,7 +234,7 @@ impl Evidence<'_> {
             values,
             vectors: eigen.eigenvectors,
         };
-        found.cost.is_finite().then_some(found)
+        candidate.cost.is_finite().then_some(candidate)
     }
 
     /// Best of the grid, then a compass search from there. Ties go to the first.
@@ -275,11 +275,11 @@ impl Evidence<'_> {
     }
 
     /// `g K R' U diag(1/(1 + g d)) U' r`.
-    fn estimate(&self, found: &Candidate) -> DVector<f64> {
-        let mut parts = found.vectors.tr_mul(&self.target);
-        for (z, d) in parts.iter_mut().zip(&found.values) {
-            *z *= found.ratio / (1.0 + found.ratio * d);
+    fn estimate(&self, candidate: &Candidate) -> DVector<f64> {
+        let mut parts = candidate.vectors.tr_mul(&self.target);
+        for (z, d) in parts.iter_mut().zip(&candidate.values) {
+            *z *= candidate.ratio / (1.0 + candidate.ratio * d);
         }
-        found.shape.matrix(self.taps, self.inputs) * self.r.tr_mul(&(&found.vectors * parts))
+        candidate.shape.matrix(self.taps, self.inputs) * self.r.tr_mul(&(&candidate.vectors * parts))
     }
 }

@@ -119,11 +119,11 @@ impl Okid {
     ///
     /// Juang, Phan, Horta & Longman, J. Guidance 16(2), 1993; Juang, *Applied System Identification*, 1994.
     pub fn new(data: &IoData, options: OkidOptions) -> Result<Self, IdentifyError> {
-        let found = Self::unchecked(data, options)?;
-        if found.growth > DIVERGED {
-            return Err(IdentifyError::Diverged { growth: found.growth, lags: found.lags });
+        let okid = Self::unchecked(data, options)?;
+        if okid.growth > DIVERGED {
+            return Err(IdentifyError::Diverged { growth: okid.growth, lags: okid.lags });
         }
-        Ok(found)
+        Ok(okid)
     }
 
     fn unchecked(data: &IoData, options: OkidOptions) -> Result<Self, IdentifyError> {
@@ -168,8 +168,8 @@ impl Okid {
             parameters.push(next);
         }
         // Without an input the gain's parameters are all there are.
-        let judged = if m > 0 { m } else { q };
-        let norm = |h: &DMatrix<f64>| h.columns(0, judged).norm();
+        let columns = if m > 0 { m } else { q };
+        let norm = |h: &DMatrix<f64>| h.columns(0, columns).norm();
         let largest = parameters[..=lags].iter().map(norm).fold(0.0, f64::max);
         // A parameter that has overflowed is not finite, and its norm not a number.
         let last = parameters[count + 1 - lags..]
@@ -225,9 +225,9 @@ impl Okid {
         let sequences = (0..q).flat_map(|i| (0..width).map(move |s| (i, s))).map(|(i, s)| sequence(i, s)).collect();
         let markov = MarkovParameters::new(sequences, width)?;
         let era = EraOptions { max_order: options.max_order, ..EraOptions::new(self.sample_time_s) };
-        let found = Era::of(markov, era, &[order])?.realize(order)?;
-        let n = found.order();
-        let StateSpace { a, b, c, d, .. } = found.discrete;
+        let realized = Era::from_markov(markov, era, &[order])?.realize(order)?;
+        let n = realized.order();
+        let StateSpace { a, b, c, d, .. } = realized.discrete;
         let gain = if jointly {
             b.columns(m, q).into_owned()
         } else {
@@ -239,7 +239,7 @@ impl Okid {
         let kalman_gain = DMatrix::from_fn(n, q, |s, i| -gain[(s, i)] / self.output_scales[i]);
         let c = DMatrix::from_fn(q, n, |i, s| c[(i, s)] * self.output_scales[i]);
         let d = DMatrix::from_fn(q, m, |i, j| d[(i, j)] * self.output_scales[i] / self.input_scales[j]);
-        let singular_values = found.singular_values.into_iter().zip(found.singular_value_errors).collect();
+        let singular_values = realized.singular_values.into_iter().zip(realized.singular_value_errors).collect();
         Ok(OkidModel { model: StateSpace::new(a, b, c, d, Some(self.sample_time_s))?, kalman_gain, singular_values })
     }
 }

@@ -140,7 +140,7 @@ pub fn stabilization(models: &[OrderPoles], sample_time_s: f64, options: Stabili
     let mut poles: Vec<DiagramPole> = Vec::new();
     let mut before: Vec<usize> = Vec::new();
     for model in models {
-        let mut found: Vec<DiagramPole> = model
+        let mut poles_of_order: Vec<DiagramPole> = model
             .poles
             .iter()
             .enumerate()
@@ -153,9 +153,10 @@ pub fn stabilization(models: &[OrderPoles], sample_time_s: f64, options: Stabili
                 Some(DiagramPole { order: model.order, mode, shape, strength, stability, lasting: false })
             })
             .collect();
-        found.sort_by(|a, b| a.mode.natural_frequency_rad_per_s.total_cmp(&b.mode.natural_frequency_rad_per_s));
+        poles_of_order
+            .sort_by(|a, b| a.mode.natural_frequency_rad_per_s.total_cmp(&b.mode.natural_frequency_rad_per_s));
         let mut now = Vec::new();
-        for mut pole in found {
+        for mut pole in poles_of_order {
             let place = poles.len();
             if !accepted(&pole, sample_time_s, &options) {
                 pole.stability = Stability::Rejected;
@@ -229,7 +230,7 @@ pub struct Quartiles {
 }
 
 impl Quartiles {
-    fn of(mut values: Vec<f64>) -> Self {
+    fn from_values(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
         let at = |share| quantile(&values, share).unwrap_or(0.0);
         Self { lower: at(0.25), median: at(0.5), upper: at(0.75) }
@@ -269,7 +270,7 @@ fn clusters(poles: &[DiagramPole], orders: usize, options: &StabilizationOptions
     let mut names: Vec<usize> = cluster.clone();
     names.sort_unstable();
     names.dedup();
-    let mut found: Vec<PoleCluster> = names
+    let mut clusters: Vec<PoleCluster> = names
         .into_iter()
         .filter_map(|name| {
             let members: Vec<&DiagramPole> =
@@ -279,15 +280,17 @@ fn clusters(poles: &[DiagramPole], orders: usize, options: &StabilizationOptions
             present.dedup();
             (present.len() as f64 >= options.presence * orders as f64).then(|| PoleCluster {
                 orders: present.len(),
-                natural_frequency_rad_per_s: Quartiles::of(
+                natural_frequency_rad_per_s: Quartiles::from_values(
                     members.iter().map(|pole| pole.mode.natural_frequency_rad_per_s).collect(),
                 ),
-                damping_ratio: Quartiles::of(members.iter().filter_map(|pole| pole.mode.damping_ratio).collect()),
+                damping_ratio: Quartiles::from_values(
+                    members.iter().filter_map(|pole| pole.mode.damping_ratio).collect(),
+                ),
             })
         })
         .collect();
-    found.sort_by(|a, b| a.natural_frequency_rad_per_s.median.total_cmp(&b.natural_frequency_rad_per_s.median));
-    found
+    clusters.sort_by(|a, b| a.natural_frequency_rad_per_s.median.total_cmp(&b.natural_frequency_rad_per_s.median));
+    clusters
 }
 
 #[cfg(test)]

@@ -144,8 +144,8 @@ pub(crate) fn search(data: &IoData, options: &TransferFunctionOptions, free: boo
             // Those of poles that no record enters are the same for every pair.
             let alike = matches!(start, Start::Random | Start::Integrators);
             let pairs = if alike { &pairs[..1] } else { &pairs[..] };
-            let found = pairs.iter().flat_map(|pair| pair.poles_by(*start, options.random_starts));
-            found.map(|poles| (*start, poles)).collect::<Vec<_>>()
+            let starting_poles = pairs.iter().flat_map(|pair| pair.poles_by(*start, options.random_starts));
+            starting_poles.map(|poles| (*start, poles)).collect::<Vec<_>>()
         })
         .collect::<Vec<_>>()
         .concat();

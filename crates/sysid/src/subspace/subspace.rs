@@ -143,11 +143,11 @@ impl<'a> Subspace<'a> {
     /// on is the extreme case: all its signals are sums of the same few exponentials.
     pub fn excitation(&self) -> (usize, usize) {
         let full = self.inputs.ncols();
-        let found = jacobi_svd(&self.inputs).map_or(full, |svd| {
+        let excited = jacobi_svd(&self.inputs).map_or(full, |svd| {
             let tolerance = svd.values.first().copied().unwrap_or(0.0) * SILENT;
             svd.values.iter().take_while(|s| **s > tolerance).count()
         });
-        (found, full)
+        (excited, full)
     }
 
     /// Highest order that can be realised.

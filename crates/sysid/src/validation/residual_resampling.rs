@@ -84,7 +84,7 @@ impl ResidualNoise {
     /// From the residuals of several outputs of one model, of one length: replicates of one index are drawn at the same
     /// places, so that what the outputs have in common stays common. The longest of the outputs' blocks (the highest of
     /// their orders) is that of all; each output takes its share of the parameters.
-    pub fn together(residuals: &[Vec<f64>], parameters: usize, resampling: Resampling, seed: u64) -> Vec<Self> {
+    pub fn for_outputs(residuals: &[Vec<f64>], parameters: usize, resampling: Resampling, seed: u64) -> Vec<Self> {
         let share = parameters.div_ceil(residuals.len().max(1));
         let residuals: Vec<Vec<f64>> = residuals.iter().map(|e| prepared(e, share)).collect();
         let length = residuals.iter().map(|e| block_length(e)).max().unwrap_or(1);
@@ -270,12 +270,12 @@ mod tests {
         let correlation = |a: &[f64], b: &[f64]| dot(a, b) / (dot(a, a) * dot(b, b)).sqrt();
         let there = correlation(&common, &own);
         for resampling in [Resampling::Blocks, Resampling::Autoregression] {
-            let noise = ResidualNoise::together(&[common.clone(), own.clone()], 10, resampling, 3);
+            let noise = ResidualNoise::for_outputs(&[common.clone(), own.clone()], 10, resampling, 3);
             let found = correlation(&noise[0].replicate(2), &noise[1].replicate(2));
             // Two draws at the same places: as far as 2000 samples know a correlation near one.
             assert!((found - there).abs() < 0.02, "{resampling:?}: {found} {there}");
             assert_eq!(
-                ResidualNoise::together(std::slice::from_ref(&common), 10, resampling, 3)[0],
+                ResidualNoise::for_outputs(std::slice::from_ref(&common), 10, resampling, 3)[0],
                 ResidualNoise::new(&common, 10, resampling, 3)
             );
         }

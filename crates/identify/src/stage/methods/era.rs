@@ -72,7 +72,7 @@ fn sampled_together(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<
     let cuts = cuts(ids, source)?;
     for next in &cuts[1..] {
         let hint = "name channels of one time base with --channels, or a window that all have";
-        cuts[0].together_with(next, hint)?;
+        cuts[0].require_same_times(next, hint)?;
     }
     Ok(cuts)
 }
@@ -241,7 +241,7 @@ fn decompose<'a>(
     match hankel {
         Some(hankel) if method == "era-dc" => {
             let options = EraDcOptions { era: options, offset: hankel.offset, lag_blocks: hankel.lag_blocks };
-            Ok(Decomposed::Correlations(EraDc::of(markov, options, orders)?))
+            Ok(Decomposed::Correlations(EraDc::from_markov(markov, options, orders)?))
         }
         Some(hankel) if hankel.twice_the_order => {
             let mut all = Vec::with_capacity(orders.len());
@@ -250,11 +250,11 @@ fn decompose<'a>(
                     Order::Given(n) => options.twice_the_order(n),
                     Order::Automatic => options.twice_the_order(settings.max_order),
                 };
-                all.push((order, Era::of(markov.clone(), options, &[order])?));
+                all.push((order, Era::from_markov(markov.clone(), options, &[order])?));
             }
             Ok(Decomposed::Sized(all))
         }
-        _ => Ok(Decomposed::Whole(Era::of(markov, options, orders)?)),
+        _ => Ok(Decomposed::Whole(Era::from_markov(markov, options, orders)?)),
     }
 }
 

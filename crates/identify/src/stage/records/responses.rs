@@ -9,7 +9,7 @@ use crumple_lti::{
 use crumple_signal::Notes;
 use crumple_stage::records::{EvidenceV1, ResponseV1, SpreadV1};
 use crumple_sysid::{
-    Bootstrap, BootstrapOptions, Sample, Spread, bootstrap, bootstrap_equation_errors, bootstrap_outputs,
+    BootstrapOptions, ResidualBootstrap, Sample, Spread, bootstrap, bootstrap_equation_errors, bootstrap_outputs,
 };
 
 use crate::stage::options::evidence::BootstrapSettings;
@@ -68,7 +68,7 @@ impl Band {
     }
 
     /// From the replicates.
-    pub fn from_bootstrap(bootstrap: &Bootstrap) -> Self {
+    pub fn from_bootstrap(bootstrap: &ResidualBootstrap) -> Self {
         let points = bootstrap.band.iter().map(|point| {
             let p = (*point)?;
             Some([p.magnitude.0, p.magnitude.1, p.phase_change_rad.0, p.phase_change_rad.1])
@@ -246,7 +246,7 @@ pub fn spread(
     parameters: usize,
     notes: &mut Notes,
     refit: impl Fn(&[f64]) -> Option<Sample> + Sync,
-) -> Option<Bootstrap> {
+) -> Option<ResidualBootstrap> {
     let residual: Vec<f64> = record.iter().zip(simulated).map(|(y, yh)| y - yh).collect();
     run_bootstrap(settings, (id, sample), notes, |options| {
         bootstrap(sample, simulated, &residual, parameters, options, refit)
@@ -261,7 +261,7 @@ pub fn spread_of_outputs(
     parameters: usize,
     notes: &mut Notes,
     refit: impl Fn(&[Vec<f64>]) -> Option<Sample> + Sync,
-) -> Option<Bootstrap> {
+) -> Option<ResidualBootstrap> {
     let residual = |(y, yh): (&Vec<f64>, &Vec<f64>)| y.iter().zip(yh).map(|(y, yh)| y - yh).collect();
     let residuals: Vec<Vec<f64>> = record.iter().zip(simulated).map(residual).collect();
     run_bootstrap(settings, (id, sample), notes, |options| {
@@ -276,7 +276,7 @@ pub fn spread_of_equation(
     equation: &Equation,
     notes: &mut Notes,
     refit: impl Fn(&[f64]) -> Option<Sample> + Sync,
-) -> Option<Bootstrap> {
+) -> Option<ResidualBootstrap> {
     let Equation { errors, coefficients, record } = equation;
     run_bootstrap(settings, (id, sample), notes, |options| {
         bootstrap_equation_errors(sample, errors, *coefficients, options, record, refit)
@@ -288,8 +288,8 @@ fn run_bootstrap(
     settings: Option<&BootstrapSettings>,
     (id, sample): (&str, &Sample),
     notes: &mut Notes,
-    draw: impl FnOnce(BootstrapOptions) -> Option<Bootstrap>,
-) -> Option<Bootstrap> {
+    draw: impl FnOnce(BootstrapOptions) -> Option<ResidualBootstrap>,
+) -> Option<ResidualBootstrap> {
     let settings = settings?;
     let bootstrap = draw(BootstrapOptions {
         replicates: settings.replicates,
@@ -304,7 +304,7 @@ fn run_bootstrap(
 }
 
 /// Notes on poles that scatter over the replicates, or are missing from most of them.
-fn note_scatter(id: &str, sample: &Sample, bootstrap: &Bootstrap, notes: &mut Notes) {
+fn note_scatter(id: &str, sample: &Sample, bootstrap: &ResidualBootstrap, notes: &mut Notes) {
     for (s, spread) in sample.poles.iter().zip(&bootstrap.frequency).filter(|(s, _)| s.im >= 0.0 && s.norm() > 0.0) {
         let Some(spread) = spread else {
             notes
@@ -325,7 +325,7 @@ fn note_scatter(id: &str, sample: &Sample, bootstrap: &Bootstrap, notes: &mut No
 }
 
 /// Puts the spreads into the evidence.
-pub fn put_spreads(bootstrap: &Bootstrap, output_evidence: &mut EvidenceV1) {
+pub fn put_spreads(bootstrap: &ResidualBootstrap, output_evidence: &mut EvidenceV1) {
     let record = |spreads: &[Option<Spread>]| {
         let spread_record = |s: &Spread| SpreadV1 { deviation: s.deviation, lower: s.lower, upper: s.upper };
         spreads.iter().map(|spread| spread.as_ref().map(spread_record)).collect::<Vec<_>>()

@@ -76,7 +76,7 @@ impl Cut {
     }
 
     /// Errors unless the other has the same times; `hint` says what to do.
-    pub fn together_with(&self, other: &Self, hint: &str) -> anyhow::Result<()> {
+    pub fn require_same_times(&self, other: &Self, hint: &str) -> anyhow::Result<()> {
         let (u, y) = (&self.sampled, &other.sampled);
         let dt = y.dt_s();
         let apart = (u.t0_s() - y.t0_s()).abs() > 1e-6 * dt || (u.dt_s() / dt - 1.0).abs() > 1e-9;
@@ -215,7 +215,7 @@ pub fn record(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow:
     let first = &answers[0];
     for other in drives.iter().chain(&answers[1..]) {
         let hint = "name waveforms of one time base with --inputs and --outputs, or a window that all have";
-        other.together_with(first, hint)?;
+        other.require_same_times(first, hint)?;
     }
     let data = |samples: &dyn Fn(&Cut) -> Vec<f64>| {
         let signals_of = |cuts: &[Cut]| cuts.iter().map(samples).collect();

@@ -72,7 +72,7 @@ pub fn impulse_response(
     let markov = MarkovParameters::new(response.sequences.iter().map(Vec::as_slice).collect(), data.inputs().len())?;
     let options = EraOptions { shift: settings.form(), ..EraOptions::new(data.sample_time_s()) };
     let order = Order::Given(order);
-    let model = Era::of(markov, options, &[order])?.realize(order)?;
+    let model = Era::from_markov(markov, options, &[order])?.realize(order)?;
     let start = if at_rest { "from rest" } else { "the first of them as past only" };
     let mut notes = Notes::new();
     notes.info(format!("impulse response of {taps} samples, kernel {}, {start}", kernel.name()));
