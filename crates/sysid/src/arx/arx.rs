@@ -170,7 +170,7 @@ pub fn arx_scan(data: &IoData, orders: &[ArxOrder]) -> Vec<Result<(Arx, Informat
                     samples,
                     needed: needed(order),
                     why: format!(
-                        "{} parameters after {} samples of memory, in a scan that judges by half of the samples",
+                        "{} parameters after {} samples of memory, in a scan that compares by half of the samples",
                         parameters(order),
                         order.states()
                     ),
@@ -312,8 +312,8 @@ mod tests {
         assert!(arx(&data, long[1]).is_ok());
         assert_eq!(
             scan[0].clone().unwrap_err().to_string(),
-            "60 samples, arx needs 142 (4 parameters after 71 samples of memory, in a scan that judges by half of the \
-             samples)"
+            "60 samples, arx needs 142 (4 parameters after 71 samples of memory, in a scan that compares by half of \
+             the samples)"
         );
         assert!(matches!(scan[1], Err(IdentifyError::TooShort { needed: 100, .. })), "{:?}", scan[1]);
         assert_eq!(scan[2..], arx_scan(&data, &short));

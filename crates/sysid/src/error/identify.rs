@@ -121,7 +121,10 @@ pub enum IdentifyError {
         lags: usize,
     },
     /// A model that follows the record worse than its mean does by far.
-    #[error("the simulation misses the record by far (fit {fit_percent:.3e} %, above {limit} % is accepted): {why}")]
+    #[error(
+        "the simulation does not follow the record (fit {fit_percent:.3e} %, {limit} % is the least accepted): \
+        {why}"
+    )]
     Misses {
         /// Fit of the simulated output with the best initial state; of several the smallest.
         fit_percent: f64,
@@ -145,15 +148,15 @@ pub enum IdentifyError {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum MissReason {
     /// A pole lies outside the unit circle.
-    #[error("a pole grows by a factor {factor:.6} a sample")]
+    #[error("a pole of the model is unstable: it grows by a factor {factor:.6} per sample")]
     Grows {
         /// Its modulus.
         factor: f64,
     },
     /// Growing poles were mirrored at the unit circle, so that the model could be simulated.
-    #[error("it has growing poles, mirrored at the unit circle, and is nothing without them")]
+    #[error("its unstable poles were mirrored into the unit circle, and without them the model does not fit")]
     Mirrored,
     /// No pole grows.
-    #[error("none of its poles grows")]
+    #[error("all poles of the model are stable")]
     Stable,
 }

@@ -126,8 +126,8 @@ fn fit_sum(task: &SumTask, settings: &Settings, answer: &Cut, results: &mut Resu
     }
     if fit.condition > 1e8 {
         let text = format!(
-            "{id}: condition number {:.1e}: the curve is known, its single terms are not; believe crush, time and \
-             energy only",
+            "{id}: condition number {:.1e}: the curve is well determined, its single terms are not; rely on crush, \
+             time and energy only",
             fit.condition
         );
         results.out.notes().warning(text.clone());

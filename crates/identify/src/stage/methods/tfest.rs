@@ -101,11 +101,14 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> No
         let exact = "the true system is 1/s^2 and has none";
         if gain < 0.0 {
             notes.warning(format!(
-                "{id}: the gain at rest, {gain:.4e} s^2, is negative: a steady acceleration forward would end behind; \
-                 {exact}"
+                "{id}: the gain at rest, {gain:.4e} s^2, is negative: a steady forward acceleration would move the \
+                 body backward; {exact}"
             ));
         } else {
-            notes.info(format!("{id}: a gain at rest, {gain:.4e} s^2, is that of the record's length; {exact}"));
+            notes.info(format!(
+                "{id}: the gain at rest, {gain:.4e} s^2, follows from the length of the record; \
+                {exact}"
+            ));
         }
     }
     let numerator = fit.transfer_function.numerator();

@@ -14,8 +14,8 @@ pub fn mirror_growing_poles(model: DiscreteModel, data: &IoData) -> Result<Discr
     let Some((state_space, mirrored_poles)) = mirrored_poles(&model.state_space, data)? else { return Ok(model) };
     let DiscreteModel { parameters, singular_values, mut notes, choices, .. } = model;
     notes.warning(format!(
-        "{mirrored_poles} growing poles, mirrored at the unit circle, inputs and initial state fitted again: the \
-         impulse response does not hold these modes"
+        "{mirrored_poles} unstable poles were mirrored into the unit circle, and the input matrix and the initial \
+         state were fitted again: these modes are not in the impulse response"
     ));
     Ok(DiscreteModel { singular_values, notes, mirrored_poles, choices, ..DiscreteModel::new(state_space, parameters) })
 }

@@ -73,7 +73,7 @@ pub fn put_diagram(
     out.summary(if names.is_empty() {
         format!("{method}: no mode stays over half of the orders up to {highest}")
     } else {
-        format!("{method}: over the orders up to {highest} stay {}", names.join(", "))
+        format!("{method}: modes that stay over the orders up to {highest}: {}", names.join(", "))
     });
     out.put(&format!("/stabilisation/{method}"), &record)
 }

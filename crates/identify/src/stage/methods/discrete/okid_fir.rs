@@ -27,7 +27,10 @@ pub fn okid(order: usize, data: &IoData, settings: &HankelSettings) -> Result<Di
         format!("observer of {} lags, the best of 1 to {} by {}", okid.lags, okid.scan.len(), settings.lag_criterion)
     });
     if okid.lags == okid.scan.len() {
-        notes.warning("the criterion would take more lags than it was offered");
+        notes.warning(
+            "the criterion chose the largest number of lags it was offered; more may fit better, give \
+            --lags",
+        );
     }
     let deficient = okid.rank < okid.regressors;
     if deficient {
@@ -45,7 +48,10 @@ pub fn okid(order: usize, data: &IoData, settings: &HankelSettings) -> Result<Di
     let predicted = if predictor.poles()?.iter().all(|z| z.norm() < 1.0) {
         simulate_fitted(&predictor, &seen)?.0
     } else {
-        notes.warning("the predictor with the Kalman gain grows: too few states for this observer");
+        notes.warning(
+            "the predictor with the Kalman gain is unstable: the model has too few states for this observer; \
+            raise --orders",
+        );
         Vec::new()
     };
     Ok(DiscreteModel {
@@ -81,7 +87,7 @@ pub fn impulse_response(
     }
     if let Some(chosen) = response.hyperparameters.first().copied().flatten() {
         notes.info(format!(
-            "decay {:.4} per sample, likeness of neighbours {:.4}, {:.1} effective parameters",
+            "decay {:.4} per sample, correlation of neighbours {:.4}, {:.1} effective parameters",
             chosen.decay, chosen.likeness, chosen.effective_parameters
         ));
     }

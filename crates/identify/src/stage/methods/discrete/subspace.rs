@@ -162,20 +162,21 @@ pub fn identify_order(
     }
     if excited < full {
         notes.warning(format!(
-            "the input is worth {excited} of {full} independent ones: it follows from its own past, so driven and free \
-             motion cannot be told apart and the poles mean little; take tfest, or --inputs none for a free motion"
+            "the input excites {excited} of {full} directions only: it follows from its own past, so driven and free \
+             motion cannot be separated and the poles are unreliable; use tfest, or --inputs none for a free motion"
         ));
     }
     if every > 1 {
         notes.info(format!(
-            "poles from every {every}th sample behind a low-pass filter ({thin_samples} samples of {:.4e} s), inputs \
-             and initial state from all: as many block rows of the whole record are too short a horizon",
+            "the poles were found from every {every}th sample after a low-pass filter ({thin_samples} samples of \
+             {:.4e} s), the input matrix and the initial state from all samples: on the whole record the same block \
+             rows would span too short a time",
             data.sample_time_s() * every as f64
         ));
     }
     if model.reflected_poles > 0 {
         notes.warning(format!(
-            "{} growing poles were mirrored at the unit circle so that the model can be simulated",
+            "{} unstable poles were mirrored into the unit circle so that the model can be simulated",
             model.reflected_poles
         ));
     }
