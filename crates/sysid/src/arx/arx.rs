@@ -61,7 +61,7 @@ pub fn arx(data: &IoData, order: ArxOrder) -> Result<Arx, IdentifyError> {
     fit(data, order, order.na.max((order.nb + order.nk).saturating_sub(1)))
 }
 
-/// The same on the rows from sample `first` on, so that several orders can be judged on the same equations.
+/// The same on the rows from sample `first` on, so that several orders can be compared on the same equations.
 fn fit(data: &IoData, order: ArxOrder, first: usize) -> Result<Arx, IdentifyError> {
     let ArxOrder { na, nb, nk } = order;
     let m = data.inputs().len();
@@ -153,8 +153,8 @@ pub(crate) fn lagged_factor(columns: &[(&[f64], usize)], first: usize, samples: 
 /// the list. Orders that cannot be fitted are errors in their place.
 ///
 /// The rows are those after the longest memory of the list. An order with a memory of more than half of the samples, or
-/// with parameters for half of them, would leave the others too little to be judged by: it is left out. For a scan over
-/// the delay fix `na`, `nb` and list `nk`; the smallest BIC is the usual choice.
+/// with parameters for half of them, would leave the others too few samples to be compared on: it is left out. For a
+/// scan over the delay fix `na`, `nb` and list `nk`; the smallest BIC is the usual choice.
 pub fn arx_scan(data: &IoData, orders: &[ArxOrder]) -> Vec<Result<(Arx, InformationCriteria), IdentifyError>> {
     let samples = data.samples();
     let parameters = |order: &ArxOrder| order.na + order.nb * data.inputs().len();

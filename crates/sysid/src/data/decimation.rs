@@ -1,4 +1,4 @@
-//! Fewer samples for methods whose horizon counts in samples.
+//! Low-pass filtering and thinning of records, for methods whose horizon counts in samples.
 
 use std::f64::consts::PI;
 

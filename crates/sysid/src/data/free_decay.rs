@@ -1,4 +1,4 @@
-//! Where the contact force ends and a free decay begins.
+//! The end of the contact force, where a free decay begins.
 
 /// Index of the first sample after the last one at which `force` reaches `share` of its largest magnitude: from there
 /// on the force is smaller for good. `None` for a force that is zero throughout, or still that large at the last

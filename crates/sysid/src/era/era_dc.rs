@@ -169,7 +169,7 @@ impl<'a> EraDc<'a> {
         )
     }
 
-    /// `pinv(O) H_0`: the identified sequence `[B, A B, ...]` that coherence is judged by, up to a factor.
+    /// `pinv(O) H_0`: the identified sequence `[B, A B, ...]` that the coherence compares with, up to a factor.
     fn controllability(&self, observability: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let n = observability.ncols();
         // Fewer rows than states: the block is padded, which changes no column.

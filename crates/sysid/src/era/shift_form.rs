@@ -1,4 +1,4 @@
-//! The state matrix from singular vectors: what one sample later makes of the states.
+//! The state matrix from singular vectors: three ways to solve the shift equation.
 
 use crumple_linalg::jacobi_svd;
 use nalgebra::{DMatrix, DVector};

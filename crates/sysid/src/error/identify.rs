@@ -1,4 +1,4 @@
-//! Why there is no model.
+//! Why an estimator between inputs and outputs gives no model.
 
 use crumple_lti::LtiError;
 

@@ -1,4 +1,4 @@
-//! Impulse responses by regularised least squares.
+//! Estimation of impulse responses with a Gaussian prior.
 
 use crumple_linalg::CONDITION_LIMIT;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};

@@ -1,4 +1,4 @@
-//! What is expected of an impulse response before it is measured.
+//! Prior covariance of an impulse response: it dies out, and neighbouring samples are correlated.
 
 use nalgebra::DMatrix;
 

@@ -1,4 +1,4 @@
-//! Standard deviations carried from coefficients to roots and frequency responses.
+//! Standard deviations of roots, modes and frequency responses from those of coefficients.
 //!
 //! First-order (delta method) propagation: with gradient `g` of a quantity by the coefficients and their covariance
 //! `P`, its variance is `g' P g`. Right where the coefficients' errors are small against the curvature of the

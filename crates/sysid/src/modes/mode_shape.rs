@@ -1,4 +1,4 @@
-//! Comparing mode shapes.
+//! Measures of mode shapes: assurance criterion and phase collinearity.
 
 use crumple_lti::Complex;
 

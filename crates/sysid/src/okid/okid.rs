@@ -18,7 +18,7 @@ const PARAMETERS: (usize, usize) = (200, 10);
 pub enum Lags {
     /// As given.
     Given(usize),
-    /// The best by a criterion from 1 to the highest, all judged on the same samples.
+    /// The best by a criterion from 1 to the highest, all compared on the same samples.
     Best {
         /// Highest number.
         highest: usize,

@@ -19,7 +19,7 @@ const DENSE_UP_TO: usize = 64;
 /// Lanczos steps at which convergence is looked at; the last is the limit.
 const CHECKPOINTS: [usize; 5] = [30, 45, 68, 100, 150];
 
-/// Relative residual of a singular value that is good enough here: the diagram judges changes of 1 %, and the poles'
+/// Relative residual of a singular value that is good enough here: the diagram compares changes of 1 %, and the poles'
 /// errors go with the square of this.
 const GOOD: f64 = 0.03;
 

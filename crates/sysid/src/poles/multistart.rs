@@ -1,4 +1,4 @@
-//! The poles of transfer functions, searched for from many starts.
+//! The search for the poles of transfer functions from many starts.
 //!
 //! Three stages: all starts are scored by one evaluation each, the best few (not too many of a kind) are refined by
 //! Levenberg-Marquardt with variable projection, and the least loss wins. Everything runs in scaled units: time 0 to

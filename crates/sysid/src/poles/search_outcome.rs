@@ -1,4 +1,4 @@
-//! What a search for continuous poles tells of itself.
+//! Outcome of a search for the poles of transfer functions.
 
 use crate::poles::multistart::Search;
 use crate::{Start, Termination};

@@ -1,4 +1,4 @@
-//! How well a model simulates a record it may not have been identified from.
+//! Simulation of a model on a record, and how well it fits.
 //!
 //! Fit in percent is the one of MATLAB's `compare` and of the field: 100 is a perfect curve, 0 is no better than the
 //! mean of the record, and below zero the model is worse than that constant. Variance accounted for forgives a wrong

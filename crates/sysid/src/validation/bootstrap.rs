@@ -96,10 +96,10 @@ pub struct ResidualBootstrap {
 
 /// Fits again and again: to the model's own output with noise like its residuals.
 ///
-/// `model` is the fit that is judged, `simulated` its output, `residual` what it leaves of the record, `parameters`
-/// their number. `refit` gets a new output of the same length and returns what the estimator makes of it; `None` is a
-/// failure that is counted. Replicates run in parallel and are collected by index. Poles and zeros of a replicate are
-/// given to the nearest of the model, each once.
+/// `model` is the fit whose uncertainty is asked for, `simulated` its output, `residual` what it leaves of the record,
+/// `parameters` their number. `refit` gets a new output of the same length and returns what the estimator makes of it;
+/// `None` is a failure that is counted. Replicates run in parallel and are collected by index. Poles and zeros of a
+/// replicate are given to the nearest of the model, each once.
 ///
 /// This is the spread that noise like the residuals causes if the model is true. It knows nothing of a wrong structure,
 /// and percentile intervals of 200 replicates are themselves uncertain by a tenth of their length. The bias of the
@@ -171,7 +171,7 @@ pub fn bootstrap_outputs(
 /// would have had with them.
 ///
 /// Noise added to the output instead would correlate the regressors with the errors of the equation, and the replicates
-/// would be biased against the fit that they judge. `residual` are the one-step prediction errors, `parameters` the
+/// would be biased against the fit they belong to. `residual` are the one-step prediction errors, `parameters` the
 /// coefficients of the regression. If the errors are white this is the spread of the estimator; if they are not, the
 /// spread about its bias. Freedman, Ann. Stat. 12, 1984.
 pub fn bootstrap_equation_errors(

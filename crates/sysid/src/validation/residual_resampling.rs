@@ -1,4 +1,4 @@
-//! New noise like that in the residuals of a fit, for the bootstrap.
+//! Noise for the bootstrap, drawn from the residuals of a fit.
 //!
 //! A bootstrap of a simulation asks how a model would vary if the same record were measured again. Its residuals are
 //! correlated in time; drawn one by one they would look whiter, and the spread would come out too small. Both ways

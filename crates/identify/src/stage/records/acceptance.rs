@@ -1,4 +1,4 @@
-//! Which fits may pass as results.
+//! Which fits are accepted as results, and which of them get a warning.
 
 use crumple_signal::Notes;
 use crumple_sysid::{IdentifyError, IoData, MissReason, fit_measures, mirrored_poles, simulate_fitted, weak_fit};

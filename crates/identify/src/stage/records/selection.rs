@@ -6,7 +6,7 @@ use crumple_stage::Output;
 use crumple_stage::records::{EvidenceV1, SelectionModelV1, SelectionV1};
 use crumple_sysid::{Contender, select};
 
-/// The models of a run, by output and by the samples they were judged on.
+/// The models of a run, by output and by the samples they were fitted to.
 #[derive(Default)]
 pub struct Comparison(BTreeMap<(String, u64), Vec<Contender>>);
 

@@ -1,4 +1,4 @@
-//! Waveforms that ERA takes together.
+//! Waveforms of several quantities, scaled so that ERA can take them together.
 
 use crumple_sysid::{EraError, MarkovParameters, Realization};
 

@@ -60,7 +60,7 @@ pub fn channel<'a>(source: Source<'a>, hint: &str) -> anyhow::Result<&'a str> {
     }
 }
 
-/// The samples of a record that a model is identified from, and those after them that are kept to judge it.
+/// The samples of a record that a model is identified from, and those after them that are kept for validation.
 pub struct Window {
     /// Identified from.
     pub used: Sampled,

@@ -1,4 +1,4 @@
-//! Models of one discrete method, one attempt after the other: identified, simulated, written.
+//! Runs one discrete method: every model asked for is identified, simulated and written.
 
 use crumple_stage::{Outcome, RefuseExt};
 use crumple_sysid::{IdentifyError, IoData};

@@ -23,13 +23,13 @@ const KEPT: usize = 2;
 /// How a record is factorised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Horizon {
-    /// Every how manieth sample the poles are found from.
+    /// The poles are found from every so many samples.
     every: usize,
     /// Block rows of past and of future.
     block_rows: usize,
 }
 
-/// Every how manieth sample the subspace methods find poles from.
+/// The subspace methods find poles from every so many samples.
 fn thinning(input_output: &InputOutputSettings, block_rows: usize, data: &IoData) -> usize {
     match (input_output.thin, input_output.block_rows) {
         (Some(every), _) => every,
