@@ -47,7 +47,8 @@ fn the_robot_arm_is_simulated_at_96_4_percent() {
     let folder = tempfile::tempdir().unwrap();
     let path = "data/sysid/flexible-robot-arm/robot_arm.dat";
     let Some(input) = artifact(folder.path(), path, &["column_1", "column_2"], 1.0) else { return };
-    let flags = "--methods n4sid,moesp,cva,arx,output-error,tfest --orders 4 --poles 4 --zeros 4 --hold zero-order --block-rows 12 --inputs column_1 --outputs column_2 --remove-mean --validate-from 512s";
+    let flags = "--methods n4sid,moesp,cva,arx,output-error,tfest --orders 4 --poles 4 --zeros 4 --hold zero-order \
+        --block-rows 12 --inputs column_1 --outputs column_2 --remove-mean --validate-from 512s";
     let found = fits(&input, flags, &["moesp-4", "output-error-4", "tfest-4-4"]);
     // The aim is the best that other toolboxes reach, 96.44.
     assert!(found.iter().all(|fit| *fit >= 96.4), "{found:?}");
@@ -72,7 +73,8 @@ fn the_steel_subframe_is_simulated_at_92_percent_on_five_of_six_outputs() {
     let names = ["u1", "u2", "y01", "y02", "y03", "y04", "y05", "y06"];
     let path = "data/sysid/steel-subframe-a/steel_subframe_u1u2_y01-y06.csv";
     let Some(input) = artifact(folder.path(), path, &names, 1.0 / 1024.0) else { return };
-    let flags = "--methods n4sid,moesp,cva --orders 30 --block-rows 25 --hold zero-order --inputs u1,u2 --outputs y01,y02,y03,y04,y05,y06 --remove-mean --validate-from 4s";
+    let flags = "--methods n4sid,moesp,cva --orders 30 --block-rows 25 --hold zero-order --inputs u1,u2 --outputs \
+        y01,y02,y03,y04,y05,y06 --remove-mean --validate-from 4s";
     let outputs: Vec<String> = (1..=6).map(|k| format!("n4sid-30/{k}")).collect();
     let found = fits(&input, flags, &outputs.iter().map(String::as_str).collect::<Vec<_>>());
     // The third output is the worst of every toolbox: 84.2 elsewhere.

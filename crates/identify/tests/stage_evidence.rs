@@ -234,8 +234,8 @@ fn samples_kept_for_validation_are_foretold_and_models_compared() {
     let of = |id: &str| result.record::<EvidenceV1>(&format!("/evidence/{id}")).unwrap().unwrap();
     let used: IdentificationV1 = result.record("/identification/era-4").unwrap().unwrap();
     assert_eq!((used.samples, of("era-4").validation_from_s), (500, Some(0.25)));
-    // 1 % of noise on what is left of the decay, 2.9 m/s^2 of rms against 2 of noise for 8 Hz alone: the model is right,
-    // the rest is mostly noise; and 0.2 mm on displacements of 50 mm.
+    // 1 % of noise on what is left of the decay, 2.9 m/s^2 of rms against 2 of noise for 8 Hz alone: the model is
+    // right, the rest is mostly noise; and 0.2 mm on displacements of 50 mm.
     assert!(of("era-4").validation_fit_percent.unwrap() > of("era-2").validation_fit_percent.unwrap() - 1.0);
     assert!(of("tfest-2-0").validation_fit_percent.unwrap() > 97.0, "{:?}", of("tfest-2-0").validation_fit_percent);
     let selection: SelectionV1 = result.record("/selection/93").unwrap().unwrap();

@@ -94,7 +94,7 @@ fn why_a_method_gives_nothing_is_told_once() {
     let run = identify(&golden.join("2-filter.mcap"), &output, &flags);
     assert_eq!(run.code, Some(0), "{}", run.said);
     let notes: NotesV1 = Artifact::open(&output).unwrap().record("/notes").unwrap().unwrap();
-    let told = notes.notes.iter().filter(|note| note.contains("misses the record by far"));
+    let told = notes.notes.iter().filter(|note| note.contains("does not follow the record"));
     assert_eq!(told.count(), 1, "{:?}", notes.notes);
 }
 

@@ -19,7 +19,7 @@ pub use artifacts::output::Output;
 pub use chain_table::chain_total::{TOTAL_MASS_TOLERANCE, total_mass_remark};
 pub use chain_table::keys::{check_keys, check_name, table_at, typed};
 pub use chain_table::masses_table::{InSi, LawOfTable, MassOfTable, NumberReaders, read_masses};
-pub use command_line::args::Common;
+pub use command_line::args::SharedFlags;
 pub use command_line::pipeline::{check_pipeline, unknown_name};
 pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage};
 pub use names::nearest::nearest;

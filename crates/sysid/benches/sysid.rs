@@ -12,7 +12,8 @@ use crumple_sysid::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Shortest of several runs, ten times as many as asked for where they are short: what else runs on the machine only adds.
+/// Shortest of several runs, ten times as many as asked for where they are short: what else runs on the machine only
+/// adds.
 fn shortest(runs: usize, mut work: impl FnMut()) -> Duration {
     let mut best = Duration::MAX;
     let mut run = 0;
@@ -179,7 +180,8 @@ fn era_dc_times() {
     let time = shortest(5, || {
         let markov = MarkovParameters::new(sensors.iter().map(Vec::as_slice).collect(), 1);
         let order = Order::Given(4);
-        black_box(markov.and_then(|markov| Era::of(markov, EraOptions::new(1e-4), &[order])?.realize(order))).ok();
+        black_box(markov.and_then(|markov| Era::from_markov(markov, EraOptions::new(1e-4), &[order])?.realize(order)))
+            .ok();
     });
     line("era order 4, 4 sensors of 2501 samples, 1 % noise", "", time, &sensors[0]);
 }

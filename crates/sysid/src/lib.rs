@@ -43,7 +43,7 @@ pub use era::era_dc::{EraDc, EraDcOptions, era_dc};
 pub use era::realization::Realization;
 pub use era::shift_form::ShiftForm;
 pub use error::era::EraError;
-pub use error::identify::IdentifyError;
+pub use error::identify::{IdentifyError, MissReason};
 pub use exponentials::exponential_sum::{ExponentialSumFit, exponential_sum};
 pub use exponentials::options::ExponentialOptions;
 pub use exponentials::terms::ExponentialTerm;
@@ -75,7 +75,8 @@ pub use subspace::weighting::Weighting;
 pub use transfer_function::array::{TransferFunctionArray, transfer_function_array};
 pub use transfer_function::fit::{TransferFunctionFit, transfer_function_fit};
 pub use validation::bootstrap::{
-    BandPoint, Bootstrap, BootstrapOptions, Sample, Spread, bootstrap, bootstrap_equation_errors, bootstrap_outputs,
+    BandPoint, BootstrapOptions, ResidualBootstrap, Sample, Spread, bootstrap, bootstrap_equation_errors,
+    bootstrap_outputs,
 };
 pub use validation::caveats::{FilterEdge, caveats, mode_notes, weak_fit};
 pub use validation::model_selection::{Contender, Ranked, Selection, select};

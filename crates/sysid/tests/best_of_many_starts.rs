@@ -140,7 +140,8 @@ fn check(name: &str, u: Vec<f64>, y: Vec<f64>, dt: f64) {
         .collect();
     losses.sort_by(f64::total_cmp);
     println!(
-        "{name}: ours {:.12e} ({:.4} %, {}, start {}, {} of {} refined starts there), best of 200: {:.12e}, {} within 1e-6",
+        "{name}: ours {:.12e} ({:.4} %, {}, start {}, {} of {} refined starts there), best of 200: {:.12e}, {} within \
+         1e-6",
         ours.loss,
         ours.fit.unwrap().fit_percent.unwrap(),
         ours.search.termination.name(),

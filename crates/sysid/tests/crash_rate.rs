@@ -1,4 +1,5 @@
-//! Subspace methods at the rate of crash records, 10 kHz: ten block rows are a millisecond there, so the record is thinned.
+//! Subspace methods at the rate of crash records, 10 kHz: ten block rows are a millisecond there, so the record is
+//! thinned.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
@@ -66,9 +67,9 @@ fn worst(found: &[Complex], exact: &[Complex]) -> f64 {
 #[test]
 fn the_free_motion_of_two_masses_has_the_roots_of_its_polynomial() {
     for (name, tolerance) in [
-        // The trapezoidal rule is off by a relative (s dt)²/12 = 2e-6 of the fastest term, which is small. Two oscillations
-        // are well told apart; with two and four slow creeping motions in 0.25 s the poles answer to an error 1e3 and 1e4
-        // times more (the condition of such a sum of exponentials).
+        // The trapezoidal rule is off by a relative (s dt)²/12 = 2e-6 of the fastest term, which is small. Two
+        // oscillations are well told apart; with two and four slow creeping motions in 0.25 s the poles answer to an
+        // error 1e3 and 1e4 times more (the condition of such a sum of exponentials).
         ("double-underdamped", 1e-6),
         ("double-mixed", 1e-2),
         ("double-overdamped", 0.05),

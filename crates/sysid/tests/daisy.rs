@@ -167,7 +167,8 @@ fn flexible_robot_arm() {
     }
     subspace_table(&estimation, &validation, &[4, 6, 8], 12);
     let okid = [BY_AICC, BY_BIC, Lags::Given(20)].map(|lags| okid_lines(&estimation, &validation, lags, &[4, 6, 8]));
-    // States of the system alone: 97.0 was measured, as good as the subspace methods. Jointly they are lost to the gain.
+    // States of the system alone: 97.0 was measured, as good as the subspace methods. Jointly they are lost to the
+    // gain.
     assert!(okid.iter().all(|[_, system]| *system > 96.4), "{okid:?}");
     for kernel in Kernel::ALL {
         fir_line(&estimation, &validation, 200, kernel, 6);
@@ -268,7 +269,8 @@ fn steel_subframe() {
     println!("mean of n4sid order 30: {mean:.2}");
     // nfoursid with the same horizon and order: 91.95 in the mean, from 84.21 (the third output) to 95.94.
     assert!(mean >= 92.0 && at_30.iter().all(|fit| *fit >= 84.21), "{at_30:?}");
-    // The aim is 92 % on one output and 80 % on another: five of the six reach 92, the third, worst of all toolboxes, 91.8.
+    // The aim is 92 % on one output and 80 % on another: five of the six reach 92, the third, worst of all toolboxes,
+    // 91.8.
     let others = at_30.iter().enumerate().filter(|(i, _)| *i != 2);
     assert!(others.clone().count() == 5 && others.clone().all(|(_, fit)| *fit >= 92.0), "{at_30:?}");
 }

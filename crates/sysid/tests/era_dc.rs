@@ -42,8 +42,8 @@ fn clean_records_give_poles_and_response_back() {
             let mut options = options(offset, lag_blocks, Some(40));
             options.era.shift = shift;
             let model = era_dc(&record, options).unwrap();
-            // Correlations square the ratio of singular values (about 30 here): rounding times 1e3, and what 40 rows of a
-            // 60 rad/s wave amplify.
+            // Correlations square the ratio of singular values (about 30 here): rounding times 1e3, and what 40 rows of
+            // a 60 rad/s wave amplify.
             assert!(worst(&model) < 1e-10, "{offset} {lag_blocks} {}: {:e}", shift.name(), worst(&model));
             assert!(model.fit_percent.unwrap() > 100.0 - 1e-7, "{:?}", model.fit_percent);
             assert!(model.modes.iter().all(|m| m.modal_amplitude_coherence.unwrap() > 1.0 - 1e-7));
@@ -80,8 +80,8 @@ fn correlations_lower_the_error_that_noise_makes() {
     });
     let [plain, correlated, offset, whole] = medians;
     println!(
-        "10 % noise, median worst pole error: ERA 50 rows {plain:.2e}, ERA/DC {correlated:.2e}, offset 50 {offset:.2e}, \
-         ERA whole record {whole:.2e}"
+        "10 % noise, median worst pole error: ERA 50 rows {plain:.2e}, ERA/DC {correlated:.2e}, offset 50 \
+         {offset:.2e}, ERA whole record {whole:.2e}"
     );
     assert!(correlated < plain && offset < plain, "{medians:?}");
 }
@@ -99,7 +99,8 @@ fn the_default_size_grows_with_the_record_and_needs_no_choice() {
         let few = median(&|y| worst(&era_dc(y, options(0, 10, Some(50))).unwrap()));
         let default = median(&|y| worst(&era_dc(y, options(0, 10, None)).unwrap()));
         println!("{samples} samples, noise {level}: ERA {whole:.2e}, ERA/DC {default:.2e}, of 50 rows {few:.2e}");
-        // Measured: 5.0e-3, 4.4e-3, 9.9e-3 and 7.9e-4, 9.1e-4, 1.9e-3. The same data with other weights: within a third.
+        // Measured: 5.0e-3, 4.4e-3, 9.9e-3 and 7.9e-4, 9.1e-4, 1.9e-3. The same data with other weights: within a
+        // third.
         assert!(default < 1.33 * whole && default < 0.6 * few, "{default} {whole} {few}");
     }
     let model = era_dc(&record(501, 0.1, 0), options(0, 10, None)).unwrap();
@@ -111,9 +112,12 @@ fn several_sensors_and_an_order_by_gap() {
     let first = record(700, 0.0, 0);
     let second: Vec<f64> = first.windows(4).map(|w| w[3] - 0.3 * w[0]).collect();
     let markov = MarkovParameters::new(vec![&first[3..], &second], 1).unwrap();
-    let dc = EraDc::of(markov.clone(), options(0, 5, Some(30)), &[Order::Automatic]).unwrap();
+    let dc = EraDc::from_markov(markov.clone(), options(0, 5, Some(30)), &[Order::Automatic]).unwrap();
     let model = dc.realize(Order::Automatic).unwrap();
-    let plain = Era::of(markov, options(0, 0, None).era, &[Order::Given(4)]).unwrap().realize(Order::Given(4)).unwrap();
+    let plain = Era::from_markov(markov, options(0, 0, None).era, &[Order::Given(4)])
+        .unwrap()
+        .realize(Order::Given(4))
+        .unwrap();
     assert_eq!((model.order(), model.discrete.c.nrows()), (4, 2));
     assert!(worst(&model) < 1e-10, "{:e}", worst(&model));
     for (a, b) in model.mode_shapes.iter().zip(&plain.mode_shapes) {

@@ -207,9 +207,10 @@ fn against_monte_carlo(
                     "{name}, {resampling:?}: {what} of {:.1} rad/s: {bootstrap:.3e}, records {records:.3e}",
                     s.norm()
                 );
-                // A deviation of 200 values is known to 1/sqrt 400 = 5 %, of 120 to 6.5 %, the noise of the one record to
-                // 1/sqrt(2 N) = 3 to 5 %; the bootstrap starts from poles that are themselves one deviation off, which
-                // changes their own by some 3 %, and blocks lose a few percent: three times the root of the squares.
+                // A deviation of 200 values is known to 1/sqrt 400 = 5 %, of 120 to 6.5 %, the noise of the one record
+                // to 1/sqrt(2 N) = 3 to 5 %; the bootstrap starts from poles that are themselves one deviation off,
+                // which changes their own by some 3 %, and blocks lose a few percent: three times the root of the
+                // squares.
                 assert!((bootstrap / records - 1.0).abs() < 0.32, "{name}, {what}: {bootstrap} {records}");
             }
         }

@@ -210,8 +210,8 @@ fn check(folder: &Path) -> Result<String, String> {
     stated.sort_by(f64::total_cmp);
     match (known.noisy, stated.get(stated.len() / 2)) {
         (false, _) if whole > CLEAN => return Err(format!("whole record: {whole:e}, asked for {CLEAN:e}")),
-        // By default all samples count: no worse than the reference with its middle size. (With its best size chance has
-        // a say: of a record that has decayed into noise the rest adds nothing but that.)
+        // By default all samples count: no worse than the reference with its middle size. (With its best size chance
+        // has a say: of a record that has decayed into noise the rest adds nothing but that.)
         (true, Some(middle)) if whole > *middle => {
             return Err(format!("whole record: {whole:e}, the reference with its middle size {middle:e}"));
         }

@@ -48,8 +48,10 @@ fn poles_response_and_shapes_of_every_block_size_come_back() {
             let markov = MarkovParameters::new(records.iter().map(Vec::as_slice).collect(), inputs).unwrap();
             for shift in ShiftForm::ALL {
                 let options = EraOptions { shift, ..EraOptions::new(DT_S) };
-                let model =
-                    Era::of(markov.clone(), options, &[Order::Given(6)]).unwrap().realize(Order::Given(6)).unwrap();
+                let model = Era::from_markov(markov.clone(), options, &[Order::Given(6)])
+                    .unwrap()
+                    .realize(Order::Given(6))
+                    .unwrap();
                 assert_eq!((model.discrete.c.nrows(), model.discrete.b.ncols()), (3, inputs));
                 let error = worst(&model.discrete.poles().unwrap(), &truth.poles().unwrap());
                 // Rounding, times the ratio of the first to the sixth singular value, up to 1e3 for 30 samples.
@@ -70,7 +72,7 @@ fn shapes_are_those_of_the_structure() {
     let records = markov_parameters(&truth, 800);
     let markov = MarkovParameters::new(records.iter().map(Vec::as_slice).collect(), 1).unwrap();
     let order = Order::Given(6);
-    let model = Era::of(markov, EraOptions::new(DT_S), &[order]).unwrap().realize(order).unwrap();
+    let model = Era::from_markov(markov, EraOptions::new(DT_S), &[order]).unwrap().realize(order).unwrap();
     // Damping proportional to stiffness: undamped shapes, the eigenvectors of M⁻¹ K.
     let operator = nalgebra::dmatrix![
         2e4, -1e4, 0.0;
@@ -106,7 +108,7 @@ fn several_sensors_find_weak_modes_better_than_one() {
             .map(|i| clean[*i].iter().enumerate().map(|(k, y)| y + 0.02 * size * white_noise(seed + i, k)).collect())
             .collect();
         let markov = MarkovParameters::new(records.iter().map(Vec::as_slice).collect(), 1).unwrap();
-        let model = Era::of(markov, EraOptions::new(DT_S), &[order]).unwrap().realize(order).unwrap();
+        let model = Era::from_markov(markov, EraOptions::new(DT_S), &[order]).unwrap().realize(order).unwrap();
         worst(&model.discrete.poles().unwrap(), &poles)
     };
     let median = |sensors: &[usize]| {

@@ -1,4 +1,7 @@
-//! Models of every method asked for, one after the other, and their comparison.
+//! The stage: models of every method asked for, one after the other, and their comparison.
+//! May use the rooms below; the estimators are those of `crumple-sysid`.
+//!
+//! rooms: methods | records | waves | options
 
 mod methods;
 mod options;
@@ -17,7 +20,9 @@ use crate::stage::methods::exponentials;
 use crate::stage::methods::tfest;
 use crate::stage::options::flags::Options;
 use crate::stage::options::settings::Settings;
+use crate::stage::records::results::Results;
 use crate::stage::records::selection::Comparison;
+use crate::stage::waves::source::Source;
 use crate::stage::waves::window::window_start;
 
 /// The stage.
@@ -42,7 +47,8 @@ impl Stage for Identify {
     fn run(settings: &Settings, inputs: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let test = inputs.test()?;
         out.put("/test", &TestV1::from(&test))?;
-        if let (_, Some(rule)) = window_start(settings, inputs)? {
+        let source = Source { settings, test: &test, inputs };
+        if let (_, Some(rule)) = window_start(source)? {
             out.notes().info(rule);
         }
         // A method that fails does not take the others with it.
@@ -50,14 +56,14 @@ impl Stage for Identify {
         let mut reason = None;
         let mut done = false;
         let alone = settings.methods.len() == 1;
-        let mut comparison = Comparison::default();
+        let mut results = Results { comparison: Comparison::default(), out };
         for method in &settings.methods {
             let outcome = match method.as_str() {
-                "era" | "era-dc" => era::run(method, settings, &test, inputs, &mut comparison, out),
-                "tfest" => tfest::run(settings, &test, inputs, &mut comparison, out),
-                "arx" if settings.has_arx_structures() => arx::run(settings, &test, inputs, &mut comparison, out),
-                "exponentials" => exponentials::run(settings, &test, inputs, &mut comparison, out),
-                name => dispatch::run(name, settings, &test, inputs, &mut comparison, out),
+                "era" | "era-dc" => era::run(method, source, &mut results),
+                "tfest" => tfest::run(source, &mut results),
+                "arx" if settings.has_arx_structures() => arx::run(source, &mut results),
+                "exponentials" => exponentials::run(source, &mut results),
+                name => dispatch::run(name, source, &mut results),
             };
             match outcome {
                 Ok(Outcome::Done) => done = true,
@@ -69,6 +75,7 @@ impl Stage for Identify {
                 }
             }
         }
+        let Results { comparison, out } = results;
         comparison.put(out)?;
         match (done, error, reason) {
             (false, Some(error), _) => Err(error),

@@ -6,7 +6,7 @@ use crumple_artifact::Compression;
 
 /// Flags of every stage.
 #[derive(Debug, Clone, clap::Args)]
-pub struct Common {
+pub struct SharedFlags {
     /// Input files: artifacts of earlier stages in any order (for ingest: the record as you have it).
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
@@ -63,7 +63,7 @@ impl From<Compress> for Compression {
 #[derive(Debug, clap::Parser)]
 pub(crate) struct Cli<O: clap::Args> {
     #[command(flatten)]
-    pub(crate) common: Common,
+    pub(crate) common: SharedFlags,
 
     #[command(flatten, next_help_heading = "Stage options (also keys of the stage's pipeline table)")]
     pub(crate) options: O,

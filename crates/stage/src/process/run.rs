@@ -16,7 +16,7 @@ use serde::de::DeserializeOwned;
 
 use crate::artifacts::inputs::{Loaded, open};
 use crate::artifacts::output::Output;
-use crate::command_line::args::{Cli, Common};
+use crate::command_line::args::{Cli, SharedFlags};
 use crate::command_line::pipeline::{canonical_json, is_flag, merge};
 use crate::error::{ExitStatus, MissingTopic, Usage, find_in_chain};
 use crate::process::tool::{finish, parse};
@@ -79,7 +79,7 @@ pub fn main<S: Stage>() -> ExitCode {
     }))
 }
 
-fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<ExitStatus> {
+fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Result<ExitStatus> {
     if common.quiet {
         be_quiet();
     }

@@ -61,7 +61,7 @@ pub fn arx(data: &IoData, order: ArxOrder) -> Result<Arx, IdentifyError> {
     fit(data, order, order.na.max((order.nb + order.nk).saturating_sub(1)))
 }
 
-/// The same on the rows from sample `first` on, so that several orders can be judged on the same equations.
+/// The same on the rows from sample `first` on, so that several orders can be compared on the same equations.
 fn fit(data: &IoData, order: ArxOrder, first: usize) -> Result<Arx, IdentifyError> {
     let ArxOrder { na, nb, nk } = order;
     let m = data.inputs().len();
@@ -152,9 +152,9 @@ pub(crate) fn lagged_factor(columns: &[(&[f64], usize)], first: usize, samples: 
 /// Fits every order of a list on the same rows and returns the models with their information criteria, in the order of
 /// the list. Orders that cannot be fitted are errors in their place.
 ///
-/// The rows are those after the longest memory of the list. An order with a memory of more than half of the samples, or with
-/// parameters for half of them, would leave the others too little to be judged by: it is left out. For a scan over the delay
-/// fix `na`, `nb` and list `nk`; the smallest BIC is the usual choice.
+/// The rows are those after the longest memory of the list. An order with a memory of more than half of the samples, or
+/// with parameters for half of them, would leave the others too few samples to be compared on: it is left out. For a
+/// scan over the delay fix `na`, `nb` and list `nk`; the smallest BIC is the usual choice.
 pub fn arx_scan(data: &IoData, orders: &[ArxOrder]) -> Vec<Result<(Arx, InformationCriteria), IdentifyError>> {
     let samples = data.samples();
     let parameters = |order: &ArxOrder| order.na + order.nb * data.inputs().len();
@@ -170,7 +170,7 @@ pub fn arx_scan(data: &IoData, orders: &[ArxOrder]) -> Vec<Result<(Arx, Informat
                     samples,
                     needed: needed(order),
                     why: format!(
-                        "{} parameters after {} samples of memory, in a scan that judges by half of the samples",
+                        "{} parameters after {} samples of memory, in a scan that compares by half of the samples",
                         parameters(order),
                         order.states()
                     ),
@@ -201,8 +201,8 @@ impl Arx {
         )?)
     }
 
-    /// Standard deviations of natural frequency (rad/s) and damping ratio of the poles of [`Arx::state_space`], given in
-    /// its order, from the covariance: for white equation errors. `None` for poles at zero, multiple ones, and those
+    /// Standard deviations of natural frequency (rad/s) and damping ratio of the poles of [`Arx::state_space`], given
+    /// in its order, from the covariance: for white equation errors. `None` for poles at zero, multiple ones, and those
     /// that are not roots of `a` but of the delay.
     pub fn mode_deviations(&self, poles: &[crumple_lti::Complex]) -> Vec<Option<(f64, f64)>> {
         let na = self.a.len();
@@ -210,8 +210,8 @@ impl Arx {
         discrete_mode_deviations(&self.a, &covariance, poles, self.sample_time_s)
     }
 
-    /// The output that the model would have had with other equation errors, one a sample from [`ArxOrder::states`] on; the
-    /// samples before are the measured ones. `None`: too few errors, or it grows out of the range of `f64`.
+    /// The output that the model would have had with other equation errors, one a sample from [`ArxOrder::states`] on;
+    /// the samples before are the measured ones. `None`: too few errors, or it grows out of the range of `f64`.
     pub fn with_errors(&self, data: &IoData, errors: &[f64]) -> Option<Vec<f64>> {
         let measured = &data.outputs()[0];
         let first = self.order.states().min(measured.len());
@@ -312,7 +312,8 @@ mod tests {
         assert!(arx(&data, long[1]).is_ok());
         assert_eq!(
             scan[0].clone().unwrap_err().to_string(),
-            "60 samples, arx needs 142 (4 parameters after 71 samples of memory, in a scan that judges by half of the samples)"
+            "60 samples, arx needs 142 (4 parameters after 71 samples of memory, in a scan that compares by half of \
+             the samples)"
         );
         assert!(matches!(scan[1], Err(IdentifyError::TooShort { needed: 100, .. })), "{:?}", scan[1]);
         assert_eq!(scan[2..], arx_scan(&data, &short));

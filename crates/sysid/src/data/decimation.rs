@@ -1,4 +1,4 @@
-//! Fewer samples for methods whose horizon counts in samples.
+//! Low-pass filtering and thinning of records, for methods whose horizon counts in samples.
 
 use std::f64::consts::PI;
 
@@ -18,8 +18,8 @@ const HALF_LENGTH: usize = 3;
 /// By how many samples a record can be thinned before a frequency that counts in any of its signals comes near the new
 /// Nyquist frequency, and at most so far that `needed` samples are left. 1: leave it as it is.
 ///
-/// The frequency is the highest whose line in the amplitude spectrum (straight line through the ends removed, Hann window)
-/// reaches 1 % of the largest. Noise that broad is not told from a signal: a white one keeps every sample.
+/// The frequency is the highest whose line in the amplitude spectrum (straight line through the ends removed, Hann
+/// window) reaches 1 % of the largest. Noise that broad is not told from a signal: a white one keeps every sample.
 pub fn automatic_thinning(data: &IoData, needed: usize) -> usize {
     let samples = data.samples();
     let mut planner = RealFftPlanner::<f64>::new();
@@ -52,11 +52,11 @@ fn detrended(signal: &[f64]) -> Vec<f64> {
     signal.iter().enumerate().map(|(k, x)| x - first - slope * k as f64).collect()
 }
 
-/// Every `every`-th sample behind a symmetric low-pass filter, the same for all signals, so that a linear system between
-/// them stays one with the same poles. Three thinned samples at each end, which the filter cannot reach, go.
+/// Every `every`-th sample behind a symmetric low-pass filter, the same for all signals, so that a linear system
+/// between them stays one with the same poles. Three thinned samples at each end, which the filter cannot reach, go.
 ///
-/// Windowed sinc (Hann) with its half-amplitude point at the new Nyquist frequency. Between the thinned samples an input
-/// is no longer held, so the input matrices found on such data are approximate: find them on the whole record.
+/// Windowed sinc (Hann) with its half-amplitude point at the new Nyquist frequency. Between the thinned samples an
+/// input is no longer held, so the input matrices found on such data are approximate: find them on the whole record.
 /// Errors: nothing left.
 pub fn thinned(data: &IoData, every: usize) -> Result<IoData, IdentifyError> {
     if every <= 1 {

@@ -1,7 +1,8 @@
-//! Where the contact force ends and a free decay begins.
+//! The end of the contact force, where a free decay begins.
 
-/// Index of the first sample after the last one at which `force` reaches `share` of its largest magnitude: from there on
-/// the force is smaller for good. `None` for a force that is zero throughout, or still that large at the last sample.
+/// Index of the first sample after the last one at which `force` reaches `share` of its largest magnitude: from there
+/// on the force is smaller for good. `None` for a force that is zero throughout, or still that large at the last
+/// sample.
 ///
 /// `force` may be a barrier force or the deceleration of a vehicle, which is that force over its mass. A share of the
 /// peak is a rule, not a measurement: too small and noise or a late ripple of the filter decides, too large and the

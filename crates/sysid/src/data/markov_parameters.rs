@@ -62,7 +62,7 @@ impl<'a> MarkovParameters<'a> {
 }
 
 /// Markov parameters of a discrete model, in the order of [`MarkovParameters::new`]. Those of an unstable model may
-/// overflow, for the caller to judge.
+/// overflow, which the caller has to check.
 ///
 /// `samples` values each: `D`, `C B`, `C A B`, ... for every pair of an output and an input.
 pub fn markov_parameters(model: &StateSpace, samples: usize) -> Vec<Vec<f64>> {

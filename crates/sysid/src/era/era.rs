@@ -54,8 +54,9 @@ impl EraOptions {
         }
     }
 
-    /// The same with a Hankel matrix of `2 order` rows and columns, the size other toolboxes start from (python-control,
-    /// ControlSystemIdentification.jl). It uses the first `4 order` samples alone: quick, and poor in noise.
+    /// The same with a Hankel matrix of `2 order` rows and columns, the size other toolboxes start from
+    /// (python-control, ControlSystemIdentification.jl). It uses the first `4 order` samples alone: quick, and poor in
+    /// noise.
     pub fn twice_the_order(self, order: usize) -> Self {
         let size = Some(order.saturating_mul(2));
         Self { order: Order::Given(order), rows: size, columns: size, ..self }
@@ -96,12 +97,12 @@ pub struct Era<'a> {
 impl<'a> Era<'a> {
     /// Decomposes the Hankel matrix of one channel for the orders to come; `opt.order` is not looked at.
     pub fn new(markov: &'a [f64], opt: EraOptions, orders: &[Order]) -> Result<Self, EraError> {
-        Self::of(MarkovParameters::new(vec![markov], 1)?, opt, orders)
+        Self::from_markov(MarkovParameters::new(vec![markov], 1)?, opt, orders)
     }
 
     /// The same for any number of outputs and inputs, with a block Hankel matrix. Sequences count by their size: bring
     /// them to comparable ones first where they measure different things.
-    pub fn of(markov: MarkovParameters<'a>, opt: EraOptions, orders: &[Order]) -> Result<Self, EraError> {
+    pub fn from_markov(markov: MarkovParameters<'a>, opt: EraOptions, orders: &[Order]) -> Result<Self, EraError> {
         if !(opt.sample_time_s.is_finite() && opt.sample_time_s > 0.0) {
             return Err(LtiError::SampleTime(opt.sample_time_s).into());
         }

@@ -18,9 +18,9 @@ use crate::{EraError, EraOptions, MarkovParameters, Order, Realization};
 /// Settings of [`EraDc`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EraDcOptions {
-    /// Settings shared with [`Era`](crate::Era). `rows` are those of the Hankel matrices that are correlated, `columns` what
-    /// the correlations sum over: by default half each of what the lags leave of the record, as in ERA. In noise fewer
-    /// rows lose much and more columns gain nothing (50 rows of 500 to 3000: two to five times the pole error).
+    /// Settings shared with [`Era`](crate::Era). `rows` are those of the Hankel matrices that are correlated, `columns`
+    /// what the correlations sum over: by default half each of what the lags leave of the record, as in ERA. In noise
+    /// fewer rows lose much and more columns gain nothing (50 rows of 500 to 3000: two to five times the pole error).
     pub era: EraOptions,
     /// Lag of the first correlation, samples. 0: none is left out. From `rows` on no correlation has white noise in it,
     /// at the price of a decayed signal.
@@ -65,7 +65,11 @@ impl<'a> EraDc<'a> {
     /// Decomposes the correlations for the orders to come; `options.era.order` is not looked at.
     ///
     /// Errors: too few samples for rows, columns and lags together, silence, a decomposition that does not converge.
-    pub fn of(markov: MarkovParameters<'a>, options: EraDcOptions, orders: &[Order]) -> Result<Self, EraError> {
+    pub fn from_markov(
+        markov: MarkovParameters<'a>,
+        options: EraDcOptions,
+        orders: &[Order],
+    ) -> Result<Self, EraError> {
         let opt = options.era;
         if !(opt.sample_time_s.is_finite() && opt.sample_time_s > 0.0) {
             return Err(LtiError::SampleTime(opt.sample_time_s).into());
@@ -97,7 +101,7 @@ impl<'a> EraDc<'a> {
         self.factors.rank()
     }
 
-    /// Builds the model of one of the orders that [`EraDc::of`] was given.
+    /// Builds the model of one of the orders that [`EraDc::from_markov`] was given.
     ///
     /// With `Hc = U S V'` the balanced coordinates of ERA are `U S^1/4`: correlations are squares of the record, so
     /// that the fourth root of their singular values stands where ERA has the square root.
@@ -165,7 +169,7 @@ impl<'a> EraDc<'a> {
         )
     }
 
-    /// `pinv(O) H_0`: the identified sequence `[B, A B, ...]` that coherence is judged by, up to a factor.
+    /// `pinv(O) H_0`: the identified sequence `[B, A B, ...]` that the coherence compares with, up to a factor.
     fn controllability(&self, observability: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let n = observability.ncols();
         // Fewer rows than states: the block is padded, which changes no column.
@@ -199,5 +203,5 @@ fn slices(sequences: &[Vec<f64>]) -> Vec<&[f64]> {
 /// The same as [`EraDc`] in one call, for one channel.
 pub fn era_dc(markov: &[f64], options: EraDcOptions) -> Result<Realization, EraError> {
     let order = options.era.order;
-    EraDc::of(MarkovParameters::new(vec![markov], 1)?, options, &[order])?.realize(order)
+    EraDc::from_markov(MarkovParameters::new(vec![markov], 1)?, options, &[order])?.realize(order)
 }

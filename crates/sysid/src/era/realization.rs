@@ -51,8 +51,8 @@ impl Realization {
         self.discrete.order()
     }
 
-    /// The same model of outputs in other units: each times its factor. Singular values stay those of the sequences that
-    /// were decomposed; there is no common root mean square error.
+    /// The same model of outputs in other units: each times its factor. Singular values stay those of the sequences
+    /// that were decomposed; there is no common root mean square error.
     pub fn with_outputs_times(mut self, factors: &[f64]) -> Self {
         let scale = |model: &mut StateSpace| {
             for (i, factor) in factors.iter().enumerate().take(model.c.nrows()) {

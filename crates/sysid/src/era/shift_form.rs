@@ -1,4 +1,4 @@
-//! The state matrix from singular vectors: what one sample later makes of the states.
+//! The state matrix from singular vectors: three ways to solve the shift equation.
 
 use crumple_linalg::jacobi_svd;
 use nalgebra::{DMatrix, DVector};
@@ -31,9 +31,9 @@ impl ShiftForm {
     }
 }
 
-/// `A` in balanced coordinates from the left singular vectors `u` (as many columns as states, `block` rows each sample),
-/// the square roots of the singular values, and `shifted = U' H1 V`. `None`: too few rows, or a decomposition that does
-/// not settle or is singular.
+/// `A` in balanced coordinates from the left singular vectors `u` (as many columns as states, `block` rows each
+/// sample), the square roots of the singular values, and `shifted = U' H1 V`. `None`: too few rows, or a decomposition
+/// that does not settle or is singular.
 pub(crate) fn state_matrix(
     form: ShiftForm,
     u: &DMatrix<f64>,

@@ -86,7 +86,8 @@ pub enum EraError {
     OrderZero,
     /// The singular value decomposition did not settle.
     #[error(
-        "the singular values of the {rows}x{columns} Hankel matrix did not converge in {steps} steps; use a lower order, or fewer rows and columns"
+        "the singular values of the {rows}x{columns} Hankel matrix did not converge in {steps} steps; use a lower \
+         order, or fewer rows and columns"
     )]
     NotConverged {
         /// Rows.

@@ -1,4 +1,4 @@
-//! Why there is no model.
+//! Why an estimator between inputs and outputs gives no model.
 
 use crumple_lti::LtiError;
 
@@ -74,7 +74,8 @@ pub enum IdentifyError {
     },
     /// A least-squares problem without a determined solution.
     #[error(
-        "the equations of {method} have condition number {condition:.1e}, above {limit:.0e}: the data do not determine the model"
+        "the equations of {method} have condition number {condition:.1e}, above {limit:.0e}: the data do not determine \
+         the model"
     )]
     IllConditioned {
         /// The method.
@@ -110,7 +111,8 @@ pub enum IdentifyError {
     },
     /// The identified observer is unstable, so its Markov parameters grow.
     #[error(
-        "okid_diverged: the Markov parameters grow by a factor {growth:.1e} beyond the {lags} lags; take more lags or a subspace method"
+        "okid_diverged: the Markov parameters grow by a factor {growth:.1e} beyond the {lags} lags; take more lags or \
+         a subspace method"
     )]
     Diverged {
         /// Largest of the last Markov parameters over the largest within the lags.
@@ -119,14 +121,17 @@ pub enum IdentifyError {
         lags: usize,
     },
     /// A model that follows the record worse than its mean does by far.
-    #[error("the simulation misses the record by far (fit {fit_percent:.3e} %, above {limit} % is accepted): {why}")]
+    #[error(
+        "the simulation does not follow the record (fit {fit_percent:.3e} %, {limit} % is the least accepted): \
+        {why}"
+    )]
     Misses {
         /// Fit of the simulated output with the best initial state; of several the smallest.
         fit_percent: f64,
         /// The least that is accepted.
         limit: f64,
         /// What is known of the model, e.g. its fastest growth.
-        why: String,
+        why: MissReason,
     },
     /// The Hankel matrix of estimated Markov parameters gives no model.
     #[error(transparent)]
@@ -137,4 +142,21 @@ pub enum IdentifyError {
     /// A system that cannot be analysed.
     #[error(transparent)]
     System(#[from] LtiError),
+}
+
+/// What is known of a model that misses the record by far.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum MissReason {
+    /// A pole lies outside the unit circle.
+    #[error("a pole of the model is unstable: it grows by a factor {factor:.6} per sample")]
+    Grows {
+        /// Its modulus.
+        factor: f64,
+    },
+    /// Growing poles were mirrored at the unit circle, so that the model could be simulated.
+    #[error("its unstable poles were mirrored into the unit circle, and without them the model does not fit")]
+    Mirrored,
+    /// No pole grows.
+    #[error("all poles of the model are stable")]
+    Stable,
 }

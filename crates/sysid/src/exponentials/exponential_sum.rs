@@ -36,8 +36,8 @@ pub struct ExponentialSumFit {
     pub criteria: InformationCriteria,
     /// Standard deviations of natural frequency (rad/s) and damping ratio of every term; `None` where not determined.
     pub mode_deviations: Vec<Option<(f64, f64)>>,
-    /// Covariance of what [`ExponentialSumFit::numbers`] lists, linearised and inflated for correlated residuals; `None`
-    /// where exponents coincide or the sensitivities do not determine it.
+    /// Covariance of what [`ExponentialSumFit::numbers`] lists, linearised and inflated for correlated residuals;
+    /// `None` where exponents coincide or the sensitivities do not determine it.
     pub covariance: Option<DMatrix<f64>>,
     /// Condition number of the column-scaled sensitivities of all unknowns. Above 1e8 the curve is known but its terms
     /// are not.
@@ -57,8 +57,8 @@ pub struct ExponentialSumFit {
 /// Starts from the matrix pencil (ERA of the thinned record), from exponents that coincide or nearly do on a grid of
 /// decays of a tenth to fifty over the record, and from seeded random ones over that range and over all frequencies;
 /// variable projection with exact sensitivities takes all a few iterations on and the best eight to the end. The
-/// exponentials are taken as states of a cascade, so that coinciding exponents are ordinary points (`t exp(s t)` among the
-/// states), and conditions at the start hold exactly.
+/// exponentials are taken as states of a cascade, so that coinciding exponents are ordinary points (`t exp(s t)` among
+/// the states), and conditions at the start hold exactly.
 ///
 /// Real exponentials of similar rates are nearly dependent: four of them follow a crash curve to a fraction of a
 /// percent with terms that noise of a micrometre changes altogether. Believe [`ExponentialSumFit::condition`].
@@ -92,8 +92,8 @@ pub fn exponential_sum(
         terms(&problem.chain(theta), &problem.state_coefficients(theta, c).1, duration, scale)
     };
     let unknowns: Vec<f64> = best.theta.iter().chain(&c).copied().collect();
-    let found = terms_of(&unknowns);
-    let parts = parts(&found);
+    let fitted_terms = terms_of(&unknowns);
+    let parts = parts(&fitted_terms);
     // Frequency and damping of every term, then the numbers of the terms.
     let describe = |unknowns: &[f64]| -> Vec<f64> {
         let terms = terms_of(unknowns);
@@ -109,11 +109,14 @@ pub fn exponential_sum(
         };
         deviation(i).zip(deviation(n + i))
     });
-    let of_numbers = described.as_ref().map(|all| all.view((2 * n, 2 * n), (all.nrows() - 2 * n, all.nrows() - 2 * n)));
+    let number_covariance =
+        described.as_ref().map(|all| all.view((2 * n, 2 * n), (all.nrows() - 2 * n, all.nrows() - 2 * n)));
     Ok(ExponentialSumFit {
         mode_deviations: mode_deviations.collect(),
-        covariance: of_numbers.filter(|part| part.iter().all(|x| x.is_finite())).map(nalgebra::Matrix::into_owned),
-        terms: found,
+        covariance: number_covariance
+            .filter(|part| part.iter().all(|x| x.is_finite()))
+            .map(nalgebra::Matrix::into_owned),
+        terms: fitted_terms,
         fit: fit_measures(record, &simulated),
         simulated,
         loss: best.cost * unit,
@@ -127,8 +130,9 @@ pub fn exponential_sum(
 }
 
 impl ExponentialSumFit {
-    /// Amplitudes and exponents, named by the terms from 1 on, conjugates once: `re_amplitude_1, im_amplitude_1, re_per_s_1,
-    /// im_rad_per_s_1` of an oscillating term, without the imaginary parts of a real one.
+    /// Amplitudes and exponents, named by the terms from 1 on, conjugates once:
+    /// `re_amplitude_1, im_amplitude_1, re_per_s_1, im_rad_per_s_1` of an oscillating term, without the imaginary parts
+    /// of a real one.
     pub fn numbers(&self) -> Vec<(String, f64)> {
         let parts = parts(&self.terms);
         let name = |(term, part): &(usize, Part)| format!("{}_{}", part.name(), term + 1);

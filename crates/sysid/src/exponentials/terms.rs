@@ -64,7 +64,7 @@ impl Part {
         }
     }
 
-    fn of(self, term: &ExponentialTerm) -> f64 {
+    fn value_in(self, term: &ExponentialTerm) -> f64 {
         match self {
             Self::ReAmplitude => term.amplitude.re,
             Self::ImAmplitude => term.amplitude.im,
@@ -76,15 +76,15 @@ impl Part {
 
 /// The numbers that terms of their kind have, conjugates once.
 pub(crate) fn parts(terms: &[ExponentialTerm]) -> Vec<(usize, Part)> {
-    let of = |exponent: Complex| match exponent.im {
+    let parts_of = |exponent: Complex| match exponent.im {
         0.0 => &[Part::ReAmplitude, Part::RePerS][..],
         im if im > 0.0 => &[Part::ReAmplitude, Part::ImAmplitude, Part::RePerS, Part::ImRadPerS][..],
         _ => &[],
     };
-    terms.iter().enumerate().flat_map(|(i, term)| of(term.exponent).iter().map(move |part| (i, *part))).collect()
+    terms.iter().enumerate().flat_map(|(i, term)| parts_of(term.exponent).iter().map(move |part| (i, *part))).collect()
 }
 
 /// Their values, in this order.
 pub(crate) fn values(parts: &[(usize, Part)], terms: &[ExponentialTerm]) -> Vec<f64> {
-    parts.iter().map(|(term, part)| part.of(&terms[*term])).collect()
+    parts.iter().map(|(term, part)| part.value_in(&terms[*term])).collect()
 }

@@ -1,4 +1,4 @@
-//! Impulse responses by regularised least squares.
+//! Estimation of impulse responses with a Gaussian prior.
 
 use crumple_linalg::CONDITION_LIMIT;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -60,11 +60,11 @@ pub struct Fir {
 
 /// Estimates `y[k] = sum_i h[i] u[k-i] + white noise` with a Gaussian prior of covariance `c K` on `h`.
 ///
-/// With `R` the triangular factor of the regressors, `r` the rotated output and `R K R' = U diag(d) U'`, the estimate is
-/// `h = g K R' U diag(1/(1 + g d)) U' r`, `g = c/noise variance`: the kernel is never inverted, however ill-conditioned.
-/// The likelihood of the output (noise variance eliminated) is maximised over `g` exactly on every corner of a grid of
-/// kernel shapes, then by a compass search over `(ln -ln lambda, atanh rho)`. One optimum of several may be missed; the
-/// estimate depends weakly on it.
+/// With `R` the triangular factor of the regressors, `r` the rotated output and `R K R' = U diag(d) U'`, the estimate
+/// is `h = g K R' U diag(1/(1 + g d)) U' r`, `g = c/noise variance`: the kernel is never inverted, however
+/// ill-conditioned. The likelihood of the output (noise variance eliminated) is maximised over `g` exactly on every
+/// corner of a grid of kernel shapes, then by a compass search over `(ln -ln lambda, atanh rho)`. One optimum of
+/// several may be missed; the estimate depends weakly on it.
 ///
 /// This keeps short and noisy records usable, where least squares needs several samples for each tap. Without a kernel
 /// it is least squares: a condition number above 1e12 is an error.
@@ -226,7 +226,7 @@ impl Evidence<'_> {
         }
         let log = 0.5 * (low + high);
         let ratio = log.exp() / largest;
-        let found = Candidate {
+        let candidate = Candidate {
             shape,
             ratio,
             noise_variance: noise(ratio),
@@ -234,7 +234,7 @@ impl Evidence<'_> {
             values,
             vectors: eigen.eigenvectors,
         };
-        found.cost.is_finite().then_some(found)
+        candidate.cost.is_finite().then_some(candidate)
     }
 
     /// Best of the grid, then a compass search from there. Ties go to the first.
@@ -275,11 +275,11 @@ impl Evidence<'_> {
     }
 
     /// `g K R' U diag(1/(1 + g d)) U' r`.
-    fn estimate(&self, found: &Candidate) -> DVector<f64> {
-        let mut parts = found.vectors.tr_mul(&self.target);
-        for (z, d) in parts.iter_mut().zip(&found.values) {
-            *z *= found.ratio / (1.0 + found.ratio * d);
+    fn estimate(&self, candidate: &Candidate) -> DVector<f64> {
+        let mut parts = candidate.vectors.tr_mul(&self.target);
+        for (z, d) in parts.iter_mut().zip(&candidate.values) {
+            *z *= candidate.ratio / (1.0 + candidate.ratio * d);
         }
-        found.shape.matrix(self.taps, self.inputs) * self.r.tr_mul(&(&found.vectors * parts))
+        candidate.shape.matrix(self.taps, self.inputs) * self.r.tr_mul(&(&candidate.vectors * parts))
     }
 }

@@ -1,11 +1,11 @@
-//! What is expected of an impulse response before it is measured.
+//! Prior covariance of an impulse response: it dies out, and neighbouring samples are correlated.
 
 use nalgebra::DMatrix;
 
 /// Prior covariance of the samples of an impulse response: it dies out, and neighbours are alike.
 ///
-/// Chen, Ohlsson & Ljung, "On the estimation of transfer functions, regularizations and Gaussian processes - revisited",
-/// Automatica 48, 2012.
+/// Chen, Ohlsson & Ljung, "On the estimation of transfer functions, regularizations and Gaussian processes -
+/// revisited", Automatica 48, 2012.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Kernel {
     /// Tuned and correlated: `K[i,j] = c lambda^max(i,j)`, one decay for size and likeness.

@@ -8,12 +8,12 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
 use crate::hankel::shift_pair::{Shift, ShiftPair};
 
-/// The block Hankel pair of Markov parameters: block `(i, j)` of `H0` is `Y[i+j]` and of its shift `H1` is `Y[i+j+1]`, with
-/// `Y` of `outputs x inputs`; `rows x columns` blocks. Row `i * outputs + r` belongs to output `r`.
+/// The block Hankel pair of Markov parameters: block `(i, j)` of `H0` is `Y[i+j]` and of its shift `H1` is `Y[i+j+1]`,
+/// with `Y` of `outputs x inputs`; `rows x columns` blocks. Row `i * outputs + r` belongs to output `r`.
 ///
-/// A product with a vector is a sum of correlations, done by FFT in `O(N log N)` time and `O(N)` memory: for one channel
-/// `(H x)[i] = sum_j y[i+j] x[j]`. Rounding error about the rounding unit times `|y| |x|`, that is relative to the
-/// largest singular value, not to the result.
+/// A product with a vector is a sum of correlations, done by FFT in `O(N log N)` time and `O(N)` memory: for one
+/// channel `(H x)[i] = sum_j y[i+j] x[j]`. Rounding error about the rounding unit times `|y| |x|`, that is relative to
+/// the largest singular value, not to the result.
 pub(crate) struct Hankel<'a> {
     /// `y[r * inputs + c]`.
     /// Sequences in the order of the Markov parameters, each at least `rows + columns` long.
@@ -75,8 +75,8 @@ impl<'a> Hankel<'a> {
         hankel
     }
 
-    /// `out[i, r] = sum_jc y_rc[i + j + shift] x[j, c]`; for the transposed product rows and columns change places, for a
-    /// transposed block Hankel matrix is one of the transposed blocks. No index wraps round within the transform.
+    /// `out[i, r] = sum_jc y_rc[i + j + shift] x[j, c]`; for the transposed product rows and columns change places, for
+    /// a transposed block Hankel matrix is one of the transposed blocks. No index wraps round within the transform.
     ///
     /// By the correlation theorem: `out = irfft(rfft(y) conj(rfft(x)))`, cut to the rows. The transform is at least
     /// `rows + columns` long, so the part that would wrap lies beyond what is read. Cost: one transform for each

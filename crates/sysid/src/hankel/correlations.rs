@@ -29,8 +29,8 @@ impl CorrelationSize {
     }
 }
 
-/// The pair `[Hc(o+i+j)]` and `[Hc(o+i+j+1)]`, `i, j = 0..=lag blocks`, of `Hc(k) = H_k H_0'`, `H_k` the Hankel matrix that
-/// starts `k` samples after `H_0`.
+/// The pair `[Hc(o+i+j)]` and `[Hc(o+i+j+1)]`, `i, j = 0..=lag blocks`, of `Hc(k) = H_k H_0'`, `H_k` the Hankel matrix
+/// that starts `k` samples after `H_0`.
 ///
 /// The stacked `H_(o+i+j)` repeat one another: the sum over `j` is a single Hankel product of overlapping columns, and
 /// the rows of every `i` are a stretch of its result. So a product costs a few FFTs for every lag block, memory `O(N)`

@@ -1,4 +1,4 @@
-//! Matrices that are known by their products.
+//! Pairs of matrices one sample apart that are known by their products with vectors only.
 
 use nalgebra::DMatrix;
 

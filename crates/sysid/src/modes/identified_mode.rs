@@ -20,8 +20,8 @@ pub struct IdentifiedMode {
 /// Modes of a discrete model in the order of `poles`, and their shapes: what every output shows of a mode, scaled and
 /// turned so that the largest entry is 1.
 ///
-/// `controllability` is `S^1/2 V'`: the identified sequence `[B, A B, A² B, ...]` by which the model's own is judged.
-/// `terms` is the number of samples the sum in the mode singular value runs over.
+/// `controllability` is `S^1/2 V'`: the identified sequence `[B, A B, A² B, ...]` that the model's own is compared
+/// with. `terms` is the number of samples the sum in the mode singular value runs over.
 ///
 /// With `b_i`, `c_i` the modal input and output: coherence `|q* q'| / (|q| |q'|)`, `q = [b_i, z_i b_i, z_i² b_i,
 /// ...]`, `q'` the same row taken from the data; mode singular value `sqrt(|c_i| (1 + |z_i| + |z_i|² + ...) |b_i|)`.
@@ -95,8 +95,8 @@ fn modal_evidence(
     Some(evidence.collect())
 }
 
-/// Shape of every pole of a discrete model, scaled and turned so that the largest entry is 1: what each output shows of the
-/// mode. `None` for a pole that no output shows, and for all where eigenvectors do not span the state space.
+/// Shape of every pole of a discrete model, scaled and turned so that the largest entry is 1: what each output shows of
+/// the mode. `None` for a pole that no output shows, and for all where eigenvectors do not span the state space.
 pub fn mode_shapes(model: &StateSpace, poles: &[Complex]) -> Vec<Option<Vec<Complex>>> {
     match eigenvectors(&model.a, poles) {
         Some(vectors) => {

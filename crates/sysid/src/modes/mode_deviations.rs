@@ -1,4 +1,4 @@
-//! Standard deviations carried from coefficients to roots and frequency responses.
+//! Standard deviations of roots, modes and frequency responses from those of coefficients.
 //!
 //! First-order (delta method) propagation: with gradient `g` of a quantity by the coefficients and their covariance
 //! `P`, its variance is `g' P g`. Right where the coefficients' errors are small against the curvature of the
@@ -83,8 +83,8 @@ pub(crate) fn discrete_mode_deviations(
 }
 
 /// Relative standard deviation of the modulus and standard deviation of the phase (rad) of a transfer function at
-/// frequencies in rad/s, with the covariance of its coefficients: numerator as long as `numerator_length` says, then the
-/// denominator without its 1, both highest power first. `None` where the response vanishes.
+/// frequencies in rad/s, with the covariance of its coefficients: numerator as long as `numerator_length` says, then
+/// the denominator without its 1, both highest power first. `None` where the response vanishes.
 ///
 /// By `d ln H = dB/B - dA/A`: its real part is the relative change of the modulus, its imaginary part that of the
 /// phase.

@@ -1,11 +1,12 @@
-//! Comparing mode shapes.
+//! Measures of mode shapes: assurance criterion and phase collinearity.
 
 use crumple_lti::Complex;
 
 /// Modal assurance criterion `|p* q|² / (p* p  q* q)` of two shapes: 1 for the same up to a factor, 0 for orthogonal
 /// ones. `None` for shapes of different lengths, or one that is zero.
 ///
-/// Two shapes of two sensors are easily alike: it says little with fewer than four sensors. Allemang & Brown, IMAC 1982.
+/// Two shapes of two sensors are easily alike: it says little with fewer than four sensors. Allemang & Brown, IMAC
+/// 1982.
 pub fn modal_assurance(p: &[Complex], q: &[Complex]) -> Option<f64> {
     let inner: Complex = p.iter().zip(q).map(|(p, q)| p.conj() * q).sum();
     let square = |shape: &[Complex]| shape.iter().map(Complex::norm_sqr).sum::<f64>();
@@ -15,8 +16,8 @@ pub fn modal_assurance(p: &[Complex], q: &[Complex]) -> Option<f64> {
 }
 
 /// Modal phase collinearity `((Sxx - Syy)² + 4 Sxy²) / (Sxx + Syy)²` with `Sxx`, `Syy`, `Sxy` the sums of squares and
-/// products of real and imaginary parts: 1 if all sensors move in phase or against it, as in a lightly damped structure,
-/// 0 for phases spread all round, as noise has them. `None` for a shape of zeros.
+/// products of real and imaginary parts: 1 if all sensors move in phase or against it, as in a lightly damped
+/// structure, 0 for phases spread all round, as noise has them. `None` for a shape of zeros.
 ///
 /// Not centred, for a shape through rest has no mean. One sensor alone always has 1. Pappa, Elliott & Schenk, J.
 /// Guidance 16(5), 1993.

@@ -1,4 +1,4 @@
-//! Every output regressed on the last samples of all signals, and how many of them are worth it.
+//! Regression of every output on past inputs and outputs, and the choice of the number of lags.
 
 use crate::regression::lagged_regression::{LaggedRegression, LaggedSolution};
 use crate::{IdentifyError, InformationCriteria, IoData};
@@ -12,8 +12,8 @@ pub enum Criterion {
     Bic,
 }
 
-/// Outputs by the inputs of the same sample and by inputs and outputs of the last `lags` samples, in units of the root mean
-/// square of each signal.
+/// Outputs by the inputs of the same sample and by inputs and outputs of the last `lags` samples, in units of the root
+/// mean square of each signal.
 ///
 /// `y[k] = D u[k] + sum_(i=1..p) (Yb1_i u[k-i] + Yb2_i y[k-i]) + e[k]`: a vector ARX model whose coefficients are the
 /// Markov parameters of a deadbeat observer; in noise and with `p` large, of the Kalman filter.
@@ -69,7 +69,7 @@ impl ObserverRegression {
         Ok(Self { solution, regressors, direct, lags, rows, signals: m + q })
     }
 
-    /// The criterion of 1, 2, ... lags, all judged on the same samples.
+    /// The criterion of 1, 2, ... lags, all compared on the same samples.
     ///
     /// From one factorisation: regressors stand in the order of their lags, so that the squares left by the leading
     /// ones are those of every smaller number of lags. Returned as `(lags, criterion)`, summed over outputs.

@@ -18,7 +18,7 @@ const PARAMETERS: (usize, usize) = (200, 10);
 pub enum Lags {
     /// As given.
     Given(usize),
-    /// The best by a criterion from 1 to the highest, all judged on the same samples.
+    /// The best by a criterion from 1 to the highest, all compared on the same samples.
     Best {
         /// Highest number.
         highest: usize,
@@ -60,8 +60,8 @@ pub struct Okid {
     pub regressors: usize,
     /// Largest of the last Markov parameters over the largest within the lags; above 10 is divergence.
     pub growth: f64,
-    /// In units of the root mean square of each signal: of every output `i` first those of the inputs, `h`, then those of
-    /// the gain, `o`, whose sample 0 is 0.
+    /// In units of the root mean square of each signal: of every output `i` first those of the inputs, `h`, then those
+    /// of the gain, `o`, whose sample 0 is 0.
     sequences: Vec<Vec<f64>>,
     input_scales: Vec<f64>,
     output_scales: Vec<f64>,
@@ -110,20 +110,20 @@ impl OkidModel {
 impl Okid {
     /// Regresses every output on the inputs at the same sample and on inputs and outputs of the last `p` samples, then
     /// takes the observer apart: with `Yb1_k`, `-Yb2_k` the coefficients of inputs and outputs `k` samples ago,
-    /// `h_0 = D`, `h_k = Yb1_k - sum_i Yb2_i h_(k-i)` and `o_k = Yb2_k - sum_(i<k) Yb2_i o_(k-i)` (the gain is `G = -K`).
-    /// Signals are divided by their root mean square first. The first `p` samples only serve as past, for the record
-    /// need not start from rest.
+    /// `h_0 = D`, `h_k = Yb1_k - sum_i Yb2_i h_(k-i)` and `o_k = Yb2_k - sum_(i<k) Yb2_i o_(k-i)` (the gain is
+    /// `G = -K`). Signals are divided by their root mean square first. The first `p` samples only serve as past, for
+    /// the record need not start from rest.
     ///
     /// The recursion runs beyond the lags, and grows without bound where the regression has a root outside the unit
     /// circle, as in coloured noise. This is [`IdentifyError::Diverged`], and nothing is passed on.
     ///
     /// Juang, Phan, Horta & Longman, J. Guidance 16(2), 1993; Juang, *Applied System Identification*, 1994.
     pub fn new(data: &IoData, options: OkidOptions) -> Result<Self, IdentifyError> {
-        let found = Self::unchecked(data, options)?;
-        if found.growth > DIVERGED {
-            return Err(IdentifyError::Diverged { growth: found.growth, lags: found.lags });
+        let okid = Self::unchecked(data, options)?;
+        if okid.growth > DIVERGED {
+            return Err(IdentifyError::Diverged { growth: okid.growth, lags: okid.lags });
         }
-        Ok(found)
+        Ok(okid)
     }
 
     fn unchecked(data: &IoData, options: OkidOptions) -> Result<Self, IdentifyError> {
@@ -168,8 +168,8 @@ impl Okid {
             parameters.push(next);
         }
         // Without an input the gain's parameters are all there are.
-        let judged = if m > 0 { m } else { q };
-        let norm = |h: &DMatrix<f64>| h.columns(0, judged).norm();
+        let columns = if m > 0 { m } else { q };
+        let norm = |h: &DMatrix<f64>| h.columns(0, columns).norm();
         let largest = parameters[..=lags].iter().map(norm).fold(0.0, f64::max);
         // A parameter that has overflowed is not finite, and its norm not a number.
         let last = parameters[count + 1 - lags..]
@@ -211,8 +211,8 @@ impl Okid {
         self.sequences[i * width + m + j].iter().map(|o| o * scale).collect()
     }
 
-    /// The model of one order by ERA: on both sequences jointly, or on those of the system alone with the gain then fitted
-    /// by least squares to `C A^(k-1) G`.
+    /// The model of one order by ERA: on both sequences jointly, or on those of the system alone with the gain then
+    /// fitted by least squares to `C A^(k-1) G`.
     ///
     /// Jointly the gain takes part in the choice of states. Where the regression is rank-deficient (data without noise,
     /// equal outputs) the gain is not determined and its sequence has states of its own, which disturb; and where it is
@@ -225,9 +225,9 @@ impl Okid {
         let sequences = (0..q).flat_map(|i| (0..width).map(move |s| (i, s))).map(|(i, s)| sequence(i, s)).collect();
         let markov = MarkovParameters::new(sequences, width)?;
         let era = EraOptions { max_order: options.max_order, ..EraOptions::new(self.sample_time_s) };
-        let found = Era::of(markov, era, &[order])?.realize(order)?;
-        let n = found.order();
-        let StateSpace { a, b, c, d, .. } = found.discrete;
+        let realized = Era::from_markov(markov, era, &[order])?.realize(order)?;
+        let n = realized.order();
+        let StateSpace { a, b, c, d, .. } = realized.discrete;
         let gain = if jointly {
             b.columns(m, q).into_owned()
         } else {
@@ -239,7 +239,7 @@ impl Okid {
         let kalman_gain = DMatrix::from_fn(n, q, |s, i| -gain[(s, i)] / self.output_scales[i]);
         let c = DMatrix::from_fn(q, n, |i, s| c[(i, s)] * self.output_scales[i]);
         let d = DMatrix::from_fn(q, m, |i, j| d[(i, j)] * self.output_scales[i] / self.input_scales[j]);
-        let singular_values = found.singular_values.into_iter().zip(found.singular_value_errors).collect();
+        let singular_values = realized.singular_values.into_iter().zip(realized.singular_value_errors).collect();
         Ok(OkidModel { model: StateSpace::new(a, b, c, d, Some(self.sample_time_s))?, kalman_gain, singular_values })
     }
 }

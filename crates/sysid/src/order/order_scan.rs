@@ -19,7 +19,7 @@ const DENSE_UP_TO: usize = 64;
 /// Lanczos steps at which convergence is looked at; the last is the limit.
 const CHECKPOINTS: [usize; 5] = [30, 45, 68, 100, 150];
 
-/// Relative residual of a singular value that is good enough here: the diagram judges changes of 1 %, and the poles'
+/// Relative residual of a singular value that is good enough here: the diagram compares changes of 1 %, and the poles'
 /// errors go with the square of this.
 const GOOD: f64 = 0.03;
 
@@ -86,9 +86,10 @@ pub fn era_order_scan_of(
 /// Mode shapes, one vector per pole with an entry per output, and strengths, one per pole.
 type ShapesAndStrengths = (Vec<Vec<Complex>>, Vec<f64>);
 
-/// What the outputs show of every pole; and energy of its wave in the Markov parameters, over `2 s² (N/Ne) ln Ne`: that of
-/// the strongest of all frequencies in noise of the residual's mean square `s²` and effective number of samples. Sequences
-/// stand one after the other. `None` without a basis of eigenvectors, or where a wave leaves the range of numbers.
+/// What the outputs show of every pole; and energy of its wave in the Markov parameters, over `2 s² (N/Ne) ln Ne`: that
+/// of the strongest of all frequencies in noise of the residual's mean square `s²` and effective number of samples.
+/// Sequences stand one after the other. `None` without a basis of eigenvectors, or where a wave leaves the range of
+/// numbers.
 fn evidence(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,
@@ -161,8 +162,8 @@ fn triplets(hankel: &mut Hankel<'_>, wanted: usize) -> Result<Triplets, EraError
     Err(EraError::NotConverged { rows: hankel.rows(), columns: hankel.columns(), steps: lanczos.steps() })
 }
 
-/// Poles, and with several outputs mode shapes, of the subspace models of the orders 2, 4, ... up to `highest` or to what
-/// the factorisation supports.
+/// Poles, and with several outputs mode shapes, of the subspace models of the orders 2, 4, ... up to `highest` or to
+/// what the factorisation supports.
 ///
 /// Shift invariance in the least-squares sense for all orders at once: with the observability matrix without its last
 /// block row `= Q R` and `T = Q'` times that without its first, the state matrix of order n is

@@ -23,8 +23,8 @@ pub struct StabilizationOptions {
     /// Least modal phase collinearity of a shape, with several sensors.
     pub least_collinearity: f64,
     /// Least strength, where the method gives one: energy of the mode in the record over that of the strongest wave in
-    /// noise like the residual. Models of rising order that contain each other keep a wave of the noise for ever, so that
-    /// staying alone proves nothing.
+    /// noise like the residual. Models of rising order that contain each other keep a wave of the noise for ever, so
+    /// that staying alone proves nothing.
     pub least_strength: f64,
     /// Relative change of frequency from order to order up to which a pole is stable.
     pub frequency_change: f64,
@@ -37,7 +37,8 @@ pub struct StabilizationOptions {
 }
 
 impl Default for StabilizationOptions {
-    /// Order 20, damping ratio 2, 95 % of Nyquist, MPC 0.5, strength 2, changes of 1 %, 5 % and 2 %, half of the orders.
+    /// Order 20, damping ratio 2, 95 % of Nyquist, MPC 0.5, strength 2, changes of 1 %, 5 % and 2 %, half of the
+    /// orders.
     fn default() -> Self {
         Self {
             highest_order: 20,
@@ -131,15 +132,15 @@ pub struct StabilizationDiagram {
 /// below the Nyquist frequency, be stronger than a wave of noise (ERA), and with several sensors have a shape of nearly
 /// one phase. Soft criteria compare it
 /// with the nearest accepted pole of the order before, in `|df|/f + (1 - MAC)`. Poles that last are clustered by single
-/// linkage in the same distance; clusters present in the asked share of the orders are the physical modes, as far as one
-/// record tells. A record without noise has no orders above its rank, and little to show.
+/// linkage in the same distance; clusters present in the asked share of the orders are the physical modes, as far as
+/// one record tells. A record without noise has no orders above its rank, and little to show.
 ///
 /// After Peeters & De Roeck, Mech. Syst. Signal Process. 13(6), 1999, and Reynders, Houbrechts & De Roeck, 26(1), 2012.
 pub fn stabilization(models: &[OrderPoles], sample_time_s: f64, options: StabilizationOptions) -> StabilizationDiagram {
     let mut poles: Vec<DiagramPole> = Vec::new();
     let mut before: Vec<usize> = Vec::new();
     for model in models {
-        let mut found: Vec<DiagramPole> = model
+        let mut poles_of_order: Vec<DiagramPole> = model
             .poles
             .iter()
             .enumerate()
@@ -152,9 +153,10 @@ pub fn stabilization(models: &[OrderPoles], sample_time_s: f64, options: Stabili
                 Some(DiagramPole { order: model.order, mode, shape, strength, stability, lasting: false })
             })
             .collect();
-        found.sort_by(|a, b| a.mode.natural_frequency_rad_per_s.total_cmp(&b.mode.natural_frequency_rad_per_s));
+        poles_of_order
+            .sort_by(|a, b| a.mode.natural_frequency_rad_per_s.total_cmp(&b.mode.natural_frequency_rad_per_s));
         let mut now = Vec::new();
-        for mut pole in found {
+        for mut pole in poles_of_order {
             let place = poles.len();
             if !accepted(&pole, sample_time_s, &options) {
                 pole.stability = Stability::Rejected;
@@ -228,7 +230,7 @@ pub struct Quartiles {
 }
 
 impl Quartiles {
-    fn of(mut values: Vec<f64>) -> Self {
+    fn from_values(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
         let at = |share| quantile(&values, share).unwrap_or(0.0);
         Self { lower: at(0.25), median: at(0.5), upper: at(0.75) }
@@ -268,7 +270,7 @@ fn clusters(poles: &[DiagramPole], orders: usize, options: &StabilizationOptions
     let mut names: Vec<usize> = cluster.clone();
     names.sort_unstable();
     names.dedup();
-    let mut found: Vec<PoleCluster> = names
+    let mut clusters: Vec<PoleCluster> = names
         .into_iter()
         .filter_map(|name| {
             let members: Vec<&DiagramPole> =
@@ -278,15 +280,17 @@ fn clusters(poles: &[DiagramPole], orders: usize, options: &StabilizationOptions
             present.dedup();
             (present.len() as f64 >= options.presence * orders as f64).then(|| PoleCluster {
                 orders: present.len(),
-                natural_frequency_rad_per_s: Quartiles::of(
+                natural_frequency_rad_per_s: Quartiles::from_values(
                     members.iter().map(|pole| pole.mode.natural_frequency_rad_per_s).collect(),
                 ),
-                damping_ratio: Quartiles::of(members.iter().filter_map(|pole| pole.mode.damping_ratio).collect()),
+                damping_ratio: Quartiles::from_values(
+                    members.iter().filter_map(|pole| pole.mode.damping_ratio).collect(),
+                ),
             })
         })
         .collect();
-    found.sort_by(|a, b| a.natural_frequency_rad_per_s.median.total_cmp(&b.natural_frequency_rad_per_s.median));
-    found
+    clusters.sort_by(|a, b| a.natural_frequency_rad_per_s.median.total_cmp(&b.natural_frequency_rad_per_s.median));
+    clusters
 }
 
 #[cfg(test)]

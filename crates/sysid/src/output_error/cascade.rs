@@ -207,8 +207,8 @@ impl CascadeFilter {
             fit.coefficients[(j * per_input + s, i)] * self.output_scales[i] / self.input_scales[j]
         };
         let d = DMatrix::from_fn(q, m, |i, j| if self.direct { c(j, n, i) } else { 0.0 });
-        // The chain once for every input, its states read by every output; or, where outputs are fewer, its transpose once
-        // for every output, driven by every input.
+        // The chain once for every input, its states read by every output; or, where outputs are fewer, its transpose
+        // once for every output, driven by every input.
         let (by_input, copies) = (m <= q, m.min(q));
         let a = DMatrix::from_fn(copies * n, copies * n, |i, k| match (i / n == k / n, by_input) {
             (false, _) => 0.0,

@@ -52,9 +52,10 @@ pub struct OutputError {
 /// functions by refined instrumental variables and by a subspace method on a thinned record, and seeded random poles;
 /// the best six are refined in parallel.
 ///
-/// A local method: it is as good as its best start. All paths share the poles, and each output has a motion of its own at
-/// the start. With one input or one output the model has `order` states, with several of both that many for each of the
-/// fewer ones. Standard deviations rest on errors that are alike in all outputs, each divided by its root mean square.
+/// A local method: it is as good as its best start. All paths share the poles, and each output has a motion of its own
+/// at the start. With one input or one output the model has `order` states, with several of both that many for each of
+/// the fewer ones. Standard deviations rest on errors that are alike in all outputs, each divided by its root mean
+/// square.
 pub fn output_error(data: &IoData, options: OutputErrorOptions) -> Result<OutputError, IdentifyError> {
     let problem = CascadeFilter::new(data, options)?;
     let candidates = starts(data, options);
@@ -96,7 +97,8 @@ pub fn output_error(data: &IoData, options: OutputErrorOptions) -> Result<Output
     })
 }
 
-/// Standard deviations of frequency (rad/s) and damping ratio of every pole from the covariance of the chain's unknowns.
+/// Standard deviations of frequency (rad/s) and damping ratio of every pole from the covariance of the chain's
+/// unknowns.
 fn mode_deviations(theta: &[f64], covariance: &DMatrix<f64>, dt_s: f64) -> Vec<Option<(f64, f64)>> {
     let describe = |theta: &[f64]| -> Vec<f64> {
         let rates: Vec<Complex> = CascadeFilter::poles(theta).into_iter().map(|z| z.ln() / dt_s).collect();

@@ -33,19 +33,19 @@ pub(crate) fn starts(data: &IoData, options: OutputErrorOptions) -> Vec<Vec<f64>
         for taps in [n, 4 * n] {
             let order = ArxOrder { na: taps, nb: taps + usize::from(options.direct), nk: first_tap };
             let Ok(model) = arx(&single, order).and_then(|model| model.state_space()) else { continue };
-            let Ok(mut found) = model.poles() else { continue };
+            let Ok(mut model_poles) = model.poles() else { continue };
             // What matters most of many taps: the start for a poor signal-to-noise ratio.
             poles.extend(balanced_truncation(&model, n).and_then(|(reduced, _)| reduced.poles().ok()));
             // The least damped ones, pairs kept together; poles at zero are those of the delay.
-            found.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.abs().total_cmp(&a.im.abs())));
-            poles.push(found);
+            model_poles.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.abs().total_cmp(&a.im.abs())));
+            poles.push(model_poles);
         }
     }
     for weighting in Weighting::ALL {
         for block_rows in [(n + 2).max(10), 3 * n + 2] {
             let options = SubspaceOptions { weighting, block_rows, direct: options.direct };
-            let Ok(found) = Subspace::new(data, options).and_then(|s| s.realize(n)) else { continue };
-            poles.extend(found.model.poles());
+            let Ok(realized) = Subspace::new(data, options).and_then(|s| s.realize(n)) else { continue };
+            poles.extend(realized.model.poles());
         }
     }
     poles.extend(continuous_starts(data, options));

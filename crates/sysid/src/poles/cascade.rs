@@ -77,9 +77,9 @@ impl SectionChain {
         self.sections
             .iter()
             .scan(0, |at, section| {
-                let here = *at;
+                let offset = *at;
                 *at += section.order();
-                Some(here)
+                Some(offset)
             })
             .collect()
     }

@@ -1,4 +1,4 @@
-//! The poles of transfer functions, searched for from many starts.
+//! The search for the poles of transfer functions from many starts.
 //!
 //! Three stages: all starts are scored by one evaluation each, the best few (not too many of a kind) are refined by
 //! Levenberg-Marquardt with variable projection, and the least loss wins. Everything runs in scaled units: time 0 to
@@ -144,8 +144,8 @@ pub(crate) fn search(data: &IoData, options: &TransferFunctionOptions, free: boo
             // Those of poles that no record enters are the same for every pair.
             let alike = matches!(start, Start::Random | Start::Integrators);
             let pairs = if alike { &pairs[..1] } else { &pairs[..] };
-            let found = pairs.iter().flat_map(|pair| pair.poles_by(*start, options.random_starts));
-            found.map(|poles| (*start, poles)).collect::<Vec<_>>()
+            let starting_poles = pairs.iter().flat_map(|pair| pair.poles_by(*start, options.random_starts));
+            starting_poles.map(|poles| (*start, poles)).collect::<Vec<_>>()
         })
         .collect::<Vec<_>>()
         .concat();
@@ -186,7 +186,8 @@ pub(crate) fn search(data: &IoData, options: &TransferFunctionOptions, free: boo
 }
 
 impl Search {
-    /// Numerator of one input for the output of `c`, in 1/s, signals scaled, `zeros + 1` coefficients, highest power first.
+    /// Numerator of one input for the output of `c`, in 1/s, signals scaled, `zeros + 1` coefficients, highest power
+    /// first.
     ///
     /// The sum of the states' numerators, weighed by the coefficients `c` of one output, plus the direct term times
     /// the denominator; the coefficient of `(sT)^j` is divided by `T^(n-j)`. Gains of the signal scales are left to

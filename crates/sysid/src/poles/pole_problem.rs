@@ -59,12 +59,12 @@ impl PoleProblem {
             .layout
             .iter()
             .map(|order| {
-                let here = at;
+                let first = at;
                 at += order;
                 if *order == 2 {
-                    Section::Second(theta[here + 1].sinh(), theta[here].sinh())
+                    Section::Second(theta[first + 1].sinh(), theta[first].sinh())
                 } else {
-                    Section::First(theta[here].sinh())
+                    Section::First(theta[first].sinh())
                 }
             })
             .collect();

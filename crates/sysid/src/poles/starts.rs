@@ -40,7 +40,8 @@ pub enum Start {
     Iv,
     /// Subspace method on a thinned record, then the matrix logarithm.
     N4sid,
-    /// One or two integrators beside damped poles: how acceleration, velocity and displacement of one body hang together.
+    /// One or two integrators beside damped poles: how acceleration, velocity and displacement of one body hang
+    /// together.
     Integrators,
     /// Sums of exponentials: ERA of the output as a free motion.
     Exponentials,

@@ -1,4 +1,4 @@
-//! A chain of sections and what is combined of its states: from scaled time to seconds.
+//! A cascade in scaled time converted to seconds, and sums over its states.
 //!
 //! The fits run in scaled time, from 0 to 1 over a record of `T` seconds: `s' = s T`. A pole is divided by `T`, a
 //! denominator coefficient of `s^k` by `T^(n-k)`; what remains is which power of `T` belongs to each numerator.

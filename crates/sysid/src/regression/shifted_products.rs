@@ -5,17 +5,18 @@ use std::collections::BTreeMap;
 use crumple_linalg::dot;
 use nalgebra::DMatrix;
 
-/// A pivot of the Cholesky factor (column norms 1) below which QR is left to it: columns within 1e-2 of dependent. Above,
-/// the factor agrees with that of QR to about 1e-12.
+/// A pivot of the Cholesky factor (column norms 1) below which QR is left to it: columns within 1e-2 of dependent.
+/// Above, the factor agrees with that of QR to about 1e-12.
 const SAFE_PIVOT: f64 = 1e-4;
 
-/// Square of the ratio of norms of two stretches of one signal below which sliding sums would lose digits of the smaller.
+/// Square of the ratio of norms of two stretches of one signal below which sliding sums would lose digits of the
+/// smaller.
 const LEAST_RATIO: f64 = 0.01;
 
 /// Inner products of all columns `signals[s][offset..offset + rows]`, `(s, offset)` of each given.
 ///
-/// For one pair of signals and one distance of their offsets they are sums over a window that slides: the first is summed,
-/// the others follow by what enters and leaves.
+/// For one pair of signals and one distance of their offsets they are sums over a window that slides: the first is
+/// summed, the others follow by what enters and leaves.
 ///
 /// The result is symmetric, one row and column per given column. A sliding sum loses digits of what is small against
 /// what has passed through it: errors are those of the largest stretch, which [`triangular_factor_by_products`]
@@ -46,8 +47,8 @@ pub(crate) fn shifted_products(signals: &[&[f64]], columns: &[(usize, usize)], r
     products
 }
 
-/// The triangular factor of the same columns, from their inner products; `None` where sums of products would lose digits:
-/// columns near dependent, a silent one, or a signal that fades or grows. QR is then the way.
+/// The triangular factor of the same columns, from their inner products; `None` where sums of products would lose
+/// digits: columns near dependent, a silent one, or a signal that fades or grows. QR is then the way.
 ///
 /// Cholesky: `R` with `R'R` the matrix of products, upper triangular, positive diagonal. It squares the condition
 /// number, so it is used only where the columns are far from dependent; then it agrees with QR to about 1e-12 and

@@ -1,4 +1,4 @@
-//! A model run on beyond the samples it was identified from.
+//! Simulation of a model beyond the samples it was identified from.
 
 use crumple_lti::{StateSpace, discretize_first_order_hold, discretize_zero_order_hold, simulate};
 use nalgebra::DMatrix;
@@ -8,8 +8,8 @@ use crate::{Hold, IdentifyError, IoData, simulate_fitted};
 
 /// A continuous model as a sampled one that gives the same outputs for an input of the declared kind.
 ///
-/// With straight lines between samples the state is shifted by `b_next u[k]`, so that no later input is needed. Returned
-/// with it: the shifted state of rest, a column per unit of the first sample of every input.
+/// With straight lines between samples the state is shifted by `b_next u[k]`, so that no later input is needed.
+/// Returned with it: the shifted state of rest, a column per unit of the first sample of every input.
 ///
 /// With `x[k+1] = A x[k] + b_now u[k] + b_next u[k+1]` the state `z = x - b_next u` has
 /// `z[k+1] = A z[k] + (A b_next + b_now) u[k]` and `y = C z + (D + C b_next) u`. Errors: a discretisation beyond the
@@ -27,8 +27,8 @@ pub fn sampled(model: &StateSpace, hold: Hold, dt_s: f64) -> Result<(StateSpace,
     }
 }
 
-/// Simulates `whole` from a given initial state, or from the one that fits its beginning, `first`, best: what the model
-/// foretells of the samples after. The measured outputs after `first` are not looked at.
+/// Simulates `whole` from a given initial state, or from the one that fits its beginning, `first`, best: its prediction
+/// of the samples after. The measured outputs after `first` are not looked at.
 ///
 /// One signal per output, as long as `whole`. Errors: a model of other channels, a simulation that overflows.
 pub fn continued(
@@ -76,9 +76,9 @@ mod tests {
             // Rounding of 200 stable steps.
             assert!((found - exact).abs() < 1e-13, "{found} {exact}");
         }
-        // The state is found from the first half, and the second half is foretold.
+        // The state is found from the first half, and the second half is predicted.
         let whole = IoData::single(u, exact.clone(), dt).unwrap();
-        let foretold = continued(&standard, &whole.slice(0, 100).unwrap(), &whole, None).unwrap();
-        assert!(foretold[0].iter().zip(&exact).all(|(f, e)| (f - e).abs() < 1e-12));
+        let predicted = continued(&standard, &whole.slice(0, 100).unwrap(), &whole, None).unwrap();
+        assert!(predicted[0].iter().zip(&exact).all(|(f, e)| (f - e).abs() < 1e-12));
     }
 }

@@ -1,4 +1,4 @@
-//! How well a model simulates a record it may not have been identified from.
+//! Simulation of a model on a record, and how well it fits.
 //!
 //! Fit in percent is the one of MATLAB's `compare` and of the field: 100 is a perfect curve, 0 is no better than the
 //! mean of the record, and below zero the model is worse than that constant. Variance accounted for forgives a wrong
@@ -85,8 +85,8 @@ pub fn compare(model: &StateSpace, data: &IoData) -> Result<Vec<Option<FitMeasur
     Ok(data.outputs().iter().zip(&outputs).map(|(y, yh)| fit_measures(y, yh)).collect())
 }
 
-/// Fit of several records together: `100 (1 - |all errors| / |all deviations from each record's mean|)`, so that a record
-/// counts by its size. For one record that of [`fit_percent`].
+/// Fit of several records together: `100 (1 - |all errors| / |all deviations from each record's mean|)`, so that a
+/// record counts by its size. For one record that of [`fit_percent`].
 pub(crate) fn common_fit_percent(pairs: &[(&[f64], &[f64])]) -> Option<f64> {
     if let [(measured, model)] = pairs {
         return fit_percent(measured, model);

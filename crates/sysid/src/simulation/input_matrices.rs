@@ -87,8 +87,8 @@ pub(crate) fn input_matrices(
     Ok((StateSpace::new(a.clone(), b, c.clone(), d, Some(data.sample_time_s()))?, x0))
 }
 
-/// Whether a row of ones times `a^k` has a norm of 1e8 or more within `samples` steps: beyond, a simulation and a fit of its
-/// inputs keep less than half of the digits of what the record holds.
+/// Whether a row of ones times `a^k` has a norm of 1e8 or more within `samples` steps: beyond, a simulation and a fit
+/// of its inputs keep less than half of the digits of what the record holds.
 pub(crate) fn grows(a: &DMatrix<f64>, samples: usize) -> bool {
     let columns = columns_of(a);
     let mut v = vec![1.0; a.nrows()];

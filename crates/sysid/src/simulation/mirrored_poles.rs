@@ -6,13 +6,13 @@ use nalgebra::DMatrix;
 use crate::simulation::input_matrices::{grows, input_matrices};
 use crate::{IdentifyError, IoData};
 
-/// The model with its poles outside the unit circle mirrored (`z -> 1/conj z`) and `B`, `D` and the initial state fitted
-/// again to the simulated output, and how many were mirrored; `None` where it does not grow by a factor of 1e8 over the
-/// record: a pole just outside the circle, or a record so short that a simulation survives it, stays as it is.
+/// The model with its poles outside the unit circle mirrored (`z -> 1/conj z`) and `B`, `D` and the initial state
+/// fitted again to the simulated output, and how many were mirrored; `None` where it does not grow by a factor of 1e8
+/// over the record: a pole just outside the circle, or a record so short that a simulation survives it, stays as it is.
 ///
-/// For models that were not found by simulating: a realisation of an estimated impulse response may have a pole that grows,
-/// and a simulation over a record longer than that response then follows nothing. A pole that was mirrored is not that
-/// of the system. Errors: poles so close that the modes do not span the states.
+/// For models that were not found by simulating: a realisation of an estimated impulse response may have a pole that
+/// grows, and a simulation over a record longer than that response then follows nothing. A pole that was mirrored is
+/// not that of the system. Errors: poles so close that the modes do not span the states.
 pub fn mirrored_poles(model: &StateSpace, data: &IoData) -> Result<Option<(StateSpace, usize)>, IdentifyError> {
     let (a, c, mirrored) = stabilized(model.a.clone(), model.c.clone(), data.samples())?;
     if mirrored == 0 {

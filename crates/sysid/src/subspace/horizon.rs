@@ -27,13 +27,14 @@ pub struct Horizons {
     pub lags: Option<usize>,
 }
 
-/// The shortest horizon; and once and twice the number of lags that a regression of all outputs on the past of all signals
-/// needs by Schwarz's criterion, as far as they are longer.
+/// The shortest horizon; and once and twice the number of lags that a regression of all outputs on the past of all
+/// signals needs by Schwarz's criterion, as far as they are longer.
 ///
 /// The state is a summary of the past for the future: where the regression gains from older samples, so does the
-/// projection. Once is the rule of Bauer, Automatica 41 (2005), 359-376, twice that of Peternell, Scherrer & Deistler, Signal
-/// Processing 52 (1996), 161-177. A horizon that is too long costs variance and time, one too short loses slow and lightly
-/// damped modes; models of one order from several horizons have as many parameters and compare by their simulation error.
+/// projection. Once is the rule of Bauer, Automatica 41 (2005), 359-376, twice that of Peternell, Scherrer & Deistler,
+/// Signal Processing 52 (1996), 161-177. A horizon that is too long costs variance and time, one too short loses slow
+/// and lightly damped modes; models of one order from several horizons have as many parameters and compare by their
+/// simulation error.
 ///
 /// At most 40 lags, 200 columns of past, and half of the samples. No others where the regression is singular: data
 /// without noise, in which every horizon longer than the order is as good.

@@ -57,11 +57,11 @@ impl<'a> Subspace<'a> {
         2 * block_rows - 1 + 2 * block_rows * (inputs + outputs)
     }
 
-    /// Factorises `[U_f; W_p; Y_f] = L Q'`, past inputs and outputs `W_p`, and takes the singular values of the weighted
-    /// projection of `Y_f` on `W_p` along `U_f`. Signals are divided by their root mean square first.
+    /// Factorises `[U_f; W_p; Y_f] = L Q'`, past inputs and outputs `W_p`, and takes the singular values of the
+    /// weighted projection of `Y_f` on `W_p` along `U_f`. Signals are divided by their root mean square first.
     ///
-    /// `L` comes from inner products, of which those of shifted copies follow from one another, where no column is near a
-    /// combination of others (to about 1e-12); else from QR.
+    /// `L` comes from inner products, of which those of shifted copies follow from one another, where no column is near
+    /// a combination of others (to about 1e-12); else from QR.
     ///
     /// Van Overschee & De Moor, *Subspace Identification for Linear Systems*, 1996, ch. 4 and 6.
     pub fn new(data: &'a IoData, options: SubspaceOptions) -> Result<Self, IdentifyError> {
@@ -130,24 +130,24 @@ impl<'a> Subspace<'a> {
         Ok(Self { data, options, singular_values: svd.values, observability, output_scales, inputs })
     }
 
-    /// Singular values of the weighted projection, largest first: evidence for the order. Those of CVA are the canonical
-    /// correlations, 1 at most.
+    /// Singular values of the weighted projection, largest first: evidence for the order. Those of CVA are the
+    /// canonical correlations, 1 at most.
     pub fn singular_values(&self) -> &[f64] {
         &self.singular_values
     }
 
     /// Of the independent inputs that a model could be told by, `2 inputs block_rows`, how many the record has.
     ///
-    /// Fewer: the inputs satisfy a difference equation of their own. Then what they drive and what moves freely cannot be
-    /// told apart, and poles found are those of some model that explains the record. A crash record from the contact on is the
-    /// extreme case: all its signals are sums of the same few exponentials.
+    /// Fewer: the inputs satisfy a difference equation of their own. Then what they drive and what moves freely cannot
+    /// be told apart, and poles found are those of some model that explains the record. A crash record from the contact
+    /// on is the extreme case: all its signals are sums of the same few exponentials.
     pub fn excitation(&self) -> (usize, usize) {
         let full = self.inputs.ncols();
-        let found = jacobi_svd(&self.inputs).map_or(full, |svd| {
+        let excited = jacobi_svd(&self.inputs).map_or(full, |svd| {
             let tolerance = svd.values.first().copied().unwrap_or(0.0) * SILENT;
             svd.values.iter().take_while(|s| **s > tolerance).count()
         });
-        (found, full)
+        (excited, full)
     }
 
     /// Highest order that can be realised.
@@ -167,8 +167,8 @@ impl<'a> Subspace<'a> {
         &self.output_scales
     }
 
-    /// The model of one order: `C` from the first block row, `A` by shift invariance (least squares), then `B`, `D`, `x0`
-    /// by least squares on the simulated output. Growing poles are mirrored at the unit circle first, and counted.
+    /// The model of one order: `C` from the first block row, `A` by shift invariance (least squares), then `B`, `D`,
+    /// `x0` by least squares on the simulated output. Growing poles are mirrored at the unit circle first, and counted.
     pub fn realize(&self, order: usize) -> Result<SubspaceModel, IdentifyError> {
         if order == 0 {
             return Err(IdentifyError::OrderZero);
@@ -179,11 +179,12 @@ impl<'a> Subspace<'a> {
         Ok(SubspaceModel { model, initial_state, reflected_poles })
     }
 
-    /// The same where this factorisation is of a [`thinned`](crate::thinned()) record: poles and mode shapes of the thinned
-    /// one, taken to the sampling interval of `whole` by the logarithm; `B`, `D`, `x0` by least squares on `whole`.
+    /// The same where this factorisation is of a [`thinned`](crate::thinned()) record: poles and mode shapes of the
+    /// thinned one, taken to the sampling interval of `whole` by the logarithm; `B`, `D`, `x0` by least squares on
+    /// `whole`.
     ///
-    /// A negative real pole of the thinned model gets a conjugate (see [`to_continuous`]) and so one more state. Errors:
-    /// a pole near zero, which no sampling interval but its own can have.
+    /// A negative real pole of the thinned model gets a conjugate (see [`to_continuous`]) and so one more state.
+    /// Errors: a pole near zero, which no sampling interval but its own can have.
     pub fn realize_on(&self, order: usize, whole: &IoData) -> Result<SubspaceModel, IdentifyError> {
         if order == 0 {
             return Err(IdentifyError::OrderZero);

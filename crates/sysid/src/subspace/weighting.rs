@@ -43,8 +43,8 @@ pub(crate) struct Projection {
 }
 
 impl Weighting {
-    /// The projection from the triangular factor `r` of `[U_f; W_p; Y_f]'`: `future` columns of future inputs, `past` of past
-    /// inputs and outputs, `outputs` of future outputs. `None`: a decomposition does not converge.
+    /// The projection from the triangular factor `r` of `[U_f; W_p; Y_f]'`: `future` columns of future inputs, `past`
+    /// of past inputs and outputs, `outputs` of future outputs. `None`: a decomposition does not converge.
     ///
     /// MOESP takes `L32`, N4SID the oblique projection `L32 L22^+ [L21 L22]`, CVA `L32` divided by the square root of
     /// the covariance of the future outputs without the part of future inputs.

@@ -41,11 +41,11 @@ pub struct TransferFunctionArray {
 /// Finds transfer functions from every input to every output, all with one denominator, as
 /// [`transfer_function_fit`](crate::transfer_function_fit()) does for one of each.
 ///
-/// One structure has one set of modes, whatever drives it and wherever it is watched; numerators and initial motions are
-/// those of every path. Outputs are weighed by what is left of them: the search divides each by its root mean square, two
-/// more refinements by that of its residual, which is what the standard deviations rest on. Where the paths are different systems,
-/// fit each by itself. Starts: those of every pair of an input and an output. The order of a minimal model of several
-/// inputs *and* outputs is as many states as poles times the lesser of their numbers.
+/// One structure has one set of modes, whatever drives it and wherever it is watched; numerators and initial motions
+/// are those of every path. Outputs are weighed by what is left of them: the search divides each by its root mean
+/// square, two more refinements by that of its residual, which is what the standard deviations rest on. Where the paths
+/// are different systems, fit each by itself. Starts: those of every pair of an input and an output. The order of a
+/// minimal model of several inputs *and* outputs is as many states as poles times the lesser of their numbers.
 pub fn transfer_function_array(
     data: &IoData,
     options: &TransferFunctionOptions,

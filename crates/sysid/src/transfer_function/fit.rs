@@ -51,11 +51,11 @@ impl TransferFunctionFit {
     pub fn denominator_covariance(&self) -> Vec<Vec<f64>> {
         let n = self.search.denominator_deviations.len();
         let Some(all) = &self.coefficient_covariance else { return Vec::new() };
-        let own = all.view((all.nrows() - n, all.ncols() - n), (n, n));
-        if own.iter().any(|x| !x.is_finite()) {
+        let block = all.view((all.nrows() - n, all.ncols() - n), (n, n));
+        if block.iter().any(|x| !x.is_finite()) {
             return Vec::new();
         }
-        own.row_iter().map(|row| row.iter().copied().collect()).collect()
+        block.row_iter().map(|row| row.iter().copied().collect()).collect()
     }
 }
 

@@ -53,7 +53,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    fn of(mut values: Vec<f64>) -> Option<Self> {
+    fn from_values(mut values: Vec<f64>) -> Option<Self> {
         values.retain(|x| x.is_finite());
         values.sort_by(f64::total_cmp);
         Some(Self {
@@ -75,7 +75,7 @@ pub struct BandPoint {
 
 /// What the replicates say.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bootstrap {
+pub struct ResidualBootstrap {
     /// Replicates that led to a model.
     pub replicates: usize,
     /// Those that did not.
@@ -96,14 +96,14 @@ pub struct Bootstrap {
 
 /// Fits again and again: to the model's own output with noise like its residuals.
 ///
-/// `model` is the fit that is judged, `simulated` its output, `residual` what it leaves of the record, `parameters` their
-/// number. `refit` gets a new output of the same length and returns what the estimator makes of it; `None` is a failure
-/// that is counted. Replicates run in parallel and are collected by index. Poles and zeros of a replicate are given to
-/// the nearest of the model, each once.
+/// `model` is the fit whose uncertainty is asked for, `simulated` its output, `residual` what it leaves of the record,
+/// `parameters` their number. `refit` gets a new output of the same length and returns what the estimator makes of it;
+/// `None` is a failure that is counted. Replicates run in parallel and are collected by index. Poles and zeros of a
+/// replicate are given to the nearest of the model, each once.
 ///
 /// This is the spread that noise like the residuals causes if the model is true. It knows nothing of a wrong structure,
 /// and percentile intervals of 200 replicates are themselves uncertain by a tenth of their length. The bias of the
-/// estimator is not taken out. Efron & Tibshirani, *An Introduction to the Bootstrap*, 1993.
+/// estimator is not taken out. Efron & Tibshirani, *An Introduction to the ResidualBootstrap*, 1993.
 pub fn bootstrap(
     model: &Sample,
     simulated: &[f64],
@@ -111,7 +111,7 @@ pub fn bootstrap(
     parameters: usize,
     options: BootstrapOptions,
     refit: impl Fn(&[f64]) -> Option<Sample> + Sync,
-) -> Option<Bootstrap> {
+) -> Option<ResidualBootstrap> {
     bootstrap_outputs(model, &[simulated.to_vec()], &[residual.to_vec()], parameters, options, |y| refit(&y[0]))
 }
 
@@ -123,8 +123,8 @@ pub fn bootstrap_outputs(
     parameters: usize,
     options: BootstrapOptions,
     refit: impl Fn(&[Vec<f64>]) -> Option<Sample> + Sync,
-) -> Option<Bootstrap> {
-    let noises = ResidualNoise::together(residuals, parameters, options.resampling, options.seed);
+) -> Option<ResidualBootstrap> {
+    let noises = ResidualNoise::for_outputs(residuals, parameters, options.resampling, options.seed);
     let samples: Vec<Sample> = (0..options.replicates)
         .into_par_iter()
         .map(|index| {
@@ -142,16 +142,20 @@ pub fn bootstrap_outputs(
     }
     let poles: Vec<Vec<Option<Complex>>> = samples.iter().map(|s| matched(&model.poles, &s.poles)).collect();
     let zeros: Vec<Vec<Option<Complex>>> = samples.iter().map(|s| matched(&model.zeros, &s.zeros)).collect();
-    let spread = |found: &[Vec<Option<Complex>>], count: usize, number: &dyn Fn(Complex) -> Option<f64>| {
+    let spread = |matches: &[Vec<Option<Complex>>], count: usize, number: &dyn Fn(Complex) -> Option<f64>| {
         (0..count)
             .map(|k| {
-                let values: Vec<f64> = found.iter().filter_map(|found| number(found[k]?)).collect();
-                if (values.len() as f64) < LEAST_SUCCESS * samples.len() as f64 { None } else { Spread::of(values) }
+                let values: Vec<f64> = matches.iter().filter_map(|replicate| number(replicate[k]?)).collect();
+                if (values.len() as f64) < LEAST_SUCCESS * samples.len() as f64 {
+                    None
+                } else {
+                    Spread::from_values(values)
+                }
             })
             .collect::<Vec<Option<Spread>>>()
     };
     let (p, z) = (model.poles.len(), model.zeros.len());
-    Some(Bootstrap {
+    Some(ResidualBootstrap {
         replicates: samples.len(),
         failed: options.replicates - samples.len(),
         noise: noises.first()?.describe(),
@@ -167,7 +171,7 @@ pub fn bootstrap_outputs(
 /// would have had with them.
 ///
 /// Noise added to the output instead would correlate the regressors with the errors of the equation, and the replicates
-/// would be biased against the fit that they judge. `residual` are the one-step prediction errors, `parameters` the
+/// would be biased against the fit they belong to. `residual` are the one-step prediction errors, `parameters` the
 /// coefficients of the regression. If the errors are white this is the spread of the estimator; if they are not, the
 /// spread about its bias. Freedman, Ann. Stat. 12, 1984.
 pub fn bootstrap_equation_errors(
@@ -177,32 +181,35 @@ pub fn bootstrap_equation_errors(
     options: BootstrapOptions,
     record: impl Fn(&[f64]) -> Option<Vec<f64>> + Sync,
     refit: impl Fn(&[f64]) -> Option<Sample> + Sync,
-) -> Option<Bootstrap> {
+) -> Option<ResidualBootstrap> {
     let none = vec![0.0; residual.len()];
-    let found = bootstrap(model, &none, residual, parameters, options, |errors| refit(&record(errors)?))?;
-    Some(Bootstrap { noise: format!("{}, of the one-step prediction, through 1/A", found.noise), ..found })
+    let bootstrap = bootstrap(model, &none, residual, parameters, options, |errors| refit(&record(errors)?))?;
+    Some(ResidualBootstrap {
+        noise: format!("{}, of the one-step prediction, through 1/A", bootstrap.noise),
+        ..bootstrap
+    })
 }
 
 fn band_point(h: Complex, samples: &[Sample], k: usize) -> Option<BandPoint> {
     let values: Vec<Complex> = samples.iter().filter_map(|s| s.response.get(k).copied()).collect();
-    let magnitude = Spread::of(values.iter().map(|x| x.norm()).collect())?;
-    let phase = Spread::of(values.iter().map(|x| (x / h).arg()).collect())?;
+    let magnitude = Spread::from_values(values.iter().map(|x| x.norm()).collect())?;
+    let phase = Spread::from_values(values.iter().map(|x| (x / h).arg()).collect())?;
     Some(BandPoint { magnitude: (magnitude.lower, magnitude.upper), phase_change_rad: (phase.lower, phase.upper) })
 }
 
-/// For every entry of `reference` one of `found`, the closest pairs first; `None` where none is left.
-fn matched(reference: &[Complex], found: &[Complex]) -> Vec<Option<Complex>> {
+/// For every entry of `reference` one of `candidates`, the closest pairs first; `None` where none is left.
+fn matched(reference: &[Complex], candidates: &[Complex]) -> Vec<Option<Complex>> {
     let mut pairs: Vec<(f64, usize, usize)> = reference
         .iter()
         .enumerate()
-        .flat_map(|(i, r)| found.iter().enumerate().map(move |(j, f)| ((r - f).norm(), i, j)))
+        .flat_map(|(i, r)| candidates.iter().enumerate().map(move |(j, f)| ((r - f).norm(), i, j)))
         .collect();
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut result = vec![None; reference.len()];
-    let mut used = vec![false; found.len()];
+    let mut used = vec![false; candidates.len()];
     for (_, i, j) in pairs {
         if result[i].is_none() && !used[j] {
-            result[i] = Some(found[j]);
+            result[i] = Some(candidates[j]);
             used[j] = true;
         }
     }
@@ -268,8 +275,8 @@ mod tests {
                 }
             }
         }
-        // The estimate lies in the middle of its replicates. The truth: 90 % of 20, and a binomial number falls below 14
-        // once in 400.
+        // The estimate lies in the middle of its replicates. The truth: 90 % of 20, and a binomial number falls below
+        // 14 once in 400.
         assert!(holds[0].iter().all(|h| *h >= 18) && holds[1].iter().all(|h| *h >= 14), "{holds:?}");
     }
 

@@ -26,12 +26,13 @@ const GROWTH: f64 = 1e-6;
 /// Fit, percent, below which a model leaves more than half of the variance of the record: `100 (1 - sqrt(1/2))`.
 const WEAK_FIT_PERCENT: f64 = 100.0 * (1.0 - FRAC_1_SQRT_2);
 
-/// What to say of a fit below 29.3 %, where the errors of a model have more than half of the variance of the record: that its
-/// modes are not the record's. `None` above.
+/// What to say of a fit below 29.3 %, where the errors of a model have more than half of the variance of the record:
+/// that its modes are not the record's. `None` above.
 pub fn weak_fit(fit_percent: f64) -> Option<String> {
     (fit_percent < WEAK_FIT_PERCENT).then(|| {
         format!(
-            "fit {fit_percent:.1} %, below {WEAK_FIT_PERCENT:.1} %: the model leaves more than half of the record's variance, and its modes say little of the record"
+            "fit {fit_percent:.1} %, below {WEAK_FIT_PERCENT:.1} %: the model leaves more than half of the record's \
+             variance, and its modes say little of the record"
         )
     })
 }
@@ -52,8 +53,8 @@ impl FilterEdge {
     }
 }
 
-/// Notes on the realisation `id`, one per mode (conjugates once): growth, artefacts of sampling, and frequencies that may
-/// belong to the filter with these `edges` rather than to the car; on a weakly founded order; and on a weak fit.
+/// Notes on the realisation `id`, one per mode (conjugates once): growth, artefacts of sampling, and frequencies that
+/// may belong to the filter with these `edges` rather than to the car; on a weakly founded order; and on a weak fit.
 pub fn caveats(id: &str, model: &Realization, edges: &[FilterEdge]) -> Notes {
     let mut notes = Notes::new();
     let order = model.order();
@@ -85,9 +86,9 @@ pub fn caveats(id: &str, model: &Realization, edges: &[FilterEdge]) -> Notes {
     notes
 }
 
-/// Notes on single modes of a model of any method: growth over a record of `duration_s` by more than rounding, artefacts of
-/// sampling at `dt_s`, and frequencies near the `edges` of the filter that the signals went through. Of a conjugate pair
-/// the upper one speaks.
+/// Notes on single modes of a model of any method: growth over a record of `duration_s` by more than rounding,
+/// artefacts of sampling at `dt_s`, and frequencies near the `edges` of the filter that the signals went through. Of a
+/// conjugate pair the upper one speaks.
 pub fn mode_notes(name: &str, modes: &[Mode], (dt_s, duration_s): (Option<f64>, f64), edges: &[FilterEdge]) -> Notes {
     let mut notes = Notes::new();
     for mode in modes.iter().filter(|mode| mode.pole.im >= 0.0) {
@@ -118,7 +119,8 @@ fn mode_caveats(
         let ratio = mode.natural_frequency_hz() / edge;
         if (1.0 / EDGE_FACTOR..=EDGE_FACTOR).contains(&ratio) {
             notes.warning(format!(
-                "{model}: the mode {name} lies near the {edge:.0} Hz edge of the {filter}; it may belong to the filter, not to the car"
+                "{model}: the mode {name} lies near the {edge:.0} Hz edge of the {filter}; it may belong to the \
+                 filter, not to the car"
             ));
         }
     }

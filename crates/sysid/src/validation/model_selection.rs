@@ -1,4 +1,4 @@
-//! Models of one output side by side.
+//! Comparison of models of one output by information criteria and validation.
 
 use crate::InformationCriteria;
 
@@ -35,7 +35,7 @@ pub struct Ranked {
 /// The outcome of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Selection {
-    /// Number of independent samples that all are judged by.
+    /// Number of independent samples used for all.
     pub effective_samples: f64,
     /// The models, best first: by AICc, those without one after the others by BIC.
     pub ranked: Vec<Ranked>,
@@ -51,7 +51,7 @@ pub struct Selection {
 ///
 /// Criteria of different models must count the same number of samples, or they are not comparable: that of the model
 /// with the smallest loss is taken for all, whose residual is nearest to the noise. Models that fit to rounding are
-/// judged alike by their loss; then the number of parameters should decide, and the reader.
+/// alike by their loss; then the number of parameters should decide, and the reader.
 pub fn select(contenders: &[Contender]) -> Option<Selection> {
     if contenders.len() < 2 {
         return None;

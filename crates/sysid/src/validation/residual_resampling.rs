@@ -1,4 +1,4 @@
-//! New noise like that in the residuals of a fit, for the bootstrap.
+//! Noise for the bootstrap, drawn from the residuals of a fit.
 //!
 //! A bootstrap of a simulation asks how a model would vary if the same record were measured again. Its residuals are
 //! correlated in time; drawn one by one they would look whiter, and the spread would come out too small. Both ways
@@ -28,7 +28,8 @@ impl Resampling {
     }
 }
 
-/// Residuals prepared for drawing: mean removed, and enlarged by `sqrt(N/(N - p))` for the parameters that the fit took.
+/// Residuals prepared for drawing: mean removed, and enlarged by `sqrt(N/(N - p))` for the parameters that the fit
+/// took.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidualNoise {
     residual: Vec<f64>,
@@ -68,9 +69,9 @@ fn prepared(residual: &[f64], parameters: usize) -> Vec<f64> {
 impl ResidualNoise {
     /// From the residuals of a fit with a number of parameters.
     ///
-    /// Block length: `(sqrt 6 rho/(1 - rho²))^(2/3) N^(1/3)`, the best for a first-order autoregression of the residuals'
-    /// autocorrelation time `(1 + rho)/(1 - rho)` (Carlstein, Ann. Stat. 14, 1986), at most a quarter of the record.
-    /// Order of the autoregression: by Akaike's criterion up to `10 log10 N` (Yule-Walker).
+    /// Block length: `(sqrt 6 rho/(1 - rho²))^(2/3) N^(1/3)`, the best for a first-order autoregression of the
+    /// residuals' autocorrelation time `(1 + rho)/(1 - rho)` (Carlstein, Ann. Stat. 14, 1986), at most a quarter of the
+    /// record. Order of the autoregression: by Akaike's criterion up to `10 log10 N` (Yule-Walker).
     pub fn new(residual: &[f64], parameters: usize, resampling: Resampling, seed: u64) -> Self {
         let residual = prepared(residual, parameters);
         let kind = match resampling {
@@ -83,7 +84,7 @@ impl ResidualNoise {
     /// From the residuals of several outputs of one model, of one length: replicates of one index are drawn at the same
     /// places, so that what the outputs have in common stays common. The longest of the outputs' blocks (the highest of
     /// their orders) is that of all; each output takes its share of the parameters.
-    pub fn together(residuals: &[Vec<f64>], parameters: usize, resampling: Resampling, seed: u64) -> Vec<Self> {
+    pub fn for_outputs(residuals: &[Vec<f64>], parameters: usize, resampling: Resampling, seed: u64) -> Vec<Self> {
         let share = parameters.div_ceil(residuals.len().max(1));
         let residuals: Vec<Vec<f64>> = residuals.iter().map(|e| prepared(e, share)).collect();
         let length = residuals.iter().map(|e| block_length(e)).max().unwrap_or(1);
@@ -189,8 +190,8 @@ fn block_length(residual: &[f64]) -> usize {
     (length.ceil() as usize).clamp(1, (residual.len() / 4).max(1))
 }
 
-/// Coefficients `a` of `e[k] = sum a_i e[k-i] + w[k]` by the recursion of Levinson and Durbin, of the order with the least
-/// `N ln V + 2 p`.
+/// Coefficients `a` of `e[k] = sum a_i e[k-i] + w[k]` by the recursion of Levinson and Durbin, of the order with the
+/// least `N ln V + 2 p`.
 fn autoregression(residual: &[f64]) -> Vec<f64> {
     let n = residual.len();
     let highest = ((10.0 * (n.max(1) as f64).log10()) as usize).min(n / 4);
@@ -269,12 +270,12 @@ mod tests {
         let correlation = |a: &[f64], b: &[f64]| dot(a, b) / (dot(a, a) * dot(b, b)).sqrt();
         let there = correlation(&common, &own);
         for resampling in [Resampling::Blocks, Resampling::Autoregression] {
-            let noise = ResidualNoise::together(&[common.clone(), own.clone()], 10, resampling, 3);
+            let noise = ResidualNoise::for_outputs(&[common.clone(), own.clone()], 10, resampling, 3);
             let found = correlation(&noise[0].replicate(2), &noise[1].replicate(2));
             // Two draws at the same places: as far as 2000 samples know a correlation near one.
             assert!((found - there).abs() < 0.02, "{resampling:?}: {found} {there}");
             assert_eq!(
-                ResidualNoise::together(std::slice::from_ref(&common), 10, resampling, 3)[0],
+                ResidualNoise::for_outputs(std::slice::from_ref(&common), 10, resampling, 3)[0],
                 ResidualNoise::new(&common, 10, resampling, 3)
             );
         }

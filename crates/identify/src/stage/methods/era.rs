@@ -1,7 +1,7 @@
 //! The methods `era` and `era-dc`: records taken for impulse responses.
 
-use crumple_signal::{QuantityKind, TestDescription};
-use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
+use crumple_signal::QuantityKind;
+use crumple_stage::{Outcome, Output, RefuseExt};
 use crumple_sysid::{
     Era, EraDc, EraDcOptions, EraError, EraOptions, MarkovParameters, Order, OrderPoles, Realization, caveats,
     era_order_scan_of,
@@ -10,15 +10,16 @@ use crumple_sysid::{
 use crate::stage::options::hankel::HankelSettings;
 use crate::stage::options::paper;
 use crate::stage::options::settings::Settings;
-use crate::stage::records::realization::{Pass, put_model};
-use crate::stage::records::selection::Comparison;
+use crate::stage::records::realization::{RealizationTask, put_realization};
+use crate::stage::records::results::Results;
 use crate::stage::records::stabilization;
 use crate::stage::waves::input_output::{Cut, cuts, filter_edges};
-use crate::stage::waves::scaled::RecordsTogether;
+use crate::stage::waves::scaled::ScaledWaves;
+use crate::stage::waves::source::Source;
 use crate::stage::waves::window::channel;
 
 /// What models of all orders are for and from.
-struct Task<'a> {
+struct EraRun<'a> {
     method: &'a str,
     settings: &'a Settings,
     /// The channels, sampled together.
@@ -29,25 +30,19 @@ struct Task<'a> {
 }
 
 /// Models of every order asked for, or those of the paper.
-pub fn run(
-    method: &str,
-    settings: &Settings,
-    test: &TestDescription,
-    inputs: &Inputs,
-    comparison: &mut Comparison,
-    out: &mut Output,
-) -> anyhow::Result<Outcome> {
+pub fn run(method: &str, source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+    let settings = source.settings;
     let channels = match &settings.hankel {
         Some(hankel) if !hankel.channels.is_empty() => hankel.channels.clone(),
-        _ => vec![channel(settings, test, "name the waveform with --outputs")?.to_owned()],
+        _ => vec![channel(source, "name the waveform with --outputs")?.to_owned()],
     };
     let names = channels.join(", ");
-    let cuts = together(channels, settings, test, inputs)?;
+    let cuts = sampled_together(channels, source)?;
     let free = settings.hankel.as_ref().is_some_and(|hankel| hankel.free_decay_share.is_some());
     let treated_as = if free { "free-decay" } else { "impulse-response" };
     if !free {
         let pulse = cuts.iter().any(|cut| cut.quantity == QuantityKind::Acceleration);
-        out.notes().info(format!(
+        results.out.notes().info(format!(
             "{method}: the record of {names} is taken for an impulse response{}",
             if pulse {
                 "; of a crash pulse the strongest poles are often those of its filter and of its shape, not of the car"
@@ -56,39 +51,36 @@ pub fn run(
             }
         ));
     }
-    let task = Task { method, settings, cuts: &cuts, treated_as, remarks: &[] };
+    let task = EraRun { method, settings, cuts: &cuts, treated_as, remarks: &[] };
     if settings.paper.is_some() {
-        return by_paper(&task, comparison, out);
+        return run_paper(&task, results);
     }
     if let Some(wanted) = &settings.stabilisation {
         match order_scan(&task) {
-            Ok(models) => stabilization::put(method, &names, &models, cuts[0].sampled.dt_s(), wanted, out)?,
-            Err(error) => out.notes().warning(format!("{method}: no stabilisation diagram: {error}")),
+            Ok(models) => {
+                stabilization::put_diagram(method, &names, &models, cuts[0].sampled.dt_s(), wanted, results.out)?
+            }
+            Err(error) => results.out.notes().warning(format!("{method}: no stabilisation diagram: {error}")),
         }
     }
     let orders: Vec<Order> = settings.orders.iter().map(|order| order.0).collect();
-    realize_all(&task, &orders, &mut Vec::new(), comparison, out)
+    realize_all(&task, &orders, &mut Vec::new(), results)
 }
 
 /// The window of every waveform. Errors: not sampled together.
-fn together(
-    ids: Vec<String>,
-    settings: &Settings,
-    test: &TestDescription,
-    inputs: &Inputs,
-) -> anyhow::Result<Vec<Cut>> {
-    let cuts = cuts(ids, settings, test, inputs)?;
+fn sampled_together(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<Cut>> {
+    let cuts = cuts(ids, source)?;
     for next in &cuts[1..] {
         let hint = "name channels of one time base with --channels, or a window that all have";
-        cuts[0].together_with(next, hint)?;
+        cuts[0].require_same_times(next, hint)?;
     }
     Ok(cuts)
 }
 
 /// Poles of all orders, for the stabilisation diagram.
-fn order_scan(task: &Task<'_>) -> Result<Vec<OrderPoles>, EraError> {
-    let Task { method, settings, cuts, .. } = *task;
-    let records = RecordsTogether::new(cuts);
+fn order_scan(task: &EraRun<'_>) -> Result<Vec<OrderPoles>, EraError> {
+    let EraRun { method, settings, cuts, .. } = *task;
+    let records = ScaledWaves::new(cuts);
     let highest = settings.max_order;
     if method == "era" {
         return era_order_scan_of(records.markov()?, highest, settings.rows, settings.columns);
@@ -113,9 +105,9 @@ fn order_scan(task: &Task<'_>) -> Result<Vec<OrderPoles>, EraError> {
 }
 
 /// The realisations of the paper: each order from its own number of samples, as far as the record has them.
-fn by_paper(task: &Task<'_>, comparison: &mut Comparison, out: &mut Output) -> anyhow::Result<Outcome> {
+fn run_paper(task: &EraRun<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
     let remarks = paper::remarks("era");
-    remarks.iter().for_each(|remark| out.notes().info(*remark));
+    remarks.iter().for_each(|remark| results.out.notes().info(*remark));
     let mut outcome = Outcome::Done;
     // A window shorter than the samples of two runs makes one of them.
     let mut written = Vec::new();
@@ -131,11 +123,11 @@ fn by_paper(task: &Task<'_>, comparison: &mut Comparison, out: &mut Output) -> a
                 edges: cut.edges.clone(),
             })
             .collect();
-        let found = shorter[0].sampled.len();
-        if found < samples {
-            out.notes().info(format!("paper era: the window has {found} samples, not {samples}"));
+        let available = shorter[0].sampled.len();
+        if available < samples {
+            results.out.notes().info(format!("paper era: the window has {available} samples, not {samples}"));
         }
-        match realize_all(&Task { cuts: &shorter, remarks, ..*task }, &[order], &mut written, comparison, out)? {
+        match realize_all(&EraRun { cuts: &shorter, remarks, ..*task }, &[order], &mut written, results)? {
             Outcome::Done => {}
             other => outcome = other,
         }
@@ -145,15 +137,14 @@ fn by_paper(task: &Task<'_>, comparison: &mut Comparison, out: &mut Output) -> a
 
 /// Models of several orders from one decomposition; `written` are orders and samples of those that are there already.
 fn realize_all(
-    task: &Task<'_>,
+    task: &EraRun<'_>,
     orders: &[Order],
     written: &mut Vec<(usize, usize)>,
-    comparison: &mut Comparison,
-    out: &mut Output,
+    results: &mut Results<'_>,
 ) -> anyhow::Result<Outcome> {
-    let Task { method, settings, cuts, treated_as, remarks } = *task;
+    let EraRun { method, settings, cuts, treated_as, remarks } = *task;
     let dt_s = cuts[0].sampled.dt_s();
-    let records = RecordsTogether::new(cuts);
+    let records = ScaledWaves::new(cuts);
     let decomposed = match decompose(method, settings, records.slices(), dt_s, orders) {
         Err(error @ EraError::Silent { .. }) => {
             let names: Vec<&str> = cuts.iter().map(|cut| cut.id.as_str()).collect();
@@ -166,10 +157,10 @@ fn realize_all(
     let before = written.len();
     let mut first_failure = None;
     for &order in orders {
-        let model = match realize(&decomposed, order, out) {
+        let model = match realize(&decomposed, order, results.out) {
             Ok(model) => records.unscaled(model),
             Err(error) => {
-                out.notes().warning(error.to_string());
+                results.out.notes().warning(error.to_string());
                 first_failure.get_or_insert(error);
                 continue;
             }
@@ -179,15 +170,17 @@ fn realize_all(
             continue;
         }
         written.push(made);
-        let found = Order::Given(model.order());
+        let realized_order = Order::Given(model.order());
         // A Hankel matrix sized by the order asked for stays as it was.
-        let of = if matches!(decomposed, Decomposed::Sized(_)) { order } else { found };
+        let sizing_order = if matches!(decomposed, Decomposed::Sized(_)) { order } else { realized_order };
         let refit = |y: &[Vec<f64>]| {
             let divided = records.divided(y);
             let slices = divided.iter().map(Vec::as_slice).collect();
-            Some(records.unscaled(decompose(method, settings, slices, dt_s, &[of]).ok()?.realize(found).ok()?))
+            Some(records.unscaled(
+                decompose(method, settings, slices, dt_s, &[sizing_order]).ok()?.realize(realized_order).ok()?,
+            ))
         };
-        let pass = Pass {
+        let realization = RealizationTask {
             method,
             cuts,
             treated_as,
@@ -195,10 +188,10 @@ fn realize_all(
             paper: !remarks.is_empty(),
             refit: &refit,
         };
-        let mut notes = caveats(&pass.id(model.order()), &model, filter_edges(cuts));
-        out.notes().extend(notes.clone());
+        let mut notes = caveats(&realization.id(model.order()), &model, filter_edges(cuts));
+        results.out.notes().extend(notes.clone());
         remarks.iter().for_each(|remark| notes.info(*remark));
-        put_model(&model, &pass, &notes, comparison, out)?;
+        put_realization(&model, &realization, &notes, results)?;
     }
     if let Some(error) = first_failure.filter(|_| written.len() == before) {
         return Err(error).refuse_with_hint("lower --orders, or widen the window (--from, --to, --samples)");
@@ -222,7 +215,7 @@ impl Decomposed<'_> {
             Self::Whole(era) => era.realize(order),
             Self::Correlations(era) => era.realize(order),
             Self::Sized(all) => {
-                let sized = all.iter().find(|(of, _)| *of == order).or(all.first());
+                let sized = all.iter().find(|(sized_for, _)| *sized_for == order).or(all.first());
                 sized.map_or(Err(EraError::OrderZero), |(_, era)| era.realize(order))
             }
         }
@@ -248,7 +241,7 @@ fn decompose<'a>(
     match hankel {
         Some(hankel) if method == "era-dc" => {
             let options = EraDcOptions { era: options, offset: hankel.offset, lag_blocks: hankel.lag_blocks };
-            Ok(Decomposed::Correlations(EraDc::of(markov, options, orders)?))
+            Ok(Decomposed::Correlations(EraDc::from_markov(markov, options, orders)?))
         }
         Some(hankel) if hankel.twice_the_order => {
             let mut all = Vec::with_capacity(orders.len());
@@ -257,11 +250,11 @@ fn decompose<'a>(
                     Order::Given(n) => options.twice_the_order(n),
                     Order::Automatic => options.twice_the_order(settings.max_order),
                 };
-                all.push((order, Era::of(markov.clone(), options, &[order])?));
+                all.push((order, Era::from_markov(markov.clone(), options, &[order])?));
             }
             Ok(Decomposed::Sized(all))
         }
-        _ => Ok(Decomposed::Whole(Era::of(markov, options, orders)?)),
+        _ => Ok(Decomposed::Whole(Era::from_markov(markov, options, orders)?)),
     }
 }
 
@@ -272,7 +265,7 @@ fn realize(era: &Decomposed<'_>, order: Order, out: &mut Output) -> Result<Reali
             out.notes().info(format!("{error}: order {rank} is used, which follows the record to rounding"));
             match era {
                 Decomposed::Sized(all) => {
-                    let sized = all.iter().find(|(of, _)| *of == order);
+                    let sized = all.iter().find(|(sized_for, _)| *sized_for == order);
                     sized.map_or(Err(error), |(_, era)| era.realize(Order::Given(rank)))
                 }
                 _ => era.realize(Order::Given(rank)),

@@ -2,79 +2,59 @@
 
 use std::f64::consts::TAU;
 
-use crumple_lti::{Complex, StateSpace};
-use crumple_signal::{Notes, QuantityKind, TestDescription};
-use crumple_stage::records::EvidenceV1;
-use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
+use crumple_lti::Complex;
+use crumple_signal::{Notes, QuantityKind};
+use crumple_stage::{Outcome, RefuseExt};
 use crumple_sysid::{
-    Hold, InitialConditions, IoData, Stop, TransferFunctionFit, TransferFunctionOptions, compare, continued,
-    response_deviations, sampled, transfer_function_array, transfer_function_fit,
+    Hold, InitialConditions, IoData, Stop, TransferFunctionFit, TransferFunctionOptions, response_deviations,
+    transfer_function_array, transfer_function_fit,
 };
-use nalgebra::DVector;
 
-use crate::stage::options::input_output::BeyondEra;
 use crate::stage::options::paper;
-use crate::stage::options::settings::Settings;
 use crate::stage::records::acceptance::note_on_fit;
 use crate::stage::records::evidence::{
-    INTEGRATOR, evidence, foretold, identification, modes, notes_on_modes, percent, put_transfer_functions,
-    validate_all,
+    INTEGRATOR, fit_in_words, identification, if_determined, modes, notes_on_modes, put_search, put_transfer_functions,
+    simulation_evidence, validation_summary,
 };
 use crate::stage::records::realization::state_space;
-use crate::stage::records::responses::{Band, Judged, put_spreads, spread};
-use crate::stage::records::search::{known, put_search};
-use crate::stage::records::selection::Comparison;
+use crate::stage::records::responses::{Band, ModelResponses, put_spreads, spread};
+use crate::stage::records::results::Results;
 use crate::stage::records::transfer_function_array::put_array;
-use crate::stage::waves::input_output::{Cut, Record, record};
-
-/// What transfer functions are for and from.
-pub struct Task<'a> {
-    /// Id of the model.
-    pub id: &'a str,
-    /// How it was fitted.
-    pub options: &'a TransferFunctionOptions,
-    /// Settings of the stage.
-    pub settings: &'a Settings,
-    /// Those beside `era`.
-    pub beyond: &'a BeyondEra,
-    /// The waveforms.
-    pub record: &'a Record,
-}
+use crate::stage::records::transfer_function_task::{
+    TransferFunctionTask, condition_note, preparation, validate_continuous,
+};
+use crate::stage::waves::input_output::{Cut, record};
+use crate::stage::waves::source::Source;
 
 /// One transfer function, or an array of them, for every limit of iterations.
-pub fn run(
-    settings: &Settings,
-    test: &TestDescription,
-    inputs: &Inputs,
-    comparison: &mut Comparison,
-    out: &mut Output,
-) -> anyhow::Result<Outcome> {
-    let Some(beyond) = &settings.beyond_era else { return Ok(Outcome::Done) };
-    let record = record(settings, beyond, test, inputs)?;
+pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+    let settings = source.settings;
+    let Some(input_output) = &settings.input_output else { return Ok(Outcome::Done) };
+    let record = record(source, input_output)?;
     let options = TransferFunctionOptions {
-        hold: if beyond.hold == "zero-order" { Hold::Zero } else { Hold::First },
-        delay: beyond.delay,
-        initial: match beyond.initial.as_str() {
+        hold: if input_output.hold == "zero-order" { Hold::Zero } else { Hold::First },
+        delay: input_output.delay,
+        initial: match input_output.initial.as_str() {
             "zero" => InitialConditions::Zero,
             "auto" => InitialConditions::Auto,
             _ => InitialConditions::Estimate,
         },
-        stable: beyond.stable,
-        starts: beyond.start_kinds(),
-        ..TransferFunctionOptions::new(beyond.poles, beyond.zeros)
+        stable: input_output.stable,
+        starts: input_output.start_kinds(),
+        ..TransferFunctionOptions::new(input_output.poles, input_output.zeros)
     };
-    for &max_iterations in &beyond.max_iterations {
+    for &max_iterations in &input_output.max_iterations {
         let options = TransferFunctionOptions { stop: Stop { max_iterations, ..Stop::default() }, ..options.clone() };
-        let mut id = format!("tfest-{}-{}", beyond.poles, beyond.zeros);
+        let mut id = format!("tfest-{}-{}", input_output.poles, input_output.zeros);
         let mut limit = None;
-        if max_iterations < beyond.most_iterations() {
+        if max_iterations < input_output.most_iterations() {
             id.push_str(&format!("-after-{max_iterations}"));
             limit = Some(format!("{id}: every start is stopped after {max_iterations} iterations, converged or not"));
         }
         if settings.paper.is_some() {
             id.push_str("-paper");
         }
-        let task = Task { id: &id, options: &options, settings, beyond, record: &record };
+        let task = TransferFunctionTask { id: &id, options: &options, settings, input_output, record: &record };
         let mut notes = Notes::new();
         limit.into_iter().for_each(|text| notes.info(text));
         if let Some(name) = &settings.paper {
@@ -85,26 +65,14 @@ pub fn run(
             let fit = transfer_function_fit(&record.data, &options).refuse_with_hint(hint)?;
             notes.extend(preparation(&id, &record));
             notes.extend(remarks(&id, &fit, &record.drives[0], &record.answers[0]));
-            put(&task, &fit, &mut notes, comparison, out)?;
+            put_transfer_function(&task, &fit, &mut notes, results)?;
         } else {
             let fit = transfer_function_array(&record.data, &options).refuse_with_hint(hint)?;
-            put_array(&task, &fit, &mut notes, comparison, out)?;
+            put_array(&task, &fit, &mut notes, results)?;
         }
-        out.notes().extend(notes);
+        results.out.notes().extend(notes);
     }
     Ok(Outcome::Done)
-}
-
-/// What was done to the waveforms before the fit.
-pub fn preparation(id: &str, record: &Record) -> Notes {
-    let mut notes = Notes::new();
-    record.remarks.iter().for_each(|remark| notes.info(format!("{id}: {remark}")));
-    if let Some(delay_s) = record.delay_s {
-        notes.info(format!(
-            "{id}: the input acts {delay_s:.6} s late: the coefficients have no delay in them, delay_s and the responses have"
-        ));
-    }
-    notes
 }
 
 /// What a reader should know before believing the coefficients.
@@ -121,7 +89,8 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> No
         let place = format!("{id}: the zero {:.4} {:+.4}i 1/s ({sure}) lies in the right half plane", zero.re, zero.im);
         if of_motion {
             notes.warning(format!(
-                "{place}: a chain of springs and dampers has it at -k2/c2, on the left; with positive constants this model is impossible"
+                "{place}: a chain of springs and dampers has it at -k2/c2, on the left; with positive constants this \
+                 model is impossible"
             ));
         } else {
             notes.info(place);
@@ -132,10 +101,14 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> No
         let exact = "the true system is 1/s^2 and has none";
         if gain < 0.0 {
             notes.warning(format!(
-                "{id}: the gain at rest, {gain:.4e} s^2, is negative: a steady acceleration forward would end behind; {exact}"
+                "{id}: the gain at rest, {gain:.4e} s^2, is negative: a steady forward acceleration would move the \
+                 body backward; {exact}"
             ));
         } else {
-            notes.info(format!("{id}: a gain at rest, {gain:.4e} s^2, is that of the record's length; {exact}"));
+            notes.info(format!(
+                "{id}: the gain at rest, {gain:.4e} s^2, follows from the length of the record; \
+                {exact}"
+            ));
         }
     }
     let numerator = fit.transfer_function.numerator();
@@ -143,7 +116,8 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> No
     for (power, (b, deviation)) in numerator.iter().rev().zip(shown.iter().rev()).enumerate() {
         if 1.96 * deviation > b.abs() {
             notes.warning(format!(
-                "{id}: the numerator's coefficient of s^{power}, {b:.6e} with standard deviation {deviation:.2e}, is not known even in sign"
+                "{id}: the numerator's coefficient of s^{power}, {b:.6e} with standard deviation {deviation:.2e}, is \
+                 not known even in sign"
             ));
         }
     }
@@ -152,115 +126,85 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> No
     notes
 }
 
-/// Says so where the fit determines no single coefficient.
-pub fn condition_note(id: &str, condition: f64, notes: &mut Notes) {
-    if condition > 1e8 {
-        notes.warning(format!(
-            "{id}: condition number {condition:.1e}: the curve is known, single coefficients are not"
-        ));
-    }
-}
-
-/// Puts the fit of the kept samples into the evidence, if there are any.
-pub fn validate_continuous(
-    task: &Task<'_>,
-    model: &StateSpace,
-    initial_estimated: bool,
-    supports: &mut [EvidenceV1],
-) -> anyhow::Result<()> {
-    let Task { options, record, .. } = *task;
-    if record.answers[0].kept.is_empty() {
-        return Ok(());
-    }
-    let (model, rest) = sampled(model, options.hold, record.data.sample_time_s())?;
-    let (first, whole) = (record.data.delayed(options.delay), record.whole.delayed(options.delay));
-    let start = rest * DVector::from_iterator(first.inputs().len(), first.inputs().iter().map(|u| u[0]));
-    let foretold = continued(&model, &first, &whole, (!initial_estimated).then_some(start.as_slice()))?;
-    validate_all(record, &foretold, supports);
-    // The protocol of published comparisons: the initial state is fitted to the kept samples.
-    let restarted = compare(&model, &whole.slice(first.samples(), whole.samples())?)?;
-    for (support, fit) in supports.iter_mut().zip(restarted) {
-        support.validation_restarted_fit_percent = fit.and_then(|fit| fit.fit_percent);
-    }
-    Ok(())
-}
-
-fn put(
-    task: &Task<'_>,
+fn put_transfer_function(
+    task: &TransferFunctionTask<'_>,
     fit: &TransferFunctionFit,
     notes: &mut Notes,
-    comparison: &mut Comparison,
-    out: &mut Output,
+    results: &mut Results<'_>,
 ) -> anyhow::Result<()> {
-    let Task { id, options, settings, beyond, record } = *task;
+    let TransferFunctionTask { id, options, settings, input_output, record } = *task;
     let (data, drive, answer) = (&record.data, &record.drives[0], &record.answers[0]);
     let (input, output) = (drive.describe(), answer.describe());
     let tf = &fit.transfer_function;
-    put_transfer_functions(id, record, |_, _| (tf.numerator().to_vec(), tf.denominator().to_vec()), out)?;
-    out.put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &input, &output, record.delay_s))?;
-    out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
-    let mut support = evidence(Some(drive), answer, &fit.simulated, fit.criteria.parameters);
-    put_search(&fit.search, &beyond.hold, settings.paper.as_deref(), &mut support);
-    support.numerator_deviations = known(&fit.numerator_deviations);
-    support.denominator_covariance = fit.denominator_covariance();
-    support.zeros_re_per_s = fit.zeros.iter().map(|zero| zero.re).collect();
-    support.zeros_im_rad_per_s = fit.zeros.iter().map(|zero| zero.im).collect();
-    support.zero_re_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.0)).collect();
-    support.zero_im_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.1)).collect();
-    validate_continuous(task, &fit.state_space, fit.search.initial_estimated, std::slice::from_mut(&mut support))?;
+    put_transfer_functions(id, record, |_, _| (tf.numerator().to_vec(), tf.denominator().to_vec()), results.out)?;
+    results
+        .out
+        .put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &input, &output, record.delay_s))?;
+    results.out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
+    let mut evidence = simulation_evidence(Some(drive), answer, &fit.simulated, fit.criteria.parameters);
+    put_search(&fit.search, &input_output.hold, settings.paper.as_deref(), &mut evidence);
+    evidence.numerator_deviations = if_determined(&fit.numerator_deviations);
+    evidence.denominator_covariance = fit.denominator_covariance();
+    evidence.zeros_re_per_s = fit.zeros.iter().map(|zero| zero.re).collect();
+    evidence.zeros_im_rad_per_s = fit.zeros.iter().map(|zero| zero.im).collect();
+    evidence.zero_re_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.0)).collect();
+    evidence.zero_im_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.1)).collect();
+    validate_continuous(task, &fit.state_space, fit.search.initial_estimated, std::slice::from_mut(&mut evidence))?;
 
-    let judged = judged(fit, answer, options.delay);
-    let grid = judged.grid_hz();
+    let responses = responses_of(fit, answer, options.delay);
+    let grid = responses.grid_hz();
     let initial = if fit.search.initial_estimated { InitialConditions::Estimate } else { InitialConditions::Zero };
-    let poles = vec![judged.poles.clone()];
+    let poles = vec![responses.poles.clone()];
     let again = TransferFunctionOptions { starts: Vec::new(), given: poles, initial, ..options.clone() };
-    let found = spread(
+    let bootstrap = spread(
         settings.bootstrap.as_ref(),
-        (id, &judged.sample(&grid)),
+        (id, &responses.sample(&grid)),
         (answer.sampled.samples(), &fit.simulated),
         fit.criteria.parameters,
         notes,
         |y| {
             let data = IoData::single(data.inputs()[0].clone(), y.to_vec(), data.sample_time_s()).ok()?;
-            Some(self::judged(&transfer_function_fit(&data, &again).ok()?, answer, options.delay).sample(&grid))
+            Some(responses_of(&transfer_function_fit(&data, &again).ok()?, answer, options.delay).sample(&grid))
         },
     );
-    if let Some(found) = &found {
-        put_spreads(found, &mut support);
+    if let Some(bootstrap) = &bootstrap {
+        put_spreads(bootstrap, &mut evidence);
     }
-    let band = match (&found, &fit.coefficient_covariance) {
-        (Some(found), _) => Some(Band::from_bootstrap(found)),
+    let band = match (&bootstrap, &fit.coefficient_covariance) {
+        (Some(bootstrap), _) => Some(Band::from_bootstrap(bootstrap)),
         (None, Some(covariance)) => {
             let rad_per_s: Vec<f64> = grid.iter().map(|f| TAU * f).collect();
-            let magnitude: Vec<f64> = judged.sample(&grid).response.iter().map(|h| h.norm()).collect();
-            let deviations = response_deviations(&fit.transfer_function, beyond.zeros + 1, covariance, &rad_per_s);
+            let magnitude: Vec<f64> = responses.sample(&grid).response.iter().map(|h| h.norm()).collect();
+            let deviations =
+                response_deviations(&fit.transfer_function, input_output.zeros + 1, covariance, &rad_per_s);
             Some(Band::from_deviations(&magnitude, &deviations))
         }
         (None, None) => None,
     };
-    if let Some(response) = judged.response(&input, &output, band.as_ref()) {
-        out.put(&format!("/response/{id}"), &response)?;
+    if let Some(response) = responses.response(&input, &output, band.as_ref()) {
+        results.out.put(&format!("/response/{id}"), &response)?;
     }
-    let mut whole = identification("tfest", beyond.poles, "input-output", answer, &fit.simulated, notes.to_texts());
+    let mut whole =
+        identification("tfest", input_output.poles, "input-output", answer, &fit.simulated, notes.to_texts());
     whole.delay_s = record.delay_s;
-    let percent = percent(whole.fit_percent);
-    out.put(&format!("/identification/{id}"), &whole)?;
-    out.put(&format!("/evidence/{id}"), &support)?;
-    let supports = std::slice::from_ref(&support);
-    comparison.enter(id, answer.sampled.len(), supports);
-    out.summary(format!(
+    let percent = fit_in_words(whole.fit_percent);
+    results.out.put(&format!("/identification/{id}"), &whole)?;
+    results.out.put(&format!("/evidence/{id}"), &evidence)?;
+    let all = std::slice::from_ref(&evidence);
+    results.comparison.enter(id, answer.sampled.len(), all);
+    results.out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
         answer.sampled.len(),
         fit.search.termination.name(),
         fit.search.iterations,
         fit.search.start.name(),
-        foretold(supports)
+        validation_summary(all)
     ));
     Ok(())
 }
 
-fn judged<'a>(fit: &'a TransferFunctionFit, answer: &Cut, delay: usize) -> Judged<'a> {
-    Judged {
+fn responses_of<'a>(fit: &'a TransferFunctionFit, answer: &Cut, delay: usize) -> ModelResponses<'a> {
+    ModelResponses {
         continuous: Some(&fit.state_space),
         discrete: None,
         poles: fit.modes.iter().map(|mode| mode.pole).collect(),

@@ -25,7 +25,7 @@ pub struct ArxRanges {
 const MOST_MODELS: usize = 10_000;
 
 /// Three numbers between commas.
-fn three(text: &str) -> Option<[&str; 3]> {
+fn split_three(text: &str) -> Option<[&str; 3]> {
     let parts: Vec<&str> = text.split(',').map(str::trim).collect();
     <[&str; 3]>::try_from(parts).ok()
 }
@@ -34,7 +34,7 @@ impl FromStr for ArxStructure {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let numbers = three(text).map(|parts| parts.map(|part| part.parse::<u16>().map(usize::from)));
+        let numbers = split_three(text).map(|parts| parts.map(|part| part.parse::<u16>().map(usize::from)));
         match numbers {
             Some([Ok(na), Ok(nb), Ok(nk)]) if na + nb > 0 => Ok(Self(ArxOrder { na, nb, nk })),
             _ => Err(format!(
@@ -55,7 +55,7 @@ impl FromStr for ArxRanges {
             (low <= high).then_some((low, high))
         };
         let bad = || format!("{text:?} are not three ranges of past outputs, inputs and delays, as in 1-4,1-4,0-6");
-        let [na, nb, nk] = three(text).ok_or_else(bad)?;
+        let [na, nb, nk] = split_three(text).ok_or_else(bad)?;
         let (Some(na), Some(nb), Some(nk)) = (range(na), range(nb), range(nk)) else { return Err(bad()) };
         let ranges = Self { na, nb, nk };
         let count = [na, nb, nk].iter().map(|(low, high)| high - low + 1).product::<usize>();

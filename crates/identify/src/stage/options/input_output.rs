@@ -17,7 +17,7 @@ pub const CONDITIONS: [&str; 3] = ["position", "velocity", "acceleration"];
 
 /// Settings of the methods other than `era`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BeyondEra {
+pub struct InputOutputSettings {
     /// Driving waveforms; empty: the pulse. One alone named `none`: no input.
     pub inputs: Vec<String>,
     /// Answering waveforms; empty: the pulse's displacement.
@@ -65,7 +65,7 @@ pub struct BeyondEra {
     pub remove_mean: bool,
 }
 
-impl BeyondEra {
+impl InputOutputSettings {
     /// The most iterations from a start.
     pub fn most_iterations(&self) -> usize {
         self.max_iterations.last().copied().unwrap_or(0)
@@ -137,7 +137,7 @@ impl BeyondEra {
             conditions: options.conditions.len(),
             block_rows: options.block_rows.map(|n| n as usize),
             thin: options.thin.map(|n| n as usize),
-            arx_orders: once(&options.arx_orders),
+            arx_orders: deduplicated(&options.arx_orders),
             arx_scan: options.arx_scan,
             start_velocity_m_per_s: options.start_velocity.map(Speed::si),
             start_acceleration_m_per_s2: options.start_acceleration.map(Acceleration::si),
@@ -152,14 +152,14 @@ impl BeyondEra {
 }
 
 /// Every structure once.
-fn once(structures: &[ArxStructure]) -> Vec<ArxStructure> {
-    let mut found: Vec<ArxStructure> = Vec::new();
+fn deduplicated(structures: &[ArxStructure]) -> Vec<ArxStructure> {
+    let mut distinct: Vec<ArxStructure> = Vec::new();
     for structure in structures {
-        if !found.contains(structure) {
-            found.push(*structure);
+        if !distinct.contains(structure) {
+            distinct.push(*structure);
         }
     }
-    found
+    distinct
 }
 
 /// Waveforms named by the option of one or by that of several; each once.

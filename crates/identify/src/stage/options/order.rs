@@ -1,4 +1,4 @@
-//! A number of states as people write it.
+//! The order of a model as an option: a number of states, or `auto`.
 
 use std::fmt;
 use std::str::FromStr;

@@ -11,9 +11,12 @@ pub const ERA_RUNS: [(Order, usize); 4] =
 
 /// What is said of the curve fit of the ERA paper.
 pub const CURVE_FIT_REMARKS: [&str; 3] = [
-    "paper curve-fit: equation 16 of the ERA paper as printed: four real exponentials, free at the start, fitted to the displacement; its program and starting values are not printed, this is the best of many starts",
-    "paper curve-fit: nothing holds the position and the impact speed at the start: the printed sum starts at -0.05 m with 20.2 m/s, of a car of 9.7 m/s",
-    "paper curve-fit: a record does not determine eight numbers of four nearly equal exponents (condition number of the printed ones 2e11); exponentials-4 beside it holds the start and may oscillate",
+    "paper curve-fit: equation 16 of the ERA paper as printed: four real exponentials, free at the start, fitted to \
+     the displacement; its program and starting values are not printed, this is the best of many starts",
+    "paper curve-fit: nothing holds the position and the impact speed at the start: the printed sum starts at -0.05 m \
+     with 20.2 m/s, of a car of 9.7 m/s",
+    "paper curve-fit: a record does not determine eight numbers of four nearly equal exponents (condition number of \
+     the printed ones 2e11); exponentials-4 beside it holds the start and may oscillate",
 ];
 
 /// Whether the exponentials of a run with this paper are its curve fit.
@@ -78,15 +81,23 @@ pub fn follow(options: &mut Options) -> Result<(), Usage> {
 pub fn remarks(paper: &str) -> &'static [&'static str] {
     match paper {
         "era" => &[
-            "paper era: the procedure of the ERA paper as printed: the crash pulse itself is the Markov sequence, D is its first sample, the state matrices are balanced",
-            "paper era: B and C carry the singular values to the power +1/2; the printed -1/2 does not reproduce the sequence",
-            "paper era: natural frequencies are moduli of the poles, rad/s; the paper's values for 60 samples are 2 pi times too large",
-            "paper era: a window much shorter than a period, as 50 to 100 samples at 10 kHz are, shows the filter and the start of the pulse, not the car; by itself the stage takes the whole record",
+            "paper era: the procedure of the ERA paper as printed: the crash pulse itself is the Markov sequence, D is \
+             its first sample, the state matrices are balanced",
+            "paper era: B and C carry the singular values to the power +1/2; the printed -1/2 does not reproduce the \
+             sequence",
+            "paper era: natural frequencies are moduli of the poles, rad/s; the paper's values for 60 samples are 2 pi \
+             times too large",
+            "paper era: a window much shorter than a period, as 50 to 100 samples at 10 kHz are, shows the filter and \
+             the start of the pulse, not the car; by itself the stage takes the whole record",
         ],
         "tfest" => &[
-            "paper tfest: the procedure of the transfer-function paper as printed: 4 poles, 1 zero, at most 20 iterations; the toolbox's defaults, which the paper does not print, are taken as steps between samples and rest before the record",
-            "paper tfest: the record starts at the impact speed; by itself the stage estimates that motion, takes straight lines between samples, and iterates until the gradient vanishes",
-            "paper tfest: deceleration to its own double integral is 1/s^2 for any body; a stable fit of four poles reflects the length of the record",
+            "paper tfest: the procedure of the transfer-function paper as printed: 4 poles, 1 zero, at most 20 \
+             iterations; the toolbox's defaults, which the paper does not print, are taken as steps between samples \
+             and rest before the record",
+            "paper tfest: the record starts at the impact speed; by itself the stage estimates that motion, takes \
+             straight lines between samples, and iterates until the gradient vanishes",
+            "paper tfest: deceleration to its own double integral is 1/s^2 for any body; a stable fit of four poles \
+             reflects the length of the record",
         ],
         _ => &[],
     }

@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::stage::options::evidence::{self, BootstrapSettings, Stabilisation};
 use crate::stage::options::flags::{Options, unknown};
 use crate::stage::options::hankel::HankelSettings;
-use crate::stage::options::input_output::BeyondEra;
+use crate::stage::options::input_output::InputOutputSettings;
 use crate::stage::options::order::OrderOption;
 use crate::stage::options::paper;
 
@@ -34,8 +34,8 @@ pub struct Settings {
     /// Channel, if not the pulse.
     pub channel: Option<String>,
     /// What the methods other than `era` need; absent where `era` is alone.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub beyond_era: Option<BeyondEra>,
+    #[serde(rename = "beyond_era", skip_serializing_if = "Option::is_none")]
+    pub input_output: Option<InputOutputSettings>,
     /// What methods through Markov parameters need beyond plain ERA; absent for the latter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hankel: Option<HankelSettings>,
@@ -60,7 +60,9 @@ pub struct Settings {
 impl Settings {
     /// Whether arx has structures of its own instead of orders.
     pub fn has_arx_structures(&self) -> bool {
-        self.beyond_era.as_ref().is_some_and(|beyond| !beyond.arx_orders.is_empty() || beyond.arx_scan.is_some())
+        self.input_output
+            .as_ref()
+            .is_some_and(|input_output| !input_output.arx_orders.is_empty() || input_output.arx_scan.is_some())
     }
 
     /// Fills in the defaults. Errors: an unknown method, an order of zero, an empty window.
@@ -96,14 +98,14 @@ impl Settings {
             return Err(Usage::new(format!("{name} is 0, a positive number is needed")));
         }
         let size = |n: Option<u32>| n.map(|n| n as usize);
-        let beyond_era = if options.methods.iter().any(|m| m != "era" && m != "era-dc") {
-            Some(BeyondEra::resolve(&options)?)
+        let input_output = if options.methods.iter().any(|m| m != "era" && m != "era-dc") {
+            Some(InputOutputSettings::resolve(&options)?)
         } else {
             None
         };
         let hankel = HankelSettings::resolve(&options)?;
         Ok(Self {
-            beyond_era,
+            input_output,
             hankel,
             methods: if options.methods.is_empty() { vec!["era".to_owned()] } else { options.methods },
             orders: if orders.is_empty() { vec![OrderOption(Order::Given(4))] } else { orders },

@@ -1,72 +1,79 @@
-//! Which fits may pass as results.
+//! Which fits are accepted as results, and which of them get a warning.
 
 use crumple_signal::Notes;
-use crumple_sysid::{IdentifyError, IoData, fit_measures, mirrored_poles, simulate_fitted, weak_fit};
+use crumple_sysid::{IdentifyError, IoData, MissReason, fit_measures, mirrored_poles, simulate_fitted, weak_fit};
 
-use crate::stage::records::discrete_model::Found;
+use crate::stage::records::discrete_model::DiscreteModel;
 
-/// Fits below this, percent, do not pass without a word.
+/// A fit below this (percent) gets a warning, or is refused where the model accounts for none of the variance either.
 const LEAST_FIT_PERCENT: f64 = -100.0;
 
-/// What stands in the notes of a model that was made steady.
-const MIRRORED: &str = "growing poles, mirrored at the unit circle";
-
-/// A model of an estimated impulse response with its growing poles mirrored at the unit circle, which a note tells; without
-/// the models beside it then, which belong to the poles as they were.
-pub fn steady(found: Found, data: &IoData) -> Result<Found, IdentifyError> {
-    let Some((model, mirrored)) = mirrored_poles(&found.model, data)? else { return Ok(found) };
-    let Found { parameters, singular_values, mut notes, chosen, .. } = found;
-    notes.push(format!(
-        "warning: {mirrored} {MIRRORED}, inputs and initial state fitted again: the impulse response does not hold these modes"
+/// A model of an estimated impulse response with its growing poles mirrored at the unit circle, and a note of it;
+/// without the models beside it then, which belong to the poles as they were.
+pub fn mirror_growing_poles(model: DiscreteModel, data: &IoData) -> Result<DiscreteModel, IdentifyError> {
+    let Some((state_space, mirrored_poles)) = mirrored_poles(&model.state_space, data)? else { return Ok(model) };
+    let DiscreteModel { parameters, singular_values, mut notes, choices, .. } = model;
+    notes.warning(format!(
+        "{mirrored_poles} unstable poles were mirrored into the unit circle, and the input matrix and the initial \
+         state were fitted again: these modes are not in the impulse response"
     ));
-    Ok(Found { singular_values, notes, chosen, ..Found::new(model, parameters) })
+    Ok(DiscreteModel { singular_values, notes, mirrored_poles, choices, ..DiscreteModel::new(state_space, parameters) })
 }
 
 /// Simulates a model on the record it was identified from.
 ///
-/// Errors: a simulation that misses the record by more than twice what its mean does (fit below -100 %) and accounts for none
-/// of its variance. Where it accounts for some, the level of the record is what is missed, and a note says so; another where the
-/// errors have more than half of the variance.
-pub fn simulated(mut found: Found, data: &IoData) -> Result<(Vec<Vec<f64>>, Found), IdentifyError> {
-    let simulated = simulate_fitted(&found.model, data)?.0;
-    for (measured, model) in data.outputs().iter().zip(&simulated) {
-        let fit = match fit_measures(measured, model) {
+/// Errors: a simulation that misses the record by more than twice what its mean does (fit below -100 %) and accounts
+/// for none of its variance. Where it accounts for some, the level of the record is what is missed, and a note says so;
+/// another where the errors have more than half of the variance.
+pub fn simulate_accepted(
+    mut model: DiscreteModel,
+    data: &IoData,
+) -> Result<(Vec<Vec<f64>>, DiscreteModel), IdentifyError> {
+    let simulated = simulate_fitted(&model.state_space, data)?.0;
+    for (measured, response) in data.outputs().iter().zip(&simulated) {
+        let fit = match fit_measures(measured, response) {
             Some(fit) => fit,
-            None => return Err(misses(f64::NEG_INFINITY, &found)),
+            None => return Err(miss(f64::NEG_INFINITY, &model)),
         };
         match fit.fit_percent.filter(|fit| *fit < LEAST_FIT_PERCENT) {
-            Some(percent) if fit.vaf_percent.is_none_or(|vaf| vaf <= 0.0) => return Err(misses(percent, &found)),
-            _ => found.notes.extend(fit.fit_percent.and_then(said).map(|text| format!("warning: {text}"))),
+            Some(percent) if fit.vaf_percent.is_none_or(|vaf| vaf <= 0.0) => return Err(miss(percent, &model)),
+            _ => {
+                if let Some(text) = fit.fit_percent.and_then(fit_warning) {
+                    model.notes.warning(text);
+                }
+            }
         }
     }
-    Ok((simulated, found))
+    Ok((simulated, model))
 }
 
-fn misses(fit_percent: f64, found: &Found) -> IdentifyError {
-    let largest = found.model.poles().unwrap_or_default().iter().map(|z| z.norm()).fold(0.0, f64::max);
+/// The error of a model that misses the record, with what is known of its poles.
+fn miss(fit_percent: f64, model: &DiscreteModel) -> IdentifyError {
+    let largest = model.state_space.poles().unwrap_or_default().iter().map(|z| z.norm()).fold(0.0, f64::max);
     let why = if largest > 1.0 {
-        format!("a pole grows by a factor {largest:.6} a sample")
-    } else if found.notes.iter().any(|note| note.contains(MIRRORED)) {
-        format!("it has {MIRRORED}, and is nothing without them")
+        MissReason::Grows { factor: largest }
+    } else if model.mirrored_poles > 0 {
+        MissReason::Mirrored
     } else {
-        "none of its poles grows".to_owned()
+        MissReason::Stable
     };
     IdentifyError::Misses { fit_percent, limit: LEAST_FIT_PERCENT, why }
 }
 
-/// What is said of a fit that passes: that the level of the record is missed, or most of its variance.
-fn said(percent: f64) -> Option<String> {
+/// The warning about a fit that passes: that the level of the record is missed, or most of its variance.
+fn fit_warning(percent: f64) -> Option<String> {
     if percent < LEAST_FIT_PERCENT {
         return Some(format!(
-            "fit {percent:.1} %: the model misses the level of the record; a linear model has no constant, see --remove-mean"
+            "fit {percent:.1} %: the model misses the level of the record; a linear model has no constant, see \
+             --remove-mean"
         ));
     }
     weak_fit(percent)
 }
 
-/// The same note for a model that was fitted to the simulation itself, so that it is no worse than silence.
+/// The same warning for a model that was fitted to the simulation itself, so that it is no worse than silence.
 pub fn note_on_fit(id: &str, fit_percent: Option<f64>, notes: &mut Notes) {
-    if let Some(text) = fit_percent.and_then(said) {
+    if let Some(text) = fit_percent.and_then(fit_warning) {
         notes.warning(format!("{id}: {text}"));
     }
 }

@@ -5,7 +5,8 @@ use crumple_signal::{Notes, QuantityKind};
 use crumple_stage::Output;
 use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeV1, ModesV1, TransferFunctionV1};
 use crumple_sysid::{
-    InformationCriteria, ResidualTests, autoregressive_effective_samples, fit_measures, mode_notes, residual_tests,
+    InformationCriteria, ResidualTests, SearchOutcome, autoregressive_effective_samples, fit_measures, mode_notes,
+    residual_tests,
 };
 
 use crate::stage::waves::input_output::{Cut, Record, filter_edges};
@@ -17,7 +18,7 @@ pub const INTEGRATOR: f64 = 0.5;
 const LAGS: usize = 20;
 
 /// Evidence from the simulated output: criteria, residual tests; everything else is still unknown.
-pub fn evidence(input: Option<&Cut>, output: &Cut, simulated: &[f64], parameters: usize) -> EvidenceV1 {
+pub fn simulation_evidence(input: Option<&Cut>, output: &Cut, simulated: &[f64], parameters: usize) -> EvidenceV1 {
     let residual: Vec<f64> = output.sampled.samples().iter().zip(simulated).map(|(y, yh)| y - yh).collect();
     let finite = |x: f64| x.is_finite().then_some(x);
     let loss = finite(residual.iter().map(|e| e * e).sum::<f64>() / residual.len().max(1) as f64);
@@ -87,26 +88,27 @@ pub fn prediction_tests(inputs: &[Vec<f64>], errors: &[f64], from: usize) -> Opt
     Some(tests)
 }
 
-/// Puts the fit of the kept samples into the evidence: `foretold` are all samples by the model. Nothing without kept ones.
-pub fn validate(output: &Cut, foretold: &[f64], support: &mut EvidenceV1) {
-    support.validation_from_s = output.kept_from_s();
-    if !output.kept.is_empty() && foretold.len() == output.sampled.len() + output.kept.len() {
-        let fit = fit_measures(&output.kept, &foretold[output.sampled.len()..]);
-        support.validation_fit_percent = fit.and_then(|fit| fit.fit_percent);
+/// Puts the fit of the kept samples into the evidence: `simulated` are all samples by the model.
+/// Nothing without kept ones.
+pub fn validate(output: &Cut, simulated: &[f64], output_evidence: &mut EvidenceV1) {
+    output_evidence.validation_from_s = output.kept_from_s();
+    if !output.kept.is_empty() && simulated.len() == output.sampled.len() + output.kept.len() {
+        let fit = fit_measures(&output.kept, &simulated[output.sampled.len()..]);
+        output_evidence.validation_fit_percent = fit.and_then(|fit| fit.fit_percent);
     }
 }
 
 /// The same for every output of a record.
-pub fn validate_all(record: &Record, foretold: &[Vec<f64>], supports: &mut [EvidenceV1]) {
-    for ((answer, foretold), support) in record.answers.iter().zip(foretold).zip(supports) {
-        validate(answer, foretold, support);
+pub fn validate_all(record: &Record, simulated: &[Vec<f64>], evidence: &mut [EvidenceV1]) {
+    for ((answer, simulated), output_evidence) in record.answers.iter().zip(simulated).zip(evidence) {
+        validate(answer, simulated, output_evidence);
     }
 }
 
 /// Notes on single modes of a model between waveforms: growth, sampling, and the edge of the filter they went through.
 ///
-/// From an acceleration to a displacement two poles at zero are no modes: noise parts them by the root of what it does to a
-/// single one, and one of them then seems to grow. A note says what they are instead.
+/// From an acceleration to a displacement two poles at zero are no modes: noise parts them by the root of what it does
+/// to a single one, and one of them then seems to grow. A note says what they are instead.
 pub fn notes_on_modes(id: &str, poles: &[Complex], cuts: &[&Cut]) -> Notes {
     let dt_s = cuts.first().map(|cut| cut.sampled.dt_s());
     let duration_s = cuts.first().map_or(0.0, |cut| cut.sampled.dt_s() * cut.sampled.len() as f64);
@@ -119,18 +121,19 @@ pub fn notes_on_modes(id: &str, poles: &[Complex], cuts: &[&Cut]) -> Notes {
     let mut notes = mode_notes(id, &modes, (dt_s, duration_s), filter_edges(cuts.iter().copied()));
     if twice {
         notes.warning(format!(
-            "{id}: two poles lie at zero: the model integrates the acceleration twice, which is true of any body and says nothing about this car"
+            "{id}: two poles lie at zero: the model integrates the acceleration twice, which is true of any body and \
+             says nothing about this car"
         ));
     }
     notes
 }
 
 /// `; 98.30 % of the samples after it`, where samples were kept; of several outputs the smallest.
-pub fn foretold(supports: &[EvidenceV1]) -> String {
-    let least = |of: fn(&EvidenceV1) -> Option<f64>| supports.iter().filter_map(of).reduce(f64::min);
-    let restarted = least(|support| support.validation_restarted_fit_percent)
+pub fn validation_summary(evidence: &[EvidenceV1]) -> String {
+    let least = |measure: fn(&EvidenceV1) -> Option<f64>| evidence.iter().filter_map(measure).reduce(f64::min);
+    let restarted = least(|output_evidence| output_evidence.validation_restarted_fit_percent)
         .map_or(String::new(), |fit| format!(" ({fit:.2} % with the state fitted to them)"));
-    match least(|support| support.validation_fit_percent) {
+    match least(|output_evidence| output_evidence.validation_fit_percent) {
         Some(fit) => format!("; {fit:.2} % of the samples after it{restarted}"),
         None => String::new(),
     }
@@ -167,7 +170,7 @@ pub fn identification(
 
 /// The same of a model with any number of inputs and outputs, and evidence for each output: one record for one output,
 /// else one a number.
-pub fn of_record(
+pub fn identification_with_evidence(
     method: &str,
     order: usize,
     record: &Record,
@@ -191,30 +194,31 @@ pub fn of_record(
         let worst = |a: f64, b: &Option<f64>| b.map(|b| a.min(b));
         whole.fit_percent = whole.output_fits_percent.iter().try_fold(f64::INFINITY, worst);
     }
-    let supports = record
+    let evidence = record
         .answers
         .iter()
         .zip(simulated)
         .map(|(answer, yh)| {
-            let mut support = evidence(record.drives.first(), answer, yh, parameters);
+            let mut output_evidence = simulation_evidence(record.drives.first(), answer, yh, parameters);
             for other in record.drives.iter().skip(1) {
-                let one = evidence(Some(other), answer, yh, parameters).input_correlation;
-                support.input_correlation = support.input_correlation.zip(one).map(|(a, b)| a.max(b));
+                let correlation = simulation_evidence(Some(other), answer, yh, parameters).input_correlation;
+                output_evidence.input_correlation =
+                    output_evidence.input_correlation.zip(correlation).map(|(a, b)| a.max(b));
             }
-            support.input = (!record.drives.is_empty()).then(|| names(&record.drives));
-            support
+            output_evidence.input = (!record.drives.is_empty()).then(|| names(&record.drives));
+            output_evidence
         })
         .collect();
-    (whole, supports)
+    (whole, evidence)
 }
 
 /// Writes the evidence of every output: `/evidence/<id>`, of several outputs `/evidence/<id>/<number>`.
-pub fn put_evidence(id: &str, supports: &[EvidenceV1], out: &mut Output) -> anyhow::Result<()> {
-    if let [only] = supports {
+pub fn put_evidence(id: &str, evidence: &[EvidenceV1], out: &mut Output) -> anyhow::Result<()> {
+    if let [only] = evidence {
         return out.put(&format!("/evidence/{id}"), only);
     }
-    for (number, support) in supports.iter().enumerate() {
-        out.put(&format!("/evidence/{id}/{}", number + 1), support)?;
+    for (number, output_evidence) in evidence.iter().enumerate() {
+        out.put(&format!("/evidence/{id}/{}", number + 1), output_evidence)?;
     }
     Ok(())
 }
@@ -266,6 +270,27 @@ pub fn modes(modes: impl Iterator<Item = (Mode, Option<Complex>)>) -> ModesV1 {
 }
 
 /// `99.76 %`, or that there is no such figure.
-pub fn percent(fit: Option<f64>) -> String {
+pub fn fit_in_words(fit: Option<f64>) -> String {
     fit.map_or("no defined fit".to_owned(), |fit| format!("fit {fit:.2} %"))
+}
+
+/// Puts a search into the evidence of one output: `hold` as declared, `paper` whose procedure it is.
+pub fn put_search(search: &SearchOutcome, hold: &str, paper: Option<&str>, output_evidence: &mut EvidenceV1) {
+    output_evidence.hold = Some(hold.to_owned());
+    output_evidence.initial_conditions = if search.initial_estimated { "estimated" } else { "zero" }.to_owned();
+    output_evidence.start = Some(search.start.name().to_owned());
+    output_evidence.stop_reason = Some(search.termination.name().to_owned());
+    output_evidence.iterations = u32::try_from(search.iterations).ok();
+    output_evidence.evaluations = Some(search.evaluations as u64);
+    output_evidence.losses = search.losses.clone();
+    output_evidence.condition = Some(search.condition).filter(|c| c.is_finite());
+    output_evidence.denominator_deviations = if_determined(&search.denominator_deviations);
+    output_evidence.frequency_deviations = search.mode_deviations.iter().map(|d| d.map(|d| d.0)).collect();
+    output_evidence.damping_deviations = search.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
+    output_evidence.paper = paper.map(str::to_owned);
+}
+
+/// Deviations, or none where they are not determined.
+pub fn if_determined(deviations: &[f64]) -> Vec<f64> {
+    if deviations.iter().all(|x| x.is_finite()) { deviations.to_vec() } else { Vec::new() }
 }

@@ -1,8 +1,7 @@
-//! An identified model as the records of the artifact.
+//! A realised model (ERA, ERA/DC) as the records of the artifact.
 
 use crumple_lti::{Complex, LtiError, Mode, StateSpace, to_transfer_function};
 use crumple_signal::{Notes, Sampled};
-use crumple_stage::Output;
 use crumple_stage::records::{
     EvidenceV1, IdentificationV1, ModeV1, ModesV1, ShapeV1, ShapesV1, StateSpaceV1, TransferFunctionV1,
 };
@@ -11,16 +10,16 @@ use nalgebra::DMatrix;
 
 use crate::stage::options::evidence::BootstrapSettings;
 use crate::stage::records::acceptance::note_on_fit;
-use crate::stage::records::evidence::{evidence, foretold, put_evidence, validate};
-use crate::stage::records::responses::{Band, Judged, limits, put_spreads, spread_of_outputs, zeros_of};
-use crate::stage::records::selection::Comparison;
+use crate::stage::records::evidence::{put_evidence, simulation_evidence, validate, validation_summary};
+use crate::stage::records::responses::{Band, ModelResponses, note_limits, put_spreads, spread_of_outputs, zeros_of};
+use crate::stage::records::results::Results;
 use crate::stage::waves::input_output::{Cut, filter_edges};
 
 /// What a reader of the model must know of its input.
 const INPUT: &str = "unit impulse (the record taken as Markov parameters)";
 
-/// What a model comes from.
-pub struct Pass<'a> {
+/// What realised models come from.
+pub struct RealizationTask<'a> {
     /// `era` or `era-dc`.
     pub method: &'a str,
     /// The channels, sampled together, at least one.
@@ -35,7 +34,7 @@ pub struct Pass<'a> {
     pub refit: &'a (dyn Fn(&[Vec<f64>]) -> Option<Realization> + Sync),
 }
 
-impl Pass<'_> {
+impl RealizationTask<'_> {
     fn names(&self) -> Vec<&str> {
         self.cuts.iter().map(|cut| cut.id.as_str()).collect()
     }
@@ -43,13 +42,13 @@ impl Pass<'_> {
     /// `acceleration of channels 11, 12, m/s^2`; of several quantities one after the other.
     fn describe(&self) -> String {
         let plural = if self.single() { "" } else { "s" };
-        let said = |cut: &Cut, plural: &str, names: &str| {
+        let describe = |cut: &Cut, plural: &str, names: &str| {
             format!("{} of channel{plural} {names}, {}", cut.quantity.name(), cut.quantity.si_unit())
         };
         if self.one_quantity() {
-            return said(&self.cuts[0], plural, &self.names().join(", "));
+            return describe(&self.cuts[0], plural, &self.names().join(", "));
         }
-        self.cuts.iter().map(|cut| said(cut, "", &cut.id)).collect::<Vec<_>>().join("; ")
+        self.cuts.iter().map(|cut| describe(cut, "", &cut.id)).collect::<Vec<_>>().join("; ")
     }
 
     fn one_quantity(&self) -> bool {
@@ -72,30 +71,29 @@ impl Pass<'_> {
 }
 
 /// Writes the records of one model under its id, `<method>-<order>`, and a summary line.
-pub fn put_model(
+pub fn put_realization(
     model: &Realization,
-    pass: &Pass<'_>,
+    task: &RealizationTask<'_>,
     notes: &Notes,
-    comparison: &mut Comparison,
-    out: &mut Output,
+    results: &mut Results<'_>,
 ) -> anyhow::Result<()> {
-    let (order, samples, single) = (model.order(), pass.samples(), pass.single());
-    let id = pass.id(order);
-    let output = pass.describe();
-    let mut notes = notes.to_texts();
-    out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output, None))?;
+    let (order, samples, single) = (model.order(), task.samples(), task.single());
+    let id = task.id(order);
+    let output = task.describe();
+    let mut notes = notes.clone();
+    results.out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output, None))?;
     if let Ok(continuous) = &model.continuous {
-        out.put(&format!("/model/{id}/continuous"), &state_space(continuous, INPUT, &output, None))?;
+        results.out.put(&format!("/model/{id}/continuous"), &state_space(continuous, INPUT, &output, None))?;
         match transfer_function(continuous, &output) {
             _ if !single => {}
-            Ok(record) => out.put(&format!("/model/{id}/transfer-function"), &record)?,
-            Err(error) => notes.push(format!("no transfer function: {error}")),
+            Ok(record) => results.out.put(&format!("/model/{id}/transfer-function"), &record)?,
+            Err(error) => notes.info(format!("no transfer function: {error}")),
         }
     }
-    out.put(&format!("/modes/{id}"), &modes(model))?;
+    results.out.put(&format!("/modes/{id}"), &modes(model))?;
     if !single {
         let poles: Vec<_> = model.modes.iter().map(|mode| (mode.discrete_pole, mode.mode)).collect();
-        out.put(&format!("/shapes/{id}"), &shapes(&poles, &model.mode_shapes, pass.cuts))?;
+        results.out.put(&format!("/shapes/{id}"), &shapes(&poles, &model.mode_shapes, task.cuts))?;
     }
     if let Decomposition::Lanczos { steps } = model.decomposition {
         let converged = model
@@ -103,63 +101,73 @@ pub fn put_model(
             .iter()
             .take_while(|error| **error <= 1e-9 * model.singular_values.first().copied().unwrap_or(0.0))
             .count();
-        notes.push(format!(
-            "the {} leading singular values are listed after {steps} Lanczos steps: {converged} converged, the others within 3 %",
+        notes.info(format!(
+            "the {} leading singular values are listed after {steps} Lanczos steps: {converged} converged, the others \
+             within 3 %",
             model.singular_values.len()
         ));
     }
-    let whole = markov_parameters(&model.discrete, samples + pass.cuts[0].kept.len());
-    let parameters = (pass.cuts.len() + 1) * order + pass.cuts.len();
+    let whole = markov_parameters(&model.discrete, samples + task.cuts[0].kept.len());
+    let parameters = (task.cuts.len() + 1) * order + task.cuts.len();
     let response: Vec<Vec<f64>> = whole.iter().map(|y| y[..samples].to_vec()).collect();
-    let mut supports = supports(pass, &whole, parameters)?;
-    for support in &mut supports {
-        support.singular_value_errors = model.singular_value_errors.clone();
-        support.paper = pass.paper.then(|| "era".to_owned());
-        support.validation_from_s = pass.cuts[0].kept_from_s();
+    let mut evidence = evidence_of_outputs(task, &whole, parameters)?;
+    for output_evidence in &mut evidence {
+        output_evidence.singular_value_errors = model.singular_value_errors.clone();
+        output_evidence.paper = task.paper.then(|| "era".to_owned());
+        output_evidence.validation_from_s = task.cuts[0].kept_from_s();
     }
 
     let mut remarks = Notes::new();
-    limits(&id, (1, pass.cuts.len()), None, &mut remarks);
+    note_limits(&id, (1, task.cuts.len()), None, &mut remarks);
     note_on_fit(&id, model.fit_percent, &mut remarks);
-    let cut = &pass.cuts[0];
-    let judged = judged(model, cut);
-    let grid = if single { judged.grid_hz() } else { Vec::new() };
-    let measured: Vec<Vec<f64>> = pass.cuts.iter().map(|cut| cut.sampled.samples().to_vec()).collect();
-    let of = (&id[..], &judged.sample(&grid));
-    let found = spread_of_outputs(pass.bootstrap, of, (&measured, &response), parameters, &mut remarks, |y| {
-        Some(judged_sample(&(pass.refit)(y)?, cut, &grid))
+    let cut = &task.cuts[0];
+    let responses = responses_of(model, cut);
+    let grid = if single { responses.grid_hz() } else { Vec::new() };
+    let measured: Vec<Vec<f64>> = task.cuts.iter().map(|cut| cut.sampled.samples().to_vec()).collect();
+    let nominal = (&id[..], &responses.sample(&grid));
+    let bootstrap = spread_of_outputs(task.bootstrap, nominal, (&measured, &response), parameters, &mut remarks, |y| {
+        Some(sample_of(&(task.refit)(y)?, cut, &grid))
     });
-    if let Some(found) = &found {
-        supports.iter_mut().for_each(|support| put_spreads(found, support));
+    if let Some(bootstrap) = &bootstrap {
+        evidence.iter_mut().for_each(|output_evidence| put_spreads(bootstrap, output_evidence));
     }
-    let band = found.as_ref().map(Band::from_bootstrap);
-    if let Some(record) = judged.response(INPUT, &output, band.as_ref()).filter(|_| single) {
-        out.put(&format!("/response/{id}"), &record)?;
+    let band = bootstrap.as_ref().map(Band::from_bootstrap);
+    if let Some(record) = responses.response(INPUT, &output, band.as_ref()).filter(|_| single) {
+        results.out.put(&format!("/response/{id}"), &record)?;
     }
-    notes.extend(remarks.to_texts());
-    out.notes().extend(remarks);
-    out.put(&format!("/identification/{id}"), &identification(model, pass, notes))?;
-    put_evidence(&id, &supports, out)?;
-    comparison.enter(&id, samples, &supports);
-    out.summary(format!("{}{}", summary(&id, model, samples), foretold(&supports)));
+    notes.extend(remarks.clone());
+    results.out.notes().extend(remarks);
+    results.out.put(&format!("/identification/{id}"), &identification(model, task, notes.to_texts()))?;
+    put_evidence(&id, &evidence, results.out)?;
+    results.comparison.enter(&id, samples, &evidence);
+    results.out.summary(format!("{}{}", summary(&id, model, samples), validation_summary(&evidence)));
     Ok(())
 }
 
-/// Evidence from the response over all samples: one record for channels of one quantity, whose residuals stand one after
-/// the other, else one for each.
-fn supports(pass: &Pass<'_>, whole: &[Vec<f64>], parameters: usize) -> anyhow::Result<Vec<EvidenceV1>> {
-    let samples = pass.samples();
-    let one = |cut: &Cut, response: &[f64], kept: &[f64]| {
-        let mut support = evidence(None, cut, response, parameters);
-        validate(cut, &[response, kept].concat(), &mut support);
-        support
+/// Evidence from the response over all samples: one record for channels of one quantity, whose residuals stand one
+/// after the other, else one for each.
+fn evidence_of_outputs(
+    task: &RealizationTask<'_>,
+    whole: &[Vec<f64>],
+    parameters: usize,
+) -> anyhow::Result<Vec<EvidenceV1>> {
+    let samples = task.samples();
+    let evidence_of = |cut: &Cut, response: &[f64], kept: &[f64]| {
+        let mut output_evidence = simulation_evidence(None, cut, response, parameters);
+        validate(cut, &[response, kept].concat(), &mut output_evidence);
+        output_evidence
     };
-    if !pass.one_quantity() {
-        return Ok(pass.cuts.iter().zip(whole).map(|(cut, y)| one(cut, &y[..samples], &y[samples..])).collect());
+    if !task.one_quantity() {
+        return Ok(task
+            .cuts
+            .iter()
+            .zip(whole)
+            .map(|(cut, y)| evidence_of(cut, &y[..samples], &y[samples..]))
+            .collect());
     }
     let part = |from: usize, to: usize| whole.iter().flat_map(|y| &y[from..to]).copied().collect::<Vec<f64>>();
-    let kept = pass.cuts[0].kept.len();
-    Ok(vec![one(&joined(pass.cuts)?, &part(0, samples), &part(samples, samples + kept))])
+    let kept = task.cuts[0].kept.len();
+    Ok(vec![evidence_of(&joined(task.cuts)?, &part(0, samples), &part(samples, samples + kept))])
 }
 
 /// All channels as one, one after the other.
@@ -175,9 +183,9 @@ fn joined(cuts: &[Cut]) -> anyhow::Result<Cut> {
     })
 }
 
-fn judged<'a>(model: &'a Realization, cut: &Cut) -> Judged<'a> {
+fn responses_of<'a>(model: &'a Realization, cut: &Cut) -> ModelResponses<'a> {
     let continuous = model.continuous.as_ref().ok();
-    Judged {
+    ModelResponses {
         continuous,
         discrete: Some(&model.discrete),
         poles: model.modes.iter().filter_map(|m| m.mode).map(|mode| mode.pole).collect(),
@@ -188,8 +196,8 @@ fn judged<'a>(model: &'a Realization, cut: &Cut) -> Judged<'a> {
     }
 }
 
-fn judged_sample(model: &Realization, cut: &Cut, grid_hz: &[f64]) -> Sample {
-    judged(model, cut).sample(grid_hz)
+fn sample_of(model: &Realization, cut: &Cut, grid_hz: &[f64]) -> Sample {
+    responses_of(model, cut).sample(grid_hz)
 }
 
 pub fn state_space(model: &StateSpace, input: &str, output: &str, delay_s: Option<f64>) -> StateSpaceV1 {
@@ -255,14 +263,14 @@ pub fn shapes(poles: &[(Complex, Option<Mode>)], shapes: &[Option<Vec<Complex>>]
     ShapesV1 { channels: cuts.iter().map(|cut| cut.id.clone()).collect(), shapes: shapes.collect(), modal_assurance }
 }
 
-fn identification(model: &Realization, pass: &Pass<'_>, notes: Vec<String>) -> IdentificationV1 {
-    let sampled = &pass.cuts[0].sampled;
+fn identification(model: &Realization, task: &RealizationTask<'_>, notes: Vec<String>) -> IdentificationV1 {
+    let sampled = &task.cuts[0].sampled;
     let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     IdentificationV1 {
-        method: pass.method.to_owned(),
+        method: task.method.to_owned(),
         order: size(model.order()),
-        channel: pass.names().join(", "),
-        treated_as: pass.treated_as.to_owned(),
+        channel: task.names().join(", "),
+        treated_as: task.treated_as.to_owned(),
         from_s: sampled.t0_s(),
         to_s: sampled.end_s(),
         samples: sampled.len() as u64,
@@ -272,7 +280,7 @@ fn identification(model: &Realization, pass: &Pass<'_>, notes: Vec<String>) -> I
         fit_percent: model.fit_percent,
         rmse: model.rmse,
         notes,
-        output_fits_percent: if pass.single() { Vec::new() } else { model.sequence_fits_percent.clone() },
+        output_fits_percent: if task.single() { Vec::new() } else { model.sequence_fits_percent.clone() },
         delay_s: None,
     }
 }

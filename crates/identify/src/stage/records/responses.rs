@@ -1,4 +1,4 @@
-//! What every model is judged by beyond its fit: responses to look at, and their spread.
+//! Responses of a model to look at (frequency, impulse, step), and their spread over the fits of a bootstrap.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,7 +9,7 @@ use crumple_lti::{
 use crumple_signal::Notes;
 use crumple_stage::records::{EvidenceV1, ResponseV1, SpreadV1};
 use crumple_sysid::{
-    Bootstrap, BootstrapOptions, Sample, Spread, bootstrap, bootstrap_equation_errors, bootstrap_outputs,
+    BootstrapOptions, ResidualBootstrap, Sample, Spread, bootstrap, bootstrap_equation_errors, bootstrap_outputs,
 };
 
 use crate::stage::options::evidence::BootstrapSettings;
@@ -27,8 +27,8 @@ const DROPPED_ABOVE: f64 = 0.02;
 /// Standard deviations from the middle to the edges of a band from 5 to 95 %.
 const NORMAL_95: f64 = 1.644_853_6;
 
-/// A model, however it was found.
-pub struct Judged<'a> {
+/// What the responses of a model are computed from, whatever method gave it.
+pub struct ModelResponses<'a> {
     /// Continuous form, if there is one.
     pub continuous: Option<&'a StateSpace>,
     /// Sampled form, if that is what was identified.
@@ -68,12 +68,15 @@ impl Band {
     }
 
     /// From the replicates.
-    pub fn from_bootstrap(found: &Bootstrap) -> Self {
-        let points = found.band.iter().map(|point| {
+    pub fn from_bootstrap(bootstrap: &ResidualBootstrap) -> Self {
+        let points = bootstrap.band.iter().map(|point| {
             let p = (*point)?;
             Some([p.magnitude.0, p.magnitude.1, p.phase_change_rad.0, p.phase_change_rad.1])
         });
-        Self { origin: format!("bootstrap of {} replicates, 5 to 95 %", found.replicates), points: points.collect() }
+        Self {
+            origin: format!("bootstrap of {} replicates, 5 to 95 %", bootstrap.replicates),
+            points: points.collect(),
+        }
     }
 }
 
@@ -85,14 +88,14 @@ pub fn zeros_of(model: &StateSpace) -> Vec<Complex> {
     to_transfer_function(model).and_then(|tf| tf.zeros()).unwrap_or_default()
 }
 
-impl Judged<'_> {
+impl ModelResponses<'_> {
     /// The model whose frequency response is shown: the continuous one where there is one.
-    fn shown(&self) -> Option<&StateSpace> {
+    fn displayed(&self) -> Option<&StateSpace> {
         self.continuous.or(self.discrete)
     }
 
-    /// Frequencies, Hz: from a decade below the slowest mode (at most ten records long) to a decade above the fastest, at
-    /// most half the sampling rate.
+    /// Frequencies, Hz: from a decade below the slowest mode (at most ten records long) to a decade above the fastest,
+    /// at most half the sampling rate.
     pub fn grid_hz(&self) -> Vec<f64> {
         let (duration, nyquist) = (self.samples as f64 * self.dt_s, 0.5 / self.dt_s);
         let moduli: Vec<f64> = self.poles.iter().map(|s| s.norm() / TAU).filter(|f| *f * duration > 0.01).collect();
@@ -116,11 +119,13 @@ impl Judged<'_> {
     /// What a replicate is compared by; the delay, the same for all, is left out.
     pub fn sample(&self, grid_hz: &[f64]) -> Sample {
         let rad_per_s: Vec<f64> = grid_hz.iter().map(|f| TAU * f).collect();
-        let response = self.shown().and_then(|model| frequency_response(model, &rad_per_s).ok()).unwrap_or_default();
+        let response =
+            self.displayed().and_then(|model| frequency_response(model, &rad_per_s).ok()).unwrap_or_default();
         Sample { poles: self.poles.clone(), zeros: self.zeros.clone(), response }
     }
 
-    /// The record of responses; `None` for a model without an input, or one that is not finite where it should be drawn.
+    /// The record of responses; `None` for a model without an input, or one that is not finite where it should be
+    /// drawn.
     pub fn response(&self, input: &str, output: &str, band: Option<&Band>) -> Option<ResponseV1> {
         let grid = self.grid_hz();
         let values = self.sample(&grid).response;
@@ -145,7 +150,7 @@ impl Judged<'_> {
         };
         let (magnitude_lower, magnitude_upper) = (edge(0), edge(1));
         let (phase_lower_rad, phase_upper_rad) = (edge(2), edge(3));
-        let (time_s, impulse, step) = self.in_time()?;
+        let (time_s, impulse, step) = self.time_responses()?;
         Some(ResponseV1 {
             input: input.to_owned(),
             output: output.to_owned(),
@@ -168,18 +173,18 @@ impl Judged<'_> {
     }
 
     /// Every so many samples of a response that begins after the delay.
-    fn late(&self, response: Vec<f64>, stride: usize) -> Vec<f64> {
+    fn delayed(&self, response: Vec<f64>, stride: usize) -> Vec<f64> {
         let silence = std::iter::repeat_n(0.0, self.delay.min(response.len()));
         silence.chain(response).take(self.samples).step_by(stride).collect()
     }
 
     /// Times, impulse and step response, every so many samples, late by the delay.
-    fn in_time(&self) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
+    fn time_responses(&self) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
         let stride = self.samples.div_ceil(TIMES).max(1);
         let (impulse, step): (Vec<f64>, Vec<f64>) = if let Some(model) = self.discrete {
             (
-                self.late(impulse_response(model, self.samples).ok()?, stride),
-                self.late(step_response(model, self.samples).ok()?, stride),
+                self.delayed(impulse_response(model, self.samples).ok()?, stride),
+                self.delayed(step_response(model, self.samples).ok()?, stride),
             )
         } else if self.delay > 0 {
             // A late step falls between thinned times: all samples are computed first.
@@ -187,8 +192,8 @@ impl Judged<'_> {
             let held = discretize_zero_order_hold(model, self.dt_s).ok()?;
             let start = model.b.column(0).into_owned();
             (
-                self.late(free_response(&held, &start, self.samples).ok()?, stride),
-                self.late(step_response(&held, self.samples).ok()?, stride),
+                self.delayed(free_response(&held, &start, self.samples).ok()?, stride),
+                self.delayed(step_response(&held, self.samples).ok()?, stride),
             )
         } else {
             // At the thinned times a held model is exact: its step is a step, its impulse a state.
@@ -218,8 +223,13 @@ pub struct Equation {
 /// An output from equation errors.
 pub type WithErrors = Box<dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync>;
 
-/// Says what a model of other than one input and one output goes without; `bootstrap` where that is among it.
-pub fn limits(id: &str, (inputs, outputs): (usize, usize), bootstrap: Option<&BootstrapSettings>, notes: &mut Notes) {
+/// Notes what is not written for a model of several inputs or outputs; `bootstrap` where that is among it.
+pub fn note_limits(
+    id: &str,
+    (inputs, outputs): (usize, usize),
+    bootstrap: Option<&BootstrapSettings>,
+    notes: &mut Notes,
+) {
     if inputs > 1 || outputs > 1 {
         notes.info(format!("{id}: responses are written for models of one input and one output only"));
     }
@@ -236,9 +246,9 @@ pub fn spread(
     parameters: usize,
     notes: &mut Notes,
     refit: impl Fn(&[f64]) -> Option<Sample> + Sync,
-) -> Option<Bootstrap> {
+) -> Option<ResidualBootstrap> {
     let residual: Vec<f64> = record.iter().zip(simulated).map(|(y, yh)| y - yh).collect();
-    spread_by(settings, (id, sample), notes, |options| {
+    run_bootstrap(settings, (id, sample), notes, |options| {
         bootstrap(sample, simulated, &residual, parameters, options, refit)
     })
 }
@@ -251,10 +261,10 @@ pub fn spread_of_outputs(
     parameters: usize,
     notes: &mut Notes,
     refit: impl Fn(&[Vec<f64>]) -> Option<Sample> + Sync,
-) -> Option<Bootstrap> {
+) -> Option<ResidualBootstrap> {
     let residual = |(y, yh): (&Vec<f64>, &Vec<f64>)| y.iter().zip(yh).map(|(y, yh)| y - yh).collect();
     let residuals: Vec<Vec<f64>> = record.iter().zip(simulated).map(residual).collect();
-    spread_by(settings, (id, sample), notes, |options| {
+    run_bootstrap(settings, (id, sample), notes, |options| {
         bootstrap_outputs(sample, simulated, &residuals, parameters, options, refit)
     })
 }
@@ -266,35 +276,36 @@ pub fn spread_of_equation(
     equation: &Equation,
     notes: &mut Notes,
     refit: impl Fn(&[f64]) -> Option<Sample> + Sync,
-) -> Option<Bootstrap> {
+) -> Option<ResidualBootstrap> {
     let Equation { errors, coefficients, record } = equation;
-    spread_by(settings, (id, sample), notes, |options| {
+    run_bootstrap(settings, (id, sample), notes, |options| {
         bootstrap_equation_errors(sample, errors, *coefficients, options, record, refit)
     })
 }
 
-fn spread_by(
+/// Runs a bootstrap as the settings say and notes what came of it.
+fn run_bootstrap(
     settings: Option<&BootstrapSettings>,
     (id, sample): (&str, &Sample),
     notes: &mut Notes,
-    draw: impl FnOnce(BootstrapOptions) -> Option<Bootstrap>,
-) -> Option<Bootstrap> {
+    draw: impl FnOnce(BootstrapOptions) -> Option<ResidualBootstrap>,
+) -> Option<ResidualBootstrap> {
     let settings = settings?;
-    let found = draw(BootstrapOptions {
+    let bootstrap = draw(BootstrapOptions {
         replicates: settings.replicates,
         seed: settings.seed.into(),
         resampling: settings.resampling(),
     });
-    match &found {
-        Some(found) => judge(id, sample, found, notes),
+    match &bootstrap {
+        Some(bootstrap) => note_scatter(id, sample, bootstrap, notes),
         None => notes.warning(format!("{id}: fewer than half of the bootstrap fits led to a model: no spread")),
     }
-    found
+    bootstrap
 }
 
-/// Poles that the replicates do not hold still.
-fn judge(id: &str, sample: &Sample, found: &Bootstrap, notes: &mut Notes) {
-    for (s, spread) in sample.poles.iter().zip(&found.frequency).filter(|(s, _)| s.im >= 0.0 && s.norm() > 0.0) {
+/// Notes on poles that scatter over the replicates, or are missing from most of them.
+fn note_scatter(id: &str, sample: &Sample, bootstrap: &ResidualBootstrap, notes: &mut Notes) {
+    for (s, spread) in sample.poles.iter().zip(&bootstrap.frequency).filter(|(s, _)| s.im >= 0.0 && s.norm() > 0.0) {
         let Some(spread) = spread else {
             notes
                 .warning(format!("{id}: the pole {:.4} {:+.4}i 1/s is not found again in most replicates", s.re, s.im));
@@ -303,26 +314,27 @@ fn judge(id: &str, sample: &Sample, found: &Bootstrap, notes: &mut Notes) {
         let variation = spread.deviation / s.norm();
         if variation > DROPPED_ABOVE {
             notes.info(format!(
-                "{id}: the natural frequency {:.4} Hz varies by {:.1} % over {} replicates: above 2 % a pole is not counted as a mode of the record",
+                "{id}: the natural frequency {:.4} Hz varies by {:.1} % over {} replicates: above 2 % a pole is not \
+                 counted as a mode of the record",
                 s.norm() / TAU,
                 100.0 * variation,
-                found.replicates
+                bootstrap.replicates
             ));
         }
     }
 }
 
 /// Puts the spreads into the evidence.
-pub fn put_spreads(found: &Bootstrap, support: &mut EvidenceV1) {
+pub fn put_spreads(bootstrap: &ResidualBootstrap, output_evidence: &mut EvidenceV1) {
     let record = |spreads: &[Option<Spread>]| {
-        let one = |s: &Spread| SpreadV1 { deviation: s.deviation, lower: s.lower, upper: s.upper };
-        spreads.iter().map(|spread| spread.as_ref().map(one)).collect::<Vec<_>>()
+        let spread_record = |s: &Spread| SpreadV1 { deviation: s.deviation, lower: s.lower, upper: s.upper };
+        spreads.iter().map(|spread| spread.as_ref().map(spread_record)).collect::<Vec<_>>()
     };
-    support.bootstrap_replicates = u32::try_from(found.replicates).ok();
-    support.bootstrap_failed = u32::try_from(found.failed).ok();
-    support.bootstrap_noise = Some(found.noise.clone());
-    support.frequency_spreads = record(&found.frequency);
-    support.damping_spreads = record(&found.damping);
-    support.zero_re_spreads = record(&found.zero_re);
-    support.zero_im_spreads = record(&found.zero_im);
+    output_evidence.bootstrap_replicates = u32::try_from(bootstrap.replicates).ok();
+    output_evidence.bootstrap_failed = u32::try_from(bootstrap.failed).ok();
+    output_evidence.bootstrap_noise = Some(bootstrap.noise.clone());
+    output_evidence.frequency_spreads = record(&bootstrap.frequency);
+    output_evidence.damping_spreads = record(&bootstrap.damping);
+    output_evidence.zero_re_spreads = record(&bootstrap.zero_re);
+    output_evidence.zero_im_spreads = record(&bootstrap.zero_im);
 }

@@ -9,7 +9,7 @@ use crumple_sysid::{OrderPoles, StabilizationOptions, stabilization};
 use crate::stage::options::evidence::Stabilisation;
 
 /// Writes the diagram of models of one channel.
-pub fn put(
+pub fn put_diagram(
     method: &str,
     channel: &str,
     models: &[OrderPoles],
@@ -22,22 +22,22 @@ pub fn put(
         return Ok(());
     }
     let options = StabilizationOptions { highest_damping: settings.highest_damping, ..StabilizationOptions::default() };
-    let found = stabilization(models, dt_s, options);
+    let diagram = stabilization(models, dt_s, options);
     let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-    let several = found.poles.iter().any(|pole| pole.shape.len() > 1);
+    let several = diagram.poles.iter().any(|pole| pole.shape.len() > 1);
     let record = StabilizationV1 {
         method: method.to_owned(),
         channel: channel.to_owned(),
-        orders: found.orders.iter().map(|order| size(*order)).collect(),
+        orders: diagram.orders.iter().map(|order| size(*order)).collect(),
         highest_damping: options.highest_damping,
         nyquist_share: options.nyquist_share,
         least_collinearity: several.then_some(options.least_collinearity),
-        least_strength: found.poles.iter().any(|pole| pole.strength.is_some()).then_some(options.least_strength),
+        least_strength: diagram.poles.iter().any(|pole| pole.strength.is_some()).then_some(options.least_strength),
         frequency_change: options.frequency_change,
         damping_change: options.damping_change,
         shape_change: several.then_some(options.shape_change),
         presence: options.presence,
-        poles: found
+        poles: diagram
             .poles
             .iter()
             .map(|pole| StabilizationPoleV1 {
@@ -47,7 +47,7 @@ pub fn put(
                 stability: pole.stability.name().to_owned(),
             })
             .collect(),
-        clusters: found
+        clusters: diagram
             .clusters
             .iter()
             .map(|cluster| StabilizationClusterV1 {
@@ -61,8 +61,8 @@ pub fn put(
             })
             .collect(),
     };
-    let highest = found.orders.last().copied().unwrap_or(0);
-    let names: Vec<String> = found
+    let highest = diagram.orders.last().copied().unwrap_or(0);
+    let names: Vec<String> = diagram
         .clusters
         .iter()
         .map(|c| {
@@ -73,7 +73,7 @@ pub fn put(
     out.summary(if names.is_empty() {
         format!("{method}: no mode stays over half of the orders up to {highest}")
     } else {
-        format!("{method}: over the orders up to {highest} stay {}", names.join(", "))
+        format!("{method}: modes that stay over the orders up to {highest}: {}", names.join(", "))
     });
     out.put(&format!("/stabilisation/{method}"), &record)
 }

@@ -2,28 +2,28 @@
 
 use crumple_lti::Complex;
 use crumple_signal::Notes;
-use crumple_stage::Output;
 use crumple_sysid::TransferFunctionArray;
 
-use crate::stage::methods::tfest::{Task, condition_note, preparation, validate_continuous};
 use crate::stage::records::acceptance::note_on_fit;
 use crate::stage::records::evidence::{
-    foretold, modes, notes_on_modes, of_record, percent, put_evidence, put_transfer_functions,
+    fit_in_words, identification_with_evidence, if_determined, modes, notes_on_modes, put_evidence, put_search,
+    put_transfer_functions, validation_summary,
 };
 use crate::stage::records::realization::state_space;
-use crate::stage::records::responses::limits;
-use crate::stage::records::search::{known, put_search};
-use crate::stage::records::selection::Comparison;
+use crate::stage::records::responses::note_limits;
+use crate::stage::records::results::Results;
+use crate::stage::records::transfer_function_task::{
+    TransferFunctionTask, condition_note, preparation, validate_continuous,
+};
 
 /// Writes the records of one array and a summary line.
 pub fn put_array(
-    task: &Task<'_>,
+    task: &TransferFunctionTask<'_>,
     fit: &TransferFunctionArray,
     notes: &mut Notes,
-    comparison: &mut Comparison,
-    out: &mut Output,
+    results: &mut Results<'_>,
 ) -> anyhow::Result<()> {
-    let Task { id, settings, beyond, record, .. } = *task;
+    let TransferFunctionTask { id, settings, input_output, record, .. } = *task;
     notes.extend(preparation(id, record));
     let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
     notes.extend(notes_on_modes(id, &poles, &record.cuts()));
@@ -32,7 +32,7 @@ pub fn put_array(
     for measures in fit.fits.iter().flatten() {
         note_on_fit(id, measures.fit_percent, notes);
     }
-    limits(id, (record.drives.len(), record.answers.len()), settings.bootstrap.as_ref(), notes);
+    note_limits(id, (record.drives.len(), record.answers.len()), settings.bootstrap.as_ref(), notes);
     if settings.bootstrap.is_some() && record.answers.len() == 1 {
         notes.warning(format!("{id}: no bootstrap: of transfer functions it is made for one input and one output"));
     }
@@ -40,31 +40,37 @@ pub fn put_array(
         let tf = &fit.entries[i][j];
         (tf.numerator().to_vec(), tf.denominator().to_vec())
     };
-    put_transfer_functions(id, record, entry, out)?;
-    out.put(
+    put_transfer_functions(id, record, entry, results.out)?;
+    results.out.put(
         &format!("/model/{id}/continuous"),
         &state_space(&fit.state_space, &record.input(), &record.output(), record.delay_s),
     )?;
-    out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
-    let (whole, mut supports) =
-        of_record("tfest", beyond.poles, record, &fit.simulated, fit.parameters, notes.to_texts());
-    for (support, deviations) in supports.iter_mut().zip(&fit.numerator_deviations) {
-        put_search(&fit.search, &beyond.hold, settings.paper.as_deref(), support);
+    results.out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
+    let (whole, mut evidence) = identification_with_evidence(
+        "tfest",
+        input_output.poles,
+        record,
+        &fit.simulated,
+        fit.parameters,
+        notes.to_texts(),
+    );
+    for (output_evidence, deviations) in evidence.iter_mut().zip(&fit.numerator_deviations) {
+        put_search(&fit.search, &input_output.hold, settings.paper.as_deref(), output_evidence);
         // Of every input, one after the other.
-        support.numerator_deviations = known(&deviations.concat());
+        output_evidence.numerator_deviations = if_determined(&deviations.concat());
     }
-    validate_continuous(task, &fit.state_space, fit.search.initial_estimated, &mut supports)?;
-    let percent = percent(whole.fit_percent);
-    out.put(&format!("/identification/{id}"), &whole)?;
-    put_evidence(id, &supports, out)?;
-    comparison.enter(id, record.data.samples(), &supports);
-    out.summary(format!(
+    validate_continuous(task, &fit.state_space, fit.search.initial_estimated, &mut evidence)?;
+    let percent = fit_in_words(whole.fit_percent);
+    results.out.put(&format!("/identification/{id}"), &whole)?;
+    put_evidence(id, &evidence, results.out)?;
+    results.comparison.enter(id, record.data.samples(), &evidence);
+    results.out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
         record.data.samples(),
         fit.search.termination.name(),
         fit.search.iterations,
         fit.search.start.name(),
-        foretold(&supports)
+        validation_summary(&evidence)
     ));
     Ok(())
 }

@@ -1,13 +1,13 @@
 //! The driving and the answering waveforms of a stage run, cut to one window.
 
-use crumple_signal::{QuantityKind, Sampled, TestDescription};
+use crumple_signal::{QuantityKind, Sampled};
 use crumple_stage::records::ChannelFilterV1;
-use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
+use crumple_stage::{RefuseExt, Refused, Wave};
 use crumple_sysid::{FilterEdge, IoData};
 
-use crate::stage::options::input_output::BeyondEra;
-use crate::stage::options::settings::Settings;
-use crate::stage::waves::window::{Window, window};
+use crate::stage::options::input_output::InputOutputSettings;
+use crate::stage::waves::source::Source;
+use crate::stage::waves::window::{Window, channel, window};
 
 /// What a user may do about waveforms that do not fit.
 const HINT: &str = "name other waveforms with --inputs and --outputs";
@@ -34,20 +34,14 @@ pub struct Cut {
 
 impl Cut {
     /// The window of a waveform.
-    pub fn new(
-        id: String,
-        wave: &Wave,
-        settings: &Settings,
-        test: &TestDescription,
-        inputs: &Inputs,
-    ) -> anyhow::Result<Self> {
-        let Window { used, kept } = window(&wave.sampled, settings, inputs)?;
+    pub fn new(id: String, wave: &Wave, source: Source<'_>) -> anyhow::Result<Self> {
+        let Window { used, kept } = window(&wave.sampled, source)?;
         let channel = id.split('/').next().unwrap_or(&id);
-        let edges = match inputs.record_if::<ChannelFilterV1>(&format!("/filter/{channel}"))? {
+        let edges = match source.inputs.record_if::<ChannelFilterV1>(&format!("/filter/{channel}"))? {
             Some(record) => edges_of(&record),
             None => Vec::new(),
         };
-        let cfc = test.channel(&id).or_else(|| test.channel(channel)).and_then(|c| c.cfc);
+        let cfc = source.test.channel(&id).or_else(|| source.test.channel(channel)).and_then(|c| c.cfc);
         // Without a filter of ours, the class that the record came with.
         let edges = if edges.is_empty() { cfc.into_iter().map(FilterEdge::of_class).collect() } else { edges };
         Ok(Self { quantity: wave.quantity, sampled: used, kept, edges, id })
@@ -82,14 +76,15 @@ impl Cut {
     }
 
     /// Errors unless the other has the same times; `hint` says what to do.
-    pub fn together_with(&self, other: &Self, hint: &str) -> anyhow::Result<()> {
+    pub fn require_same_times(&self, other: &Self, hint: &str) -> anyhow::Result<()> {
         let (u, y) = (&self.sampled, &other.sampled);
         let dt = y.dt_s();
         let apart = (u.t0_s() - y.t0_s()).abs() > 1e-6 * dt || (u.dt_s() / dt - 1.0).abs() > 1e-9;
-        let (here, there) = (u.len() + self.kept.len(), y.len() + other.kept.len());
-        if apart || u.len() != y.len() || here != there {
+        let (samples, other_samples) = (u.len() + self.kept.len(), y.len() + other.kept.len());
+        if apart || u.len() != y.len() || samples != other_samples {
             return Err(Refused::new(format!(
-                "waveforms {} and {} are not sampled together: {here} samples of {} s from {} s, and {there} of {dt} s from {} s",
+                "waveforms {} and {} are not sampled together: {samples} samples of {} s from {} s, and \
+                 {other_samples} of {dt} s from {} s",
                 self.id,
                 other.id,
                 u.dt_s(),
@@ -163,41 +158,32 @@ fn described(cuts: &[Cut]) -> String {
 }
 
 /// The first answering waveform: as asked for, else the displacement of the pulse.
-pub fn output(settings: &Settings, beyond: &BeyondEra, test: &TestDescription, inputs: &Inputs) -> anyhow::Result<Cut> {
-    let mut outputs = outputs(settings, beyond, test, inputs)?;
+pub fn output(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Cut> {
+    let mut outputs = outputs(source, input_output)?;
     Ok(outputs.swap_remove(0))
 }
 
-fn outputs(
-    settings: &Settings,
-    beyond: &BeyondEra,
-    test: &TestDescription,
-    inputs: &Inputs,
-) -> anyhow::Result<Vec<Cut>> {
-    if beyond.outputs.is_empty() {
-        let pulse = crate::stage::waves::window::channel(settings, test, NO_PULSE)?;
-        return cuts(vec![format!("{pulse}/displacement")], settings, test, inputs);
+fn outputs(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Vec<Cut>> {
+    if input_output.outputs.is_empty() {
+        let pulse = channel(source, NO_PULSE)?;
+        return cuts(vec![format!("{pulse}/displacement")], source);
     }
-    cuts(beyond.outputs.clone(), settings, test, inputs)
+    cuts(input_output.outputs.clone(), source)
 }
 
 /// The windows of waveforms, any quantity.
-pub fn cuts(
-    ids: Vec<String>,
-    settings: &Settings,
-    test: &TestDescription,
-    inputs: &Inputs,
-) -> anyhow::Result<Vec<Cut>> {
+pub fn cuts(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<Cut>> {
     ids.into_iter()
         .map(|id| {
-            let wave = wave(&id, test, inputs)?;
-            Cut::new(id, wave, settings, test, inputs)
+            let wave = wave(&id, source)?;
+            Cut::new(id, wave, source)
         })
         .collect()
 }
 
 /// A waveform by its id. Where no channel of the test has that name, the error lists the waveforms that there are.
-fn wave<'a>(id: &str, test: &TestDescription, inputs: &'a Inputs) -> anyhow::Result<&'a Wave> {
+fn wave<'a>(id: &str, source: Source<'a>) -> anyhow::Result<&'a Wave> {
+    let Source { test, inputs, .. } = source;
     let channel = id.split('/').next().unwrap_or(id);
     match inputs.wave_if(id) {
         Some(wave) => Ok(wave),
@@ -205,28 +191,23 @@ fn wave<'a>(id: &str, test: &TestDescription, inputs: &'a Inputs) -> anyhow::Res
         None if test.channel(channel).is_some() || inputs.waves().next().is_none() => inputs.wave(id),
         None => {
             let names: Vec<&str> = inputs.waves().map(|(id, _)| id).collect();
-            let found = format!("there is no waveform {id:?}, the inputs hold: {}", names.join(", "));
-            Err(Refused::new(found).hint("name one of them with --inputs or --outputs").into())
+            let text = format!("there is no waveform {id:?}, the inputs hold: {}", names.join(", "));
+            Err(Refused::new(text).hint("name one of them with --inputs or --outputs").into())
         }
     }
 }
 
 /// Inputs and outputs, sampled together.
-pub fn record(
-    settings: &Settings,
-    beyond: &BeyondEra,
-    test: &TestDescription,
-    inputs: &Inputs,
-) -> anyhow::Result<Record> {
-    let mut answers = outputs(settings, beyond, test, inputs)?;
-    let ids = match &beyond.inputs[..] {
-        [] => vec![crate::stage::waves::window::channel(settings, test, NO_PULSE)?.to_owned()],
+pub fn record(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Record> {
+    let mut answers = outputs(source, input_output)?;
+    let ids = match &input_output.inputs[..] {
+        [] => vec![channel(source, NO_PULSE)?.to_owned()],
         [none] if none == "none" => Vec::new(),
         several => several.to_vec(),
     };
-    let mut drives = cuts(ids, settings, test, inputs)?;
+    let mut drives = cuts(ids, source)?;
     let mut remarks = Vec::new();
-    if beyond.remove_mean {
+    if input_output.remove_mean {
         for cut in answers.iter_mut().chain(&mut drives) {
             remarks.push(cut.remove_mean()?);
         }
@@ -234,13 +215,14 @@ pub fn record(
     let first = &answers[0];
     for other in drives.iter().chain(&answers[1..]) {
         let hint = "name waveforms of one time base with --inputs and --outputs, or a window that all have";
-        other.together_with(first, hint)?;
+        other.require_same_times(first, hint)?;
     }
     let data = |samples: &dyn Fn(&Cut) -> Vec<f64>| {
-        let of = |cuts: &[Cut]| cuts.iter().map(samples).collect();
-        IoData::new(of(&drives), of(&answers), first.sampled.dt_s()).refuse_with_hint(HINT)
+        let signals_of = |cuts: &[Cut]| cuts.iter().map(samples).collect();
+        IoData::new(signals_of(&drives), signals_of(&answers), first.sampled.dt_s()).refuse_with_hint(HINT)
     };
     let (used, whole) = (data(&|cut| cut.sampled.samples().to_vec())?, data(&Cut::whole)?);
-    let delay_s = (beyond.delay > 0 && !drives.is_empty()).then(|| beyond.delay as f64 * first.sampled.dt_s());
+    let delay_s =
+        (input_output.delay > 0 && !drives.is_empty()).then(|| input_output.delay as f64 * first.sampled.dt_s());
     Ok(Record { drives, answers, data: used, whole, delay_s, remarks })
 }

@@ -3,4 +3,5 @@
 
 pub mod input_output;
 pub mod scaled;
+pub mod source;
 pub mod window;

@@ -1,4 +1,4 @@
-//! Waveforms that ERA takes together.
+//! Waveforms of several quantities, scaled so that ERA can take them together.
 
 use crumple_sysid::{EraError, MarkovParameters, Realization};
 
@@ -6,14 +6,14 @@ use crate::stage::waves::input_output::Cut;
 
 /// The samples of waveforms as ERA is given them: of different quantities each divided by its root mean square, for
 /// sequences count by their size.
-pub struct RecordsTogether<'a> {
+pub struct ScaledWaves<'a> {
     cuts: &'a [Cut],
     /// Divisors and the divided samples; empty where the quantity is one.
     scales: Vec<f64>,
     scaled: Vec<Vec<f64>>,
 }
 
-impl<'a> RecordsTogether<'a> {
+impl<'a> ScaledWaves<'a> {
     /// Of cuts sampled together, at least one.
     pub fn new(cuts: &'a [Cut]) -> Self {
         if cuts.iter().all(|cut| cut.quantity == cuts[0].quantity) {

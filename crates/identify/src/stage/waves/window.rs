@@ -1,14 +1,15 @@
 //! The window of a run: its channel, where it starts, and the samples in it.
 
-use crumple_signal::{Sampled, TestDescription};
+use crumple_signal::Sampled;
 use crumple_stage::records::EventsV1;
-use crumple_stage::{Inputs, RefuseExt, Refused};
+use crumple_stage::{RefuseExt, Refused};
 use crumple_sysid::end_of_contact;
 
-use crate::stage::options::settings::Settings;
+use crate::stage::waves::source::Source;
 
 /// Start of the window, s after time zero, and in words how it was found where that is not simply `--from`.
-pub fn window_start(settings: &Settings, inputs: &Inputs) -> anyhow::Result<(f64, Option<String>)> {
+pub fn window_start(source: Source<'_>) -> anyhow::Result<(f64, Option<String>)> {
+    let Source { settings, test, inputs } = source;
     let Some(share) = settings.hankel.as_ref().and_then(|hankel| hankel.free_decay_share) else {
         return Ok((settings.from_s, None));
     };
@@ -29,7 +30,6 @@ pub fn window_start(settings: &Settings, inputs: &Inputs) -> anyhow::Result<(f64
         return Ok((start, Some(format!("free decay from {start:.5} s on, {rule}"))));
     }
     let zero_s = events.as_ref().map_or(0.0, |events| events.time_zero_s);
-    let test = inputs.test()?;
     // The crash pulse is the channel that the events were read from.
     let pulse = match &events {
         Some(events) => &events.channel,
@@ -53,14 +53,14 @@ pub fn window_start(settings: &Settings, inputs: &Inputs) -> anyhow::Result<(f64
 }
 
 /// The channel asked for, else the crash pulse; `hint` tells what to name where there is none.
-pub fn channel<'a>(settings: &'a Settings, test: &'a TestDescription, hint: &str) -> anyhow::Result<&'a str> {
-    match &settings.channel {
+pub fn channel<'a>(source: Source<'a>, hint: &str) -> anyhow::Result<&'a str> {
+    match &source.settings.channel {
         Some(id) => Ok(id),
-        None => Ok(&test.pulse_channel().refuse_with_hint(hint)?.id),
+        None => Ok(&source.test.pulse_channel().refuse_with_hint(hint)?.id),
     }
 }
 
-/// The samples of a record that a model is identified from, and those after them that are kept to judge it.
+/// The samples of a record that a model is identified from, and those after them that are kept for validation.
 pub struct Window {
     /// Identified from.
     pub used: Sampled,
@@ -70,10 +70,11 @@ pub struct Window {
 
 /// The part of the record that is used. The window counts from time zero, which the crash events state where they are
 /// among the inputs; without them it is the record's own zero.
-pub fn window(record: &Sampled, settings: &Settings, inputs: &Inputs) -> anyhow::Result<Window> {
+pub fn window(record: &Sampled, source: Source<'_>) -> anyhow::Result<Window> {
+    let Source { settings, inputs, .. } = source;
     let zero_s = inputs.record_if::<EventsV1>("/events")?.map_or(0.0, |events| events.time_zero_s);
     // Half a sample of room for the rounding of times.
-    let (from_s, rule) = window_start(settings, inputs)?;
+    let (from_s, rule) = window_start(source)?;
     let room_s = if rule.is_some() { record.dt_s() / 2.0 } else { 0.0 };
     let first = record.index_at_or_after(zero_s + from_s - room_s);
     // The sample at `to` itself belongs to the window.

@@ -1,36 +1,35 @@
 //! The method `arx`: of an order, of a structure, or of the best structure of a scan.
 
-use crumple_signal::TestDescription;
 use crumple_stage::records::{ArxScanModelV1, ArxScanV1};
-use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Refused};
+use crumple_stage::{Outcome, Output, RefuseExt, Refused};
 use crumple_sysid::{Arx, ArxOrder, IdentifyError, IoData, arx, arx_scan, fit_measures, simulate_fitted, vector_arx};
 
-use crate::stage::methods::discrete::run::{Attempt, Attempts};
+use crate::stage::methods::discrete::run::{MethodRun, ModelRequest};
 use crate::stage::options::arx_structure::ArxRanges;
-use crate::stage::options::settings::Settings;
-use crate::stage::records::discrete_model::Found;
+use crate::stage::records::discrete_model::DiscreteModel;
 use crate::stage::records::responses::Equation;
-use crate::stage::records::selection::Comparison;
+use crate::stage::records::results::Results;
 use crate::stage::waves::input_output::Record;
+use crate::stage::waves::source::Source;
 
 /// What to do about a regression that does not work.
 const HINT: &str =
     "lower the numbers of --arx-orders or --arx-scan, widen the window (--from, --to), or name other waveforms";
 
-/// ARX of an order `n`: `n` past outputs, `n + 1` inputs from the same sample on; of several outputs as many lags of all
-/// as make `n` states.
-pub fn of_order(order: usize, data: &IoData) -> Result<Found, IdentifyError> {
+/// ARX of an order `n`: `n` past outputs, `n + 1` inputs from the same sample on; of several outputs as many lags of
+/// all as make `n` states.
+pub fn identify_order(order: usize, data: &IoData) -> Result<DiscreteModel, IdentifyError> {
     let outputs = data.outputs().len();
     let lags = order.div_ceil(outputs);
-    let mut found = of_structure(ArxOrder { na: lags, nb: lags + 1, nk: 0 }, data)?;
+    let mut model = identify_structure(ArxOrder { na: lags, nb: lags + 1, nk: 0 }, data)?;
     if outputs > 1 {
-        found.notes.push(format!("{lags} lags of {outputs} outputs make {} states", lags * outputs));
+        model.notes.info(format!("{lags} lags of {outputs} outputs make {} states", lags * outputs));
     }
-    Ok(found)
+    Ok(model)
 }
 
 /// ARX of a structure.
-fn of_structure(order: ArxOrder, data: &IoData) -> Result<Found, IdentifyError> {
+fn identify_structure(order: ArxOrder, data: &IoData) -> Result<DiscreteModel, IdentifyError> {
     let (m, q) = (data.inputs().len(), data.outputs().len());
     let ArxOrder { na, nb, .. } = order;
     if q > 1 {
@@ -38,7 +37,11 @@ fn of_structure(order: ArxOrder, data: &IoData) -> Result<Found, IdentifyError> 
         let states = model.state_space()?;
         let predicted = model.predict(data);
         let parameters = q * (na * q + nb * m) + states.order();
-        return Ok(Found { predicted, predicted_from: order.states(), ..Found::new(states, parameters) });
+        return Ok(DiscreteModel {
+            predicted,
+            predicted_from: order.states(),
+            ..DiscreteModel::new(states, parameters)
+        });
     }
     let model = arx(data, order)?;
     let coefficients = na + m * nb;
@@ -47,30 +50,24 @@ fn of_structure(order: ArxOrder, data: &IoData) -> Result<Found, IdentifyError> 
     let errors = data.outputs()[0].iter().zip(&predicted).map(|(y, yh)| y - yh).skip(from).collect();
     let (regression, measured) = (model.clone(), data.clone());
     let record = Box::new(move |errors: &[f64]| regression.with_errors(&measured, errors));
-    let found = Found {
+    let discrete = DiscreteModel {
         predicted: vec![predicted],
         predicted_from: from,
         equation: Some(Equation { errors, coefficients, record }),
         // The initial state is fitted for the simulation.
-        ..Found::new(model.state_space()?, coefficients + from)
+        ..DiscreteModel::new(model.state_space()?, coefficients + from)
     };
-    Ok(Found { deviations: Some(Box::new(move |poles| model.mode_deviations(poles))), ..found })
+    Ok(DiscreteModel { deviations: Some(Box::new(move |poles| model.mode_deviations(poles))), ..discrete })
 }
 
 /// The structures asked for, and the best of the scan.
-pub fn run(
-    settings: &Settings,
-    test: &TestDescription,
-    inputs: &Inputs,
-    comparison: &mut Comparison,
-    out: &mut Output,
-) -> anyhow::Result<Outcome> {
-    let Some(beyond) = &settings.beyond_era else { return Ok(Outcome::Done) };
-    let all = Attempts::new("arx", (settings, beyond), test, inputs, HINT)?;
+pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+    let Some(input_output) = &source.settings.input_output else { return Ok(Outcome::Done) };
+    let all = MethodRun::new("arx", source, input_output, HINT)?;
     let mut structures: Vec<(ArxOrder, Option<String>)> =
-        beyond.arx_orders.iter().map(|structure| (structure.0, None)).collect();
-    if let Some(ranges) = &beyond.arx_scan {
-        let best = scan(ranges, &all.record, &all.data, out)?;
+        input_output.arx_orders.iter().map(|structure| (structure.0, None)).collect();
+    if let Some(ranges) = &input_output.arx_scan {
+        let best = scan(ranges, &all.record, &all.data, results.out)?;
         let remark =
             Some(format!("the smallest BIC of the one-step prediction over the structures {ranges}, see /scan"));
         match structures.iter_mut().find(|(order, _)| *order == best) {
@@ -78,16 +75,16 @@ pub fn run(
             None => structures.push((best, remark)),
         }
     }
-    let attempts: Vec<Attempt<'_>> = structures
+    let requests: Vec<ModelRequest<'_>> = structures
         .into_iter()
-        .map(|(order, remark)| Attempt {
+        .map(|(order, remark)| ModelRequest {
             id: id_of(&order),
             order: order.states(),
-            identify: Box::new(move |data, _| of_structure(order, data)),
+            identify: Box::new(move |data, _| identify_structure(order, data)),
             remark,
         })
         .collect();
-    all.put(&attempts, comparison, out)
+    all.put_all(&requests, results)
 }
 
 fn id_of(order: &ArxOrder) -> String {
@@ -105,10 +102,10 @@ fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) ->
         .into());
     }
     let orders = ranges.all();
-    let found = arx_scan(data, &orders);
-    let rows = found.iter().flatten().map(|(model, _)| model.rows).next();
-    let without = found.iter().filter(|result| result.is_err()).count();
-    if let Some(Err(error)) = found.iter().find(|result| result.is_err())
+    let fits = arx_scan(data, &orders);
+    let rows = fits.iter().flatten().map(|(model, _)| model.rows).next();
+    let without = fits.iter().filter(|result| result.is_err()).count();
+    if let Some(Err(error)) = fits.iter().find(|result| result.is_err())
         && without < orders.len()
     {
         out.notes().warning(format!(
@@ -118,7 +115,7 @@ fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) ->
     }
     let models: Vec<ArxScanModelV1> = orders
         .iter()
-        .zip(&found)
+        .zip(&fits)
         .map(|(order, result)| {
             let finite = |x: f64| x.is_finite().then_some(x);
             let criteria = result.as_ref().ok().map(|(_, criteria)| criteria);
@@ -154,7 +151,7 @@ fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) ->
             best_by_aicc: by_aicc.map(name),
         },
     )?;
-    match (by_bic, found.into_iter().find_map(Result::err)) {
+    match (by_bic, fits.into_iter().find_map(Result::err)) {
         (Some(best), _) => {
             out.summary(format!(
                 "arx scan of {} structures: {} by BIC, {} by AICc",

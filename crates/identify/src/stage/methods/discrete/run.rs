@@ -1,25 +1,25 @@
-//! Models of one discrete method, one attempt after the other: identified, simulated, written.
+//! Runs one discrete method: every model asked for is identified, simulated and written.
 
-use crumple_signal::TestDescription;
-use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
+use crumple_stage::{Outcome, RefuseExt};
 use crumple_sysid::{IdentifyError, IoData};
 
-use crate::stage::options::input_output::BeyondEra;
+use crate::stage::options::input_output::InputOutputSettings;
 use crate::stage::options::settings::Settings;
-use crate::stage::records::acceptance::simulated;
-use crate::stage::records::discrete_model::{Chosen, Found};
-use crate::stage::records::selection::Comparison;
-use crate::stage::records::state_space::{Task, put};
+use crate::stage::records::acceptance::simulate_accepted;
+use crate::stage::records::discrete_model::{DiscreteModel, RecordChoices};
+use crate::stage::records::results::Results;
+use crate::stage::records::state_space::{DiscreteTask, put_discrete_model};
 use crate::stage::waves::input_output::{Record, record};
+use crate::stage::waves::source::Source;
 
 /// A method and the waveforms that it works on.
-pub struct Attempts<'a> {
+pub struct MethodRun<'a> {
     /// Name of the method.
     pub method: &'a str,
     /// Settings of the stage.
     pub settings: &'a Settings,
     /// Those beside `era`.
-    pub beyond: &'a BeyondEra,
+    pub input_output: &'a InputOutputSettings,
     /// The waveforms.
     pub record: Record,
     /// The window, inputs delayed.
@@ -31,59 +31,53 @@ pub struct Attempts<'a> {
 }
 
 /// Gives the model of a record.
-pub type Identify<'a> = Box<dyn Fn(&IoData, Chosen) -> Result<Found, IdentifyError> + Sync + 'a>;
+pub type Estimator<'a> = Box<dyn Fn(&IoData, RecordChoices) -> Result<DiscreteModel, IdentifyError> + Sync + 'a>;
 
 /// One model that is asked for.
-pub struct Attempt<'a> {
+pub struct ModelRequest<'a> {
     /// Its id.
     pub id: String,
     /// States asked for.
     pub order: usize,
     /// The model of a record, which may be another one of the same shape, with the choices that are made already.
-    pub identify: Identify<'a>,
+    pub identify: Estimator<'a>,
     /// What is known of it before it is there.
     pub remark: Option<String>,
 }
 
-impl<'a> Attempts<'a> {
+impl<'a> MethodRun<'a> {
     /// Reads the waveforms.
     pub fn new(
         method: &'a str,
-        (settings, beyond): (&'a Settings, &'a BeyondEra),
-        test: &TestDescription,
-        inputs: &Inputs,
+        source: Source<'a>,
+        input_output: &'a InputOutputSettings,
         hint: &'static str,
     ) -> anyhow::Result<Self> {
-        let record = record(settings, beyond, test, inputs)?;
-        let (data, whole) = (record.data.delayed(beyond.delay), record.whole.delayed(beyond.delay));
-        Ok(Self { method, settings, beyond, record, data, whole, hint })
+        let record = record(source, input_output)?;
+        let (data, whole) = (record.data.delayed(input_output.delay), record.whole.delayed(input_output.delay));
+        Ok(Self { method, settings: source.settings, input_output, record, data, whole, hint })
     }
 
-    /// Writes one model an attempt. What one attempt does not allow is a warning; an error, told by who asked, only if there
-    /// is no model at all.
-    pub fn put(
-        &self,
-        attempts: &[Attempt<'_>],
-        comparison: &mut Comparison,
-        out: &mut Output,
-    ) -> anyhow::Result<Outcome> {
+    /// Writes one model an attempt. What one attempt does not allow is a warning; an error, told by who asked, only if
+    /// there is no model at all.
+    pub fn put_all(&self, requests: &[ModelRequest<'_>], results: &mut Results<'_>) -> anyhow::Result<Outcome> {
         let mut written = 0;
         let mut failures = Vec::new();
-        for attempt in attempts {
-            let found = (attempt.identify)(&self.data, Chosen::default());
-            match found.and_then(|found| simulated(found, &self.data)) {
-                Ok((simulated, found)) => {
-                    self.put_one(attempt, found, &simulated, comparison, out)?;
+        for request in requests {
+            let identified = (request.identify)(&self.data, RecordChoices::default());
+            match identified.and_then(|model| simulate_accepted(model, &self.data)) {
+                Ok((simulated, model)) => {
+                    self.put_model(request, model, &simulated, results)?;
                     written += 1;
                 }
-                Err(error) => failures.push((&attempt.id, error)),
+                Err(error) => failures.push((&request.id, error)),
             }
         }
         let mut failures = failures.into_iter();
         // Where there is no model the first failure is the answer.
         let answer = if written == 0 { failures.next() } else { None };
         for (id, error) in failures {
-            out.notes().warning(format!("{id}: {error}"));
+            results.out.notes().warning(format!("{id}: {error}"));
         }
         match answer.map(|(_, error)| error) {
             // Nothing is passed on, but what was found is written: it is a result.
@@ -95,35 +89,36 @@ impl<'a> Attempts<'a> {
         }
     }
 
-    fn put_one(
+    fn put_model(
         &self,
-        attempt: &Attempt<'_>,
-        mut found: Found,
+        request: &ModelRequest<'_>,
+        mut model: DiscreteModel,
         simulated: &[Vec<f64>],
-        comparison: &mut Comparison,
-        out: &mut Output,
+        results: &mut Results<'_>,
     ) -> anyhow::Result<()> {
-        let Self { method, settings, beyond, record, data, whole, .. } = self;
-        found.notes.extend(attempt.remark.clone());
-        if beyond.delay > 0 {
-            found.notes.push(format!("the input acts {} samples late; the model itself has no delay", beyond.delay));
+        let Self { method, settings, input_output, record, data, whole, .. } = self;
+        request.remark.iter().for_each(|remark| model.notes.info(remark));
+        if input_output.delay > 0 {
+            model
+                .notes
+                .info(format!("the input acts {} samples late; the model itself has no delay", input_output.delay));
         }
-        let chosen = found.chosen;
+        let choices = model.choices;
         let refit = |y: &[Vec<f64>]| {
             let again = IoData::new(data.inputs().to_vec(), y.to_vec(), data.sample_time_s()).ok()?;
-            Some((attempt.identify)(&again, chosen).ok()?.model)
+            Some((request.identify)(&again, choices).ok()?.state_space)
         };
-        let task = Task {
-            id: &attempt.id,
+        let task = DiscreteTask {
+            id: &request.id,
             method,
-            order: attempt.order,
+            order: request.order,
             record,
-            hold: &beyond.hold,
+            hold: &input_output.hold,
             data,
             whole,
             bootstrap: settings.bootstrap.as_ref(),
             refit: &refit,
         };
-        put(&task, &found, simulated, comparison, out)
+        put_discrete_model(&task, &model, simulated, results)
     }
 }

@@ -5,7 +5,8 @@ use crumple_sysid::{
 };
 use rayon::prelude::*;
 
-/// Errors below this share of the root mean square of an output are rounding: models that are exact compare by their parameters.
+/// Errors below this share of the root mean square of an output are rounding: models that are exact compare by their
+/// parameters.
 const ROUNDING: f64 = 1e-10;
 
 /// The order from 1 to `highest` whose model has the smallest BIC of its simulation; `None` where no order has a model.
@@ -25,8 +26,8 @@ pub fn automatic_order(subspace: &Subspace<'_>, thin: bool, whole: &IoData, high
 }
 
 fn contender(subspace: &Subspace<'_>, thin: bool, whole: &IoData, order: usize) -> Result<Contender, IdentifyError> {
-    let found = if thin { subspace.realize_on(order, whole)? } else { subspace.realize(order)? };
-    let (simulated, _) = simulate_fitted(&found.model, whole)?;
+    let candidate = if thin { subspace.realize_on(order, whole)? } else { subspace.realize(order)? };
+    let (simulated, _) = simulate_fitted(&candidate.model, whole)?;
     let (m, q) = (whole.inputs().len(), whole.outputs().len());
     let mut log_loss = 0.0;
     let mut effective = 0.0;
