@@ -1,4 +1,8 @@
-//! A chain of masses as a person states it for a fit: every mass, spring and damper given or free.
+//! A chain of masses as it is stated for a fit, and its free numbers as logarithms.
+//!
+//! Every mass, spring and damper is given or free. Free ones are fitted as logarithms, so that each trial is
+//! positive; bounds that are not stated follow from the size of the chain, see
+//! [`search_bounds`](crate::free::search_bounds).
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -10,7 +14,7 @@ use crate::SolveError;
 use crate::free::parameterisation::{Axis, Parameterisation};
 use crate::free::search_bounds::{DAMPER_BOUNDS, DAMPER_STARTS, SPRING_BOUNDS, SPRING_STARTS};
 
-/// A number that is given or looked for.
+/// A number that is given or to be found. Masses in kg, stiffness in N/m, damping in N·s/m.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Stated {
@@ -65,7 +69,8 @@ enum ChainNumber {
     Damper(usize, usize),
 }
 
-/// The chain with its free numbers: the logarithms of masses, springs and dampers.
+/// A chain with its free numbers. A coordinate is the logarithm of a mass, spring or damper, in the order: mass,
+/// springs, dampers of the first element, then of the next.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ChainCoordinates {
     /// Values of everything; free ones are overwritten.
@@ -88,15 +93,18 @@ pub(crate) struct ChainCoordinates {
 /// Bounds of springs and where searches start, in their unit; of dampers.
 const SPRINGS: [(f64, f64); 2] = [SPRING_BOUNDS, SPRING_STARTS];
 const DAMPERS: [(f64, f64); 2] = [DAMPER_BOUNDS, DAMPER_STARTS];
-/// Masses, of the total.
+/// Bounds of free masses as shares of the total, and the shares between which searches start.
 const MASSES: [(f64, f64); 2] = [(1e-3, 0.999), (0.05, 0.6)];
 /// Two numbers nearer than this, relatively, are the same.
 const ROUNDING: f64 = 1e-9;
-/// Starts around a start that was given.
+/// A start that is given is the middle of a range from a fifth to five times it, in which the other starts lie.
 const AROUND: f64 = 5.0;
 
 impl ChainCoordinates {
-    /// Errors: nothing that is free, a rest without a total or twice, numbers and bounds without meaning.
+    /// Reads a stated chain for a fit over a window that ends `length_s` after contact.
+    ///
+    /// Errors: nothing that is free, a rest without a total or stated twice, given masses that leave nothing for the
+    /// rest, numbers and bounds without meaning, a coefficient whose first knot is not at zero.
     pub fn new(stated: &StatedChain, length_s: f64) -> Result<Self, SolveError> {
         let fixed: f64 = stated.elements.iter().filter_map(|e| fixed_kg(e.mass_kg)).sum();
         let total_kg = stated.total_mass_kg.unwrap_or(fixed);
@@ -173,7 +181,12 @@ impl ChainCoordinates {
         Ok(chain)
     }
 
-    /// A number and its value at the start.
+    /// Adds one number to the chain and gives its value at the start of the fit.
+    ///
+    /// A given number is only passed on. A free one gets bounds: those stated, else `bounds` times `size`, widened so
+    /// that what was stated is never outside (springs and dampers to a thousandth and a thousand times it). Its start
+    /// is the one stated, else the geometric mean of the range in which searches start. Errors: numbers that are not
+    /// positive, bounds that do not rise, a free mass without a total and without both bounds.
     fn take(
         &mut self,
         stated: Stated,
@@ -228,6 +241,8 @@ impl ChainCoordinates {
         Ok(value)
     }
 
+    /// The chain of these values, `(knot, value)` for each law. Errors: a mass that is not positive, knots that do
+    /// not rise.
     fn built(
         &self,
         masses: &[f64],
@@ -281,8 +296,9 @@ impl ChainCoordinates {
         free + given.map(|i| self.masses[i]).sum::<f64>()
     }
 
-    /// Coordinates of a chain that is as stated: what was given has its value, what is free is in the bounds that were
-    /// given. Those of the search alone leave nothing out.
+    /// The coordinates of a chain, if it is one that was stated: numbers that were given have their values to a
+    /// rounding, free ones lie within the bounds that were stated. Bounds of the search alone exclude nothing. `None`
+    /// otherwise.
     pub fn point(&self, chain: &SecantChain) -> Option<Vec<f64>> {
         let value = |place: ChainNumber| match place {
             ChainNumber::Mass(i) => chain.masses_kg().get(i).copied(),
@@ -303,9 +319,8 @@ impl ChainCoordinates {
         (own.len() == other.len() && own.iter().all(same)).then_some(theta)
     }
 
-    /// The same chain where the test weighs `ratio` times as much: the rest takes the difference; where no mass is the
-    /// rest, all masses are shares of the test's and change alike. Springs and dampers that are given stay, and so do
-    /// bounds.
+    /// The same chain in a test of `ratio` times the mass: the rest of the total takes the difference; where no mass
+    /// is the rest, all masses change alike. Springs, dampers and bounds stay.
     #[must_use]
     pub fn of_mass(&self, ratio: f64) -> Self {
         let mut other = self.clone();
@@ -316,8 +331,8 @@ impl ChainCoordinates {
         other
     }
 
-    /// What is said of every free number, of the dual of two masses, where first and second spring and damper change
-    /// places.
+    /// A flag of every free number, carried over to the dual of two masses, in which the first and second spring
+    /// change places, and so do the dampers.
     pub fn exchanged(&self, of: &[bool]) -> Vec<bool> {
         let other = |place: ChainNumber| match place {
             ChainNumber::Mass(i) => ChainNumber::Mass(i),
@@ -343,6 +358,7 @@ impl ChainCoordinates {
     }
 }
 
+/// A mass that is given, kg.
 fn fixed_kg(mass: StatedMass) -> Option<f64> {
     match mass {
         StatedMass::Own(Stated::Fixed(kg)) => Some(kg),
@@ -387,6 +403,8 @@ impl Parameterisation for ChainCoordinates {
         }
     }
 
+    /// `dp/d(ln p) = p`; a free mass takes what it gains from the rest of the total. Places count masses, then
+    /// springs, then dampers. `None` for a law with knots: the secant motion has no derivatives of its own.
     fn derivatives_by_coordinate(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>> {
         let n = self.masses.len();
         if !self.is_linear() {

@@ -5,7 +5,7 @@ use crumple_lumped::Maxwell;
 use crate::SolveError;
 use crate::error::positive;
 
-/// The two exponents beside the constant in `x = C1 + ...`.
+/// The two exponents of `x = C1 + e^(a t) (C2 e^(b t) + C3 e^(-b t))` beside the constant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MaxwellExponents {
     /// `a ± i b`, 1/s and rad/s: the mass swings.

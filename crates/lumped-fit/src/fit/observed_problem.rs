@@ -9,10 +9,12 @@ use nalgebra::DMatrix;
 use crate::free::free_parameter::{FreeParameter, masses_of, rest_mass};
 use crate::record::observation::Observation;
 
-/// A misfit below this share of the largest displacement is the exact model.
+/// Relative residual below which the model is exact: rounding of a response of size one through filter and
+/// integration.
 const EXACT: f64 = 1e-10;
 
-/// A model of which some parameters are free, beside a record. Residuals are in units of the largest displacement.
+/// A model of which some parameters are free, compared with an observation. Residuals are `w (model - record)` in
+/// units of the largest value of the first wave; the coordinates are those of [`FreeParameter`].
 #[derive(Debug, Clone)]
 pub(crate) struct Problem<'a> {
     pub template: Model,
@@ -23,11 +25,13 @@ pub(crate) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
+    /// The problem at the values of `template`; parameters that are not in `free` stay there.
     pub fn new(template: Model, free: Vec<FreeParameter>, observed: &'a Observation) -> Self {
         Self { template, free, observed, unit_m: observed.scale_m() }
     }
 
-    /// The model at a point, whatever its parameters are worth.
+    /// The model at a point; `None` where its parameters are not physical. With free masses the last mass is the rest
+    /// of the total of the template.
     pub fn model(&self, theta: &[f64]) -> Option<Model> {
         let mut values = self.template.parameters();
         for (parameter, coordinate) in self.free.iter().zip(theta) {
@@ -49,7 +53,8 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// The same model with other values; `None` for values without meaning.
+/// The same model with other values by name; `None` for values without meaning. Whether an elastoplastic model leaves
+/// the barrier is no parameter, and kept.
 pub(crate) fn with_parameters(template: &Model, values: &BTreeMap<String, f64>) -> Option<Model> {
     let kind: ModelKind = template.kind();
     let mut model = Model::from_parameters(kind, values).ok()?;

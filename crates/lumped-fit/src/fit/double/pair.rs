@@ -1,4 +1,4 @@
-//! The double spring-mass-damper fitted to the compartment's displacement.
+//! The double spring-mass-damper fitted to the displacement of its compartment: pairs of dual models.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +20,7 @@ use crumple_estimation::statistics::lag_1_autocorrelation;
 /// Names of the fitted parameters, in the order of theta.
 pub(crate) const NAMES: [&str; 4] = ["k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m"];
 
-/// What a fit is asked for.
+/// Masses, speed, window and size of the search of a fit of the double model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DoubleFitOptions {
     /// Mass of the chassis, next to the barrier, kg.
@@ -44,7 +44,7 @@ pub struct DoubleFitOptions {
     pub resolution_m: f64,
 }
 
-/// A fitted pair of models.
+/// A fitted pair: two models with the same motion of the compartment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DoubleFit {
     /// The two models with the same compartment motion, the one with the softer front spring first.
@@ -55,7 +55,7 @@ pub struct DoubleFit {
     pub uncertainty: [Option<Uncertainty>; 2],
 }
 
-/// The search runs on this many samples; only its results meet all of them.
+/// Samples that the search runs on; its results are followed on all samples of the window.
 const SEARCH_SAMPLES: usize = 64;
 
 /// Fits `k1, k2, c1, c2 > 0` to the compartment's displacement by least squares.
@@ -136,7 +136,8 @@ pub fn fit_double(
     Ok(minima.iter().filter(as_good).map(|m| pair(&fine, m, evaluations)).collect())
 }
 
-/// One minimum as the two models it stands for.
+/// A minimum as the two models it stands for. The dual exchanges the relative deviations and the bounds of front and
+/// rear.
 fn pair(fine: &DoubleResiduals<'_>, best: &Minimum, evaluations: u64) -> DoubleFit {
     let window = fine.window;
     let residuals = fine.residuals(&best.theta).unwrap_or_default();

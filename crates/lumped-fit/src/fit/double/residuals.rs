@@ -1,4 +1,7 @@
-//! Compartment displacement of the double model minus the record, with exact sensitivities.
+//! Displacement of the double model's compartment minus the record, with exact sensitivities.
+//!
+//! The motion is marched with the exact step `z(t + dt) = e^(A dt) z(t)` of the state `z = (x1, x2, v1, v2)`, so
+//! samples may be any distance apart.
 
 use crumple_lumped::{DoubleSpringMassDamper, exact_step, exact_step_with_derivatives};
 use nalgebra::{Dyn, Matrix4, OMatrix, U5, Vector4};
@@ -21,6 +24,7 @@ pub(crate) struct DoubleResiduals<'a> {
 }
 
 impl DoubleResiduals<'_> {
+    /// The model at `theta`.
     pub fn model(&self, theta: &Vector4<f64>) -> DoubleSpringMassDamper {
         let p = self.scale.component_mul(&theta.map(f64::exp));
         DoubleSpringMassDamper {
@@ -33,6 +37,7 @@ impl DoubleResiduals<'_> {
         }
     }
 
+    /// The state at contact: no displacement, both masses at the impact speed.
     fn start(&self) -> Vector4<f64> {
         Vector4::new(0.0, 0.0, self.impact_speed_m_per_s, self.impact_speed_m_per_s)
     }

@@ -1,4 +1,5 @@
-//! The displacement of a nonlinear model beside a record, with analytic sensitivities.
+//! Displacement of a nonlinear model minus the record, with analytic sensitivities and the conditions at dynamic
+//! crush.
 
 use crumple_lumped::{Instants, Model, Nonlinear1};
 use nalgebra::DMatrix;
@@ -7,10 +8,14 @@ use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crumple_estimation::minimise::levenberg_marquardt::Response;
 
-/// For each of theta the places of the parameters it moves, and how far.
+/// For each coordinate the places of the parameters that it moves, among the names of the model, and their
+/// derivatives by it.
 pub(crate) type Derivatives = Vec<Vec<(usize, f64)>>;
 
-/// Displacement of a model minus the record, in units of the crush; the model from scaled parameters.
+/// Displacement of a model minus the record over the window, in units of the crush; with `conditions` two rows more.
+///
+/// The rows are `sqrt(w) (c_j + y_j/w)`: `c` the two conditions at dynamic crush, `w` the weight and `y` the
+/// multipliers of the augmented Lagrangian. Their square is the Lagrangian up to a constant.
 pub(crate) struct Displacements<'a, F> {
     pub window: &'a Window,
     pub options: &'a SingleMassFitOptions,
@@ -21,7 +26,8 @@ pub(crate) struct Displacements<'a, F> {
     pub conditions: Option<(f64, [f64; 2])>,
 }
 
-/// `x(t_m)/C - 1` and `v(t_m)/v0`: what the side conditions at dynamic crush leave. `None` without a response.
+/// `x(t_m)/C - 1` and `v(t_m)/v0` of a model at the time of dynamic crush of the options: zero where the side
+/// conditions are met. `None` without a response.
 pub fn conditions_at_crush(model: &Nonlinear1, options: &SingleMassFitOptions) -> Option<[f64; 2]> {
     at_crush(&Model::Nonlinear1(*model), options)
 }
@@ -95,7 +101,8 @@ impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
     }
 }
 
-/// How the second model's parameters move: each with its own number, the knees of the damper in rising order.
+/// Derivatives of the second model: each coordinate moves one parameter; the two damper knots may stand in either
+/// order.
 pub(crate) fn derivatives2(theta: &[f64], options: &SingleMassFitOptions) -> Derivatives {
     let (spring, damper) = options.units();
     let (crush, v0) = (options.crush_m, options.impact_speed_m_per_s);
@@ -108,7 +115,7 @@ pub(crate) fn derivatives2(theta: &[f64], options: &SingleMassFitOptions) -> Der
     places.into_iter().zip(factors).map(|by| vec![by]).collect()
 }
 
-/// How the first model's parameters move: its coefficients are sums of parts.
+/// Derivatives of the first model, whose coefficients are sums of parts: a part moves every coefficient it is in.
 pub(crate) fn derivatives1(_: &[f64], options: &SingleMassFitOptions) -> Derivatives {
     let (k, c) = options.units();
     vec![

@@ -1,4 +1,5 @@
-//! Residuals of a model against several sensors, with analytic sensitivities.
+//! Residuals of a model and several sensors, with analytic sensitivities. Filters are not known here: the motion
+//! itself is compared.
 
 use crumple_lumped::Instants;
 use nalgebra::DMatrix;
@@ -8,7 +9,7 @@ use crate::free::parameterisation::{Parameterisation, places};
 use crate::record::window::Window;
 use crumple_estimation::minimise::levenberg_marquardt::Response;
 
-/// A sensor's window, and the weight of its residuals.
+/// A window of a sensor's record and the noise level that its residuals are divided by.
 #[derive(Debug, Clone)]
 pub(crate) struct SensorWindow {
     /// Index of its mass.
@@ -20,6 +21,7 @@ pub(crate) struct SensorWindow {
 }
 
 impl SensorWindow {
+    /// The instants of its samples, s after contact.
     fn instants(&self) -> Instants {
         Instants { first_s: self.window.first_s, dt_s: self.window.dt_s, samples: self.window.samples.len() }
     }
@@ -31,7 +33,7 @@ impl SensorWindow {
     }
 }
 
-/// `(model - record)/noise` of every sensor, one after the other.
+/// Residuals `(model - record)/noise` of every sensor, one after the other.
 pub(crate) struct SensorProblem<'a, F> {
     pub coordinates: &'a F,
     pub impact_speed_m_per_s: f64,
