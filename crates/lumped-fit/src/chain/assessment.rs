@@ -1,4 +1,7 @@
 //! Profile likelihood, bootstrap and propagation of uncertain inputs for a fitted chain.
+//!
+//! The rules are those of the single models in `uncertainty`; a chain adds masses that are the rest of a total, and
+//! coordinates that are all logarithms.
 
 use std::collections::BTreeMap;
 

@@ -75,18 +75,24 @@ enum ChainNumber {
 pub(crate) struct ChainCoordinates {
     /// Values of everything; free ones are overwritten.
     masses: Vec<f64>,
+    /// `(knot, value)` of each spring, m and N/m.
     springs: Vec<Vec<(f64, f64)>>,
+    /// `(knot, value)` of each damper, m/s and N·s/m.
     dampers: Vec<Vec<(f64, f64)>>,
+    /// Place of the mass that is the rest of the total.
     rest: Option<usize>,
     /// Whether a mass is stated to be the rest, wherever it stands.
     leaves_a_rest: bool,
+    /// The total, or the sum of the given masses where no total is known.
     total_kg: f64,
     total_known: bool,
+    /// The free numbers with the bounds of their logarithms.
     free: Vec<(ChainNumber, Axis)>,
     /// Whether a person gave the lower and the upper bound of each.
     given_bounds: Vec<(bool, bool)>,
     /// The starts that were given, logarithms; the middle of the box for others.
     pub start: Vec<f64>,
+    /// Their names with units, `k1_n_per_m` or `k1_knot2_n_per_m`.
     pub names: Vec<String>,
 }
 
@@ -369,10 +375,12 @@ fn fixed_kg(mass: StatedMass) -> Option<f64> {
 impl Parameterisation for ChainCoordinates {
     type Model = SecantChain;
 
+    /// Bounds and start range of each logarithm.
     fn axes(&self) -> Vec<Axis> {
         self.free.iter().map(|(_, axis)| *axis).collect()
     }
 
+    /// The chain at a point; `None` where the rest of the total is not positive.
     fn model(&self, theta: &[f64]) -> Option<SecantChain> {
         let (mut masses, mut springs, mut dampers) = (self.masses.clone(), self.springs.clone(), self.dampers.clone());
         for ((place, _), x) in self.free.iter().zip(theta) {
@@ -390,6 +398,7 @@ impl Parameterisation for ChainCoordinates {
         self.built(&masses, &springs, &dampers).ok()
     }
 
+    /// Motions and derivatives of a chain with constant coefficients; the motions alone where a law has knots.
     fn sensitivity(
         &self,
         model: &SecantChain,

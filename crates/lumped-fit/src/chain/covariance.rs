@@ -1,4 +1,7 @@
 //! Covariance of the fitted parameters of a chain, linearised about a minimum.
+//!
+//! The sandwich estimate of [`covariance_of_blocks`] on the logarithms of the free numbers, one block for each wave;
+//! intervals are log-normal, so that masses, springs and dampers stay positive.
 
 use std::collections::BTreeMap;
 

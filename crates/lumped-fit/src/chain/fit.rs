@@ -1,4 +1,8 @@
 //! Chains of masses fitted to the motion of one or several sensors.
+//!
+//! In three steps: a search from many starts on the motion itself, the noise levels of the sensors and the minimum in
+//! turn, and, where all filters are known, the same with each wave sampled, filtered and integrated like its record.
+//! What is left of equal minima and duals is reported with covariance and duals.
 
 use crumple_estimation::minimise::StopReason;
 use crumple_lumped::SecantChain;

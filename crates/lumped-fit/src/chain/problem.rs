@@ -21,7 +21,9 @@ const FOLLOWING: (u32, f64) = (200, 1e-7);
 /// value of the first, so that they are of size one. With known measurements the model is sampled, filtered and
 /// integrated as each wave was; else its motion itself is compared.
 pub(crate) struct ChainProblem<'a> {
+    /// The chain with its free numbers.
     pub coordinates: &'a ChainCoordinates,
+    /// The waves it is compared with, and their weights.
     pub waves: &'a Observation,
     /// The windows to compare with the motion itself; `None`: through the filters.
     direct: Option<Vec<SensorWindow>>,
@@ -107,10 +109,12 @@ impl<'a> ChainProblem<'a> {
 }
 
 impl Response for ChainProblem<'_> {
+    /// One residual for each sample of each wave.
     fn rows(&self) -> usize {
         self.waves.rows()
     }
 
+    /// `w (model - record)/unit`, wave after wave.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
         if let Some(sensors) = &self.direct {
             return self.plain(sensors).residuals(theta, out);
@@ -128,6 +132,7 @@ impl Response for ChainProblem<'_> {
         row == out.len() && out.iter().all(|r| r.is_finite())
     }
 
+    /// Derivatives by the logarithms; `None` where a coefficient has knots and differences have to do.
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
         if let Some(sensors) = &self.direct {
             return self.plain(sensors).sensitivities(theta, out);

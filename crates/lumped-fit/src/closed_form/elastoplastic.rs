@@ -1,4 +1,4 @@
-//! The elastoplastic model from crush, speed and restitution.
+//! The elastoplastic model from crush, speed and restitution: a loading line, a steeper unloading line, no damper.
 
 use crumple_lumped::Elastoplastic;
 

@@ -1,4 +1,4 @@
-//! The Maxwell model from the exponents of a fitted displacement.
+//! The Maxwell model from the exponents of a displacement: `r² + (k/c) r + k/m = 0` beside a constant.
 
 use crumple_lumped::Maxwell;
 

@@ -13,17 +13,21 @@ use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Respons
 /// Without derivatives of its own: descents use differences, which cost one evaluation for each of one or two
 /// parameters.
 pub(crate) struct ClosedForm<'a, F> {
+    /// The record, m.
     pub window: &'a Window,
+    /// Unit of the residuals, m.
     pub crush_m: f64,
     /// For a point of the search the displacement at an instant, m, s after contact.
     pub displacement: F,
 }
 
 impl<F: Fn(&[f64]) -> G + Sync, G: Fn(f64) -> f64> Response for ClosedForm<'_, F> {
+    /// One residual for each sample of the window.
     fn rows(&self) -> usize {
         self.window.samples.len()
     }
 
+    /// `(x(t_k) - s_k)/C`; `false` where one is not finite.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
         let displacement = (self.displacement)(theta);
         for (k, (r, s)) in out.iter_mut().zip(&self.window.samples).enumerate() {

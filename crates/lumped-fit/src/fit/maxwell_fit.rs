@@ -1,4 +1,4 @@
-//! The Maxwell model fitted to the compartment's displacement.
+//! The Maxwell model, spring and damper in series, fitted to the displacement of the compartment.
 
 use crumple_lumped::Maxwell;
 use crumple_signal::{Displacement, Signal};

@@ -17,8 +17,11 @@ const EXACT: f64 = 1e-10;
 /// units of the largest value of the first wave; the coordinates are those of [`FreeParameter`].
 #[derive(Debug, Clone)]
 pub(crate) struct Problem<'a> {
+    /// The model with the values of everything that is not free.
     pub template: Model,
+    /// What is free, in the order of the coordinates.
     pub free: Vec<FreeParameter>,
+    /// The waves it is compared with.
     pub observed: &'a Observation,
     /// Metres of one unit of residual.
     pub unit_m: f64,
@@ -65,14 +68,17 @@ pub(crate) fn with_parameters(template: &Model, values: &BTreeMap<String, f64>) 
 }
 
 impl Response for Problem<'_> {
+    /// One residual for each sample of each wave.
     fn rows(&self) -> usize {
         self.observed.rows()
     }
 
+    /// Sum of squares of [`EXACT`] at every sample.
     fn exact(&self) -> f64 {
         EXACT * EXACT * self.rows() as f64
     }
 
+    /// `w (model - record)/unit`, wave after wave, through the measurement of each.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
         let Some(misfit) = self.model(theta).and_then(|model| self.observed.misfit(&model)) else { return false };
         for (out, misfit) in out.iter_mut().zip(misfit) {
@@ -81,6 +87,8 @@ impl Response for Problem<'_> {
         true
     }
 
+    /// Derivatives of the measured response by each coordinate, `dp/dtheta dx/dp w/unit`; a mass that is free is
+    /// taken from the last one.
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
         let model = self.model(theta)?;
         let names = model.kind().parameter_names();

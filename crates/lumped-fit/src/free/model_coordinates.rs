@@ -1,4 +1,7 @@
 //! The free parameters of a model as coordinates of size one, for fits to sensors.
+//!
+//! Springs and dampers are logarithms over the scale of the test, knots are shares of the crush, of the impact speed
+//! or of the next knot, masses are shares of what is left of the total: every point in the bounds is a model.
 
 use std::collections::BTreeMap;
 
@@ -27,6 +30,7 @@ pub(crate) struct Coordinate {
     pub name: &'static str,
     /// Place among the names of the model.
     place: usize,
+    /// How the parameter follows.
     map: Map,
     /// Bounds of the descent.
     pub lower: f64,
@@ -42,7 +46,9 @@ pub(crate) struct ModelCoordinates {
     pub kind: ModelKind,
     /// Every parameter, in the order of the names; free ones are overwritten.
     known: Vec<f64>,
+    /// The free parameters, in the order of the coordinates.
     pub free: Vec<Coordinate>,
+    /// Sum of all masses: what masses that are fitted divide.
     total_mass_kg: f64,
     /// Whether an elastoplastic model leaves the barrier.
     release: bool,
@@ -51,6 +57,7 @@ pub(crate) struct ModelCoordinates {
 /// The size of a test, from which the scales of springs, dampers and knots follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Scale {
+    /// Speed at contact, m/s: the last knot of a nonlinear damper.
     pub impact_speed_m_per_s: f64,
     /// Length of the window, s.
     pub length_s: f64,
@@ -243,12 +250,14 @@ impl ModelCoordinates {
 impl Parameterisation for ModelCoordinates {
     type Model = Model;
 
+    /// Bounds and start range of each coordinate.
     fn axes(&self) -> Vec<Axis> {
         let axis =
             |c: &Coordinate| Axis { lower: c.lower, upper: c.upper, box_lower: c.box_lower, box_upper: c.box_upper };
         self.free.iter().map(axis).collect()
     }
 
+    /// The model at a point; `None` where its parameters are not physical.
     fn model(&self, theta: &[f64]) -> Option<Model> {
         let names = self.kind.parameter_names();
         let named: BTreeMap<String, f64> = names.iter().map(|n| (*n).to_owned()).zip(self.values(theta)).collect();
@@ -259,6 +268,7 @@ impl Parameterisation for ModelCoordinates {
         Some(model)
     }
 
+    /// That of the model itself.
     fn sensitivity(
         &self,
         model: &Model,

@@ -1,12 +1,18 @@
 //! The trait of a model whose parameters follow from coordinates: what a fit to sensors needs to know of it.
+//!
+//! Coordinates are of size one: logarithms of springs and dampers, shares of knots and masses. Descents can then use
+//! one step size and one tolerance for all of them. Families
+//! ([`ModelCoordinates`](crate::free::model_coordinates::ModelCoordinates)) and stated chains implement it.
 
 use crumple_lumped::{Instants, LumpedError, Sensitivity};
 
 /// Bounds of one coordinate in a descent, and the range in which searches start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Axis {
+    /// Bounds of the descent.
     pub lower: f64,
     pub upper: f64,
+    /// Range of the starts, inside the bounds.
     pub box_lower: f64,
     pub box_upper: f64,
 }

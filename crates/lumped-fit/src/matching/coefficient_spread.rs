@@ -1,4 +1,6 @@
 //! Standard deviations of matched springs and dampers from those of the identified coefficients.
+//!
+//! `C_p = J C J'` with `J = dp/d(t, u, v, w)` by implicit differentiation of the four matching equations.
 
 use std::collections::BTreeMap;
 
@@ -10,6 +12,7 @@ use crate::Uncertainty;
 /// Covariance of the coefficients `t, u, v, w` of an identified denominator, in their units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoefficientSpread {
+    /// Rows and columns `t, u, v, w`.
     covariance: Matrix4<f64>,
     /// Whether correlations were unknown and taken as zero.
     independent: bool,

@@ -1,4 +1,4 @@
-//! The firefly search of the single-mass paper, in its own units and in the unit box.
+//! The firefly search of the single-mass paper for the second nonlinear model, in its own units and in the unit box.
 
 use crumple_estimation::minimise::StopReason;
 use crumple_lumped::Nonlinear2;

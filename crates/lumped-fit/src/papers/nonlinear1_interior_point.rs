@@ -28,8 +28,11 @@ const FEASIBLE: f64 = 1e-7;
 /// The program: `x` holds `k1, k2, c1, c2, c3` over `m (v0/C)²` and `m v0/C`, and the knot over `v0`. The Hessian is
 /// that of Gauss and Newton.
 struct SideConstraints<'a> {
+    /// The record, m.
     window: &'a Window,
+    /// Mass, speed, crush and its time.
     options: &'a SingleMassFitOptions,
+    /// Unit of each number of `x`.
     scale: [f64; 6],
 }
 
@@ -52,6 +55,7 @@ impl SideConstraints<'_> {
 }
 
 impl Program for SideConstraints<'_> {
+    /// Objective, conditions at dynamic crush and their derivatives, from two simulations with sensitivities.
     fn evaluate(&self, x: &DVector<f64>) -> Option<Evaluated> {
         let (v0, crush) = (self.options.impact_speed_m_per_s, self.options.crush_m);
         let model = Model::Nonlinear1(self.model(x));

@@ -38,8 +38,11 @@ pub struct ObservedWave {
 /// A wave on its own time axis, window or not.
 #[derive(Debug, PartialEq)]
 pub(crate) struct WholeWave {
+    /// Time of the first sample, s after contact.
     first_s: f64,
+    /// Sampling interval, s.
     dt_s: f64,
+    /// All samples, in the unit of the wave.
     samples: Vec<f64>,
 }
 

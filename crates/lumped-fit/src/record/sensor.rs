@@ -1,4 +1,7 @@
 //! Sensors: where they sit, what they measured, how far a model misses them.
+//!
+//! A place names a mass of any model, so that one list of sensors serves models of one, two and three masses: a
+//! sensor on a mass that a model does not have is left out for that model.
 
 use std::fmt;
 use std::str::FromStr;

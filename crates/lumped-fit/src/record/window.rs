@@ -1,4 +1,7 @@
 //! Windows of a record: the samples that a fit compares.
+//!
+//! Samples are picked, never interpolated: the response of a model is exact at any spacing, so leaving samples out
+//! costs no accuracy of the comparison, only some of the averaging of noise.
 
 use crumple_signal::Sampled;
 

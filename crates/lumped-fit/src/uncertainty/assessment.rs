@@ -59,6 +59,7 @@ pub struct Assessment {
     /// What the sentence on the weakest direction is made from.
     free: Vec<FreeParameter>,
     covariance: Covariance,
+    /// Quantity of the first wave.
     quantity: FitQuantity,
 }
 

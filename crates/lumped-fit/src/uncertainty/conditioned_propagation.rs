@@ -109,12 +109,17 @@ fn repeat_conditioned(
 /// Residuals of one repetition: displacements in units of the crush, then the two weighted conditions of the
 /// augmented Lagrangian. Coefficients are sums of parts that are not negative, which keeps their order.
 struct Conditioned<'a> {
+    /// The changed record.
     record: &'a ObservedWave,
     impact_speed_m_per_s: f64,
+    /// Its events.
     events: &'a FollowedEvents,
+    /// Unit of springs, N/m: `m (v0/C)²`.
     spring: f64,
+    /// Unit of dampers, N·s/m: `m v0/C`.
     damper: f64,
     mass_kg: f64,
+    /// Weight and multipliers of the augmented Lagrangian.
     weight: f64,
     multipliers: [f64; 2],
 }
@@ -175,10 +180,12 @@ impl Conditioned<'_> {
 }
 
 impl Response for Conditioned<'_> {
+    /// One residual for each sample, and two for the conditions.
     fn rows(&self) -> usize {
         self.record.samples.len() + 2
     }
 
+    /// `(x(t_k) - s_k)/C`, then `sqrt(w) (c_j + y_j/w)`.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
         let Some(model) = self.model(theta) else { return false };
         let v0 = self.impact_speed_m_per_s;
@@ -197,6 +204,7 @@ impl Response for Conditioned<'_> {
         out.iter().all(|x| x.is_finite())
     }
 
+    /// Derivatives of both by each coordinate.
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
         let Some(model) = self.model(theta).map(Model::Nonlinear1) else { return Some(false) };
         let (v0, crush) = (self.impact_speed_m_per_s, self.events.dynamic_crush_m);

@@ -13,6 +13,7 @@ use crate::Propagation;
 /// of repetitions with another mass, as long as its division stays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DualScale {
+    /// `(m1 + m2)/m2`.
     mu: f64,
 }
 

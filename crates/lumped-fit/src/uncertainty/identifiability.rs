@@ -1,4 +1,8 @@
 //! What a record does not determine, as a sentence.
+//!
+//! The weakest direction is the unit vector in the coordinates along which the response changes least. A step of 1 %
+//! of the parameter with the largest part in it is described: how far the others move with it, and the root mean
+//! square change of the response.
 
 use crumple_lumped::ParameterKind;
 

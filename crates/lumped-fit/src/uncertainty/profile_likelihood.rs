@@ -93,6 +93,7 @@ pub(crate) type Refit<'a> = &'a (dyn Fn(usize, f64, &[f64]) -> Option<(Vec<f64>,
 
 /// A minimum whose parameters can be fixed one at a time.
 pub(crate) struct Minimum<'a, N> {
+    /// Names of the parameters, in the order of the coordinates.
     pub names: &'a [N],
     /// Coordinates of the minimum.
     pub at: &'a [f64],
@@ -102,12 +103,15 @@ pub(crate) struct Minimum<'a, N> {
     pub value: &'a (dyn Fn(usize, f64) -> f64 + Sync),
     /// Whether a coordinate of zero is a value of zero, which ends an interval.
     pub ends_at_zero: &'a (dyn Fn(usize) -> bool + Sync),
+    /// How the others are fitted again.
     pub refit: Refit<'a>,
     /// Weighted misfit at the minimum, in the unit of the first wave.
     pub misfit: &'a [f64],
+    /// What the misfit is of: its resolution and unit.
     pub observed: &'a Observation,
     /// As in [`profile`].
     pub expected: &'a [Option<f64>],
+    /// Independent samples that the misfit is worth.
     pub effective_samples: f64,
 }
 
@@ -131,12 +135,15 @@ impl<N: Clone + Send + Sync> Minimum<'_, N> {
 
 /// What both sides of the profile of one parameter share.
 struct Side<'a, N> {
+    /// The minimum, and which of its parameters is fixed.
     of: &'a Minimum<'a, N>,
     fixed: usize,
     effective_samples: f64,
     /// Sum of squares at the minimum with that of the resolution, in squared units of the problem.
     least: f64,
+    /// Sum of squares of the resolution, in the same unit.
     floor: f64,
+    /// First step of the coordinate.
     first_step: f64,
 }
 

@@ -1,4 +1,8 @@
 //! The double spring-mass-damper fitted to the displacement of its compartment: pairs of dual models.
+//!
+//! One accelerometer in the compartment cannot tell a model from its dual, which exchanges front and rear, so every
+//! minimum stands for two sets of parameters. What is found here is a starting point where the filter of the record
+//! is known: [`refine`](crate::refine) then moves it to the minimum of the filtered misfit.
 
 use std::collections::BTreeMap;
 

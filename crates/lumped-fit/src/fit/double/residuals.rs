@@ -13,9 +13,13 @@ use crumple_estimation::minimise::levenberg_marquardt_4::Residuals;
 ///
 /// Residuals are in units of `impact speed · window length`.
 pub(crate) struct DoubleResiduals<'a> {
+    /// Mass next to the barrier, kg.
     pub m1_kg: f64,
+    /// Mass of the compartment, kg.
     pub m2_kg: f64,
+    /// Speed of both masses at contact, m/s.
     pub impact_speed_m_per_s: f64,
+    /// Displacement of the compartment, m.
     pub window: &'a Window,
     /// Scales of `k1, k2, c1, c2`.
     pub scale: Vector4<f64>,
@@ -59,6 +63,7 @@ impl DoubleResiduals<'_> {
 }
 
 impl Residuals for DoubleResiduals<'_> {
+    /// `(x2(t_k) - s_k)/unit`; `None` where one is not finite.
     fn residuals(&self, theta: &Vector4<f64>) -> Option<Vec<f64>> {
         let a = self.model(theta).state_matrix();
         let phi = exact_step(&a, self.window.dt_s);

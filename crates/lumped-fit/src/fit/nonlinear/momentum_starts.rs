@@ -22,17 +22,22 @@ pub(crate) const FOLLOWED: usize = 2;
 /// Knots of spring and damper, the values there, and the squared error of the momentum.
 #[derive(Debug, Clone)]
 pub(crate) struct Start {
+    /// Inner knots: that of the spring over the crush, if it has one, then those of the damper over the impact speed.
     pub knots: Vec<f64>,
+    /// Values at all knots, springs first, in the units of [`Momentum::solve`].
     pub values: Vec<f64>,
+    /// Sum over the samples of the squared error of the momentum over `m v0`.
     pub cost: f64,
 }
 
 /// A record as the momentum balance needs it: displacement over the crush, speed and lost speed over the impact
 /// speed.
 pub(crate) struct Momentum {
+    /// Sampling interval, s.
     dt_s: f64,
     /// Displacement and speed over their scales.
     pub x: Vec<f64>,
+    /// Speed over the impact speed.
     pub v: Vec<f64>,
     /// `v0 - v` over `v0`.
     lost: Vec<f64>,

@@ -17,8 +17,11 @@ pub(crate) type Derivatives = Vec<Vec<(usize, f64)>>;
 /// The rows are `sqrt(w) (c_j + y_j/w)`: `c` the two conditions at dynamic crush, `w` the weight and `y` the
 /// multipliers of the augmented Lagrangian. Their square is the Lagrangian up to a constant.
 pub(crate) struct Displacements<'a, F> {
+    /// The record, m.
     pub window: &'a Window,
+    /// Mass, speed, crush and its time.
     pub options: &'a SingleMassFitOptions,
+    /// The model at a point of the search; `None` if it is not physical.
     pub model: F,
     /// Derivatives of the parameters, by their places, by each of theta.
     pub derivatives: fn(&[f64], &SingleMassFitOptions) -> Derivatives,
@@ -32,6 +35,7 @@ pub fn conditions_at_crush(model: &Nonlinear1, options: &SingleMassFitOptions) -
     at_crush(&Model::Nonlinear1(*model), options)
 }
 
+/// The same for a model of either kind.
 fn at_crush(model: &Model, options: &SingleMassFitOptions) -> Option<[f64; 2]> {
     let (v0, t) = (options.impact_speed_m_per_s, options.time_of_dynamic_crush_s);
     let motion = model.respond(v0, t, 2).ok()?;
@@ -40,10 +44,12 @@ fn at_crush(model: &Model, options: &SingleMassFitOptions) -> Option<[f64; 2]> {
 }
 
 impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
+    /// One residual for each sample, and two for the conditions where they are set.
     fn rows(&self) -> usize {
         self.window.samples.len() + if self.conditions.is_some() { 2 } else { 0 }
     }
 
+    /// `(x(t_k) - s_k)/C`, then the weighted conditions.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
         let Some(model) = (self.model)(theta) else { return false };
         let n = self.window.samples.len();
@@ -69,6 +75,8 @@ impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
         out.iter().all(|x| x.is_finite())
     }
 
+    /// Derivatives of both by each coordinate, from the analytic sensitivities of the model; places of the mass and
+    /// of the last knots are left out.
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
         let Some(model) = (self.model)(theta) else { return Some(false) };
         let derivatives = (self.derivatives)(theta, self.options);

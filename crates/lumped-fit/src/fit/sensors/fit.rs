@@ -40,6 +40,7 @@ pub(crate) struct Fitted {
     pub minima: Vec<Optimum>,
     /// The sensors with the noise levels they ended with.
     pub sensors: Vec<SensorWindow>,
+    /// Simulations of the model by all descents and searches.
     pub evaluations: u64,
     /// What the search has to say.
     pub remarks: Vec<String>,
