@@ -27,7 +27,7 @@ pub struct Candidate {
     pub equivalent_to: Option<usize>,
     /// How it was fitted; `None` for a closed form.
     pub fit: Option<Fit>,
-    /// How well the parameters are determined; `None` where nothing is left over to judge by.
+    /// How well the parameters are determined; `None` where no residual is left over.
     pub uncertainty: Option<Uncertainty>,
     /// Reductions and assumptions, in words.
     pub notes: Vec<CandidateNote>,
@@ -70,7 +70,7 @@ pub struct Fit {
     pub stop_reason: StopReason,
     /// Names of the parameters that stopped on a bound.
     pub active_bounds: Vec<&'static str>,
-    /// How well each sensor was met; none where the compartment's displacement alone was fitted.
+    /// How far each sensor was missed; none where the compartment's displacement alone was fitted.
     pub sensors: Vec<SensorFit>,
 }
 

@@ -121,7 +121,7 @@ fn repeat(
     theta: &[f64],
     mass_ratio: f64,
 ) -> Option<BTreeMap<String, f64>> {
-    // Without a rest everything is a share of the mass; with one the masses that are looked for, so that something is
+    // Without a rest everything is a share of the mass; with one the free masses alone, so that something is
     // left for it.
     let by = |i: usize| if !coordinates.has_rest() || coordinates.is_mass(i) { mass_ratio.ln() } else { 0.0 };
     let start: Vec<f64> = theta.iter().enumerate().map(|(i, x)| x + by(i)).collect();

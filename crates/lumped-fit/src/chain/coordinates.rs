@@ -20,7 +20,7 @@ use crate::free::search_bounds::{DAMPER_BOUNDS, DAMPER_STARTS, SPRING_BOUNDS, SP
 pub enum Stated {
     /// Given.
     Fixed(f64),
-    /// Looked for between bounds, from a start; what is `None` is taken from the size of the other numbers.
+    /// Found between bounds, from a start; what is `None` is taken from the size of the other numbers.
     Free {
         /// Where the search starts first.
         start: Option<f64>,
@@ -35,7 +35,7 @@ pub enum Stated {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StatedMass {
-    /// Given or looked for.
+    /// Given or free.
     Own(Stated),
     /// What the other masses leave of the total.
     Rest,
@@ -182,7 +182,7 @@ impl ChainCoordinates {
         if chain.free.is_empty() {
             return Err(SolveError::NothingFree);
         }
-        // What is given must make a chain, wherever the rest is looked for.
+        // What is given must make a chain, whatever the free numbers are.
         chain.built(&chain.masses, &chain.springs, &chain.dampers)?;
         Ok(chain)
     }
@@ -216,7 +216,7 @@ impl ChainCoordinates {
             let problem = "lower, start and upper do not rise".to_owned();
             return Err(SolveError::Bounds { name, problem });
         }
-        // Bounds of the search give way to what was given, however far outside it is.
+        // Bounds of the search are widened to what was stated, however far outside it is.
         let least = known.first().copied().unwrap_or(size);
         let most = known.last().copied();
         if matches!(place, ChainNumber::Mass(_)) && !self.total_known && (lower.is_none() || upper.is_none()) {
@@ -271,7 +271,7 @@ impl ChainCoordinates {
         self.masses.len()
     }
 
-    /// Names of all that is looked for; a mass that is the rest, and follows from a free one, comes last.
+    /// Names of all free numbers; a mass that is the rest, and follows from a free one, comes last.
     pub fn all_names(&self) -> Vec<String> {
         let rest = self.free_rest().map(|rest| format!("m{}_kg", rest + 1));
         self.names.iter().cloned().chain(rest).collect()

@@ -49,12 +49,12 @@ pub struct ChainSolution {
     pub evaluations: u64,
     /// Why it stopped.
     pub stop_reason: StopReason,
-    /// What the record says of the free numbers; `None` where there is nothing to judge by.
+    /// Covariance and intervals of the free numbers; `None` where nothing is determined.
     pub linearised: Option<LinearisedUncertainty>,
-    /// The chain with the same masses and the same motion of the last one; `None` where a wave tells it, or there is
-    /// none.
+    /// The chain with the same masses and the same motion of the last one; `None` where a wave tells the two apart, or
+    /// there is none.
     pub dual: Option<ChainDual>,
-    /// Whether masses were looked for and no wave is of another mass than the last: their division is then in the
+    /// Whether masses were fitted and no wave is of another mass than the last: their division is then in the
     /// record by a formula, and in practice not.
     pub division_undecided: bool,
     /// The logarithms of what was free.
@@ -154,7 +154,7 @@ pub fn fit_chain(
             None => None,
         };
         match other {
-            // The one with the softer first spring comes first, whichever was met first.
+            // The one with the softer first spring comes first, whichever was found first.
             Some(mut other) => {
                 if other.first_spring() < primal.first_spring() {
                     std::mem::swap(&mut primal, &mut other);

@@ -1,5 +1,5 @@
-//! Which numbers of a model are free, as coordinates of size one with bounds, and how the mass divides. Uses no other
-//! room.
+//! Which numbers of a model are free, as coordinates of size one with bounds, and how the mass divides.
+//! Uses no other room.
 
 pub mod free_parameter;
 pub mod mass_split;

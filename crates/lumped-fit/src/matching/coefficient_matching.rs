@@ -72,9 +72,9 @@ pub struct Matched {
 /// Matches the characteristic polynomial of the double model with that of an identified model, for masses in kg.
 ///
 /// Every real solution becomes a candidate, physical or not, numbered from `first_index`: a user needs to see that a
-/// set with a negative spring exists. Complex solutions and multiplicities are in [`Matched::coefficient_match`]. Where a state
-/// space is known, its transformation to the coordinates of each solution tells by a second output row which solution
-/// is right; where its outputs are the motions of both masses, the total mass alone gives one more candidate.
+/// set with a negative spring exists. Complex solutions and multiplicities are in [`Matched::coefficient_match`]. Where
+/// a state space is known, its transformation to the coordinates of each solution tells by a second output row which
+/// solution is right; where its outputs are the motions of both masses, the total mass alone gives one more candidate.
 /// Standard deviations follow from those of the coefficients in first order.
 ///
 /// Solutions are certified to rounding by [`CoefficientMatching`]. Errors: masses that are not positive, complex

@@ -110,7 +110,7 @@ impl<'a> Report<'a> {
                 rmse: *rmse,
                 noise: observed.noise,
             };
-        // The pulse's displacement: judged like the fits made for one model, through the filter sensor_fit the record.
+        // The pulse's displacement is assessed like the special fits of a model, through the filter of the record.
         let plain = self.task.fits_displacement_alone();
         let sensors = self.sensors.iter().zip(self.fitted.sensors.iter().zip(&rmse)).map(sensor_fit);
         Some(Candidate {

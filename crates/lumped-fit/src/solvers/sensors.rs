@@ -250,16 +250,17 @@ mod tests {
         assert_eq!(shared_mass(&stated, 3), None);
         assert_eq!(
             shared_mass(&stated, 2).unwrap(),
-            "not fitted: sensors floor (compartment) and engine (m2) both fall on mass 2 of its 2, which moves reason way \
+            "not fitted: sensors floor (compartment) and engine (m2) both fall on mass 2 of its 2, which moves one \
+             way \
              only; leave \
              m2=engine out of sensors, or this model out of models"
         );
         let reason = shared_mass(&stated, 1).unwrap();
         assert!(
-            reason.ends_with("write front=front in sensors instead, which a model of reason mass is not fitted to"),
+            reason.ends_with("write front=front in sensors instead, which a model of one mass is not fitted to"),
             "{reason}"
         );
-        // Front and chassis are reason mass of two; a model of reason has neither.
+        // Front and chassis are one mass of two; a model of one has neither.
         let parts = [(SensorPlace::Front, "a"), (SensorPlace::Chassis, "b"), (SensorPlace::Compartment, "c")];
         assert!(shared_mass(&parts, 2).unwrap().contains("a (front) and b (chassis) both fall on mass 1"));
         assert_eq!(shared_mass(&parts, 1), None);

@@ -93,7 +93,7 @@ pub(crate) fn distinct(problem: &DoubleResiduals<'_>, sorted: Vec<Minimum>, limi
     kept.into_iter().map(|(minimum, _)| minimum).collect()
 }
 
-/// Unit vector of the smallest singular value of the sensitivities, among parameters not held on a bound.
+/// Unit vector of the smallest singular value of the sensitivities, among parameters not fixed at a bound.
 fn weakest_direction(r: &Matrix4<f64>, on_bound: [bool; 4]) -> Option<Vector4<f64>> {
     let mut free = *r;
     for i in (0..4).filter(|&i| on_bound[i]) {

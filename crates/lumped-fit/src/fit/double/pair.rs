@@ -64,8 +64,8 @@ const SEARCH_SAMPLES: usize = 64;
 
 /// Fits `k1, k2, c1, c2 > 0` to the compartment's displacement by least squares.
 ///
-/// The masses are given, since one accelerometer does not tell them. Parameters are positive by construction (their
-/// logarithms are fitted) and bounded: springs between 1e-4 and 1e4 times `M (π/2T)²`, the spring of an undamped
+/// The masses are given, since one accelerometer does not determine them. Parameters are positive by construction
+/// (their logarithms are fitted) and bounded: springs between 1e-4 and 1e4 times `M (π/2T)²`, the spring of an undamped
 /// mass `M` that stops at the window's end `T`, dampers between 1e-5 and 1e3 times `M/T` (those in the rear divided by
 /// `M/m2`). A fit that ends on a bound says so: that damper or spring does not matter (or ties the masses together),
 /// and no value is determined. The search is a deterministic multi-start on a thinned window, see `search`; what it
@@ -80,7 +80,7 @@ const SEARCH_SAMPLES: usize = 64;
 /// finite response from any start.
 ///
 /// **Several minima.** The error has more than one minimum, and with strong damping they lie close: records with
-/// real poles were met where parameter sets that differ by a factor 5 leave 4e-9 to 1.4e-7 m. So the result is a list,
+/// real poles exist where parameter sets that differ by a factor of 5 leave 4e-9 to 1.4e-7 m. So the result is a list,
 /// best first, of all minima found that the record cannot tell from the best.
 pub fn fit_double(
     displacement: &Signal<Displacement>,
@@ -198,7 +198,7 @@ fn relative_deviations(best: &Minimum, residuals: &[f64]) -> Option<([Option<f64
     if free.is_empty() || free.iter().any(|&i| norms[i] == 0.0) || residuals.len() <= free.len() {
         return None;
     }
-    // Columns of unit length; held ones stay zero, and the singular values of zero that they bring come last.
+    // Columns of unit length; fixed ones stay zero, and the singular values of zero that they bring come last.
     let mut scaled = Matrix4::zeros();
     for &i in &free {
         scaled.set_column(i, &(best.r.column(i) / norms[i]));

@@ -42,7 +42,7 @@ pub(crate) struct Fitted {
     pub sensors: Vec<SensorWindow>,
     /// Simulations of the model by all descents and searches.
     pub evaluations: u64,
-    /// What the search has to say.
+    /// Notes of the search.
     pub remarks: Vec<String>,
 }
 
