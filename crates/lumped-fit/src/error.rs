@@ -1,3 +1,5 @@
+//! Why parameters cannot be solved for. Messages name the quantity, what it is, and what is expected.
+
 /// Why parameters cannot be solved for.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SolveError {
@@ -85,6 +87,7 @@ pub enum SolveError {
     },
 }
 
+/// The value, if it is positive and finite. Errors: else, with `name`, which carries the unit.
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64, SolveError> {
     if value.is_finite() && value > 0.0 {
         Ok(value)

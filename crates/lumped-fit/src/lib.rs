@@ -1,18 +1,30 @@
-//! Solves for the physical parameters of lumped models.
+//! Fits the physical parameters of lumped models to a crash record and says how well they are determined.
 //!
-//! From the events of a crash (`t_m`, `C`, restitution) by closed forms; from the displacement, velocity or
-//! acceleration of one or several sensors by bounded least squares of every model, the first nonlinear one also by an
-//! interior point, the second also by firefly, all by L-SHADE; from an identified transfer function, state space or set
-//! of modes by coefficient matching; from four exponentials as the ERA paper does. Every candidate says how it was
-//! found, what was assumed, how well its parameters are determined (covariance, profile, bootstrap, propagation) and
-//! which other candidate gives the same record. Where a model has no solution the notes say why: that is an answer, not
-//! an error.
+//! - From the events of a crash (`t_m`, `C`, restitution): Kelvin and elastoplastic model, by closed forms.
+//! - From the displacement, velocity or acceleration of one or several sensors: every model, by bounded least squares
+//!   or L-SHADE; the nonlinear models also as their papers do, by an interior point and by a firefly search; chains
+//!   of any number of masses as stated.
+//! - From an identified transfer function, state space, set of modes or sum of exponentials: the double model by
+//!   coefficient matching (every solution), the Maxwell model from three exponents, and the curve fit of the ERA
+//!   paper for reproduction.
+//!
+//! Every candidate says how it was found and what was assumed, how well its parameters are determined (covariance,
+//! profile, bootstrap, propagation of uncertain inputs), and which other candidate gives the same record. Where a
+//! model has no solution the notes say why: that is an answer, not an error.
+//!
+//! A fit is made in two steps. [`solve`] searches for minima, mostly without the filter of the record, from many
+//! starts. [`refine`] moves each of them to the minimum of the misfit seen through the measurement of the record
+//! (sampling, filter, integration), and [`assess`] works there: these are the values and intervals that the stage
+//! writes. A chain that is stated goes through [`fit_chain`] and [`assess_chain`] alike.
+//!
+//! The library knows no files, no command line and no clock; the same input gives the same bits on any number of
+//! threads.
 //!
 //! rooms: solvers | papers chain | matching uncertainty | fit | closed_form free candidate | record
 //!
 //! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model;
-//! transfer function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two nonlinear
-//! models; each function names its own.
+//! transfer-function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two
+//! nonlinear models; each function names its own.
 
 mod candidate;
 mod chain;

@@ -9,12 +9,21 @@ use nalgebra::DMatrix;
 
 use crate::Uncertainty;
 
-/// What the uncertainty of a fit by iteration is made from.
+/// How these deviations were made, as the record says it.
 pub(crate) const LINEARISED: &str = "linearised, autocorrelated residuals";
 
-/// Linearised deviations of the parameters `factor_i theta_i`, as the fit of the double model has them:
-/// `sigma² (J'J)^-1`, widened for the lag-1 autocorrelation of the residuals. Those on a bound have none; `None` where
-/// nothing is left.
+/// Standard deviations of the parameters `p_i`, whose derivatives by the coordinates of the fit are `factors`, in the
+/// unit of each: `s_i = |factor_i| sqrt(v [(J'J)^-1]_ii)`.
+///
+/// `J` holds the derivatives of the residuals by the coordinates at the minimum, one column each; `best.r` is its
+/// triangle. The variance is that of the residuals, `v = cost/(n - p) (1 + r)/(1 - r)`: `n` residuals, `p`
+/// coordinates off their bounds, and the lag-1 autocorrelation `r`, since `n` samples of noise that is correlated in
+/// time are worth `n (1 - r)/(1 + r)` independent ones.
+///
+/// First order: right while the response is straight over the interval, and only if the model is true. Too small
+/// where the residuals are systematic; [`assess`](crate::assess) replaces it by the covariance with the whole
+/// autocovariance. A parameter on a bound has no deviation. `None` where every parameter is on a bound, one has no
+/// effect, no residual is left over, or the sensitivities have not full rank.
 pub fn uncertainty(best: &Optimum, residuals: &[f64], names: &[&'static str], factors: &[f64]) -> Option<Uncertainty> {
     let free: Vec<usize> = (0..names.len()).filter(|&i| !best.on_bound[i]).collect();
     let norms: Vec<f64> = best.r.column_iter().map(|c| c.norm()).collect();

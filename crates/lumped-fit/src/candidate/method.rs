@@ -1,3 +1,5 @@
+//! Methods by which parameters are found: their names in files and what each is.
+
 use std::fmt;
 use std::str::FromStr;
 
@@ -20,7 +22,8 @@ pub enum Method {
     InteriorPoint,
 }
 
-/// Name in candidate ids and pipeline files, and what it is in a few words, in the order of the variants.
+/// Name in candidate ids and pipeline files, and what the method is in a few words, in the order of the variants. The
+/// names are part of the file format.
 const TABLE: [(Method, &str, &str); 7] = [
     (Method::ClosedForm, "closed-form", "from the crash events"),
     (Method::DirectFit, "direct-fit", "to the motion of the test"),

@@ -4,7 +4,7 @@ use std::fmt;
 
 use crumple_signal::{Note, Severity};
 
-/// What a note is about, so that a later step can bring it up to date.
+/// What a note is about, so that a step that changes the values can bring it up to date.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoteTopic {
     /// Reductions, assumptions, where a value comes from.
@@ -15,7 +15,8 @@ pub enum NoteTopic {
     ActiveBounds,
 }
 
-/// A note of a candidate. Its text form is that of [`Note`].
+/// A note of a candidate. Its text form, which the artifact holds, is that of [`Note`]: a warning begins with
+/// `warning: `.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CandidateNote {
     /// The sentence and how much it matters.

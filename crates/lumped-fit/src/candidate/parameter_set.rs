@@ -1,3 +1,8 @@
+//! A parameter set with the record of how it was fitted.
+//!
+//! A [`Candidate`] is one answer for one model by one method. A record can have several: dual models, other minima,
+//! other roots of a polynomial. They are numbered by `index`, and none is left out because another fits as well.
+
 use std::collections::BTreeMap;
 
 use crumple_estimation::minimise::StopReason;
@@ -9,7 +14,7 @@ use crate::record::window::Window;
 use crate::{FitQuantity, Method, SensorFit};
 use crumple_estimation::minimise::levenberg_marquardt::Optimum;
 
-/// One set of parameters.
+/// One set of parameters, with how it was found and what was assumed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
     /// The model with its parameters.
@@ -22,7 +27,7 @@ pub struct Candidate {
     pub equivalent_to: Option<usize>,
     /// How it was fitted; `None` for a closed form.
     pub fit: Option<Fit>,
-    /// How well the parameters are determined; `None` where nothing is left over to judge by.
+    /// How well the parameters are determined; `None` where no residual is left over.
     pub uncertainty: Option<Uncertainty>,
     /// Reductions and assumptions, in words.
     pub notes: Vec<CandidateNote>,
@@ -65,12 +70,16 @@ pub struct Fit {
     pub stop_reason: StopReason,
     /// Names of the parameters that stopped on a bound.
     pub active_bounds: Vec<&'static str>,
-    /// How well each sensor was met; none where the compartment's displacement alone was fitted.
+    /// How far each sensor was missed; none where the compartment's displacement alone was fitted.
     pub sensors: Vec<SensorFit>,
 }
 
 impl Fit {
-    /// The record of a fit to the displacement of the compartment, whose residuals are in units of `crush_m`.
+    /// The record of a fit to the displacement of the compartment.
+    ///
+    /// `best.cost` is the sum of squared residuals over the samples of `window`, in squared units of `crush_m`; the
+    /// error in the record is `sqrt(cost/n) crush_m`, m. `names` are the fitted parameters in the order of the
+    /// coordinates of `best`.
     pub(crate) fn of_displacement(
         best: &Optimum,
         window: &Window,
@@ -98,7 +107,8 @@ impl Fit {
     }
 }
 
-/// Linearised uncertainty.
+/// Standard deviations to first order, made from the fit alone. Not what the artifact holds where an assessment
+/// follows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
     /// What it was made from, in words.
@@ -111,8 +121,10 @@ pub struct Uncertainty {
     pub residual_autocorrelation: Option<f64>,
 }
 
-/// What is said of the parameters that stopped on a bound; `None` where none did. Zero is the limit of what is
-/// physical, and an answer; any other bound is that of the search.
+/// The note on parameters that stopped on a bound; `None` where none did.
+///
+/// Zero is the limit of what is physical, and an answer: a damper of zero is a spring alone. Any other bound is that
+/// of the search: the value is the bound's and nothing of the record.
 pub fn bounds_remark(model: &Model, active_bounds: &[&'static str]) -> Option<String> {
     let values = model.parameters();
     let (zero, other): (Vec<&str>, Vec<&str>) =

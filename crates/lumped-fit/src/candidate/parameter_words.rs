@@ -1,10 +1,12 @@
-//! Parameters as a person calls them.
+//! Names of parameters for notes and messages, made from their kind.
 
 use crumple_lumped::{Model, ParameterKind, parameter_kind};
 
-/// A parameter of a model in words: `stiffness k2 at 0.31 m`, `damping c1 at rest`, `unloading stiffness`, `mass m1`.
+/// The name of a parameter in a sentence: `stiffness k2 at 0.31 m`, `damping c1 at rest`, `unloading stiffness`,
+/// `mass m1`.
 ///
-/// A knot of a nonlinear model is named with its place. What the model does not have stays as it is, without its unit.
+/// A value at a knot of a nonlinear model is named with the place of its knot, m or m/s: the first spring knot is at
+/// contact, the first damper knot at rest. A name that the model does not have is given without its unit.
 pub fn in_words(model: &Model, name: &str) -> String {
     let parameter = model.kind().parameter(name);
     let kind = parameter.map(|parameter| parameter.kind).or_else(|| parameter_kind("", name));
@@ -43,7 +45,7 @@ pub fn in_words(model: &Model, name: &str) -> String {
     format!("{kind}{stem}{place}")
 }
 
-/// Several of them, in a row.
+/// Several of these names, separated by commas.
 pub fn all_in_words<'a>(model: &Model, names: impl IntoIterator<Item = &'a str>) -> String {
     names.into_iter().map(|name| in_words(model, name)).collect::<Vec<_>>().join(", ")
 }

@@ -1,4 +1,7 @@
-//! Profile likelihood, bootstrap and uncertain inputs of a fitted chain.
+//! Profile likelihood, bootstrap and propagation of uncertain inputs for a fitted chain.
+//!
+//! The rules are those of the single models in `uncertainty`; a chain adds masses that are the rest of a total, and
+//! coordinates that are all logarithms.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +17,7 @@ use crate::uncertainty::propagation::{
 };
 use crate::{Observation, SolveError};
 
-/// What is asked of a chain beyond the covariance.
+/// What is computed for a chain beyond the covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ChainAssessmentOptions {
     /// Profile and bootstrap.
@@ -25,7 +28,8 @@ pub struct ChainAssessmentOptions {
     pub repetitions: usize,
 }
 
-/// The answers; empty where nothing was asked, or nothing can be said.
+/// Profiles, bootstrap and propagation of one solution; empty where nothing was asked for, or the model has no finite
+/// response.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ChainAssessment {
     /// Profiles of everything that was free; of a mass that is the rest where one mass was.
@@ -36,17 +40,21 @@ pub struct ChainAssessment {
     pub propagation: Option<Propagation<String>>,
 }
 
-/// The crush of a chain that stops later than this has none, s.
+/// The crush of a chain is looked for up to this time after contact, s. One that stops later counts as without a
+/// crush.
 const HORIZON_S: f64 = 2.0;
 
-/// Answers for a solution of [`fit_chain`](crate::fit_chain) from the same arguments, by the rules of
-/// [`profile`](crate::uncertainty::profile_likelihood), [`bootstrap`](crate::uncertainty::block_bootstrap) and
-/// [`propagate`](crate::propagate).
+/// Assesses a solution of [`fit_chain`](crate::fit_chain), called with the arguments of that fit, by the rules of
+/// [`profile`](crate::profile), [`bootstrap`](crate::bootstrap) and [`propagate`](crate::propagate) in the logarithms
+/// of the free numbers.
 ///
-/// An uncertain mass is that of the test: a mass that is the rest takes it up; where none is, all masses of the chain
-/// change by the same share. What else is given stays, so springs are proportional to the mass only where all of them
-/// are free. Each repetition starts from the minimum, weights as there: it says nothing of other minima. Errors: as of
-/// the fit.
+/// The weights of the waves stay those of the fit. An uncertain mass is that of the test: where a mass is the rest of
+/// the total, the rest takes the difference; where none is, all masses change by the same share. Numbers that are
+/// given stay, so springs are proportional to the mass only where all of them are free.
+///
+/// Every repetition descends from the minimum: the intervals are those of this minimum and contain no other. The same
+/// seeds as for the single models, a stream for each replicate: the result does not depend on the number of threads.
+/// Errors: as of the fit.
 pub fn assess_chain(
     stated: &StatedChain,
     observed: &Observation,
@@ -102,7 +110,10 @@ pub fn assess_chain(
     Ok(assessment)
 }
 
-/// The values and the crush of one repetition.
+/// Fits one repetition, from the minimum scaled to the mass drawn.
+///
+/// Gives the value of every free number, in its unit, and `dynamic_crush_m` of the compartment where the chain stops
+/// within [`HORIZON_S`]. `None` without a finite response.
 fn repeat(
     coordinates: &ChainCoordinates,
     waves: &Observation,
@@ -110,7 +121,7 @@ fn repeat(
     theta: &[f64],
     mass_ratio: f64,
 ) -> Option<BTreeMap<String, f64>> {
-    // Without a rest everything is a share of the mass; with one the masses that are looked for, so that something is
+    // Without a rest everything is a share of the mass; with one the free masses alone, so that something is
     // left for it.
     let by = |i: usize| if !coordinates.has_rest() || coordinates.is_mass(i) { mass_ratio.ln() } else { 0.0 };
     let start: Vec<f64> = theta.iter().enumerate().map(|(i, x)| x + by(i)).collect();
@@ -124,7 +135,8 @@ fn repeat(
     Some(values)
 }
 
-/// The profile of a mass that is the rest: that of the one free mass mirrored; none with several free masses.
+/// The profile of the mass that is the rest of the total `m`. With one free mass it is the mirrored profile of that
+/// mass, `m_rest = m - m_free` with lower and upper end exchanged; with several there is none.
 fn profile_of_the_rest(
     coordinates: &ChainCoordinates,
     theta: &[f64],

@@ -1,4 +1,8 @@
-//! A chain of masses as a person states it for a fit: every mass, spring and damper given or free.
+//! A chain of masses as it is stated for a fit, and its free numbers as logarithms.
+//!
+//! Every mass, spring and damper is given or free. Free ones are fitted as logarithms, so that each trial is
+//! positive; bounds that are not stated follow from the size of the chain, see
+//! [`search_bounds`](crate::free::search_bounds).
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -10,13 +14,13 @@ use crate::SolveError;
 use crate::free::parameterisation::{Axis, Parameterisation};
 use crate::free::search_bounds::{DAMPER_BOUNDS, DAMPER_STARTS, SPRING_BOUNDS, SPRING_STARTS};
 
-/// A number that is given or looked for.
+/// A number that is given or to be found. Masses in kg, stiffness in N/m, damping in N·s/m.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Stated {
     /// Given.
     Fixed(f64),
-    /// Looked for between bounds, from a start; what is `None` is taken from the size of the other numbers.
+    /// Found between bounds, from a start; what is `None` is taken from the size of the other numbers.
     Free {
         /// Where the search starts first.
         start: Option<f64>,
@@ -31,7 +35,7 @@ pub enum Stated {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StatedMass {
-    /// Given or looked for.
+    /// Given or free.
     Own(Stated),
     /// What the other masses leave of the total.
     Rest,
@@ -65,38 +69,48 @@ enum ChainNumber {
     Damper(usize, usize),
 }
 
-/// The chain with its free numbers: the logarithms of masses, springs and dampers.
+/// A chain with its free numbers. A coordinate is the logarithm of a mass, spring or damper, in the order: mass,
+/// springs, dampers of the first element, then of the next.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ChainCoordinates {
     /// Values of everything; free ones are overwritten.
     masses: Vec<f64>,
+    /// `(knot, value)` of each spring, m and N/m.
     springs: Vec<Vec<(f64, f64)>>,
+    /// `(knot, value)` of each damper, m/s and N·s/m.
     dampers: Vec<Vec<(f64, f64)>>,
+    /// Place of the mass that is the rest of the total.
     rest: Option<usize>,
     /// Whether a mass is stated to be the rest, wherever it stands.
     leaves_a_rest: bool,
+    /// The total, or the sum of the given masses where no total is known.
     total_kg: f64,
     total_known: bool,
+    /// The free numbers with the bounds of their logarithms.
     free: Vec<(ChainNumber, Axis)>,
     /// Whether a person gave the lower and the upper bound of each.
     given_bounds: Vec<(bool, bool)>,
     /// The starts that were given, logarithms; the middle of the box for others.
     pub start: Vec<f64>,
+    /// Their names with units, `k1_n_per_m` or `k1_knot2_n_per_m`.
     pub names: Vec<String>,
 }
 
 /// Bounds of springs and where searches start, in their unit; of dampers.
 const SPRINGS: [(f64, f64); 2] = [SPRING_BOUNDS, SPRING_STARTS];
 const DAMPERS: [(f64, f64); 2] = [DAMPER_BOUNDS, DAMPER_STARTS];
-/// Masses, of the total.
+/// Bounds of free masses as shares of the total, and the shares between which searches start.
 const MASSES: [(f64, f64); 2] = [(1e-3, 0.999), (0.05, 0.6)];
 /// Two numbers nearer than this, relatively, are the same.
 const ROUNDING: f64 = 1e-9;
-/// Starts around a start that was given.
+/// A start that is given is the middle of a range from a fifth to five times it, in which the other starts lie.
 const AROUND: f64 = 5.0;
 
 impl ChainCoordinates {
-    /// Errors: nothing that is free, a rest without a total or twice, numbers and bounds without meaning.
+    /// Reads a stated chain for a fit over a window that ends `length_s` after contact.
+    ///
+    /// Errors: nothing that is free, a rest without a total or stated twice, given masses that leave nothing for the
+    /// rest, numbers and bounds without meaning, a coefficient whose first knot is not at zero.
     pub fn new(stated: &StatedChain, length_s: f64) -> Result<Self, SolveError> {
         let fixed: f64 = stated.elements.iter().filter_map(|e| fixed_kg(e.mass_kg)).sum();
         let total_kg = stated.total_mass_kg.unwrap_or(fixed);
@@ -168,12 +182,17 @@ impl ChainCoordinates {
         if chain.free.is_empty() {
             return Err(SolveError::NothingFree);
         }
-        // What is given must make a chain, wherever the rest is looked for.
+        // What is given must make a chain, whatever the free numbers are.
         chain.built(&chain.masses, &chain.springs, &chain.dampers)?;
         Ok(chain)
     }
 
-    /// A number and its value at the start.
+    /// Adds one number to the chain and gives its value at the start of the fit.
+    ///
+    /// A given number is only passed on. A free one gets bounds: those stated, else `bounds` times `size`, widened so
+    /// that what was stated is never outside (springs and dampers to a thousandth and a thousand times it). Its start
+    /// is the one stated, else the geometric mean of the range in which searches start. Errors: numbers that are not
+    /// positive, bounds that do not rise, a free mass without a total and without both bounds.
     fn take(
         &mut self,
         stated: Stated,
@@ -197,7 +216,7 @@ impl ChainCoordinates {
             let problem = "lower, start and upper do not rise".to_owned();
             return Err(SolveError::Bounds { name, problem });
         }
-        // Bounds of the search give way to what was given, however far outside it is.
+        // Bounds of the search are widened to what was stated, however far outside it is.
         let least = known.first().copied().unwrap_or(size);
         let most = known.last().copied();
         if matches!(place, ChainNumber::Mass(_)) && !self.total_known && (lower.is_none() || upper.is_none()) {
@@ -228,6 +247,8 @@ impl ChainCoordinates {
         Ok(value)
     }
 
+    /// The chain of these values, `(knot, value)` for each law. Errors: a mass that is not positive, knots that do
+    /// not rise.
     fn built(
         &self,
         masses: &[f64],
@@ -250,7 +271,7 @@ impl ChainCoordinates {
         self.masses.len()
     }
 
-    /// Names of all that is looked for; a mass that is the rest, and follows from a free one, comes last.
+    /// Names of all free numbers; a mass that is the rest, and follows from a free one, comes last.
     pub fn all_names(&self) -> Vec<String> {
         let rest = self.free_rest().map(|rest| format!("m{}_kg", rest + 1));
         self.names.iter().cloned().chain(rest).collect()
@@ -281,8 +302,9 @@ impl ChainCoordinates {
         free + given.map(|i| self.masses[i]).sum::<f64>()
     }
 
-    /// Coordinates of a chain that is as stated: what was given has its value, what is free is in the bounds that were
-    /// given. Those of the search alone leave nothing out.
+    /// The coordinates of a chain, if it is one that was stated: numbers that were given have their values to a
+    /// rounding, free ones lie within the bounds that were stated. Bounds of the search alone exclude nothing. `None`
+    /// otherwise.
     pub fn point(&self, chain: &SecantChain) -> Option<Vec<f64>> {
         let value = |place: ChainNumber| match place {
             ChainNumber::Mass(i) => chain.masses_kg().get(i).copied(),
@@ -303,9 +325,8 @@ impl ChainCoordinates {
         (own.len() == other.len() && own.iter().all(same)).then_some(theta)
     }
 
-    /// The same chain where the test weighs `ratio` times as much: the rest takes the difference; where no mass is the
-    /// rest, all masses are shares of the test's and change alike. Springs and dampers that are given stay, and so do
-    /// bounds.
+    /// The same chain in a test of `ratio` times the mass: the rest of the total takes the difference; where no mass
+    /// is the rest, all masses change alike. Springs, dampers and bounds stay.
     #[must_use]
     pub fn of_mass(&self, ratio: f64) -> Self {
         let mut other = self.clone();
@@ -316,8 +337,8 @@ impl ChainCoordinates {
         other
     }
 
-    /// What is said of every free number, of the dual of two masses, where first and second spring and damper change
-    /// places.
+    /// A flag of every free number, carried over to the dual of two masses, in which the first and second spring
+    /// change places, and so do the dampers.
     pub fn exchanged(&self, of: &[bool]) -> Vec<bool> {
         let other = |place: ChainNumber| match place {
             ChainNumber::Mass(i) => ChainNumber::Mass(i),
@@ -343,6 +364,7 @@ impl ChainCoordinates {
     }
 }
 
+/// A mass that is given, kg.
 fn fixed_kg(mass: StatedMass) -> Option<f64> {
     match mass {
         StatedMass::Own(Stated::Fixed(kg)) => Some(kg),
@@ -353,10 +375,12 @@ fn fixed_kg(mass: StatedMass) -> Option<f64> {
 impl Parameterisation for ChainCoordinates {
     type Model = SecantChain;
 
+    /// Bounds and start range of each logarithm.
     fn axes(&self) -> Vec<Axis> {
         self.free.iter().map(|(_, axis)| *axis).collect()
     }
 
+    /// The chain at a point; `None` where the rest of the total is not positive.
     fn model(&self, theta: &[f64]) -> Option<SecantChain> {
         let (mut masses, mut springs, mut dampers) = (self.masses.clone(), self.springs.clone(), self.dampers.clone());
         for ((place, _), x) in self.free.iter().zip(theta) {
@@ -374,6 +398,7 @@ impl Parameterisation for ChainCoordinates {
         self.built(&masses, &springs, &dampers).ok()
     }
 
+    /// Motions and derivatives of a chain with constant coefficients; the motions alone where a law has knots.
     fn sensitivity(
         &self,
         model: &SecantChain,
@@ -387,6 +412,8 @@ impl Parameterisation for ChainCoordinates {
         }
     }
 
+    /// `dp/d(ln p) = p`; a free mass takes what it gains from the rest of the total. Places count masses, then
+    /// springs, then dampers. `None` for a law with knots: the secant motion has no derivatives of its own.
     fn derivatives_by_coordinate(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>> {
         let n = self.masses.len();
         if !self.is_linear() {

@@ -1,4 +1,7 @@
-//! What waves say of the free numbers of a chain, linearised about a minimum.
+//! Covariance of the fitted parameters of a chain, linearised about a minimum.
+//!
+//! The sandwich estimate of [`covariance_of_blocks`] on the logarithms of the free numbers, one block for each wave;
+//! intervals are log-normal, so that masses, springs and dampers stay positive.
 
 use std::collections::BTreeMap;
 
@@ -14,8 +17,8 @@ use crumple_estimation::statistics::{Covariance, covariance_of_blocks};
 /// Both ends of an interval; `None`: open.
 type Ends = (Option<f64>, Option<f64>);
 
-/// How well the free numbers are known, linearised about the minimum; see
-/// [`covariance`](crumple_estimation::statistics::covariance).
+/// How well the free numbers of a chain are determined, to first order about the minimum; see
+/// [`covariance`](crumple_estimation::statistics::covariance) for the formula.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearisedUncertainty {
     /// Standard deviations, in the unit of each; none without a bound on it.
@@ -40,10 +43,15 @@ pub struct LinearisedUncertainty {
     pub(crate) half_width: Vec<Option<f64>>,
 }
 
-/// An interval of a logarithm that reaches over a factor of `e^9` says nothing.
+/// Half-width of the interval of a logarithm from which the interval is called open: it spans a factor of `e^18`.
 const LARGEST_HALF_WIDTH: f64 = 9.0;
 
-/// What residuals and sensitivities say of the parameters that are not on a bound.
+/// Standard deviations, 95 % intervals and correlation from residuals and sensitivities at a minimum.
+///
+/// `misfit` holds the weighted residuals of all waves one after the other, `sensitivities` their derivatives by the
+/// logarithms, both in the unit of the first wave: one row for each sample, one column for each free number. Numbers
+/// on a bound and numbers without effect are left out of the matrices and have an open interval. Intervals are
+/// log-normal, `p e^(±h)`, with `h` the half-width in the logarithm. `None` where nothing is determined.
 pub(crate) fn linearised(
     coordinates: &ChainCoordinates,
     waves: &Observation,
@@ -97,8 +105,12 @@ pub(crate) fn linearised(
     })
 }
 
-/// Name, deviation and interval of the mass that is the rest: of one free mass its interval mirrored, of several the
-/// deviation of their sum with the widest factor of theirs. `None` where a free mass is on a bound or open.
+/// Name, standard deviation and 95 % interval of the mass that is the rest of the total, kg.
+///
+/// Its variance is that of the sum of the free masses, `g' C g` with `g_a = m_a` and `C` the covariance of their
+/// logarithms. With one free mass the interval is that of the free mass mirrored in the total; with several it is
+/// normal, with the widest factor between deviation and half-width among theirs. `None` where a free mass is on a
+/// bound or has an open interval.
 fn of_the_rest(
     coordinates: &ChainCoordinates,
     theta: &[f64],

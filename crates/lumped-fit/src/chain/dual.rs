@@ -1,11 +1,15 @@
-//! The dual of a fitted chain of two masses.
+//! The dual of a fitted chain of two masses: the same masses and the same motion of the last one, other springs and
+//! dampers.
+//!
+//! With `mu = (m1 + m2)/m2` the dual has `k1' = mu k2`, `k2' = k1/mu` and dampers alike: it exchanges front and rear.
+//! A sensor on the last mass alone cannot tell the two apart, see [`DoubleSpringMassDamper::dual`].
 
 use crumple_lumped::{DoubleSpringMassDamper, PiecewiseLinear, SecantChain};
 
 use crate::Observation;
 use crate::chain::coordinates::ChainCoordinates;
 
-/// What is known of the chain with the same masses and the same motion of the last one.
+/// Where the dual of a solution is.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ChainDual {
     /// It is another solution, by its place from 1.
@@ -17,8 +21,7 @@ pub enum ChainDual {
 /// Two chains whose coordinates are nearer than this are one.
 const SAME: f64 = 1e-6;
 
-/// The chain with the same masses and the same motion of the last mass; `None` for any but two masses with constant
-/// coefficients.
+/// The dual chain; `None` for any but two masses with constant coefficients.
 pub(crate) fn dual(chain: &SecantChain) -> Option<SecantChain> {
     let ([m1_kg, m2_kg], [k1, k2], [c1, c2]) = (chain.masses_kg(), chain.springs(), chain.dampers()) else {
         return None;
@@ -38,12 +41,12 @@ pub(crate) fn dual(chain: &SecantChain) -> Option<SecantChain> {
     SecantChain::new(&[double.m1_kg, double.m2_kg], &springs, &dampers).ok()
 }
 
-/// Springs, then dampers; `None` where one is no constant.
+/// The values of the springs, then of the dampers, from the barrier on; `None` where a law has knots.
 fn constants(chain: &SecantChain) -> Option<Vec<f64>> {
     chain.springs().iter().chain(chain.dampers()).map(PiecewiseLinear::as_constant).collect()
 }
 
-/// Whether no wave is of another mass than the last: then nothing tells a chain of two from its dual.
+/// Whether all waves are of the last mass. Only then does a chain of two have an equivalent dual.
 pub(crate) fn sees_the_last_only(waves: &Observation, masses: usize) -> bool {
     waves.waves.iter().all(|wave| wave.mass.is_none_or(|mass| mass + 1 == masses))
 }

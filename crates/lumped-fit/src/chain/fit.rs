@@ -1,4 +1,8 @@
-//! Chains of masses fitted to the motion of one or several sensors, and judged.
+//! Chains of masses fitted to the motion of one or several sensors.
+//!
+//! In three steps: a search from many starts on the motion itself, the noise levels of the sensors and the minimum in
+//! turn, and, where all filters are known, the same with each wave sampled, filtered and integrated like its record.
+//! What is left of equal minima and duals is reported with covariance and duals.
 
 use crumple_estimation::minimise::StopReason;
 use crumple_lumped::SecantChain;
@@ -15,9 +19,11 @@ use crumple_estimation::minimise::levenberg_marquardt::{Optimum, derivatives};
 
 /// Sets that are reported at most, each with its dual, and how near their errors must be to the best.
 const REPORTED: usize = 3;
+/// Sets whose weighted errors are within this factor of the best are reported: the record does not tell them apart.
 const AS_GOOD: f64 = 1.01;
 /// Rounds of weighing sensors seen through their filters, and the change of a weight that is worth another.
 const WEIGHINGS: usize = 8;
+/// Relative change of a weight for which the sensors are weighed once more.
 const WORTH_ANOTHER: f64 = 1e-3;
 /// Coordinates of the logarithms that differ by less are those of one set.
 const SAME: f64 = 0.01;
@@ -43,26 +49,33 @@ pub struct ChainSolution {
     pub evaluations: u64,
     /// Why it stopped.
     pub stop_reason: StopReason,
-    /// What the record says of the free numbers; `None` where there is nothing to judge by.
+    /// Covariance and intervals of the free numbers; `None` where nothing is determined.
     pub linearised: Option<LinearisedUncertainty>,
-    /// The chain with the same masses and the same motion of the last one; `None` where a wave tells it, or there is
-    /// none.
+    /// The chain with the same masses and the same motion of the last one; `None` where a wave tells the two apart, or
+    /// there is none.
     pub dual: Option<ChainDual>,
-    /// Whether masses were looked for and no wave is of another mass than the last: their division is then in the
+    /// Whether masses were fitted and no wave is of another mass than the last: their division is then in the
     /// record by a formula, and in practice not.
     pub division_undecided: bool,
     /// The logarithms of what was free.
     pub(crate) theta: Vec<f64>,
 }
 
-/// Fits the free numbers of a chain to waves, each of a mass by its index (`None`: the last).
+/// Fits the free numbers of a chain to waves, each of a mass by its index from the barrier on (`None`: the last).
 ///
-/// Least squares in the logarithms within bounds: Levenberg-Marquardt on analytic sensitivities, or on differences
-/// where a coefficient has knots, from the start that was given and from evenly spread (Halton) points; sensors weighed
-/// by their noise levels as in the fits of the other models. `through_filter`: whether the measurement of every wave is
-/// known: then the minima are followed to those of the misfit as measured. Deterministic for any number of threads; a
-/// global minimum is likely, not proven. Errors: a chain without meaning, waves of masses it does not have, no start
-/// with a finite response.
+/// Weighted least squares of the logarithms within bounds, by Levenberg-Marquardt: on analytic sensitivities, or on
+/// differences where a coefficient has knots; from the stated start and from Halton points, at least six for each
+/// free number. The weight of a wave is that of its noise level, `1/s_w`, `s_w` the root mean square residual of the
+/// wave, found in turn with the fit.
+///
+/// `through_filter`: whether the measurement of every wave is known. Then the minima are followed to those of the
+/// misfit after sampling, filter and integration; else the motion itself is compared.
+///
+/// Solutions come best first, each with its dual next to it, the softer first spring first. At most three sets within
+/// 1 % of the least weighted error are reported. Deterministic for any number of threads. A global minimum is likely,
+/// not proven.
+///
+/// Errors: a chain without meaning, a wave of a mass that the chain does not have, no start with a finite response.
 pub fn fit_chain(
     stated: &StatedChain,
     observed: &Observation,
@@ -141,7 +154,7 @@ pub fn fit_chain(
             None => None,
         };
         match other {
-            // The one with the softer first spring comes first, whichever was met first.
+            // The one with the softer first spring comes first, whichever was found first.
             Some(mut other) => {
                 if other.first_spring() < primal.first_spring() {
                     std::mem::swap(&mut primal, &mut other);
@@ -157,11 +170,14 @@ pub fn fit_chain(
 }
 
 impl ChainSolution {
+    /// Stiffness of the spring next to the barrier at no compression, N/m: orders a solution and its dual.
     fn first_spring(&self) -> f64 {
         self.chain.springs().first().map_or(0.0, |spring| spring.at(0.0))
     }
 }
 
+/// A minimum with errors of every wave, noise levels and linearised uncertainty; `None` where the response there is
+/// not finite.
 fn solution(problem: &ChainProblem<'_>, minimum: &Optimum, evaluations: u64) -> Option<ChainSolution> {
     let (coordinates, waves) = (problem.coordinates, problem.waves);
     let chain = coordinates.model(&minimum.theta)?;

@@ -1,4 +1,4 @@
-//! Residuals of a chain beside its waves, and its fit repeated near a minimum.
+//! Residuals of a chain compared with its waves, and its fit repeated near a minimum.
 
 use crumple_lumped::{Instants, SecantChain};
 use nalgebra::DMatrix;
@@ -11,14 +11,19 @@ use crate::record::window::Window;
 use crate::{Observation, ObservedWave};
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
 
-/// Iterations, and the relative decrease of the cost worth going on for, where a minimum is followed.
+/// Iterations, and the relative decrease of the cost below which a descent ends, where a fit is repeated near its
+/// minimum.
 const FOLLOWING: (u32, f64) = (200, 1e-7);
 
-/// A chain of which some numbers are free, beside waves: as measured, each sampled, filtered and integrated like its
-/// wave; or as the motion itself where a filter is not known. Residuals are weighted, in units of
-/// [`Observation::scale_m`].
+/// A chain of which some numbers are free, compared with waves.
+///
+/// Residuals are `w (model - record)/u` at every sample of every wave: `w` the weight of the wave and `u` the largest
+/// value of the first, so that they are of size one. With known measurements the model is sampled, filtered and
+/// integrated as each wave was; else its motion itself is compared.
 pub(crate) struct ChainProblem<'a> {
+    /// The chain with its free numbers.
     pub coordinates: &'a ChainCoordinates,
+    /// The waves it is compared with, and their weights.
     pub waves: &'a Observation,
     /// The windows to compare with the motion itself; `None`: through the filters.
     direct: Option<Vec<SensorWindow>>,
@@ -42,6 +47,7 @@ pub(crate) fn windows(waves: &Observation, masses: usize, unit: f64) -> Vec<Sens
 }
 
 impl<'a> ChainProblem<'a> {
+    /// `through_filter`: whether the model is compared as measured.
     pub fn new(coordinates: &'a ChainCoordinates, waves: &'a Observation, through_filter: bool) -> Self {
         let unit = waves.scale_m();
         let direct = (!through_filter).then(|| windows(waves, coordinates.masses(), unit));
@@ -71,8 +77,8 @@ impl<'a> ChainProblem<'a> {
         descend(self, start, &self.bounds())
     }
 
-    /// The minimum near `others` where number `fixed` stays at `coordinate`: the coordinates of the others and the sum
-    /// of squares.
+    /// The minimum near `others` with coordinate number `fixed` set to `coordinate`: the other coordinates and the
+    /// sum of squares, in squared units of [`Self::unit`]. `None` without a finite response.
     pub fn follow_others(&self, fixed: usize, coordinate: f64, others: &[f64]) -> Option<(Vec<f64>, f64)> {
         let mut start = others.to_vec();
         start.insert(fixed, coordinate);
@@ -83,11 +89,13 @@ impl<'a> ChainProblem<'a> {
         Some((minimum.theta, minimum.cost))
     }
 
+    /// The same comparison without filters.
     fn plain<'b>(&'b self, sensors: &'b [SensorWindow]) -> SensorProblem<'b, ChainCoordinates> {
         SensorProblem { coordinates: self.coordinates, impact_speed_m_per_s: self.waves.impact_speed_m_per_s, sensors }
     }
 
-    /// What is measured of every wave's motion, and of its derivatives by these places.
+    /// What each wave's measurement makes of the motion of its mass (first) and of its derivatives by the parameters
+    /// at `places` (then, in their order), from the first sample of the record on. `None` without a response.
     fn measured(&self, chain: &SecantChain, places: &[usize]) -> Option<Vec<Vec<Vec<f64>>>> {
         let v0 = self.waves.impact_speed_m_per_s;
         let last = chain.masses_kg().len() - 1;
@@ -101,10 +109,12 @@ impl<'a> ChainProblem<'a> {
 }
 
 impl Response for ChainProblem<'_> {
+    /// One residual for each sample of each wave.
     fn rows(&self) -> usize {
         self.waves.rows()
     }
 
+    /// `w (model - record)/unit`, wave after wave.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
         if let Some(sensors) = &self.direct {
             return self.plain(sensors).residuals(theta, out);
@@ -122,6 +132,7 @@ impl Response for ChainProblem<'_> {
         row == out.len() && out.iter().all(|r| r.is_finite())
     }
 
+    /// Derivatives by the logarithms; `None` where a coefficient has knots and differences have to do.
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
         if let Some(sensors) = &self.direct {
             return self.plain(sensors).sensitivities(theta, out);

@@ -1,4 +1,4 @@
-//! The elastoplastic model from crush, speed and restitution.
+//! The elastoplastic model from crush, speed and restitution: a loading line, a steeper unloading line, no damper.
 
 use crumple_lumped::Elastoplastic;
 
@@ -38,8 +38,8 @@ pub fn elastoplastic_from_events(
     })
 }
 
-/// Coefficient of restitution below which the unloading is rigid to all that a record tells: a zero level 0.1 g off
-/// makes as much rebound of nothing within 100 ms at 10 m/s.
+/// Coefficient of restitution below which the unloading is rigid within the accuracy of a record: a zero level 0.1 g
+/// off makes as much rebound of nothing within 100 ms at 10 m/s.
 pub const RIGID_RESTITUTION: f64 = 0.01;
 
 /// As [`elastoplastic_from_events`], with an unloading stiffness of at most `k_E/0.01²`, and whether it stands there: a

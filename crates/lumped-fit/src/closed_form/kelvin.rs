@@ -1,4 +1,8 @@
-//! The Kelvin model from the time of dynamic crush, the crush and the speed.
+//! The Kelvin model, spring and damper in parallel, from the time of dynamic crush, the crush and the impact speed.
+//!
+//! With `t_c = C/v0` the ratio `t_c/t_m` depends on the damping ratio alone; inverting that relation gives `ζ`, then
+//! the time gives `ω`, and `k = m ω²`, `c = 2 ζ ω m`. Single-mass paper, section 3.1; M. Huang, *Vehicle Crash
+//! Mechanics*, 2002.
 
 use std::f64::consts::FRAC_2_PI;
 
@@ -93,7 +97,8 @@ pub fn kelvin_from_events(
     Ok(KelvinSolution { model, natural_frequency_rad_per_s: omega, damping_ratio: zeta, time_ratio: ratio, branch })
 }
 
-/// The damping ratio of a time ratio below `2/π`, by bisection: in ζ up to 1, in ln ζ above.
+/// The damping ratio of a time ratio below `2/π`, by bisection to the last bit: in `ζ` up to 1, in `ln ζ` above.
+/// `None` for a ratio whose damping ratio is above 1e9.
 fn invert(ratio: f64) -> Option<f64> {
     let bisect = |mut low: f64, mut high: f64, f: &dyn Fn(f64) -> f64| {
         loop {

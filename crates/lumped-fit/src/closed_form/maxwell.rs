@@ -1,11 +1,11 @@
-//! The Maxwell model from the exponents of a fitted displacement.
+//! The Maxwell model from the exponents of a displacement: `r² + (k/c) r + k/m = 0` beside a constant.
 
 use crumple_lumped::Maxwell;
 
 use crate::SolveError;
 use crate::error::positive;
 
-/// The two exponents beside the constant in `x = C1 + ...`.
+/// The two exponents of `x = C1 + e^(a t) (C2 e^(b t) + C3 e^(-b t))` beside the constant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MaxwellExponents {
     /// `a ± i b`, 1/s and rad/s: the mass swings.

@@ -1,4 +1,5 @@
-//! A model whose displacement is a closed form, fitted to a record: the problem and its best of starts.
+//! A single mass whose displacement is a closed form, fitted to a record: residuals, and the best of several
+//! descents.
 
 use crate::candidate::linearised::uncertainty;
 use crate::candidate::parameter_set::Fit;
@@ -7,19 +8,26 @@ use crate::record::window::Window;
 use crate::{SolveError, Uncertainty};
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response};
 
-/// Displacement of a model minus the record over the window, in units of the crush.
+/// Displacement of a model minus the record over the window, in units of the crush: `r_k = (x(t_k) - s_k)/C`.
+///
+/// Without derivatives of its own: descents use differences, which cost one evaluation for each of one or two
+/// parameters.
 pub(crate) struct ClosedForm<'a, F> {
+    /// The record, m.
     pub window: &'a Window,
+    /// Unit of the residuals, m.
     pub crush_m: f64,
     /// For a point of the search the displacement at an instant, m, s after contact.
     pub displacement: F,
 }
 
 impl<F: Fn(&[f64]) -> G + Sync, G: Fn(f64) -> f64> Response for ClosedForm<'_, F> {
+    /// One residual for each sample of the window.
     fn rows(&self) -> usize {
         self.window.samples.len()
     }
 
+    /// `(x(t_k) - s_k)/C`; `false` where one is not finite.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
         let displacement = (self.displacement)(theta);
         for (k, (r, s)) in out.iter_mut().zip(&self.window.samples).enumerate() {
@@ -30,8 +38,11 @@ impl<F: Fn(&[f64]) -> G + Sync, G: Fn(f64) -> f64> Response for ClosedForm<'_, F
     }
 }
 
-/// The best end of descents from every start, its record, and the deviations of the parameters `names`, which are
-/// logarithms in the search; `values` gives them at a point.
+/// Descends from every start and takes the best end: its coordinates, the record of the fit, and the standard
+/// deviations of `names`.
+///
+/// Coordinates are logarithms; `values` gives the parameters at a point, which are also their derivatives by the
+/// logarithms. Errors: no start with a finite response.
 pub(crate) fn fit_logarithms<F: Fn(&[f64]) -> G + Sync, G: Fn(f64) -> f64>(
     problem: &ClosedForm<'_, F>,
     starts: Vec<Vec<f64>>,

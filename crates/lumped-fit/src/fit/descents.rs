@@ -1,16 +1,18 @@
-//! Descents from several points: their bounds, their ends in order, and which of these are distinct.
+//! Descents from several points at once: their bounds, their ends in order, and which ends are distinct.
 
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
 use rayon::prelude::*;
 
 use crate::free::parameterisation::Parameterisation;
 
-/// Minima kept.
+/// Minima that a fit may report; twice as many are kept for further steps.
 const REPORTED: usize = 3;
-/// Two minima further apart than this in any coordinate are two.
+/// Two ends whose coordinates all differ by less than this are one minimum. Coordinates are logarithms or shares, so
+/// this is 1 %.
 const APART: f64 = 0.01;
 
-/// Bounds of a descent in the coordinates of a model.
+/// Bounds of a descent in the coordinates of a model. `cost_tolerance`: relative decrease of the cost below which it
+/// ends.
 pub(crate) fn bounds(coordinates: &impl Parameterisation, max_iterations: u32, cost_tolerance: f64) -> Bounds {
     let axes = coordinates.axes();
     Bounds {
@@ -21,7 +23,10 @@ pub(crate) fn bounds(coordinates: &impl Parameterisation, max_iterations: u32, c
     }
 }
 
-/// Descends from every point: where each with a finite response ended, least cost first, and the evaluations spent.
+/// Descends from every point, in parallel: the ends, least cost first, and the evaluations spent by all of them.
+///
+/// A point without a finite response has no end. Ends of equal cost keep the order of their points, so the result
+/// does not depend on the number of threads.
 pub(crate) fn all(problem: &impl Response, points: Vec<Vec<f64>>, bounds: &Bounds) -> (Vec<Optimum>, u64) {
     let ends: Vec<_> = points.par_iter().map(|point| descend(problem, point, bounds)).collect();
     let mut ends: Vec<Optimum> = ends.into_iter().flatten().collect();
@@ -30,7 +35,7 @@ pub(crate) fn all(problem: &impl Response, points: Vec<Vec<f64>>, bounds: &Bound
     (ends, evaluations)
 }
 
-/// Those that have not come to the place of a better one.
+/// The ends that are not at the place of a better one; `sorted` by cost, and so is the result.
 pub(crate) fn distinct(sorted: Vec<Optimum>) -> Vec<Optimum> {
     let mut kept: Vec<Optimum> = Vec::new();
     for minimum in sorted {

@@ -1,14 +1,18 @@
+//! Starts that are spread evenly over a box: Halton points.
+
 use nalgebra::Vector4;
 
-/// Start `index` of a multi-start search: a Halton point (bases 2, 3, 5, 7) in the box `lower..upper`.
+/// Start `index` of a search in four coordinates: a Halton point in the bases 2, 3, 5, 7 in the box `lower..upper`.
 ///
-/// Deterministic and evenly spread for any number of starts.
+/// The same for every run, and evenly spread for any number of starts: the discrepancy of `n` points is `O((ln
+/// n)^4/n)`. Halton, "On the efficiency of certain quasi-random sequences of points", Numer. Math. 2, 1960.
 pub(crate) fn start(index: usize, lower: &Vector4<f64>, upper: &Vector4<f64>) -> Vector4<f64> {
     let point = Vector4::from([2, 3, 5, 7].map(|base| radical_inverse(index + 1, base)));
     lower + (upper - lower).component_mul(&point)
 }
 
-/// The same for any number of axes up to 24.
+/// Start `index` in any number of coordinates; bases are the first 24 primes, repeated beyond. Points in bases above
+/// 20 or so are correlated until many are drawn.
 pub(crate) fn start_in(index: usize, lower: &[f64], upper: &[f64]) -> Vec<f64> {
     const BASES: [usize; 24] =
         [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79, 83, 89];
@@ -20,7 +24,7 @@ pub(crate) fn start_in(index: usize, lower: &[f64], upper: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// The digits of `index` in `base`, mirrored at the point.
+/// The digits of `index` in `base`, mirrored at the radix point: a number in `0..1`.
 fn radical_inverse(mut index: usize, base: usize) -> f64 {
     let (mut value, mut weight) = (0.0, 1.0 / base as f64);
     while index > 0 {

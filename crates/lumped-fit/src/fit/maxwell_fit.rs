@@ -1,4 +1,4 @@
-//! The Maxwell model fitted to the compartment's displacement.
+//! The Maxwell model, spring and damper in series, fitted to the displacement of the compartment.
 
 use crumple_lumped::Maxwell;
 use crumple_signal::{Displacement, Signal};
@@ -10,15 +10,19 @@ use crate::record::window::Window;
 use crate::{Fit, SolveError, Uncertainty};
 use crumple_estimation::minimise::levenberg_marquardt::Bounds;
 
-/// Starts of the spring and of the damper, in their units.
+/// Starts of the spring in units of `m (v0/C)²`.
 const SPRINGS: [f64; 5] = [0.3, 1.0, 3.0, 10.0, 30.0];
+/// Starts of the damper in units of `m v0/C`.
 const DAMPERS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
 
-/// Fits spring and damper in series, with `x(0) = 0`, `v(0) = v0`, `a(0) = 0` as the model has them: two numbers, where
-/// the paper's five free constants do not reproduce the curve.
+/// Fits the spring and the damper of the Maxwell model, in series, with `x(0) = 0`, `v(0) = v0` and `a(0) = 0`.
 ///
-/// Logarithms, from 20 starts, bounded to `e^±9` of their units; the closed form is exact at every sample. Errors: as
-/// the other fits.
+/// Two numbers, where the five free constants of the single-mass paper do not reproduce the curve. Least squares of
+/// their logarithms from 20 starts, bounded to `e^±9` of `m (v0/C)²` and `m v0/C`; the closed form is exact at every
+/// sample, whether the mass swings or creeps. Near a rigid spring or damper the other one is determined alone: see
+/// [`undetermined_by_the_record`].
+///
+/// Errors: as the other fits.
 pub fn fit_maxwell(
     displacement: &Signal<Displacement>,
     options: &SingleMassFitOptions,

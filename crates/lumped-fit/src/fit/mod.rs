@@ -1,5 +1,5 @@
-//! Models fitted to records by bounded least squares.
-//! May use `closed_form`, `free`, `candidate` and `record`.
+//! Models fitted to records by bounded least squares: the double model, single masses, any model to any sensors.
+//! May use `free`, `candidate` and `record`.
 
 pub mod closed_form_fit;
 pub mod descents;

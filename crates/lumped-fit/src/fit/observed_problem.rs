@@ -9,25 +9,32 @@ use nalgebra::DMatrix;
 use crate::free::free_parameter::{FreeParameter, masses_of, rest_mass};
 use crate::record::observation::Observation;
 
-/// A misfit below this share of the largest displacement is the exact model.
+/// Relative residual below which the model is exact: rounding of a response of size one through filter and
+/// integration.
 const EXACT: f64 = 1e-10;
 
-/// A model of which some parameters are free, beside a record. Residuals are in units of the largest displacement.
+/// A model of which some parameters are free, compared with an observation. Residuals are `w (model - record)` in
+/// units of the largest value of the first wave; the coordinates are those of [`FreeParameter`].
 #[derive(Debug, Clone)]
 pub(crate) struct Problem<'a> {
+    /// The model with the values of everything that is not free.
     pub template: Model,
+    /// What is free, in the order of the coordinates.
     pub free: Vec<FreeParameter>,
+    /// The waves it is compared with.
     pub observed: &'a Observation,
     /// Metres of one unit of residual.
     pub unit_m: f64,
 }
 
 impl<'a> Problem<'a> {
+    /// The problem at the values of `template`; parameters that are not in `free` stay there.
     pub fn new(template: Model, free: Vec<FreeParameter>, observed: &'a Observation) -> Self {
         Self { template, free, observed, unit_m: observed.scale_m() }
     }
 
-    /// The model at a point, whatever its parameters are worth.
+    /// The model at a point; `None` where its parameters are not physical. With free masses the last mass is the rest
+    /// of the total of the template.
     pub fn model(&self, theta: &[f64]) -> Option<Model> {
         let mut values = self.template.parameters();
         for (parameter, coordinate) in self.free.iter().zip(theta) {
@@ -49,7 +56,8 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// The same model with other values; `None` for values without meaning.
+/// The same model with other values by name; `None` for values without meaning. Whether an elastoplastic model leaves
+/// the barrier is no parameter, and kept.
 pub(crate) fn with_parameters(template: &Model, values: &BTreeMap<String, f64>) -> Option<Model> {
     let kind: ModelKind = template.kind();
     let mut model = Model::from_parameters(kind, values).ok()?;
@@ -60,14 +68,17 @@ pub(crate) fn with_parameters(template: &Model, values: &BTreeMap<String, f64>) 
 }
 
 impl Response for Problem<'_> {
+    /// One residual for each sample of each wave.
     fn rows(&self) -> usize {
         self.observed.rows()
     }
 
+    /// Sum of squares of [`EXACT`] at every sample.
     fn exact(&self) -> f64 {
         EXACT * EXACT * self.rows() as f64
     }
 
+    /// `w (model - record)/unit`, wave after wave, through the measurement of each.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
         let Some(misfit) = self.model(theta).and_then(|model| self.observed.misfit(&model)) else { return false };
         for (out, misfit) in out.iter_mut().zip(misfit) {
@@ -76,6 +87,8 @@ impl Response for Problem<'_> {
         true
     }
 
+    /// Derivatives of the measured response by each coordinate, `dp/dtheta dx/dp w/unit`; a mass that is free is
+    /// taken from the last one.
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
         let model = self.model(theta)?;
         let names = model.kind().parameter_names();

@@ -1,9 +1,9 @@
-//! What a fit of a single mass to its displacement is asked for.
+//! Options of the fits of a single mass to its displacement.
 
 use crate::SolveError;
 use crate::error::positive;
 
-/// What a fit of a nonlinear model is asked for.
+/// Mass, speed, crush and window of a fit of a single mass to its displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SingleMassFitOptions {
     /// Mass, kg.

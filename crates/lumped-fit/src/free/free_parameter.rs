@@ -1,8 +1,11 @@
-//! Parameters of a model that are free in a fit, as coordinates of size one.
+//! Parameters of a model that are free in a fit to an observation, as coordinates of size one.
+//!
+//! A value `p` has the coordinate `ln(p/u)`, `u` its value at the start; near zero, where a logarithm has no meaning,
+//! `p/u` with `u` the scale of its kind. Both are of size one, which the descents and their differences rely on.
 
 use crumple_lumped::{Model, Parameter, ParameterKind};
 
-/// One parameter that is judged.
+/// A parameter that is free, with its coordinate and its bounds. All values in the SI unit of its name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeParameter {
     /// Name with unit.
@@ -23,13 +26,14 @@ pub struct FreeParameter {
     pub lowest: f64,
 }
 
-/// A spring or damper below this share of the scale of its kind is near zero: its logarithm means nothing.
+/// A spring or damper below this share of the scale of its kind is near zero: its coordinate is its share of the
+/// scale.
 const NEAR_ZERO: f64 = 0.01;
-/// Springs and dampers are looked for within this factor.
+/// Values are searched within this factor above and below the unit of the coordinate.
 const RANGE: f64 = 1e4;
 
 impl FreeParameter {
-    /// The same parameter described about another value: by its logarithm, or by its share of the scale near zero.
+    /// The same parameter with the coordinate that suits `value`: the logarithm, or the share of the scale near zero.
     pub fn described_at(&self, value: f64) -> Self {
         let logarithmic = value > NEAR_ZERO * self.scale;
         Self { value, unit: if logarithmic { value } else { self.scale }, logarithmic, ..*self }
@@ -60,10 +64,12 @@ impl FreeParameter {
     }
 }
 
-/// The springs, dampers and knots of a model that a displacement can tell, with coordinates of size one. Masses, and
-/// the end knots of a nonlinear model, are given.
+/// The springs, dampers and knots of a model that a displacement can determine. Masses, and the last knots of a
+/// nonlinear model, are given by the test.
 ///
-/// `crush_m` and `time_s` are those of the test; `with_unloading`: whether the window goes beyond the dynamic crush.
+/// `crush_m` and the impact speed set the scales: `m (v0/C)²`, N/m, and `m v0/C`, N·s/m. Inner knots of a curve stay
+/// below 0.999999 of the last one. `with_unloading`: whether the window goes beyond dynamic crush, without which no
+/// sample depends on the unloading stiffness of the elastoplastic model.
 pub fn free_parameters(
     model: &Model,
     impact_speed_m_per_s: f64,
@@ -96,7 +102,8 @@ pub fn free_parameters(
         .collect()
 }
 
-/// The masses but the last of a model whose total is known, each between two shares of what the masses before it leave.
+/// The masses of a model whose total is known, but the last one, which is the rest. Each lies between the shares
+/// `lower` and `upper` of what the masses in front of it leave.
 pub fn free_masses(model: &Model, (lower, upper): (f64, f64)) -> Vec<FreeParameter> {
     let masses = masses_of(model);
     let mut left: f64 = masses.iter().map(|(_, kg)| kg).sum();
@@ -112,7 +119,7 @@ pub fn free_masses(model: &Model, (lower, upper): (f64, f64)) -> Vec<FreeParamet
         .collect()
 }
 
-/// Masses of a model from the barrier on.
+/// Names and values of the masses of a model, kg, from the barrier on.
 pub(crate) fn masses_of(model: &Model) -> Vec<(&'static str, f64)> {
     let values = model.parameters();
     let masses = model.kind().parameters().iter().filter(|p| p.kind == ParameterKind::Mass);
@@ -124,7 +131,8 @@ pub fn mass_of(model: &Model) -> f64 {
     masses_of(model).iter().map(|(_, kg)| kg).sum()
 }
 
-/// The last mass where masses are free: the rest of the total. Its name and its value.
+/// Name and value, kg, of the last mass where masses are free: it is the rest of the total. `None` where masses are
+/// given.
 pub(crate) fn rest_mass(model: &Model, free: &[FreeParameter]) -> Option<(&'static str, f64)> {
     free.iter().any(|p| p.kind == ParameterKind::Mass).then(|| masses_of(model).pop()).flatten()
 }

@@ -2,7 +2,7 @@
 
 use crate::SolveError;
 
-/// How the test mass divides into chassis and compartment.
+/// How the test mass divides into chassis (next to the barrier) and compartment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MassSplit {
     /// `m1/(m1 + m2)`.
@@ -15,7 +15,10 @@ pub enum MassSplit {
     Both(f64, f64),
 }
 
-/// Chassis and compartment masses, with the sentence that says where they come from.
+/// Masses of chassis and compartment, kg, with the sentence that says where they come from.
+///
+/// One accelerometer does not determine how the mass divides, and all springs and dampers of the double model depend
+/// on it. Errors: a share outside 0 to 1, a mass that is not positive or not below the test mass.
 pub fn masses(mass_kg: f64, split: MassSplit) -> Result<(f64, f64, String), SolveError> {
     let value = |name, value, expected| SolveError::Value { name, value, expected };
     let below = "positive and below the test mass";
@@ -42,7 +45,7 @@ pub fn masses(mass_kg: f64, split: MassSplit) -> Result<(f64, f64, String), Solv
     Ok((m1, m2, format!("m1 = {m1:.2} kg, m2 = {m2:.2} kg: {source}{total}")))
 }
 
-/// Masses that were given need not be those of the test.
+/// The remark on given masses whose sum differs from the test mass by more than 0.5 %; empty otherwise.
 fn sum_remark(sum_kg: f64, mass_kg: f64) -> String {
     if (sum_kg - mass_kg).abs() > 5e-3 * mass_kg {
         format!("; their sum {sum_kg:.1} kg is not the test mass {mass_kg:.1} kg")
@@ -51,7 +54,8 @@ fn sum_remark(sum_kg: f64, mass_kg: f64) -> String {
     }
 }
 
-/// Masses of engine, suspension and chassis, and compartment, with the sentence that says where they come from.
+/// Masses of engine, of suspension and chassis, and of the compartment, kg, with the sentence that says where they
+/// come from: those given, else the front mass of the double model halved, which is an assumption.
 pub fn triple_masses(
     mass_kg: f64,
     split: MassSplit,

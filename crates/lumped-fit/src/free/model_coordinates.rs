@@ -1,4 +1,7 @@
-//! A model with the parameters that are free in a fit, as numbers of size one.
+//! The free parameters of a model as coordinates of size one, for fits to sensors.
+//!
+//! Springs and dampers are logarithms over the scale of the test, knots are shares of the crush, of the impact speed
+//! or of the next knot, masses are shares of what is left of the total: every point in the bounds is a model.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +10,7 @@ use crumple_lumped::{Instants, LumpedError, Model, ModelKind, Parameter, Paramet
 use crate::free::parameterisation::{Axis, Parameterisation};
 use crate::free::search_bounds::{DAMPER_BOUNDS, DAMPER_STARTS, SPRING_BOUNDS, SPRING_STARTS};
 
-/// How a coordinate becomes parameters.
+/// How a coordinate becomes a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Map {
     /// `p = scale exp(theta)`: positive whatever the search tries.
@@ -20,13 +23,14 @@ enum Map {
     MassShare,
 }
 
-/// One free number.
+/// One free parameter with the bounds of its coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Coordinate {
     /// Name of the parameter it stands for.
     pub name: &'static str,
     /// Place among the names of the model.
     place: usize,
+    /// How the parameter follows.
     map: Map,
     /// Bounds of the descent.
     pub lower: f64,
@@ -36,21 +40,24 @@ pub(crate) struct Coordinate {
     pub box_upper: f64,
 }
 
-/// A model family with its known and its free parameters.
+/// A model with its known and its free parameters, and how the free ones follow from coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ModelCoordinates {
     pub kind: ModelKind,
     /// Every parameter, in the order of the names; free ones are overwritten.
     known: Vec<f64>,
+    /// The free parameters, in the order of the coordinates.
     pub free: Vec<Coordinate>,
+    /// Sum of all masses: what masses that are fitted divide.
     total_mass_kg: f64,
     /// Whether an elastoplastic model leaves the barrier.
     release: bool,
 }
 
-/// What scales a family.
+/// The size of a test, from which the scales of springs, dampers and knots follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Scale {
+    /// Speed at contact, m/s: the last knot of a nonlinear damper.
     pub impact_speed_m_per_s: f64,
     /// Length of the window, s.
     pub length_s: f64,
@@ -60,7 +67,7 @@ pub(crate) struct Scale {
     pub release: bool,
 }
 
-/// Bounds of a share of the mass that is fitted.
+/// Whether masses are given, or fitted with a given total.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MassFit {
     /// Masses are known.
@@ -75,11 +82,12 @@ pub enum MassFit {
 }
 
 impl ModelCoordinates {
-    /// The family of a kind with these masses; springs and dampers near those that stop the car in the window.
+    /// The coordinates of a model with these masses, kg.
     ///
-    /// Bounds as in `fit_double`: springs within 1e-4 and 1e4 of `M (π/2T)²`, dampers within 1e-5 and 1e3 of `M/T`. The
-    /// unloading stiffness of the elastoplastic model and the Maxwell model reach higher. Coefficients of the nonlinear
-    /// models within 1e-8 and 1e3 of `m (v0/C)²` and `m v0/C`.
+    /// Springs and dampers of chains have the bounds of [`search_bounds`](crate::free::search_bounds). The unloading
+    /// stiffness of the elastoplastic model lies between 1e-2 and 1e5 spring units and starts higher, and the damper
+    /// of the Maxwell model starts at 0.1 to 30. Coefficients of the nonlinear models lie between 1e-8 and 1e3 of `m
+    /// (v0/C)²` and `m v0/C`; knots between 0.5 and 99.5 % of the next one.
     pub fn new(kind: ModelKind, masses_kg: &[f64], fit: MassFit, scale: &Scale) -> Self {
         let names = kind.parameter_names();
         let total_mass_kg: f64 = masses_kg.iter().sum();
@@ -147,6 +155,7 @@ impl ModelCoordinates {
         Self { kind, known, free, total_mass_kg, release: scale.release }
     }
 
+    /// Names of the free parameters, in the order of the coordinates.
     pub fn names(&self) -> Vec<&'static str> {
         self.free.iter().map(|c| c.name).collect()
     }
@@ -172,7 +181,7 @@ impl ModelCoordinates {
         values
     }
 
-    /// `theta` of a model, moved into the bounds.
+    /// Coordinates of a model, moved into the bounds; a parameter of zero gets the lower bound of its logarithm.
     pub fn theta(&self, model: &Model) -> Vec<f64> {
         let parameters = model.parameters();
         let names = self.kind.parameter_names();
@@ -196,7 +205,12 @@ impl ModelCoordinates {
         self.free.iter().map(coordinate).collect()
     }
 
-    /// Places of the parameters that change, and for each coordinate their derivatives by it.
+    /// For each coordinate the places of the parameters that it moves and their derivatives by it, its own parameter
+    /// first.
+    ///
+    /// `dp/dx = p` for a logarithm, the scale for a share. A knot that is a share of another moves with it. A mass
+    /// that takes a larger share of `left` grows by `left` and makes those behind it lose in proportion to their
+    /// values.
     fn changes(&self, theta: &[f64]) -> Vec<Vec<(usize, f64)>> {
         let values = self.values(theta);
         let masses = self.kind.parameters().iter().filter(|p| p.kind == ParameterKind::Mass).count();
@@ -226,7 +240,8 @@ impl ModelCoordinates {
             .collect()
     }
 
-    /// Derivative of each named parameter by its own coordinate: turns deviations of theta into theirs.
+    /// Derivative of each free parameter by its own coordinate: turns deviations of coordinates into deviations of
+    /// parameters.
     pub fn factors(&self, theta: &[f64]) -> Vec<f64> {
         self.changes(theta).iter().map(|by| by[0].1).collect()
     }
@@ -235,12 +250,14 @@ impl ModelCoordinates {
 impl Parameterisation for ModelCoordinates {
     type Model = Model;
 
+    /// Bounds and start range of each coordinate.
     fn axes(&self) -> Vec<Axis> {
         let axis =
             |c: &Coordinate| Axis { lower: c.lower, upper: c.upper, box_lower: c.box_lower, box_upper: c.box_upper };
         self.free.iter().map(axis).collect()
     }
 
+    /// The model at a point; `None` where its parameters are not physical.
     fn model(&self, theta: &[f64]) -> Option<Model> {
         let names = self.kind.parameter_names();
         let named: BTreeMap<String, f64> = names.iter().map(|n| (*n).to_owned()).zip(self.values(theta)).collect();
@@ -251,6 +268,7 @@ impl Parameterisation for ModelCoordinates {
         Some(model)
     }
 
+    /// That of the model itself.
     fn sensitivity(
         &self,
         model: &Model,

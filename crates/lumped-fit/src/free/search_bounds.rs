@@ -1,7 +1,9 @@
-//! Where springs and dampers of chains are looked for: one set of bounds for the fits of two, three and any number of masses.
+//! Bounds of springs and dampers of chains in a search: one set of bounds for the fits of two, three and any number of
+//! masses.
 //!
-//! `M` is the mass of the vehicle, kg, and `T` the length of the window, s. A spring is counted in units of `M (π/2T)²`, N/m: an
-//! undamped mass `M` on a spring of one unit stops after `T`. A damper is counted in units of `M/T`, N·s/m.
+//! `M` is the mass of the vehicle, kg, and `T` the length of the window, s. A spring is counted in units of
+//! `M (π/2T)²`, N/m: an undamped mass `M` on a spring of one unit stops after `T`. A damper is counted in units of
+//! `M/T`, N·s/m.
 
 use std::f64::consts::FRAC_PI_2;
 

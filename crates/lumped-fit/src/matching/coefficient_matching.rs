@@ -1,4 +1,8 @@
-//! The double model from an identified one: coefficient matching with every solution.
+//! The double model from an identified one of fourth order: coefficient matching with every solution.
+//!
+//! The characteristic polynomial `s^4 + t s^3 + u s^2 + v s + w` of the double model has four coefficients for four
+//! unknowns; for given masses the equations have six complex solutions, of which the real ones with positive springs
+//! are physical.
 
 use crumple_lumped::{
     CoefficientMatch, CoefficientMatching, Complex, MatchedSolution, Model, PhysicalCoordinates, Reading,
@@ -9,10 +13,10 @@ use crumple_signal::Notes;
 use crate::candidate::note::infos;
 use crate::{Candidate, CoefficientSpread, Method, SolveError};
 
-/// Divisions of the mass in a sweep.
+/// Divisions of the total mass in a sweep, 2 % apart.
 const SWEEP: usize = 49;
 
-/// What an identified model says of its poles.
+/// The poles of an identified model, as its polynomial or as they are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Quartic {
     /// `t, u, v, w` of its monic denominator.
@@ -21,7 +25,7 @@ pub enum Quartic {
     Poles([Complex; 4]),
 }
 
-/// An identified model of fourth order.
+/// An identified model with four poles and what else is known of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identified {
     /// Its id.
@@ -48,7 +52,7 @@ impl Identified {
     }
 }
 
-/// What matching found.
+/// All solutions of a matching, and what follows from each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Matched {
     /// All solutions at the given masses.
@@ -65,11 +69,16 @@ pub struct Matched {
     pub zeta_of_the_start: Option<f64>,
 }
 
-/// Matches the characteristic polynomial of the double model with the identified one.
+/// Matches the characteristic polynomial of the double model with that of an identified model, for masses in kg.
 ///
-/// Candidates are the real solutions, numbered from `first_index`; complex ones and multiplicities are in `coefficient_match`. No
-/// real solution is left out, physical or not: a verdict needs to be seen. Errors: masses that are not positive, poles
-/// that are not real or in pairs.
+/// Every real solution becomes a candidate, physical or not, numbered from `first_index`: a user needs to see that a
+/// set with a negative spring exists. Complex solutions and multiplicities are in [`Matched::coefficient_match`]. Where
+/// a state space is known, its transformation to the coordinates of each solution tells by a second output row which
+/// solution is right; where its outputs are the motions of both masses, the total mass alone gives one more candidate.
+/// Standard deviations follow from those of the coefficients in first order.
+///
+/// Solutions are certified to rounding by [`CoefficientMatching`]. Errors: masses that are not positive, complex
+/// poles without their conjugates, coefficients that are not finite.
 pub fn match_identified(
     identified: &Identified,
     m1_kg: f64,
@@ -197,7 +206,8 @@ fn from_both_masses(
     })
 }
 
-/// What the transformation says, and what it does not.
+/// The remark on the transformation of a state space to physical coordinates: its condition, its residual, and what
+/// decides between the solutions.
 fn coordinate_remark(physical: &PhysicalCoordinates) -> String {
     let decided = match physical.chassis_mismatch {
         Some(gap) => format!("the chassis sensor's row differs by {:.3} %", 100.0 * gap),
@@ -213,13 +223,14 @@ fn coordinate_remark(physical: &PhysicalCoordinates) -> String {
     )
 }
 
+/// The remark on a solution with a damper or spring of zero, which has no relative sensitivity.
 fn at_the_border(what: &str) -> String {
     format!(
         "a {what} is zero, at the border of what is physical: no share of a coefficient moves it by a share of itself"
     )
 }
 
-/// Which root of the cubic the start of the motion speaks for.
+/// The remark on the root of the cubic that the start of a free motion implies, `c1 c2/(m1 m2)`, 1/s².
 fn start_remark(zeta: f64, coefficient_match: &CoefficientMatch) -> String {
     let real = coefficient_match.roots.iter().enumerate().filter(|(_, root)| root.zeta.im == 0.0);
     let nearest = real.min_by(|(_, a), (_, b)| (a.zeta.re - zeta).abs().total_cmp(&(b.zeta.re - zeta).abs()));
@@ -229,7 +240,7 @@ fn start_remark(zeta: f64, coefficient_match: &CoefficientMatch) -> String {
     format!("the start of the motion implies c1 c2/(m1 m2) = {zeta:.6} 1/s²{root}")
 }
 
-/// How many solutions of which kind, and whether the masses can be right at all.
+/// How many solutions are real and how many physical, and whether the mass ratio allows a physical one at all.
 fn solutions_in_words(coefficient_match: &CoefficientMatch) -> String {
     let count = |which: &dyn Fn(&MatchedSolution) -> bool| -> usize {
         coefficient_match.solutions.iter().filter(|s| which(s)).map(|s| s.multiplicity).sum()
@@ -257,7 +268,7 @@ fn solutions_in_words(coefficient_match: &CoefficientMatch) -> String {
     format!("6 solutions, {real} real, {physical} physical (springs positive, dampers not negative); {bound}")
 }
 
-/// Whether the zero of the identified numerator is that of `c2 s + k2`.
+/// The remark on whether the zero of the identified numerator is that of `c2 s + k2`, within 5 %.
 fn numerator_remark(numerator: Option<&[f64]>, solution: &MatchedSolution) -> String {
     let leading = numerator.map(|n| n.iter().skip_while(|x| **x == 0.0).copied().collect::<Vec<_>>());
     match (leading.as_deref(), solution.zero()) {

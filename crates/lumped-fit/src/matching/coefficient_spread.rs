@@ -1,4 +1,6 @@
 //! Standard deviations of matched springs and dampers from those of the identified coefficients.
+//!
+//! `C_p = J C J'` with `J = dp/d(t, u, v, w)` by implicit differentiation of the four matching equations.
 
 use std::collections::BTreeMap;
 
@@ -7,16 +9,17 @@ use nalgebra::Matrix4;
 
 use crate::Uncertainty;
 
-/// How well the coefficients `t, u, v, w` of an identified denominator are known.
+/// Covariance of the coefficients `t, u, v, w` of an identified denominator, in their units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoefficientSpread {
+    /// Rows and columns `t, u, v, w`.
     covariance: Matrix4<f64>,
     /// Whether correlations were unknown and taken as zero.
     independent: bool,
 }
 
 impl CoefficientSpread {
-    /// From the covariance of the four coefficients, rows from `t` on; `None` for another shape, numbers that are not
+    /// From their covariance, rows and columns from `t` to `w`. `None` for another shape, numbers that are not
     /// finite, or variances that are not positive.
     pub fn of_covariance(rows: &[Vec<f64>]) -> Option<Self> {
         if rows.len() != 4 || rows.iter().any(|row| row.len() != 4) {
@@ -27,8 +30,8 @@ impl CoefficientSpread {
         sound.then_some(Self { covariance, independent: false })
     }
 
-    /// From standard deviations alone, as if independent. Coefficients of one fit are correlated, so this is off by a
-    /// factor of a few either way.
+    /// From their standard deviations alone, as if independent. Coefficients of one fit are correlated, so the result
+    /// can be wrong by a factor of a few either way.
     pub fn of_deviations(deviations: &[f64]) -> Option<Self> {
         let deviations = <[f64; 4]>::try_from(deviations).ok()?;
         let sound = deviations.iter().all(|d| d.is_finite() && *d > 0.0);

@@ -1,6 +1,7 @@
 //! Springs and dampers from exponents and amplitudes, as the ERA paper does it: for reproduction.
 
-/// Least squares of `y = intercept + slope x`, as `(intercept, slope)`; about the mean, so that little cancels.
+/// Least squares of `y = intercept + slope x`, as `(intercept, slope)`. Sums are taken about the mean, which avoids
+/// cancellation.
 fn line(x: &[f64], y: impl Fn(usize) -> f64) -> (f64, f64) {
     let n = x.len() as f64;
     let mean_x = x.iter().sum::<f64>() / n;
@@ -21,7 +22,9 @@ pub fn rear_from_amplitudes(exponents_per_s: &[f64], amplitudes_m: &[f64], m2_kg
     line(exponents_per_s, |k| amplitudes_m[k] - m2_kg * exponents_per_s[k].powi(2))
 }
 
-/// `(k1, c1)` with `m1 s² + (c1 + c2) s + k1 + k2 = (c2 s + k2)²/(m2 s² + c2 s + k2)` likewise (equations 6, 23 to 25).
+/// `(k1, c1)`, N/m and N·s/m, with `m1 s² + (c1 + c2) s + k1 + k2 = (c2 s + k2)²/(m2 s² + c2 s + k2)` at every
+/// exponent `s`, in the sense of least squares (ERA paper, equations 6 and 23 to 25). Exact where the exponents are
+/// poles of such a model; as they are not, dampers and springs can come out negative.
 pub fn front_from_amplitudes(exponents_per_s: &[f64], m1_kg: f64, m2_kg: f64, (k2, c2): (f64, f64)) -> (f64, f64) {
     line(exponents_per_s, |k| {
         let s = exponents_per_s[k];

@@ -1,4 +1,4 @@
-//! The curve fit of the ERA paper as a method: for reproduction, labelled so.
+//! The curve fit of the ERA paper as a method: for reproduction, and labelled so in every candidate.
 
 use crumple_lumped::{DoubleSpringMassDamper, Model};
 

@@ -1,4 +1,4 @@
-//! The firefly search of the single-mass paper, in its own units and in the unit box.
+//! The firefly search of the single-mass paper for the second nonlinear model, in its own units and in the unit box.
 
 use crumple_estimation::minimise::StopReason;
 use crumple_lumped::Nonlinear2;
@@ -11,7 +11,7 @@ use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crate::{Fit, FitQuantity, SolveError};
 
-/// In which units distances between fireflies are taken.
+/// Units in which distances between fireflies are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FireflyUnits {
     /// As printed: N/m, N·s/m, m and m/s side by side. The attraction `exp(-gamma r²)` of two fireflies that differ by
@@ -45,7 +45,7 @@ impl Default for FireflyOptions {
     }
 }
 
-/// The best firefly and how it came about.
+/// The best firefly, its fit, and how strongly fireflies attracted each other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FireflyResult {
     /// The model.
@@ -56,11 +56,11 @@ pub struct FireflyResult {
     pub attraction: f64,
 }
 
-/// Upper bounds as printed (Table 4): coefficients up to 1e6, knots up to crush and impact speed.
+/// Upper bound of the coefficients as printed (Table 4), N/m and N·s/m; knots reach up to crush and impact speed.
 const COEFFICIENT: f64 = 1e6;
 
-/// The model at a place of the unit box, every variable times its range: coefficients, knots of spring and damper; the
-/// knots of the damper in rising order, each with its value.
+/// The model at a place of the unit box: every variable times its range, order `k1 k2 k3 x1 c1 c2 c3 c4 v1 v2`. The
+/// two knots of the damper are put in rising order, each with its value.
 fn model_at(p: &[f64; 10], range: &[f64; 10], options: &SingleMassFitOptions) -> Nonlinear2 {
     let x: [f64; 10] = std::array::from_fn(|i| p[i] * range[i]);
     let ((v1, c2), (v2, c3)) = if x[8] <= x[9] { ((x[8], x[5]), (x[9], x[6])) } else { ((x[9], x[6]), (x[8], x[5])) };

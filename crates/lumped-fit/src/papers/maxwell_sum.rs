@@ -1,12 +1,12 @@
-//! The Maxwell model from an identified sum of exponentials, as the third paper does it.
+//! The Maxwell model from an identified sum of exponentials, as the single-mass paper does it.
 
 use crumple_lumped::{Complex, Model};
 
 use crate::candidate::note::CandidateNote;
 use crate::{Candidate, MaxwellExponents, Method, SolveError, maxwell_from_exponents};
 
-/// How large the exponent of the constant may be beside the slowest of the others before it is remarked upon, and
-/// before one that grows is refused.
+/// Exponent of the constant over the slowest of the others: above this a decaying one is remarked and a growing one
+/// refused.
 const CONSTANT: f64 = 0.01;
 
 /// The Maxwell model whose displacement `x = C1 + e^(a t) (...)` has these exponents, 1/s: a real one for the constant

@@ -1,4 +1,4 @@
-//! The first nonlinear model by the paper's own method, an interior point with side constraints.
+//! The first nonlinear model by the method of its paper: an interior point with side constraints.
 
 use crumple_lumped::{Instants, Model, Nonlinear1};
 use crumple_signal::{Displacement, Signal};
@@ -11,26 +11,33 @@ use crate::record::window::Window;
 use crate::{Fit, FitQuantity, SolveError};
 use crumple_estimation::minimise::interior_point::{Evaluated, InteriorPoint, Program, interior_point};
 
+/// Names of the free parameters, in the order of `x`.
 const NAMES: [&str; 6] =
     ["k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m", "c3_n_s_per_m", "v_thresh_m_per_s"];
-/// Knees of the damper the method starts from, shares of the impact speed; springs and dampers from the middle of their
-/// range.
+/// Knots of the damper that the method starts from, shares of the impact speed. Springs and dampers start in the
+/// middle of their range.
 const KNEES: [f64; 5] = [0.1, 0.25, 0.4, 0.6, 0.8];
-/// Range of the knee, as in the other fits.
+/// Bounds of that knot, as in the other fits.
 const KNEE: (f64, f64) = (0.005, 0.995);
-/// Residuals in hundredths of the crush: what the method's tolerance of 1e-8 allows is then far below a millimetre.
+/// The objective in squared hundredths of the crush, so that the method's tolerance of 1e-8 is far below a
+/// millimetre.
 const OBJECTIVE: f64 = 1e4;
-/// Violations accepted, of crush and speed.
+/// Largest violation of the conditions on crush and speed that is accepted, relative.
 const FEASIBLE: f64 = 1e-7;
 
-/// `x` holds `k1, k2, c1, c2, c3` over `m (v0/C)²` and `m v0/C`, and the knee over `v0`.
+/// The program: `x` holds `k1, k2, c1, c2, c3` over `m (v0/C)²` and `m v0/C`, and the knot over `v0`. The Hessian is
+/// that of Gauss and Newton.
 struct SideConstraints<'a> {
+    /// The record, m.
     window: &'a Window,
+    /// Mass, speed, crush and its time.
     options: &'a SingleMassFitOptions,
+    /// Unit of each number of `x`.
     scale: [f64; 6],
 }
 
 impl SideConstraints<'_> {
+    /// The model at `x`.
     fn model(&self, x: &DVector<f64>) -> Nonlinear1 {
         let p: [f64; 6] = std::array::from_fn(|i| x[i] * self.scale[i]);
         Nonlinear1 {
@@ -48,6 +55,7 @@ impl SideConstraints<'_> {
 }
 
 impl Program for SideConstraints<'_> {
+    /// Objective, conditions at dynamic crush and their derivatives, from two simulations with sensitivities.
     fn evaluate(&self, x: &DVector<f64>) -> Option<Evaluated> {
         let (v0, crush) = (self.options.impact_speed_m_per_s, self.options.crush_m);
         let model = Model::Nonlinear1(self.model(x));

@@ -1,4 +1,4 @@
-//! The equations that the transfer-function paper solved, as it typed them.
+//! The equations of the transfer-function paper as typed there, for reproduction.
 
 use crumple_signal::Notes;
 
@@ -8,10 +8,11 @@ use crate::matching::coefficient_matching::{Identified, Matched, Quartic, match_
 
 /// The printed denominator `s^4 + 35.7 s^3 + 6024 s^2 + 185000 s + 414600`.
 const PRINTED: [f64; 4] = [35.7, 6024.0, 185_000.0, 414_600.0];
-/// One and four fifths of the printed 1422 kg.
+/// A fifth of the printed 1422 kg.
 const FIFTH_KG: f64 = 284.4;
+/// Four fifths of it.
 const FOUR_FIFTHS_KG: f64 = 1137.6;
-/// What stands for the smaller mass in the right-hand side of the first equation.
+/// What is typed for the smaller mass on the right of the first equation.
 const TYPED_KG: f64 = 284.6;
 
 /// The solutions that the paper lists, from its printed polynomial: for reproduction only.

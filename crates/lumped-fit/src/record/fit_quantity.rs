@@ -1,3 +1,5 @@
+//! The quantity of a motion that is fitted: displacement, velocity or acceleration.
+
 use std::fmt;
 use std::str::FromStr;
 
@@ -37,6 +39,7 @@ impl FitQuantity {
         }
     }
 
+    /// Its samples in a motion, in its unit.
     pub(crate) fn of(self, motion: &Motion) -> &[f64] {
         match self {
             Self::Displacement => &motion.displacement_m,

@@ -1,4 +1,9 @@
-//! How a motion becomes the displacement in an artifact: sampling, channel filter, integration.
+//! How an acceleration becomes a wave of the artifact: sampling, channel filter, integration; the same done to a
+//! model.
+//!
+//! All steps are linear, so the derivative of a measured motion by a parameter is the measurement of the derivative
+//! of the acceleration, with no impact speed. Eight waves go through side by side: filter and sums are recursions
+//! that wait for themselves.
 
 use crumple_lumped::{Instants, LumpedError, Model, Motion, Sensitivity};
 use pulp::{Arch, Simd, WithSimd};
@@ -6,7 +11,8 @@ use rayon::prelude::*;
 
 use crate::FitQuantity;
 
-/// A filter of second order that was run forward and backward, as the filter stage records it.
+/// A filter of second order that is run forward and backward over the record, as the filter stage records it (ISO
+/// 6487, SAE J211).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TwoPassFilter {
     /// a0, a1, a2, b1, b2 of `y[i] = a0 x[i] + a1 x[i-1] + a2 x[i-2] + b1 y[i-1] + b2 y[i-2]`.
@@ -15,7 +21,7 @@ pub struct TwoPassFilter {
     pub samples_added: usize,
 }
 
-/// Rule of the integration.
+/// Rule by which acceleration is summed to velocity and displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum IntegrationRule {
     /// Trapezoids.
@@ -24,7 +30,7 @@ pub enum IntegrationRule {
     ForwardEuler,
 }
 
-/// Everything between the vehicle and the displacement that a fit sees.
+/// Everything between the motion of the vehicle and a wave that a fit sees.
 ///
 /// A model that goes through the same steps differs from the record by what it does not describe, and not by what a
 /// filter does to the jump of acceleration at contact (some 1e-5 m at CFC 60) or a sum to an integral (1e-6 m).
@@ -44,7 +50,7 @@ pub struct Measurement {
     pub rule: IntegrationRule,
 }
 
-/// What a filter remembers is followed until it has fallen to this: 1e-10 of 1000 m/s² over its 10 ms moves no
+/// Share to which a filter's memory has to fall before it is neglected: 1e-10 of 1000 m/s² over 10 ms moves no
 /// displacement by 1e-11 m.
 const FORGOTTEN: f64 = 1e-10;
 /// Samples of which the mean starts a pass, as in the filter stage.
@@ -143,7 +149,8 @@ impl Measurement {
         Ok(seen)
     }
 
-    /// Samples of the acceleration that sample `last` of the record depends on.
+    /// Number of samples of the acceleration that sample `last` of the record depends on: the backward pass of a
+    /// filter looks ahead.
     fn reach(&self, last: usize) -> usize {
         let memory = self.filter.as_ref().map_or(0, TwoPassFilter::memory_samples);
         last.min(self.samples.saturating_sub(1)).saturating_add(memory).saturating_add(1).min(self.samples)
@@ -154,7 +161,7 @@ impl Measurement {
         self.reach(last).checked_sub(self.contact_index()).filter(|n| *n > 0).map(|n| n + 1)
     }
 
-    /// What is recorded of an acceleration that is given at contact and whole intervals after it.
+    /// What is recorded of an acceleration, m/s², given at contact and at whole intervals after it.
     fn seen(&self, acceleration: &[f64], quantity: FitQuantity, v0_m_per_s: f64, last: usize) -> Vec<f64> {
         let [seen] = self.seen_together([acceleration], quantity, v0_m_per_s, last);
         seen
@@ -292,8 +299,8 @@ impl Measurement {
     }
 }
 
-/// Several waves through one measurement, compiled for each width of the processor's vectors; the result is the same to
-/// the bit.
+/// Several waves through one measurement, compiled for each width of the processor's vectors. Each lane is computed
+/// by itself, in the same order: the result is the same to the last bit on every machine.
 struct Together<'a> {
     measurement: &'a Measurement,
     accelerations: [&'a [f64]; ABREAST],
@@ -311,9 +318,8 @@ impl WithSimd for Together<'_> {
 }
 
 impl TwoPassFilter {
-    /// Samples after which a pass has forgotten what it met: as many as its slowest pole takes to fall to
-    /// [`FORGOTTEN`]; never fewer than the two inputs that an output depends on, without end where a pole does not
-    /// decay.
+    /// Samples after which a pass has forgotten its input: as many as its slowest pole takes to fall to
+    /// [`FORGOTTEN`]. At least the two inputs that an output depends on; without limit where a pole does not decay.
     fn memory_samples(&self) -> usize {
         let [.., b1, b2] = self.coefficients;
         // Roots of z² - b1 z - b2.

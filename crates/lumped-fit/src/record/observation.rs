@@ -1,4 +1,9 @@
-//! A model seen through a measurement, beside the record: the common description of every fit that is judged.
+//! Waves of a test as measured, and the misfit of a model to them.
+//!
+//! A model is sampled, filtered and integrated as each wave was ([`Measurement`]) before it is compared, so the
+//! misfit holds what the model does not describe and not what the measurement did. Residuals of wave i are weighted
+//! with `w_i = s_1/s_i`, the noise level of the first wave over its own, which puts all of them into the unit of the
+//! first.
 
 use std::sync::Arc;
 
@@ -7,7 +12,7 @@ use crumple_signal::{Displacement, Sampled, Signal};
 
 use crate::{FitQuantity, Measurement, SolveError};
 
-/// One wave of a record and where it is compared.
+/// A wave of a test and the samples of it that are compared.
 #[derive(Debug, Clone)]
 pub struct ObservedWave {
     /// Index of its mass from the barrier on; `None`: the compartment.
@@ -30,11 +35,14 @@ pub struct ObservedWave {
     pub(crate) record: Arc<WholeWave>,
 }
 
-/// A whole wave on its own axis.
+/// A wave on its own time axis, window or not.
 #[derive(Debug, PartialEq)]
 pub(crate) struct WholeWave {
+    /// Time of the first sample, s after contact.
     first_s: f64,
+    /// Sampling interval, s.
     dt_s: f64,
+    /// All samples, in the unit of the wave.
     samples: Vec<f64>,
 }
 
@@ -65,10 +73,10 @@ impl WholeWave {
     }
 }
 
-/// A record and where it is compared.
+/// The waves of a test that a model is compared with.
 ///
-/// Misfits of several waves stand one after the other, each times its weight: all in the unit of the first wave, which
-/// is called a metre wherever it is a displacement.
+/// Misfits of several waves stand one after the other, each times its weight: all in the unit of the first wave.
+/// Fields called `_m` are in that unit; it is a metre for a displacement.
 #[derive(Debug, Clone)]
 pub struct Observation {
     /// Speed at contact, m/s.
@@ -77,20 +85,20 @@ pub struct Observation {
     pub waves: Vec<ObservedWave>,
 }
 
-/// Root mean square error that no displacement is believed to be free of, m.
+/// Root mean square error that no displacement is assumed to be free of, m.
 ///
-/// A measurement that is repeated on the model has no error of its own; what remains is digits and what no filter
-/// record tells (anti-aliasing, phase of the sampling). A tenth of a micrometre: at contact speed the distance of
-/// 1e-8 s. It stands in for no error of the sensor: those are propagated.
+/// The measurement is repeated on the model without error; what remains are digits and what no filter record tells,
+/// such as anti-aliasing and the phase of the sampling. A tenth of a micrometre is the distance of 1e-8 s at contact
+/// speed. Errors of the sensor itself are not in it: those are propagated.
 pub const RESOLUTION_M: f64 = 1e-7;
-/// The crush of which that is a share: a velocity and an acceleration are believed to the same share of their largest
-/// value.
+/// The crush of which that is a share: velocities and accelerations are assumed to be known to the same share of
+/// their largest value.
 const USUAL_CRUSH_M: f64 = 0.5;
 
-/// The least noise level of a wave, as a share of it.
+/// Least noise level of a wave, as a share of its root mean square.
 const LEAST_LEVEL: f64 = 1e-6;
 
-/// Fewest samples judged.
+/// Fewest samples of a wave that are compared.
 pub(crate) const FEWEST: usize = 12;
 
 impl ObservedWave {
@@ -152,6 +160,7 @@ impl ObservedWave {
     }
 }
 
+/// Largest magnitude, never zero.
 fn largest(samples: &[f64]) -> f64 {
     samples.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(x.abs()))
 }
@@ -177,7 +186,8 @@ impl Observation {
         self.waves.iter().map(|wave| wave.samples.len()).sum()
     }
 
-    /// Model minus record at every sample of every wave, times its weight; `None` without a finite response.
+    /// `w (model - record)` at every sample of every wave, in the unit of the first; `None` without a finite
+    /// response.
     pub fn misfit(&self, model: &Model) -> Option<Vec<f64>> {
         let mut misfit = Vec::with_capacity(self.rows());
         for wave in &self.waves {
@@ -189,7 +199,7 @@ impl Observation {
         (misfit.len() == self.rows() && misfit.iter().all(|r| r.is_finite())).then_some(misfit)
     }
 
-    /// The part of each wave of what stands one after the other.
+    /// The part of each wave in rows that stand one wave after the other.
     pub fn split<'a>(&self, rows: &'a [f64]) -> Vec<&'a [f64]> {
         let mut remaining = rows;
         let rows_of = |wave: &ObservedWave| {
@@ -213,19 +223,19 @@ impl Observation {
         self.waves.iter().map(|wave| (wave.samples.len(), wave.weight * wave.resolution)).collect()
     }
 
-    /// Sum of squares of what no wave is believed to be free of, in units of [`Self::scale_m`].
+    /// Sum of squares of the resolution at every sample, in squared units of [`Self::scale_m`]: a misfit below it is
+    /// no misfit.
     pub(crate) fn unresolved(&self) -> f64 {
         let unit = self.scale_m();
         self.blocks().iter().map(|(n, resolution)| *n as f64 * (resolution / unit).powi(2)).sum()
     }
 
-    /// Largest value of the first wave: a displacement in metres, unless it is another quantity.
+    /// Largest value of the first wave, the unit of the residuals in a fit.
     pub fn scale_m(&self) -> f64 {
         self.waves.first().map_or(f64::MIN_POSITIVE, |wave| largest(&wave.samples))
     }
 
-    /// The same record taken as unfiltered and integrated from contact: how fits that know nothing of the filter see
-    /// it.
+    /// The same record as if it was not filtered and integrated from contact: what fits without a filter compare.
     #[must_use]
     pub fn unfiltered(mut self) -> Self {
         for wave in &mut self.waves {
@@ -234,14 +244,14 @@ impl Observation {
         self
     }
 
-    /// The noise level of each wave from its root mean square misfit: never less than a millionth of the wave.
+    /// The noise level of each wave, in its unit: its root mean square misfit, at least a millionth of the wave.
     pub fn noise_levels(&self, rmse: &[f64]) -> Vec<f64> {
         let level_of = |(wave, rmse): (&ObservedWave, &f64)| rmse.max(LEAST_LEVEL * wave.size()).max(f64::MIN_POSITIVE);
         self.waves.iter().zip(rmse).map(level_of).collect()
     }
 
-    /// Weighs the waves by the noise levels that follow from the root mean square misfit of each; whether a weight
-    /// changed by more than the share `worth` of itself.
+    /// Weighs the waves by the noise levels that follow from their root mean square misfits. Whether a weight changed
+    /// by more than the share `worth` of itself.
     pub fn weigh(&mut self, rmse: &[f64], worth: f64) -> bool {
         let levels = self.noise_levels(rmse);
         let mut moved = false;

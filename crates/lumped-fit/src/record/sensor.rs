@@ -1,3 +1,8 @@
+//! Sensors: where they sit, what they measured, how far a model misses them.
+//!
+//! A place names a mass of any model, so that one list of sensors serves models of one, two and three masses: a
+//! sensor on a mass that a model does not have is left out for that model.
+
 use std::fmt;
 use std::str::FromStr;
 
@@ -8,7 +13,8 @@ use crate::FitQuantity;
 /// How the sentence on the misfit of several sensors begins.
 const ERRORS: &str = "root mean square errors ";
 
-/// How far sensors were missed: each root mean square error in its unit, with channel and place.
+/// The root mean square error of each sensor with its channel and place: `8.1 mm at 93 (compartment)`. Displacements
+/// are given in mm, other quantities in their SI unit.
 pub fn errors_in_words<'a>(errors: impl IntoIterator<Item = (f64, FitQuantity, &'a str, String)>) -> String {
     let error_text = |(rmse, quantity, channel, place): (f64, FitQuantity, &str, String)| {
         let (value, unit) = match quantity {
@@ -20,13 +26,14 @@ pub fn errors_in_words<'a>(errors: impl IntoIterator<Item = (f64, FitQuantity, &
     errors.into_iter().map(error_text).collect::<Vec<_>>().join(", ")
 }
 
-/// The note on these [`errors_in_words`]; `seen`: how, `"through the filter"`, or nothing.
+/// The note on these [`errors_in_words`]. `seen`: how the model was compared, `"through the filter"`; `None` for the
+/// motion itself.
 pub fn note_of_errors(errors: &str, seen: Option<&str>) -> String {
     let seen = seen.map_or_else(String::new, |seen| format!("seen {seen} "));
     format!("{ERRORS}{seen}{errors}; residuals weighted by the noise level of each sensor")
 }
 
-/// Which mass of a model a sensor sits on.
+/// The mass of a model that a sensor sits on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SensorPlace {
     /// The last mass.
@@ -40,7 +47,8 @@ pub enum SensorPlace {
 }
 
 impl SensorPlace {
-    /// Index of the mass in a model of so many masses. A model of one mass has a compartment only.
+    /// Index of the mass, from the barrier on, in a model of so many masses; `None` if the model has no such mass. A
+    /// model of one mass has a compartment only; in one of two, front and chassis are the same mass.
     pub fn mass(self, masses: usize) -> Option<usize> {
         match self {
             Self::Compartment => masses.checked_sub(1),
@@ -82,7 +90,7 @@ impl FromStr for SensorPlace {
     }
 }
 
-/// A record that a model is fitted to.
+/// A record of a sensor that a model is fitted to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensor<'a> {
     /// Its channel, for records and notes.
@@ -98,7 +106,7 @@ pub struct Sensor<'a> {
     pub noise: Option<f64>,
 }
 
-/// How well a sensor was met.
+/// How far a fitted model misses a sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorFit {
     /// Its channel.

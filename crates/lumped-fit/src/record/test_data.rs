@@ -1,8 +1,13 @@
+//! The data of a test that solvers start from.
+
 use crumple_signal::{Displacement, Signal};
 
 use crate::Sensor;
 
-/// What a test says.
+/// The data of a test: mass, speed, crash events and records.
+///
+/// Times are seconds after time zero unless stated otherwise. An event that the record does not show is `None`: a
+/// vehicle that never stops has no dynamic crush, one that is recorded too shortly no rebound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TestData<'a> {
     /// Test mass, kg.

@@ -1,8 +1,13 @@
+//! Windows of a record: the samples that a fit compares.
+//!
+//! Samples are picked, never interpolated: the response of a model is exact at any spacing, so leaving samples out
+//! costs no accuracy of the comparison, only some of the averaging of noise.
+
 use crumple_signal::Sampled;
 
 use crate::SolveError;
 
-/// Fewest samples a fit of four parameters is tried on.
+/// Fewest samples that four parameters are fitted to.
 const FEWEST: usize = 12;
 
 /// Evenly spaced samples of a window of a record: every `stride`-th one, none interpolated.
@@ -19,7 +24,12 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// Picks at most `limit` samples from `from_s` to `to_s` after `time_zero_s`; `to_s` of `None` is the record's end.
+    /// Picks at most `limit` samples from `from_s` to `to_s` after `time_zero_s`, all in s; `to_s` of `None` is the
+    /// end of the record.
+    ///
+    /// Every sample within is as far from the next: the stride is the smallest whole number that keeps the limit.
+    /// Errors: a window that is not inside the record (which may begin up to one interval after `from_s`), fewer than
+    /// 12 samples.
     pub fn pick(
         record: &Sampled,
         time_zero_s: f64,

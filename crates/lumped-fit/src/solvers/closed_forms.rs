@@ -1,4 +1,7 @@
 //! Kelvin and elastoplastic model from the crash events.
+//!
+//! Two events fix two parameters, so nothing is left over: a closed form has no residual and no error of its own. How
+//! far it is from the fitted model is a matter of the assessment, which widens its intervals by that distance.
 
 use crumple_lumped::Model;
 use crumple_signal::Notes;
@@ -11,7 +14,11 @@ use crate::{
     kelvin_from_events,
 };
 
-/// The Kelvin model of the events.
+/// The Kelvin model with the time and the depth of dynamic crush and the impact speed of the test.
+///
+/// Which branch applies depends on the centroid time over the time of crush, `C/(v0 t_m)`: underdamped between `1/e`
+/// and `2/π`, overdamped below. Above `2/π` no damping ratio exists, and the undamped model with the same crush is
+/// given with a warning.
 pub(crate) fn kelvin(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     let Some((t_m, crush)) = crush_of(task, notes) else { return Ok(Vec::new()) };
     let test = task.test;
@@ -46,7 +53,11 @@ pub(crate) fn kelvin(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate
     Ok(vec![unfitted(task, Model::Kelvin(solution.model), vec![remark])])
 }
 
-/// The elastoplastic model of the events; where the record never stops, its loading part.
+/// The elastoplastic model with crush, speed and restitution of the test; where the record never stops, its loading
+/// part, fitted.
+///
+/// A restitution of zero within its uncertainty leaves the unloading stiffness without a value: a stiff line stands
+/// for it, and a warning says so. Without a known restitution there is no candidate.
 pub(crate) fn elastoplastic(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
     if !extent.stops {

@@ -1,4 +1,4 @@
-//! The double spring-mass-damper fitted to the compartment's displacement.
+//! The double spring-mass-damper fitted to the displacement of the compartment alone.
 
 use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_signal::Notes;
@@ -8,10 +8,16 @@ use crate::solvers::sensors;
 use crate::solvers::task::Task;
 use crate::{Candidate, DoubleFitOptions, SolveError, fit_double, masses};
 
-/// Error of a displacement integrated twice by the trapezoidal rule at 10 kHz, m: known records lie within 1.3e-6 m.
+/// Error of a displacement integrated twice by the trapezoidal rule at 10 kHz, m: that of known records is at most
+/// 1.3e-6 m. Minima whose errors differ by less are not told apart.
 const DISPLACEMENT_RESOLUTION_M: f64 = 1.3e-6;
 
-/// Every pair of duals that the record cannot tell from the best.
+/// Every pair of dual models that the record cannot tell from the best, two candidates each; with several sensors,
+/// another quantity or free masses the fit to sensors instead.
+///
+/// The two candidates of a pair are numbered `2 k + 1` and `2 k + 2` and name each other as equivalent. A model that
+/// is its own dual is one candidate without standard deviations: front and rear can move against each other there
+/// without a change of the record in first order.
 pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     if !task.fits_displacement_alone() {
         return sensors::fit(task, notes);
@@ -101,14 +107,14 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     Ok(candidates)
 }
 
-/// Whether the two models of a pair are one to 1e-4: the error is flat to fourth order there, so a fit to 1e-16 leaves
-/// that.
+/// Whether the models of a pair agree to 1e-4. The error is flat to fourth order there, so a fit to 1e-16 leaves that
+/// much.
 fn coincides_with_its_dual([a, b]: &[DoubleSpringMassDamper; 2]) -> bool {
     let near = |x: f64, y: f64| (x - y).abs() <= 1e-4 * x.abs().max(y.abs());
     near(a.k1_n_per_m, b.k1_n_per_m) && near(a.c1_n_s_per_m, b.c1_n_s_per_m)
 }
 
-/// The same bounds seen from the dual model, which exchanges front and rear.
+/// Names of active bounds for the dual, which exchanges front and rear, in the order of the parameters.
 fn exchanged(bounds: &[&'static str]) -> Vec<&'static str> {
     use crate::fit::double::pair::NAMES;
     let dual = [NAMES[1], NAMES[0], NAMES[3], NAMES[2]];

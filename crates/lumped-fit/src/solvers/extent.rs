@@ -1,4 +1,4 @@
-//! What a fit to one mass is scaled by, and candidates that nothing was fitted for.
+//! Depth and time of crush that a fit of one mass is scaled by, and candidates without a fit.
 
 use crumple_lumped::Model;
 use crumple_signal::Notes;
@@ -7,7 +7,7 @@ use crate::Candidate;
 use crate::candidate::note::infos;
 use crate::solvers::task::Task;
 
-/// A candidate that nothing was fitted for.
+/// A candidate that was computed and not fitted.
 pub(super) fn unfitted(task: &Task<'_>, model: Model, notes: Vec<String>) -> Candidate {
     Candidate {
         model,
@@ -20,7 +20,7 @@ pub(super) fn unfitted(task: &Task<'_>, model: Model, notes: Vec<String>) -> Can
     }
 }
 
-/// What a fit to the displacement of one mass is scaled by.
+/// Depth and time by which a fit to the displacement of one mass is scaled.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Extent {
     /// Dynamic crush, m; without one the largest displacement of the window.
@@ -31,9 +31,11 @@ pub(super) struct Extent {
     pub stops: bool,
 }
 
-/// Dynamic crush of the record; where its velocity never reaches zero, the end of the window (`fit_to` or the end of
-/// the record) and the largest displacement up to there, with a note. `None`, with a note, where that leaves nothing to
-/// fit.
+/// Dynamic crush and its time.
+///
+/// Where the velocity never reaches zero: the end of the window (that of the settings, or of the record) and the
+/// largest displacement up to there, with a warning. `None`, with a warning, without a displacement or where it is
+/// nowhere positive.
 pub(super) fn extent_of(task: &Task<'_>, notes: &mut Notes) -> Option<Extent> {
     let (kind, test) = (task.model, task.test);
     if let Some((time_s, crush_m)) = test.time_of_dynamic_crush_s.zip(test.dynamic_crush_m) {
@@ -63,7 +65,7 @@ pub(super) fn extent_of(task: &Task<'_>, notes: &mut Notes) -> Option<Extent> {
     Some(Extent { crush_m, time_s, stops: false })
 }
 
-/// Time and depth of dynamic crush; a note where the record has none.
+/// Time, s after time zero, and depth, m, of dynamic crush; `None`, with a warning, where the record has none.
 pub(super) fn crush_of(task: &Task<'_>, notes: &mut Notes) -> Option<(f64, f64)> {
     let events = task.test.time_of_dynamic_crush_s.zip(task.test.dynamic_crush_m);
     if events.is_none() {

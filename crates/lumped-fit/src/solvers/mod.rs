@@ -1,4 +1,4 @@
-//! The table of solvers, its functions, and the call that runs all that settings ask for.
+//! The table of solvers, the functions of its rows, and the call that runs all that settings ask for.
 //! May use every other room.
 
 pub mod closed_forms;

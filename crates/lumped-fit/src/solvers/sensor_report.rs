@@ -1,4 +1,4 @@
-//! What a fit to sensors found, as candidates.
+//! Minima of a fit to sensors as candidates, with errors of each sensor, bounds and duals.
 
 use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_signal::Notes;
@@ -15,10 +15,11 @@ use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response};
 
 /// Sets that are reported at most.
 const REPORTED: usize = 3;
-/// Minima whose weighted errors differ by less than this share are all reported.
+/// Minima whose weighted errors are within this factor of the best are all reported.
 const AS_GOOD: f64 = 1.01;
 
-/// Which side constraints of the single-mass paper a first nonlinear model breaks: this fit knows bounds only.
+/// The note on the side constraints of the single-mass paper that a first nonlinear model breaks: this fit has bounds
+/// only.
 fn broken_side_constraints(model: &Model) -> Option<String> {
     let Model::Nonlinear1(m) = model else { return None };
     let broken: Vec<&str> = [
@@ -39,15 +40,20 @@ fn broken_side_constraints(model: &Model) -> Option<String> {
     })
 }
 
-/// What was found, as candidates.
+/// The minima of a fit and what they were fitted to.
 pub(super) struct Report<'a> {
+    /// What was asked for.
     pub task: &'a Task<'a>,
+    /// The free parameters of the model.
     pub coordinates: &'a ModelCoordinates,
+    /// The sensors, each with the index of its mass.
     pub sensors: &'a [(usize, Sensor<'a>)],
+    /// The minima, with the noise levels of the sensors.
     pub fitted: &'a Fitted,
 }
 
 impl<'a> Report<'a> {
+    /// The residuals with the noise levels that the fit ended with.
     fn problem(&self) -> SensorProblem<'_, ModelCoordinates> {
         SensorProblem {
             coordinates: self.coordinates,
@@ -56,11 +62,12 @@ impl<'a> Report<'a> {
         }
     }
 
+    /// Root mean square weighted residual: 1 where every sensor is met to its noise level.
     fn level(&self, minimum: &Optimum) -> f64 {
         (minimum.cost / self.problem().rows() as f64).sqrt()
     }
 
-    /// How far the sensors were missed, in words: `8.1 mm at 93 (compartment)`.
+    /// The error of each sensor in words: `8.1 mm at 93 (compartment)`. `None` without a finite response.
     fn errors(&self, theta: &[f64]) -> Option<String> {
         let rmse = self.problem().rmse(theta)?;
         let sensor_error = |((_, sensor), rmse): (&(usize, Sensor<'a>), f64)| {
@@ -69,6 +76,8 @@ impl<'a> Report<'a> {
         Some(errors_in_words(self.sensors.iter().zip(rmse).map(sensor_error)))
     }
 
+    /// A minimum as candidate number `index`, with linearised standard deviations and its notes: `remarks`, window,
+    /// errors of the sensors, active bounds, broken side constraints.
     fn candidate(&self, minimum: &Optimum, index: usize, remarks: &[String]) -> Option<Candidate> {
         let problem = self.problem();
         let model = self.coordinates.model(&minimum.theta)?;
@@ -101,7 +110,7 @@ impl<'a> Report<'a> {
                 rmse: *rmse,
                 noise: observed.noise,
             };
-        // The pulse's displacement: judged like the fits made for one model, through the filter sensor_fit the record.
+        // The pulse's displacement is assessed like the special fits of a model, through the filter of the record.
         let plain = self.task.fits_displacement_alone();
         let sensors = self.sensors.iter().zip(self.fitted.sensors.iter().zip(&rmse)).map(sensor_fit);
         Some(Candidate {
@@ -126,7 +135,10 @@ impl<'a> Report<'a> {
         })
     }
 
-    /// Every minimum as good as the best; for the double model with a sensor on the chassis, also what its dual does.
+    /// Every minimum as good as the best, at most three.
+    ///
+    /// For the double model with a sensor on the chassis also the minimum that is found from the dual of the best:
+    /// the second sensor tells the two apart, and the notes say by how much.
     pub fn candidates(&self, remarks: &[String], notes: &mut Notes) -> Vec<Candidate> {
         let Some(best) = self.fitted.minima.first() else { return Vec::new() };
         let limit = AS_GOOD * self.level(best);
@@ -176,7 +188,8 @@ impl<'a> Report<'a> {
         .collect()
     }
 
-    /// The compartment alone: each minimum stands for a model and its dual.
+    /// The double model with sensors on the compartment alone: each minimum and its dual, which fits equally. A dual
+    /// that a bound excludes is no candidate.
     pub fn pairs(&self, remarks: &[String], notes: &mut Notes) -> Vec<Candidate> {
         notes.info(format!(
             "{}: one compartment accelerometer cannot tell its two dual solutions apart, a second one on the front can",

@@ -15,7 +15,12 @@ use crate::{
     fit_nonlinear1, fit_nonlinear2, kelvin_from_events, masses, triple_masses,
 };
 
-/// The fit of the table of solvers, by descents or by L-SHADE.
+/// The fit of the table, by descents or by L-SHADE.
+///
+/// The window ends with dynamic crush, or with rebound for the elastoplastic model, whose unloading shows only after
+/// the crush. Noise levels that are not stated are found from the residuals. A start is the closed form of the
+/// events, or the fit of the nonlinear model to the displacement, beside evenly spread ones. Errors: masses without
+/// meaning, a window outside a record.
 pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     let (kind, test, settings) = (task.model, task.test, task.settings);
     let count = mass_count(kind);
@@ -84,8 +89,8 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     }
 }
 
-/// Why a model cannot be fitted: two sensors of different places fall on one of its masses, which moves one way only.
-/// One channel named for two places is one sensor, and two sensors of one place are two looks at it.
+/// Why a model cannot be fitted: sensors of two different places are on one of its masses, which has one motion. One
+/// channel named for two places is one sensor; two channels of one place are two measurements of it, and allowed.
 pub(crate) fn shared_mass(places: &[(SensorPlace, &str)], count: usize) -> Option<String> {
     let on_masses = || places.iter().filter_map(|(place, channel)| Some((place.mass(count)?, *place, *channel)));
     let (mass, first, second) = on_masses().enumerate().find_map(|(k, (mass, place, channel))| {
@@ -112,8 +117,8 @@ pub(crate) fn shared_mass(places: &[(SensorPlace, &str)], count: usize) -> Optio
     ))
 }
 
-/// The sensors that sit on a mass of the model; without any, the compartment's displacement. `None` with a warning
-/// where there is nothing to fit to, or no way to ([`shared_mass`]).
+/// The sensors on masses of the model, each with the index of its mass; without any the displacement of the
+/// compartment. `None`, with a warning, where there is nothing to fit, or where [`shared_mass`] gives a reason.
 fn sensors_of<'a>(task: &Task<'a>, count: usize, notes: &mut Notes) -> Option<Vec<(usize, Sensor<'a>)>> {
     let places: Vec<_> = task.test.sensors.iter().map(|sensor| (sensor.place, sensor.channel)).collect();
     if let Some(reason) = shared_mass(&places, count) {
@@ -150,7 +155,8 @@ fn sensors_of<'a>(task: &Task<'a>, count: usize, notes: &mut Notes) -> Option<Ve
     Some(sensors)
 }
 
-/// Dynamic crush, unless told otherwise; the unloading of the elastoplastic model shows after it only.
+/// End of the window, s after time zero: that of the settings, else dynamic crush, for the elastoplastic model
+/// rebound. `None`: the end of the record.
 fn window_end(task: &Task<'_>) -> Option<f64> {
     let crush = task.test.time_of_dynamic_crush_s;
     task.settings.fit_to_s.or(match task.model {
@@ -159,13 +165,14 @@ fn window_end(task: &Task<'_>) -> Option<f64> {
     })
 }
 
-/// Springs beside the soft one, as multiples of it, and least damper, in units of mass over the time of crush, of
-/// [`one_soft_pair`].
+/// Springs and dampers elsewhere than at the soft place of [`one_soft_pair`], as multiples of those there.
 const NEARLY_RIGID: f64 = 100.0;
+/// Least damper of [`one_soft_pair`], in units of mass over time of crush: searches in logarithms cannot start at
+/// zero.
 const SOME_DAMPING: f64 = 0.01;
 
-/// A chain that is nearly one mass: the Kelvin model of this crush and time at one place, of all that is behind it, and
-/// nearly rigid elsewhere.
+/// A chain that is nearly one mass: the Kelvin model of this crush and time at one place, with all masses behind it,
+/// and nearly rigid elsewhere. A start of the search for chains: one for each place.
 fn one_soft_pair(
     kind: ModelKind,
     masses_kg: &[f64],
@@ -189,7 +196,7 @@ fn one_soft_pair(
     Model::from_parameters(kind, &named.collect::<Option<_>>()?).ok()
 }
 
-/// Points that other solvers of this crate give: closed forms, and the fit of a nonlinear model to the displacement.
+/// Starts that other solvers give: closed forms of the events, and the fit of a nonlinear model to the displacement.
 fn given_starts(
     task: &Task<'_>,
     coordinates: &ModelCoordinates,
@@ -243,16 +250,17 @@ mod tests {
         assert_eq!(shared_mass(&stated, 3), None);
         assert_eq!(
             shared_mass(&stated, 2).unwrap(),
-            "not fitted: sensors floor (compartment) and engine (m2) both fall on mass 2 of its 2, which moves reason way \
+            "not fitted: sensors floor (compartment) and engine (m2) both fall on mass 2 of its 2, which moves one \
+             way \
              only; leave \
              m2=engine out of sensors, or this model out of models"
         );
         let reason = shared_mass(&stated, 1).unwrap();
         assert!(
-            reason.ends_with("write front=front in sensors instead, which a model of reason mass is not fitted to"),
+            reason.ends_with("write front=front in sensors instead, which a model of one mass is not fitted to"),
             "{reason}"
         );
-        // Front and chassis are reason mass of two; a model of reason has neither.
+        // Front and chassis are one mass of two; a model of one has neither.
         let parts = [(SensorPlace::Front, "a"), (SensorPlace::Chassis, "b"), (SensorPlace::Compartment, "c")];
         assert!(shared_mass(&parts, 2).unwrap().contains("a (front) and b (chassis) both fall on mass 1"));
         assert_eq!(shared_mass(&parts, 1), None);

@@ -1,4 +1,4 @@
-//! What is solved for.
+//! Settings of the solvers: which models by which methods, how masses divide, which window.
 
 use crumple_lumped::ModelKind;
 
@@ -6,7 +6,7 @@ use crumple_estimation::minimise::l_shade::LShadeOptions;
 
 use crate::{FireflyOptions, FitQuantity, MassFit, MassSplit, Method};
 
-/// What is solved for.
+/// Models, methods, masses and window that are solved for. Defaults follow from the table of solvers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolveSettings {
     /// Models, in the order of the result.

@@ -1,4 +1,4 @@
-//! One mass fitted to its displacement: Maxwell and the nonlinear models.
+//! One mass fitted to its displacement: the Maxwell and the nonlinear models.
 
 use crumple_lumped::Model;
 use crumple_signal::{Displacement, Notes, Signal};
@@ -13,9 +13,11 @@ use crate::{
     fit_nonlinear1, fit_nonlinear2, interior_point_nonlinear1, undetermined_by_the_record,
 };
 
+/// A fitted model with the record of its fit and, where they exist, linearised deviations.
 type SingleMassFit = (Model, Fit, Option<Uncertainty>);
 
-/// Spring and damper in series.
+/// The Maxwell model fitted to the displacement; with other sensors or quantities the fit to sensors. A spring or
+/// damper that is nearly rigid is reported as not determined.
 pub(crate) fn maxwell(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     if !task.fits_displacement_alone() {
         return sensors::fit(task, notes);
@@ -27,7 +29,8 @@ pub(crate) fn maxwell(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidat
     })
 }
 
-/// The first nonlinear model under its side constraints.
+/// The first nonlinear model under its side constraints. A fit that cannot meet the conditions at dynamic crush to
+/// 1e-6 says by how much.
 pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     if !task.fits_displacement_alone() {
         return sensors::fit(task, notes);
@@ -58,12 +61,13 @@ pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     candidates
 }
 
-/// Whether the conditions at dynamic crush are met to what a fit under them is asked for.
+/// Whether the relative conditions on crush and speed are met to 1e-6.
 fn met(left: &[f64; 2]) -> bool {
     left.iter().all(|condition| condition.abs() <= 1e-6)
 }
 
-/// The same as the paper finds it.
+/// The first nonlinear model by the interior point of the paper. Needs a dynamic crush, to which its conditions
+/// refer.
 pub(crate) fn interior_point(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     // Its conditions are those at dynamic crush.
     let Some((time_s, crush_m)) = crush_of(task, notes) else { return Ok(Vec::new()) };
@@ -79,7 +83,7 @@ pub(crate) fn interior_point(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<C
     })
 }
 
-/// The second nonlinear model.
+/// The second nonlinear model fitted to the displacement; with other sensors or quantities the fit to sensors.
 pub(crate) fn nonlinear2(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     if !task.fits_displacement_alone() {
         return sensors::fit(task, notes);
@@ -91,7 +95,7 @@ pub(crate) fn nonlinear2(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     })
 }
 
-/// The same by the firefly search.
+/// The second nonlinear model by the firefly search of the paper.
 pub(crate) fn firefly(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
     fitted(task, &extent, notes, |x, options, remarks| {
@@ -105,7 +109,10 @@ pub(crate) fn firefly(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidat
     })
 }
 
-/// What all fits to the displacement of one mass have in common.
+/// Window, notes and candidate that all fits to the displacement of one mass have in common; `fit` makes the model.
+///
+/// The window ends with the settings, else with dynamic crush, else with the record. A fit without any finite
+/// response is a warning and no candidate; other errors are passed on.
 pub(super) fn fitted(
     task: &Task<'_>,
     extent: &Extent,

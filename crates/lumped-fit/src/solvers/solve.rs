@@ -1,4 +1,4 @@
-//! All candidates for one test.
+//! All candidates of a test: every solver that the settings ask for.
 
 use crumple_signal::Notes;
 use rayon::prelude::*;
@@ -7,10 +7,14 @@ use crate::solvers::table::solvers_of;
 use crate::solvers::task::Task;
 use crate::{Candidate, SolveError, SolveSettings, TestData};
 
-/// Finds every candidate that the settings ask for and the test allows; the notes say what is missing and why.
+/// Solves for every model by every method that the settings ask for and the test allows; the notes say what is
+/// missing and why.
 ///
-/// Errors: only what makes every model senseless or an option impossible: a mass, speed, mass split or window without
-/// meaning.
+/// Solvers run in parallel and know nothing of each other; candidates and notes come in the order of the settings,
+/// whatever the number of threads. A record too coarse for a fit (that of an event data recorder) still gives the
+/// closed forms. A set with a parameter beyond the range of numbers is left out with a warning.
+///
+/// Errors: a mass, speed, mass split or window without meaning, which no model can be solved with.
 pub fn solve(test: &TestData<'_>, settings: &SolveSettings, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     crate::error::positive("mass_kg", test.mass_kg)?;
     crate::error::positive("impact_speed_m_per_s", test.impact_speed_m_per_s)?;

@@ -1,6 +1,6 @@
 //! The table of solvers: which model is solved by which method, from what, and whether without being asked.
 //!
-//! A new way to solve is one line here and one function; lists, help text and dispatch follow from it.
+//! A new solver is one row here and one function; lists, help texts and dispatch follow from the table.
 
 use std::sync::LazyLock;
 
@@ -12,10 +12,10 @@ use crate::solvers::{closed_forms, double, sensors, single_mass};
 use crate::{Candidate, FireflyOptions, FitQuantity, MassFit, MassSplit, Method, SolveError, SolveSettings};
 use crumple_estimation::minimise::l_shade::LShadeOptions;
 
-/// The function of a solver.
+/// The function of a row: candidates and notes from a task.
 type Solve = fn(&Task<'_>, &mut Notes) -> Result<Vec<Candidate>, SolveError>;
 
-/// One way to solve for one model.
+/// A row of the table: one way to solve for one model.
 #[derive(Debug, Clone, Copy)]
 pub struct Solver {
     /// The model.
@@ -30,11 +30,13 @@ pub struct Solver {
     pub(crate) solve: Option<Solve>,
 }
 
+/// A row with a function.
 const fn solver(model: ModelKind, method: Method, needs: Needs, by_default: bool, solve: Solve) -> Solver {
     Solver { model, method, needs, by_default, solve: Some(solve) }
 }
 
-/// Every solver, models in the order of the lists. Columns: model, method, needs, used without being asked, function.
+/// Every solver, models in the order of lists and results. Columns: model, method, what it needs, whether it is used
+/// without being asked, function.
 pub const SOLVERS: &[Solver] = {
     use ModelKind as K;
     use Needs::{Events, IdentifiedModel, Motion};
@@ -76,7 +78,8 @@ pub const SOLVERS: &[Solver] = {
     ]
 };
 
-/// Models left out where none is asked for: one that a better default covers, one that needs more than one sensor.
+/// Models that are not solved for without being asked: the first nonlinear model, which the second one covers, and
+/// the triple model, which one sensor does not determine.
 const NOT_BY_DEFAULT: &[ModelKind] = &[ModelKind::Nonlinear1, ModelKind::TripleSpringMassDamper];
 
 /// Models this crate can solve for, in the order of the result.
@@ -112,6 +115,7 @@ impl Default for SolveSettings {
 }
 
 impl SolveSettings {
+    /// Whether a solver that is asked for needs this.
     fn needs(&self, needs: Needs) -> bool {
         self.models.iter().any(|model| solvers_of(*model, &self.methods).iter().any(|solver| solver.needs == needs))
     }

@@ -1,4 +1,4 @@
-//! What a solver is given.
+//! The task of one solver: model, method, data of the test, settings.
 
 use crumple_lumped::{ModelKind, ParameterKind};
 use crumple_signal::Sampled;
@@ -21,17 +21,23 @@ pub enum Needs {
     IdentifiedModel,
 }
 
-/// All that a solver is given.
+/// Everything that a solver is given.
 pub(crate) struct Task<'a> {
+    /// The model of the row.
     pub model: ModelKind,
+    /// The method of the row.
     pub method: Method,
+    /// The test.
     pub test: &'a TestData<'a>,
+    /// What was asked for: windows, masses, sizes of searches.
     pub settings: &'a SolveSettings,
 }
 
 impl Task<'_> {
-    /// Whether the displacement of the pulse alone is to be fitted, with known masses: what the fits made for one model
-    /// do. A sensor on a mass that the model does not have changes nothing, nor does naming the pulse itself.
+    /// Whether the displacement of the pulse alone is fitted with given masses, so that the special fits of a model
+    /// apply.
+    ///
+    /// A sensor on a mass that the model does not have changes nothing, nor does naming the pulse itself as a sensor.
     pub(crate) fn fits_displacement_alone(&self) -> bool {
         let count = mass_count(self.model);
         let is_pulse = |sensor: &Sensor<'_>| {

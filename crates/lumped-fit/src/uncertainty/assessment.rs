@@ -1,4 +1,9 @@
-//! Everything that is said of how well a model's parameters are known.
+//! Assessment of a model at the minimum of its misfit: covariance, intervals, correlation, profiles and bootstrap.
+//!
+//! The covariance is the sandwich `(J'J)^-1 J' L J (J'J)^-1` with the autocovariance `L` of the residuals, see
+//! [`covariance`](crumple_estimation::statistics::covariance); coordinates are those of [`FreeParameter`]. Its
+//! intervals are valid while the model is true and the response straight over the interval. The profile drops the
+//! second condition, the bootstrap makes no use of a formula; neither drops the first.
 
 use std::collections::BTreeMap;
 
@@ -23,10 +28,10 @@ pub struct AssessmentOptions {
     pub bootstrap: usize,
 }
 
-/// An interval by parameter; `None`: open on that side.
+/// A 95 % interval by parameter, in its unit; `None`: open on that side, the record does not bound it.
 pub type Intervals = BTreeMap<&'static str, (Option<f64>, Option<f64>)>;
 
-/// The verdict on one candidate.
+/// How well the parameters of one candidate are determined.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assessment {
     /// The parameters judged, in the order of the matrices.
@@ -54,14 +59,20 @@ pub struct Assessment {
     /// What the sentence on the weakest direction is made from.
     free: Vec<FreeParameter>,
     covariance: Covariance,
+    /// Quantity of the first wave.
     quantity: FitQuantity,
 }
 
-/// Judges a model at the minimum of its misfit.
+/// Assesses a model at the minimum of its misfit; `None` where no parameter is determined.
 ///
-/// `given`: the values that are to be judged, where they are not those of the minimum: a closed form that follows two
-/// events instead of the whole curve. Its intervals stand around its own values and are widened by their distance from
-/// the minimum, as one more deviation: the same model, taken from the record in another way, gives values so far apart.
+/// `given`: the values to assess, where they are not those of the minimum, such as a closed form that follows two
+/// events instead of the whole curve. Intervals stand around these values and are widened by their distance `a` from
+/// the minimum as one more standard deviation, `h² + (1.96 a)²`: another way to take the same model from the record
+/// gives values so far apart.
+///
+/// A parameter at zero is assessed from its one side. One at another bound, or without effect in the window, is left
+/// out of the matrices and has an open interval. Where masses are fitted, the last one is the rest of the total and
+/// follows from the others.
 pub fn assess(
     refined: &Refined,
     given: Option<&Model>,
@@ -138,7 +149,8 @@ pub fn assess(
     })
 }
 
-/// The interval of a coordinate as values. Beyond a factor of `e^9` nothing is said.
+/// The interval of a coordinate as values: log-normal, `p e^(±h)`, open from `h = 9` on; near zero normal, `p ± h u`,
+/// cut at zero.
 fn around(parameter: &FreeParameter, value: f64, half: f64) -> (Option<f64>, Option<f64>) {
     if parameter.logarithmic && value > 0.0 {
         let known = half < 9.0;
@@ -149,8 +161,11 @@ fn around(parameter: &FreeParameter, value: f64, half: f64) -> (Option<f64>, Opt
     }
 }
 
-/// Standard deviation and interval of the mass that is the rest of the total: those of the free mass, mirrored; of two
-/// free masses normal, from the deviation of their sum with the factor of the wider of their intervals.
+/// Standard deviation and 95 % interval, kg, of the mass that is the rest of the total.
+///
+/// The variance is `g' C g` with `g` the derivatives of the free masses by their coordinates. With one free mass the
+/// interval is that of the free mass mirrored in the total; with two it is normal, with the wider of the factors
+/// between their deviation and half-width.
 fn of_the_rest(
     value: f64,
     free: &[FreeParameter],
@@ -178,7 +193,7 @@ fn of_the_rest(
     (deviation, ends)
 }
 
-/// The profile of the rest of the total, which is that of the one free mass mirrored; none with two free masses.
+/// The profile of the rest of the total: that of the one free mass mirrored. `None` with two free masses.
 fn profile_of_the_rest(refined: &Refined, profiles: &[Profile]) -> Option<Profile> {
     let (parameter, value) = rest_mass(&refined.model, &refined.free)?;
     let mut masses = refined.free.iter().filter(|p| p.kind == ParameterKind::Mass);
@@ -194,7 +209,7 @@ fn profile_of_the_rest(refined: &Refined, profiles: &[Profile]) -> Option<Profil
 }
 
 impl Assessment {
-    /// The same verdict seen from the dual double model.
+    /// The same assessment for the dual of a double model.
     pub fn of_dual(&self, dual: &DualScale) -> Self {
         let exchange = |intervals: &Intervals| -> Intervals {
             intervals
@@ -239,7 +254,7 @@ impl Assessment {
     }
 }
 
-/// Free parameters of which the record says nothing at all, for a sentence.
+/// Parameters with an open interval on at least one side, by name.
 pub fn undetermined(assessment: &Assessment) -> Vec<&'static str> {
     assessment
         .interval

@@ -1,4 +1,4 @@
-//! Block bootstrap of the misfit.
+//! Block bootstrap of the misfit: intervals by fitting resampled records.
 
 use std::collections::BTreeMap;
 
@@ -13,15 +13,16 @@ use crate::record::observation::Observation;
 use crumple_estimation::statistics::{autocorrelation_time, quantile};
 use crumple_lumped::Model;
 
-/// Replicates that say something of the ends of an interval.
+/// Replicates that give the ends of a 95 % interval: five of 200 lie beyond each.
 pub const REPLICATES: usize = 200;
 /// Seed of the generators; replicate `i` uses its stream `i`.
 const SEED: u64 = 1;
-/// A block is so many autocorrelation times long, and at most this share of the window.
+/// Length of a block in autocorrelation times of the misfit.
 const BLOCK_TIMES: f64 = 2.0;
+/// A block is at most one part in so many of the window.
 const LARGEST_SHARE: usize = 3;
 
-/// What the replicates say of parameters named by `N`.
+/// Percentiles of the parameters over the replicates; parameters are named by `N`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BlockBootstrap<N: Ord = &'static str> {
     /// Replicates that led to a fit.
@@ -32,15 +33,16 @@ pub struct BlockBootstrap<N: Ord = &'static str> {
     pub interval: BTreeMap<N, (Option<f64>, Option<f64>)>,
 }
 
-/// Fits the model again to its own response with the misfit laid over it in shuffled blocks, and reads the percentiles.
+/// Fits the model to its own response with the misfit added in shuffled blocks, many times, and takes percentiles.
 ///
-/// Several waves are shuffled in the same blocks of time, so that an error they share stays shared. Moving blocks on a
-/// circle (Politis & Romano 1992), two autocorrelation times long but at most a third of the window, so that what hangs
-/// together stays together. Every replicate starts from the minimum and draws from its own stream of a fixed seed: the
-/// result does not depend on threads. Says nothing of other minima, nor of an error that is the same in the whole
-/// record. `None` with fewer than 20 fits, or for a misfit of rounding alone.
+/// Moving blocks on a circle (Politis & Romano, "A circular block-resampling procedure for stationary data", 1992),
+/// two autocorrelation times long but at most a third of the window, so that the correlation in time is kept. Several
+/// waves are shuffled in the same blocks of time: an error that they share stays shared. Every replicate descends
+/// from the minimum and draws from its own stream of a fixed seed, so the result does not depend on the number of
+/// threads.
 ///
-/// `with_rest`: whether a last mass that is the rest of the total has an interval too.
+/// Contains no other minimum, and no error that is the same in the whole record. `with_rest`: whether a last mass
+/// that is the rest of the total has an interval too. `None` with fewer than 20 fits.
 pub fn bootstrap(
     refined: &Refined,
     observed: &Observation,
@@ -58,7 +60,7 @@ pub fn bootstrap(
     })
 }
 
-/// [`bootstrap`] of any fit: `misfit` is its weighted one, `fit` gives the values of the names for a record.
+/// [`bootstrap`] of any fit. `misfit`: its weighted residuals; `fit`: the values of `names` for a resampled record.
 pub(crate) fn replicate<N: Ord>(
     observed: &Observation,
     misfit: &[f64],
@@ -108,7 +110,8 @@ pub(crate) fn replicate<N: Ord>(
     Some(BlockBootstrap { replicates: fits.len(), block, interval })
 }
 
-/// Percentile by linear interpolation between order statistics.
+/// The quantile `share` of values, by linear interpolation between order statistics; sorts them. `None` without
+/// values.
 pub(crate) fn percentile(values: &mut [f64], share: f64) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     quantile(values, share)

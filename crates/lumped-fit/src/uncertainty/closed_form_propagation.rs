@@ -1,5 +1,5 @@
-//! What uncertain mass, speed, zero level and time zero do to a closed form: the same formula from the events of the
-//! record as it would have been.
+//! Uncertain mass, speed, zero level and time zero in closed forms: the formula applied to the events of a changed
+//! record.
 
 use std::collections::BTreeMap;
 
@@ -60,12 +60,15 @@ impl FollowedEvents {
     }
 }
 
-/// Repeats the closed form of `model` with inputs drawn anew, and reads the percentiles.
+/// Applies the closed form of `model` to events that uncertain inputs change, many times, and takes percentiles.
 ///
-/// Each repetition takes the events of the record with its mass, speed, zero level and time zero, and solves for the
-/// model by the same formula: Kelvin from crush and its time, elastoplastic from crush and restitution. `events`: those
-/// that gave the model; `whole`: the record, every sample from contact to its end. A repetition without a solution is
-/// left out and not counted. `None` for a model without closed form, or with fewer than 20 results.
+/// Each repetition draws mass, speed, zero level and time zero, changes the record accordingly, reads its events and
+/// solves by the same formula: Kelvin from crush and its time, elastoplastic from crush and restitution. Only the
+/// change of the events is taken from the record, see [`FollowedEvents::moved`]. `events`: those of the test;
+/// `whole`: every sample from contact to the end; `mass_kg`: the mass that the uncertainty of the mass refers to. A
+/// repetition without a solution is not counted.
+///
+/// `None` for a model without a closed form, or with fewer than 20 results.
 pub fn propagate_closed_form(
     model: &Model,
     events: &FollowedEvents,

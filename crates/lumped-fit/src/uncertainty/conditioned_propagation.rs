@@ -1,5 +1,5 @@
-//! What uncertain inputs do to the first nonlinear model under its side conditions: the same fit from the record as it
-//! would have been.
+//! Uncertain inputs of the first nonlinear model under its side conditions: the same constrained fit to a changed
+//! record.
 
 use std::collections::BTreeMap;
 
@@ -12,21 +12,23 @@ use crate::uncertainty::closed_form_propagation::FollowedEvents;
 use crate::uncertainty::propagation::{InputUncertainty, Propagation, Repetition, over_repetitions, with_errors};
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Response, descend};
 
-/// Rounds of the augmented Lagrangian, and what the conditions are met to, of crush and speed.
+/// Rounds of the augmented Lagrangian.
 const ROUNDS: usize = 12;
+/// Relative violation of the conditions on crush and speed at which they are met.
 const MET: f64 = 1e-8;
 /// Places of the parameters that are free: all but the mass and the last knots.
 const PLACES: [usize; 6] = [1, 2, 3, 4, 5, 6];
 
-/// Repeats the fit of the first nonlinear model under `k1 <= k2`, `c1 >= c2 >= c3`, `x(t_m) = C` and `v(t_m) = 0` with
-/// inputs drawn anew, and reads the percentiles.
+/// Repeats the fit of the first nonlinear model under `k1 <= k2`, `c1 >= c2 >= c3`, `x(t_m) = C` and `v(t_m) = 0`
+/// with uncertain inputs, and takes percentiles.
 ///
 /// The estimator of [`fit_nonlinear1`](crate::fit_nonlinear1): crush, its time and the last knots are those of each
-/// repetition's record, the displacement is compared without the filter. Every repetition descends from `model`: where
-/// errors are so large that another start of the fit would win (time zero more than 0.25 ms off), the spread is that of
-/// one minimum and too small. `events`, `whole`: as [`propagate_closed_form`](crate::propagate_closed_form) takes them;
-/// `observed`: the samples compared. A repetition that cannot meet the conditions is left out and not counted. `None`
-/// with fewer than 20 results.
+/// repetition's record, and the displacement is compared without the filter. Every repetition descends from `model`.
+/// With time zero more than 0.25 ms off, another start of the fit could win: the spread is then that of one minimum
+/// and too small.
+///
+/// `events`, `whole`: as for [`propagate_closed_form`](crate::propagate_closed_form); `observed`: the samples
+/// compared. A repetition that cannot meet the conditions is not counted. `None` with fewer than 20 results.
 pub fn propagate_conditioned(
     model: &Nonlinear1,
     events: &FollowedEvents,
@@ -41,7 +43,8 @@ pub fn propagate_conditioned(
     })
 }
 
-/// One repetition: the parameters and the model's crush.
+/// One repetition: the parameters scaled to the mass drawn, and the dynamic crush of the model, m. `None` where the
+/// conditions are not met after [`ROUNDS`].
 fn repeat_conditioned(
     model: &Nonlinear1,
     events: &FollowedEvents,
@@ -103,20 +106,26 @@ fn repeat_conditioned(
     Some(result)
 }
 
-/// Displacements in units of the crush, and the two weighted conditions after them. Coefficients are sums of parts that
-/// are not negative, which keeps their order.
+/// Residuals of one repetition: displacements in units of the crush, then the two weighted conditions of the
+/// augmented Lagrangian. Coefficients are sums of parts that are not negative, which keeps their order.
 struct Conditioned<'a> {
+    /// The changed record.
     record: &'a ObservedWave,
     impact_speed_m_per_s: f64,
+    /// Its events.
     events: &'a FollowedEvents,
+    /// Unit of springs, N/m: `m (v0/C)²`.
     spring: f64,
+    /// Unit of dampers, N·s/m: `m v0/C`.
     damper: f64,
     mass_kg: f64,
+    /// Weight and multipliers of the augmented Lagrangian.
     weight: f64,
     multipliers: [f64; 2],
 }
 
 impl Conditioned<'_> {
+    /// The model at a point; `None` if it is not physical.
     fn model(&self, theta: &[f64]) -> Option<Nonlinear1> {
         let v0 = self.impact_speed_m_per_s;
         let model = Nonlinear1 {
@@ -133,6 +142,7 @@ impl Conditioned<'_> {
         model.check().is_ok().then_some(model)
     }
 
+    /// The instants of the samples that are compared.
     fn instants(&self) -> Instants {
         let m = &self.record.measurement;
         Instants {
@@ -142,6 +152,7 @@ impl Conditioned<'_> {
         }
     }
 
+    /// The instant of dynamic crush.
     fn stop(&self) -> Instants {
         Instants { first_s: self.events.time_of_dynamic_crush_s, dt_s: self.record.measurement.dt_s, samples: 1 }
     }
@@ -154,7 +165,7 @@ impl Conditioned<'_> {
         Some([motion.displacement_m[0] / self.events.dynamic_crush_m - 1.0, motion.velocity_m_per_s[0] / v0])
     }
 
-    /// The parameters by their places that each of theta moves, and how far.
+    /// For each coordinate the places of the parameters that it moves, and their derivatives by it.
     fn derivatives(&self) -> [Vec<(usize, f64)>; 6] {
         let (k, c) = (self.spring, self.damper);
         [
@@ -169,10 +180,12 @@ impl Conditioned<'_> {
 }
 
 impl Response for Conditioned<'_> {
+    /// One residual for each sample, and two for the conditions.
     fn rows(&self) -> usize {
         self.record.samples.len() + 2
     }
 
+    /// `(x(t_k) - s_k)/C`, then `sqrt(w) (c_j + y_j/w)`.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
         let Some(model) = self.model(theta) else { return false };
         let v0 = self.impact_speed_m_per_s;
@@ -191,6 +204,7 @@ impl Response for Conditioned<'_> {
         out.iter().all(|x| x.is_finite())
     }
 
+    /// Derivatives of both by each coordinate.
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
         let Some(model) = self.model(theta).map(Model::Nonlinear1) else { return Some(false) };
         let (v0, crush) = (self.impact_speed_m_per_s, self.events.dynamic_crush_m);

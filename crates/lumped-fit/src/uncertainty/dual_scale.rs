@@ -1,4 +1,4 @@
-//! From what is known of a double model's parameters to the same for its dual.
+//! Uncertainties of a double model carried over to its dual.
 
 use std::collections::BTreeMap;
 
@@ -6,13 +6,14 @@ use crumple_lumped::DoubleSpringMassDamper;
 
 use crate::Propagation;
 
-/// Names and factors that lead to the dual, which exchanges front and rear: `k1' = mu k2`, `k2' = k1/mu`, the dampers
-/// alike, `mu = (m1 + m2)/m2`.
+/// Names and factors that lead to the dual, which exchanges front and rear: `k1' = mu k2`, `k2' = k1/mu`, dampers
+/// alike, with `mu = (m1 + m2)/m2`.
 ///
-/// The factors are constants of the masses, so logarithms move by constants: deviations and intervals keep their
-/// relative size, and so does what repetitions with another mass give as long as its split stays.
+/// The factors depend on the masses alone. Relative deviations and intervals keep their size, and so do the results
+/// of repetitions with another mass, as long as its division stays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DualScale {
+    /// `(m1 + m2)/m2`.
     mu: f64,
 }
 
@@ -22,7 +23,7 @@ impl DualScale {
         Self { mu: (model.m1_kg + model.m2_kg) / model.m2_kg }
     }
 
-    /// The parameter of the dual that follows from the one of this name, and its value over this one's.
+    /// The parameter of the dual that follows from the one of this name, and the factor between their values.
     pub fn of(&self, name: &'static str) -> (&'static str, f64) {
         match name {
             "k1_n_per_m" => ("k2_n_per_m", 1.0 / self.mu),
@@ -33,7 +34,7 @@ impl DualScale {
         }
     }
 
-    /// Values by parameter, seen from the dual.
+    /// Values by parameter, for the dual.
     pub fn values(&self, values: &BTreeMap<&'static str, f64>) -> BTreeMap<&'static str, f64> {
         let exchanged = |(name, value): (&&'static str, &f64)| {
             let (name, by) = self.of(name);
@@ -42,7 +43,7 @@ impl DualScale {
         values.iter().map(exchanged).collect()
     }
 
-    /// What repetitions with uncertain inputs say of the dual.
+    /// The results of repetitions with uncertain inputs, for the dual.
     pub fn propagation(&self, of: &Propagation) -> Propagation {
         let exchanged = |(name, (low, high)): (&&'static str, &(f64, f64))| {
             let (name, by) = self.of(name);

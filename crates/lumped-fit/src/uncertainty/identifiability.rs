@@ -1,4 +1,8 @@
-//! What a record does not determine, in words.
+//! What a record does not determine, as a sentence.
+//!
+//! The weakest direction is the unit vector in the coordinates along which the response changes least. A step of 1 %
+//! of the parameter with the largest part in it is described: how far the others move with it, and the root mean
+//! square change of the response.
 
 use crumple_lumped::ParameterKind;
 
@@ -6,17 +10,17 @@ use crate::FitQuantity;
 use crate::free::free_parameter::FreeParameter;
 use crumple_estimation::statistics::Covariance;
 
-/// Parts below this share of the largest part of the weakest direction are left out of the sentence.
+/// Parameters whose part of the weakest direction is below this share of the largest part are not named.
 const WORTH_NAMING: f64 = 0.2;
-/// A combination known to less than this, in relative terms, is called not determined.
+/// A combination whose relative standard deviation is above this is called not determined.
 const LOOSE: f64 = 0.5;
 
-/// The weakest direction as a sentence: which parameters can move together how far, and what that does to the
-/// displacement.
+/// The weakest direction as a sentence: which parameters can move together how far, and how little the response
+/// changes then.
 ///
-/// `quantity`: what the sensitivities are of, in its SI unit; of several waves that of the first, with the others
-/// weighted. With two parameters the combination that remains determined is named too: moving `k1` by `d1` and `k2` by
-/// `d2` changes nothing, so only `k1 - (d1/d2) k2` is known.
+/// `quantity`: that of the sensitivities; of several waves that of the first, with the others weighted. With two
+/// parameters the combination that remains determined is named too: moving `k1` by `d1` and `k2` by `d2` changes
+/// nothing, so only `k1 - (d1/d2) k2` is known. `None` with fewer than two parameters.
 pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance, quantity: FitQuantity) -> Option<String> {
     let named = |p: &FreeParameter| NamedCoordinate {
         name: p.name.to_owned(),
@@ -27,7 +31,7 @@ pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance, quanti
     direction_in_words(&free.iter().map(named).collect::<Vec<_>>(), covariance, quantity)
 }
 
-/// A coordinate of a fit for that sentence.
+/// A coordinate of a fit with the name of its parameter, for that sentence.
 #[derive(Debug, Clone)]
 pub(crate) struct NamedCoordinate {
     /// The parameter, with its unit.
@@ -103,11 +107,12 @@ pub(crate) fn direction_in_words(
     Some(format!("{determined}: {moved}; {width}"))
 }
 
-/// Two of one kind stand by their numbers, others as the model has them.
+/// Two parameters of one kind are ordered by name, others as in the model.
 fn comes_before(a: &NamedCoordinate, b: &NamedCoordinate, in_the_model: bool) -> bool {
     if a.kind == b.kind { a.name < b.name } else { in_the_model }
 }
 
+/// A change of the response in a sentence: displacements in mm, others in the SI unit.
 fn size(value: f64, quantity: FitQuantity) -> String {
     if quantity != FitQuantity::Displacement {
         return format!("{value:.2e} {}", quantity.unit());

@@ -1,4 +1,4 @@
-//! Profile likelihood: how far one parameter can move when all others follow.
+//! Profile likelihood: how far one parameter can move while all others are fitted again.
 
 use rayon::prelude::*;
 
@@ -9,17 +9,18 @@ use crate::record::observation::Observation;
 
 /// Rise of `2 ln L` that ends a 95 % interval of one parameter: chi-square with one degree of freedom.
 pub const RISE_95: f64 = 3.841_459;
-/// Grid points on each side, at most.
+/// Grid points on each side at most.
 const POINTS: usize = 24;
-/// The first step is this share of the interval that the linearisation expects, growing by `GROWTH`.
+/// The first step as a share of the half-width that the linearisation expects.
 const FIRST_SHARE: f64 = 0.25;
+/// Factor from one step to the next.
 const GROWTH: f64 = 1.35;
 /// Smallest and largest first step in a coordinate of size one.
 const STEPS: (f64, f64) = (1e-6, 0.25);
 /// Bisections between the last point inside and the first outside: 1/64 of a grid step.
 const BISECTIONS: usize = 6;
 
-/// The profile of one parameter, named by `N`.
+/// The profile of one parameter; parameters are named by `N`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile<N = &'static str> {
     /// Name with unit.
@@ -39,16 +40,16 @@ impl<N> Profile<N> {
     }
 }
 
-/// Fixes each free parameter on a grid away from the minimum, fits all others again from the neighbour, and ends the
-/// interval where `2 ΔlnL = Ne ln(S/S_min)` exceeds 3.84.
+/// Sets each free parameter to values away from the minimum, fits all others again from the neighbouring value, and
+/// ends the interval where the likelihood has fallen by `2 d(ln L) = Ne ln(S/S_min) = 3.84`: chi-square, one degree
+/// of freedom, 95 %.
 ///
-/// `Ne` is the effective number of samples, at least one more than there are parameters. To both sums of squares comes
-/// the resolution of the displacement. Up to 24 points on each side, with growing steps; a side that never rises so
-/// far, or ends on a bound of the search, is open: not identifiable. Where zero is reached below the limit, zero is the
-/// end.
+/// `S` is the sum of squared residuals plus that of the resolution, `Ne` the effective number of samples, at least
+/// one more than there are parameters. Up to 24 values on each side with growing steps, then six bisections. A side
+/// that does not rise so far, or ends at a bound of the search, is open: the parameter is not identifiable. Where
+/// zero is reached first, zero is the end.
 ///
-/// `expected`: half-width of the linear interval of each free parameter's coordinate, where there is one; it sets the
-/// first step.
+/// `expected`: half-width of the linear interval of each coordinate, where there is one; it sets the first step.
 pub fn profile(
     refined: &Refined,
     observed: &Observation,
@@ -86,12 +87,13 @@ pub fn profile(
     .profiles()
 }
 
-/// How the other parameters are fitted while one is held: which, at what coordinate, from what coordinates of the
-/// others; gives those of the minimum and its sum of squares in units of [`Observation::scale_m`].
+/// Fits the other parameters with one fixed: which one, its coordinate, start coordinates of the others. Gives the
+/// coordinates of the minimum and its sum of squares, in squared units of [`Observation::scale_m`].
 pub(crate) type Refit<'a> = &'a (dyn Fn(usize, f64, &[f64]) -> Option<(Vec<f64>, f64)> + Sync);
 
-/// A minimum of which the parameters can be held one at a time.
+/// A minimum whose parameters can be fixed one at a time.
 pub(crate) struct Minimum<'a, N> {
+    /// Names of the parameters, in the order of the coordinates.
     pub names: &'a [N],
     /// Coordinates of the minimum.
     pub at: &'a [f64],
@@ -101,12 +103,15 @@ pub(crate) struct Minimum<'a, N> {
     pub value: &'a (dyn Fn(usize, f64) -> f64 + Sync),
     /// Whether a coordinate of zero is a value of zero, which ends an interval.
     pub ends_at_zero: &'a (dyn Fn(usize) -> bool + Sync),
+    /// How the others are fitted again.
     pub refit: Refit<'a>,
     /// Weighted misfit at the minimum, in the unit of the first wave.
     pub misfit: &'a [f64],
+    /// What the misfit is of: its resolution and unit.
     pub observed: &'a Observation,
     /// As in [`profile`].
     pub expected: &'a [Option<f64>],
+    /// Independent samples that the misfit is worth.
     pub effective_samples: f64,
 }
 
@@ -128,14 +133,17 @@ impl<N: Clone + Send + Sync> Minimum<'_, N> {
     }
 }
 
-/// What both sides of one parameter's profile share.
+/// What both sides of the profile of one parameter share.
 struct Side<'a, N> {
+    /// The minimum, and which of its parameters is fixed.
     of: &'a Minimum<'a, N>,
     fixed: usize,
     effective_samples: f64,
     /// Sum of squares at the minimum with that of the resolution, in squared units of the problem.
     least: f64,
+    /// Sum of squares of the resolution, in the same unit.
     floor: f64,
+    /// First step of the coordinate.
     first_step: f64,
 }
 
@@ -150,14 +158,14 @@ impl<'a, N> Side<'a, N> {
         Self { of, fixed, effective_samples, least, floor, first_step }
     }
 
-    /// The others at their best for a value of the fixed one: their coordinates and the rise.
+    /// The rise of `2 ln L` with the parameter at `coordinate`, and the coordinates of the others there.
     fn rise(&self, coordinate: f64, start: &[f64]) -> Option<(Vec<f64>, f64)> {
         let (theta, cost) = (self.of.refit)(self.fixed, coordinate, start)?;
         let rise = self.effective_samples * ((cost + self.floor) / self.least).ln();
         rise.is_finite().then_some((theta, rise))
     }
 
-    /// The end of the interval on one side and the points met on the way.
+    /// One side, `direction` -1 or 1: the end of the interval and the points on the way.
     fn walk(&self, direction: f64) -> (Option<f64>, Vec<(f64, f64)>) {
         let value = |coordinate: f64| (self.of.value)(self.fixed, coordinate);
         let (lower, upper) = self.of.bounds[self.fixed];

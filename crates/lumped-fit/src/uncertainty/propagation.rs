@@ -1,4 +1,7 @@
-//! What uncertain mass, speed, zero level and time zero do to crush and parameters.
+//! Uncertain mass, speed, zero level and time zero: the fit repeated with changed inputs.
+//!
+//! A Monte Carlo propagation after JCGM 101: draw the inputs, change the record as these errors would have, fit
+//! again, take percentiles. The errors are those that are the same in the whole record, which no residual shows.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,7 +19,7 @@ use crate::record::observation::{FEWEST, Observation, ObservedWave};
 use crate::uncertainty::block_bootstrap::percentile;
 use crate::{FitQuantity, FreeParameter, Measurement};
 
-/// Largest error that a repetition can draw, in sizes.
+/// Largest error that a repetition can draw, in units of its size.
 pub const fn largest_draw(distribution: Distribution) -> f64 {
     match distribution {
         Distribution::Normal => 6.0,
@@ -24,7 +27,8 @@ pub const fn largest_draw(distribution: Distribution) -> f64 {
     }
 }
 
-/// Sizes of the errors of what a test is told and not measured on the pulse; independent.
+/// Sizes of the errors of what a test is told and what is not seen on the pulse; independent of each other. A size is
+/// a standard deviation or a half width, by its distribution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct InputUncertainty {
     /// Of the test mass, kg.
@@ -46,11 +50,12 @@ impl InputUncertainty {
     }
 }
 
-/// Repetitions where no other number is asked for.
+/// Repetitions where no number is asked for: ten of 200 lie beyond each end of a 90 % interval.
 pub const REPETITIONS: usize = 200;
+/// Seed of the generators; repetition `i` uses its stream `i`.
 const SEED: u64 = 2;
 
-/// What the repetitions say of parameters named by `N`.
+/// Percentiles over the repetitions; parameters are named by `N`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Propagation<N: Ord = &'static str> {
     /// Repetitions that led to a result.
@@ -61,7 +66,7 @@ pub struct Propagation<N: Ord = &'static str> {
     pub standard_deviation: BTreeMap<N, f64>,
 }
 
-/// A test as a repetition finds it.
+/// A test with the errors of one repetition.
 #[derive(Debug, Clone)]
 pub struct Repetition {
     /// The record with another speed, zero level and time zero.
@@ -93,8 +98,8 @@ pub(crate) struct Errors {
     pub bias_m_per_s2: Vec<f64>,
 }
 
-/// What repetition `index` draws; the mass as a share of that which `inputs` are relative to. Every sensor has its own
-/// zero level.
+/// The errors of repetition `index`; that of the mass as a share of the mass that `inputs` refer to. Every sensor has
+/// its own zero level.
 fn drawn(inputs: &InputUncertainty, index: usize, sensors: usize) -> Errors {
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     random.set_stream(index as u64);
@@ -121,7 +126,7 @@ pub fn perturbed(observed: &Observation, mass: f64, speed: f64, bias: f64, late:
     with_errors(observed, &Errors { mass, speed_m_per_s: speed, late_s: late, bias_m_per_s2: vec![bias] })
 }
 
-/// The record with these errors; `None` where too little of the window is left.
+/// The record with these errors; `None` where fewer than 12 samples of a window are left.
 pub(crate) fn with_errors(observed: &Observation, errors: &Errors) -> Option<Repetition> {
     let bias = |k: usize| errors.bias_m_per_s2.get(k).or(errors.bias_m_per_s2.last()).copied().unwrap_or(0.0);
     let waves = observed.waves.iter().enumerate();
@@ -208,10 +213,12 @@ pub fn propagate_unfiltered(
     })
 }
 
-/// Fewer values have no 5 and 95 % points.
+/// Fewest results of which percentiles are taken.
 const LEAST_REPETITIONS: usize = 20;
 
-/// Percentiles of what `one` gives for the errors drawn: of the mass relative to `mass_kg`, the others in their units.
+/// Percentiles and standard deviations of what `one` gives for the errors of each repetition, in parallel; results do
+/// not depend on the number of threads. The error of the mass is relative to `mass_kg`. A name with fewer than 20
+/// values is left out.
 pub(crate) fn over_repetitions<N: Ord + Clone + Send>(
     mass_kg: f64,
     inputs: &InputUncertainty,
@@ -269,13 +276,13 @@ pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) ->
     Some(result)
 }
 
-/// Twelve uniform numbers less six: normal to 2 % up to three deviations, without a logarithm whose last digit depends
-/// on the machine.
+/// A normal deviate: twelve uniform numbers less six. Exact to 2 % up to three standard deviations, at most six, and
+/// without a logarithm whose last digit depends on the machine.
 fn normal(random: &mut ChaCha8Rng) -> f64 {
     (0..12).map(|_| uniform(random)).sum::<f64>() - 6.0
 }
 
-/// From 0 to 1.
+/// Uniform in `0..1`, 53 bits.
 fn uniform(random: &mut ChaCha8Rng) -> f64 {
     (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }

@@ -1,4 +1,4 @@
-//! Search for the minima of the double model's error.
+//! Search for the minima of the double model's error, in the logarithms of two springs and two dampers.
 
 use crumple_linalg::jacobi_svd;
 use nalgebra::{DMatrix, Matrix4, Vector4};
@@ -61,7 +61,8 @@ pub(crate) fn search(
     (distinct(problem, minima, REPORTED), evaluations)
 }
 
-/// Minima from all points, sorted by cost; equal costs keep the order of the points.
+/// Descends from all points in parallel: minima sorted by cost, equal costs in the order of the points, and the
+/// evaluations spent.
 fn descend(problem: &DoubleResiduals<'_>, points: &[Vector4<f64>], settings: &Settings) -> (Vec<Minimum>, u64) {
     let ends: Vec<_> = points.par_iter().map(|point| minimise(problem, point, settings)).collect();
     let mut minima: Vec<Minimum> = ends.into_iter().flatten().collect();
@@ -70,7 +71,10 @@ fn descend(problem: &DoubleResiduals<'_>, points: &[Vector4<f64>], settings: &Se
     (minima, evaluations)
 }
 
-/// The first few, leaving out those that have come to the place of a better one or to the dual of it.
+/// The first few minima, without those that are at the place of a better one or of its dual.
+///
+/// Places are compared by five numbers that a model and its dual share: the four coefficients of the characteristic
+/// polynomial and the product of the dampers, in logarithms; nearer than 0.01 in all of them is the same place.
 pub(crate) fn distinct(problem: &DoubleResiduals<'_>, sorted: Vec<Minimum>, limit: usize) -> Vec<Minimum> {
     // Equal for dual models, different otherwise.
     let invariant = |m: &Minimum| {
@@ -89,7 +93,7 @@ pub(crate) fn distinct(problem: &DoubleResiduals<'_>, sorted: Vec<Minimum>, limi
     kept.into_iter().map(|(minimum, _)| minimum).collect()
 }
 
-/// Unit vector of the smallest singular value of the sensitivities, among parameters not held on a bound.
+/// Unit vector of the smallest singular value of the sensitivities, among parameters not fixed at a bound.
 fn weakest_direction(r: &Matrix4<f64>, on_bound: [bool; 4]) -> Option<Vector4<f64>> {
     let mut free = *r;
     for i in (0..4).filter(|&i| on_bound[i]) {

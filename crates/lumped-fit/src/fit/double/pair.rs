@@ -1,4 +1,8 @@
-//! The double spring-mass-damper fitted to the compartment's displacement.
+//! The double spring-mass-damper fitted to the displacement of its compartment: pairs of dual models.
+//!
+//! One accelerometer in the compartment cannot tell a model from its dual, which exchanges front and rear, so every
+//! minimum stands for two sets of parameters. What is found here is a starting point where the filter of the record
+//! is known: [`refine`](crate::refine) then moves it to the minimum of the filtered misfit.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +24,7 @@ use crumple_estimation::statistics::lag_1_autocorrelation;
 /// Names of the fitted parameters, in the order of theta.
 pub(crate) const NAMES: [&str; 4] = ["k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m"];
 
-/// What a fit is asked for.
+/// Masses, speed, window and size of the search of a fit of the double model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DoubleFitOptions {
     /// Mass of the chassis, next to the barrier, kg.
@@ -44,7 +48,7 @@ pub struct DoubleFitOptions {
     pub resolution_m: f64,
 }
 
-/// A fitted pair of models.
+/// A fitted pair: two models with the same motion of the compartment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DoubleFit {
     /// The two models with the same compartment motion, the one with the softer front spring first.
@@ -55,13 +59,13 @@ pub struct DoubleFit {
     pub uncertainty: [Option<Uncertainty>; 2],
 }
 
-/// The search runs on this many samples; only its results meet all of them.
+/// Samples that the search runs on; its results are followed on all samples of the window.
 const SEARCH_SAMPLES: usize = 64;
 
 /// Fits `k1, k2, c1, c2 > 0` to the compartment's displacement by least squares.
 ///
-/// The masses are given, since one accelerometer does not tell them. Parameters are positive by construction (their
-/// logarithms are fitted) and bounded: springs between 1e-4 and 1e4 times `M (π/2T)²`, the spring of an undamped
+/// The masses are given, since one accelerometer does not determine them. Parameters are positive by construction
+/// (their logarithms are fitted) and bounded: springs between 1e-4 and 1e4 times `M (π/2T)²`, the spring of an undamped
 /// mass `M` that stops at the window's end `T`, dampers between 1e-5 and 1e3 times `M/T` (those in the rear divided by
 /// `M/m2`). A fit that ends on a bound says so: that damper or spring does not matter (or ties the masses together),
 /// and no value is determined. The search is a deterministic multi-start on a thinned window, see `search`; what it
@@ -76,7 +80,7 @@ const SEARCH_SAMPLES: usize = 64;
 /// finite response from any start.
 ///
 /// **Several minima.** The error has more than one minimum, and with strong damping they lie close: records with
-/// real poles were met where parameter sets that differ by a factor 5 leave 4e-9 to 1.4e-7 m. So the result is a list,
+/// real poles exist where parameter sets that differ by a factor of 5 leave 4e-9 to 1.4e-7 m. So the result is a list,
 /// best first, of all minima found that the record cannot tell from the best.
 pub fn fit_double(
     displacement: &Signal<Displacement>,
@@ -136,7 +140,8 @@ pub fn fit_double(
     Ok(minima.iter().filter(as_good).map(|m| pair(&fine, m, evaluations)).collect())
 }
 
-/// One minimum as the two models it stands for.
+/// A minimum as the two models it stands for. The dual exchanges the relative deviations and the bounds of front and
+/// rear.
 fn pair(fine: &DoubleResiduals<'_>, best: &Minimum, evaluations: u64) -> DoubleFit {
     let window = fine.window;
     let residuals = fine.residuals(&best.theta).unwrap_or_default();
@@ -193,7 +198,7 @@ fn relative_deviations(best: &Minimum, residuals: &[f64]) -> Option<([Option<f64
     if free.is_empty() || free.iter().any(|&i| norms[i] == 0.0) || residuals.len() <= free.len() {
         return None;
     }
-    // Columns of unit length; held ones stay zero, and the singular values of zero that they bring come last.
+    // Columns of unit length; fixed ones stay zero, and the singular values of zero that they bring come last.
     let mut scaled = Matrix4::zeros();
     for &i in &free {
         scaled.set_column(i, &(best.r.column(i) / norms[i]));

@@ -1,4 +1,7 @@
-//! Compartment displacement of the double model minus the record, with exact sensitivities.
+//! Displacement of the double model's compartment minus the record, with exact sensitivities.
+//!
+//! The motion is marched with the exact step `z(t + dt) = e^(A dt) z(t)` of the state `z = (x1, x2, v1, v2)`, so
+//! samples may be any distance apart.
 
 use crumple_lumped::{DoubleSpringMassDamper, exact_step, exact_step_with_derivatives};
 use nalgebra::{Dyn, Matrix4, OMatrix, U5, Vector4};
@@ -10,9 +13,13 @@ use crumple_estimation::minimise::levenberg_marquardt_4::Residuals;
 ///
 /// Residuals are in units of `impact speed · window length`.
 pub(crate) struct DoubleResiduals<'a> {
+    /// Mass next to the barrier, kg.
     pub m1_kg: f64,
+    /// Mass of the compartment, kg.
     pub m2_kg: f64,
+    /// Speed of both masses at contact, m/s.
     pub impact_speed_m_per_s: f64,
+    /// Displacement of the compartment, m.
     pub window: &'a Window,
     /// Scales of `k1, k2, c1, c2`.
     pub scale: Vector4<f64>,
@@ -21,6 +28,7 @@ pub(crate) struct DoubleResiduals<'a> {
 }
 
 impl DoubleResiduals<'_> {
+    /// The model at `theta`.
     pub fn model(&self, theta: &Vector4<f64>) -> DoubleSpringMassDamper {
         let p = self.scale.component_mul(&theta.map(f64::exp));
         DoubleSpringMassDamper {
@@ -33,6 +41,7 @@ impl DoubleResiduals<'_> {
         }
     }
 
+    /// The state at contact: no displacement, both masses at the impact speed.
     fn start(&self) -> Vector4<f64> {
         Vector4::new(0.0, 0.0, self.impact_speed_m_per_s, self.impact_speed_m_per_s)
     }
@@ -54,6 +63,7 @@ impl DoubleResiduals<'_> {
 }
 
 impl Residuals for DoubleResiduals<'_> {
+    /// `(x2(t_k) - s_k)/unit`; `None` where one is not finite.
     fn residuals(&self, theta: &Vector4<f64>) -> Option<Vec<f64>> {
         let a = self.model(theta).state_matrix();
         let phi = exact_step(&a, self.window.dt_s);

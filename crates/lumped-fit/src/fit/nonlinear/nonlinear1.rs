@@ -11,12 +11,18 @@ use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crate::{Fit, SolveError};
 
-/// Fits the first nonlinear model under the side constraints of the paper: `k1 <= k2`, `c1 >= c2 >= c3`, and at the
+/// Fits the first nonlinear model under the side constraints of its paper: `k1 <= k2`, `c1 >= c2 >= c3`, and at the
 /// time of dynamic crush `x = C` and `v = 0`.
 ///
-/// The inequalities by parameters that are sums of non-negative parts, the two equations by augmented Lagrangian around
-/// the bounded least squares, to 1e-8 of crush and speed. Starts as in [`fit_nonlinear2`], from nine places of the
-/// knee. With `constrained` false the two equations are left out.
+/// The coefficients are sums of parts that are not negative, which keeps their order: `k2 = k1 + d`, `c1 = c2 + e`,
+/// `c2 = c3 + f`. Bounded Levenberg-Marquardt in these parts and the knot, from nine knots whose parts follow from
+/// the momentum balance. The two equations are met by an augmented Lagrangian around that, to 1e-9 of crush and speed
+/// where they can be met at all; see [`conditions_at_crush`](crate::conditions_at_crush) for what is left.
+/// `constrained` false leaves them out, for a record that never stops.
+///
+/// The error in the record of the fit is that of the displacement alone. No standard deviations: at the constraints
+/// they have no linear form. Single-mass paper, section 4.1. Errors: values that are not positive, a window outside
+/// the record, no start with a finite response.
 pub fn fit_nonlinear1(
     displacement: &Signal<Displacement>,
     options: &SingleMassFitOptions,

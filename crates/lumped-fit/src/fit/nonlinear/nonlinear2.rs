@@ -113,7 +113,8 @@ pub fn fit_nonlinear2(
     Ok((model, Fit::of_displacement(&ordered, &window, evaluations, &names, options.crush_m), deviations))
 }
 
-/// The model of scaled parameters; the knots of the damper in rising order, each with its value.
+/// The model at a point of the search; the knots of the damper in rising order, each with its value. `None` if it is
+/// not physical.
 fn nonlinear2(theta: &[f64], options: &SingleMassFitOptions, spring: f64, damper: f64) -> Option<Nonlinear2> {
     let (mut first, mut second) = ((theta[8], theta[5]), (theta[9], theta[6]));
     if first.0 > second.0 {

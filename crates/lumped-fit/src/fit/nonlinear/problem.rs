@@ -1,4 +1,5 @@
-//! The displacement of a nonlinear model beside a record, with analytic sensitivities.
+//! Displacement of a nonlinear model minus the record, with analytic sensitivities and the conditions at dynamic
+//! crush.
 
 use crumple_lumped::{Instants, Model, Nonlinear1};
 use nalgebra::DMatrix;
@@ -7,13 +8,20 @@ use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crumple_estimation::minimise::levenberg_marquardt::Response;
 
-/// For each of theta the places of the parameters it moves, and how far.
+/// For each coordinate the places of the parameters that it moves, among the names of the model, and their
+/// derivatives by it.
 pub(crate) type Derivatives = Vec<Vec<(usize, f64)>>;
 
-/// Displacement of a model minus the record, in units of the crush; the model from scaled parameters.
+/// Displacement of a model minus the record over the window, in units of the crush; with `conditions` two rows more.
+///
+/// The rows are `sqrt(w) (c_j + y_j/w)`: `c` the two conditions at dynamic crush, `w` the weight and `y` the
+/// multipliers of the augmented Lagrangian. Their square is the Lagrangian up to a constant.
 pub(crate) struct Displacements<'a, F> {
+    /// The record, m.
     pub window: &'a Window,
+    /// Mass, speed, crush and its time.
     pub options: &'a SingleMassFitOptions,
+    /// The model at a point of the search; `None` if it is not physical.
     pub model: F,
     /// Derivatives of the parameters, by their places, by each of theta.
     pub derivatives: fn(&[f64], &SingleMassFitOptions) -> Derivatives,
@@ -21,11 +29,13 @@ pub(crate) struct Displacements<'a, F> {
     pub conditions: Option<(f64, [f64; 2])>,
 }
 
-/// `x(t_m)/C - 1` and `v(t_m)/v0`: what the side conditions at dynamic crush leave. `None` without a response.
+/// `x(t_m)/C - 1` and `v(t_m)/v0` of a model at the time of dynamic crush of the options: zero where the side
+/// conditions are met. `None` without a response.
 pub fn conditions_at_crush(model: &Nonlinear1, options: &SingleMassFitOptions) -> Option<[f64; 2]> {
     at_crush(&Model::Nonlinear1(*model), options)
 }
 
+/// The same for a model of either kind.
 fn at_crush(model: &Model, options: &SingleMassFitOptions) -> Option<[f64; 2]> {
     let (v0, t) = (options.impact_speed_m_per_s, options.time_of_dynamic_crush_s);
     let motion = model.respond(v0, t, 2).ok()?;
@@ -34,10 +44,12 @@ fn at_crush(model: &Model, options: &SingleMassFitOptions) -> Option<[f64; 2]> {
 }
 
 impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
+    /// One residual for each sample, and two for the conditions where they are set.
     fn rows(&self) -> usize {
         self.window.samples.len() + if self.conditions.is_some() { 2 } else { 0 }
     }
 
+    /// `(x(t_k) - s_k)/C`, then the weighted conditions.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
         let Some(model) = (self.model)(theta) else { return false };
         let n = self.window.samples.len();
@@ -63,6 +75,8 @@ impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
         out.iter().all(|x| x.is_finite())
     }
 
+    /// Derivatives of both by each coordinate, from the analytic sensitivities of the model; places of the mass and
+    /// of the last knots are left out.
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
         let Some(model) = (self.model)(theta) else { return Some(false) };
         let derivatives = (self.derivatives)(theta, self.options);
@@ -95,7 +109,8 @@ impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
     }
 }
 
-/// How the second model's parameters move: each with its own number, the knees of the damper in rising order.
+/// Derivatives of the second model: each coordinate moves one parameter; the two damper knots may stand in either
+/// order.
 pub(crate) fn derivatives2(theta: &[f64], options: &SingleMassFitOptions) -> Derivatives {
     let (spring, damper) = options.units();
     let (crush, v0) = (options.crush_m, options.impact_speed_m_per_s);
@@ -108,7 +123,7 @@ pub(crate) fn derivatives2(theta: &[f64], options: &SingleMassFitOptions) -> Der
     places.into_iter().zip(factors).map(|by| vec![by]).collect()
 }
 
-/// How the first model's parameters move: its coefficients are sums of parts.
+/// Derivatives of the first model, whose coefficients are sums of parts: a part moves every coefficient it is in.
 pub(crate) fn derivatives1(_: &[f64], options: &SingleMassFitOptions) -> Derivatives {
     let (k, c) = options.units();
     vec![

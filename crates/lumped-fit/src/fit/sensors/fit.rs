@@ -1,4 +1,4 @@
-//! Any model fitted to any sensors: search, descent, weights.
+//! Any model fitted to any sensors: search, descent, noise levels.
 
 use crate::fit::descents::{all, bounds, distinct};
 use crumple_linalg::jacobi_svd;
@@ -9,19 +9,22 @@ use crate::free::parameterisation::Parameterisation;
 use crumple_estimation::minimise::l_shade::{LShadeOptions, LShadeStop, l_shade};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response};
 
-/// Samples of a sensor that searches run on.
+/// Samples of each sensor that the search runs on.
 const SEARCH_SAMPLES: usize = 64;
-/// Iterations that sort starts, and how many are followed.
+/// Iterations after which starts are compared.
 const SCREENING_ITERATIONS: u32 = 24;
+/// Starts that are followed to convergence after that.
 const FOLLOWED: usize = 4;
-/// Steps along the weakest direction that a minimum is left by.
+/// Steps along the weakest direction, in the coordinates, from which a descent starts once more.
 const HOPS: [f64; 6] = [-0.6, 0.6, -0.2, 0.2, -0.05, 0.05];
+/// Rounds of such steps.
 const ROUNDS: usize = 4;
-/// Rounds of weighing the sensors, and the least noise as a share of the record.
+/// Rounds of finding noise levels and minimum in turn.
 const WEIGHINGS: usize = 12;
+/// Least noise level of a sensor, as a share of the root mean square of its record.
 const LEAST_NOISE: f64 = 1e-6;
 
-/// How minima are looked for.
+/// How minima are searched for.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Search {
     /// Descents from so many evenly spread points and from points given.
@@ -30,23 +33,29 @@ pub(crate) enum Search {
     LShade(LShadeOptions),
 }
 
-/// What a fit found.
+/// Minima of a fit and what they were found with.
 #[derive(Debug, Clone)]
 pub(crate) struct Fitted {
     /// Distinct minima, best first.
     pub minima: Vec<Optimum>,
     /// The sensors with the noise levels they ended with.
     pub sensors: Vec<SensorWindow>,
+    /// Simulations of the model by all descents and searches.
     pub evaluations: u64,
-    /// What the search has to say.
+    /// Notes of the search.
     pub remarks: Vec<String>,
 }
 
-/// Fits a family to sensors; `weigh[i]` says whether the noise level of sensor i is to be found from its residuals.
+/// Fits a model to sensors; `weigh[i]` says whether the noise level of sensor i is found from its residuals.
 ///
-/// Descents are bounded Levenberg-Marquardt on analytic sensitivities. With several sensors whose noise is not known
-/// the fit and the noise levels (root mean square residual of each sensor, at least 1e-6 of its record) are found in
-/// turn, which is the maximum of the likelihood. Deterministic. A global minimum is likely, not proven.
+/// Minimises `sum_i sum_k ((model - record)/s_i)²`, `s_i` the noise level of sensor i, in its unit. With several
+/// sensors whose levels are not known the fit and the levels (root mean square residual of each sensor, at least 1e-6
+/// of its record) are found in turn until no level changes by 0.1 %: at its end that is the maximum of the likelihood
+/// of independent normal noise. Descents are bounded Levenberg-Marquardt on analytic sensitivities, first on a
+/// thinned window.
+///
+/// Deterministic for any number of threads. A global minimum is likely, not proven. `None` without any finite
+/// response.
 pub(crate) fn fit_sensors(
     coordinates: &impl Parameterisation,
     impact_speed_m_per_s: f64,
@@ -94,6 +103,8 @@ pub(crate) fn fit_sensors(
     (!minima.is_empty()).then_some(Fitted { minima, sensors, evaluations, remarks })
 }
 
+/// Short descents from given points and from Halton points in the box of the starts; the best few to convergence;
+/// then hops.
 fn multi_start(
     problem: &SensorProblem<'_, impl Parameterisation>,
     count: usize,
@@ -113,8 +124,8 @@ fn multi_start(
     (minima, evaluations + spent)
 }
 
-/// Leaves the best minimum along the direction the residuals know least, beyond which other minima lie, as long as that
-/// finds something better.
+/// Leaves the best minimum along its weakest direction, on whose far side other minima lie, as long as that lowers
+/// the cost by 0.1 %.
 fn hop(problem: &SensorProblem<'_, impl Parameterisation>, mut minima: Vec<Optimum>) -> (Vec<Optimum>, u64) {
     let settings = bounds(problem.coordinates, 200, 1e-15);
     let mut evaluations = 0;
@@ -139,7 +150,7 @@ fn hop(problem: &SensorProblem<'_, impl Parameterisation>, mut minima: Vec<Optim
     (minima, evaluations)
 }
 
-/// The unit vector that changes the residuals least, among parameters not held on a bound.
+/// The unit vector in the coordinates that changes the residuals least, among those not fixed at a bound.
 fn weakest_direction(of: &Optimum) -> Option<Vec<f64>> {
     let free: Vec<usize> = (0..of.theta.len()).filter(|&i| !of.on_bound[i]).collect();
     if free.is_empty() {
@@ -154,6 +165,8 @@ fn weakest_direction(of: &Optimum) -> Option<Vec<f64>> {
     Some(direction)
 }
 
+/// L-SHADE over the box of the starts, half as wide again on each side within the bounds, then a descent from its
+/// best point and hops. The cost of the search is the sum of squared residuals.
 fn global(
     problem: &SensorProblem<'_, impl Parameterisation>,
     options: &LShadeOptions,

@@ -1,4 +1,5 @@
-//! Residuals of a model against several sensors, with analytic sensitivities.
+//! Residuals of a model and several sensors, with analytic sensitivities. Filters are not known here: the motion
+//! itself is compared.
 
 use crumple_lumped::Instants;
 use nalgebra::DMatrix;
@@ -8,18 +9,21 @@ use crate::free::parameterisation::{Parameterisation, places};
 use crate::record::window::Window;
 use crumple_estimation::minimise::levenberg_marquardt::Response;
 
-/// A sensor's window, and the weight of its residuals.
+/// A window of a sensor's record and the noise level that its residuals are divided by.
 #[derive(Debug, Clone)]
 pub(crate) struct SensorWindow {
     /// Index of its mass.
     pub mass: usize,
+    /// What it measured.
     pub quantity: FitQuantity,
+    /// The samples that are compared, in the unit of the quantity.
     pub window: Window,
     /// Noise level, unit of the quantity.
     pub noise: f64,
 }
 
 impl SensorWindow {
+    /// The instants of its samples, s after contact.
     fn instants(&self) -> Instants {
         Instants { first_s: self.window.first_s, dt_s: self.window.dt_s, samples: self.window.samples.len() }
     }
@@ -31,10 +35,13 @@ impl SensorWindow {
     }
 }
 
-/// `(model - record)/noise` of every sensor, one after the other.
+/// Residuals `(model - record)/noise` of every sensor, one after the other.
 pub(crate) struct SensorProblem<'a, F> {
+    /// The model with its free numbers.
     pub coordinates: &'a F,
+    /// Speed of all masses at contact, m/s.
     pub impact_speed_m_per_s: f64,
+    /// What it is compared with.
     pub sensors: &'a [SensorWindow],
 }
 
@@ -57,10 +64,12 @@ impl<F: Parameterisation> SensorProblem<'_, F> {
 }
 
 impl<F: Parameterisation> Response for SensorProblem<'_, F> {
+    /// One residual for each sample of each sensor.
     fn rows(&self) -> usize {
         self.sensors.iter().map(|sensor| sensor.window.samples.len()).sum()
     }
 
+    /// `(model - record)/noise`, sensor after sensor, from one simulation for each sensor.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
         let Some(model) = self.coordinates.model(theta) else { return false };
         let mut row = 0;
@@ -76,6 +85,7 @@ impl<F: Parameterisation> Response for SensorProblem<'_, F> {
         row == out.len() && out.iter().all(|r| r.is_finite())
     }
 
+    /// `d(model)/d(theta_j)/noise`, by the chain rule over the parameters that coordinate `j` moves.
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
         let model = self.coordinates.model(theta)?;
         let derivatives = self.coordinates.derivatives_by_coordinate(theta)?;

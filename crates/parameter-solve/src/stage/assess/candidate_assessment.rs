@@ -1,8 +1,8 @@
-//! What an assessment says of one candidate.
+//! The assessment of one candidate, with the propagation of uncertain inputs.
 
 use crumple_lumped_fit::{Assessment, DualScale, Propagation};
 
-/// The verdict on one candidate.
+/// How well the parameters of one candidate are determined, and how that was found.
 #[derive(Debug, Clone)]
 pub struct CandidateAssessment {
     pub assessment: Assessment,
@@ -14,7 +14,7 @@ pub struct CandidateAssessment {
 }
 
 impl CandidateAssessment {
-    /// The verdict on the dual of the model judged.
+    /// The same assessment for the dual of the model.
     pub fn of_dual(&self, dual: &DualScale) -> Self {
         Self {
             assessment: self.assessment.of_dual(dual),

@@ -19,15 +19,14 @@ use crate::stage::assess::sensor_waves::SensorWaves;
 use crate::stage::inputs::measurement::{UNKNOWN_FILTER_M, measurement};
 use crate::stage::options::settings::StageSettings;
 
-/// A fit under side conditions gives way to the minimum where that meets them to this, of crush and its time: the
-/// filter itself moves the time of a crush that ends steeply by 0.1 ms and more.
+/// A fit under side conditions is replaced by the refined minimum where that meets them to this share of crush and
+/// time: the filter itself moves the time of a crush that ends steeply by 0.1 ms and more.
 const CONDITIONS: f64 = 5e-3;
 
 /// Shift of time zero from which a fit under side conditions may have its least misfit in another minimum.
 const ONE_MINIMUM_S: f64 = 2.5e-4;
 
-/// The minimum seen through the filter does not leave the search at its stiff end; springs and dampers may go on to
-/// zero.
+/// Keeps the refinement within the stiff bounds of the search; springs and dampers may go to zero.
 fn within_the_search(free: &mut [FreeParameter], model: &Model, window_s: f64) {
     let (stiffest, strongest) = largest_of_chain(mass_of(model), window_s);
     for parameter in free {
@@ -46,7 +45,7 @@ struct Assessor<'a> {
     events: &'a EventsV1,
     displacement: Signal<Displacement>,
     measurement: Measurement,
-    /// Whether the filter of the record is known: only then a fit gives way to the minimum seen through it.
+    /// Whether the filter of the record is known: only then a fit is replaced by the refined one.
     known: bool,
     /// Displacement from contact to its end, every sample: where events are read from.
     whole: Option<Observation>,
@@ -56,7 +55,7 @@ struct Assessor<'a> {
     crush_m: f64,
 }
 
-/// Refines the fits among `candidates` and judges all of them; double pairs that turn out equal, or worse than the
+/// Refines the fits among `candidates` and assesses all of them; double pairs that turn out equal, or worse than the
 /// record can tell, are taken out. The result goes with the candidates.
 pub fn assess_all(
     candidates: &mut Vec<Candidate>,
@@ -260,7 +259,7 @@ impl Assessor<'_> {
             && time.is_some_and(|(of_model, of_record)| (of_model / of_record - 1.0).abs() <= CONDITIONS)
     }
 
-    /// Whether the values judged are those of the minimum that the judgement looks from.
+    /// Whether the values assessed are those of the minimum at which profile and bootstrap start.
     fn is_minimum(&self, candidate: &Candidate, refined: &Refined) -> bool {
         let fitted = match candidate.method {
             Method::DirectFit => candidate.of_sensors() || !matches!(candidate.model, Model::Nonlinear1(_)),

@@ -15,7 +15,7 @@ pub trait FitKind {
     fn is_double(&self) -> bool;
     /// The second of a pair, which follows from the first.
     fn is_second_of_pair(&self) -> bool;
-    /// Fitted to something else than that displacement: judged by the sensors it was fitted to.
+    /// Fitted to something else than that displacement: assessed by the sensors it was fitted to.
     fn of_sensors(&self) -> bool;
     /// A further explanation of several sensors, which count as for the first one.
     fn shares_weights(&self) -> bool;

@@ -1,4 +1,4 @@
-//! What a candidate takes over from the minimum seen through the filter, and how several sensors are weighed there.
+//! A candidate replaced by the minimum of its misfit through the filter, and the weights of several sensors there.
 
 use crumple_lumped::{Model, ParameterKind};
 use crumple_lumped_fit::{
@@ -18,9 +18,9 @@ pub fn weigh(observed: &mut Observation, found: &Refined) -> bool {
 /// searches in logarithms reach is 1e-5 of it.
 const NO_DAMPER: f64 = 1e-4;
 
-/// Parameters that the search left on a bound, other than zero: that value is the bound's, so it is held and has no
-/// interval. A damper of a chain of masses (one of them is Kelvin's) on its lower bound is not held: zero is what it
-/// goes to.
+/// Parameters that the search left on a bound other than zero: that value is the bound's, so it is fixed in the
+/// refinement and has no interval. A damper of a chain of masses (the Kelvin model is one) on its lower bound is not
+/// fixed: it goes to zero.
 pub fn fixed_at_bound(candidate: &Candidate) -> impl Iterator<Item = &'static str> {
     let values = candidate.model.parameters();
     let kind = candidate.model.kind();
@@ -37,7 +37,7 @@ pub fn fixed_at_bound(candidate: &Candidate) -> impl Iterator<Item = &'static st
     names.iter().copied().filter(move |name| values.get(*name).is_some_and(|value| *value > nothing(name)))
 }
 
-/// A fit takes the values of the minimum.
+/// Replaces the values of a fit by those of the refined minimum, with its errors, counts and notes.
 pub fn replace_by_refined(candidate: &mut Candidate, observed: &Observation, refined: &Refined) {
     candidate.model = refined.model;
     if let Some(fit) = &mut candidate.fit {
@@ -56,7 +56,7 @@ pub fn replace_by_refined(candidate: &mut Candidate, observed: &Observation, ref
         fit.iterations += refined.iterations;
         fit.evaluations += refined.evaluations;
         fit.stop_reason = refined.stop_reason;
-        // What was held stays named; a zero may have been left.
+        // What was fixed stays named; a parameter may have left zero.
         fit.active_bounds.retain(|name| refined.free.iter().all(|p| p.name != *name));
         let stopped = refined
             .free

@@ -1,10 +1,10 @@
-//! What is to be judged beyond the covariance, and how uncertain the inputs are.
+//! What is assessed beyond the covariance, and how uncertain the inputs are.
 
 use crumple_lumped_fit::{AssessmentOptions, Distribution, InputUncertainty, largest_draw};
 use crumple_stage::Usage;
 use serde::Serialize;
 
-/// What is judged beyond the covariance; part of the settings.
+/// What is assessed beyond the covariance; part of the settings.
 #[derive(Debug, Clone, Serialize)]
 pub struct AssessmentSettings {
     pub profile: bool,

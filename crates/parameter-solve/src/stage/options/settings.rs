@@ -16,7 +16,7 @@ use crate::stage::options::flags::Options;
 /// Samples fitted at most, and starts of a fit: enough for four parameters, see the fit's documentation.
 const FIT_SAMPLES: usize = 250;
 const FIT_STARTS: usize = 24;
-/// Engine and front structure of a passenger car are about a quarter of it; an assumption, and said so in a note.
+/// Engine and front structure of a passenger car are about a quarter of it: an assumption, which a note states.
 const FRONT_MASS_FRACTION: f64 = 0.25;
 
 /// Shares of masses that are free.
