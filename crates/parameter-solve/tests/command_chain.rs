@@ -153,8 +153,10 @@ fn a_chain_and_its_dual_are_linked_and_a_chain_of_another_weight_is_warned_of() 
 [parameter-solve]
 models = ["kelvin"]
 [parameter-solve.chain.light]
-masses = [{ mass = "300 kg", stiffness = "free", damping = "free" }, { mass = "900 \
-    kg", stiffness = "free", damping = "free" }]
+masses = [
+    { mass = "300 kg", stiffness = "free", damping = "free" },
+    { mass = "900 kg", stiffness = "free", damping = "free" },
+]
 "#;
     let output = run(folder.path(), text, &[]);
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();

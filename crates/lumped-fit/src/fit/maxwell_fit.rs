@@ -74,16 +74,14 @@ pub fn undetermined_by_the_record(model: &Maxwell, impact_speed_m_per_s: f64, cr
     if damper < RIGID * crush_m {
         return Some(format!(
             "the damper is nearly rigid, it gives {}: the record does not determine its damping, only that it is \
-             large, and the \
-             model is a spring alone",
+             large, and the model is a spring alone",
             share(damper)
         ));
     }
     (spring < RIGID * crush_m).then(|| {
         format!(
             "the spring is nearly rigid, it gives {}: the record does not determine its stiffness, only that it is \
-             large, and the \
-             model is a damper alone",
+             large, and the model is a damper alone",
             share(spring)
         )
     })

@@ -73,8 +73,7 @@ pub fn triple_masses(
     let half = 0.5 * front;
     let text = format!(
         "m1 = m2 = {half:.2} kg, m3 = {rear:.2} kg: the front mass halved between engine and chassis, an assumption \
-         that \
-         the parameters depend on"
+         that the parameters depend on"
     );
     Ok(([half, half, rear], text))
 }

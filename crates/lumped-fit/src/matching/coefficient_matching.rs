@@ -156,8 +156,7 @@ pub fn match_identified(
     if identified.delay_s != 0.0 {
         let text = format!(
             "its input acts {:.3} ms late: poles do not know of that, so neither do springs and dampers, and a \
-             simulation of them \
-             starts at contact",
+             simulation of them starts at contact",
             1e3 * identified.delay_s
         );
         notes.info(format!("{}: {text}", identified.id));
@@ -190,8 +189,7 @@ fn from_both_masses(
     };
     let text = format!(
         "from the rows of both masses, with the total mass alone given: m1 = {:.2} kg, m2 = {:.2} kg; the state space \
-         is a \
-         chain of two masses up to {residual:.1e}",
+         is a chain of two masses up to {residual:.1e}",
         model.m1_kg, model.m2_kg
     );
     remarks.push(text.clone());

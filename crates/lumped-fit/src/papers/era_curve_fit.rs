@@ -43,13 +43,12 @@ pub fn curve_fit_of_the_paper(
         )),
         CandidateNote::info(
             "equations 19 to 25 are not a consequence of the model: an amplitude is known up to one factor for each \
-             exponent, so \
-         metres are set equal to N/m, and nearly all of k2 and c2 is m2 times a straight line through s²",
+             exponent, so metres are set equal to N/m, and nearly all of k2 and c2 is m2 times a straight line through \
+             s²",
         ),
         CandidateNote::info(format!(
             "the model does not have the exponents it was made from: its characteristic polynomial misses zero there \
-             by up to {:.1} % \
-             of its parts; coefficient-matching of the same exponents finds every model that has them",
+             by up to {:.1} % of its parts; coefficient-matching of the same exponents finds every model that has them",
             100.0 * miss
         )),
     ];

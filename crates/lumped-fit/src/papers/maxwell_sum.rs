@@ -66,8 +66,7 @@ pub fn maxwell_from_sum(id: &str, exponents: &[Complex], mass_kg: f64, index: us
     notes.push(if near_zero.abs() > CONSTANT * slowest {
         CandidateNote::warning(format!(
             "the exponent taken for the constant is {near_zero:.4} 1/s, 0 in the model, and not small beside \
-             {slowest:.4} 1/s: \
-             this is hardly the motion of a Maxwell model"
+             {slowest:.4} 1/s: this is hardly the motion of a Maxwell model"
         ))
     } else {
         CandidateNote::info(format!("the exponent taken for the constant is {near_zero:.3e} 1/s, 0 in the model"))

@@ -41,8 +41,7 @@ pub fn match_as_the_paper_typed(first_index: usize, notes: &mut Notes) -> Result
         let first = first_index + results.iter().map(|matched| matched.candidates.len()).sum::<usize>();
         let mut matched = match_identified(&identified, m1_kg, m2_kg, first, notes)?;
         let label = "for reproduction only: 284.6 kg stands for 284.4 kg in the first right-hand side, as in the \
-            paper, which lists \
-                     k1 and c2 exchanged (its solver answers in the order c1, c2, k1, k2)";
+            paper, which lists k1 and c2 exchanged (its solver answers in the order c1, c2, k1, k2)";
         matched.remarks.push(label.to_owned());
         for candidate in &mut matched.candidates {
             candidate.notes.push(CandidateNote::info(label));

@@ -61,8 +61,7 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     if pairs.len() > 1 {
         notes.warning(format!(
             "{kind}: {} pairs of parameter sets fit equally well within the accuracy of the displacement; the record \
-             does \
-             not determine the parameters",
+             does not determine the parameters",
             pairs.len()
         ));
     }
@@ -74,8 +73,7 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
             if is_own_dual {
                 remarks.push(
                     "its own dual, listed once, counts twice: front and rear can move against each other without a \
-                     change of \
-                     the record in first order, so there are no standard deviations"
+                     change of the record in first order, so there are no standard deviations"
                         .to_owned(),
                 );
             }
@@ -85,8 +83,7 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
                 });
                 remarks.push(format!(
                     "standard deviations: linearised{widened}; they hold for the given masses and if the model is \
-                     true, and \
-                     say nothing of other solutions"
+                     true, and say nothing of other solutions"
                 ));
             }
             let mut fit = pair.fit.clone();

@@ -57,8 +57,7 @@ pub(super) fn extent_of(task: &Task<'_>, notes: &mut Notes) -> Option<Extent> {
     }
     notes.warning(format!(
         "{kind}: the velocity of the record never reaches zero: fitted up to {:.2} ms, the end of the window, with the \
-         largest \
-         displacement {:.1} mm in place of the dynamic crush",
+         largest displacement {:.1} mm in place of the dynamic crush",
         1e3 * time_s,
         1e3 * crush_m
     ));
@@ -71,8 +70,7 @@ pub(super) fn crush_of(task: &Task<'_>, notes: &mut Notes) -> Option<(f64, f64)>
     if events.is_none() {
         notes.warning(format!(
             "{}: not solved, since the velocity of the record never reaches zero: it has no dynamic crush, which {} \
-             starts from; \
-             direct-fit does without",
+             starts from; direct-fit does without",
             task.model, task.method
         ));
     }

@@ -33,8 +33,7 @@ fn broken_side_constraints(model: &Model) -> Option<String> {
     (!broken.is_empty()).then(|| {
         format!(
             "breaks the side constraints of the paper, {}, which this fit does not know: direct-fit and interior-point \
-             to the \
-             displacement of the pulse keep them",
+             to the displacement of the pulse keep them",
             broken.join(" and ")
         )
     })
@@ -159,8 +158,7 @@ impl<'a> Report<'a> {
             if let (Some(at_dual), Some(at_best)) = (self.errors(&dual), at_best) {
                 let text = format!(
                     "the dual model moves the compartment alike, but not the chassis: it misses by {at_dual}, this one \
-                     by \
-                     {at_best}; the second sensor decides, and the two are not equivalent"
+                     by {at_best}; the second sensor decides, and the two are not equivalent"
                 );
                 notes.info(format!("{}: {text}", self.task.model));
                 extra_remarks[0].push(text);

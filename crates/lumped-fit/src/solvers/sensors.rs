@@ -250,10 +250,8 @@ mod tests {
         assert_eq!(shared_mass(&stated, 3), None);
         assert_eq!(
             shared_mass(&stated, 2).unwrap(),
-            "not fitted: sensors floor (compartment) and engine (m2) both fall on mass 2 of its 2, which moves one \
-             way \
-             only; leave \
-             m2=engine out of sensors, or this model out of models"
+            "not fitted: sensors floor (compartment) and engine (m2) both fall on mass 2 of its 2, which moves one way \
+             only; leave m2=engine out of sensors, or this model out of models"
         );
         let reason = shared_mass(&stated, 1).unwrap();
         assert!(

@@ -15,6 +15,8 @@ use crate::{
 
 /// A fitted model with the record of its fit and, where they exist, linearised deviations.
 type SingleMassFit = (Model, Fit, Option<Uncertainty>);
+/// Such a fit, or why there is none.
+type FitResult = Result<SingleMassFit, SolveError>;
 
 /// The Maxwell model fitted to the displacement; with other sensors or quantities the fit to sensors. A spring or
 /// damper that is nearly rigid is reported as not determined.
@@ -74,8 +76,7 @@ pub(crate) fn interior_point(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<C
     fitted(task, &Extent { crush_m, time_s, stops: true }, notes, |x, options, remarks| {
         remarks.push(
             "the paper's way: interior point with x(t_m) = C, v(t_m) = 0, k1 <= k2, c1 >= c2 >= c3; direct-fit reaches \
-             the \
-             same point"
+             the same point"
                 .to_owned(),
         );
         let (model, fit) = interior_point_nonlinear1(x, options)?;
@@ -117,7 +118,7 @@ pub(super) fn fitted(
     task: &Task<'_>,
     extent: &Extent,
     notes: &mut Notes,
-    fit: impl FnOnce(&Signal<Displacement>, &SingleMassFitOptions, &mut Vec<String>) -> Result<SingleMassFit, SolveError>,
+    fit: impl FnOnce(&Signal<Displacement>, &SingleMassFitOptions, &mut Vec<String>) -> FitResult,
 ) -> Result<Vec<Candidate>, SolveError> {
     let (kind, test, settings) = (task.model, task.test, task.settings);
     let Some(displacement) = test.displacement else {

@@ -113,8 +113,7 @@ fn warn_of_open_parameters(chain: &FittedChain, solutions: &[ChainSolution], out
 
 /// The note where masses were fitted to one sensor on the last mass.
 const DIVISION: &str = "masses were looked for with a sensor on the last mass alone: their division follows from a \
-    formula and, with any \
-                        noise, not from the record; give a mass, or name a sensor on another mass with --sensors";
+    formula and, with any noise, not from the record; give a mass, or name a sensor on another mass with --sensors";
 
 /// What the dual is, in words.
 fn dual(chain: &FittedChain, solution: &ChainSolution) -> Option<String> {

@@ -28,8 +28,7 @@ pub fn maxwell_candidates(
     let sums = input.records::<ExponentialSumV1>("/model/")?;
     if sums.is_empty() {
         let text = "maxwell: no closed form, none of the inputs holds a sum of exponentials (crumple-identify \
-            --methods \
-                    exponentials --terms 3)";
+            --methods exponentials --terms 3)";
         if settings
             .solve
             .methods
@@ -82,8 +81,7 @@ pub fn from_exponentials(
         if !real {
             out.notes().warning(format!(
                 "curve-fit: {id} has a damped wave, the paper's form has four real exponents (--real at \
-                 crumple-identify); \
-                 coefficient-matching takes any"
+                 crumple-identify); coefficient-matching takes any"
             ));
             continue;
         }

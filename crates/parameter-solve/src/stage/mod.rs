@@ -126,8 +126,7 @@ fn unsolvable(
     }
     Ok(speeds_up(input, events)?.then(|| {
         "the vehicle goes further than its impact speed alone takes it: no spring and no damper does that; see whether \
-         the \
-         pulse has the wrong sign (crumple-ingest --sign flip) or unit"
+         the pulse has the wrong sign (crumple-ingest --sign flip) or unit"
             .to_owned()
     }))
 }
@@ -173,8 +172,7 @@ fn warn_of_flags_without_effect(
     if !flags.is_empty() && !unassessed.is_empty() {
         out.notes().warning(format!(
             "{} without effect on {}: judged are candidates from events and motion, over the window of the \
-             displacement of \
-             the pulse that they follow",
+             displacement of the pulse that they follow",
             flags.join(", "),
             unassessed.join(", ")
         ));

@@ -194,8 +194,7 @@ fn global(
     let level = |cost: f64| (cost / rows as f64).sqrt();
     remarks.push(format!(
         "L-SHADE in the unit box of {} logarithms: {} evaluations, seed {}, {}; the descent from its best point took \
-         the \
-         weighted error from {:.3e} to {:.3e} in {} more",
+         the weighted error from {:.3e} to {:.3e} in {} more",
         axes.len(),
         population.evaluations,
         options.seed,

@@ -79,8 +79,7 @@ pub fn assess_all(
     if events.dynamic_crush_m.is_none() {
         out.notes().info(
             "the vehicle does not stop within the record: its models are judged over the window they were fitted to \
-             and not to a \
-             dynamic crush; what unloads is not seen",
+             and not to a dynamic crush; what unloads is not seen",
         );
     }
     settings.assessment.check(mass_kg, impact_speed_m_per_s)?;
@@ -104,8 +103,7 @@ pub fn assess_all(
     if !known {
         out.notes().info(
             "the filter of the record is not known here (give the artifact of crumple-filter too): models are fitted \
-             as if \
-             the displacement had none",
+             as if the displacement had none",
         );
     }
     let mut refined: Vec<Option<(Observation, Refined)>> = candidates
@@ -379,8 +377,8 @@ impl Assessor<'_> {
             {
                 out.notes().warning(format!(
                     "{}: its repetitions begin at its own minimum, and with time zero more than {} ms off another \
-                     start of the fit can \
-                     win: the propagated intervals are those of one minimum, and may be too narrow",
+                     start of the fit can win: the propagated intervals are those of one minimum, and may be too \
+                     narrow",
                     candidate.id(),
                     1e3 * ONE_MINIMUM_S
                 ));
