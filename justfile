@@ -86,6 +86,11 @@ lint:
     cargo test --package crumple-testkit --test architecture --quiet
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --quiet
 
+# Writes the section "Rooms" of ARCHITECTURE.md from the `mod.rs` of the rooms.
+[group('development')]
+rooms:
+    CRUMPLE_WRITE_ROOMS=1 cargo test --quiet --package crumple-testkit --test architecture the_page_names_every_room
+
 # Runs the fixtures and compares with the committed results.
 [group('development')]
 golden: build

@@ -9,6 +9,7 @@ mod circles;
 mod exceptions;
 mod layers;
 mod modules;
+mod page;
 mod planted;
 mod rooms;
 mod rule;
