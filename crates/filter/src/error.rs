@@ -69,7 +69,8 @@ pub enum FilterError {
         record_s: f64,
     },
     /// A new sampling rate that is none.
-    #[error("cannot resample from {} Hz to {to_hz} Hz: a positive rate up to 1000 times the record's is needed", short(*from_hz))]
+    #[error("cannot resample from {} Hz to {to_hz} Hz: a positive rate up to 1000 times the record's is \
+        needed", short(*from_hz))]
     ResampleRate {
         /// What was asked for.
         to_hz: f64,

@@ -1,3 +1,5 @@
+//! Filters one channel: zero level, sampling rate, filter, and what a reader should know.
+
 use crumple_signal::{Notes, Sampled};
 use serde::Serialize;
 

@@ -113,7 +113,8 @@ proptest! {
     ) {
         let dt_s = DT_S;
         // Tones up to 3 kHz: 0.3 of the rate.
-        let at = |t: f64| amplitudes.iter().zip(1..).map(|(a, k)| a * (2.0 * PI * 500.0 * f64::from(k) * t).sin()).sum();
+        let tone = |k: i32, t: f64| (2.0 * PI * 500.0 * f64::from(k) * t).sin();
+        let at = |t: f64| amplitudes.iter().zip(1..).map(|(a, k)| a * tone(k, t)).sum();
         let record = Sampled::new(-0.05, dt_s, (0..1500).map(|k| at(-0.05 + f64::from(k) * dt_s)).collect()).unwrap();
         let there = Resampling { rate_hz: 1e4 * up, interpolation: Interpolation::Sinc };
         let back = Resampling { rate_hz: 1e4, interpolation: Interpolation::Sinc };

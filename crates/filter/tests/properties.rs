@@ -28,7 +28,9 @@ fn two_records() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
 
 proptest! {
     #[test]
-    fn the_filter_is_linear((a, b) in two_records(), p in -10.0..10.0_f64, q in -10.0..10.0_f64, class in any_class(), mode in any_mode()) {
+    fn the_filter_is_linear(
+        (a, b) in two_records(), p in -10.0..10.0_f64, q in -10.0..10.0_f64, class in any_class(), mode in any_mode()
+    ) {
         let sum: Vec<f64> = a.iter().zip(&b).map(|(a, b)| p * a + q * b).collect();
         let (a, b) = (run(a, class, mode), run(b, class, mode));
         for ((y, a), b) in run(sum, class, mode).into_iter().zip(a).zip(b) {
@@ -38,7 +40,9 @@ proptest! {
     }
 
     #[test]
-    fn the_filter_has_no_phase(pulse in prop::collection::vec(-1000.0..1000.0, 1..200), class in any_class(), mode in any_mode()) {
+    fn the_filter_has_no_phase(
+        pulse in prop::collection::vec(-1000.0..1000.0, 1..200), class in any_class(), mode in any_mode()
+    ) {
         // Rest on both sides for longer than the filter rings, so that the ends have no part in it.
         let rest = vec![0.0; 1500];
         let record = [rest.as_slice(), &pulse, &rest].concat();
@@ -56,7 +60,9 @@ proptest! {
     }
 
     #[test]
-    fn a_straight_line_passes_unchanged_where_the_ends_are_mirrored(level in -1000.0..1000.0, slope in -10.0..10.0, n in 250_usize..600) {
+    fn a_straight_line_passes_unchanged_where_the_ends_are_mirrored(
+        level in -1000.0..1000.0, slope in -10.0..10.0, n in 250_usize..600
+    ) {
         let line: Vec<f64> = (0..n).map(|k| level + slope * k as f64).collect();
         let filtered = run(line.clone(), Cfc::Cfc180, Mode::Iso6487);
         // Starting from a mean instead of the line leaves a transient of a few slopes, which decays over the 100
@@ -67,7 +73,9 @@ proptest! {
     }
 
     #[test]
-    fn no_record_makes_it_panic(samples in prop::collection::vec(prop::num::f64::NORMAL, 0..60), dt_exponent in -300..300, mode in any_mode()) {
+    fn no_record_makes_it_panic(
+        samples in prop::collection::vec(prop::num::f64::NORMAL, 0..60), dt_exponent in -300..300, mode in any_mode()
+    ) {
         let record = Sampled::new(0.0, 10_f64.powi(dt_exponent), samples).unwrap();
         let settings = Settings { class: Class::Cfc(Cfc::Cfc60), mode, ..Settings::default() };
         if let Ok(filtered) = filter(&record, None, &settings) {

@@ -85,7 +85,8 @@ fn writes_the_structure_s_channels_with_their_class_and_how_they_got_it() {
         [
             "channel 097: already cfc 60, passed through unfiltered",
             "channel 001: of a dummy, filtered to cfc 1000 (SAE J211-1); another class by --cfc beside --channels",
-            "channel 001: sampling rate 10000 Hz is only 10.0 times cfc 1000: the -3 dB point lies at 1756.4 Hz instead of 1666.7 Hz"
+            "channel 001: sampling rate 10000 Hz is only 10.0 times cfc 1000: the -3 dB point lies at 1756.4 Hz \
+             instead of 1666.7 Hz"
         ]
     );
 }
@@ -401,8 +402,8 @@ fn heads_and_chests_come_to_their_class_and_other_sensors_of_occupants_are_named
             notes.iter().any(|note| note.starts_with("warning: channel 017: left out: sampling rate 5000")),
             "{notes:?}"
         );
-        let line = "2 channels of occupants are not filtered, no criterion is made of them: driver, neck (1), driver, pelvis (1); \
-                    crumple-filter --channels '093,007' takes one beside the pulse";
+        let line = "2 channels of occupants are not filtered, no criterion is made of them: driver, neck (1), driver, \
+            pelvis (1); crumple-filter --channels '093,007' takes one beside the pulse";
         assert!(notes.iter().any(|note| note.starts_with(line)), "{notes:?}");
     }
     // As the note has it.

@@ -1,9 +1,9 @@
 //! From acceleration to velocity, displacement and barrier force, and what the motion says about the crash.
 //!
 //! [`integrate`] makes the motion, [`integrate_without_drift`] one that meets a known velocity, [`events_of`] finds its
-//! events, [`findings`] puts them into words. [`threshold_crossing`], [`edr_start`] and [`contact_edge`] find time zero,
-//! [`sum_of_cells`] the force on a barrier; [`propagate`] says how far the uncertainty of the inputs moves everything. The
-//! numbers themselves (events, metrics) are in `crumple-metrics`.
+//! events, [`findings`] puts them into words. [`threshold_crossing`], [`edr_start`] and [`contact_edge`] find time
+//! zero, [`sum_of_cells`] the force on a barrier; [`propagate`] says how far the uncertainty of the inputs moves
+//! everything. The numbers themselves (events, metrics) are in `crumple-metrics`.
 //!
 //! rooms: stage | uncertainty events | motion barrier
 

@@ -208,7 +208,8 @@ fn what_was_measured_and_left_out_by_the_filter_is_named() {
     assert_eq!(thiv, "absent: channel w measured the yaw rate, but the filter left it out");
     let said = notes(&artifact).join("\n");
     for text in [
-        "warning: head: channels 1, 2 measured it, but the filter left it out: crumple-filter without --channels takes it, or with --channels 'x,1,2'",
+        "warning: head: channels 1, 2 measured it, but the filter left it out: crumple-filter without --channels takes \
+         it, or with --channels 'x,1,2'",
         "warning: chest: no accelerometer of it has data in the inputs",
         "thiv: channel w measured the yaw rate, but the filter left it out: crumple-filter --pass hands it on",
     ] {

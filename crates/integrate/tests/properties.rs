@@ -23,7 +23,8 @@ fn means(values: &[f64], rule: Rule) -> Vec<f64> {
 proptest! {
     #[test]
     fn differences_of_the_integral_are_the_means_of_the_integrand(
-        a in prop::collection::vec(-1000.0..1000.0_f64, 1..500), v0 in -30.0..30.0_f64, x0 in -1.0..1.0_f64, rule in any_rule()
+        a in prop::collection::vec(-1000.0..1000.0_f64, 1..500), v0 in -30.0..30.0_f64, x0 in -1.0..1.0_f64,
+        rule in any_rule()
     ) {
         let (v, x) = integrate_twice(&a, DT_S, rule, v0, x0);
         prop_assert_eq!((v.len(), x.len(), v[0], x[0]), (a.len(), a.len(), v0, x0));

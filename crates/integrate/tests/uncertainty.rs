@@ -65,7 +65,8 @@ fn an_error_of_speed_moves_the_crush_by_the_time_of_crush_times_it() {
     for start in [Start::RecordStart, Start::TimeZero] {
         let by = Perturbation { impact_speed_m_per_s: dv, ..Perturbation::default() };
         let [crush, time, delta_v] = moved(&a, start, by);
-        // x = ∫v dt: from the start of the record x counts from time zero all the same. Second order: δv²/(2a) = 2.6e-6.
+        // x = ∫v dt: from the start of the record x counts from time zero all the same. Second order: δv²/(2a) =
+        // 2.6e-6.
         close(crush, t_m * dv, 4e-6, "crush");
         // Second order: δv²·a'/(2a³), a' of the order of A·π/D: 5e-6.
         close(time, dv / at_crush, 1e-5, "time");
@@ -102,7 +103,8 @@ fn an_error_of_the_gain_moves_the_crush_by_its_share_of_what_the_pulse_took() {
         // A percent more of the area 2·A·D/π.
         close(delta_v, 0.01 * 2.0 * PEAK * DURATION_S / PI, 1e-5, "delta-v");
     }
-    // A constant pulse has closed forms beyond the first order: C = v0²/(2a), t_m = v0/a, over a grid that has time zero.
+    // A constant pulse has closed forms beyond the first order: C = v0²/(2a), t_m = v0/a, over a grid that has time
+    // zero.
     let constant = Signal::new(0.0, 1e-4, vec![-200.0; 1501]).unwrap();
     let [crush, time, _] = moved(&constant, Start::TimeZero, by);
     // A velocity that is linear is summed without error: rounding only.
@@ -115,8 +117,9 @@ fn an_error_of_time_zero_moves_what_its_place_in_the_record_moves() {
     let a = half_sine();
     let dt = 0.5e-3;
     let by = |time_zero_s| Perturbation { time_zero_s, ..Perturbation::default() };
-    // Integrated from the record's start the velocity does not know time zero: only the label moves. The crush counts from
-    // the label. Before contact, at rest, exactly; after it but for what the pulse took in 0.5 ms: A·π/D·δ³/6 = 2e-7 m.
+    // Integrated from the record's start the velocity does not know time zero: only the label moves. The crush counts
+    // from the label. Before contact, at rest, exactly; after it but for what the pulse took in 0.5 ms: A·π/D·δ³/6 =
+    // 2e-7 m.
     let [crush, time, delta_v] = moved(&a, Start::RecordStart, by(-dt));
     close(crush, V0 * dt, 1e-12, "early label");
     close(time, dt, 1e-12, "early label");
@@ -125,8 +128,8 @@ fn an_error_of_time_zero_moves_what_its_place_in_the_record_moves() {
     close(crush, -V0 * dt, 2e-7, "late label");
     close(time, -dt, 1e-12, "late label");
     close(delta_v, 0.0, 1e-12, "late label");
-    // Integrated from time zero, a late one cuts the record: v0·δ of crush, and the area A·π·δ²/(2D) = 9.6e-4 m/s of the
-    // half-sine, which acts up to t_m: 8e-5 m. Counted on a grid of T: T²·A·π/(8D) per sample more.
+    // Integrated from time zero, a late one cuts the record: v0·δ of crush, and the area A·π·δ²/(2D) = 9.6e-4 m/s of
+    // the half-sine, which acts up to t_m: 8e-5 m. Counted on a grid of T: T²·A·π/(8D) per sample more.
     let [crush, _, delta_v] = moved(&a, Start::TimeZero, by(dt));
     let area = PEAK * PI * dt * dt / (2.0 * DURATION_S);
     close(crush, -V0 * dt + area * 0.0792, 2e-6, "cut late");
@@ -187,8 +190,8 @@ fn one_uncertain_input_gives_its_own_quantiles() {
             time_zero_s: None,
             ..all.clone()
         };
-        // A quantile of N replicates has the standard deviation sqrt(0.05·0.95/N)/density; four of them are allowed, and
-        // 2 % for the second order.
+        // A quantile of N replicates has the standard deviation sqrt(0.05·0.95/N)/density; four of them are allowed,
+        // and 2 % for the second order.
         let noise = 4.0 * (0.05 * 0.95 / N as f64).sqrt() / density;
         let t = crush.time_s;
         for (stated, effect) in [

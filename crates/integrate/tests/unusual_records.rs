@@ -1,5 +1,5 @@
-//! The program on records that are no plain full-width frontal crash: a vehicle that does not stop, a recorder without a speed, heads without a
-//! vehicle, sensors of unknown place.
+//! The program on records that are no plain full-width frontal crash: a vehicle that does not stop, a recorder without
+//! a speed, heads without a vehicle, sensors of unknown place.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic too")]
 
@@ -167,7 +167,8 @@ fn columns_of_one_head_are_one_resultant_and_no_twin_of_the_vehicle() {
     let input = filtered(folder.path(), &channels, Some(14.0));
     let artifact = result(&input, &["--channels", "all"]);
     let hic = find(&metrics(&artifact), "head_x_g+head_y_g+head_z_g", "hic15");
-    // A half sine of 70 g: sqrt(400 + 900 + 3600). 15 ms about its peak of 60 ms are less than 70^2.5 times the window by 5 %.
+    // A half sine of 70 g: sqrt(400 + 900 + 3600). 15 ms about its peak of 60 ms are less than 70^2.5 times the window
+    // by 5 %.
     let flat = 70.0_f64.powf(2.5) * 0.015;
     assert!((0.9..1.0).contains(&(hic.value.unwrap() / flat)), "{hic:?} {flat}");
     assert!(!hic.definition.contains("lower bound"), "{}", hic.definition);

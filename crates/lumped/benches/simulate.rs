@@ -64,11 +64,11 @@ const LANES: usize = 8;
 /// Samples kept in the lanes' order before they go to their rows.
 const BLOCK: usize = 64;
 
-/// Displacement of the compartment after an impact for many parameter sets, row after row into `out`: sample `k` of set `i`, at
-/// `k dt`, is `out[i * samples + k]`.
+/// Displacement of the compartment after an impact for many parameter sets, row after row into `out`: sample `k` of set
+/// `i`, at `k dt`, is `out[i * samples + k]`.
 ///
-/// The same exact steps as `Model::respond`, eight sets side by side: one set is a sequence of products that each wait for
-/// the one before, eight keep the processor busy.
+/// The same exact steps as `Model::respond`, eight sets side by side: one set is a sequence of products that each wait
+/// for the one before, eight keep the processor busy.
 fn compartment_displacements(
     models: &[DoubleSpringMassDamper],
     impact_speed_m_per_s: f64,

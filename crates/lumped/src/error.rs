@@ -1,3 +1,5 @@
+//! Why a model cannot be built or asked for its response, and the checks of its numbers.
+
 use crate::ModelKind;
 
 /// Why a model cannot be built or asked for its response.

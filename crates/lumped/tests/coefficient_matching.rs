@@ -199,7 +199,8 @@ fn a_model_that_is_its_own_dual_is_listed_once_with_its_multiplicity() {
     let own: Vec<_> = found.solutions.iter().enumerate().filter(|(place, s)| s.dual == *place).collect();
     assert_eq!(own.len(), 1);
     let own = own[0].1;
-    // All of T1's P² - 4q, S² - 4DW and PS - 2DG vanish there, so the root of the cubic is double too: two pairs in one.
+    // All of T1's P² - 4q, S² - 4DW and PS - 2DG vanish there, so the root of the cubic is double too: two pairs in
+    // one.
     assert!(own.real && own.physical && own.multiplicity == 4 && found.roots[own.root].multiplicity == 2);
     assert_eq!((own.k1_n_per_m.re, own.k2_n_per_m.re), (2e5, 1e5));
     assert_eq!((own.c1_n_s_per_m.re, own.c2_n_s_per_m.re), (2000.0, 1000.0));
@@ -225,7 +226,8 @@ fn moved(from: &CoefficientMatch, to: &CoefficientMatch) -> f64 {
     farthest
 }
 
-/// `k1 = mu k2`, `c1 = mu c2` with `mu = (m1 + m2)/m2`: a model that is its own dual; mu and what its polynomial gives back.
+/// `k1 = mu k2`, `c1 = mu c2` with `mu = (m1 + m2)/m2`: a model that is its own dual; mu and what its polynomial gives
+/// back.
 fn own_dual_solved(m1: f64, m2: f64, k2: f64, c2: f64) -> (f64, CoefficientMatch) {
     let mu = (m1 + m2) / m2;
     let model = DoubleSpringMassDamper {
@@ -247,7 +249,8 @@ fn a_model_that_is_its_own_dual_at_an_almost_triple_root_is_among_its_solutions(
     assert_eq!(found.solutions.iter().map(|s| s.multiplicity).sum::<usize>(), 6);
     let own: Vec<_> = found.solutions.iter().filter(|s| s.real).collect();
     assert_eq!(own.len(), 1);
-    // The root is known to the square root of the rounding of the coefficients, 2e-8, over its distance from the third, 2e-4.
+    // The root is known to the square root of the rounding of the coefficients, 2e-8, over its distance from the third,
+    // 2e-4.
     assert!((own[0].k2_n_per_m.re / k2 - 1.0).abs() < 1e-4 && own[0].physical);
 }
 
@@ -259,8 +262,8 @@ proptest! {
         let (mu, found) = own_dual_solved(m1, m2, k2, c2);
         prop_assert_eq!(found.solutions.iter().map(|s| s.multiplicity).sum::<usize>(), 6);
         prop_assert!(found.solutions.iter().any(|s| s.real));
-        // Four solutions meet there: the rounding of t, u, v, w, some 4e-16, moves them by its fourth root, 1.4e-4, times the
-        // gain of the coefficients.
+        // Four solutions meet there: the rounding of t, u, v, w, some 4e-16, moves them by its fourth root, 1.4e-4,
+        // times the gain of the coefficients.
         let near = counted(&found).into_iter().filter(|p| {
             (p[1] / k2 - 1.0).norm() < 1e-2 && (p[3] / c2 - 1.0).norm() < 1e-2 && (p[0] / (mu * k2) - 1.0).norm() < 1e-2
         });
@@ -295,8 +298,8 @@ proptest! {
         for (gap, factor) in [(1e-6, low), (1e-10, low), (1e-6, 0.5 * (1.0 + low))] {
             let (before, after) = (at(factor * (1.0 - gap)), at(factor * (1.0 + gap)));
             prop_assert_eq!(counted(&before).len(), 6);
-            // At a multiple solution the square root of the step, a cube root at worst; times how far this polynomial is from
-            // one of size one. No solution jumps.
+            // At a multiple solution the square root of the step, a cube root at worst; times how far this polynomial
+            // is from one of size one. No solution jumps.
             let farthest = moved(&before, &after);
             prop_assert!(farthest < 30.0 * f64::cbrt(gap), "{farthest:e} for a step of {gap:e}");
         }

@@ -109,7 +109,8 @@ fn the_balance_closes_under_force_and_base_motion_and_the_forces_are_those_that_
             let found = model.dynamics(&drive, 1e-4, 2001).unwrap();
             driven += 1;
             // 2,000 quadratic forms, each right to about 1e-15 of the energy.
-            // A barrier that goes away first leaves an elastoplastic mass that is not held where it was: no energy at all.
+            // A barrier that goes away first leaves an elastoplastic mass that is not held where it was: no energy at
+            // all.
             assert!(found.energy_closure().is_none_or(|gap| gap < 1e-11), "{:?}", model.kind());
             let push = |k: usize| match &drive {
                 Drive::Force { samples, .. } | Drive::ImpactAndForce { samples, .. } => {
@@ -148,7 +149,8 @@ fn a_nonlinear_model_pushed_by_nothing_moves_as_after_an_impact() {
 
 #[test]
 fn a_growing_motion_closes_beside_its_own_energy_and_is_said_to_diverge() {
-    // A negative damper: a root at +96.5/s, the energy grows by e^(2 · 96.5/s · 2 s) = 1e167 over what the impact brought in.
+    // A negative damper: a root at +96.5/s, the energy grows by e^(2 · 96.5/s · 2 s) = 1e167 over what the impact
+    // brought in.
     let model = Model::Kelvin(Kelvin { mass_kg: 900.0, stiffness_n_per_m: 3e5, damping_n_s_per_m: -9e4 });
     let found = model.dynamics(&Drive::Impact(12.0), 1e-4, 20_001).unwrap();
     // 20,000 samples of 1e-15.

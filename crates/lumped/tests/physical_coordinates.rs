@@ -77,7 +77,8 @@ fn a_sensor_that_moves_like_the_other_or_a_pole_at_zero_is_refused() {
 proptest! {
     #[test]
     fn both_sensors_give_masses_springs_and_dampers(
-        logs in prop::array::uniform6(0.0..1.0f64), basis in prop::array::uniform16(-1.0..1.0f64), derivative in 0..3usize,
+        logs in prop::array::uniform6(0.0..1.0f64), basis in prop::array::uniform16(-1.0..1.0f64),
+        derivative in 0..3usize,
     ) {
         let log = |x: f64, low: f64, high: f64| low * (high / low).powf(x);
         let model = DoubleSpringMassDamper {

@@ -55,7 +55,8 @@ proptest! {
             let state = model.state(12.0, t)[mass];
             // Rounding of velocity at 12 m/s, and of t times a deceleration below 1e5 m/s².
             prop_assert!(state.velocity_m_per_s.abs() < 1e-10, "{}", state.velocity_m_per_s);
-            // The search marches there in up to some thousand steps, each a few 1e-16 of the crush: 3 m for soft springs.
+            // The search marches there in up to some thousand steps, each a few 1e-16 of the crush: 3 m for soft
+            // springs.
             let crush = events.dynamic_crush_m.unwrap();
             prop_assert!((state.displacement_m - crush).abs() < 1e-12 * crush.max(1.0));
             // The first zero: positive before.

@@ -26,8 +26,8 @@ fn triple() -> SecantChain {
     .unwrap()
 }
 
-/// Classical Runge-Kutta with small steps on the law as a person writes it: nothing shared with the library but the curves.
-/// Visits `k dt`, k = 0 .. samples, in steps of `dt/parts`.
+/// Classical Runge-Kutta with small steps on the law as a person writes it: nothing shared with the library but the
+/// curves. Visits `k dt`, k = 0 .. samples, in steps of `dt/parts`.
 fn runge_kutta(
     masses: &[f64],
     force: impl Fn(usize, f64, f64) -> f64,
@@ -207,8 +207,8 @@ fn three_masses_after_an_impact_move_as_a_small_step_integrator_says() {
     let found = chain.respond(&Drive::Impact(14.0), 1e-3, 251).unwrap();
     let at = |parts| runge_kutta(chain.masses_kg(), by_hand, |_, _| 0.0, |_| (0.0, 0.0), 14.0, (1e-3, parts, 251));
     let (coarse, fine) = (largest_difference(&found, &at(250)), largest_difference(&found, &at(1000)));
-    // Steps of 1 us. Between knots the rule is right to (70/s * 1e-6 s)^4; a step over a knot, where the third derivative of the
-    // motion jumps by some 1e6 m/s^3 and more, errs by h^3 of it: 1e-12 m each, some twenty of them.
+    // Steps of 1 us. Between knots the rule is right to (70/s * 1e-6 s)^4; a step over a knot, where the third
+    // derivative of the motion jumps by some 1e6 m/s^3 and more, errs by h^3 of it: 1e-12 m each, some twenty of them.
     assert!(fine.0 < 2e-11 && fine.1 < 2e-9, "{fine:?}");
     // It is the integrator that errs: four times the step, many times the difference.
     assert!(coarse.0 > 4.0 * fine.0, "{coarse:?} {fine:?}");

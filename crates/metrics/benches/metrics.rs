@@ -1,6 +1,6 @@
 //! HIC and ISO 18571 beside a plain pass over the same samples. Release, one thread: `cargo bench -p crumple-metrics`.
-//! `--test` or a first argument of `quick` runs the small sizes once; `-- --long` rates curves of 10⁶ samples too (half a minute
-//! or more), `-- --largest` nothing but curves of 10⁷ (an hour, 2 GB).
+//! `--test` or a first argument of `quick` runs the small sizes once; `-- --long` rates curves of 10⁶ samples too (half
+//! a minute or more), `-- --largest` nothing but curves of 10⁷ (an hour, 2 GB).
 
 use std::hint::black_box;
 use std::time::Instant;

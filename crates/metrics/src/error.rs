@@ -5,8 +5,8 @@
 pub enum MetricsError {
     /// Two signals of one motion differ in start, interval or length.
     #[error(
-        "{first} has {first_len} samples from {first_t0_s} s, \
-         {second} has {second_len} from {second_t0_s} s: one grid is needed"
+        "{first} has {first_len} samples from {first_t0_s} s, {second} has {second_len} from {second_t0_s} s: one grid \
+         is needed"
     )]
     Grids {
         /// What the first is.

@@ -39,7 +39,9 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn hic_by_pruning_is_hic_by_all_pairs(a in pulse(2..3000), window_s in prop::sample::select(vec![0.0003, 0.015, 0.036])) {
+    fn hic_by_pruning_is_hic_by_all_pairs(
+        a in pulse(2..3000), window_s in prop::sample::select(vec![0.0003, 0.015, 0.036])
+    ) {
         let (fast, all) = (hic(&signal(0.0, &a), window_s), hic_all_pairs(&signal(0.0, &a), window_s));
         // Other roundings of the same sums.
         prop_assert!(close(fast.value.unwrap(), all.value.unwrap(), 1e-12), "{fast:?} {all:?}");

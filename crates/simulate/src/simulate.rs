@@ -45,8 +45,8 @@ pub fn simulate_driven(
     })
 }
 
-/// As [`simulate_driven`], for a chain of masses, whose initial speed may be another than the test's. Under a force it starts from
-/// rest unless a speed is given; under a base motion always.
+/// As [`simulate_driven`], for a chain of masses, whose initial speed may be another than the test's. Under a force it
+/// starts from rest unless a speed is given; under a base motion always.
 pub fn simulate_chain(
     chain: &SecantChain,
     speed_m_per_s: Option<f64>,

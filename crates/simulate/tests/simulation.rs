@@ -12,8 +12,8 @@ fn model() -> Kelvin {
     Kelvin { mass_kg: 873.0, stiffness_n_per_m: 330_000.0, damping_n_s_per_m: 2_500.0 }
 }
 
-/// The exact motion of the Kelvin model on a grid whose samples lie `offset` before multiples of `DT`, from 50 ms before
-/// contact, where the car coasts.
+/// The exact motion of the Kelvin model on a grid whose samples lie `offset` before multiples of `DT`, from 50 ms
+/// before contact, where the car coasts.
 fn record(offset: f64, rate: impl Fn(f64) -> f64) -> Sampled {
     Sampled::new(-0.05 - offset, DT, (0..2501).map(|k| rate(f64::from(k) * DT - 0.05 - offset)).collect()).unwrap()
 }

@@ -1,3 +1,5 @@
+//! Runs the sections of a Butterworth filter over a record, both ways or forward.
+
 use crate::butterworth::design::{Design, Section};
 use crate::butterworth::pass::Phase;
 use crate::recursion::second_order::Recursion;

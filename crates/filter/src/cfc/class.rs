@@ -1,3 +1,5 @@
+//! The channel frequency classes of SAE J211-1 and ISO 6487.
+
 use std::fmt;
 use std::str::FromStr;
 

@@ -1,3 +1,5 @@
+//! The difference equation of a class: SAE J211-1 Appendix C, ISO 6487 Annex A.
+
 use std::f64::consts::{PI, SQRT_2};
 
 use crate::{Cfc, Mode};

@@ -1,3 +1,5 @@
+//! The response of a class filter against the limits of SAE J211-1 and ISO 6487 (figure 1 of both).
+
 use crate::{Cfc, Coefficients};
 
 /// F_L, Hz: from here on the response is looked at.
@@ -28,8 +30,8 @@ impl CorridorPoint {
 /// Upper and lower limit of the response of a class at a frequency, dB (SAE J211-1 Figure 1, ISO 6487 Figure 1).
 ///
 /// With F_H the class and F_N = F_H/0.6 (1650 Hz at CFC 1000): +0.5 dB up to F_N; -0.5 dB up to F_H/2, -1 dB at F_H,
-/// -4 dB at F_N, straight lines over the logarithm of frequency between them. Above F_N the upper limit falls by 9 dB an
-/// octave to a floor of -30 dB (CFC 60, 180) or -40 dB (CFC 600, 1000), and there is no lower limit. Where the
+/// -4 dB at F_N, straight lines over the logarithm of frequency between them. Above F_N the upper limit falls by 9 dB
+/// an octave to a floor of -30 dB (CFC 60, 180) or -40 dB (CFC 600, 1000), and there is no lower limit. Where the
 /// sloping line begins is not confirmed; a slope of 24 dB an octave from F_N, as other descriptions have it, is
 /// passed by no filter of four poles, the one of the standards included.
 pub fn limits_db(cfc: Cfc, frequency_hz: f64) -> (f64, Option<f64>) {

@@ -1,3 +1,5 @@
+//! Which standard the class filter follows.
+
 use serde::{Deserialize, Serialize};
 
 /// Which standard's filter: the frequency factor and what happens at the ends. Part of the result, so it is always

@@ -1,3 +1,5 @@
+//! Both passes of a class filter over a record, and what happens at its ends.
+
 use crate::recursion::second_order::Recursion;
 use crate::{Coefficients, FilterError};
 

@@ -1,3 +1,5 @@
+//! Which channels of a test are filtered, and to which class a dummy or the barrier is.
+
 use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, TestDescription, part_of};
 
 use crate::Cfc;
@@ -34,7 +36,8 @@ pub enum SelectionError {
     None,
 }
 
-/// The ids that names, codes and patterns such as `1?VEHC*X?` mean, each once. A pattern leaves out channels without data.
+/// The ids that names, codes and patterns such as `1?VEHC*X?` mean, each once. A pattern leaves out channels without
+/// data.
 pub fn ids_meant(test: &TestDescription, asked: &[String]) -> Result<Vec<String>, SelectionError> {
     let mut ids: Vec<String> = Vec::new();
     for wanted in asked {
@@ -66,11 +69,11 @@ pub fn id_meant(test: &TestDescription, wanted: &str) -> Result<String, Selectio
 
 /// The channels to filter, in the order of the test.
 ///
-/// With `asked`, exactly those ([`ids_meant`]), whatever they measure. Without: every acceleration channel with data that is not
-/// marked failed and whose location does not begin with an occupant or the barrier ("driver, head"; an unknown
-/// location counts as structure); the pulse in any case; the heads and chests of occupants, along all axes, because criteria are made of them
-/// ([`is_of_body`]); and the load cells of the barrier ([`is_barrier_force`]), failed ones too, because whoever sums them has to name what is
-/// left out.
+/// With `asked`, exactly those ([`ids_meant`]), whatever they measure. Without: every acceleration channel with data
+/// that is not marked failed and whose location does not begin with an occupant or the barrier ("driver, head"; an
+/// unknown location counts as structure); the pulse in any case; the heads and chests of occupants, along all axes,
+/// because criteria are made of them ([`is_of_body`]); and the load cells of the barrier ([`is_barrier_force`]), failed
+/// ones too, because whoever sums them has to name what is left out.
 pub fn select<'a>(test: &'a TestDescription, asked: &[String]) -> Result<Vec<&'a Channel>, SelectionError> {
     let asked = ids_meant(test, asked)?;
     let pulse = test.pulse_channel().ok().map(|channel| channel.id.as_str());

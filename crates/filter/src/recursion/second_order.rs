@@ -1,3 +1,5 @@
+//! The second-order recursion that class filters and Butterworth sections run.
+
 /// A second-order difference equation on its way through a record:
 /// `y[i] = a0·x[i] + a1·x[i-1] + a2·x[i-2] + b1·y[i-1] + b2·y[i-2]`.
 #[derive(Debug, Clone, Copy)]

@@ -1,3 +1,5 @@
+//! The delay between two channels, by the maximum of their correlation.
+
 use crumple_signal::Sampled;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
@@ -20,9 +22,9 @@ pub struct Delay {
 /// `c(τ) = ∫ x(t)·y(t + τ) dt` with |τ| up to `longest_s`.
 ///
 /// The correlation is made from the spectra (records padded with zeros, so that nothing wraps round) and its maximum is
-/// sought between samples too, on the trigonometric interpolant, by Newton's method. Exact for a band-limited pulse that
-/// lies inside both records; a record cut in the middle of its pulse shifts the estimate towards zero. The sensors must
-/// see the same motion: between different places of a structure the figure is travel time and shape together. The
+/// sought between samples too, on the trigonometric interpolant, by Newton's method. Exact for a band-limited pulse
+/// that lies inside both records; a record cut in the middle of its pulse shifts the estimate towards zero. The sensors
+/// must see the same motion: between different places of a structure the figure is travel time and shape together. The
 /// zero level must be removed. Both records need the same rate. Memory: some six times a record.
 pub fn delay(channel: &Sampled, reference: &Sampled, longest_s: f64) -> Result<Delay, FilterError> {
     let dt_s = reference.dt_s();

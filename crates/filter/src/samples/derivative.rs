@@ -1,10 +1,13 @@
+//! Acceleration from the change of velocity that an event data recorder keeps.
+
 use crumple_signal::{Notes, STANDARD_GRAVITY_M_PER_S2, Sampled, SignalError};
 
 /// Acceleration from the change of velocity that an event data recorder keeps, on the same grid.
 ///
-/// Central differences `a[k] = (v[k+1] - v[k-1]) / (2 dt)`, one-sided ones at both ends. Exact for a velocity that is a parabola, but for
-/// the ends. The trapezoid of the result is the velocity smoothed by (1, 2, 1)/4, and the velocity itself at both ends: the change over
-/// the whole event is kept. A peak that is shorter than some samples is lost. Fewer than two samples give zeros.
+/// Central differences `a[k] = (v[k+1] - v[k-1]) / (2 dt)`, one-sided ones at both ends. Exact for a velocity that is a
+/// parabola, but for the ends. The trapezoid of the result is the velocity smoothed by (1, 2, 1)/4, and the velocity
+/// itself at both ends: the change over the whole event is kept. A peak that is shorter than some samples is lost.
+/// Fewer than two samples give zeros.
 pub fn acceleration_of_velocity_change(change: &Sampled) -> Result<Sampled, SignalError> {
     let (v, dt_s) = (change.samples(), change.dt_s());
     let last = v.len().saturating_sub(1);
@@ -18,8 +21,9 @@ pub fn acceleration_of_velocity_change(change: &Sampled) -> Result<Sampled, Sign
 /// Units in which recorders print a velocity: km/h, mph, m/s.
 const PRINTED_UNITS_M_PER_S: [f64; 3] = [1.0 / 3.6, 0.44704, 1.0];
 
-/// The step in which a change of velocity is printed, m/s: the largest of 1, 0.5, 0.1, 0.05, 0.01 and 0.001 km/h, mph or m/s of which all its
-/// values are multiples; else the smallest difference between two of them that is no rounding. `None` for a constant.
+/// The step in which a change of velocity is printed, m/s: the largest of 1, 0.5, 0.1, 0.05, 0.01 and 0.001 km/h, mph
+/// or m/s of which all its values are multiples; else the smallest difference between two of them that is no rounding.
+/// `None` for a constant.
 pub fn printed_step_m_per_s(change: &Sampled) -> Option<f64> {
     let mut values = change.samples().to_vec();
     values.sort_unstable_by(f64::total_cmp);
@@ -46,9 +50,9 @@ pub fn derivative_note(change: &Sampled, of: &str, notes: &mut Notes) {
         )
     });
     notes.warning(format!(
-        "derived from the velocity change of channel {of} by central differences over {:.1} ms, not measured{step}; {:.0} samples a \
-         second, and the filter of the recorder is not known: no class is applied, peaks, force and what happens within {:.0} ms \
-         cannot be taken from it",
+        "derived from the velocity change of channel {of} by central differences over {:.1} ms, not measured{step}; \
+         {:.0} samples a second, and the filter of the recorder is not known: no class is applied, peaks, force and \
+         what happens within {:.0} ms cannot be taken from it",
         2e3 * dt_s,
         change.rate_hz(),
         4e3 * dt_s

@@ -1,3 +1,5 @@
+//! Centred moving averages and their gain.
+
 /// Samples of the running sum after which it is summed afresh, so that rounding does not grow with the record.
 const AFRESH: usize = 1024;
 

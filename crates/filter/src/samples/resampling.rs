@@ -1,3 +1,5 @@
+//! Other sampling rates: windowed sinc with a low-pass, or straight lines.
+
 use std::f64::consts::PI;
 
 use crumple_signal::Sampled;
@@ -23,7 +25,8 @@ pub enum Interpolation {
     /// Windowed sinc with a low-pass against aliasing: exact to 1e-4 up to 0.4 of the lower rate.
     #[default]
     Sinc,
-    /// Straight lines between samples, no low-pass: what ISO/TS 18571 asks for; aliases what is above half the new rate.
+    /// Straight lines between samples, no low-pass: what ISO/TS 18571 asks for; aliases what is above half the new
+    /// rate.
     Linear,
 }
 
@@ -48,8 +51,8 @@ impl Interpolation {
 
 /// Brings a record to another sampling rate; its grid then contains t = 0, and no sample lies outside the record.
 ///
-/// `sinc`: 32 zeros to each side, Kaiser window (β = 10), corner at 0.45 of the lower of both rates, weights that sum to
-/// one. What lies below 0.4 of the lower rate passes to 1e-4, what lies above half of it is down by 80 dB. Near the
+/// `sinc`: 32 zeros to each side, Kaiser window (β = 10), corner at 0.45 of the lower of both rates, weights that sum
+/// to one. What lies below 0.4 of the lower rate passes to 1e-4, what lies above half of it is down by 80 dB. Near the
 /// ends the record is continued by point reflection, as the class filters do; the first and last 32 intervals are
 /// no better than that. `linear` errs by `T²·max|a''|/8`.
 pub fn resample(record: &Sampled, to: Resampling) -> Result<Sampled, FilterError> {

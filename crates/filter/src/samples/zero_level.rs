@@ -1,3 +1,5 @@
+//! The zero level before the event.
+
 use crumple_signal::{PreEvent, PreEventWindow, Sampled};
 use serde::Serialize;
 

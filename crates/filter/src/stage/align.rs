@@ -11,8 +11,8 @@ use crate::stage::remarks::Remarks;
 /// Below this correlation two channels do not show the same motion, and a delay between them means nothing.
 const LOWEST_CORRELATION: f64 = 0.5;
 
-/// Shifts the time axis of every other acceleration by its delay against the one named; heads and chests that nobody named stay. Nothing is interpolated: the
-/// samples stay as they are, their times move.
+/// Shifts the time axis of every other acceleration by its delay against the one named; heads and chests that nobody
+/// named stay. Nothing is interpolated: the samples stay as they are, their times move.
 pub fn align(channels: &mut [FilteredChannel], asked: &Align, remarks: &mut Remarks) -> anyhow::Result<()> {
     let reference = channels.iter().find(|channel| channel.id == asked.to).ok_or_else(|| {
         Refused::new(format!("channel {} is not among those filtered, so nothing can be aligned to it", asked.to))

@@ -20,8 +20,8 @@ pub struct ChannelToFilter<'a> {
     pub for_criteria: bool,
 }
 
-/// The channels that are filtered, each with its class: those named, or those of the vehicle, of occupants and of the barrier.
-/// `pass` are handed on as they are. `may_be_none`: a pulse was derived, so there may be nothing else.
+/// The channels that are filtered, each with its class: those named, or those of the vehicle, of occupants and of the
+/// barrier. `pass` are handed on as they are. `may_be_none`: a pulse was derived, so there may be nothing else.
 pub fn channels_to_filter<'a>(
     settings: &StageSettings,
     pass: &[String],
@@ -58,7 +58,10 @@ pub fn channels_to_filter<'a>(
             if settings.class_for_all && !for_criteria {
                 remarks.warning(
                     &channel.id,
-                    format!("of a dummy, filtered to cfc {asked} as asked for: its criteria ask for cfc {class} (SAE J211-1)"),
+                    format!(
+                        "of a dummy, filtered to cfc {asked} as asked for: its criteria ask for cfc {class} (SAE \
+                        J211-1)"
+                    ),
                 );
             } else {
                 channel_settings.class = Class::Cfc(class);
@@ -92,16 +95,21 @@ fn no_acceleration(test: &TestDescription) -> bool {
 fn no_crash(test: &TestDescription) -> anyhow::Error {
     let ids: Vec<String> = test.channels.iter().map(|channel| channel.id.clone()).collect();
     let (first, last) = (ids.first().map_or("COLUMN", String::as_str), ids.last().map_or("COLUMN", String::as_str));
-    Refused::new(format!("the record is no crash: no pulse is named and no channel is an acceleration ({})", first_of(&ids)))
-        .expected("accelerations to filter, or channels named with --channels")
-        .hint(format!(
-            "inputs and outputs are identified from the artifact of crumple-ingest as they are: crumple-identify 1-ingest.mcap --methods n4sid --inputs {first} --outputs {last} -o 4-identify.mcap"
-        ))
-        .into()
+    Refused::new(format!(
+        "the record is no crash: no pulse is named and no channel is an acceleration \
+        ({})",
+        first_of(&ids)
+    ))
+    .expected("accelerations to filter, or channels named with --channels")
+    .hint(format!(
+        "inputs and outputs are identified from the artifact of crumple-ingest as they are: crumple-identify \
+             1-ingest.mcap --methods n4sid --inputs {first} --outputs {last} -o 4-identify.mcap"
+    ))
+    .into()
 }
 
-/// Whether a head or chest is taken by itself: nobody named it, and the pulse is of the vehicle or of another part. It has its own class whatever
-/// is done to the structure.
+/// Whether a head or chest is taken by itself: nobody named it, and the pulse is of the vehicle or of another part. It
+/// has its own class whatever is done to the structure.
 fn for_criteria(settings: &StageSettings, channel: &Channel, pulse: Option<&Channel>) -> bool {
     let with_the_pulse = |pulse: &Channel| {
         pulse.id == channel.id
@@ -133,7 +141,8 @@ fn note_occupants_left(
     let places: Vec<String> = places.into_iter().map(|(place, n)| format!("{place} ({n})")).collect();
     let class = settings.filter.class;
     remarks.of_test(format!(
-        "{} channels of occupants are not filtered, no criterion is made of them: {}; crumple-filter --channels '{pulse}{}' takes one beside the pulse, to cfc {class}",
+        "{} channels of occupants are not filtered, no criterion is made of them: {}; crumple-filter --channels \
+         '{pulse}{}' takes one beside the pulse, to cfc {class}",
         left.len(),
         first_of(&places),
         example.id

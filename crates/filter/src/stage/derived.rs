@@ -7,8 +7,8 @@ use crumple_stage::{Inputs, RefuseExt};
 use crate::stage::filtered_channel::{Extra, FilteredChannel};
 use crate::stage::remarks::Remarks;
 
-/// The acceleration of a pulse that is a velocity change, which becomes the pulse in its place; nothing for any other. A filter that
-/// takes the place of a class is run, a class is not: the recorder has filtered, nobody says how.
+/// The acceleration of a pulse that is a velocity change, which becomes the pulse in its place; nothing for any other.
+/// A filter that takes the place of a class is run, a class is not: the recorder has filtered, nobody says how.
 pub fn derived(
     settings: &Settings,
     input: &Inputs,

@@ -11,8 +11,8 @@ use crate::stage::channels_to_filter::ChannelToFilter;
 use crate::stage::filtered_channel::{Extra, FilteredChannel};
 use crate::stage::remarks::Remarks;
 
-/// The channels after filtering, in their order. One that cannot be filtered is refused, or left out with a warning where nobody named
-/// it and it is not the pulse.
+/// The channels after filtering, in their order. One that cannot be filtered is refused, or left out with a warning
+/// where nobody named it and it is not the pulse.
 pub fn filter_channels(
     channels: &[ChannelToFilter<'_>],
     named: bool,

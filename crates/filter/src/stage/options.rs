@@ -12,8 +12,9 @@ use serde::{Deserialize, Serialize};
 pub struct Options {
     /// Channel frequency class to filter to: 60, 180, 600, 1000, or none to leave the signal as it is [default: 60]
     ///
-    /// 60 is for the vehicle structure; a dummy's head and chest go to their own, 1000 and 180, unless the class is typed here and the
-    /// channel named by --channels. A channel that already has the class or a lower one passes through.
+    /// 60 is for the vehicle structure; a dummy's head and chest go to their own, 1000 and 180, unless the class is
+    /// typed here and the channel named by --channels. A channel that already has the class or a lower one passes
+    /// through.
     #[arg(long, value_name = "CLASS")]
     pub cfc: Option<Class>,
 
@@ -64,8 +65,9 @@ pub struct Options {
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub zero_level_to: Option<Time>,
 
-    /// Channels to filter, by id, code or pattern such as '1?VEHC*X?', whatever they measure [default: every acceleration channel on the vehicle structure,
-    /// the heads and chests of occupants, and the load cells of the barrier]
+    /// Channels to filter, by id, code or pattern such as '1?VEHC*X?', whatever they measure [default: every
+    /// acceleration channel on the vehicle structure, the heads and chests of occupants, and the load cells of the
+    /// barrier]
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     pub channels: Vec<String>,
 
@@ -91,8 +93,8 @@ pub struct Options {
 }
 
 impl Options {
-    /// A class typed as a flag, or stated in the pipeline file together with the channels, is meant for all that is filtered. One that
-    /// stands in a pipeline file alone is that of the vehicle's structure.
+    /// A class typed as a flag, or stated in the pipeline file together with the channels, is meant for all that is
+    /// filtered. One that stands in a pipeline file alone is that of the vehicle's structure.
     pub fn note_typed(&mut self, is_flag: &dyn Fn(&str) -> bool) {
         let with_its_channels = self.cfc.is_some() && !self.channels.is_empty() && !is_flag("channels");
         self.class_for_all = is_flag("cfc") || with_its_channels;

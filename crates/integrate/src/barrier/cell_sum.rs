@@ -1,3 +1,5 @@
+//! The force on a barrier as the sum of its load cells, and its impulse.
+
 use crumple_signal::{Force, Sampled, Signal};
 
 use crate::IntegrateError;
@@ -42,7 +44,8 @@ pub fn sum_of_cells(cells: &[(&str, &Sampled)]) -> Result<Option<CellSum>, Integ
     Ok(Some(CellSum { force, cells: cells.len() - off_grid.len(), off_grid, turned }))
 }
 
-/// Impulse of a force from `from_s` to `to_s`, N·s, by the trapezoid over the samples inside; `None` with fewer than two.
+/// Impulse of a force from `from_s` to `to_s`, N·s, by the trapezoid over the samples inside; `None` with fewer than
+/// two.
 pub fn impulse_n_s(force: &Signal<Force>, from_s: f64, to_s: f64) -> Option<f64> {
     let inside = force.slice(force.index_at_or_after(from_s), force.index_at_or_after(to_s + 0.5 * force.dt_s()));
     let f = inside.samples();

@@ -1,3 +1,5 @@
+//! The force on the barrier as mass times deceleration.
+
 use crumple_signal::{Acceleration, Force, Signal};
 
 use crate::IntegrateError;

@@ -1,3 +1,5 @@
+//! What a motion shows and what does not fit together, as notes.
+
 use crumple_metrics::{CrashEvents, EventEnd, centroid_time_by_moment, centroid_time_from_crush};
 use crumple_signal::Notes;
 
@@ -45,7 +47,8 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
         notes.warning(match events.unstopped {
             None => text,
             Some(unstopped) => format!(
-                "{text}; delta-v is {:.3} m/s at {:.1} ms, the lowest velocity up to the end of the event at {:.1} ms ({}){}",
+                "{text}; delta-v is {:.3} m/s at {:.1} ms, the lowest velocity up to the end of the event at {:.1} ms \
+                 ({}){}",
                 impact_speed_m_per_s - unstopped.velocity_m_per_s,
                 1e3 * unstopped.time_s,
                 1e3 * unstopped.end_s,
@@ -62,8 +65,8 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
     }
     if rebound.velocity_m_per_s.abs() > impact_speed_m_per_s {
         notes.warning(format!(
-            "the rebound at {:.3} m/s is faster than the impact at {impact_speed_m_per_s:.3} m/s, which no passive vehicle does: check \
-             the unit of the acceleration, the zero level and the impact speed",
+            "the rebound at {:.3} m/s is faster than the impact at {impact_speed_m_per_s:.3} m/s, which no passive \
+             vehicle does: check the unit of the acceleration, the zero level and the impact speed",
             rebound.velocity_m_per_s
         ));
     } else if rebound.velocity_m_per_s == 0.0 {
@@ -118,9 +121,8 @@ mod tests {
     fn a_record_that_ends_too_early_says_at_which_velocity() {
         assert_eq!(
             notes_of(vec![-2.0; 3]),
-            [
-                "warning: the velocity never reaches zero, the record ends at v = 2.000 m/s: no dynamic crush, no rebound"
-            ]
+            ["warning: the velocity never reaches zero, the record ends at v = 2.000 m/s: no dynamic crush, no \
+                 rebound"]
         );
     }
 

@@ -1,3 +1,5 @@
+//! Whether a pulse has the wrong sign, and the events of one that has not.
+
 use crumple_metrics::{CrashEvents, MetricsError, crash_events};
 use crumple_signal::{Signal, Velocity};
 

@@ -1,3 +1,5 @@
+//! First contact from the record itself: threshold, event data recorder, contact switch.
+
 use crumple_metrics::{EDR_INTERVAL_S, ThresholdRule, time_zero_by_threshold, time_zero_by_velocity_change};
 use crumple_signal::{Acceleration, Sampled, Signal};
 

@@ -1,3 +1,5 @@
+//! Takes out the drift that a known velocity shows.
+
 use crumple_signal::{Acceleration, Signal};
 use serde::{Deserialize, Serialize};
 

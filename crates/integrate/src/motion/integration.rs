@@ -1,3 +1,5 @@
+//! Velocity and displacement from an acceleration and the impact speed.
+
 use crumple_signal::{Acceleration, Displacement, Signal, Velocity};
 
 use crate::{IntegrateError, Rule, Start, UsedStart, integrate_twice_into};

@@ -1,3 +1,5 @@
+//! Rules of summation: trapezoid, forward Euler, Simpson.
+
 use serde::{Deserialize, Serialize};
 
 /// How samples are summed.
@@ -34,10 +36,10 @@ impl Rule {
 /// Trapezoid: `v[k] = v[k-1] + T·(a[k-1] + a[k])/2`, `x[k] = x[k-1] + T·(v[k-1] + v[k])/2`; v errs by up to
 /// `t·T²·max|a''|/12`, and by T/2 of the height of every jump. Forward Euler: `v[k] = v[k-1] + T·a[k-1]`, `x[k] =
 /// x[k-1] + T·v[k-1]`; errs by `T·(a_end - a_0)/2` in v and about `T·(v0 - v_end)/2` in x. Simpson: over two intervals
-/// `v[k] = v[k-2] + T·(a[k-2] + 4·a[k-1] + a[k])/3`, in the middle `v[k-1] = v[k-2] + T·(5·a[k-2] + 8·a[k-1] - a[k])/12`
-/// (the same parabola), a last odd interval by the parabola of the last three samples, two samples by the trapezoid;
-/// v errs by up to `t·T⁴·max|a''''|/180` at every second sample and T⁴·max|a'''|/24 between. A wrong zero level δ grows
-/// to δ·t and δ·t²/2 with any of them.
+/// `v[k] = v[k-2] + T·(a[k-2] + 4·a[k-1] + a[k])/3`, in the middle
+/// `v[k-1] = v[k-2] + T·(5·a[k-2] + 8·a[k-1] - a[k])/12` (the same parabola), a last odd interval by the parabola of
+/// the last three samples, two samples by the trapezoid; v errs by up to `t·T⁴·max|a''''|/180` at every second sample
+/// and T⁴·max|a'''|/24 between. A wrong zero level δ grows to δ·t and δ·t²/2 with any of them.
 pub fn integrate_twice(a: &[f64], dt_s: f64, rule: Rule, v_first: f64, x_first: f64) -> (Vec<f64>, Vec<f64>) {
     let (mut velocity, mut displacement) = (Vec::new(), Vec::new());
     integrate_twice_into(a, dt_s, rule, [v_first, x_first], (&mut velocity, &mut displacement), |_| ());
@@ -171,7 +173,8 @@ mod tests {
                 let exact_v = 5.0 + 2.0 * t - 1.5 * t * t + t * t * t / 3.0;
                 let exact_x = 1.0 + 5.0 * t + t * t - 0.5 * t.powi(3) + t.powi(4) / 12.0;
                 // The velocity is a cubic: the parabola through three of its samples errs by T^4/24 times its third
-                // derivative (2) in the middle. Two samples make a trapezoid: T^3/12 times a second derivative of up to 3.
+                // derivative (2) in the middle. Two samples make a trapezoid: T^3/12 times a second derivative of up to
+                // 3.
                 let limit = if n == 2 { 4e-8 } else { 1e-10 };
                 assert!((v[k] - exact_v).abs() < limit, "{n} {k}: {} {exact_v}", v[k]);
                 assert!((x[k] - exact_x).abs() < limit, "{n} {k}: {} {exact_x}", x[k]);

@@ -1,3 +1,5 @@
+//! Where the integration starts: at time zero or with the record.
+
 use serde::{Deserialize, Serialize};
 
 /// Where the integration starts.

@@ -1,5 +1,5 @@
 //! The program: reads the filtered pulse, integrates it, writes motion, events and metrics.
-//! `without_motion` and `mod` use the rooms `pulse` and `criteria`; these use `options` and `metric_record`.
+//! rooms: without_motion | pulse criteria | options metric_record
 
 mod criteria;
 mod metric_record;
@@ -32,8 +32,8 @@ pub struct Integrate;
 
 impl Stage for Integrate {
     const NAME: &'static str = "integrate";
-    const ABOUT: &'static str = "Integrates the crash pulse to velocity and displacement, finds dynamic crush and rebound, \
-         and computes crash metrics.";
+    const ABOUT: &'static str = "Integrates the crash pulse to velocity and displacement, finds dynamic crush and \
+        rebound, and computes crash metrics.";
     type Options = Options;
     type Settings = StageSettings;
     type Input = Inputs;
@@ -123,7 +123,8 @@ fn refuse_left_out(pulse: &Channel, input: &Inputs) -> anyhow::Result<()> {
     }
     Err(Refused::new(format!("the filtered record does not hold the pulse, channel {}", pulse.id))
         .hint(format!(
-            "crumple-filter --channels leaves out what it does not name: name {} there too, or another pulse with --channel here",
+            "crumple-filter --channels leaves out what it does not name: name {} there too, or another pulse with \
+             --channel here",
             pulse.id
         ))
         .into())
@@ -144,8 +145,8 @@ fn integrate_others(
         let unnamed = !settings.channels.iter().any(|name| test.channels_meant(name).iter().any(|c| c.id == other.id));
         if unnamed && unplaced(other) && !redundant.agrees(&motion) {
             out.notes().warning(format!(
-                "channel {} does not move as the pulse does, and nothing says where it sits: not held against the vehicle (if it \
-                 is of the compartment, name it: crumple-integrate --channels all,{})",
+                "channel {} does not move as the pulse does, and nothing says where it sits: not held against the \
+                 vehicle (if it is of the compartment, name it: crumple-integrate --channels all,{})",
                 other.id, other.id
             ));
             continue;

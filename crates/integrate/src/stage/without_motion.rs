@@ -26,8 +26,8 @@ pub fn lacking(input: &Inputs, test: &TestDescription, pulse: &Channel, speed_m_
     speed_m_per_s.is_none().then_some(Lacking::Speed)
 }
 
-/// Writes the test and the criteria. Done where the pulse is an occupant's, or not in the inputs: nobody asked for a motion of the vehicle.
-/// A vehicle without impact speed has no acceptable result, whatever else was measured.
+/// Writes the test and the criteria. Done where the pulse is an occupant's, or not in the inputs: nobody asked for a
+/// motion of the vehicle. A vehicle without impact speed has no acceptable result, whatever else was measured.
 pub fn without_motion(
     settings: &StageSettings,
     input: &Inputs,
@@ -54,20 +54,22 @@ pub fn without_motion(
         Lacking::Pulse if measured => (
             true,
             format!(
-                "criteria of occupants alone: the pulse {id} is not in the inputs, so there is no motion of the vehicle \
-                 (crumple-filter without --channels takes both)"
+                "criteria of occupants alone: the pulse {id} is not in the inputs, so there is no motion of the \
+                 vehicle (crumple-filter without --channels takes both)"
             ),
         ),
         Lacking::Pulse => (
             false,
             format!(
-                "the pulse {id} is not in the inputs: crumple-filter --channels leaves out what it does not name, so name {id} there too"
+                "the pulse {id} is not in the inputs: crumple-filter --channels leaves out what it does not name, so \
+                 name {id} there too"
             ),
         ),
         Lacking::Speed if part_of(pulse).is_some() && measured => (
             true,
             format!(
-                "criteria of occupants alone: channel {id} is of an occupant, and no impact speed is stated for a motion"
+                "criteria of occupants alone: channel {id} is of an occupant, and no impact speed is stated for a \
+                 motion"
             ),
         ),
         Lacking::Speed if recorder => (

@@ -58,8 +58,8 @@ pub struct Perturbation {
 }
 
 impl Uncertainty {
-    /// The inputs of replicate `index`: ChaCha8, a stream for each, so that a replicate does not depend on the others, nor
-    /// an input on whether another is uncertain.
+    /// The inputs of replicate `index`: ChaCha8, a stream for each, so that a replicate does not depend on the others,
+    /// nor an input on whether another is uncertain.
     pub fn perturbation(&self, index: usize) -> Perturbation {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(index as u64);
@@ -92,8 +92,8 @@ impl Uncertainty {
 /// An error δ of time zero, to first order:
 /// - integrated from time zero, the record is cut there: the crush loses v0·δ, and the velocity what the pulse does in
 ///   δ (nothing for a record at rest before contact, if δ < 0);
-/// - integrated from the start of the record, only the label moves for the velocity: rebound, restitution and delta-v stay
-///   as they are. The crush counts from the label and loses v0·δ, times lose δ.
+/// - integrated from the start of the record, only the label moves for the velocity: rebound, restitution and delta-v
+///   stay as they are. The crush counts from the label and loses v0·δ, times lose δ.
 pub fn perturbed(
     acceleration: &Signal<Acceleration>,
     settings: &Settings,
@@ -160,9 +160,9 @@ pub fn event_values(events: &CrashEvents, v0: f64) -> [Option<f64>; EVENT_NAMES.
 /// 5-95 % intervals of events and metrics, from the integration repeated with perturbed inputs.
 ///
 /// Replicates run in parallel and are collected by index: the same intervals for any number of threads. A value that a
-/// replicate does not have (no dynamic crush, say) has no interval, and `energy_closure`, a check of the arithmetic, has
-/// none. `report` is told how many replicates are done. A quantile of N replicates is itself uncertain, by 0.11 standard
-/// deviations of the value at N = 400.
+/// replicate does not have (no dynamic crush, say) has no interval, and `energy_closure`, a check of the arithmetic,
+/// has none. `report` is told how many replicates are done. A quantile of N replicates is itself uncertain, by 0.11
+/// standard deviations of the value at N = 400.
 pub fn propagate(
     acceleration: &Signal<Acceleration>,
     motion: &Motion,

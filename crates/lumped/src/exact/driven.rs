@@ -34,9 +34,9 @@ pub(crate) struct Instant<'a> {
 impl Driven {
     /// Visits `k dt`, k = 0 .. `samples`, from `start`, the values of the system's own states.
     ///
-    /// One matrix exponential for the step, exact for drives linear between samples; heat and work by the exact integral
-    /// of the quadratic form over the step (Van Loan 1978), so the balance closes to rounding, about `1e-15` of the
-    /// energy a step. Errors: a step or drive that is not finite, a motion that leaves the range of numbers.
+    /// One matrix exponential for the step, exact for drives linear between samples; heat and work by the exact
+    /// integral of the quadratic form over the step (Van Loan 1978), so the balance closes to rounding, about `1e-15`
+    /// of the energy a step. Errors: a step or drive that is not finite, a motion that leaves the range of numbers.
     pub fn walk(
         &self,
         start: &[f64],
@@ -109,7 +109,8 @@ impl Rows {
 /// `W` with `integral over a step of z' Q z = z0' W z0`.
 ///
 /// By the block exponential over so short a part of the step that its growing half stays small, then by doubling,
-/// `W(2h) = W(h) + phi' W phi`: a stiff damper, whose mirror image in the block grows beyond all numbers, costs no digits.
+/// `W(2h) = W(h) + phi' W phi`: a stiff damper, whose mirror image in the block grows beyond all numbers, costs no
+/// digits.
 fn integrated(a: &DMatrix<f64>, q: &DMatrix<f64>, dt_s: f64) -> Result<DMatrix<f64>, LumpedError> {
     let n = a.nrows();
     let norm = dt_s * a.column_iter().map(|c| c.lp_norm(1)).fold(0.0, f64::max);

@@ -5,9 +5,9 @@ const STALLED: f64 = 1e-10;
 
 /// Zero of a function that is positive at `low` and not at `high`, by Newton's method kept inside the bracket.
 ///
-/// `distance` gives value and rate. A Newton step that leaves the bracket, or that a rate of zero makes no number, is replaced
-/// by the middle; ends when a step is two roundings of the instant, when small steps no longer shrink, which is the rounding of
-/// the distance, or after 60.
+/// `distance` gives value and rate. A Newton step that leaves the bracket, or that a rate of zero makes no number, is
+/// replaced by the middle; ends when a step is two roundings of the instant, when small steps no longer shrink, which
+/// is the rounding of the distance, or after 60.
 pub(crate) fn falling_zero(mut low: f64, mut high: f64, distance: impl Fn(f64) -> (f64, f64)) -> f64 {
     let mut tau = 0.5 * (low + high);
     let mut before = f64::INFINITY;

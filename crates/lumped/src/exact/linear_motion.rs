@@ -12,8 +12,8 @@ type Square<D> = OMatrix<f64, D, D>;
 
 /// `z' = A z` in a time unit in which the fastest swing is of size one: state `(x, tau v, ...)`, time in `tau`.
 ///
-/// Unbalanced, the exponential of a car (stiffness over mass near 1e3/s²) loses three digits. Sizes of the usual models are known to
-/// the compiler: a fit marches millions of steps of a few products.
+/// Unbalanced, the exponential of a car (stiffness over mass near 1e3/s²) loses three digits. Sizes of the usual models
+/// are known to the compiler: a fit marches millions of steps of a few products.
 struct LinearMotion<D: Dim>
 where
     DefaultAllocator: Allocator<D, D> + Allocator<D>,
@@ -41,7 +41,8 @@ pub(crate) fn chain(
     }
 }
 
-/// One mass on spring and damper in series that meets the barrier at `v0`; parameters are the places in `mass, spring, damper`.
+/// One mass on spring and damper in series that meets the barrier at `v0`; parameters are the places in
+/// `mass, spring, damper`.
 pub(crate) fn maxwell(values: [f64; 3], parameters: &[usize], v0: f64, at: &Instants) -> Sensitivity {
     LinearMotion::maxwell(values, parameters, v0).sensitivity(at)
 }

@@ -17,7 +17,8 @@ pub(crate) enum Roots {
 }
 
 impl SecondOrder {
-    /// Roots, with the discriminant `b - a²` formed as a product, so that it is right to rounding near critical damping.
+    /// Roots, with the discriminant `b - a²` formed as a product, so that it is right to rounding near critical
+    /// damping.
     pub fn roots(self) -> Roots {
         let Self { half_damping: a, stiffness: b } = self;
         let discriminant = if b > 0.0 { (b.sqrt() - a.abs()) * (b.sqrt() + a.abs()) } else { b - a * a };

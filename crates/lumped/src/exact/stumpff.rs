@@ -2,9 +2,9 @@
 
 /// `S_n(t)`, n = 0 .. 7: `S_0 = cos w t`, `S_1 = sin(w t)/w`, and each the integral of the one before from 0.
 ///
-/// Stumpff functions, `S_n = t^n c_n(w² t²)` with `c_n(z) = sum of (-z)^k/(n + 2k)!`. Below `z = 4` by the series of the two last
-/// and `c_n = 1/n! - z c_{n+2}`, right to rounding and for `w = 0` too; above it by cosine and sine and the same rule upwards, where each
-/// two steps cost a rounding of `1/(n! z)`, at most three digits of the highest.
+/// Stumpff functions, `S_n = t^n c_n(w² t²)` with `c_n(z) = sum of (-z)^k/(n + 2k)!`. Below `z = 4` by the series of
+/// the two last and `c_n = 1/n! - z c_{n+2}`, right to rounding and for `w = 0` too; above it by cosine and sine and
+/// the same rule upwards, where each two steps cost a rounding of `1/(n! z)`, at most three digits of the highest.
 pub(crate) fn cosine_integrals(w2: f64, t: f64) -> [f64; 7] {
     const FACTORIALS: [f64; 7] = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0];
     let z = w2 * t * t;

@@ -1,3 +1,5 @@
+//! The double model: two masses, two springs, two dampers.
+
 use crumple_lti::{Complex, polynomial_roots};
 use nalgebra::{Matrix4, RowVector4, Vector4};
 

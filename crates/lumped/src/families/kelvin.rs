@@ -1,3 +1,5 @@
+//! The Kelvin model, in closed form.
+
 use crate::error::{finite, positive};
 use crate::exact::second_order::{Roots, SecondOrder};
 use crate::{Complex, CrushEvents, LumpedError, State};

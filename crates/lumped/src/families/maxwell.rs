@@ -1,3 +1,5 @@
+//! The Maxwell model, in closed form.
+
 use std::f64::consts::PI;
 
 use crate::error::positive;

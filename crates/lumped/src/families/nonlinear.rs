@@ -1,3 +1,5 @@
+//! The two nonlinear models of the single-mass paper.
+
 use crate::error::{finite, positive};
 use crate::secant::curve::Curve;
 use crate::secant::single_mass::SecantMotion;
@@ -33,7 +35,8 @@ pub struct Nonlinear1 {
 
 /// The second nonlinear model of the single-mass paper (section 5): ten parameters.
 ///
-/// As [`Nonlinear1`], with `k` through `(0, k1), (x1, k2), (C, k3)` and `c` through `(0, c1), (v1, c2), (v2, c3), (v0, c4)`.
+/// As [`Nonlinear1`], with `k` through `(0, k1), (x1, k2), (C, k3)` and `c` through
+/// `(0, c1), (v1, c2), (v2, c3), (v0, c4)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nonlinear2 {
     /// Mass, kg.

@@ -43,7 +43,8 @@ impl ParameterKind {
         }
     }
 
-    /// The name of a parameter of this kind without its unit: `k1` of `k1_n_per_m`. A name without this unit stays whole.
+    /// The name of a parameter of this kind without its unit: `k1` of `k1_n_per_m`. A name without this unit stays
+    /// whole.
     pub fn symbol_of(self, name: &str) -> &str {
         name.strip_suffix(self.unit_in_name()).and_then(|symbol| symbol.strip_suffix('_')).unwrap_or(name)
     }
@@ -56,7 +57,8 @@ pub struct Parameter {
     pub name: &'static str,
     /// What it is.
     pub kind: ParameterKind,
-    /// Whether it is a number of the test, dynamic crush or impact speed, at which the last knot stands: no fit changes it.
+    /// Whether it is a number of the test, dynamic crush or impact speed, at which the last knot stands: no fit changes
+    /// it.
     pub of_the_test: bool,
 }
 

@@ -52,8 +52,8 @@ pub struct CoefficientMatch {
     pub m1_kg: f64,
     /// Mass of the compartment, kg.
     pub m2_kg: f64,
-    /// Upper bound of `m2/m1` for physical parameters, see [`CoefficientMatching::largest_mass_ratio`]; `None`: no masses give
-    /// such parameters.
+    /// Upper bound of `m2/m1` for physical parameters, see [`CoefficientMatching::largest_mass_ratio`]; `None`: no
+    /// masses give such parameters.
     pub largest_mass_ratio: Option<f64>,
     /// Roots `zeta = c1 c2/(m1 m2)` of the cubic, 1/s², each with its multiplicity; real ones first.
     pub roots: Vec<MatchRoot>,
@@ -108,7 +108,8 @@ pub struct MatchedSolution {
 }
 
 impl CoefficientMatching {
-    /// A polynomial `t, u, v, w` and two masses. Errors: masses that are not positive, coefficients that are not finite.
+    /// A polynomial `t, u, v, w` and two masses. Errors: masses that are not positive, coefficients that are not
+    /// finite.
     pub fn new(polynomial: [f64; 4], m1_kg: f64, m2_kg: f64, reading: Reading) -> Result<Self, LumpedError> {
         for (name, x) in ["t", "u", "v", "w"].into_iter().zip(polynomial) {
             finite(name, x)?;
@@ -158,12 +159,13 @@ impl CoefficientMatching {
         Self::with_masses(self.polynomial, m1_kg, m2_kg, Reading::Binary)
     }
 
-    /// The bound `rho = (t u v - v^2 - t^2 w)/v^2` of `m2/m1`: with a stable polynomial, every real solution is physical (springs
-    /// positive, dampers not negative) below it and none above it; at the bound one damper is zero.
+    /// The bound `rho = (t u v - v^2 - t^2 w)/v^2` of `m2/m1`: with a stable polynomial, every real solution is
+    /// physical (springs positive, dampers not negative) below it and none above it; at the bound one damper is zero.
     ///
     /// Without damping, `t = v = 0`, the bound is `u^2/(4w) - 1`, where the two stiffness sets meet: `k1/m1` solves
     /// `k^2 - u k + kappa w = 0`. `None` if no masses give physical parameters: a coefficient or the Routh determinant
-    /// `t u v - v^2 - t^2 w` is not positive (nor damping absent altogether), the polynomial is not that of a passive chain.
+    /// `t u v - v^2 - t^2 w` is not positive (nor damping absent altogether), the polynomial is not that of a passive
+    /// chain.
     pub fn largest_mass_ratio(&self) -> Option<f64> {
         let [t, u, v, w] = self.polynomial;
         if t == Dd::ZERO && v == Dd::ZERO {
@@ -178,14 +180,15 @@ impl CoefficientMatching {
     /// All six solutions.
     ///
     /// With `kappa = 1 + m2/m1`, `zeta = c1 c2/(m1 m2)` solves the cubic
-    /// `zeta³ - 2u zeta² + (u² + t v - 4 kappa w) zeta + (kappa v² + t² w - t u v) = 0`, and each root gives a pair of dual
-    /// solutions in closed form: `c1/m1, c2/mr = (t ± r1)/2`, `k1/m1, k2/mr = (u - zeta ± r0)/2` with
+    /// `zeta³ - 2u zeta² + (u² + t v - 4 kappa w) zeta + (kappa v² + t² w - t u v) = 0`, and each root gives a pair of
+    /// dual solutions in closed form: `c1/m1, c2/mr = (t ± r1)/2`, `k1/m1, k2/mr = (u - zeta ± r0)/2` with
     /// `mr = m1 m2/(m1 + m2)`, `r1² = t² - 4 kappa zeta`, `r0² = (u - zeta)² - 4 kappa w`, signs tied by
-    /// `r1 r0 = t (u - zeta) - 2 kappa v`. So there are six with multiplicity; two, four or six of them real, never none.
+    /// `r1 r0 = t (u - zeta) - 2 kappa v`. So there are six with multiplicity; two, four or six of them real, never
+    /// none.
     ///
-    /// In double-double arithmetic throughout: rounding of the results to f64 is all that is lost, also at double roots.
-    /// Real parameters are right to a few `1e-16` of the larger of each pair, `c1/m1` beside `c2/mr`, except where
-    /// the given coefficients themselves leave them uncertain: see [`matching_sensitivity`].
+    /// In double-double arithmetic throughout: rounding of the results to f64 is all that is lost, also at double
+    /// roots. Real parameters are right to a few `1e-16` of the larger of each pair, `c1/m1` beside `c2/mr`, except
+    /// where the given coefficients themselves leave them uncertain: see [`matching_sensitivity`].
     pub fn solve(&self) -> CoefficientMatch {
         // Time in units that make the coefficients of size one; a power of two loses nothing.
         let size = self.polynomial.iter().enumerate().map(|(k, c)| c.hi.abs().powf(1.0 / (k + 1) as f64));
@@ -214,9 +217,9 @@ impl CoefficientMatching {
                 let square_0 = denoise(rest * rest - ComplexDd::real(kw), rest.norm().powi(2) + kw.hi.abs());
                 let product = ct * rest - ComplexDd::real((kappa * v).scale(2.0));
                 // The larger by its root, the other by division: no sign to guess and nothing lost in the smaller.
-                // Where a set is its own dual the root of the cubic is double. Coefficients off by a rounding split it by less than
-                // can be seen, so it is known to the square root of the noise only; without this the four sets there would come
-                // out complex, though two of them are real for every polynomial.
+                // Where a set is its own dual the root of the cubic is double. Coefficients off by a rounding split it
+                // by less than can be seen, so it is known to the square root of the noise only; without this the four
+                // sets there would come out complex, though two of them are real for every polynomial.
                 let third = found.iter().map(|other| (other.value - zeta).norm()).fold(0.0, f64::max) / u.hi.abs();
                 let blur = (OWN_DUAL.0 / third).min(most_blur);
                 let own_dual = root.multiplicity > 1
@@ -259,7 +262,8 @@ impl CoefficientMatching {
             }
             solutions
         };
-        // Two are real for every polynomial. Where none is, a set is its own dual at a root that is almost triple, and so known still worse.
+        // Two are real for every polynomial. Where none is, a set is its own dual at a root that is almost triple, and
+        // so known still worse.
         let mut solutions = solutions_with(OWN_DUAL.1);
         for wider in [1e1, 1e2, 1e3] {
             if solutions.iter().any(|solution: &MatchedSolution| solution.real) {

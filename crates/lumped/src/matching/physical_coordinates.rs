@@ -77,11 +77,11 @@ impl RealisedModel {
 
     /// The transformation to the coordinates of a model with the same poles, a solution of coefficient matching.
     ///
-    /// The compartment's rows of `T` follow from the output alone: `x2 = C A^-d`, `v2 = x2 A`. The chassis's follow from
-    /// the compartment's equation of motion, `x1 (c2 A + k2) = x2 (m2 A² + c2 A + k2)`; with the poles right, the chassis's
-    /// own equation then holds by Cayley and Hamilton. So **every** solution of the matching has its transformation,
-    /// with the same compartment output: poles and one sensor leave the choice open. What decides is a row of the
-    /// chassis (`chassis_mismatch`), or, between solutions with different `c1 c2`, the state at contact.
+    /// The compartment's rows of `T` follow from the output alone: `x2 = C A^-d`, `v2 = x2 A`. The chassis's follow
+    /// from the compartment's equation of motion, `x1 (c2 A + k2) = x2 (m2 A² + c2 A + k2)`; with the poles right, the
+    /// chassis's own equation then holds by Cayley and Hamilton. So **every** solution of the matching has its
+    /// transformation, with the same compartment output: poles and one sensor leave the choice open. What decides is a
+    /// row of the chassis (`chassis_mismatch`), or, between solutions with different `c1 c2`, the state at contact.
     ///
     /// Errors: values that are not finite, a pole at zero, `-k2/c2` on a pole.
     pub fn coordinates(&self, model: &DoubleSpringMassDamper) -> Result<PhysicalCoordinates, LumpedError> {
@@ -117,11 +117,11 @@ impl RealisedModel {
         })
     }
 
-    /// The model that the rows of both masses determine with the total mass, and how far the state space is from a chain
-    /// of two masses: `|T A T^-1 - Ap|/|Ap|`. `None` without a row of the chassis.
+    /// The model that the rows of both masses determine with the total mass, and how far the state space is from a
+    /// chain of two masses: `|T A T^-1 - Ap|/|Ap|`. `None` without a row of the chassis.
     ///
-    /// `T` is then known without any model; `Ap = T A T^-1` holds `k2/m2`, `c2/m2`, `k2/m1`, `c2/m1` and the sums with `k1`,
-    /// `c1`, so the mass ratio follows too. Where the rows do not agree, in the sense of least squares.
+    /// `T` is then known without any model; `Ap = T A T^-1` holds `k2/m2`, `c2/m2`, `k2/m1`, `c2/m1` and the sums with
+    /// `k1`, `c1`, so the mass ratio follows too. Where the rows do not agree, in the sense of least squares.
     ///
     /// Errors: as [`coordinates`](Self::coordinates), a total mass that is not positive, sensors that move alike.
     pub fn from_both_masses(&self, total_kg: f64) -> Result<Option<(DoubleSpringMassDamper, f64)>, LumpedError> {

@@ -12,10 +12,10 @@ use crate::{
 impl Model {
     /// Motions, forces and energies at `k dt`, k = 0 .. `samples`.
     ///
-    /// After an impact the motions are those of [`Model::respond`]. Under a force or a base motion the nonlinear models go
-    /// as a [`SecantChain`] of one mass, and the elastoplastic one from event to event. That one stores what it would give
-    /// back along the unloading line; the rest of the work on its spring counts as dissipated at once. Errors: as
-    /// [`Model::respond`], and a drive that is not finite or acts on a mass that is not there.
+    /// After an impact the motions are those of [`Model::respond`]. Under a force or a base motion the nonlinear models
+    /// go as a [`SecantChain`] of one mass, and the elastoplastic one from event to event. That one stores what it
+    /// would give back along the unloading line; the rest of the work on its spring counts as dissipated at once.
+    /// Errors: as [`Model::respond`], and a drive that is not finite or acts on a mass that is not there.
     pub fn dynamics(&self, drive: &Drive, dt_s: f64, samples: usize) -> Result<Dynamics, LumpedError> {
         self.check()?;
         let Drive::Impact(speed) = drive else {

@@ -1,3 +1,5 @@
+//! A model of any family and its response to an impact.
+
 use crate::error::positive;
 use crate::exact::exact_step::exact_step;
 use crate::exact::linear_motion::chain;

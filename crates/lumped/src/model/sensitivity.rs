@@ -11,9 +11,9 @@ impl Model {
     /// Analytic throughout, right to rounding: Kelvin, Maxwell and the chains by the derivative of the matrix
     /// exponential, the elastoplastic model by differentiating its closed form, the nonlinear ones by the variational
     /// equation, solved by Taylor series along with the motion. (Their forces are continuous where they have a kink, so
-    /// nothing jumps there.) An acceleration of the nonlinear models has a kink at a knot, where one of the two one-sided
-    /// derivatives is given. Errors: parameters without meaning, a place that is none, a motion that leaves the range of
-    /// numbers.
+    /// nothing jumps there.) An acceleration of the nonlinear models has a kink at a knot, where one of the two
+    /// one-sided derivatives is given. Errors: parameters without meaning, a place that is none, a motion that leaves
+    /// the range of numbers.
     pub fn sensitivity(
         &self,
         impact_speed_m_per_s: f64,

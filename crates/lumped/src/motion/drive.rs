@@ -5,15 +5,16 @@
 pub enum Drive {
     /// All masses meet the barrier at this speed, m/s.
     Impact(f64),
-    /// A force on one mass (index from 0) of a model that starts from rest, N, samples at the response's interval, linear
-    /// between them and zero after the last.
+    /// A force on one mass (index from 0) of a model that starts from rest, N, samples at the response's interval,
+    /// linear between them and zero after the last.
     Force {
         /// Mass the force acts on.
         mass: usize,
         /// Samples, N, positive towards the barrier.
         samples: Vec<f64>,
     },
-    /// The acceleration of the barrier (a sled, a shaker), m/s², in the direction of crush; everything starts from rest.
+    /// The acceleration of the barrier (a sled, a shaker), m/s², in the direction of crush; everything starts from
+    /// rest.
     BaseAcceleration(Vec<f64>),
     /// Both: the masses meet the barrier at a speed and a force acts on one of them.
     ImpactAndForce {

@@ -45,12 +45,12 @@ pub struct Dynamics {
 }
 
 impl Dynamics {
-    /// Largest gap of the energy balance over its largest term at any sample (kinetic, stored, dissipated, brought in); `None`
-    /// where all are zero.
+    /// Largest gap of the energy balance over its largest term at any sample (kinetic, stored, dissipated, brought in);
+    /// `None` where all are zero.
     ///
-    /// Heat and work are integrated by themselves, so this is a check of motion, forces and law together. For a passive structure
-    /// no term is larger than the energy brought in. What is left is rounding: some `1e-16` a sample of the largest term, times the
-    /// ratio of the largest force to that of the motion where a damper is stiff.
+    /// Heat and work are integrated by themselves, so this is a check of motion, forces and law together. For a passive
+    /// structure no term is larger than the energy brought in. What is left is rounding: some `1e-16` a sample of the
+    /// largest term, times the ratio of the largest force to that of the motion where a damper is stiff.
     pub fn energy_closure(&self) -> Option<f64> {
         let terms = |e: &Energy| [e.kinetic_j, e.stored_j, e.dissipated_j, e.input_j].map(f64::abs);
         let largest = self.energy.iter().flat_map(terms).fold(0.0, f64::max);
@@ -58,8 +58,8 @@ impl Dynamics {
         (largest > 0.0).then_some(gap / largest)
     }
 
-    /// Whether the motion grows without end: the kinetic energy at the end is above ten times all that was ever brought in,
-    /// which no passive structure can have more of than once.
+    /// Whether the motion grows without end: the kinetic energy at the end is above ten times all that was ever brought
+    /// in, which no passive structure can have more of than once.
     pub fn diverges(&self) -> bool {
         let brought_in = self.energy.iter().map(|e| e.input_j.abs()).fold(0.0, f64::max);
         self.energy.last().is_some_and(|e| e.kinetic_j > GROWN * brought_in)

@@ -1,3 +1,5 @@
+//! The motion of masses: states, samples, responses, events.
+
 /// One mass at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State {

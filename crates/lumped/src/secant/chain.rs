@@ -11,7 +11,8 @@ const REST: f64 = 1e-17;
 const MAX_STEPS: usize = 200_000;
 /// Share of a step after which a coordinate that starts on a knot must lie inside its piece.
 const INSIDE: f64 = 1.0 / 16.0;
-/// A coordinate is on a knot if it is nearer than this, relative to the motion: rounding of a difference of displacements.
+/// A coordinate is on a knot if it is nearer than this, relative to the motion: rounding of a difference of
+/// displacements.
 const ON_A_KNOT: f64 = 1e-13;
 /// Below this many metres nothing moves.
 const NOTHING_M: f64 = 1e-12;
@@ -75,10 +76,10 @@ fn product(a: &Series, b: &Series, k: usize) -> f64 {
 impl ChainMotion<'_> {
     /// Walks from the start to `end_s`; `visit` returns whether to go on.
     ///
-    /// Between knots every force is a polynomial of degree two in the state, so the Taylor coefficients follow by recurrence.
-    /// A step of order 16 is as long as its rest allows and ends where a compression or a rate meets a knot (Newton's
-    /// method on the series) and at every sample of the drive; so no step contains a kink. Forces are continuous at a knot:
-    /// which side a coordinate enters is asked of the series itself.
+    /// Between knots every force is a polynomial of degree two in the state, so the Taylor coefficients follow by
+    /// recurrence. A step of order 16 is as long as its rest allows and ends where a compression or a rate meets a knot
+    /// (Newton's method on the series) and at every sample of the drive; so no step contains a kink. Forces are
+    /// continuous at a knot: which side a coordinate enters is asked of the series itself.
     pub fn walk(
         &self,
         drive: &Drive,
@@ -129,7 +130,8 @@ impl ChainMotion<'_> {
                 });
                 tries += 1;
                 match wrong {
-                    // Each piece can move the motion onto another; more changes than there are coordinates decide nothing.
+                    // Each piece can move the motion onto another; more changes than there are coordinates decide
+                    // nothing.
                     Some((c, place)) if tries <= 4 * n + 4 => places[c] = place,
                     _ => break (found, reach, near),
                 }
@@ -294,8 +296,8 @@ fn first_exit(
             if now > reach {
                 continue;
             }
-            // Looked for on eight points, so that one out and back within the step is seen. On a knot the motion was found
-            // to go inwards.
+            // Looked for on eight points, so that one out and back within the step is seen. On a knot the motion was
+            // found to go inwards.
             let mut low = if now > near[c % 2] { 0.0 } else { length * INSIDE };
             let mut high = None;
             for part in 1..=8 {

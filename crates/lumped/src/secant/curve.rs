@@ -1,3 +1,5 @@
+//! Coefficients that are linear between at most four knots, for one mass, without allocation.
+
 /// A coefficient that is linear between knots and constant outside: up to four knots, the first at zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Curve {
@@ -89,8 +91,8 @@ pub(crate) struct Piece {
     pub to: f64,
 }
 
-/// `integral from 0 to x of k(s) s ds` for `x >= 0`: the work on a secant spring with this coefficient, in closed form on
-/// every piece. The first knot is zero.
+/// `integral from 0 to x of k(s) s ds` for `x >= 0`: the work on a secant spring with this coefficient, in closed form
+/// on every piece. The first knot is zero.
 pub(crate) fn work(knots: &[f64], values: &[f64], x: f64) -> f64 {
     let mut total = 0.0;
     let mut from = 0.0;

@@ -4,14 +4,15 @@ use crate::LumpedError;
 use crate::error::finite;
 use crate::secant::curve::{piece, work};
 
-/// A coefficient that is linear between knots and constant outside, over the size of a displacement or speed: even, so that a
-/// spring is as stiff in tension as in compression.
+/// A coefficient that is linear between knots and constant outside, over the size of a displacement or speed: even, so
+/// that a spring is as stiff in tension as in compression.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PiecewiseLinear {
     /// As stated; rising, the first zero.
     knots: Vec<f64>,
     values: Vec<f64>,
-    /// Knots from the first on that the curve needs: one that has, with all after it, the value of the one before says nothing.
+    /// Knots from the first on that the curve needs: one that has, with all after it, the value of the one before says
+    /// nothing.
     needed: usize,
 }
 
@@ -21,8 +22,8 @@ impl PiecewiseLinear {
         Self { knots: vec![0.0], values: vec![value], needed: 1 }
     }
 
-    /// `(knot, value)` with knots that rise from zero or more. A first knot above zero holds down to zero. Errors: none at all,
-    /// knots that do not rise, what is not finite.
+    /// `(knot, value)` with knots that rise from zero or more. A first knot above zero holds down to zero. Errors: none
+    /// at all, knots that do not rise, what is not finite.
     pub fn new(points: &[(f64, f64)]) -> Result<Self, LumpedError> {
         let Some(&(first, start)) = points.first() else {
             return Err(LumpedError::Value { name: "number of knots", value: 0.0, expected: "one or more" });
@@ -72,7 +73,8 @@ impl PiecewiseLinear {
         (self.needed == 1).then_some(self.values[0])
     }
 
-    /// Knots and values as stated, the first knot zero: those of the same value too, so that a name always finds its knot.
+    /// Knots and values as stated, the first knot zero: those of the same value too, so that a name always finds its
+    /// knot.
     pub fn points(&self) -> impl Iterator<Item = (f64, f64)> {
         self.knots.iter().copied().zip(self.values.iter().copied())
     }

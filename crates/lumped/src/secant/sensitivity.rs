@@ -14,8 +14,8 @@ struct Change {
     v: f64,
 }
 
-/// Parameters whose changes are expanded side by side: each sum of products is a chain that waits for itself, and the others fill
-/// the time.
+/// Parameters whose changes are expanded side by side: each sum of products is a chain that waits for itself, and the
+/// others fill the time.
 const ABREAST: usize = 8;
 
 /// The changes over a step by a few parameters, as series: coefficients by order, then by parameter.
@@ -27,8 +27,8 @@ struct Series {
 }
 
 impl Series {
-    /// Displacement, velocity and acceleration of the change by one of the parameters, at several times after the step's start, where
-    /// the motion itself has `states`.
+    /// Displacement, velocity and acceleration of the change by one of the parameters, at several times after the
+    /// step's start, where the motion itself has `states`.
     #[inline(always)]
     fn waves<const L: usize>(
         &self,

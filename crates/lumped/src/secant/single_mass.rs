@@ -26,8 +26,8 @@ impl SecantMotion {
     /// Walks from contact to `end_s`, step by step; `visit` returns whether to go on.
     ///
     /// Inside one piece of both coefficients the equation is a polynomial of degree two, so its Taylor coefficients
-    /// follow by recurrence and a step of order 20 is as long as its rest allows. A step ends where `|x|` or `|v|` meets
-    /// a knot or `v` or `x` changes sign, found by Newton's method on the series; so no step contains a kink.
+    /// follow by recurrence and a step of order 20 is as long as its rest allows. A step ends where `|x|` or `|v|`
+    /// meets a knot or `v` or `x` changes sign, found by Newton's method on the series; so no step contains a kink.
     pub fn walk(
         &self,
         impact_speed_m_per_s: f64,
@@ -195,8 +195,8 @@ impl SecantMotion {
         })
     }
 
-    /// Heat of the damper up to `k dt`, J, k = 0 .. `samples`: `c(|v|) v²` integrated term by term on the series of every
-    /// step, to about `1e-14` of the energy.
+    /// Heat of the damper up to `k dt`, J, k = 0 .. `samples`: `c(|v|) v²` integrated term by term on the series of
+    /// every step, to about `1e-14` of the energy.
     pub fn dissipated(&self, impact_speed_m_per_s: f64, dt_s: f64, samples: usize) -> Result<Vec<f64>, LumpedError> {
         let mut heat = vec![0.0; samples];
         let (mut next, mut before) = (0, 0.0);

@@ -8,8 +8,9 @@ use crate::State;
 pub(crate) const ORDER: usize = 20;
 /// Rest of the series after a step, relative to the motion.
 pub(crate) const REST: f64 = 1e-17;
-/// Instants evaluated side by side where few are wanted. Where there are many, as many as keep the processor's vectors busy; the
-/// result is the same to the bit. What is compiled for wide vectors is written in plain loops: closures would not be.
+/// Instants evaluated side by side where few are wanted. Where there are many, as many as keep the processor's vectors
+/// busy; the result is the same to the bit. What is compiled for wide vectors is written in plain loops: closures would
+/// not be.
 pub(crate) const LANES: usize = 8;
 
 /// One step: the Taylor coefficients of the motion about its start, valid for `length`.
@@ -87,7 +88,8 @@ pub(crate) trait Blocks {
     fn block<const L: usize>(&mut self, from: usize);
 }
 
-/// All blocks from `from` on: as many instants at a time as keep the vectors of the processor busy, the last few by themselves.
+/// All blocks from `from` on: as many instants at a time as keep the vectors of the processor busy, the last few by
+/// themselves.
 #[inline(always)]
 pub(crate) fn work_through<S: Simd>(work: &mut impl Blocks, from: usize) {
     match size_of::<S::f64s>() {

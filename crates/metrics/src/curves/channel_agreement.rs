@@ -1,3 +1,5 @@
+//! Redundant channels: how far two are apart, and the range of a metric over several.
+
 use crumple_signal::{Acceleration, Signal, Velocity};
 
 use crate::curves::residuals::residuals;

@@ -1,3 +1,5 @@
+//! The CORA rating: corridor and cross-correlation.
+
 use crumple_signal::Sampled;
 
 use crate::curves::best_shift::{Correlation, best_shift, overlap};
@@ -16,8 +18,8 @@ pub enum CoraInterval {
     /// From the first sample of the reference at or above `start` of max|T| to the last at or above `end` of it, longer
     /// by `extension` of its length on either side, inside the record.
     ///
-    /// The thresholds are those of the manual; how its program applies them, and a further shortening at the end (0.2 of
-    /// the peak), is not known and not done: mark U, under definition ids of its own.
+    /// The thresholds are those of the manual; how its program applies them, and a further shortening at the end (0.2
+    /// of the peak), is not known and not done: mark U, under definition ids of its own.
     Automatic {
         /// Threshold at the start over max|T|: 0.03.
         start: f64,
@@ -127,8 +129,9 @@ pub struct Cora {
 
 /// Rates how well a comparison follows a reference after CORA's published formulas.
 ///
-/// Over the whole of both signals, on one grid, or over the automatic interval ([`CoraInterval`]). Cross-correlation `K(m) = ΣXY/sqrt(ΣX²·ΣY²)` without removing means, over shifts that keep 80 % of the
-/// overlap. Not checked against the reference program. Errors: grids that differ, no samples, a reference of zeros.
+/// Over the whole of both signals, on one grid, or over the automatic interval ([`CoraInterval`]). Cross-correlation
+/// `K(m) = ΣXY/sqrt(ΣX²·ΣY²)` without removing means, over shifts that keep 80 % of the overlap. Not checked against
+/// the reference program. Errors: grids that differ, no samples, a reference of zeros.
 pub fn cora(reference: &Sampled, comparison: &Sampled, options: &CoraOptions) -> Result<Cora, MetricsError> {
     rated_grid(reference, comparison)?;
     let (from, to) = options.interval.of(reference.samples());
@@ -193,8 +196,8 @@ mod tests {
 
     #[test]
     fn the_automatic_interval_leaves_out_the_quiet_ends_and_says_so() {
-        // Half a sine of 100 samples between 50 and 50 quiet ones: 0.03 of the peak is passed at sample 51, 0.075 last at
-        // sample 147; 96 intervals, longer by 0.01 of them, which is no whole sample.
+        // Half a sine of 100 samples between 50 and 50 quiet ones: 0.03 of the peak is passed at sample 51, 0.075 last
+        // at sample 147; 96 intervals, longer by 0.01 of them, which is no whole sample.
         let at = |k: i32| {
             if (50..150).contains(&k) { (f64::from(k - 50) * std::f64::consts::PI / 100.0).sin() } else { 0.0 }
         };

@@ -35,8 +35,8 @@ pub struct Corridor {
 }
 
 impl Corridor {
-    /// Mean ± standard deviations (divisor n - 1) of two or more tests at equal impact speed, aligned at time zero on one
-    /// grid; nowhere narrower than 5 % of the largest |mean| to either side.
+    /// Mean ± standard deviations (divisor n - 1) of two or more tests at equal impact speed, aligned at time zero on
+    /// one grid; nowhere narrower than 5 % of the largest |mean| to either side.
     pub fn of_tests(tests: &[&Sampled], options: CorridorOptions) -> Result<Self, MetricsError> {
         let [first, others @ ..] = tests else { return Err(MetricsError::TooFewTests { tests: 0 }) };
         if others.is_empty() {
@@ -93,7 +93,8 @@ impl Corridor {
         Ok(Self { lower, upper, mean: None, tests: 0 })
     }
 
-    /// How a signal lies in the corridor, over the grid times that both have. Errors: another interval or an offset grid.
+    /// How a signal lies in the corridor, over the grid times that both have. Errors: another interval or an offset
+    /// grid.
     pub fn hold(&self, signal: &Sampled) -> Result<CorridorResult, MetricsError> {
         let dt = signal.dt_s();
         let offset = (signal.t0_s() - self.lower.t0_s()) / dt;

@@ -1,3 +1,5 @@
+//! The corridor score that ISO 18571 and CORA share.
+
 /// Corridor score of ISO 18571 and CORA: per sample 1 inside `inner·max|T|`, 0 outside `outer·max|T|`, between them
 /// `((δo - |T - C|)/(δo - δi))^k`; their mean. The signals are neither shifted nor scaled. `t` is not all zero.
 pub(crate) fn corridor_score(t: &[f64], c: &[f64], inner: f64, outer: f64, power: f64) -> f64 {

@@ -92,8 +92,8 @@ pub fn residuals(measured: &Sampled, computed: &Sampled) -> Result<Residuals, Me
     })
 }
 
-/// Fit of a computed to a measured curve, `100·(1 - ‖m - c‖/‖m - mean m‖)`, %, as in [`residuals`]: 100 for equal curves, 0
-/// for one no better than the mean, negative for worse.
+/// Fit of a computed to a measured curve, `100·(1 - ‖m - c‖/‖m - mean m‖)`, %, as in [`residuals`]: 100 for equal
+/// curves, 0 for one no better than the mean, negative for worse.
 ///
 /// The simulation figure of MATLAB's `compare`. `None` for a constant m, for which it is undefined and not 100; without
 /// samples, for unequal numbers of them, and where one is not finite.

@@ -1,3 +1,5 @@
+//! Stiffness coefficients of CRASH3 from a barrier test.
+
 use crate::Metric;
 use crate::metric::definitions::{CRASH3_A, CRASH3_B, CRASH3_G, CRUSH_ENERGY};
 
@@ -54,8 +56,8 @@ impl CrushStiffness {
     /// Energy of a damage profile of six stations C1..C6 at equal spacing over the width, J, times `1 + tan²α` for a
     /// principal force at α from the normal, at most 45°.
     ///
-    /// `E = (L/5)·{(A/2)(C1 + 2(C2+…+C5) + C6) + (B/6)[C1² + 2(C2²+…+C5²) + C6² + C1C2 + … + C5C6] + 5G}`: exact for crush
-    /// linear between stations. CRASH3.
+    /// `E = (L/5)·{(A/2)(C1 + 2(C2+…+C5) + C6) + (B/6)[C1² + 2(C2²+…+C5²) + C6² + C1C2 + … + C5C6] + 5G}`: exact for
+    /// crush linear between stations. CRASH3.
     pub fn energy(&self, width_m: f64, crush_m: &[f64; 6], force_angle_rad: f64) -> Metric {
         if !force_angle_rad.is_finite() || force_angle_rad.abs() > std::f64::consts::FRAC_PI_4 {
             return Metric::absent(&CRUSH_ENERGY, "the angle of the principal force is above 45 degrees");

@@ -1,3 +1,5 @@
+//! Force over displacement, loading and unloading, and the energy under it.
+
 use crumple_signal::{Acceleration, Displacement, Signal, Velocity};
 
 use crate::metric::grid::same_grid;

@@ -1,3 +1,5 @@
+//! Kinetic and absorbed energy, and the work of the pulse.
+
 use crumple_signal::{Acceleration, Displacement, Signal};
 
 use crate::metric::grid::same_grid;

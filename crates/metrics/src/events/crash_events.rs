@@ -1,3 +1,5 @@
+//! Dynamic crush and rebound: zeros and minimum of the velocity.
+
 use crumple_signal::{Displacement, Signal, Velocity};
 
 use crate::events::unstopped::unstopped;
@@ -48,8 +50,8 @@ pub struct CrashEvents {
 /// Dynamic crush is at the first sample k ≥ 1 at or after `time_zero_s` with `v[k] ≤ 0`: `t_m = t[k-1] +
 /// T·v[k-1]/(v[k-1] - v[k])`, `C = x[k-1] + (t_m - t[k-1])·v[k-1]/2`, which is the trapezoid up to the interpolated
 /// zero. Interpolating linearly errs by at most `T²·max|a'|/(8·|a|)` in t_m. The rebound velocity is the lowest
-/// sample from k on. A record that ends while the velocity is positive has neither; its last sample is not a crush. It has the lowest
-/// velocity up to the [end of the event](unstopped).
+/// sample from k on. A record that ends while the velocity is positive has neither; its last sample is not a crush. It
+/// has the lowest velocity up to the [end of the event](unstopped).
 /// Noise around zero makes many later zeros, which is why only the first counts.
 pub fn crash_events(
     velocity: &Signal<Velocity>,
@@ -98,7 +100,8 @@ impl CrashEvents {
         self.rebound.map(|rebound| -rebound.velocity_m_per_s / impact_speed_m_per_s + 0.0)
     }
 
-    /// Change of velocity, m/s: v0 - v_s, or where the velocity never reaches zero v0 less the lowest up to the end of the event.
+    /// Change of velocity, m/s: v0 - v_s, or where the velocity never reaches zero v0 less the lowest up to the end of
+    /// the event.
     pub fn delta_v_m_per_s(&self, impact_speed_m_per_s: f64) -> Option<f64> {
         self.lowest().map(|(velocity_m_per_s, _)| impact_speed_m_per_s - velocity_m_per_s)
     }

@@ -1,3 +1,5 @@
+//! After separation: residual acceleration, restitution of two bodies.
+
 use crumple_signal::{Signal, Velocity};
 
 use crate::Metric;

@@ -1,4 +1,5 @@
-//! A crash in which the vehicle does not come to rest: small overlap, oblique or glancing impacts, a record that ends early.
+//! A crash in which the vehicle does not come to rest: small overlap, oblique or glancing impacts, a record that ends
+//! early.
 
 use crumple_signal::{Signal, Velocity};
 
@@ -40,13 +41,14 @@ impl EventEnd {
 
 /// The end of the event and the lowest velocity up to it, where the velocity stays positive.
 ///
-/// The rule of event data recorders (49 CFR 563.5), counted from the strongest part so that a pause before it ends nothing: of all
-/// 20 ms after time zero those with the largest loss of velocity, then the first 20 ms that begin later and change the velocity by no more
-/// than 0.8 km/h; their last moment is the end. It lies up to 20 ms after the force has gone. A second impact after such a pause is another
-/// event. Where the record ends first, its last sample is the end, and the lowest velocity an upper bound.
+/// The rule of event data recorders (49 CFR 563.5), counted from the strongest part so that a pause before it ends
+/// nothing: of all 20 ms after time zero those with the largest loss of velocity, then the first 20 ms that begin later
+/// and change the velocity by no more than 0.8 km/h; their last moment is the end. It lies up to 20 ms after the force
+/// has gone. A second impact after such a pause is another event. Where the record ends first, its last sample is the
+/// end, and the lowest velocity an upper bound.
 ///
-/// `None` where no 20 ms take more than 0.8 km/h off, or the velocity at time zero is not positive: nothing happens, or the motion starts
-/// from rest.
+/// `None` where no 20 ms take more than 0.8 km/h off, or the velocity at time zero is not positive: nothing happens, or
+/// the motion starts from rest.
 pub fn unstopped(velocity: &Signal<Velocity>, time_zero_s: f64) -> Option<Unstopped> {
     let v = velocity.samples();
     let from = velocity.index_at_or_after(time_zero_s);
@@ -96,7 +98,8 @@ mod tests {
     fn the_event_ends_with_its_first_quiet_20_ms() {
         let found = unstopped(&velocity(&[(0.0, 10.0)], 300), 0.0).unwrap();
         assert!((found.velocity_m_per_s - 5.0).abs() < 1e-12, "{found:?}");
-        // The last 20 ms with 0.222 m/s begin at t with 10·(1 + cos(πt/60))/2 = 0.222: t = 54.29 ms, the next sample is 55 ms.
+        // The last 20 ms with 0.222 m/s begin at t with 10·(1 + cos(πt/60))/2 = 0.222: t = 54.29 ms, the next sample is
+        // 55 ms.
         assert!((found.end_s - 0.075).abs() < 1e-9 && found.end == EventEnd::Quiet, "{found:?}");
         assert!((found.time_s - 0.06).abs() < 1e-9, "{found:?}");
     }

@@ -65,15 +65,19 @@ catalogue! {
     TIME_OF_CRUSH = "dynamic-crush-time" "time_of_dynamic_crush" "s" Checked
         "t_m, first zero of velocity, linearly interpolated; a part of OLC++, see olc" "definition";
     CENTROID = "centroid-crush" "centroid_time" "s" Checked
-        "t_c = C/v0, equal to the centroid of the pulse over 0..t_m (Huang, Vehicle Crash Mechanics, 2002)" "Huang, Vehicle Crash Mechanics (2002)";
+        "t_c = C/v0, equal to the centroid of the pulse over 0..t_m (Huang, Vehicle Crash Mechanics, 2002)" "Huang, \
+         Vehicle Crash Mechanics (2002)";
     CENTROID_MOMENT = "centroid-moment" "centroid_time_by_moment" "s" Checked
-        "integral of t*a over integral of a up to t_m, by trapezoid; equals C/v0 but for the error of sampling and rule" "Huang, Vehicle Crash Mechanics (2002)";
+        "integral of t*a over integral of a up to t_m, by trapezoid; equals C/v0 but for the error of sampling and \
+         rule" "Huang, Vehicle Crash Mechanics (2002)";
     CENTROID_RATIO = "centroid-ratio" "centroid_time_ratio" "1" Checked
-        "t_c/t_m: 0.5 symmetric, 2/pi an undamped spring, lower front-loaded (Huang, 2002)" "Huang, Vehicle Crash Mechanics (2002)";
+        "t_c/t_m: 0.5 symmetric, 2/pi an undamped spring, lower front-loaded (Huang, 2002)" "Huang, Vehicle Crash \
+         Mechanics (2002)";
     DELTA_V = "delta-v" "delta_v" "m/s" Checked
         "v0 - v_s, impact speed minus the lowest velocity after t_m" "definition";
     MAXIMUM_DELTA_V = "edr-maximum-delta-v" "maximum_delta_v" "m/s" FromMemory
-        "sample of largest magnitude of the recorded change of velocity, from time zero to 300 ms, with its sign" "49 CFR 563.5";
+        "sample of largest magnitude of the recorded change of velocity, from time zero to 300 ms, with its sign" "49 \
+         CFR 563.5";
     TIME_OF_MAXIMUM_DELTA_V = "edr-maximum-delta-v-time" "time_of_maximum_delta_v" "s" FromMemory
         "time of the sample of maximum_delta_v, the first of equals" "49 CFR 563.5";
     RESTITUTION = "restitution-barrier" "coefficient_of_restitution" "1" Checked
@@ -83,17 +87,22 @@ catalogue! {
     REBOUND_DISPLACEMENT = "rebound-displacement" "rebound_displacement" "m" Checked
         "d_e = C - x(t_s), displacement recovered until the lowest velocity" "definition";
     ESW = "square-wave-displacement" "equivalent_square_wave" "m/s^2" Checked
-        "ESW = v0^2/(2C), constant deceleration with the same crush (Huang, 2002)" "Huang, Vehicle Crash Mechanics (2002)";
+        "ESW = v0^2/(2C), constant deceleration with the same crush (Huang, 2002)" "Huang, Vehicle Crash Mechanics \
+         (2002)";
     ASW = "square-wave-time" "average_square_wave" "m/s^2" Checked
-        "ASW = v0/t_m, constant deceleration that stops in the same time (Huang, 2002)" "Huang, Vehicle Crash Mechanics (2002)";
+        "ASW = v0/t_m, constant deceleration that stops in the same time (Huang, 2002)" "Huang, Vehicle Crash \
+         Mechanics (2002)";
     X_MEAN = "x-mean" "mean_deceleration" "m/s^2" Checked
         "x-mean over 0..t_m, (v(0) - v(t_m))/t_m from the integrated velocity" "definition";
     SM25 = "sliding-mean-25ms" "sm25" "m/s^2" Checked
-        "largest |V(t + 25 ms) - V(t)|/25 ms from time zero on, V = integral of a, t on the grid; a part of OLC++, see olc" "Euro NCAP pulse assessment";
+        "largest |V(t + 25 ms) - V(t)|/25 ms from time zero on, V = integral of a, t on the grid; a part of OLC++, see \
+         olc" "Euro NCAP pulse assessment";
     SLIDING_MEAN = "sliding-mean" "sliding_mean" "m/s^2" Checked
         "largest |V(t + w) - V(t)|/w over the stated window length w, V = integral of a, t on the grid" "definition";
     OLC = "olc-tb027" "olc" "m/s^2" Checked
-        "occupant load criterion: constant deceleration over 235 mm of restraint after 65 mm of free flight, ending at the vehicle's speed; OLC++ combines olc, sm25 and time_of_dynamic_crush by weights that are not known: the three are given, no composite" "Euro NCAP TB 027";
+        "occupant load criterion: constant deceleration over 235 mm of restraint after 65 mm of free flight, ending at \
+         the vehicle's speed; OLC++ combines olc, sm25 and time_of_dynamic_crush by weights that are not known: the \
+         three are given, no composite" "Euro NCAP TB 027";
     VPI = "vpi-iso12353-3" "vpi" "m/s^2" Checked
         "vehicle pulse index: largest belt force of 1 kg on 2500 N/m after 30 mm of slack" "ISO/TR 12353-3";
     SEPARATION = "separation-drift" "acceleration_after_separation" "m/s^2" Checked
@@ -109,7 +118,8 @@ catalogue! {
     LOSS_RATIO = "energy-loss-ratio" "energy_loss_ratio" "1" Checked
         "1 - e^2, absorbed over impact energy" "definition";
     CLOSURE = "energy-closure" "energy_closure" "1" Checked
-        "work of the barrier force up to C over the impact energy, minus 1; 0 but for rounding with the trapezoid" "energy balance";
+        "work of the barrier force up to C over the impact energy, minus 1; 0 but for rounding with the \
+         trapezoid" "energy balance";
     EES = "ees" "energy_equivalent_speed" "m/s" Checked
         "sqrt(2*E_abs/m), speed whose kinetic energy is the absorbed energy" "definition";
     CRASH3_A = "crash3-a" "crush_stiffness_a" "N/m" Checked
@@ -119,33 +129,42 @@ catalogue! {
     CRASH3_G = "crash3-g" "crush_stiffness_g" "N" Checked
         "G = A^2/(2B), energy a width absorbed without crush" "Campbell (1974); CRASH3";
     CRUSH_ENERGY = "crash3-energy" "crush_energy" "J" Checked
-        "crush energy of a damage profile from six stations of equal spacing, times 1 + tan^2 of the angle of force" "Campbell; CRASH3";
+        "crush energy of a damage profile from six stations of equal spacing, times 1 + tan^2 of the angle of \
+         force" "Campbell; CRASH3";
     RIDE_DOWN = "ridedown-efficiency" "ride_down_efficiency" "1" Checked
-        "2/v0^2 times the work of the occupant's deceleration over the vehicle's travel" "Huang, Vehicle Crash Mechanics (2002)";
+        "2/v0^2 times the work of the occupant's deceleration over the vehicle's travel" "Huang, Vehicle Crash \
+         Mechanics (2002)";
     RESTRAINT = "ridedown-restraint" "restraint_energy_ratio" "1" Checked
-        "2/v0^2 times the work of the occupant's deceleration over its travel in the vehicle" "Huang, Vehicle Crash Mechanics (2002)";
+        "2/v0^2 times the work of the occupant's deceleration over its travel in the vehicle" "Huang, Vehicle Crash \
+         Mechanics (2002)";
     OCCUPANT_TRAVEL = "ridedown-travel" "occupant_travel" "m" Checked
         "largest travel of the occupant in the vehicle" "definition";
     ASI_1998 = "asi-en1317-1998" "asi" "1" Checked
         "acceleration severity index from forward 50 ms means, limits 12, 9, 10 g" "EN 1317-1:1998";
     ASI_2010 = "asi-en1317-2010" "asi" "1" Uncertain
-        "acceleration severity index from a phaseless four-pole Butterworth low-pass, 13 Hz design frequency of each pass, limits 12, 9, 10 g" "EN 1317-1:2010";
+        "acceleration severity index from a phaseless four-pole Butterworth low-pass, 13 Hz design frequency of each \
+         pass, limits 12, 9, 10 g" "EN 1317-1:2010";
     ASI_2010_TWO_PASS = "asi-en1317-2010-two-pass" "asi" "1" Uncertain
-        "acceleration severity index from a phaseless four-pole Butterworth low-pass, -3 dB at 13 Hz after both passes, limits 12, 9, 10 g" "EN 1317-1:2010";
+        "acceleration severity index from a phaseless four-pole Butterworth low-pass, -3 dB at 13 Hz after both \
+         passes, limits 12, 9, 10 g" "EN 1317-1:2010";
     THIV = "thiv-en1317" "thiv" "m/s" FromMemory
-        "theoretical head impact velocity: speed of a free head against the cabin at 0.6 m ahead or 0.3 m aside" "EN 1317-1";
+        "theoretical head impact velocity: speed of a free head against the cabin at 0.6 m ahead or 0.3 m aside" "EN \
+         1317-1";
     PHD = "phd-en1317" "phd" "m/s^2" FromMemory
         "post-impact head deceleration: largest resultant of 10 ms means after the flight of the head" "EN 1317-1";
     OIV_X = "oiv-x-mash" "oiv_x" "m/s" FromMemory
-        "occupant impact velocity along x: cabin against a free occupant after 0.6 m ahead or 0.3 m aside, no yaw" "MASH flail space";
+        "occupant impact velocity along x: cabin against a free occupant after 0.6 m ahead or 0.3 m aside, no \
+         yaw" "MASH flail space";
     OIV_Y = "oiv-y-mash" "oiv_y" "m/s" FromMemory
         "occupant impact velocity along y, as along x" "MASH flail space";
     ORA_X = "ora-x-mash" "ora_x" "m/s^2" FromMemory
-        "occupant ridedown acceleration along x: 10 ms mean of largest magnitude after the impact of the occupant" "MASH flail space";
+        "occupant ridedown acceleration along x: 10 ms mean of largest magnitude after the impact of the \
+         occupant" "MASH flail space";
     ORA_Y = "ora-y-mash" "ora_y" "m/s^2" FromMemory
         "occupant ridedown acceleration along y, as along x" "MASH flail space";
     HIC15 = "hic15-fmvss208" "hic15" "1" Checked
-        "head injury criterion, windows up to 15 ms inclusive: largest (t2 - t1)*(mean a in g)^2.5 over all sample pairs" "FMVSS 208; Chou & Nyquist (1974)";
+        "head injury criterion, windows up to 15 ms inclusive: largest (t2 - t1)*(mean a in g)^2.5 over all sample \
+         pairs" "FMVSS 208; Chou & Nyquist (1974)";
     HIC36 = "hic36-fmvss208" "hic36" "1" Checked
         "head injury criterion, windows up to 36 ms inclusive" "FMVSS 208; UN R94";
     HIC = "hic-window" "hic" "1" Checked
@@ -175,7 +194,8 @@ catalogue! {
     CORA = "cora" "cora" "1" FromMemory
         "0.5 corridor + 0.5 cross-correlation over the stated interval" "CORA";
     CORA_CORRIDOR_AUTOMATIC = "cora-corridor-automatic" "cora_corridor" "1" Uncertain
-        "corridor score over the automatic interval: from 3 % of the largest |T| to the last 7.5 %, 1 % longer on either side" "CORA";
+        "corridor score over the automatic interval: from 3 % of the largest |T| to the last 7.5 %, 1 % longer on \
+         either side" "CORA";
     CORA_CROSS_AUTOMATIC = "cora-cross-automatic" "cora_cross_correlation" "1" Uncertain
         "cross-correlation score over the automatic interval" "CORA";
     CORA_AUTOMATIC = "cora-automatic" "cora" "1" Uncertain
@@ -219,9 +239,11 @@ catalogue! {
     BARRIER_DELTA_V = "barrier-delta-v" "barrier_delta_v" "m/s" Checked
         "barrier_impulse over the mass" "definition";
     BARRIER_DELTA_V_AS_READ = "barrier-delta-v-as-read" "barrier_delta_v_as_read" "m/s" Checked
-        "impulse over the mass of all load cells with data, those not marked valid among them, with the zero levels that were removed before filtering put back" "definition";
+        "impulse over the mass of all load cells with data, those not marked valid among them, with the zero levels \
+         that were removed before filtering put back" "definition";
     MOMENTUM_RATIO = "momentum-ratio" "momentum_ratio" "1" Checked
-        "impulse of the barrier up to separation over the mass and the change of velocity of the pulse; 1 if both are right" "definition";
+        "impulse of the barrier up to separation over the mass and the change of velocity of the pulse; 1 if both are \
+         right" "definition";
     TIME_ZERO_THRESHOLD = "time-zero-threshold" "time_zero" "s" Checked
         "first crossing of the threshold that holds, interpolated" "threshold rule";
     TIME_ZERO_EDR = "time-zero-edr" "time_zero" "s" FromMemory

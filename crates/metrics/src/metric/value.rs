@@ -1,3 +1,5 @@
+//! A metric: a number with unit, definition, window and interval.
+
 use std::fmt;
 
 use crumple_estimation::statistics::quantile;

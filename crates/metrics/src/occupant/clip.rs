@@ -1,3 +1,5 @@
+//! The 3 ms clip, contiguous and cumulative.
+
 use crumple_signal::{Acceleration, Signal};
 
 use crate::metric::definitions::{CLIP_CONTIGUOUS, CLIP_CUMULATIVE};
@@ -29,7 +31,8 @@ pub fn clip_contiguous(resultant: &Signal<Acceleration>, duration_s: f64) -> Met
 
 /// Highest level that is exceeded for `duration_s` in total, m/s² (FMVSS 208, UN R94, Euro NCAP: "cumulative").
 ///
-/// As [`clip_contiguous`], but all stays above the level count together; never below it. The window is the whole record.
+/// As [`clip_contiguous`], but all stays above the level count together; never below it. The window is the whole
+/// record.
 pub fn clip_cumulative(resultant: &Signal<Acceleration>, duration_s: f64) -> Metric {
     match level(resultant, duration_s, total_time) {
         Ok(level) => Metric::found(&CLIP_CUMULATIVE, level).over(resultant.t0_s(), resultant.end_s()),

@@ -1,3 +1,5 @@
+//! The resultant of up to three axes.
+
 use crumple_signal::{Acceleration, Signal};
 
 use crate::MetricsError;
@@ -5,9 +7,9 @@ use crate::metric::grid::same_grid;
 
 /// Resultant of components at one place, sample by sample: `sqrt(x² + y² + z²)`.
 ///
-/// Formed after filtering (SAE J211-1: filtering comes before every non-linear operation). Of fewer than three axes it is
-/// nowhere above the resultant of all three, and neither is what grows with it (HIC, 3 ms clip). Errors: no component,
-/// components on different grids.
+/// Formed after filtering (SAE J211-1: filtering comes before every non-linear operation). Of fewer than three axes it
+/// is nowhere above the resultant of all three, and neither is what grows with it (HIC, 3 ms clip). Errors: no
+/// component, components on different grids.
 pub fn resultant(components: &[&Signal<Acceleration>]) -> Result<Signal<Acceleration>, MetricsError> {
     let Some((first, others)) = components.split_first() else { return Err(MetricsError::Empty) };
     for other in others {

@@ -1,3 +1,5 @@
+//! Ride-down: the share of an occupant's energy that the vehicle's crush takes.
+
 use crumple_signal::{Acceleration, Signal};
 
 use crate::metric::definitions::{OCCUPANT_TRAVEL, RESTRAINT, RIDE_DOWN};
@@ -28,9 +30,9 @@ impl RideDown {
 /// Ride-down of an occupant with deceleration `occupant` in a vehicle with `vehicle`, both from time zero at
 /// `impact_speed_m_per_s`, over the whole of both signals.
 ///
-/// `μ = (2/v0²)·∫(-a_o)·v dt`, restraint `(2/v0²)·∫(-a_o)(v_o - v) dt`, products and velocities by the trapezoid in time.
-/// Error O(T²). Both and the energy left sum to 1 up to `T²/4·(a_o(end)² - a_o(0)²)/v0²`: the rest telescopes. Errors: grids that differ, a speed
-/// that is not positive.
+/// `μ = (2/v0²)·∫(-a_o)·v dt`, restraint `(2/v0²)·∫(-a_o)(v_o - v) dt`, products and velocities by the trapezoid in
+/// time. Error O(T²). Both and the energy left sum to 1 up to `T²/4·(a_o(end)² - a_o(0)²)/v0²`: the rest telescopes.
+/// Errors: grids that differ, a speed that is not positive.
 pub fn ride_down(
     vehicle: &Signal<Acceleration>,
     occupant: &Signal<Acceleration>,

@@ -1,3 +1,5 @@
+//! The centroid time of the loading pulse.
+
 use crumple_signal::{Acceleration, Signal};
 
 /// Centroid time t_c = C/v0 of the loading pulse, s.
@@ -10,9 +12,9 @@ pub fn centroid_time_from_crush(dynamic_crush_m: f64, impact_speed_m_per_s: f64)
 
 /// Centroid time as the first moment of the pulse, `∫ t·a dt / ∫ a dt` from the first sample to `until_s`, s.
 ///
-/// Times count from `time_zero_s`, `until_s` too. Trapezoid with a interpolated at `until_s`, error O(T²). With a t_m from the
-/// same acceleration it equals [`centroid_time_from_crush`] by parts whatever the impact speed is: a gap above 0.1 %
-/// says that the sampling or the rule is too crude for the pulse, or that C and t_m are from elsewhere.
+/// Times count from `time_zero_s`, `until_s` too. Trapezoid with a interpolated at `until_s`, error O(T²). With a t_m
+/// from the same acceleration it equals [`centroid_time_from_crush`] by parts whatever the impact speed is: a gap above
+/// 0.1 % says that the sampling or the rule is too crude for the pulse, or that C and t_m are from elsewhere.
 /// `None` if the pulse has no area or `until_s` lies outside the record.
 pub fn centroid_time_by_moment(acceleration: &Signal<Acceleration>, time_zero_s: f64, until_s: f64) -> Option<f64> {
     let a_end = acceleration.at(time_zero_s + until_s)?;

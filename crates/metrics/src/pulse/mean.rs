@@ -1,3 +1,5 @@
+//! Mean deceleration between two instants.
+
 use crumple_signal::{Signal, Velocity};
 
 /// Mean deceleration over `from_s ..= to_s`, m/s², positive when braking: `(v(from) - v(to))/(to - from)` ("x-mean").

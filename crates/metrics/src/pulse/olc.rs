@@ -1,3 +1,5 @@
+//! The occupant load criterion.
+
 use crumple_signal::{Displacement, Signal, Velocity};
 
 use crate::metric::definitions::OLC;

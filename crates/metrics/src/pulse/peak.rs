@@ -1,3 +1,5 @@
+//! The peak of an acceleration.
+
 use crumple_signal::{Acceleration, Signal};
 
 /// The sample of largest magnitude.

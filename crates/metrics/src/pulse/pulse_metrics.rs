@@ -1,3 +1,5 @@
+//! All metrics of a crash pulse, in the order in which they are written.
+
 use crumple_signal::{Acceleration, Displacement, Signal, Velocity};
 
 use crate::metric::definitions::{

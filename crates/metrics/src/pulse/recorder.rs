@@ -10,10 +10,11 @@ const LAST_S: f64 = 0.3;
 
 /// Maximum delta-V and the time to it, of a cumulative change of velocity along one axis (49 CFR 563.5).
 ///
-/// The sample of largest magnitude from `time_zero_s` to 300 ms after it, less the value at time zero where the table begins before it (one
-/// that begins at time zero or later counts from there, whatever its first row), and its time; the first of equals. The value keeps its sign: a frontal impact is negative. It is right to half of the step
-/// in which the recorder prints, the time to half a sampling interval. The trapezoid of an acceleration derived from the table would lose what the
-/// smoothing takes off the peak. Absent without a sample at or after time zero.
+/// The sample of largest magnitude from `time_zero_s` to 300 ms after it, less the value at time zero where the table
+/// begins before it (one that begins at time zero or later counts from there, whatever its first row), and its time;
+/// the first of equals. The value keeps its sign: a frontal impact is negative. It is right to half of the step in
+/// which the recorder prints, the time to half a sampling interval. The trapezoid of an acceleration derived from the
+/// table would lose what the smoothing takes off the peak. Absent without a sample at or after time zero.
 pub fn maximum_delta_v(change: &Sampled, time_zero_s: f64) -> [Metric; 2] {
     let v = change.samples();
     // 1e-6 of a sample: the slack of decimal time stamps.

@@ -1,3 +1,5 @@
+//! The vehicle pulse index: an occupant on a belt with slack, moved by the pulse.
+
 use crumple_signal::{Acceleration, Signal};
 
 use crate::Metric;

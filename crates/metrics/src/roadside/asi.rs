@@ -1,3 +1,5 @@
+//! The acceleration severity index of EN 1317, versions of 1998 and 2010.
+
 use std::f64::consts::SQRT_2;
 
 use crumple_signal::{Acceleration, STANDARD_GRAVITY_M_PER_S2, Signal};

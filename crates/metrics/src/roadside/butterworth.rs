@@ -1,3 +1,5 @@
+//! The four-pole phaseless low-pass that EN 1317 asks for.
+
 use std::f64::consts::{PI, SQRT_2};
 
 /// Shortest extension of the ends, samples.
@@ -59,13 +61,13 @@ mod tests {
     #[test]
     fn passes_a_constant_and_halves_its_frequency() {
         let flat = two_pass(&[3.0; 50], 1e-3, 13.0).unwrap();
-        // Gain 1 at rest. The feedback multiplies rounding by 1/(4 a0) = 160 at most: two passes of five products of 3, each
-        // half of 4e-16.
+        // Gain 1 at rest. The feedback multiplies rounding by 1/(4 a0) = 160 at most: two passes of five products of 3,
+        // each half of 4e-16.
         assert!(flat.iter().all(|y| (y - 3.0).abs() < 1e-12));
         let sine: Vec<f64> = (0..20_000).map(|k| (2.0 * PI * 13.0 * f64::from(k) * 1e-3).sin()).collect();
         let out = two_pass(&sine, 1e-3, 13.0).unwrap();
-        // Phaseless, gain 1/2; what starts at the ends has died out, 520 time constants away. Left is the rounding of the
-        // argument, some 1e-13 at 900 rad, and of two passes, 160 times 1e-15.
+        // Phaseless, gain 1/2; what starts at the ends has died out, 520 time constants away. Left is the rounding of
+        // the argument, some 1e-13 at 900 rad, and of two passes, 160 times 1e-15.
         assert!((9_000..11_000).all(|k| (out[k] - 0.5 * sine[k]).abs() < 1e-12));
         assert!(two_pass(&[1.0; 3], 1e-3, 13.0).is_none() && two_pass(&[1.0; 30], 0.1, 13.0).is_none());
     }

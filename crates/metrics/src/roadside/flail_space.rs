@@ -31,11 +31,12 @@ impl Default for FlailSpace {
 /// Theoretical head impact velocity (m/s, window: the flight) and post-impact head deceleration (m/s², window: its
 /// 10 ms), times on the signals' own axis.
 ///
-/// ψ = ∫ψ̇; the accelerations are turned into the ground frame and integrated by the trapezoid; the head flies on at the
-/// vehicle's first velocity, which therefore cancels and is not asked for. It hits at the first of `xb = x0 + 0.6 m`, `yb = ±0.3 m` in the cabin's axes, the
-/// moment interpolated linearly. `THIV = sqrt(Vx² + Vy²)` of the head against the cabin there, yaw included. PHD is the
-/// largest resultant of the 10 ms means of both accelerations over windows that start after the impact. Constant
-/// deceleration a without yaw: THIV = `sqrt(1.2·a)`. Absent where the head hits nothing. EN 1317-1.
+/// ψ = ∫ψ̇; the accelerations are turned into the ground frame and integrated by the trapezoid; the head flies on at
+/// the vehicle's first velocity, which therefore cancels and is not asked for. It hits at the first of
+/// `xb = x0 + 0.6 m`, `yb = ±0.3 m` in the cabin's axes, the moment interpolated linearly. `THIV = sqrt(Vx² + Vy²)` of
+/// the head against the cabin there, yaw included. PHD is the largest resultant of the 10 ms means of both
+/// accelerations over windows that start after the impact. Constant deceleration a without yaw: THIV = `sqrt(1.2·a)`.
+/// Absent where the head hits nothing. EN 1317-1.
 pub fn thiv_phd(
     ax: &Signal<Acceleration>,
     ay: &Signal<Acceleration>,

@@ -1,3 +1,5 @@
+//! Cumulative trapezoid and reading it between samples.
+
 /// Cumulative trapezoid from 0: `V[0] = 0`, `V[k] = V[k-1] + T·(a[k-1] + a[k])/2`.
 pub(crate) fn cumulative(a: &[f64], dt_s: f64) -> Vec<f64> {
     let mut sum = 0.0;

@@ -1,3 +1,5 @@
+//! Largest mean over a window.
+
 use crumple_signal::{Acceleration, Signal, Velocity};
 
 use crate::metric::definitions::{SLIDING_MEAN, SM25};

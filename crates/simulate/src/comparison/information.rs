@@ -6,7 +6,8 @@ use crumple_lumped::{ModelKind, Parameter, ParameterKind};
 /// The criterion of one candidate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Information {
-    /// `Ne ln V + 2p + 2p(p+1)/(Ne - p - 1)`, `V` the mean square error in m²; `None` for `Ne <= p + 1` or no error at all.
+    /// `Ne ln V + 2p + 2p(p+1)/(Ne - p - 1)`, `V` the mean square error in m²; `None` for `Ne <= p + 1` or no error at
+    /// all.
     pub aicc: Option<f64>,
     /// Independent samples.
     pub effective_samples: f64,
@@ -14,8 +15,8 @@ pub struct Information {
     pub parameters: u32,
 }
 
-/// The criterion for a mean square error, at the number of independent samples that all candidates share: with a number each,
-/// the criterion would reward the smoother error. Hurvich & Tsai, Biometrika 76(2), 1989.
+/// The criterion for a mean square error, at the number of independent samples that all candidates share: with a number
+/// each, the criterion would reward the smoother error. Hurvich & Tsai, Biometrika 76(2), 1989.
 pub fn information(mean_square_m2: f64, effective_samples: f64, parameters: u32) -> Information {
     let criteria = InformationCriteria::new(mean_square_m2, effective_samples, parameters as usize);
     let aicc = (mean_square_m2 > 0.0).then_some(criteria.aicc).filter(|value| value.is_finite());

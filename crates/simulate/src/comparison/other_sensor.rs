@@ -30,16 +30,17 @@ pub struct SensorFit {
     pub fit_percent: Option<f64>,
 }
 
-/// Whether a sensor sits on the engine: as its location says, and without a location, as in a plain table, its name. The rule by
-/// which integration tells what moves apart from the compartment.
+/// Whether a sensor sits on the engine: as its location says, and without a location, as in a plain table, its name.
+/// The rule by which integration tells what moves apart from the compartment.
 pub fn is_on_engine(channel: &Channel) -> bool {
     let said = if channel.location.trim().is_empty() { &channel.id } else { &channel.location };
     said.to_lowercase().contains("engine")
 }
 
-/// Compares the displacement of the sensor with that of its mass over the window of the simulation: the engine's with the mass
-/// next to the barrier, any other with the compartment. `None` where the record does not cover the window, and for a model of one
-/// mass beside the engine's sensor: that mass is the compartment, and nothing of such a model moves as an engine does.
+/// Compares the displacement of the sensor with that of its mass over the window of the simulation: the engine's with
+/// the mass next to the barrier, any other with the compartment. `None` where the record does not cover the window, and
+/// for a model of one mass beside the engine's sensor: that mass is the compartment, and nothing of such a model moves
+/// as an engine does.
 ///
 /// For two dual double models this is the only figure that differs.
 pub fn beside(simulation: &Simulation, sensor: &OtherSensor, time_zero_s: f64, dt_s: f64) -> Option<SensorFit> {

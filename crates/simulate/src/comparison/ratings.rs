@@ -22,14 +22,16 @@ const RATED_SAMPLES: usize = 20_000;
 
 /// CORA, Sprague-Geers and Theil's U1 of a modelled curve against the measured one, both on one grid.
 ///
-/// Empty for curves that cannot be rated at all: no samples, a measured curve of zeros, samples beyond the range of numbers.
+/// Empty for curves that cannot be rated at all: no samples, a measured curve of zeros, samples beyond the range of
+/// numbers.
 pub fn ratings(quantity: &'static str, measured: &Sampled, modelled: &Sampled) -> Vec<Rating> {
     let options = CoraOptions::default();
     let (Ok(cora), Ok(residuals)) = (cora(measured, modelled, &options), residuals(measured, modelled)) else {
         return Vec::new();
     };
     let choices = format!(
-        "interval: the compared window, not the manual's automatic rule (mark U); constants (mark M): a0 {}, b0 {}, k {}; D_min {}, D_max {}, INT_min {}; powers {}, {}, {}; weights {}, {}, {} and {}, {}; \
+        "interval: the compared window, not the manual's automatic rule (mark U); constants (mark M): a0 {}, b0 {}, k \
+         {}; D_min {}, D_max {}, INT_min {}; powers {}, {}, {}; weights {}, {}, {} and {}, {}; \
          not checked against CORA's program",
         options.a_0,
         options.b_0,
@@ -104,8 +106,8 @@ mod tests {
     #[test]
     fn a_model_of_four_fifths_the_height_is_rated_as_its_scale_says() {
         let found = ratings("acceleration", &half_sine(1e-4, 100.0), &half_sine(1e-4, 80.0));
-        // Equal shape: M = 0.8 - 1, U1 = 0.2/1.8, CORA's size 0.64, progression and phase 1. Rounding of sums over 801 samples;
-        // P keeps half the digits.
+        // Equal shape: M = 0.8 - 1, U1 = 0.2/1.8, CORA's size 0.64, progression and phase 1. Rounding of sums over 801
+        // samples; P keeps half the digits.
         assert!((value(&found, "sprague-geers-m") + 0.2).abs() < 1e-13 && value(&found, "sprague-geers-p") < 1e-7);
         assert!((value(&found, "sprague-geers-c") - 0.2).abs() < 1e-13);
         assert!((value(&found, "theil-u1") - 0.2 / 1.8).abs() < 1e-13);

@@ -1,3 +1,5 @@
+//! What moves the models: the impact, or a record of the test.
+
 use crumple_lumped::Drive;
 use crumple_signal::Sampled;
 
@@ -18,9 +20,9 @@ pub enum Excitation<'a> {
         /// Its acceleration, m/s², positive in the direction of crush.
         record: &'a Sampled,
     },
-    /// The impact speed and, as a force on the mass next to the barrier, the whole mass times the measured acceleration:
-    /// the forced simulation of the transfer-function paper. Circular: the answer goes in as the question, and a model
-    /// that is one rigid mass integrates it to the measured motion.
+    /// The impact speed and, as a force on the mass next to the barrier, the whole mass times the measured
+    /// acceleration: the forced simulation of the transfer-function paper. Circular: the answer goes in as the
+    /// question, and a model that is one rigid mass integrates it to the measured motion.
     PulseAsForce {
         /// The measured acceleration, m/s².
         record: &'a Sampled,
@@ -28,8 +30,8 @@ pub enum Excitation<'a> {
 }
 
 impl Excitation<'_> {
-    /// The drive of a model of `mass_kg` in all at `k dt` after time zero, k = 0 .. `samples`; records are interpolated linearly,
-    /// zero outside.
+    /// The drive of a model of `mass_kg` in all at `k dt` after time zero, k = 0 .. `samples`; records are interpolated
+    /// linearly, zero outside.
     pub(crate) fn drive(
         &self,
         mass_kg: f64,

@@ -19,8 +19,8 @@ const READERS: NumberReaders<f64, f64> = NumberReaders {
     mass: |place, value, si| si(place, value),
     coefficient: |place, value, si| si(place, value),
     no_damping: 0.0,
-    example: "masses = [{ name = \"engine\", mass = \"200 kg\", stiffness = \"900 kN/m\", damping = \"8 kN*s/m\" }, ...], \
-              from the barrier on",
+    example: "masses = [{ name = \"engine\", mass = \"200 kg\", stiffness = \"900 kN/m\", damping = \"8 kN*s/m\" }, \
+        ...], from the barrier on",
     knots_example: "stiffness = [[\"0 mm\", \"350 kN/m\"], [\"200 mm\", \"150 kN/m\"]]",
 };
 
@@ -70,7 +70,8 @@ impl Law {
         }
     }
 
-    /// Named as parameters of a candidate: `k2_n_per_m`, or `k2_knot1_m` and `k2_knot1_n_per_m`. A knot at zero is no parameter.
+    /// Named as parameters of a candidate: `k2_n_per_m`, or `k2_knot1_m` and `k2_knot1_n_per_m`. A knot at zero is no
+    /// parameter.
     fn parameters(&self, symbol: &str, place: ParameterKind, value: ParameterKind, out: &mut BTreeMap<String, f64>) {
         let (place, unit) = (place.unit_in_name(), value.unit_in_name());
         match self {
@@ -146,8 +147,8 @@ impl ChainSettings {
         }
     }
 
-    /// The mass an engine's sensor sits on, from 1: the one named after it, or the one next to the barrier. `None` for a single mass
-    /// of another name: that is the compartment.
+    /// The mass an engine's sensor sits on, from 1: the one named after it, or the one next to the barrier. `None` for
+    /// a single mass of another name: that is the compartment.
     pub fn engine(&self) -> Option<usize> {
         match self.masses.iter().position(|mass| mass.name.to_lowercase().contains("engine")) {
             Some(index) => Some(index + 1),

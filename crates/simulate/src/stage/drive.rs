@@ -65,12 +65,12 @@ impl Driven {
         })
     }
 
-    /// How far the comparison with the test holds where it is not the impact that moves the models. Of a pulse given back as a force
-    /// [`Driven::words`] say all.
+    /// How far the comparison with the test holds where it is not the impact that moves the models. Of a pulse given
+    /// back as a force [`Driven::words`] say all.
     pub fn caution(&self) -> Option<&'static str> {
         matches!(self.drive, "force" | "base").then_some(
-            "fits and errors still compare with the test as recorded: they judge and rank no model unless the test was moved so too, \
-             and under a displacement fit of 50 % no model is called the best",
+            "fits and errors still compare with the test as recorded: they judge and rank no model unless the test was \
+             moved so too, and under a displacement fit of 50 % no model is called the best",
         )
     }
 
@@ -81,8 +81,9 @@ impl Driven {
             "force" => Some(format!("the force {wave} on mass {}, from rest", self.drive_mass)),
             "base" => Some(format!("the acceleration {wave} of the barrier, from rest; displacements are absolute")),
             "pulse-as-force" => Some(
-                "the impact speed and the mass times the measured acceleration as a force on the front mass: circular, since \
-                 the measured motion goes in and a model that is nearly one rigid mass gives it back; agreement is no evidence"
+                "the impact speed and the mass times the measured acceleration as a force on the front mass: circular, \
+                 since the measured motion goes in and a model that is nearly one rigid mass gives it back; agreement \
+                 is no evidence"
                     .to_owned(),
             ),
             _ => None,
@@ -90,8 +91,8 @@ impl Driven {
     }
 }
 
-/// The refusal of a waveform that no input holds. Filtering drops what is neither an acceleration nor a load cell of the barrier,
-/// unless it is told to hand it on.
+/// The refusal of a waveform that no input holds. Filtering drops what is neither an acceleration nor a load cell of
+/// the barrier, unless it is told to hand it on.
 fn not_there(input: &Inputs, id: &str, wanted: QuantityKind) -> anyhow::Error {
     let mut here: Vec<&str> = input.waves().filter(|(_, wave)| wave.quantity == wanted).map(|(id, _)| id).collect();
     let all = here.len();

@@ -6,9 +6,9 @@ use crumple_stage::records::CandidateV1;
 
 /// Numbers that the fit was free to choose, or the person who stated a chain.
 ///
-/// Of a model by name: its springs, dampers and knots. Of a fitted chain: what its record says was free (an interval, a place in the
-/// correlation, or a bound it stopped on), without a mass that is the rest of the total. Of a stated chain, and of a fitted one that
-/// says nothing of it: all springs, dampers and knots.
+/// Of a model by name: its springs, dampers and knots. Of a fitted chain: what its record says was free (an interval, a
+/// place in the correlation, or a bound it stopped on), without a mass that is the rest of the total. Of a stated
+/// chain, and of a fitted one that says nothing of it: all springs, dampers and knots.
 pub fn fitted_parameters(candidate: &CandidateV1) -> u32 {
     if let Ok(kind) = candidate.model.parse::<ModelKind>() {
         return parameters_of(kind);

@@ -10,7 +10,8 @@ use crate::stage::drive::Driven;
 #[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// End of the compared window after time zero [default: dynamic crush of the test, or the end of a record without one]
+    /// End of the compared window after time zero [default: dynamic crush of the test, or the end of a record without
+    /// one]
     #[arg(long, value_name = "TIME")]
     pub to: Option<Time>,
 
@@ -20,9 +21,9 @@ pub struct Options {
     pub stay_attached: Option<bool>,
 
     /// What moves the models: impact (the impact speed), force (a waveform of the inputs, N, from rest), base (the
-    /// barrier's acceleration, a waveform of the inputs, from rest), pulse-as-force (the impact speed, and the mass times the
-    /// measured acceleration as a force on the front mass: the transfer-function paper's simulation, circular)
-    /// [default: impact]
+    /// barrier's acceleration, a waveform of the inputs, from rest), pulse-as-force (the impact speed, and the mass
+    /// times the measured acceleration as a force on the front mass: the transfer-function paper's simulation,
+    /// circular) [default: impact]
     #[arg(long, value_name = "NAME")]
     pub drive: Option<String>,
 

@@ -12,8 +12,10 @@ masses = [
 [simulate.chain.soft]
 speed = "36 km/h"
 masses = [
-  { name = "subframe", mass = "90 kg", stiffness = [["0 mm", "900 kN/m"], ["200 mm", "150 kN/m"]], damping = "3 kN*s/m" },
-  { name = "engine", mass = "201 kg", stiffness = "600 kN/m", damping = [["0 m/s", "9 kN*s/m"], ["18 km/h", "2 kN*s/m"]] },
+  { name = "subframe", mass = "90 kg", stiffness = [["0 mm", "900 kN/m"], ["200 mm", "150 kN/m"]], damping = "3 \
+      kN*s/m" },
+  { name = "engine", mass = "201 kg", stiffness = "600 kN/m", damping = [["0 m/s", "9 kN*s/m"], ["18 km/h", "2 \
+      kN*s/m"]] },
   { mass = "582 kg", stiffness = "500 kN/m" },
 ]
 "#;
@@ -76,7 +78,8 @@ fn a_chain_that_is_not_as_heavy_as_the_test_is_simulated_with_a_warning() {
     write(&folder.path().join("5.mcap"), &[]);
     let chain = |name: &str, kg: &str| {
         format!(
-            "[simulate.chain.{name}]\nmasses = [{{ mass = '291 kg', stiffness = '300 kN/m' }}, {{ mass = '{kg} kg', stiffness = '400 kN/m' }}]\n"
+            "[simulate.chain.{name}]\nmasses = [{{ mass = '291 kg', stiffness = '300 kN/m' }}, {{ mass = '{kg} kg', \
+             stiffness = '400 kN/m' }}]\n"
         )
     };
     let output = run_pipeline(folder.path(), &(chain("light", "500") + &chain("near", "576")));
@@ -95,7 +98,8 @@ fn a_chain_that_is_not_as_heavy_as_the_test_is_simulated_with_a_warning() {
 fn a_chain_that_is_no_passive_structure_is_warned_of() {
     let folder = tempfile::tempdir().unwrap();
     write(&folder.path().join("5.mcap"), &[]);
-    let text = "[simulate.chain.odd]\nmasses = [{ mass = '900 kg', stiffness = [['0 mm', '300 kN/m'], ['400 mm', '-50 kN/m']] }]\n";
+    let text = "[simulate.chain.odd]\nmasses = [{ mass = '900 kg', stiffness = [['0 mm', '300 kN/m'], ['400 mm', '-50 \
+        kN/m']] }]\n";
     let output = run_pipeline(folder.path(), text);
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(0), "{stderr}");

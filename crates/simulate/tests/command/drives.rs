@@ -42,7 +42,7 @@ fn a_chain_is_moved_by_a_force_on_a_named_mass_or_by_the_barrier() {
     builder.wave("sled", QuantityKind::Acceleration, constant(100.0)).unwrap();
     let second = folder.path().join("drives.mcap");
     builder.write(&second, &Provenance::new("x", "0", "{}".to_owned(), Vec::new()), Compression::None).unwrap();
-    let masses = r#"masses = [{ name = "engine", mass = "200 kg", stiffness = [["0 m", "2 MN/m"], ["0.1 m", "1 MN/m"]] },
+    let masses = r#"masses = [{ name = "engine", mass = "200 kg", stiffness = [["0 m", "2 MN/m"],["0.1 m", "1 MN/m"]] },
                               { name = "cabin", mass = "800 kg", stiffness = "1 MN/m", damping = "5 kN*s/m" }]"#;
     let text = format!(
         "[simulate.chain.pushed]\ndrive = 'force'\ndrive_wave = 'push'\ndrive_mass = 'cabin'\n{masses}\n\
@@ -125,8 +125,9 @@ fn a_drive_wave_that_filtering_dropped_is_answered_with_how_to_hand_it_on() {
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
     let stderr = refused("wall_force", &[]);
-    let expected = "the drive wave wall_force is in none of the inputs\n  expected: a waveform of force in them: none\n  hint: \
-                    filtering drops it unless told: pass = [\"wall_force\"] in [filter], or crumple-filter --pass wall_force\n";
+    let expected = "the drive wave wall_force is in none of the inputs\n  expected: a waveform of force in them: \
+        none\n  hint: filtering drops it unless told: pass = [\"wall_force\"] in [filter], or crumple-filter --pass \
+        wall_force\n";
     assert!(stderr.contains(expected), "{stderr}");
     // As its column is named.
     let stderr = refused("Wall force", &[]);

@@ -54,7 +54,8 @@ pub fn barrier(
             .collect();
         if !dead.is_empty() {
             out.notes().info(format!(
-                "barrier force: {} not marked valid by the laboratory, not in the sum: {} (crumple-integrate --barrier-cells all takes them as read)",
+                "barrier force: {} not marked valid by the laboratory, not in the sum: {} (crumple-integrate \
+                 --barrier-cells all takes them as read)",
                 count(dead.len()),
                 some(&dead)
             ));
@@ -92,7 +93,8 @@ struct AsRead {
 
 /// Impulse from time zero on of all cells with data, the zero level that the filter removed from each put back.
 ///
-/// A low-pass of class 60 and above leaves the impulse but for its ends. Cells on another grid are left out, as from the sum.
+/// A low-pass of class 60 and above leaves the impulse but for its ends. Cells on another grid are left out, as from
+/// the sum.
 fn as_read(input: &Inputs, cells: &[(&str, &Sampled)], time_zero_s: f64) -> anyhow::Result<Option<AsRead>> {
     let Some(sum) = sum_of_cells(cells).refuse_with_hint("--barrier-cells none leaves the barrier out")? else {
         return Ok(None);
@@ -133,7 +135,8 @@ fn momentum(
     out.notes().info(format!("barrier force: sum of {} load cells along x{turned}", sum.cells));
     if let Some((all, as_read)) = all.zip(as_read) {
         out.notes().info(format!(
-            "barrier as read: all {} load cells with data, zero levels not removed, give {:.2} km/h over the mass for the whole record",
+            "barrier as read: all {} load cells with data, zero levels not removed, give {:.2} km/h over the mass for \
+             the whole record",
             all.cells,
             3.6 * as_read
         ));

@@ -31,7 +31,8 @@ pub struct Criteria<'a> {
 }
 
 impl Criteria<'_> {
-    /// All criteria asked for; with `auto` those whose channels the test has. Heads and chests have a line of the summary.
+    /// All criteria asked for; with `auto` those whose channels the test has. Heads and chests have a line of the
+    /// summary.
     pub fn records(&self, out: &mut Output) -> anyhow::Result<Vec<MetricV1>> {
         let mut records = Vec::new();
         let sites = sites(self.test, self.input);
@@ -72,8 +73,8 @@ impl Criteria<'_> {
         Ok(records)
     }
 
-    /// Names the heads or chests that were measured and are not in the inputs. A group that was asked for and has no sensor at all is a
-    /// warning.
+    /// Names the heads or chests that were measured and are not in the inputs. A group that was asked for and has no
+    /// sensor at all is a warning.
     fn say_what_is_left_out(&self, group: MetricGroup, parts: &[BodyPart], has_none: bool, notes: &mut Notes) {
         let group_name = name(group);
         let left_out = |channel: &&Channel| part_of(channel).is_some_and(|part| parts.contains(&part));
@@ -81,7 +82,8 @@ impl Criteria<'_> {
             let (pulse, names) = (&self.pulse.id, ids.join(","));
             let word = if ids.len() == 1 { "channel" } else { "channels" };
             let text = format!(
-                "{group_name}: {word} {} measured it, but the filter left it out: crumple-filter without --channels takes it, or with --channels '{pulse},{names}'",
+                "{group_name}: {word} {} measured it, but the filter left it out: crumple-filter without --channels \
+                 takes it, or with --channels '{pulse},{names}'",
                 ids.join(", ")
             );
             return if self.asked(group) { notes.warning(text) } else { notes.info(text) };
@@ -97,8 +99,9 @@ impl Criteria<'_> {
         notes.warning(match unplaced.as_slice() {
             [] => format!("{group_name}: no accelerometer of it has data in the inputs"),
             ids => format!(
-                "{group_name}: no accelerometer of it has data in the inputs, and nothing says where channel{} {} sit{}: the \
-                 name of a column that begins with {group_name}, such as {group_name}_x_g, or a code of ISO 13499 does",
+                "{group_name}: no accelerometer of it has data in the inputs, and nothing says where channel{} {} \
+                 sit{}: the name of a column that begins with {group_name}, such as {group_name}_x_g, or a code of ISO \
+                 13499 does",
                 if ids.len() == 1 { "" } else { "s" },
                 ids.join(", "),
                 if ids.len() == 1 { "s" } else { "" },
@@ -135,7 +138,8 @@ impl Criteria<'_> {
             .refuse_with_hint("--metrics none leaves the criteria of occupants and roadside hardware out")
     }
 
-    /// The record of a criterion under the ids of its channels together, with what is to be said of their class and axes.
+    /// The record of a criterion under the ids of its channels together, with what is to be said of their class and
+    /// axes.
     fn record(&self, channels: &[&Channel], metric: Metric, remarks: &[String]) -> MetricV1 {
         let ids: Vec<&str> = channels.iter().map(|channel| channel.id.as_str()).collect();
         let metric =

@@ -7,8 +7,8 @@ use crumple_stage::{Inputs, Output};
 
 use crate::stage::metric_record::metric_record;
 
-/// Maximum delta-V and the time to it, of every change of velocity in the inputs, under the ids of their channels, first that which the
-/// pulse was derived from. Each has a line of the summary.
+/// Maximum delta-V and the time to it, of every change of velocity in the inputs, under the ids of their channels,
+/// first that which the pulse was derived from. Each has a line of the summary.
 pub fn recorded_changes(input: &Inputs, test: &TestDescription, time_zero_s: f64, out: &mut Output) -> Vec<MetricV1> {
     let mut records = Vec::new();
     let mut changes: Vec<&Channel> =

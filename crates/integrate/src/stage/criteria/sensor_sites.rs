@@ -35,8 +35,9 @@ pub fn sites<'a>(test: &'a TestDescription, input: &Inputs) -> Vec<(BodyPart, Si
     sites.into_iter().map(|((part, _), site)| (part, site)).collect()
 }
 
-/// What channels at one place have in common: location, the code up to its dimension, redundancy. Without location and code
-/// the id without what says the axis (`head_x_g`, `head_y_g`: `head_g`), else up to its last separator (`head_1`, `head_2`).
+/// What channels at one place have in common: location, the code up to its dimension, redundancy. Without location and
+/// code the id without what says the axis (`head_x_g`, `head_y_g`: `head_g`), else up to its last separator (`head_1`,
+/// `head_2`).
 fn place(channel: &Channel) -> String {
     let code = channel.code.as_deref().and_then(|code| code.get(..12)).unwrap_or_default();
     let mut location = channel.location.trim().to_lowercase();

@@ -24,7 +24,8 @@ pub struct Options {
     #[arg(long, value_name = "ID")]
     pub channel: Option<String>,
 
-    /// Further accelerometers to integrate, by id, code or pattern such as '1?VEHC*X?'; all stands for every x acceleration of the compartment [default: none]
+    /// Further accelerometers to integrate, by id, code or pattern such as '1?VEHC*X?'; all stands for every x
+    /// acceleration of the compartment [default: none]
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     pub channels: Vec<String>,
 
@@ -53,8 +54,8 @@ pub struct Options {
     #[arg(long, value_enum)]
     pub drift: Option<DriftShape>,
 
-    /// Uncertainty of the impact speed, e.g. "0.1 km/h" (standard deviation) or "0.1 km/h uniform" (half width): events and
-    /// metrics get 5-95 % intervals [default: none stated]
+    /// Uncertainty of the impact speed, e.g. "0.1 km/h" (standard deviation) or "0.1 km/h uniform" (half width): events
+    /// and metrics get 5-95 % intervals [default: none stated]
     #[arg(long, value_name = "SPEED [normal|uniform]")]
     pub speed_uncertainty: Option<Uncertain<Speed>>,
 

@@ -63,8 +63,8 @@ pub fn uncertainty_note(uncertainty: &Uncertainty, start: UsedStart) -> String {
              integrated from the start of the record"
         }
         (Some(_), UsedStart::TimeZero) => {
-            "; an error of time zero cuts the record there: it moves the crush by v0 times it, and the velocity by what \
-             the pulse does in it"
+            "; an error of time zero cuts the record there: it moves the crush by v0 times it, and the velocity by \
+             what the pulse does in it"
         }
     };
     let stated: Vec<String> = stated.collect();

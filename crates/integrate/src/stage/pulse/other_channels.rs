@@ -39,7 +39,8 @@ pub fn further<'a>(
         if !left.is_empty() {
             let ids: Vec<&str> = left.iter().map(|channel| channel.id.as_str()).collect();
             notes.info(format!(
-                "not integrated, because failed or not of the compartment: channels {} (crumple-integrate --channels all,ID names one)",
+                "not integrated, because failed or not of the compartment: channels {} (crumple-integrate --channels \
+                 all,ID names one)",
                 ids.join(", ")
             ));
         }
@@ -60,8 +61,8 @@ pub fn further<'a>(
 /// Accelerometers that a refusal lists.
 const SHOWN: usize = 12;
 
-/// The ids that a name, a code or a pattern means, given under an option. A pattern leaves out what cannot be integrated: other quantities, and channels
-/// that are not in the inputs.
+/// The ids that a name, a code or a pattern means, given under an option. A pattern leaves out what cannot be
+/// integrated: other quantities, and channels that are not in the inputs.
 pub fn meant(test: &TestDescription, name: &str, key: &str, input: &Inputs) -> anyhow::Result<Vec<String>> {
     let all = test.channels_meant(name);
     if all.is_empty() {
@@ -71,13 +72,22 @@ pub fn meant(test: &TestDescription, name: &str, key: &str, input: &Inputs) -> a
         let more = here.len().saturating_sub(SHOWN);
         here.truncate(SHOWN);
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        return Err(Refused::new(format!("the test has no channel {name:?}, which {key} of [integrate] or --{key} names"))
-            .expected(format!("an accelerometer of the inputs: {}{more}", here.join(", ")))
-            .hint(format!(
-                "put the id of yours there; in the pipeline two-sensors it stands in channels of [integrate] and in sensors of [parameter-solve]{}",
-                if test.channels.len() > here.len() { " (crumple-ingest --list RECORD shows every channel)" } else { "" }
-            ))
-            .into());
+        return Err(Refused::new(format!(
+            "the test has no channel {name:?}, which {key} of [integrate] or --{key} \
+            names"
+        ))
+        .expected(format!("an accelerometer of the inputs: {}{more}", here.join(", ")))
+        .hint(format!(
+            "put the id of yours there; in the pipeline two-sensors it stands in channels of [integrate] and in \
+                 sensors of [parameter-solve]{}",
+            if test.channels.len() > here.len() {
+                " (crumple-ingest --list RECORD shows every \
+                    channel)"
+            } else {
+                ""
+            }
+        ))
+        .into());
     }
     let usable =
         |channel: &&&Channel| channel.quantity == QuantityKind::Acceleration && input.wave_if(&channel.id).is_some();
@@ -87,7 +97,8 @@ pub fn meant(test: &TestDescription, name: &str, key: &str, input: &Inputs) -> a
     Ok(if all.len() == 1 || fit.is_empty() { ids(all) } else { ids(fit) })
 }
 
-/// Whether a channel moves with the compartment, as far as status, code, location and, without a location, its name say.
+/// Whether a channel moves with the compartment, as far as status, code, location and, without a location, its name
+/// say.
 pub fn of_compartment(channel: &Channel) -> bool {
     let said = if channel.location.trim().is_empty() { &channel.id } else { &channel.location };
     let said = said.to_lowercase();

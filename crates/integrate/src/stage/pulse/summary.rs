@@ -30,8 +30,8 @@ pub fn warn_unless_of_the_vehicle(channel: &Channel, notes: &mut Notes) {
     if !channel.may_be_on_vehicle() || part_of(channel).is_some() {
         let location = if channel.location.is_empty() { "an occupant" } else { &channel.location };
         notes.warning(format!(
-            "channel {} is not of the vehicle ({location}): its dynamic crush, restitution, energies and pulse indices are \
-             those of the sensor, not of the vehicle",
+            "channel {} is not of the vehicle ({location}): its dynamic crush, restitution, energies and pulse indices \
+             are those of the sensor, not of the vehicle",
             channel.id
         ));
     }

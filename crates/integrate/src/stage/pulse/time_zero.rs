@@ -58,8 +58,9 @@ pub fn time_zero(
     Ok(TimeZero { time_s: found.time_s, rule: rule.to_string() })
 }
 
-/// Warns of a pulse that begins long after the file's t = 0 where nothing says that this is first contact: an NHTSA or ISO-MME test
-/// defines it so, a person may have stated it; a table does not, and its axis may begin with the recording.
+/// Warns of a pulse that begins long after the file's t = 0 where nothing says that this is first contact: an NHTSA or
+/// ISO-MME test defines it so, a person may have stated it; a table does not, and its axis may begin with the
+/// recording.
 fn late_contact(
     test: &TestDescription,
     channel: &Channel,
@@ -74,9 +75,9 @@ fn late_contact(
     let Some(found) = threshold_crossing(pulse).filter(|found| found.time_s > LATE_S) else { return };
     let late_ms = 1e3 * found.time_s;
     notes.warning(format!(
-        "channel {} first exceeds 0.5 g for 3 ms at {late_ms:.1} ms, and nothing says that contact is at the file's t = 0: \
-         the vehicle is taken to move on at the impact speed until then, up to {:.3} m that may be no crush: if contact is there, \
-         crumple-ingest --time-zero {late_ms:.1}ms; if it is at 0, crumple-ingest --time-zero 0s",
+        "channel {} first exceeds 0.5 g for 3 ms at {late_ms:.1} ms, and nothing says that contact is at the file's t \
+         = 0: the vehicle is taken to move on at the impact speed until then, up to {:.3} m that may be no crush: if \
+         contact is there, crumple-ingest --time-zero {late_ms:.1}ms; if it is at 0, crumple-ingest --time-zero 0s",
         channel.id,
         found.time_s * speed_m_per_s
     ));

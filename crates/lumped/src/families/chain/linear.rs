@@ -1,3 +1,5 @@
+//! Linear chains of masses: poles, motion, forces and energy, events, derivatives.
+
 use crumple_lti::{Complex, matrix_exponential, polynomial_roots};
 use nalgebra::{DMatrix, DVector};
 
@@ -44,8 +46,8 @@ impl Chain {
 
     /// Characteristic polynomial, monic, highest power first.
     ///
-    /// Built from the compartment forwards as a dynamic stiffness `N/D`: an element in series makes `q N/(N + q D)` of it,
-    /// a mass adds `m s²`. Sums of positive terms only, so every coefficient is right to a few roundings.
+    /// Built from the compartment forwards as a dynamic stiffness `N/D`: an element in series makes `q N/(N + q D)` of
+    /// it, a mass adds `m s²`. Sums of positive terms only, so every coefficient is right to a few roundings.
     pub fn characteristic_polynomial(&self) -> Vec<f64> {
         // Lowest power first.
         let times = |p: &[f64], q: &[f64]| {
@@ -111,9 +113,9 @@ impl Chain {
 
     /// Motion, forces and energies at `k dt`, k = 0 .. `samples`.
     ///
-    /// One matrix exponential for the step, exact for drives linear between samples; heat and work by the exact integral
-    /// of the quadratic form over the step (Van Loan 1978), so the balance closes to rounding. Errors: a force on a mass
-    /// that is not there, a step or drive that is not finite, a response that leaves the range of numbers.
+    /// One matrix exponential for the step, exact for drives linear between samples; heat and work by the exact
+    /// integral of the quadratic form over the step (Van Loan 1978), so the balance closes to rounding. Errors: a force
+    /// on a mass that is not there, a step or drive that is not finite, a response that leaves the range of numbers.
     pub fn respond(&self, drive: &Drive, dt_s: f64, samples: usize) -> Result<ChainResponse, LumpedError> {
         let n = self.masses_kg.len();
         if let Some((mass, _)) = drive.force()
@@ -201,9 +203,9 @@ impl Chain {
 
     /// First zero of the velocity of every mass after an impact, within `horizon_s`, and of its acceleration after it.
     ///
-    /// Steps of 1/16 of the fastest time constant, but between 1/4000 and 1/400,000 of the horizon, then bisection on the exact
-    /// solution. What does not happen until the horizon is none; an element faster than the shortest step may swing unseen.
-    /// Errors: a horizon that is not positive.
+    /// Steps of 1/16 of the fastest time constant, but between 1/4000 and 1/400,000 of the horizon, then bisection on
+    /// the exact solution. What does not happen until the horizon is none; an element faster than the shortest step may
+    /// swing unseen. Errors: a horizon that is not positive.
     pub fn events(&self, impact_speed_m_per_s: f64, horizon_s: f64) -> Result<Vec<CrushEvents>, LumpedError> {
         if !(horizon_s.is_finite() && horizon_s > 0.0) {
             return Err(LumpedError::Value { name: "horizon_s", value: horizon_s, expected: "a positive time" });
@@ -226,7 +228,8 @@ impl Chain {
             }
             for (i, event) in events.iter_mut().enumerate() {
                 let row = n + i;
-                // Crush and rebound of a stiff element may lie in one step: the rebound is looked for from the crush on.
+                // Crush and rebound of a stiff element may lie in one step: the rebound is looked for from the crush
+                // on.
                 let (mut from, mut start): (f64, Option<DVector<f64>>) = (0.0, None);
                 while event.time_of_rebound_s.is_none() {
                     let stopped = event.time_of_dynamic_crush_s.is_some();
@@ -263,9 +266,9 @@ impl Chain {
         Ok(events)
     }
 
-    /// The motion of every mass at these instants after an impact, and its derivatives by the parameters at these places of
-    /// masses, springs, dampers, one list after the other; by the derivative of the matrix exponential, right to rounding.
-    /// Errors: a place that is none, a motion that leaves the range of numbers.
+    /// The motion of every mass at these instants after an impact, and its derivatives by the parameters at these
+    /// places of masses, springs, dampers, one list after the other; by the derivative of the matrix exponential, right
+    /// to rounding. Errors: a place that is none, a motion that leaves the range of numbers.
     pub fn sensitivity(
         &self,
         impact_speed_m_per_s: f64,

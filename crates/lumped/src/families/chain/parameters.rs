@@ -60,8 +60,8 @@ impl Spelling {
 }
 
 impl SecantChain {
-    /// Its parameters by name: `m1_kg`, `k1_n_per_m`, `c1_n_s_per_m`, `m2_kg`, ... from the barrier on; a coefficient with knots as
-    /// `k1_knot1_n_per_m`, `k1_knot2_m`, `k1_knot2_n_per_m`, ... without the place of a knot at zero.
+    /// Its parameters by name: `m1_kg`, `k1_n_per_m`, `c1_n_s_per_m`, `m2_kg`, ... from the barrier on; a coefficient
+    /// with knots as `k1_knot1_n_per_m`, `k1_knot2_m`, `k1_knot2_n_per_m`, ... without the place of a knot at zero.
     pub fn parameters(&self) -> BTreeMap<String, f64> {
         let mut out = BTreeMap::new();
         for (i, mass) in self.masses_kg().iter().enumerate() {
@@ -72,8 +72,8 @@ impl SecantChain {
         out
     }
 
-    /// The chain with exactly these parameters. Errors: one that is missing or belongs to no mass, and what the values themselves
-    /// are refused for.
+    /// The chain with exactly these parameters. Errors: one that is missing or belongs to no mass, and what the values
+    /// themselves are refused for.
     pub fn from_parameters(parameters: &BTreeMap<String, f64>) -> Result<Self, LumpedError> {
         let (mut masses, mut springs, mut dampers) = (Vec::new(), Vec::new(), Vec::new());
         let mut taken = BTreeSet::new();
@@ -94,8 +94,8 @@ impl SecantChain {
         Self::new(&masses, &springs, &dampers)
     }
 
-    /// What the parameter of a chain is that has this name: one of [`parameters`](Self::parameters), of a chain of any length with
-    /// any number of knots. `None` for any other name.
+    /// What the parameter of a chain is that has this name: one of [`parameters`](Self::parameters), of a chain of any
+    /// length with any number of knots. `None` for any other name.
     pub fn parameter_kind(name: &str) -> Option<ParameterKind> {
         let after_number = |text: &'_ str| -> Option<usize> {
             let digits = text.bytes().take_while(u8::is_ascii_digit).count();

@@ -7,12 +7,12 @@ use crate::{
     Chain, ChainResponse, CrushEvents, Drive, Dynamics, Energy, Instants, LumpedError, Motion, PiecewiseLinear, State,
 };
 
-/// Any number of masses in a row as [`Chain`], with secant coefficients that are piecewise linear: the force of element `i` is
-/// `k_i(|u|) u + c_i(|w|) w`, `u` its compression and `w` the rate of it.
+/// Any number of masses in a row as [`Chain`], with secant coefficients that are piecewise linear: the force of element
+/// `i` is `k_i(|u|) u + c_i(|w|) w`, `u` its compression and `w` the rate of it.
 ///
-/// One mass is [`Nonlinear2`](crate::Nonlinear2) with any number of knots; coefficients that are constant make a [`Chain`], and
-/// are computed as one. The secant reading is that of the single-mass paper, carried to elements between masses; contact stays
-/// closed, and an element is as stiff in tension as in compression.
+/// One mass is [`Nonlinear2`](crate::Nonlinear2) with any number of knots; coefficients that are constant make a
+/// [`Chain`], and are computed as one. The secant reading is that of the single-mass paper, carried to elements between
+/// masses; contact stays closed, and an element is as stiff in tension as in compression.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SecantChain {
     masses_kg: Vec<f64>,
@@ -24,8 +24,8 @@ pub struct SecantChain {
 const PARTS: u32 = 8;
 
 impl SecantChain {
-    /// Masses in kg, springs in N/m over m and dampers in N·s/m over m/s in front of them, from the barrier on. Errors: lists of
-    /// unequal length or none, masses that are not positive.
+    /// Masses in kg, springs in N/m over m and dampers in N·s/m over m/s in front of them, from the barrier on. Errors:
+    /// lists of unequal length or none, masses that are not positive.
     pub fn new(
         masses_kg: &[f64],
         springs: &[PiecewiseLinear],
@@ -64,9 +64,10 @@ impl SecantChain {
 
     /// Motion, forces and energies at `k dt`, k = 0 .. `samples`.
     ///
-    /// A linear chain by one matrix exponential, any other by Taylor series of order 20 from knot to knot, about `1e-15` of the
-    /// largest motion a step; heat and work term by term on the same series. Errors: a force on a mass that is not there, a step
-    /// or drive that is not finite, a motion that leaves the range of numbers or needs more than 200,000 steps.
+    /// A linear chain by one matrix exponential, any other by Taylor series of order 20 from knot to knot, about
+    /// `1e-15` of the largest motion a step; heat and work term by term on the same series. Errors: a force on a mass
+    /// that is not there, a step or drive that is not finite, a motion that leaves the range of numbers or needs more
+    /// than 200,000 steps.
     pub fn respond(&self, drive: &Drive, dt_s: f64, samples: usize) -> Result<ChainResponse, LumpedError> {
         if let Some(chain) = self.linear() {
             return chain.respond(drive, dt_s, samples).map_err(|error| match error {
@@ -128,8 +129,8 @@ impl SecantChain {
         Ok(response)
     }
 
-    /// The motion of every mass at these instants after an impact: the series of [`respond`](Self::respond), without forces and
-    /// energies. Errors: as there.
+    /// The motion of every mass at these instants after an impact: the series of [`respond`](Self::respond), without
+    /// forces and energies. Errors: as there.
     pub fn motions_at(&self, impact_speed_m_per_s: f64, at: &Instants) -> Result<Vec<Motion>, LumpedError> {
         finite("impact_speed_m_per_s", impact_speed_m_per_s)?;
         positive("dt_s", at.dt_s)?;
@@ -204,8 +205,9 @@ impl SecantChain {
         response.energy.push(energy);
     }
 
-    /// First zero of the velocity of every mass after an impact, within `horizon_s`, and of its acceleration after it, on the
-    /// exact solution of a linear chain and on the series of any other. What does not happen until the horizon is none.
+    /// First zero of the velocity of every mass after an impact, within `horizon_s`, and of its acceleration after it,
+    /// on the exact solution of a linear chain and on the series of any other. What does not happen until the horizon
+    /// is none.
     pub fn events(&self, impact_speed_m_per_s: f64, horizon_s: f64) -> Result<Vec<CrushEvents>, LumpedError> {
         if let Some(chain) = self.linear() {
             return chain.events(impact_speed_m_per_s, horizon_s);
@@ -244,8 +246,8 @@ fn derivative(series: &Series) -> Series {
     std::array::from_fn(|k| if k < ORDER { (k + 1) as f64 * series[k + 1] } else { 0.0 })
 }
 
-/// The first instant of `from <= tau <= to` at which the sign is no more that of `sign`, by bisection. The sign is given: where
-/// a step begins on a zero, the value there is rounding.
+/// The first instant of `from <= tau <= to` at which the sign is no more that of `sign`, by bisection. The sign is
+/// given: where a step begins on a zero, the value there is rounding.
 fn zero(series: &Series, sign: f64, from: f64, to: f64) -> Option<f64> {
     let holds = |tau: f64| horner(series, tau).0 * sign > 0.0;
     let mut low = from;

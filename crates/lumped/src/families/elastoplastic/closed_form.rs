@@ -1,3 +1,5 @@
+//! The elastoplastic model after an impact, in closed form.
+
 use std::f64::consts::FRAC_PI_2;
 
 use crate::error::positive;

@@ -52,16 +52,17 @@ fn moved(y: f64, v: f64, w2: f64, push: Push, s: &[f64; 7]) -> (f64, f64) {
 impl Elastoplastic {
     /// Motion, force and energy at `k dt` under any drive.
     ///
-    /// The crush `q` is that against the barrier. Beyond the largest crush so far the force is `k_E q`; from there the mass goes out,
-    /// and in again, along `k_P` about the permanent set `q_max (1 - k_E/k_P)` until it passes that crush. With `release` nothing holds
-    /// it below the permanent set, and it meets the structure there again; without, the line goes on into tension. This is what
-    /// the paper's law for one loading and one unloading says when a force continues it: no hardening but by crush, no softening by
-    /// repetition.
+    /// The crush `q` is that against the barrier. Beyond the largest crush so far the force is `k_E q`; from there the
+    /// mass goes out, and in again, along `k_P` about the permanent set `q_max (1 - k_E/k_P)` until it passes that
+    /// crush. With `release` nothing holds it below the permanent set, and it meets the structure there again; without,
+    /// the line goes on into tension. This is what the paper's law for one loading and one unloading says when a force
+    /// continues it: no hardening but by crush, no softening by repetition.
     ///
-    /// A force or acceleration linear between samples leaves cosines on each line. Its acceleration is one sine wave, whose zeros are known;
-    /// between them the velocity has one sign change at most, and between those the crush passes each limit once at most: so no
-    /// reversal, release or contact inside a sample is missed. Instants by Newton's method to rounding; the motion to
-    /// about `1e-16` of its largest a piece. Work of the drive by the exact integral of force times velocity.
+    /// A force or acceleration linear between samples leaves cosines on each line. Its acceleration is one sine wave,
+    /// whose zeros are known; between them the velocity has one sign change at most, and between those the crush passes
+    /// each limit once at most: so no reversal, release or contact inside a sample is missed. Instants by Newton's
+    /// method to rounding; the motion to about `1e-16` of its largest a piece. Work of the drive by the exact integral
+    /// of force times velocity.
     ///
     /// Errors: a step or drive that is not finite, a mass that is not there, a motion that cannot be followed.
     pub(crate) fn driven(&self, drive: &Drive, dt_s: f64, samples: usize) -> Result<Dynamics, LumpedError> {
@@ -75,7 +76,8 @@ impl Elastoplastic {
         let at = |k: usize| source.get(k).copied().unwrap_or(0.0);
         let mut contact = Contact { branch: Branch::Unloading, y: 0.0, v: speed, set: 0.0, depth: 0.0 };
         let mut base_rate = 0.0;
-        // Seen from the ground; by the force alone, so that a mass that nothing touches stays at rest to the last digit.
+        // Seen from the ground; by the force alone, so that a mass that nothing touches stays at rest to the last
+        // digit.
         let (mut from_ground, mut velocity) = (0.0, speed);
         let (mut work, mut pieces) = (0.0, 0);
         let mut motion = Motion::with_capacity(samples);
@@ -224,7 +226,8 @@ impl Contact {
         h
     }
 
-    /// Whether the swing on the unloading line stays off its ends for the whole interval: a stiff line may go through many periods.
+    /// Whether the swing on the unloading line stays off its ends for the whole interval: a stiff line may go through
+    /// many periods.
     fn swings_free(&self, model: &Elastoplastic, push: Push, w2: f64, left: f64) -> bool {
         let swing = (push.value - w2 * self.y).hypot((push.slope - w2 * self.v) / w2.sqrt()) / w2;
         let middle = [push.value / w2, (push.value + push.slope * left) / w2];
@@ -233,7 +236,8 @@ impl Contact {
     }
 }
 
-/// When the acceleration, now `a` with the rate `j`, is zero next, later than `at_once` and up to `left`: `a cos w t + j sin(w t)/w`.
+/// When the acceleration, now `a` with the rate `j`, is zero next, later than `at_once` and up to `left`:
+/// `a cos w t + j sin(w t)/w`.
 fn next_rest_of_acceleration(a: f64, j: f64, w2: f64, left: f64, at_once: f64) -> f64 {
     let w = w2.sqrt();
     let zero = if w * left < 1e-8 {

@@ -1,3 +1,5 @@
+//! Error of slope of ISO/TS 18571.
+
 /// Width of the running mean, samples.
 const WIDTH: usize = 9;
 

@@ -183,7 +183,8 @@ impl Search {
         }
     }
 
-    /// Tries all pairs of a block of starts and a block of ends that may be better; no sample between is above `a_high`.
+    /// Tries all pairs of a block of starts and a block of ends that may be better; no sample between is above
+    /// `a_high`.
     fn descend(&self, level: usize, start: usize, end: usize, a_high: f64, best: &mut Best) {
         let (bound, a_high) = self.bound(level, start, end, a_high);
         if !exceeds(bound, best.value) {

@@ -6,7 +6,8 @@ use crate::curves::iso18571::warping::band::Warping;
 use crate::curves::iso18571::warping::cells::accumulate;
 use crate::curves::iso18571::warping::front::Front;
 
-/// Costs on the front's two diagonals and all after them up to the one before `end`, as far as they can reach that cell.
+/// Costs on the front's two diagonals and all after them up to the one before `end`, as far as they can reach that
+/// cell.
 pub(super) struct Cone {
     /// The front's diagonal.
     k: usize,

@@ -7,7 +7,8 @@ use crate::curves::iso18571::warping::front::Front;
 /// Below this half width a band is filled without a limit from a narrower one.
 const NARROWEST: usize = 16;
 
-/// A cost that the least one in the band does not exceed: that of the band's eighth, pruned by that of its eighth in turn.
+/// A cost that the least one in the band does not exceed: that of the band's eighth, pruned by that of its eighth in
+/// turn.
 fn least_cost_is_below(t: &[f64], c: &[f64], band: usize) -> f64 {
     if band < NARROWEST {
         return f64::INFINITY;
@@ -107,7 +108,8 @@ mod tests {
                     let mut path = Vec::new();
                     Warping::with_limit(&t, &c, band, highest).visit_path(|i, j| path.push((i, j)));
                     assert_eq!(path, plain, "{n} samples, band {band}, costs up to {highest}");
-                    // Small parts, as very long curves have large ones: several levels of fronts kept between fronts kept.
+                    // Small parts, as very long curves have large ones: several levels of fronts kept between fronts
+                    // kept.
                     let mut deep = Vec::new();
                     let parts = Warping { kept: 3, triangle: 8, ..Warping::with_limit(&t, &c, band, highest) };
                     parts.visit_path(|i, j| deep.push((i, j)));
