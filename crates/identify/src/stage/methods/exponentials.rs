@@ -15,7 +15,7 @@ use crate::stage::records::evidence::{
 };
 use crate::stage::records::responses::{put_spreads, spread};
 use crate::stage::records::results::Results;
-use crate::stage::waves::input_output::{Cut, output};
+use crate::stage::waves::input_output::{WindowedWave, output};
 use crate::stage::waves::source::Source;
 
 /// What one sum is fitted with.
@@ -68,7 +68,7 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
 fn conditions(
     count: usize,
     input_output: &InputOutputSettings,
-    answer: &Cut,
+    answer: &WindowedWave,
     inputs: &Inputs,
 ) -> anyhow::Result<Vec<f64>> {
     let mut start = Vec::new();
@@ -100,7 +100,7 @@ fn conditions(
 }
 
 /// The velocity at the first sample: as given, else that of the record, if it is there.
-fn velocity(input_output: &InputOutputSettings, answer: &Cut, inputs: &Inputs) -> anyhow::Result<Option<f64>> {
+fn velocity(input_output: &InputOutputSettings, answer: &WindowedWave, inputs: &Inputs) -> anyhow::Result<Option<f64>> {
     if input_output.start_velocity_m_per_s.is_some() {
         return Ok(input_output.start_velocity_m_per_s);
     }
@@ -108,7 +108,12 @@ fn velocity(input_output: &InputOutputSettings, answer: &Cut, inputs: &Inputs) -
     Ok(inputs.wave_if(&format!("{base}/velocity")).and_then(|wave| wave.sampled.at(answer.sampled.t0_s())))
 }
 
-fn fit_sum(task: &SumTask, settings: &Settings, answer: &Cut, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+fn fit_sum(
+    task: &SumTask,
+    settings: &Settings,
+    answer: &WindowedWave,
+    results: &mut Results<'_>,
+) -> anyhow::Result<Outcome> {
     let SumTask { id, options, remarks: first_remarks, paper } = task;
     let record = answer.sampled.samples();
     let fit = exponential_sum(record, answer.sampled.dt_s(), options)
