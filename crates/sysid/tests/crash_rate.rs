@@ -53,14 +53,14 @@ fn identified(data: &IoData, order: usize) -> (Vec<Complex>, f64, usize) {
     let every = automatic_thinning(data, 2 * needed);
     let thin = thinned(data, every).unwrap();
     let options = SubspaceOptions { weighting: Weighting::N4sid, block_rows: BLOCK_ROWS, direct: true };
-    let found = Subspace::new(&thin, options).unwrap().realize_on(order, data).unwrap();
-    let fit = compare(&found.model, data).unwrap()[0].unwrap().fit_percent.unwrap();
-    let continuous = to_continuous(&found.model, crumple_lti::InputHold::First).unwrap();
+    let estimated = Subspace::new(&thin, options).unwrap().realize_on(order, data).unwrap();
+    let fit = compare(&estimated.model, data).unwrap()[0].unwrap().fit_percent.unwrap();
+    let continuous = to_continuous(&estimated.model, crumple_lti::InputHold::First).unwrap();
     (continuous.model.poles().unwrap(), fit, every)
 }
 
-fn worst(found: &[Complex], exact: &[Complex]) -> f64 {
-    let nearest = |s: &Complex| found.iter().map(|f| (f - s).norm() / s.norm()).fold(f64::INFINITY, f64::min);
+fn worst(estimated: &[Complex], exact: &[Complex]) -> f64 {
+    let nearest = |s: &Complex| estimated.iter().map(|f| (f - s).norm() / s.norm()).fold(f64::INFINITY, f64::min);
     exact.iter().map(nearest).fold(0.0, f64::max)
 }
 

@@ -45,9 +45,9 @@ fn subspace_table(estimation: &IoData, validation: &IoData, orders: &[usize], bl
         let options = SubspaceOptions { weighting, block_rows, direct: true };
         let subspace = Subspace::new(estimation, options).unwrap();
         for (order, result) in orders.iter().zip(subspace.realize_all(orders)) {
-            let found = fits(&result.unwrap().model, validation);
-            line(&format!("{} order {order}, {block_rows} block rows", weighting.name()), &found);
-            best = best.max(found[0]);
+            let estimated = fits(&result.unwrap().model, validation);
+            line(&format!("{} order {order}, {block_rows} block rows", weighting.name()), &estimated);
+            best = best.max(estimated[0]);
         }
     }
     best
@@ -65,7 +65,7 @@ fn arx_line(estimation: &IoData, validation: &IoData, order: ArxOrder) -> f64 {
 
 /// Output error: what the models before are starting points for.
 fn output_error_line(estimation: &IoData, validation: &IoData, options: OutputErrorOptions) -> f64 {
-    let found = output_error(estimation, options).unwrap();
+    let estimated = output_error(estimation, options).unwrap();
     // The delay is applied to the inputs; the first samples of the validation part lack their past.
     let late = |data: &IoData| {
         let shift = |u: &Vec<f64>| -> Vec<f64> {
@@ -73,27 +73,27 @@ fn output_error_line(estimation: &IoData, validation: &IoData, options: OutputEr
         };
         IoData::new(data.inputs().iter().map(shift).collect(), data.outputs().to_vec(), data.sample_time_s()).unwrap()
     };
-    let (first, second) = (fits(&found.model, &late(estimation)), fits(&found.model, &late(validation)));
+    let (first, second) = (fits(&estimated.model, &late(estimation)), fits(&estimated.model, &late(validation)));
     let name = format!("output error order {}, delay {} | first half", options.order, options.delay);
     line(&name, &[second[0], first[0]]);
     println!(
         "    {} after {} iterations, {} evaluations, losses {:.6?}",
-        found.termination.name(),
-        found.iterations,
-        found.evaluations,
-        found.losses
+        estimated.termination.name(),
+        estimated.iterations,
+        estimated.evaluations,
+        estimated.losses
     );
-    println!("    poles {:.5?}", found.model.poles().unwrap().iter().map(|z| (z.re, z.im)).collect::<Vec<_>>());
+    println!("    poles {:.5?}", estimated.model.poles().unwrap().iter().map(|z| (z.re, z.im)).collect::<Vec<_>>());
     second[0]
 }
 
 /// A continuous transfer function, its input held between samples, simulated as the sampled model it stands for.
 fn transfer_function_line(estimation: &IoData, validation: &IoData, poles: usize, zeros: usize, delay: usize) {
     let options = TransferFunctionOptions { hold: Hold::Zero, delay, ..TransferFunctionOptions::new(poles, zeros) };
-    let found = transfer_function_fit(estimation, &options).unwrap();
-    let model = discretize_zero_order_hold(&found.state_space, estimation.sample_time_s()).unwrap();
+    let estimated = transfer_function_fit(estimation, &options).unwrap();
+    let model = discretize_zero_order_hold(&estimated.state_space, estimation.sample_time_s()).unwrap();
     let name = format!("tfest {poles} poles, {zeros} zeros, delay {delay} | first half");
-    line(&name, &[fits(&model, &validation.delayed(delay))[0], found.fit.unwrap().fit_percent.unwrap()]);
+    line(&name, &[fits(&model, &validation.delayed(delay))[0], estimated.fit.unwrap().fit_percent.unwrap()]);
 }
 
 /// OKID at several orders, states chosen from system and gain together, and from the system alone; the best fit of each
@@ -106,9 +106,9 @@ fn okid_lines(estimation: &IoData, validation: &IoData, lags: Lags, orders: &[us
     [true, false].map(|jointly| {
         let one = |order: &usize| {
             let options = OkidRealization { jointly, ..OkidRealization::default() };
-            let found = okid.realize(Order::Given(*order), options).unwrap();
-            let simulated = fits(&found.model, validation)[0];
-            let predicted = fits(&found.predictor().unwrap(), &seen)[0];
+            let estimated = okid.realize(Order::Given(*order), options).unwrap();
+            let simulated = fits(&estimated.model, validation)[0];
+            let predicted = fits(&estimated.predictor().unwrap(), &seen)[0];
             let states = if jointly { "joint" } else { "system" };
             let name = format!("okid order {order}, {} lags, {states} | 1 step", okid.lags);
             line(&name, &[simulated, predicted]);
@@ -120,9 +120,9 @@ fn okid_lines(estimation: &IoData, validation: &IoData, lags: Lags, orders: &[us
 
 /// ERA on the regularised impulse response.
 fn fir_line(estimation: &IoData, validation: &IoData, taps: usize, kernel: Kernel, order: usize) -> f64 {
-    let found = fir(estimation, FirOptions { taps, kernel, at_rest: false }).unwrap();
+    let estimated = fir(estimation, FirOptions { taps, kernel, at_rest: false }).unwrap();
     let options = EraOptions { order: Order::Given(order), ..EraOptions::new(estimation.sample_time_s()) };
-    let model = era(&found.sequences[0], options).unwrap().discrete;
+    let model = era(&estimated.sequences[0], options).unwrap().discrete;
     let simulated = fits(&model, validation);
     line(&format!("fir {} of {taps} taps, era order {order}", kernel.name()), &simulated);
     simulated[0]
@@ -183,9 +183,9 @@ fn flexible_robot_arm() {
 /// Simulation fits of the validation part by an ARX model of all outputs.
 fn vector_arx_line(estimation: &IoData, validation: &IoData, lags: usize) -> Vec<f64> {
     let model = vector_arx(estimation, ArxOrder { na: lags, nb: lags + 1, nk: 0 }).unwrap();
-    let found = fits(&model.state_space().unwrap(), validation);
-    line(&format!("arx, {lags} lags, {} states", lags * estimation.outputs().len()), &found);
-    found
+    let estimated = fits(&model.state_space().unwrap(), validation);
+    line(&format!("arx, {lags} lags, {} states", lags * estimation.outputs().len()), &estimated);
+    estimated
 }
 
 /// Every subspace method with the horizon whose model simulates the estimation part best, as the stage chooses; fits of
@@ -201,9 +201,9 @@ fn horizon_table(estimation: &IoData, validation: &IoData, orders: &[usize]) -> 
                 (fits(&model, estimation)[0], *block_rows, fits(&model, validation)[0])
             };
             let best = candidates.iter().map(of).reduce(|best, next| if next.0 > best.0 { next } else { best });
-            let (_, rows, found) = best.unwrap();
-            line(&format!("{} order {order}, {rows} of {candidates:?} rows, {lags:?}", weighting.name()), &[found]);
-            all.push(found);
+            let (_, rows, estimated) = best.unwrap();
+            line(&format!("{} order {order}, {rows} of {candidates:?} rows, {lags:?}", weighting.name()), &[estimated]);
+            all.push(estimated);
         }
     }
     all
@@ -245,10 +245,10 @@ fn steel_subframe() {
         let options = SubspaceOptions { weighting, block_rows: 25, direct: true };
         let subspace = Subspace::new(&estimation, options).unwrap();
         for (order, result) in [20, 30].iter().zip(subspace.realize_all(&[20, 30])) {
-            let found = fits(&result.unwrap().model, &validation);
-            line(&format!("{} order {order}", weighting.name()), &found);
+            let estimated = fits(&result.unwrap().model, &validation);
+            line(&format!("{} order {order}", weighting.name()), &estimated);
             if weighting == Weighting::N4sid {
-                at_30 = found;
+                at_30 = estimated;
             }
         }
     }
@@ -263,8 +263,8 @@ fn steel_subframe() {
     line("arx (30,31,0) of output 3 alone", &fits(&model, &one(&validation)));
     let stop = Stop { max_iterations: 10, ..Stop::default() };
     let options = OutputErrorOptions { random_starts: 0, stop, ..OutputErrorOptions::new(30) };
-    let found = output_error(&one(&estimation), options).unwrap();
-    line("output error order 30 of output 3 alone", &fits(&found.model, &one(&validation)));
+    let estimated = output_error(&one(&estimation), options).unwrap();
+    line("output error order 30 of output 3 alone", &fits(&estimated.model, &one(&validation)));
     let mean = at_30.iter().sum::<f64>() / 6.0;
     println!("mean of n4sid order 30: {mean:.2}");
     // nfoursid with the same horizon and order: 91.95 in the mean, from 84.21 (the third output) to 95.94.

@@ -19,11 +19,11 @@ fn record(samples: usize, level: f64, seed: usize) -> Vec<f64> {
         .collect()
 }
 
-fn worst(found: &crumple_sysid::Realization) -> f64 {
+fn worst(estimated: &crumple_sysid::Realization) -> f64 {
     TRUTH
         .iter()
         .map(|t| {
-            let poles = found.modes.iter().filter_map(|m| m.mode).map(|m| m.pole);
+            let poles = estimated.modes.iter().filter_map(|m| m.mode).map(|m| m.pole);
             poles.map(|f| (f - t).norm()).fold(f64::INFINITY, f64::min) / t.norm()
         })
         .fold(0.0, f64::max)

@@ -95,9 +95,9 @@ fn all_orders_of_a_scan_are_the_models_of_these_orders() {
     let subspace =
         Subspace::new(&data, SubspaceOptions { weighting: Weighting::Moesp, block_rows: 12, direct: true }).unwrap();
     for model in subspace_order_scan(&subspace, 8) {
-        let found = subspace.realize(model.order).unwrap();
-        assert_eq!(found.reflected_poles, 0, "the comparison needs poles as they are");
-        for z in found.model.poles().unwrap() {
+        let estimated = subspace.realize(model.order).unwrap();
+        assert_eq!(estimated.reflected_poles, 0, "the comparison needs poles as they are");
+        for z in estimated.model.poles().unwrap() {
             // The same least squares by QR and by singular values: rounding times their condition.
             assert!((nearest(&model.poles, z) - z).norm() < 1e-9, "order {}: {z}", model.order);
         }
@@ -120,10 +120,13 @@ fn two_modes_in_noise_are_two_clusters_at_the_truth() {
         assert_eq!(diagram.orders, [2, 4, 6, 8, 10, 12, 14, 16, 18, 20], "{name}");
         assert_eq!(diagram.clusters.len(), 2, "{name}: {:?}", diagram.clusters);
         for (cluster, (hz, zeta)) in diagram.clusters.iter().zip(MODES) {
-            let found = cluster.natural_frequency_rad_per_s.median / TAU;
-            println!("{name}: {found:.4} Hz, damping {:.5}, {} orders", cluster.damping_ratio.median, cluster.orders);
+            let estimated = cluster.natural_frequency_rad_per_s.median / TAU;
+            println!(
+                "{name}: {estimated:.4} Hz, damping {:.5}, {} orders",
+                cluster.damping_ratio.median, cluster.orders
+            );
             // Noise of 1 % (impulse response) or 2 to 3 % (two sensors): a few tenths of the tolerated change.
-            assert!((found / hz - 1.0).abs() < 0.003, "{name}: {found}");
+            assert!((estimated / hz - 1.0).abs() < 0.003, "{name}: {estimated}");
             assert!((cluster.damping_ratio.median / zeta - 1.0).abs() < 0.1, "{name}: {:?}", cluster.damping_ratio);
             assert!(cluster.orders >= 8 && cluster.damping_ratio.interquartile_range() < 0.1 * zeta);
         }
@@ -155,17 +158,17 @@ fn known_records_with_noise_have_their_modes_as_clusters() {
             .collect();
         let models = era_order_scan(&record, 20, None, None).unwrap();
         let diagram = stabilization(&models, 1e-4, crumple_sysid::StabilizationOptions::default());
-        let found: Vec<(f64, usize)> =
+        let estimated: Vec<(f64, usize)> =
             diagram.clusters.iter().map(|c| (c.natural_frequency_rad_per_s.median, c.orders)).collect();
         println!(
-            "{name}: {found:?} of {} orders, truth {:?}",
+            "{name}: {estimated:?} of {} orders, truth {:?}",
             diagram.orders.len(),
             exact.iter().map(|s| s.norm()).collect::<Vec<_>>()
         );
-        assert_eq!(found.len(), modes, "{name}: {found:?}");
+        assert_eq!(estimated.len(), modes, "{name}: {estimated:?}");
         for s in &exact {
             // The single models of these records are off by 0.3 % at most; the median over orders is no worse.
-            let best = found.iter().map(|(w, _)| (w / s.norm() - 1.0).abs()).fold(f64::INFINITY, f64::min);
+            let best = estimated.iter().map(|(w, _)| (w / s.norm() - 1.0).abs()).fold(f64::INFINITY, f64::min);
             assert!(best < 5e-3, "{name}: {best}");
         }
     }
@@ -182,7 +185,7 @@ fn against_monte_carlo(
     estimate: impl Fn(&[f64]) -> Option<(Vec<Complex>, Vec<f64>)> + Sync,
 ) {
     const RECORDS: u64 = 120;
-    let found: Vec<Vec<Complex>> =
+    let estimated: Vec<Vec<Complex>> =
         (0..RECORDS).map(|i| estimate(&with_noise(clean, noise, 100 + i)).unwrap().0).collect();
     for resampling in [Resampling::Blocks, Resampling::Autoregression] {
         let record = with_noise(clean, noise, 9);
@@ -197,9 +200,9 @@ fn against_monte_carlo(
         assert!(boot.failed <= 4, "{name}: {}", boot.failed);
         for s in poles() {
             let k = model.iter().position(|p| *p == nearest(&model, s)).unwrap();
-            let frequencies: Vec<f64> = found.iter().map(|poles| nearest(poles, s).norm()).collect();
+            let frequencies: Vec<f64> = estimated.iter().map(|poles| nearest(poles, s).norm()).collect();
             let dampings: Vec<f64> =
-                found.iter().map(|poles| Mode::continuous(nearest(poles, s)).damping_ratio.unwrap()).collect();
+                estimated.iter().map(|poles| Mode::continuous(nearest(poles, s)).damping_ratio.unwrap()).collect();
             let by_records = [deviation(&frequencies), deviation(&dampings)];
             let by_bootstrap = [boot.frequency[k].unwrap().deviation, boot.damping[k].unwrap().deviation];
             for ((records, bootstrap), what) in by_records.iter().zip(by_bootstrap).zip(["frequency", "damping"]) {
@@ -234,9 +237,9 @@ fn bootstrap_of_a_subspace_model_tells_the_spread_over_many_records() {
     against_monte_carlo("moesp", &clean, 0.2, 13, |y| {
         let data = IoData::single(input.clone(), y.to_vec(), DT_S).ok()?;
         let options = SubspaceOptions { weighting: Weighting::Moesp, block_rows: 12, direct: true };
-        let found = Subspace::new(&data, options).ok()?.realize(4).ok()?;
-        let simulated = crumple_sysid::simulate_fitted(&found.model, &data).ok()?.0.swap_remove(0);
-        Some((continuous(found.model.poles().ok()?), simulated))
+        let estimated = Subspace::new(&data, options).ok()?.realize(4).ok()?;
+        let simulated = crumple_sysid::simulate_fitted(&estimated.model, &data).ok()?.0.swap_remove(0);
+        Some((continuous(estimated.model.poles().ok()?), simulated))
     });
 }
 
@@ -257,14 +260,14 @@ fn bootstrap_of_a_transfer_function_agrees_with_records_and_with_its_covariance(
         Some((fit.modes.iter().map(|m| m.pole).collect(), fit.simulated))
     });
     // One record's covariance against the spread.
-    let found: Vec<_> = (0..120).map(|i| fit(&with_noise(&clean, 0.2, 300 + i)).unwrap()).collect();
+    let estimated: Vec<_> = (0..120).map(|i| fit(&with_noise(&clean, 0.2, 300 + i)).unwrap()).collect();
     for s in truth {
         let of = |fit: &crumple_sysid::TransferFunctionFit| {
             let k = (0..4).min_by(|a, b| (fit.modes[*a].pole - s).norm().total_cmp(&(fit.modes[*b].pole - s).norm()));
             (fit.modes[k.unwrap()].natural_frequency_rad_per_s, fit.search.mode_deviations[k.unwrap()].unwrap().0)
         };
-        let spread = deviation(&found.iter().map(|fit| of(fit).0).collect::<Vec<_>>());
-        let stated = of(&found[0]).1;
+        let spread = deviation(&estimated.iter().map(|fit| of(fit).0).collect::<Vec<_>>());
+        let stated = of(&estimated[0]).1;
         println!("tfest covariance: {stated:.3e}, records {spread:.3e}");
         // 120 records: 6.5 %; noise of one record 3.5 %; linearisation at poles one deviation off: three times.
         assert!((stated / spread - 1.0).abs() < 0.25, "{stated} {spread}");
@@ -304,10 +307,10 @@ fn covariance_of_arx_is_the_spread_over_many_records_of_its_own_kind() {
         let mode = Mode::discrete(poles[0], DT_S).unwrap();
         (mode.natural_frequency_rad_per_s, mode.damping_ratio.unwrap(), model.mode_deviations(&poles)[0].unwrap())
     };
-    let found: Vec<_> = (0..150).map(|i| numbers(&record(500 + i))).collect();
-    let (frequency, damping) = found[0].2;
-    let spread_w = deviation(&found.iter().map(|x| x.0).collect::<Vec<_>>());
-    let spread_zeta = deviation(&found.iter().map(|x| x.1).collect::<Vec<_>>());
+    let estimated: Vec<_> = (0..150).map(|i| numbers(&record(500 + i))).collect();
+    let (frequency, damping) = estimated[0].2;
+    let spread_w = deviation(&estimated.iter().map(|x| x.0).collect::<Vec<_>>());
+    let spread_zeta = deviation(&estimated.iter().map(|x| x.1).collect::<Vec<_>>());
     // 150 records: 6 %; noise of one record 2.5 %, second order a few percent: three times.
     assert!((frequency / spread_w - 1.0).abs() < 0.22, "{frequency} {spread_w}");
     assert!((damping / spread_zeta - 1.0).abs() < 0.22, "{damping} {spread_zeta}");
@@ -334,17 +337,17 @@ fn bands_cover_the_true_frequency_response_as_often_as_they_say() {
         let y = with_noise(&clean, 0.2, 700 + record);
         let data = IoData::single(input.clone(), y.clone(), DT_S).unwrap();
         let fit = transfer_function_fit(&data, &options).unwrap();
-        let found = frequency_response(&fit.state_space, &rad_per_s).unwrap();
+        let estimated = frequency_response(&fit.state_space, &rad_per_s).unwrap();
         let covariance = fit.coefficient_covariance.as_ref().unwrap();
         for (k, band) in response_deviations(&fit.transfer_function, 4, covariance, &rad_per_s).iter().enumerate() {
             let (magnitude, phase) = band.unwrap();
-            let error = (found[k] / exact[k]).ln();
+            let error = (estimated[k] / exact[k]).ln();
             magnitudes += usize::from(error.re.abs() < 1.6449 * magnitude);
             phases += usize::from(error.im.abs() < 1.6449 * phase);
         }
         if record < 20 {
             let residual: Vec<f64> = y.iter().zip(&fit.simulated).map(|(y, yh)| y - yh).collect();
-            let sample = Sample { response: found, ..Sample::default() };
+            let sample = Sample { response: estimated, ..Sample::default() };
             let few = BootstrapOptions { replicates: 100, ..BootstrapOptions::default() };
             let again = |y: &[f64]| {
                 let fit =

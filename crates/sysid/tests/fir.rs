@@ -33,10 +33,11 @@ fn data(samples: usize, level: f64, seed: usize, x0: f64) -> IoData {
     IoData::single(u, y, 1e-3).unwrap()
 }
 
-fn error(found: &Fir, taps: usize) -> f64 {
+fn error(estimated: &Fir, taps: usize) -> f64 {
     let exact = markov_parameters(&system(), taps).swap_remove(0);
     let square = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
-    (square(&mut exact.iter().zip(&found.sequences[0]).map(|(a, b)| a - b)) / square(&mut exact.iter().copied())).sqrt()
+    (square(&mut exact.iter().zip(&estimated.sequences[0]).map(|(a, b)| a - b)) / square(&mut exact.iter().copied()))
+        .sqrt()
 }
 
 #[test]
@@ -65,10 +66,10 @@ fn short_noisy_records_are_estimated_better_than_by_least_squares_every_time() {
 fn fewer_samples_than_taps_are_enough_with_a_kernel() {
     let data = data(50, 0.05, 3, 0.0);
     let options = FirOptions { taps: 60, kernel: Kernel::TunedCorrelated, at_rest: true };
-    let found = fir(&data, options).unwrap();
-    let chosen = found.hyperparameters[0].unwrap();
-    println!("error {:.3}, {chosen:?}", error(&found, 60));
-    assert!(error(&found, 60) < 0.3, "{}", error(&found, 60));
+    let estimated = fir(&data, options).unwrap();
+    let chosen = estimated.hyperparameters[0].unwrap();
+    println!("error {:.3}, {chosen:?}", error(&estimated, 60));
+    assert!(error(&estimated, 60) < 0.3, "{}", error(&estimated, 60));
     assert!(chosen.effective_parameters < 50.0 && chosen.decay < 1.0);
     let refused = fir(&data, FirOptions { kernel: Kernel::None, ..options });
     assert!(matches!(refused, Err(IdentifyError::TooShort { needed: 61, .. })), "{refused:?}");
@@ -80,8 +81,8 @@ fn long_clean_records_give_the_response_with_and_without_a_kernel() {
     for at_rest in [true, false] {
         let data = data(800, 0.0, 1, if at_rest { 0.0 } else { 5.0 });
         for kernel in Kernel::ALL {
-            let found = fir(&data, FirOptions { taps, kernel, at_rest }).unwrap();
-            let error = error(&found, taps);
+            let estimated = fir(&data, FirOptions { taps, kernel, at_rest }).unwrap();
+            let error = error(&estimated, taps);
             // What is left of the response after 80 taps: 0.895^80 = 1e-4, thrown on the others.
             assert!(error < 1e-3, "{}: {error:e}", kernel.name());
         }
@@ -96,9 +97,9 @@ fn era_on_the_estimate_finds_the_pole_where_least_squares_leaves_noise() {
     for seed in 0..15 {
         let data = data(200, 0.2, seed, 0.0);
         for (errors, kernel) in pole_errors.iter_mut().zip([Kernel::TunedCorrelated, Kernel::None]) {
-            let found = fir(&data, FirOptions { taps, kernel, at_rest: true }).unwrap();
+            let estimated = fir(&data, FirOptions { taps, kernel, at_rest: true }).unwrap();
             let model =
-                era(&found.sequences[0], EraOptions { order: Order::Given(2), ..EraOptions::new(1e-3) }).unwrap();
+                era(&estimated.sequences[0], EraOptions { order: Order::Given(2), ..EraOptions::new(1e-3) }).unwrap();
             let poles = model.discrete.poles().unwrap();
             errors.push(poles.iter().map(|z| (z - exact).norm()).fold(f64::INFINITY, f64::min));
         }
@@ -117,12 +118,12 @@ fn two_inputs_and_a_silent_output() {
     let b = data(300, 0.02, 6, 0.0);
     let sum: Vec<f64> = a.outputs()[0].iter().zip(&b.outputs()[0]).map(|(x, y)| x + y).collect();
     let both = IoData::new(vec![a.inputs()[0].clone(), b.inputs()[0].clone()], vec![sum], 1e-3).unwrap();
-    let found = fir(&both, FirOptions { taps: 50, kernel: Kernel::TunedCorrelated, at_rest: true }).unwrap();
+    let estimated = fir(&both, FirOptions { taps: 50, kernel: Kernel::TunedCorrelated, at_rest: true }).unwrap();
     let exact = markov_parameters(&system(), 50).swap_remove(0);
-    for sequence in &found.sequences {
-        for (found, exact) in sequence.iter().zip(&exact) {
+    for sequence in &estimated.sequences {
+        for (estimated, exact) in sequence.iter().zip(&exact) {
             // 2 % noise on 300 samples: a percent or two of the largest tap, 1.15.
-            assert!((found - exact).abs() < 0.1, "{found} {exact}");
+            assert!((estimated - exact).abs() < 0.1, "{estimated} {exact}");
         }
     }
     let silent = IoData::new(vec![a.inputs()[0].clone()], vec![vec![0.0; 300]], 1e-3).unwrap();

@@ -163,20 +163,20 @@ fn load(folder: &Path) -> Result<Known, String> {
 }
 
 /// Largest distance of a true pole to the nearest found one, relative to the true one: what the reference states.
-fn nearest_error(found: &[Complex], truth: &[Complex]) -> f64 {
-    let nearest = |t: &Complex| found.iter().map(|f| (f - t).norm()).fold(f64::INFINITY, f64::min) / t.norm();
+fn nearest_error(estimated: &[Complex], truth: &[Complex]) -> f64 {
+    let nearest = |t: &Complex| estimated.iter().map(|f| (f - t).norm()).fold(f64::INFINITY, f64::min) / t.norm();
     truth.iter().map(nearest).fold(0.0, f64::max)
 }
 
 /// The same to a found one of its own: the closest pairs first. Of two poles near each other one alone is not enough.
-fn own_error(found: &[Complex], truth: &[Complex]) -> f64 {
+fn own_error(estimated: &[Complex], truth: &[Complex]) -> f64 {
     let mut pairs: Vec<(f64, usize, usize)> = truth
         .iter()
         .enumerate()
-        .flat_map(|(i, t)| found.iter().enumerate().map(move |(j, f)| ((f - t).norm() / t.norm(), i, j)))
+        .flat_map(|(i, t)| estimated.iter().enumerate().map(move |(j, f)| ((f - t).norm() / t.norm(), i, j)))
         .collect();
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut errors, mut used) = (vec![f64::INFINITY; truth.len()], vec![false; found.len()]);
+    let (mut errors, mut used) = (vec![f64::INFINITY; truth.len()], vec![false; estimated.len()]);
     for (error, i, j) in pairs {
         if errors[i].is_infinite() && !used[j] {
             errors[i] = error;
@@ -202,8 +202,8 @@ fn check(folder: &Path) -> Result<String, String> {
     let known = load(folder)?;
     let order = known.poles.len();
     let mut report = String::new();
-    let (found, _) = identify(&known, None)?;
-    let whole = (if known.noisy { nearest_error } else { own_error })(&found, &known.poles);
+    let (estimated, _) = identify(&known, None)?;
+    let whole = (if known.noisy { nearest_error } else { own_error })(&estimated, &known.poles);
     let _infallible =
         write!(report, "{} samples of {} s, order {order}, whole record {whole:.1e}", known.samples.len(), known.dt_s);
     let mut stated: Vec<f64> = known.references.iter().map(|reference| reference.error).collect();
@@ -220,8 +220,9 @@ fn check(folder: &Path) -> Result<String, String> {
     }
     for reference in &known.references {
         let Reference { rows, columns, error: stated, .. } = *reference;
-        let (found, model) = identify(&known, Some((rows, columns))).map_err(|e| format!("{rows}x{columns}: {e}"))?;
-        let error = nearest_error(&found, &known.poles);
+        let (estimated, model) =
+            identify(&known, Some((rows, columns))).map_err(|e| format!("{rows}x{columns}: {e}"))?;
+        let error = nearest_error(&estimated, &known.poles);
         let _infallible = write!(report, "; {rows}x{columns} {error:.2e} (reference {stated:.2e})");
         // The same algorithm: equal but for rounding, which the ratio of the singular values amplifies.
         let values = &model.singular_values;
@@ -233,7 +234,7 @@ fn check(folder: &Path) -> Result<String, String> {
         // Poles of the reference itself, where they are defined: not artefacts of sampling.
         let defined = |s: &Complex| s.im != 0.0 && s.im.abs() < 0.9 * PI / known.dt_s;
         if reference.poles.len() == order && reference.poles.iter().all(defined) {
-            let apart = nearest_error(&found, &reference.poles);
+            let apart = nearest_error(&estimated, &reference.poles);
             if apart > 1e-6 {
                 return Err(format!("{rows}x{columns}: {apart:e} from the poles of the reference"));
             }
@@ -322,8 +323,8 @@ fn write(folder: &Path, name: &str, modes: &[[f64; 4]], dt_s: f64, level: f64, s
     let recoveries: Vec<Value> = sizes
         .iter()
         .map(|&(rows, columns)| {
-            let found = formed_era(&values[BEFORE..], dt_s, poles.len(), (rows, columns));
-            json!({ "alpha": rows, "beta": columns, "max_relative_pole_error": nearest_error(&found, &poles) })
+            let estimated = formed_era(&values[BEFORE..], dt_s, poles.len(), (rows, columns));
+            json!({ "alpha": rows, "beta": columns, "max_relative_pole_error": nearest_error(&estimated, &poles) })
         })
         .collect();
     let mut truth = json!({

@@ -33,18 +33,18 @@ fn clean_data_give_markov_parameters_model_and_predictor() {
     assert_eq!((okid.rank, okid.regressors), (17, 26));
     let exact = markov_parameters(&truth, 60);
     for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-        for (found, exact) in okid.system(i, j).iter().zip(&exact[2 * i + j]) {
+        for (estimated, exact) in okid.system(i, j).iter().zip(&exact[2 * i + j]) {
             // Rounding, times the condition of the regression.
-            assert!((found - exact).abs() < 1e-10, "{found} {exact}");
+            assert!((estimated - exact).abs() < 1e-10, "{estimated} {exact}");
         }
     }
     // No noise: the gain is not determined.
     let alone = OkidRealization { jointly: false, max_order: 10 };
-    let found = okid.realize(Order::Given(3), alone).unwrap();
-    for (found, exact) in found.model.poles().unwrap().iter().zip(truth.poles().unwrap()) {
-        assert!((found - exact).norm() < 1e-9, "{found} {exact}");
+    let estimated = okid.realize(Order::Given(3), alone).unwrap();
+    for (estimated, exact) in estimated.model.poles().unwrap().iter().zip(truth.poles().unwrap()) {
+        assert!((estimated - exact).norm() < 1e-9, "{estimated} {exact}");
     }
-    for fit in compare(&found.model, &data).unwrap() {
+    for fit in compare(&estimated.model, &data).unwrap() {
         assert!(fit.unwrap().fit_percent.unwrap() > 100.0 - 1e-7, "{fit:?}");
     }
     let automatic = okid.realize(Order::Automatic, alone).unwrap();
@@ -67,21 +67,21 @@ fn the_kalman_gain_of_an_innovations_model_comes_back() {
     let data = IoData::new(u, y, 0.01).unwrap();
     let lags = Lags::Best { highest: 25, criterion: Criterion::Aicc };
     let okid = Okid::new(&data, OkidOptions::new(lags)).unwrap();
-    let found = okid.realize(Order::Given(3), OkidRealization::default()).unwrap();
+    let estimated = okid.realize(Order::Given(3), OkidRealization::default()).unwrap();
     println!("{} lags, growth {:.2e}", okid.lags, okid.growth);
     let gain = |model: &StateSpace, k: &DMatrix<f64>| {
         let zero = DMatrix::zeros(2, 2);
         let through = StateSpace::new(model.a.clone(), k.clone(), model.c.clone(), zero, Some(0.01)).unwrap();
         markov_parameters(&through, 8)
     };
-    for (found, exact) in gain(&found.model, &found.kalman_gain).iter().zip(gain(&truth, &k)) {
-        for (found, exact) in found.iter().zip(exact) {
+    for (estimated, exact) in gain(&estimated.model, &estimated.kalman_gain).iter().zip(gain(&truth, &k)) {
+        for (estimated, exact) in estimated.iter().zip(exact) {
             // Each is a regression coefficient on 20,000 samples, or a sum of some: 1/sqrt N = 0.007, four of them.
-            assert!((found - exact).abs() < 0.03, "{found} {exact}");
+            assert!((estimated - exact).abs() < 0.03, "{estimated} {exact}");
         }
     }
     // The predictor leaves the innovations and no more: their root mean square is 0.5.
-    let predictor = found.predictor().unwrap();
+    let predictor = estimated.predictor().unwrap();
     let seen: Vec<Vec<f64>> = data.inputs().iter().chain(data.outputs()).cloned().collect();
     let predicted = simulate(&predictor, &seen, &[0.0; 3]).unwrap();
     for (y, predicted) in data.outputs().iter().zip(&predicted) {

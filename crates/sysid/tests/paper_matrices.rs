@@ -11,9 +11,9 @@ fn modes(a: &DMatrix<f64>) -> Vec<Mode> {
 
 /// Checks pole, modulus and damping against values recomputed with 50 digits.
 fn check(a: &DMatrix<f64>, expected: &[(f64, f64, f64, f64)]) {
-    let found = modes(a);
-    assert_eq!(found.len(), expected.len());
-    for (mode, &(re, im, modulus, damping)) in found.iter().zip(expected) {
+    let estimated = modes(a);
+    assert_eq!(estimated.len(), expected.len());
+    for (mode, &(re, im, modulus, damping)) in estimated.iter().zip(expected) {
         // Rounding of a 4x4 eigenvalue problem of norm 2e3.
         let close = |x: f64, y: f64| (x - y).abs() < 1e-9 * modulus;
         assert!(close(mode.pole.re, re) && close(mode.pole.im, im), "{} against {re} {im}", mode.pole);

@@ -31,10 +31,10 @@ fn chain(inputs: usize) -> StateSpace {
     discretize_zero_order_hold(&StateSpace::new(a, b, c, d, None).unwrap(), DT_S).unwrap()
 }
 
-fn worst(found: &[Complex], truth: &[Complex]) -> f64 {
+fn worst(estimated: &[Complex], truth: &[Complex]) -> f64 {
     truth
         .iter()
-        .map(|t| found.iter().map(|f| (f - t).norm()).fold(f64::INFINITY, f64::min) / t.norm())
+        .map(|t| estimated.iter().map(|f| (f - t).norm()).fold(f64::INFINITY, f64::min) / t.norm())
         .fold(0.0, f64::max)
 }
 

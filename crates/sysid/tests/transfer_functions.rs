@@ -70,9 +70,9 @@ fn coefficients_of_the_printed_model_come_back_to_nine_digits() {
         fit.loss
     );
     println!("{:?} / {:?}", fit.transfer_function.numerator(), fit.transfer_function.denominator());
-    let found = fit.transfer_function.denominator().iter().chain(fit.transfer_function.numerator());
-    for (found, exact) in found.zip(DENOMINATOR.iter().chain(&NUMERATOR)) {
-        assert!((found / exact - 1.0).abs() < 1e-9, "{found} {exact}");
+    let estimated = fit.transfer_function.denominator().iter().chain(fit.transfer_function.numerator());
+    for (estimated, exact) in estimated.zip(DENOMINATOR.iter().chain(&NUMERATOR)) {
+        assert!((estimated / exact - 1.0).abs() < 1e-9, "{estimated} {exact}");
     }
     // The zero in the right half plane is the finding about that model.
     assert!((fit.zeros[0].re - 466.2 / 76.15).abs() < 1e-7);
@@ -89,12 +89,13 @@ fn coefficients_of_the_printed_model_come_back_to_nine_digits() {
 fn noise_is_covered_by_the_standard_deviations_and_blurs_the_numerator() {
     for noise_m in [1e-4, 1e-3] {
         let fit = transfer_function_fit(&crash(noise_m), &TransferFunctionOptions::new(4, 1)).unwrap();
-        let found = fit.transfer_function.denominator()[1..].iter().chain(fit.transfer_function.numerator());
+        let estimated = fit.transfer_function.denominator()[1..].iter().chain(fit.transfer_function.numerator());
         let deviations = fit.search.denominator_deviations.iter().chain(&fit.numerator_deviations);
-        for ((found, exact), deviation) in found.zip(DENOMINATOR[1..].iter().chain(&NUMERATOR)).zip(deviations) {
-            println!("{noise_m}: {found:.6e} +- {deviation:.1e}, exact {exact:.6e}");
+        for ((estimated, exact), deviation) in estimated.zip(DENOMINATOR[1..].iter().chain(&NUMERATOR)).zip(deviations)
+        {
+            println!("{noise_m}: {estimated:.6e} +- {deviation:.1e}, exact {exact:.6e}");
             // Four deviations; the data are fixed.
-            assert!((found - exact).abs() < 4.0 * deviation, "{found} {exact} {deviation}");
+            assert!((estimated - exact).abs() < 4.0 * deviation, "{estimated} {exact} {deviation}");
         }
         let rmse = fit.fit.unwrap().rmse;
         assert!((rmse / noise_m - 1.0).abs() < 0.1, "{rmse}");
@@ -126,12 +127,12 @@ fn rest_is_found_by_the_test_and_other_orders_and_holds_come_back() {
         };
         let fit = transfer_function_fit(&data, &options).unwrap();
         assert!(!fit.search.initial_estimated, "order {n}");
-        for ((found, exact), deviation) in fit.transfer_function.denominator()[1..]
+        for ((estimated, exact), deviation) in fit.transfer_function.denominator()[1..]
             .iter()
             .zip(&denominator[1..])
             .zip(&fit.search.denominator_deviations)
         {
-            assert!((found - exact).abs() < 4.0 * deviation, "order {n}: {found} {exact} +- {deviation}");
+            assert!((estimated - exact).abs() < 4.0 * deviation, "order {n}: {estimated} {exact} +- {deviation}");
         }
     }
 }

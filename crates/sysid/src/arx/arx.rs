@@ -277,9 +277,9 @@ mod tests {
     fn clean_data_give_the_coefficients_back() {
         for nk in [0, 1, 3] {
             let model = arx(&record(nk, 0.0, 400), ArxOrder { na: 2, nb: 2, nk }).unwrap();
-            for (found, exact) in model.a.iter().chain(&model.b[0]).zip([-1.6, 0.8, 0.5, 0.3]) {
+            for (estimated, exact) in model.a.iter().chain(&model.b[0]).zip([-1.6, 0.8, 0.5, 0.3]) {
                 // Rounding times a condition number below 100.
-                assert!((found - exact).abs() < 1e-13, "{found} {exact}");
+                assert!((estimated - exact).abs() < 1e-13, "{estimated} {exact}");
             }
         }
     }
@@ -288,10 +288,10 @@ mod tests {
     fn covariance_covers_the_error_and_the_scan_finds_the_delay() {
         let data = record(2, 0.1, 3000);
         let model = arx(&data, ArxOrder { na: 2, nb: 2, nk: 2 }).unwrap();
-        for (i, (found, exact)) in model.a.iter().chain(&model.b[0]).zip([-1.6, 0.8, 0.5, 0.3]).enumerate() {
+        for (i, (estimated, exact)) in model.a.iter().chain(&model.b[0]).zip([-1.6, 0.8, 0.5, 0.3]).enumerate() {
             // Four standard deviations: one in 16,000 by chance, and the data are fixed.
             let deviation = model.covariance[(i, i)].sqrt();
-            assert!((found - exact).abs() < 4.0 * deviation && deviation < 0.01, "{found} {exact} {deviation}");
+            assert!((estimated - exact).abs() < 4.0 * deviation && deviation < 0.01, "{estimated} {exact} {deviation}");
         }
         // Uniform noise of half-width 0.1 has variance 0.01/3; 3000 samples know it to 3 %.
         assert!((model.loss / (0.01 / 3.0) - 1.0).abs() < 0.1);

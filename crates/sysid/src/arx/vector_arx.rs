@@ -143,16 +143,16 @@ mod tests {
         let model = truth.state_space().unwrap();
         let y = simulate(&model, &u, &[0.1, -0.2, 0.3, 0.4]).unwrap();
         let data = IoData::new(u, y, 0.1).unwrap();
-        let found = vector_arx(&data, truth.order).unwrap();
-        for (found, exact) in found.a.iter().chain(&found.b).zip(truth.a.iter().chain(&truth.b)) {
+        let estimated = vector_arx(&data, truth.order).unwrap();
+        for (estimated, exact) in estimated.a.iter().chain(&estimated.b).zip(truth.a.iter().chain(&truth.b)) {
             // Rounding times a condition number below 100.
-            assert!((found - exact).amax() < 1e-12, "{found} {exact}");
+            assert!((estimated - exact).amax() < 1e-12, "{estimated} {exact}");
         }
-        let predicted = found.predict(&data);
+        let predicted = estimated.predict(&data);
         for (predicted, measured) in predicted.iter().zip(data.outputs()) {
             assert!(predicted.iter().zip(measured).all(|(x, y)| (x - y).abs() < 1e-12));
         }
-        for fit in crate::compare(&found.state_space().unwrap(), &data).unwrap() {
+        for fit in crate::compare(&estimated.state_space().unwrap(), &data).unwrap() {
             assert!(fit.unwrap().fit_percent.unwrap() > 100.0 - 1e-8, "{fit:?}");
         }
     }

@@ -205,9 +205,9 @@ mod tests {
                 h.multiply_transposed(shift, &x[..rows * q], &mut out_t);
                 let exact = &dense * DMatrix::from_column_slice(columns * m, 1, &x[..columns * m]);
                 let exact_t = dense.transpose() * DMatrix::from_column_slice(rows * q, 1, &x[..rows * q]);
-                for (found, expected) in out.iter().chain(&out_t).zip(exact.iter().chain(exact_t.iter())) {
+                for (estimated, expected) in out.iter().chain(&out_t).zip(exact.iter().chain(exact_t.iter())) {
                     // Sums of up to 64 terms of size 1 to 2: a few hundred rounding units.
-                    assert!((found - expected).abs() < 1e-13, "{rows}x{columns}: {found} against {expected}");
+                    assert!((estimated - expected).abs() < 1e-13, "{rows}x{columns}: {estimated} against {expected}");
                 }
                 if shift == Shift::Zero {
                     assert_eq!(h.dense(), dense);

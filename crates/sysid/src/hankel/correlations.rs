@@ -172,9 +172,9 @@ mod tests {
                 let factor = DMatrix::from_column_slice(n, 1, &x);
                 let exact = &stacked * &factor;
                 let exact_t = stacked.transpose() * &factor;
-                for (found, expected) in out.iter().chain(&out_t).zip(exact.iter().chain(exact_t.iter())) {
+                for (estimated, expected) in out.iter().chain(&out_t).zip(exact.iter().chain(exact_t.iter())) {
                     // Sums of up to 500 terms of size 1: some hundred rounding units of them.
-                    assert!((found - expected).abs() < 1e-11, "{size:?}: {found} against {expected}");
+                    assert!((estimated - expected).abs() < 1e-11, "{size:?}: {estimated} against {expected}");
                 }
                 if shift == Shift::Zero {
                     assert!((pair.dense() - &stacked).amax() < 1e-12);

@@ -131,7 +131,7 @@ mod tests {
         let a = [-1.6, 0.9, -0.1];
         let covariance = nalgebra::dmatrix![4e-6, 1e-6, 0.0; 1e-6, 9e-6, -2e-6; 0.0, -2e-6, 1e-6];
         let roots = polynomial_roots(&[1.0, a[0], a[1], a[2]]).unwrap();
-        let found = discrete_mode_deviations(&a, &covariance, &roots, 1e-3);
+        let estimated = discrete_mode_deviations(&a, &covariance, &roots, 1e-3);
         let mut full = DMatrix::zeros(4, 4);
         full.view_mut((1, 1), (3, 3)).copy_from(&covariance);
         let parts = root_deviations(&[1.0, a[0], a[1], a[2]], &full, &roots);
@@ -154,12 +154,13 @@ mod tests {
             }
             let exact = &gradients * &covariance * gradients.transpose();
             let (re, im) = parts[k].unwrap();
-            let (w, zeta) = found[k].unwrap();
-            for (found, exact) in [(re, exact[(0, 0)]), (im, exact[(1, 1)]), (w, exact[(2, 2)]), (zeta, exact[(3, 3)])]
+            let (w, zeta) = estimated[k].unwrap();
+            for (estimated, exact) in
+                [(re, exact[(0, 0)]), (im, exact[(1, 1)]), (w, exact[(2, 2)]), (zeta, exact[(3, 3)])]
             {
                 // Central differences of roots known to 1e-15 with a step of 1e-6: 1e-9, over a gradient of order one.
                 let exact = exact.sqrt();
-                assert!((found - exact).abs() < 1e-6 * exact + 1e-9, "{z}: {found} {exact}");
+                assert!((estimated - exact).abs() < 1e-6 * exact + 1e-9, "{z}: {estimated} {exact}");
             }
         }
         // A double root has no first-order deviation.

@@ -138,16 +138,16 @@ mod tests {
     fn poles_come_back_for_any_inputs_and_outputs_with_delay_and_motion_at_the_start() {
         for (m, q, delay) in [(1, 1, 0), (2, 1, 3), (1, 3, 0), (2, 2, 0), (3, 2, 0), (2, 3, 1)] {
             let (data, poles) = data(m, q, delay);
-            let found = output_error(&data, OutputErrorOptions { delay, ..OutputErrorOptions::new(3) }).unwrap();
-            assert_eq!(found.model.order(), 3 * m.min(q));
-            for found in found.model.poles().unwrap() {
-                let miss = poles.iter().map(|exact| (found - exact).norm()).fold(f64::INFINITY, f64::min);
+            let estimated = output_error(&data, OutputErrorOptions { delay, ..OutputErrorOptions::new(3) }).unwrap();
+            assert_eq!(estimated.model.order(), 3 * m.min(q));
+            for estimated in estimated.model.poles().unwrap() {
+                let miss = poles.iter().map(|exact| (estimated - exact).norm()).fold(f64::INFINITY, f64::min);
                 // A perfect fit: rounding over the sensitivity of the poles.
-                assert!(miss < 1e-8, "{m} inputs, {q} outputs: {found} {poles:?}");
+                assert!(miss < 1e-8, "{m} inputs, {q} outputs: {estimated} {poles:?}");
             }
-            assert!(found.loss < 1e-18, "{}", found.loss);
+            assert!(estimated.loss < 1e-18, "{}", estimated.loss);
             if delay == 0 {
-                let fit = crate::compare(&found.model, &data).unwrap()[0].unwrap();
+                let fit = crate::compare(&estimated.model, &data).unwrap()[0].unwrap();
                 assert!(fit.fit_percent.unwrap() > 99.9999, "{fit:?}");
             }
         }
@@ -204,14 +204,14 @@ mod tests {
             let noise = |k: usize| 0.05 * rms * 12.0_f64.sqrt() * (uniform_at(5000 + seed, k) - 0.5);
             let y = clean.outputs()[0].iter().enumerate().map(|(k, y)| y + noise(k)).collect();
             let noisy = IoData::new(clean.inputs().to_vec(), vec![y], 0.01).unwrap();
-            let found = output_error(&noisy, OutputErrorOptions { random_starts: 0, ..OutputErrorOptions::new(3) });
-            let found = found.unwrap();
-            let (pole, deviations) = found.pole_deviations.iter().find(|(z, _)| z.im > 0.0).unwrap();
+            let estimated = output_error(&noisy, OutputErrorOptions { random_starts: 0, ..OutputErrorOptions::new(3) });
+            let estimated = estimated.unwrap();
+            let (pole, deviations) = estimated.pole_deviations.iter().find(|(z, _)| z.im > 0.0).unwrap();
             let (frequency, damping) = deviations.unwrap();
             let error = (pole.ln() / 0.01).norm() - exact[poles.iter().position(|z| z.im > 0.0).unwrap()];
             squares += error * error;
             expected += frequency * frequency;
-            assert!(damping.is_finite() && found.condition < 1e6, "{found:?}");
+            assert!(damping.is_finite() && estimated.condition < 1e6, "{estimated:?}");
         }
         let ratio = (squares / expected).sqrt();
         // Of 60 records a standard deviation is known to 9 %: three of these, and a tenth for effective samples.

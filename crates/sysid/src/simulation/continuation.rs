@@ -71,10 +71,10 @@ mod tests {
         let exact = held.response(&u, &x0).unwrap();
         let (standard, rest) = sampled(&model, Hold::First, dt).unwrap();
         let shifted = &x0 + rest.column(0) * u[0];
-        let found = simulate(&standard, std::slice::from_ref(&u), shifted.as_slice()).unwrap();
-        for (found, exact) in found[0].iter().zip(&exact) {
+        let estimated = simulate(&standard, std::slice::from_ref(&u), shifted.as_slice()).unwrap();
+        for (estimated, exact) in estimated[0].iter().zip(&exact) {
             // Rounding of 200 stable steps.
-            assert!((found - exact).abs() < 1e-13, "{found} {exact}");
+            assert!((estimated - exact).abs() < 1e-13, "{estimated} {exact}");
         }
         // The state is found from the first half, and the second half is predicted.
         let whole = IoData::single(u, exact.clone(), dt).unwrap();

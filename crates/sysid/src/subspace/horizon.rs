@@ -84,11 +84,11 @@ mod tests {
     #[test]
     fn a_longer_memory_asks_for_a_longer_horizon() {
         for memory in [7, 15, 30] {
-            let found = horizons(&echo(memory, 0.2), 10);
-            let lags = found.lags.unwrap();
+            let estimated = horizons(&echo(memory, 0.2), 10);
+            let lags = estimated.lags.unwrap();
             // The echo is worth a regressor; the noise at most a few more.
-            assert!((memory..=memory + 8).contains(&lags), "{memory}: {found:?}");
-            assert_eq!(found.block_rows.last(), Some(&(2 * lags)));
+            assert!((memory..=memory + 8).contains(&lags), "{memory}: {estimated:?}");
+            assert_eq!(estimated.block_rows.last(), Some(&(2 * lags)));
         }
         assert_eq!(horizons(&echo(2, 0.2), 40), Horizons { block_rows: vec![40], lags: None });
     }

@@ -243,12 +243,12 @@ mod tests {
             let subspace = Subspace::new(&data, SubspaceOptions { weighting, block_rows: 6, direct: true }).unwrap();
             let values = subspace.singular_values();
             assert!(values.get(3).is_none_or(|fourth| *fourth < 1e-10 * values[2]), "{}: {values:?}", weighting.name());
-            let found = subspace.realize(3).unwrap();
-            for (found, exact) in found.model.poles().unwrap().iter().zip(truth.poles().unwrap()) {
+            let estimated = subspace.realize(3).unwrap();
+            for (estimated, exact) in estimated.model.poles().unwrap().iter().zip(truth.poles().unwrap()) {
                 // Rounding times the condition of the past, about 1e3.
-                assert!((found - exact).norm() < 1e-10, "{}: {found} {exact}", weighting.name());
+                assert!((estimated - exact).norm() < 1e-10, "{}: {estimated} {exact}", weighting.name());
             }
-            for fit in crate::compare(&found.model, &data).unwrap() {
+            for fit in crate::compare(&estimated.model, &data).unwrap() {
                 assert!(fit.unwrap().fit_percent.unwrap() > 100.0 - 1e-7, "{fit:?}");
             }
             assert!(matches!(subspace.realize(4).unwrap_err(), IdentifyError::OrderTooHigh { highest: 3, .. }));

@@ -229,9 +229,9 @@ mod tests {
             let (data, truth) = record(m, q, 0.0);
             let fit = transfer_function_array(&data, &TransferFunctionOptions::new(4, 3)).unwrap();
             assert_eq!(fit.state_space.order(), 4 * m.min(q));
-            for (found, exact) in fit.modes.iter().zip(truth.poles().unwrap()) {
+            for (estimated, exact) in fit.modes.iter().zip(truth.poles().unwrap()) {
                 // A perfect fit: rounding over the sensitivity of the poles.
-                assert!((found.pole - exact).norm() < 1e-7 * exact.norm(), "{m} {q}: {} {exact}", found.pole);
+                assert!((estimated.pole - exact).norm() < 1e-7 * exact.norm(), "{m} {q}: {} {exact}", estimated.pole);
             }
             for s in [Complex::new(0.0, 20.0), Complex::new(1.0, 90.0)] {
                 for i in 0..q {
@@ -253,12 +253,13 @@ mod tests {
     fn deviations_cover_the_error_of_noisy_paths() {
         let (data, truth) = record(2, 2, 0.2);
         let fit = transfer_function_array(&data, &TransferFunctionOptions::new(4, 3)).unwrap();
-        for ((found, deviation), exact) in fit.modes.iter().zip(&fit.search.mode_deviations).zip(truth.poles().unwrap())
+        for ((estimated, deviation), exact) in
+            fit.modes.iter().zip(&fit.search.mode_deviations).zip(truth.poles().unwrap())
         {
             let (w, zeta) = deviation.unwrap();
             // Four deviations; the data are fixed.
-            assert!((found.natural_frequency_rad_per_s - exact.norm()).abs() < 4.0 * w && w < 0.02 * exact.norm());
-            assert!((found.damping_ratio.unwrap() + exact.re / exact.norm()).abs() < 4.0 * zeta);
+            assert!((estimated.natural_frequency_rad_per_s - exact.norm()).abs() < 4.0 * w && w < 0.02 * exact.norm());
+            assert!((estimated.damping_ratio.unwrap() + exact.re / exact.norm()).abs() < 4.0 * zeta);
         }
     }
 

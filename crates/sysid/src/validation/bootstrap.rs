@@ -227,9 +227,9 @@ mod tests {
     fn poles_go_to_their_nearest_each_once() {
         let c = Complex::new;
         let reference = [c(-1.0, 5.0), c(-1.0, -5.0), c(-3.0, 0.0)];
-        let found = [c(-2.9, 0.0), c(-1.1, -5.2), c(-1.1, 5.2)];
-        assert_eq!(matched(&reference, &found), [Some(found[2]), Some(found[1]), Some(found[0])]);
-        assert_eq!(matched(&reference[..2], &found[..1]), [Some(found[0]), None]);
+        let estimated = [c(-2.9, 0.0), c(-1.1, -5.2), c(-1.1, 5.2)];
+        assert_eq!(matched(&reference, &estimated), [Some(estimated[2]), Some(estimated[1]), Some(estimated[0])]);
+        assert_eq!(matched(&reference[..2], &estimated[..1]), [Some(estimated[0]), None]);
     }
 
     #[test]
@@ -257,7 +257,7 @@ mod tests {
             let data = IoData::single(u.clone(), y.clone(), DT_S).unwrap();
             let model = arx(&data, order).unwrap();
             let errors: Vec<f64> = y.iter().zip(model.predict(&data)).map(|(y, yh)| y - yh).skip(2).collect();
-            let found = bootstrap_equation_errors(
+            let estimated = bootstrap_equation_errors(
                 &sample(&model).unwrap(),
                 &errors,
                 5,
@@ -267,7 +267,7 @@ mod tests {
             )
             .unwrap();
             let estimate = Mode::continuous(sample(&model).unwrap().poles[0]);
-            let spreads = [found.frequency[0].unwrap(), found.damping[0].unwrap()];
+            let spreads = [estimated.frequency[0].unwrap(), estimated.damping[0].unwrap()];
             for (holds, mode) in holds.iter_mut().zip([estimate, truth]) {
                 let numbers = [mode.natural_frequency_rad_per_s, mode.damping_ratio.unwrap()];
                 for ((holds, spread), x) in holds.iter_mut().zip(&spreads).zip(numbers) {
@@ -291,12 +291,15 @@ mod tests {
             let mean = mean(y);
             (mean > -7.03).then(|| Sample { poles: vec![Complex::new(mean, 0.0)], ..Sample::default() })
         };
-        let found = bootstrap(&model, &vec![-7.0; n], &residual, 1, BootstrapOptions::default(), refit).unwrap();
+        let estimated = bootstrap(&model, &vec![-7.0; n], &residual, 1, BootstrapOptions::default(), refit).unwrap();
         // Deviation 1/sqrt(12 n) = 0.0144; 200 replicates know theirs to 5 %, the residuals to 3 %, cutting off the
         // lowest 2 % takes some 5 %: four times the root of the squares.
-        let spread = found.frequency[0].unwrap();
+        let spread = estimated.frequency[0].unwrap();
         assert!((spread.deviation / 0.0144 - 1.0).abs() < 0.28, "{spread:?}");
-        assert!(found.failed > 0 && found.failed < 20 && found.replicates + found.failed == 200, "{found:?}");
+        assert!(
+            estimated.failed > 0 && estimated.failed < 20 && estimated.replicates + estimated.failed == 200,
+            "{estimated:?}"
+        );
         assert!(bootstrap(&model, &vec![-7.0; n], &residual, 1, BootstrapOptions::default(), |_| None).is_none());
     }
 }

@@ -103,13 +103,13 @@ mod tests {
     #[test]
     fn a_parameter_must_pay_for_itself_and_equals_are_named() {
         // 100 ln(1.01) = 1.0 for two more parameters: not worth it, and not told apart by AICc.
-        let found = select(&[contender("a", 5, 1.0), contender("b", 3, 1.01), contender("c", 3, 2.0)]).unwrap();
-        assert_eq!(found.ranked[0].contender.id, "b");
-        assert_eq!(found.best_by_bic, "b");
-        let behind = found.ranked[2].aicc_difference.unwrap();
+        let estimated = select(&[contender("a", 5, 1.0), contender("b", 3, 1.01), contender("c", 3, 2.0)]).unwrap();
+        assert_eq!(estimated.ranked[0].contender.id, "b");
+        assert_eq!(estimated.best_by_bic, "b");
+        let behind = estimated.ranked[2].aicc_difference.unwrap();
         assert!((behind - 100.0 * (2.0_f64 / 1.01).ln()).abs() < 1e-9, "{behind}");
         // AICc of a: 4 + 60/94 - 24/96 - 0.995 = 3.39 behind.
-        assert_eq!(found.near_equal, ["b"]);
+        assert_eq!(estimated.near_equal, ["b"]);
         let near = select(&[contender("a", 4, 1.0), contender("b", 3, 1.01)]).unwrap();
         assert_eq!(near.near_equal, ["b", "a"]);
     }
@@ -117,9 +117,9 @@ mod tests {
     #[test]
     fn too_many_parameters_have_no_aicc_and_unseen_samples_have_a_vote() {
         let unseen = |id: &str, fit: f64| Contender { validation_fit_percent: Some(fit), ..contender(id, 3, 1.0) };
-        let found = select(&[contender("big", 100, 0.5), unseen("x", 80.0), unseen("y", 90.0)]).unwrap();
-        assert_eq!(found.ranked[2].aicc_difference, None);
-        assert_eq!(found.best_by_validation.as_deref(), Some("y"));
+        let estimated = select(&[contender("big", 100, 0.5), unseen("x", 80.0), unseen("y", 90.0)]).unwrap();
+        assert_eq!(estimated.ranked[2].aicc_difference, None);
+        assert_eq!(estimated.best_by_validation.as_deref(), Some("y"));
         assert_eq!(select(&[contender("a", 1, 1.0)]), None);
     }
 }

@@ -271,9 +271,9 @@ mod tests {
         let there = correlation(&common, &own);
         for resampling in [Resampling::Blocks, Resampling::Autoregression] {
             let noise = ResidualNoise::for_outputs(&[common.clone(), own.clone()], 10, resampling, 3);
-            let found = correlation(&noise[0].replicate(2), &noise[1].replicate(2));
+            let estimated = correlation(&noise[0].replicate(2), &noise[1].replicate(2));
             // Two draws at the same places: as far as 2000 samples know a correlation near one.
-            assert!((found - there).abs() < 0.02, "{resampling:?}: {found} {there}");
+            assert!((estimated - there).abs() < 0.02, "{resampling:?}: {estimated} {there}");
             assert_eq!(
                 ResidualNoise::for_outputs(std::slice::from_ref(&common), 10, resampling, 3)[0],
                 ResidualNoise::new(&common, 10, resampling, 3)

@@ -13,7 +13,7 @@ use crate::stage::options::settings::Settings;
 use crate::stage::records::realization::{RealizationTask, put_realization};
 use crate::stage::records::results::Results;
 use crate::stage::records::stabilization;
-use crate::stage::waves::input_output::{Cut, cuts, filter_edges};
+use crate::stage::waves::input_output::{WindowedWave, filter_edges, waves};
 use crate::stage::waves::scaled::ScaledWaves;
 use crate::stage::waves::source::Source;
 use crate::stage::waves::window::channel;
@@ -23,7 +23,7 @@ struct EraRun<'a> {
     method: &'a str,
     settings: &'a Settings,
     /// The channels, sampled together.
-    cuts: &'a [Cut],
+    waves: &'a [WindowedWave],
     treated_as: &'static str,
     /// Those of a paper, whose models are named so.
     remarks: &'a [&'a str],
@@ -37,11 +37,11 @@ pub fn run(method: &str, source: Source<'_>, results: &mut Results<'_>) -> anyho
         _ => vec![channel(source, "name the waveform with --outputs")?.to_owned()],
     };
     let names = channels.join(", ");
-    let cuts = sampled_together(channels, source)?;
+    let waves = sampled_together(channels, source)?;
     let free = settings.hankel.as_ref().is_some_and(|hankel| hankel.free_decay_share.is_some());
     let treated_as = if free { "free-decay" } else { "impulse-response" };
     if !free {
-        let pulse = cuts.iter().any(|cut| cut.quantity == QuantityKind::Acceleration);
+        let pulse = waves.iter().any(|wave| wave.quantity == QuantityKind::Acceleration);
         results.out.notes().info(format!(
             "{method}: the record of {names} is taken for an impulse response{}",
             if pulse {
@@ -51,14 +51,14 @@ pub fn run(method: &str, source: Source<'_>, results: &mut Results<'_>) -> anyho
             }
         ));
     }
-    let task = EraRun { method, settings, cuts: &cuts, treated_as, remarks: &[] };
+    let task = EraRun { method, settings, waves: &waves, treated_as, remarks: &[] };
     if settings.paper.is_some() {
         return run_paper(&task, results);
     }
     if let Some(wanted) = &settings.stabilisation {
         match order_scan(&task) {
             Ok(models) => {
-                stabilization::put_diagram(method, &names, &models, cuts[0].sampled.dt_s(), wanted, results.out)?
+                stabilization::put_diagram(method, &names, &models, waves[0].sampled.dt_s(), wanted, results.out)?;
             }
             Err(error) => results.out.notes().warning(format!("{method}: no stabilisation diagram: {error}")),
         }
@@ -68,26 +68,26 @@ pub fn run(method: &str, source: Source<'_>, results: &mut Results<'_>) -> anyho
 }
 
 /// The window of every waveform. Errors: not sampled together.
-fn sampled_together(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<Cut>> {
-    let cuts = cuts(ids, source)?;
-    for next in &cuts[1..] {
+fn sampled_together(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<WindowedWave>> {
+    let waves = waves(ids, source)?;
+    for next in &waves[1..] {
         let hint = "name channels of one time base with --channels, or a window that all have";
-        cuts[0].require_same_times(next, hint)?;
+        waves[0].require_same_times(next, hint)?;
     }
-    Ok(cuts)
+    Ok(waves)
 }
 
 /// Poles of all orders, for the stabilisation diagram.
 fn order_scan(task: &EraRun<'_>) -> Result<Vec<OrderPoles>, EraError> {
-    let EraRun { method, settings, cuts, .. } = *task;
-    let records = ScaledWaves::new(cuts);
+    let EraRun { method, settings, waves, .. } = *task;
+    let records = ScaledWaves::new(waves);
     let highest = settings.max_order;
     if method == "era" {
         return era_order_scan_of(records.markov()?, highest, settings.rows, settings.columns);
     }
     let orders = [Order::Given(highest)];
-    let era = decompose(method, settings, records.slices(), cuts[0].sampled.dt_s(), &orders)?;
-    let several = cuts.len() > 1;
+    let era = decompose(method, settings, records.slices(), waves[0].sampled.dt_s(), &orders)?;
+    let several = waves.len() > 1;
     // What one order does not allow, no higher one does.
     let models = (2..=highest).step_by(2).map_while(|order| era.realize(Order::Given(order)).ok());
     Ok(models
@@ -112,22 +112,22 @@ fn run_paper(task: &EraRun<'_>, results: &mut Results<'_>) -> anyhow::Result<Out
     // A window shorter than the samples of two runs makes one of them.
     let mut written = Vec::new();
     for (order, samples) in paper::ERA_RUNS {
-        let shorter: Vec<Cut> = task
-            .cuts
+        let shorter: Vec<WindowedWave> = task
+            .waves
             .iter()
-            .map(|cut| Cut {
-                id: cut.id.clone(),
-                quantity: cut.quantity,
-                sampled: cut.sampled.slice(0, samples),
+            .map(|wave| WindowedWave {
+                id: wave.id.clone(),
+                quantity: wave.quantity,
+                sampled: wave.sampled.slice(0, samples),
                 kept: Vec::new(),
-                edges: cut.edges.clone(),
+                edges: wave.edges.clone(),
             })
             .collect();
         let available = shorter[0].sampled.len();
         if available < samples {
             results.out.notes().info(format!("paper era: the window has {available} samples, not {samples}"));
         }
-        match realize_all(&EraRun { cuts: &shorter, remarks, ..*task }, &[order], &mut written, results)? {
+        match realize_all(&EraRun { waves: &shorter, remarks, ..*task }, &[order], &mut written, results)? {
             Outcome::Done => {}
             other => outcome = other,
         }
@@ -142,12 +142,12 @@ fn realize_all(
     written: &mut Vec<(usize, usize)>,
     results: &mut Results<'_>,
 ) -> anyhow::Result<Outcome> {
-    let EraRun { method, settings, cuts, treated_as, remarks } = *task;
-    let dt_s = cuts[0].sampled.dt_s();
-    let records = ScaledWaves::new(cuts);
+    let EraRun { method, settings, waves, treated_as, remarks } = *task;
+    let dt_s = waves[0].sampled.dt_s();
+    let records = ScaledWaves::new(waves);
     let decomposed = match decompose(method, settings, records.slices(), dt_s, orders) {
         Err(error @ EraError::Silent { .. }) => {
-            let names: Vec<&str> = cuts.iter().map(|cut| cut.id.as_str()).collect();
+            let names: Vec<&str> = waves.iter().map(|wave| wave.id.as_str()).collect();
             return Ok(Outcome::NoAcceptableResult(format!("channel {}: {error}", names.join(", "))));
         }
         result => {
@@ -165,7 +165,7 @@ fn realize_all(
                 continue;
             }
         };
-        let made = (model.order(), cuts[0].sampled.len());
+        let made = (model.order(), waves[0].sampled.len());
         if written.contains(&made) {
             continue;
         }
@@ -182,13 +182,13 @@ fn realize_all(
         };
         let realization = RealizationTask {
             method,
-            cuts,
+            waves,
             treated_as,
             bootstrap: settings.bootstrap.as_ref(),
             paper: !remarks.is_empty(),
             refit: &refit,
         };
-        let mut notes = caveats(&realization.id(model.order()), &model, filter_edges(cuts));
+        let mut notes = caveats(&realization.id(model.order()), &model, filter_edges(waves));
         results.out.notes().extend(notes.clone());
         remarks.iter().for_each(|remark| notes.info(*remark));
         put_realization(&model, &realization, &notes, results)?;

@@ -1,7 +1,7 @@
 //! The method `exponentials`: a record as a sum of exponentials.
 
 use crumple_lti::{Complex, Mode};
-use crumple_signal::{Notes, QuantityKind};
+use crumple_signal::{Notes, QuantityKind, Severity};
 use crumple_stage::records::{EvidenceV1, ExponentialSumV1, ExponentialTermV1};
 use crumple_stage::{Inputs, Outcome, RefuseExt, Refused};
 use crumple_sysid::{ExponentialOptions, ExponentialSumFit, ExponentialTerm, Sample, Stop, exponential_sum};
@@ -15,7 +15,7 @@ use crate::stage::records::evidence::{
 };
 use crate::stage::records::responses::{put_spreads, spread};
 use crate::stage::records::results::Results;
-use crate::stage::waves::input_output::{Cut, output};
+use crate::stage::waves::input_output::{WindowedWave, output};
 use crate::stage::waves::source::Source;
 
 /// What one sum is fitted with.
@@ -68,7 +68,7 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
 fn conditions(
     count: usize,
     input_output: &InputOutputSettings,
-    answer: &Cut,
+    answer: &WindowedWave,
     inputs: &Inputs,
 ) -> anyhow::Result<Vec<f64>> {
     let mut start = Vec::new();
@@ -100,7 +100,7 @@ fn conditions(
 }
 
 /// The velocity at the first sample: as given, else that of the record, if it is there.
-fn velocity(input_output: &InputOutputSettings, answer: &Cut, inputs: &Inputs) -> anyhow::Result<Option<f64>> {
+fn velocity(input_output: &InputOutputSettings, answer: &WindowedWave, inputs: &Inputs) -> anyhow::Result<Option<f64>> {
     if input_output.start_velocity_m_per_s.is_some() {
         return Ok(input_output.start_velocity_m_per_s);
     }
@@ -108,30 +108,20 @@ fn velocity(input_output: &InputOutputSettings, answer: &Cut, inputs: &Inputs) -
     Ok(inputs.wave_if(&format!("{base}/velocity")).and_then(|wave| wave.sampled.at(answer.sampled.t0_s())))
 }
 
-fn fit_sum(task: &SumTask, settings: &Settings, answer: &Cut, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
-    let SumTask { id, options, remarks: first_remarks, paper } = task;
+/// Fits one sum and writes its records.
+fn fit_sum(
+    task: &SumTask,
+    settings: &Settings,
+    answer: &WindowedWave,
+    results: &mut Results<'_>,
+) -> anyhow::Result<Outcome> {
+    let SumTask { id, options, .. } = task;
     let record = answer.sampled.samples();
     let fit = exponential_sum(record, answer.sampled.dt_s(), options)
         .refuse_with_hint("widen the window (--from, --to), lower --terms, or name another of --outputs")?;
-    let mut notes = Notes::new();
-    first_remarks.iter().for_each(|remark| notes.info(remark));
-    notes.info(format!("time of the exponents runs from the first sample, {} s", answer.sampled.t0_s()));
-    if paper.is_some() {
-        let sum = |of: fn(&ExponentialTerm) -> Complex| fit.terms.iter().map(of).sum::<Complex>().re;
-        notes.info(format!(
-            "at its start the sum is {:.6e}, its slope {:.6e}",
-            sum(|term| term.amplitude),
-            sum(|term| term.amplitude * term.exponent)
-        ));
-    }
-    if fit.condition > 1e8 {
-        let text = format!(
-            "{id}: condition number {:.1e}: the curve is well determined, its single terms are not; rely on crush, \
-             time and energy only",
-            fit.condition
-        );
-        results.out.notes().warning(text.clone());
-        notes.warning(text);
+    let mut notes = fit_notes(task, &fit, answer);
+    for note in notes.iter().filter(|note| note.severity == Severity::Warning) {
+        results.out.notes().push(note.clone());
     }
     let poles: Vec<Complex> = fit.terms.iter().map(|term| term.exponent).collect();
     let mut remarks = notes_on_modes(id, &poles, &[answer]);
@@ -178,21 +168,7 @@ fn fit_sum(task: &SumTask, settings: &Settings, answer: &Cut, results: &mut Resu
     let curve: Vec<f64> = (0..all).map(|k| value_at(&fit, k as f64 * answer.sampled.dt_s())).collect();
     validate(answer, &curve, &mut evidence);
     let record = identification("exponentials", options.terms, "free-decay", answer, &fit.simulated, notes.to_texts());
-    let held = options.start.len();
-    if held > 0 {
-        let values: Vec<String> =
-            CONDITIONS.iter().zip(&options.start).map(|(name, x)| format!("{name} {x:.6e}")).collect();
-        evidence.initial_conditions = format!("held: {}", values.join(", "));
-    }
-    evidence.paper = paper.clone();
-    evidence.frequency_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.0)).collect();
-    evidence.damping_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
-    put_correlations(&fit, &mut evidence);
-    evidence.stop_reason = Some(fit.termination.name().to_owned());
-    evidence.iterations = u32::try_from(fit.iterations).ok();
-    evidence.evaluations = Some(fit.evaluations as u64);
-    evidence.losses = fit.losses.clone();
-    evidence.condition = Some(fit.condition).filter(|c| c.is_finite());
+    fill_evidence(task, &fit, &mut evidence);
     let percent = fit_in_words(record.fit_percent);
     results.out.put(&format!("/identification/{id}"), &record)?;
     results.out.put(&format!("/evidence/{id}"), &evidence)?;
@@ -205,6 +181,48 @@ fn fit_sum(task: &SumTask, settings: &Settings, answer: &Cut, results: &mut Resu
         validation_summary(std::slice::from_ref(&evidence))
     ));
     Ok(Outcome::Done)
+}
+
+/// Notes on a fitted sum: those of its task, where time counts from, and how well its terms are determined.
+fn fit_notes(task: &SumTask, fit: &ExponentialSumFit, answer: &WindowedWave) -> Notes {
+    let mut notes = Notes::new();
+    task.remarks.iter().for_each(|remark| notes.info(remark));
+    notes.info(format!("time of the exponents runs from the first sample, {} s", answer.sampled.t0_s()));
+    if task.paper.is_some() {
+        let sum = |part: fn(&ExponentialTerm) -> Complex| fit.terms.iter().map(part).sum::<Complex>().re;
+        notes.info(format!(
+            "at its start the sum is {:.6e}, its slope {:.6e}",
+            sum(|term| term.amplitude),
+            sum(|term| term.amplitude * term.exponent)
+        ));
+    }
+    if fit.condition > 1e8 {
+        notes.warning(format!(
+            "{}: condition number {:.1e}: the curve is well determined, its single terms are not; rely on crush, \
+             time and energy only",
+            task.id, fit.condition
+        ));
+    }
+    notes
+}
+
+/// Fills in what the fit tells of itself: conditions at the start, deviations, how the search ended.
+fn fill_evidence(task: &SumTask, fit: &ExponentialSumFit, evidence: &mut EvidenceV1) {
+    let SumTask { options, paper, .. } = task;
+    if !options.start.is_empty() {
+        let values: Vec<String> =
+            CONDITIONS.iter().zip(&options.start).map(|(name, x)| format!("{name} {x:.6e}")).collect();
+        evidence.initial_conditions = format!("held: {}", values.join(", "));
+    }
+    evidence.paper = paper.clone();
+    evidence.frequency_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.0)).collect();
+    evidence.damping_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
+    put_correlations(fit, evidence);
+    evidence.stop_reason = Some(fit.termination.name().to_owned());
+    evidence.iterations = u32::try_from(fit.iterations).ok();
+    evidence.evaluations = Some(fit.evaluations as u64);
+    evidence.losses = fit.losses.clone();
+    evidence.condition = Some(fit.condition).filter(|c| c.is_finite());
 }
 
 /// Names, values, standard deviations and correlations of amplitudes and exponents; without a covariance the reason

@@ -23,7 +23,7 @@ use crate::stage::records::transfer_function_array::put_array;
 use crate::stage::records::transfer_function_task::{
     TransferFunctionTask, condition_note, preparation, validate_continuous,
 };
-use crate::stage::waves::input_output::{Cut, record};
+use crate::stage::waves::input_output::{WindowedWave, record};
 use crate::stage::waves::source::Source;
 
 /// One transfer function, or an array of them, for every limit of iterations.
@@ -64,7 +64,7 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
         if record.single() {
             let fit = transfer_function_fit(&record.data, &options).refuse_with_hint(hint)?;
             notes.extend(preparation(&id, &record));
-            notes.extend(remarks(&id, &fit, &record.drives[0], &record.answers[0]));
+            notes.extend(remarks(&id, &fit, &record.inputs[0], &record.outputs[0]));
             put_transfer_function(&task, &fit, &mut notes, results)?;
         } else {
             let fit = transfer_function_array(&record.data, &options).refuse_with_hint(hint)?;
@@ -76,7 +76,7 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
 }
 
 /// What a reader should know before believing the coefficients.
-fn remarks(id: &str, fit: &TransferFunctionFit, drive: &Cut, answer: &Cut) -> Notes {
+fn remarks(id: &str, fit: &TransferFunctionFit, drive: &WindowedWave, answer: &WindowedWave) -> Notes {
     let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
     let mut notes = notes_on_modes(id, &poles, &[answer, drive]);
     let duration = answer.sampled.len() as f64 * answer.sampled.dt_s();
@@ -133,7 +133,7 @@ fn put_transfer_function(
     results: &mut Results<'_>,
 ) -> anyhow::Result<()> {
     let TransferFunctionTask { id, options, settings, input_output, record } = *task;
-    let (data, drive, answer) = (&record.data, &record.drives[0], &record.answers[0]);
+    let (data, drive, answer) = (&record.data, &record.inputs[0], &record.outputs[0]);
     let (input, output) = (drive.describe(), answer.describe());
     let tf = &fit.transfer_function;
     put_transfer_functions(id, record, |_, _| (tf.numerator().to_vec(), tf.denominator().to_vec()), results.out)?;
@@ -203,7 +203,7 @@ fn put_transfer_function(
     Ok(())
 }
 
-fn responses_of<'a>(fit: &'a TransferFunctionFit, answer: &Cut, delay: usize) -> ModelResponses<'a> {
+fn responses_of<'a>(fit: &'a TransferFunctionFit, answer: &WindowedWave, delay: usize) -> ModelResponses<'a> {
     ModelResponses {
         continuous: Some(&fit.state_space),
         discrete: None,

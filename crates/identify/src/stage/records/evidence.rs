@@ -9,7 +9,7 @@ use crumple_sysid::{
     residual_tests,
 };
 
-use crate::stage::waves::input_output::{Cut, Record, filter_edges};
+use crate::stage::waves::input_output::{Record, WindowedWave, filter_edges};
 
 /// Poles within this of zero, times the length of the record, are integrators.
 pub const INTEGRATOR: f64 = 0.5;
@@ -18,15 +18,20 @@ pub const INTEGRATOR: f64 = 0.5;
 const LAGS: usize = 20;
 
 /// Evidence from the simulated output: criteria, residual tests; everything else is still unknown.
-pub fn simulation_evidence(input: Option<&Cut>, output: &Cut, simulated: &[f64], parameters: usize) -> EvidenceV1 {
+pub fn simulation_evidence(
+    input: Option<&WindowedWave>,
+    output: &WindowedWave,
+    simulated: &[f64],
+    parameters: usize,
+) -> EvidenceV1 {
     let residual: Vec<f64> = output.sampled.samples().iter().zip(simulated).map(|(y, yh)| y - yh).collect();
     let finite = |x: f64| x.is_finite().then_some(x);
     let loss = finite(residual.iter().map(|e| e * e).sum::<f64>() / residual.len().max(1) as f64);
     let effective = autoregressive_effective_samples(&residual);
     let criteria = loss.map(|loss| InformationCriteria::new(loss, effective, parameters));
-    let tests = residual_tests(&residual, input.map(|cut| cut.sampled.samples()), LAGS);
+    let tests = residual_tests(&residual, input.map(|wave| wave.sampled.samples()), LAGS);
     EvidenceV1 {
-        input: input.map(|cut| cut.id.clone()),
+        input: input.map(|wave| wave.id.clone()),
         output: output.id.clone(),
         hold: None,
         initial_conditions: "estimated".to_owned(),
@@ -90,7 +95,7 @@ pub fn prediction_tests(inputs: &[Vec<f64>], errors: &[f64], from: usize) -> Opt
 
 /// Puts the fit of the kept samples into the evidence: `simulated` are all samples by the model.
 /// Nothing without kept ones.
-pub fn validate(output: &Cut, simulated: &[f64], output_evidence: &mut EvidenceV1) {
+pub fn validate(output: &WindowedWave, simulated: &[f64], output_evidence: &mut EvidenceV1) {
     output_evidence.validation_from_s = output.kept_from_s();
     if !output.kept.is_empty() && simulated.len() == output.sampled.len() + output.kept.len() {
         let fit = fit_measures(&output.kept, &simulated[output.sampled.len()..]);
@@ -100,7 +105,7 @@ pub fn validate(output: &Cut, simulated: &[f64], output_evidence: &mut EvidenceV
 
 /// The same for every output of a record.
 pub fn validate_all(record: &Record, simulated: &[Vec<f64>], evidence: &mut [EvidenceV1]) {
-    for ((answer, simulated), output_evidence) in record.answers.iter().zip(simulated).zip(evidence) {
+    for ((answer, simulated), output_evidence) in record.outputs.iter().zip(simulated).zip(evidence) {
         validate(answer, simulated, output_evidence);
     }
 }
@@ -109,16 +114,16 @@ pub fn validate_all(record: &Record, simulated: &[Vec<f64>], evidence: &mut [Evi
 ///
 /// From an acceleration to a displacement two poles at zero are no modes: noise parts them by the root of what it does
 /// to a single one, and one of them then seems to grow. A note says what they are instead.
-pub fn notes_on_modes(id: &str, poles: &[Complex], cuts: &[&Cut]) -> Notes {
-    let dt_s = cuts.first().map(|cut| cut.sampled.dt_s());
-    let duration_s = cuts.first().map_or(0.0, |cut| cut.sampled.dt_s() * cut.sampled.len() as f64);
-    let quantities: Vec<QuantityKind> = cuts.iter().map(|cut| cut.quantity).collect();
+pub fn notes_on_modes(id: &str, poles: &[Complex], waves: &[&WindowedWave]) -> Notes {
+    let dt_s = waves.first().map(|wave| wave.sampled.dt_s());
+    let duration_s = waves.first().map_or(0.0, |wave| wave.sampled.dt_s() * wave.sampled.len() as f64);
+    let quantities: Vec<QuantityKind> = waves.iter().map(|wave| wave.quantity).collect();
     let of_motion = quantities == [QuantityKind::Displacement, QuantityKind::Acceleration];
     let (slow, others): (Vec<Complex>, Vec<Complex>) = poles.iter().partition(|s| s.norm() * duration_s < INTEGRATOR);
     let twice = of_motion && slow.len() >= 2;
     let modes = if twice { &others } else { poles };
     let modes: Vec<Mode> = modes.iter().copied().map(Mode::continuous).collect();
-    let mut notes = mode_notes(id, &modes, (dt_s, duration_s), filter_edges(cuts.iter().copied()));
+    let mut notes = mode_notes(id, &modes, (dt_s, duration_s), filter_edges(waves.iter().copied()));
     if twice {
         notes.warning(format!(
             "{id}: two poles lie at zero: the model integrates the acceleration twice, which is true of any body and \
@@ -144,7 +149,7 @@ pub fn identification(
     method: &str,
     order: usize,
     treated_as: &str,
-    output: &Cut,
+    output: &WindowedWave,
     simulated: &[f64],
     notes: Vec<String>,
 ) -> IdentificationV1 {
@@ -178,15 +183,15 @@ pub fn identification_with_evidence(
     parameters: usize,
     notes: Vec<String>,
 ) -> (IdentificationV1, Vec<EvidenceV1>) {
-    let treated_as = if record.drives.is_empty() { "free-decay" } else { "input-output" };
-    let mut whole = identification(method, order, treated_as, &record.answers[0], &simulated[0], notes);
+    let treated_as = if record.inputs.is_empty() { "free-decay" } else { "input-output" };
+    let mut whole = identification(method, order, treated_as, &record.outputs[0], &simulated[0], notes);
     whole.delay_s = record.delay_s;
-    let names = |cuts: &[Cut]| cuts.iter().map(|cut| cut.id.clone()).collect::<Vec<_>>().join(", ");
-    if record.answers.len() > 1 {
-        whole.channel = names(&record.answers);
+    let names = |waves: &[WindowedWave]| waves.iter().map(|wave| wave.id.clone()).collect::<Vec<_>>().join(", ");
+    if record.outputs.len() > 1 {
+        whole.channel = names(&record.outputs);
         whole.rmse = None;
         whole.output_fits_percent = record
-            .answers
+            .outputs
             .iter()
             .zip(simulated)
             .map(|(answer, yh)| fit_measures(answer.sampled.samples(), yh).and_then(|fit| fit.fit_percent))
@@ -195,17 +200,17 @@ pub fn identification_with_evidence(
         whole.fit_percent = whole.output_fits_percent.iter().try_fold(f64::INFINITY, worst);
     }
     let evidence = record
-        .answers
+        .outputs
         .iter()
         .zip(simulated)
         .map(|(answer, yh)| {
-            let mut output_evidence = simulation_evidence(record.drives.first(), answer, yh, parameters);
-            for other in record.drives.iter().skip(1) {
+            let mut output_evidence = simulation_evidence(record.inputs.first(), answer, yh, parameters);
+            for other in record.inputs.iter().skip(1) {
                 let correlation = simulation_evidence(Some(other), answer, yh, parameters).input_correlation;
                 output_evidence.input_correlation =
                     output_evidence.input_correlation.zip(correlation).map(|(a, b)| a.max(b));
             }
-            output_evidence.input = (!record.drives.is_empty()).then(|| names(&record.drives));
+            output_evidence.input = (!record.inputs.is_empty()).then(|| names(&record.inputs));
             output_evidence
         })
         .collect();
@@ -231,8 +236,8 @@ pub fn put_transfer_functions(
     mut entry: impl FnMut(usize, usize) -> (Vec<f64>, Vec<f64>),
     out: &mut Output,
 ) -> anyhow::Result<()> {
-    for (i, answer) in record.answers.iter().enumerate() {
-        for (j, drive) in record.drives.iter().enumerate() {
+    for (i, answer) in record.outputs.iter().enumerate() {
+        for (j, drive) in record.inputs.iter().enumerate() {
             let (numerator, denominator) = entry(i, j);
             let place = if record.single() { String::new() } else { format!("{}-{}/", i + 1, j + 1) };
             out.put(

@@ -13,7 +13,7 @@ use crate::stage::records::acceptance::note_on_fit;
 use crate::stage::records::evidence::{put_evidence, simulation_evidence, validate, validation_summary};
 use crate::stage::records::responses::{Band, ModelResponses, note_limits, put_spreads, spread_of_outputs, zeros_of};
 use crate::stage::records::results::Results;
-use crate::stage::waves::input_output::{Cut, filter_edges};
+use crate::stage::waves::input_output::{WindowedWave, filter_edges};
 
 /// What a reader of the model must know of its input.
 const INPUT: &str = "unit impulse (the record taken as Markov parameters)";
@@ -23,7 +23,7 @@ pub struct RealizationTask<'a> {
     /// `era` or `era-dc`.
     pub method: &'a str,
     /// The channels, sampled together, at least one.
-    pub cuts: &'a [Cut],
+    pub waves: &'a [WindowedWave],
     /// What the samples are taken for.
     pub treated_as: &'static str,
     /// Bootstrap, if asked for.
@@ -36,31 +36,31 @@ pub struct RealizationTask<'a> {
 
 impl RealizationTask<'_> {
     fn names(&self) -> Vec<&str> {
-        self.cuts.iter().map(|cut| cut.id.as_str()).collect()
+        self.waves.iter().map(|wave| wave.id.as_str()).collect()
     }
 
     /// `acceleration of channels 11, 12, m/s^2`; of several quantities one after the other.
     fn describe(&self) -> String {
         let plural = if self.single() { "" } else { "s" };
-        let describe = |cut: &Cut, plural: &str, names: &str| {
-            format!("{} of channel{plural} {names}, {}", cut.quantity.name(), cut.quantity.si_unit())
+        let describe = |wave: &WindowedWave, plural: &str, names: &str| {
+            format!("{} of channel{plural} {names}, {}", wave.quantity.name(), wave.quantity.si_unit())
         };
         if self.one_quantity() {
-            return describe(&self.cuts[0], plural, &self.names().join(", "));
+            return describe(&self.waves[0], plural, &self.names().join(", "));
         }
-        self.cuts.iter().map(|cut| describe(cut, "", &cut.id)).collect::<Vec<_>>().join("; ")
+        self.waves.iter().map(|wave| describe(wave, "", &wave.id)).collect::<Vec<_>>().join("; ")
     }
 
     fn one_quantity(&self) -> bool {
-        self.cuts.iter().all(|cut| cut.quantity == self.cuts[0].quantity)
+        self.waves.iter().all(|wave| wave.quantity == self.waves[0].quantity)
     }
 
     fn single(&self) -> bool {
-        self.cuts.len() == 1
+        self.waves.len() == 1
     }
 
     fn samples(&self) -> usize {
-        self.cuts[0].sampled.len()
+        self.waves[0].sampled.len()
     }
 
     /// `<method>-<order>`; of the paper's procedure with the number of samples.
@@ -93,7 +93,7 @@ pub fn put_realization(
     results.out.put(&format!("/modes/{id}"), &modes(model))?;
     if !single {
         let poles: Vec<_> = model.modes.iter().map(|mode| (mode.discrete_pole, mode.mode)).collect();
-        results.out.put(&format!("/shapes/{id}"), &shapes(&poles, &model.mode_shapes, task.cuts))?;
+        results.out.put(&format!("/shapes/{id}"), &shapes(&poles, &model.mode_shapes, task.waves))?;
     }
     if let Decomposition::Lanczos { steps } = model.decomposition {
         let converged = model
@@ -107,26 +107,26 @@ pub fn put_realization(
             model.singular_values.len()
         ));
     }
-    let whole = markov_parameters(&model.discrete, samples + task.cuts[0].kept.len());
-    let parameters = (task.cuts.len() + 1) * order + task.cuts.len();
+    let whole = markov_parameters(&model.discrete, samples + task.waves[0].kept.len());
+    let parameters = (task.waves.len() + 1) * order + task.waves.len();
     let response: Vec<Vec<f64>> = whole.iter().map(|y| y[..samples].to_vec()).collect();
     let mut evidence = evidence_of_outputs(task, &whole, parameters)?;
     for output_evidence in &mut evidence {
         output_evidence.singular_value_errors = model.singular_value_errors.clone();
         output_evidence.paper = task.paper.then(|| "era".to_owned());
-        output_evidence.validation_from_s = task.cuts[0].kept_from_s();
+        output_evidence.validation_from_s = task.waves[0].kept_from_s();
     }
 
     let mut remarks = Notes::new();
-    note_limits(&id, (1, task.cuts.len()), None, &mut remarks);
+    note_limits(&id, (1, task.waves.len()), None, &mut remarks);
     note_on_fit(&id, model.fit_percent, &mut remarks);
-    let cut = &task.cuts[0];
-    let responses = responses_of(model, cut);
+    let wave = &task.waves[0];
+    let responses = responses_of(model, wave);
     let grid = if single { responses.grid_hz() } else { Vec::new() };
-    let measured: Vec<Vec<f64>> = task.cuts.iter().map(|cut| cut.sampled.samples().to_vec()).collect();
+    let measured: Vec<Vec<f64>> = task.waves.iter().map(|wave| wave.sampled.samples().to_vec()).collect();
     let nominal = (&id[..], &responses.sample(&grid));
     let bootstrap = spread_of_outputs(task.bootstrap, nominal, (&measured, &response), parameters, &mut remarks, |y| {
-        Some(sample_of(&(task.refit)(y)?, cut, &grid))
+        Some(sample_of(&(task.refit)(y)?, wave, &grid))
     });
     if let Some(bootstrap) = &bootstrap {
         evidence.iter_mut().for_each(|output_evidence| put_spreads(bootstrap, output_evidence));
@@ -152,52 +152,52 @@ fn evidence_of_outputs(
     parameters: usize,
 ) -> anyhow::Result<Vec<EvidenceV1>> {
     let samples = task.samples();
-    let evidence_of = |cut: &Cut, response: &[f64], kept: &[f64]| {
-        let mut output_evidence = simulation_evidence(None, cut, response, parameters);
-        validate(cut, &[response, kept].concat(), &mut output_evidence);
+    let evidence_of = |wave: &WindowedWave, response: &[f64], kept: &[f64]| {
+        let mut output_evidence = simulation_evidence(None, wave, response, parameters);
+        validate(wave, &[response, kept].concat(), &mut output_evidence);
         output_evidence
     };
     if !task.one_quantity() {
         return Ok(task
-            .cuts
+            .waves
             .iter()
             .zip(whole)
-            .map(|(cut, y)| evidence_of(cut, &y[..samples], &y[samples..]))
+            .map(|(wave, y)| evidence_of(wave, &y[..samples], &y[samples..]))
             .collect());
     }
     let part = |from: usize, to: usize| whole.iter().flat_map(|y| &y[from..to]).copied().collect::<Vec<f64>>();
-    let kept = task.cuts[0].kept.len();
-    Ok(vec![evidence_of(&joined(task.cuts)?, &part(0, samples), &part(samples, samples + kept))])
+    let kept = task.waves[0].kept.len();
+    Ok(vec![evidence_of(&joined(task.waves)?, &part(0, samples), &part(samples, samples + kept))])
 }
 
 /// All channels as one, one after the other.
-fn joined(cuts: &[Cut]) -> anyhow::Result<Cut> {
-    let first = &cuts[0].sampled;
-    let samples = cuts.iter().flat_map(|cut| cut.sampled.samples()).copied().collect();
-    Ok(Cut {
-        id: cuts.iter().map(|cut| cut.id.as_str()).collect::<Vec<_>>().join(", "),
-        quantity: cuts[0].quantity,
+fn joined(waves: &[WindowedWave]) -> anyhow::Result<WindowedWave> {
+    let first = &waves[0].sampled;
+    let samples = waves.iter().flat_map(|wave| wave.sampled.samples()).copied().collect();
+    Ok(WindowedWave {
+        id: waves.iter().map(|wave| wave.id.as_str()).collect::<Vec<_>>().join(", "),
+        quantity: waves[0].quantity,
         sampled: Sampled::new(first.t0_s(), first.dt_s(), samples)?,
-        kept: cuts.iter().flat_map(|cut| &cut.kept).copied().collect(),
-        edges: filter_edges(cuts).to_vec(),
+        kept: waves.iter().flat_map(|wave| &wave.kept).copied().collect(),
+        edges: filter_edges(waves).to_vec(),
     })
 }
 
-fn responses_of<'a>(model: &'a Realization, cut: &Cut) -> ModelResponses<'a> {
+fn responses_of<'a>(model: &'a Realization, wave: &WindowedWave) -> ModelResponses<'a> {
     let continuous = model.continuous.as_ref().ok();
     ModelResponses {
         continuous,
         discrete: Some(&model.discrete),
         poles: model.modes.iter().filter_map(|m| m.mode).map(|mode| mode.pole).collect(),
         zeros: continuous.map(zeros_of).unwrap_or_default(),
-        dt_s: cut.sampled.dt_s(),
-        samples: cut.sampled.len(),
+        dt_s: wave.sampled.dt_s(),
+        samples: wave.sampled.len(),
         delay: 0,
     }
 }
 
-fn sample_of(model: &Realization, cut: &Cut, grid_hz: &[f64]) -> Sample {
-    responses_of(model, cut).sample(grid_hz)
+fn sample_of(model: &Realization, wave: &WindowedWave, grid_hz: &[f64]) -> Sample {
+    responses_of(model, wave).sample(grid_hz)
 }
 
 pub fn state_space(model: &StateSpace, input: &str, output: &str, delay_s: Option<f64>) -> StateSpaceV1 {
@@ -248,7 +248,7 @@ fn modes(model: &Realization) -> ModesV1 {
 }
 
 /// Shapes of the modes, conjugates once, and how alike they are.
-pub fn shapes(poles: &[(Complex, Option<Mode>)], shapes: &[Option<Vec<Complex>>], cuts: &[Cut]) -> ShapesV1 {
+pub fn shapes(poles: &[(Complex, Option<Mode>)], shapes: &[Option<Vec<Complex>>], waves: &[WindowedWave]) -> ShapesV1 {
     let modes = poles.iter().zip(shapes).filter(|((z, _), _)| z.im >= 0.0);
     let known: Vec<_> = modes.filter_map(|((_, mode), shape)| Some(((*mode)?, shape.as_ref()?))).collect();
     let modal_assurance =
@@ -260,11 +260,11 @@ pub fn shapes(poles: &[(Complex, Option<Mode>)], shapes: &[Option<Vec<Complex>>]
         im: shape.iter().map(|x| x.im).collect(),
         phase_collinearity: phase_collinearity(shape),
     });
-    ShapesV1 { channels: cuts.iter().map(|cut| cut.id.clone()).collect(), shapes: shapes.collect(), modal_assurance }
+    ShapesV1 { channels: waves.iter().map(|wave| wave.id.clone()).collect(), shapes: shapes.collect(), modal_assurance }
 }
 
 fn identification(model: &Realization, task: &RealizationTask<'_>, notes: Vec<String>) -> IdentificationV1 {
-    let sampled = &task.cuts[0].sampled;
+    let sampled = &task.waves[0].sampled;
     let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     IdentificationV1 {
         method: task.method.to_owned(),

@@ -17,7 +17,7 @@ use crate::stage::records::responses::{
     Band, ModelResponses, note_limits, put_spreads, spread_of_equation, spread_of_outputs, zeros_of,
 };
 use crate::stage::records::results::Results;
-use crate::stage::waves::input_output::{Cut, Record};
+use crate::stage::waves::input_output::{Record, WindowedWave};
 
 /// Transfer functions of more states are not written: their coefficients say nothing.
 const MOST_COEFFICIENTS: usize = 10;
@@ -60,8 +60,8 @@ pub fn put_discrete_model(
     }
     let continuous = put_models(task, model, &mut notes, results.out)?;
     let poles = put_modes(task, &model.state_space, results.out)?;
-    let responses = responses_of(&model.state_space, continuous.as_ref(), &record.answers[0], task.delay())?;
-    let mut remarks = notes_on_modes(id, &responses.poles, &record.cuts());
+    let responses = responses_of(&model.state_space, continuous.as_ref(), &record.outputs[0], task.delay())?;
+    let mut remarks = notes_on_modes(id, &responses.poles, &record.waves());
     let (mut whole, mut evidence) =
         identification_with_evidence(method, order, record, simulated, model.parameters, Vec::new());
     fill_evidence(task, model, &poles, &mut evidence, &mut notes);
@@ -71,7 +71,7 @@ pub fn put_discrete_model(
     results.out.notes().extend(remarks);
     whole.notes = notes.to_texts();
     whole.singular_values = model.singular_values.clone();
-    let rows = |block_rows: usize| u32::try_from(block_rows * record.answers.len()).ok();
+    let rows = |block_rows: usize| u32::try_from(block_rows * record.outputs.len()).ok();
     whole.hankel_rows = model.choices.block_rows.and_then(rows);
     let samples = record.data.samples();
     results.out.summary(format!(
@@ -122,9 +122,9 @@ fn put_modes(task: &DiscreteTask<'_>, model: &StateSpace, out: &mut Output) -> a
         model.poles()?.into_iter().filter_map(|z| Some((z, Mode::discrete(z, dt)?))).collect();
     out.put(&format!("/modes/{id}"), &modes(pairs.iter().map(|(z, mode)| (*mode, Some(*z)))))?;
     let discrete: Vec<Complex> = pairs.iter().map(|(z, _)| *z).collect();
-    if record.answers.len() > 1 {
+    if record.outputs.len() > 1 {
         let poles: Vec<_> = pairs.iter().map(|(z, mode)| (*z, Some(*mode))).collect();
-        out.put(&format!("/shapes/{id}"), &shapes(&poles, &mode_shapes(model, &discrete), &record.answers))?;
+        out.put(&format!("/shapes/{id}"), &shapes(&poles, &mode_shapes(model, &discrete), &record.outputs))?;
     }
     Ok(discrete)
 }
@@ -153,7 +153,7 @@ fn fill_evidence(
     let unit = if let [scale] = record.data.output_scales()[..] { scale * scale } else { 1.0 };
     let losses: Vec<f64> = model.losses.iter().map(|loss| loss * unit).collect();
     for (k, output_evidence) in evidence.iter_mut().enumerate() {
-        output_evidence.hold = (!record.drives.is_empty()).then(|| hold.to_owned());
+        output_evidence.hold = (!record.inputs.is_empty()).then(|| hold.to_owned());
         if let Some(predicted) = model.predicted.get(k) {
             let measured = &record.data.outputs()[k];
             output_evidence.prediction_fit_percent = fit_measures(measured, predicted).and_then(|fit| fit.fit_percent);
@@ -187,7 +187,7 @@ fn validate_kept(
     remarks: &mut Notes,
 ) -> anyhow::Result<()> {
     let DiscreteTask { id, record, data, whole, .. } = *task;
-    if record.answers[0].kept.is_empty() {
+    if record.outputs[0].kept.is_empty() {
         return Ok(());
     }
     match continued(model, data, whole, None) {
@@ -218,13 +218,13 @@ fn put_responses(
     let regression = method == "arx" && model.equation.is_none();
     let bootstrap = task.bootstrap.filter(|_| !regression);
     let without = task.bootstrap.filter(|_| regression);
-    note_limits(id, (record.drives.len(), record.answers.len()), without, remarks);
+    note_limits(id, (record.inputs.len(), record.outputs.len()), without, remarks);
     let grid = if record.single() { responses.grid_hz() } else { Vec::new() };
     let sample = responses.sample(&grid);
     let refit = |y: &[Vec<f64>]| {
         let refitted = (task.refit)(y)?;
         let continuous = to_continuous(&refitted, task.input_hold()).ok().map(|result| result.model);
-        Some(responses_of(&refitted, continuous.as_ref(), &record.answers[0], task.delay()).ok()?.sample(&grid))
+        Some(responses_of(&refitted, continuous.as_ref(), &record.outputs[0], task.delay()).ok()?.sample(&grid))
     };
     let nominal = (id, &sample);
     let spreads = match &model.equation {
@@ -250,7 +250,7 @@ fn put_responses(
 fn responses_of<'a>(
     model: &'a StateSpace,
     continuous: Option<&'a StateSpace>,
-    answer: &Cut,
+    answer: &WindowedWave,
     delay: usize,
 ) -> Result<ModelResponses<'a>, IdentifyError> {
     let dt_s = answer.sampled.dt_s();
@@ -295,8 +295,8 @@ fn put_continuous(
         return Ok(Some(continuous));
     }
     let mut entries = Vec::new();
-    for i in 0..record.answers.len() {
-        for j in 0..record.drives.len() {
+    for i in 0..record.outputs.len() {
+        for j in 0..record.inputs.len() {
             let path = StateSpace::new(
                 continuous.a.clone(),
                 continuous.b.columns(j, 1).into_owned(),
@@ -313,7 +313,7 @@ fn put_continuous(
             }
         }
     }
-    let inputs = record.drives.len();
+    let inputs = record.inputs.len();
     put_transfer_functions(id, record, |i, j| entries[i * inputs + j].clone(), out)?;
     Ok(Some(continuous))
 }

@@ -26,14 +26,14 @@ pub fn put_array(
     let TransferFunctionTask { id, settings, input_output, record, .. } = *task;
     notes.extend(preparation(id, record));
     let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
-    notes.extend(notes_on_modes(id, &poles, &record.cuts()));
+    notes.extend(notes_on_modes(id, &poles, &record.waves()));
     notes.info(format!("{id}: one denominator for all paths, a numerator for each"));
     condition_note(id, fit.search.condition, notes);
     for measures in fit.fits.iter().flatten() {
         note_on_fit(id, measures.fit_percent, notes);
     }
-    note_limits(id, (record.drives.len(), record.answers.len()), settings.bootstrap.as_ref(), notes);
-    if settings.bootstrap.is_some() && record.answers.len() == 1 {
+    note_limits(id, (record.inputs.len(), record.outputs.len()), settings.bootstrap.as_ref(), notes);
+    if settings.bootstrap.is_some() && record.outputs.len() == 1 {
         notes.warning(format!("{id}: no bootstrap: of transfer functions it is made for one input and one output"));
     }
     let entry = |i: usize, j: usize| {

@@ -55,7 +55,7 @@ pub fn validate_continuous(
     evidence: &mut [EvidenceV1],
 ) -> anyhow::Result<()> {
     let TransferFunctionTask { options, record, .. } = *task;
-    if record.answers[0].kept.is_empty() {
+    if record.outputs[0].kept.is_empty() {
         return Ok(());
     }
     let (model, rest) = sampled(model, options.hold, record.data.sample_time_s())?;

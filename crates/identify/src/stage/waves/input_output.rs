@@ -1,4 +1,4 @@
-//! The driving and the answering waveforms of a stage run, cut to one window.
+//! Inputs and outputs of a run: waveforms sampled together, in one window.
 
 use crumple_signal::{QuantityKind, Sampled};
 use crumple_stage::records::ChannelFilterV1;
@@ -18,8 +18,8 @@ const NO_PULSE: &str = "name what drives with --inputs and what answers with --o
 /// Frequency times width at which a moving average leaves 1/√2: root of `sin(πx)/(πx) = 1/√2`.
 const MOVING_AVERAGE_EDGE: f64 = 0.442_946;
 
-/// One waveform of the window.
-pub struct Cut {
+/// A waveform within the window of the run.
+pub struct WindowedWave {
     /// Id of the waveform.
     pub id: String,
     /// What it measures.
@@ -32,7 +32,7 @@ pub struct Cut {
     pub edges: Vec<FilterEdge>,
 }
 
-impl Cut {
+impl WindowedWave {
     /// The window of a waveform.
     pub fn new(id: String, wave: &Wave, source: Source<'_>) -> anyhow::Result<Self> {
         let Window { used, kept } = window(&wave.sampled, source)?;
@@ -99,8 +99,8 @@ impl Cut {
 }
 
 /// Edges of the filter that the first waveform with a filter went through.
-pub fn filter_edges<'a>(cuts: impl IntoIterator<Item = &'a Cut>) -> &'a [FilterEdge] {
-    cuts.into_iter().map(|cut| &cut.edges[..]).find(|edges| !edges.is_empty()).unwrap_or_default()
+pub fn filter_edges<'a>(waves: impl IntoIterator<Item = &'a WindowedWave>) -> &'a [FilterEdge] {
+    waves.into_iter().map(|wave| &wave.edges[..]).find(|edges| !edges.is_empty()).unwrap_or_default()
 }
 
 /// Edges (-3 dB) of the filter of a channel: of a class, of a Butterworth filter as it was run, or of a moving average.
@@ -118,9 +118,9 @@ fn edges_of(record: &ChannelFilterV1) -> Vec<FilterEdge> {
 /// Waveforms sampled together.
 pub struct Record {
     /// What drives; empty: nothing does.
-    pub drives: Vec<Cut>,
+    pub inputs: Vec<WindowedWave>,
     /// What answers, at least one.
-    pub answers: Vec<Cut>,
+    pub outputs: Vec<WindowedWave>,
     /// Their samples in the window.
     pub data: IoData,
     /// The same with those after it that are kept for validation.
@@ -134,55 +134,55 @@ pub struct Record {
 impl Record {
     /// Descriptions of all inputs, separated by semicolons.
     pub fn input(&self) -> String {
-        if self.drives.is_empty() { "none (free motion)".to_owned() } else { described(&self.drives) }
+        if self.inputs.is_empty() { "none (free motion)".to_owned() } else { described(&self.inputs) }
     }
 
     /// Descriptions of all outputs.
     pub fn output(&self) -> String {
-        described(&self.answers)
+        described(&self.outputs)
     }
 
     /// Whether there is one input and one output.
     pub fn single(&self) -> bool {
-        self.drives.len() == 1 && self.answers.len() == 1
+        self.inputs.len() == 1 && self.outputs.len() == 1
     }
 
     /// All waveforms, the answering ones first.
-    pub fn cuts(&self) -> Vec<&Cut> {
-        self.answers.iter().chain(&self.drives).collect()
+    pub fn waves(&self) -> Vec<&WindowedWave> {
+        self.outputs.iter().chain(&self.inputs).collect()
     }
 }
 
-fn described(cuts: &[Cut]) -> String {
-    cuts.iter().map(Cut::describe).collect::<Vec<_>>().join("; ")
+fn described(waves: &[WindowedWave]) -> String {
+    waves.iter().map(WindowedWave::describe).collect::<Vec<_>>().join("; ")
 }
 
 /// The first answering waveform: as asked for, else the displacement of the pulse.
-pub fn output(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Cut> {
+pub fn output(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<WindowedWave> {
     let mut outputs = outputs(source, input_output)?;
     Ok(outputs.swap_remove(0))
 }
 
-fn outputs(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Vec<Cut>> {
+fn outputs(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Vec<WindowedWave>> {
     if input_output.outputs.is_empty() {
         let pulse = channel(source, NO_PULSE)?;
-        return cuts(vec![format!("{pulse}/displacement")], source);
+        return waves(vec![format!("{pulse}/displacement")], source);
     }
-    cuts(input_output.outputs.clone(), source)
+    waves(input_output.outputs.clone(), source)
 }
 
 /// The windows of waveforms, any quantity.
-pub fn cuts(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<Cut>> {
+pub fn waves(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<WindowedWave>> {
     ids.into_iter()
         .map(|id| {
-            let wave = wave(&id, source)?;
-            Cut::new(id, wave, source)
+            let wave = find_wave(&id, source)?;
+            WindowedWave::new(id, wave, source)
         })
         .collect()
 }
 
 /// A waveform by its id. Where no channel of the test has that name, the error lists the waveforms that there are.
-fn wave<'a>(id: &str, source: Source<'a>) -> anyhow::Result<&'a Wave> {
+fn find_wave<'a>(id: &str, source: Source<'a>) -> anyhow::Result<&'a Wave> {
     let Source { test, inputs, .. } = source;
     let channel = id.split('/').next().unwrap_or(id);
     match inputs.wave_if(id) {
@@ -199,30 +199,30 @@ fn wave<'a>(id: &str, source: Source<'a>) -> anyhow::Result<&'a Wave> {
 
 /// Inputs and outputs, sampled together.
 pub fn record(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Record> {
-    let mut answers = outputs(source, input_output)?;
+    let mut outputs = outputs(source, input_output)?;
     let ids = match &input_output.inputs[..] {
         [] => vec![channel(source, NO_PULSE)?.to_owned()],
         [none] if none == "none" => Vec::new(),
         several => several.to_vec(),
     };
-    let mut drives = cuts(ids, source)?;
+    let mut inputs = waves(ids, source)?;
     let mut remarks = Vec::new();
     if input_output.remove_mean {
-        for cut in answers.iter_mut().chain(&mut drives) {
-            remarks.push(cut.remove_mean()?);
+        for wave in outputs.iter_mut().chain(&mut inputs) {
+            remarks.push(wave.remove_mean()?);
         }
     }
-    let first = &answers[0];
-    for other in drives.iter().chain(&answers[1..]) {
+    let first = &outputs[0];
+    for other in inputs.iter().chain(&outputs[1..]) {
         let hint = "name waveforms of one time base with --inputs and --outputs, or a window that all have";
         other.require_same_times(first, hint)?;
     }
-    let data = |samples: &dyn Fn(&Cut) -> Vec<f64>| {
-        let signals_of = |cuts: &[Cut]| cuts.iter().map(samples).collect();
-        IoData::new(signals_of(&drives), signals_of(&answers), first.sampled.dt_s()).refuse_with_hint(HINT)
+    let data = |samples: &dyn Fn(&WindowedWave) -> Vec<f64>| {
+        let signals_of = |waves: &[WindowedWave]| waves.iter().map(samples).collect();
+        IoData::new(signals_of(&inputs), signals_of(&outputs), first.sampled.dt_s()).refuse_with_hint(HINT)
     };
-    let (used, whole) = (data(&|cut| cut.sampled.samples().to_vec())?, data(&Cut::whole)?);
+    let (used, whole) = (data(&|wave| wave.sampled.samples().to_vec())?, data(&WindowedWave::whole)?);
     let delay_s =
-        (input_output.delay > 0 && !drives.is_empty()).then(|| input_output.delay as f64 * first.sampled.dt_s());
-    Ok(Record { drives, answers, data: used, whole, delay_s, remarks })
+        (input_output.delay > 0 && !inputs.is_empty()).then(|| input_output.delay as f64 * first.sampled.dt_s());
+    Ok(Record { inputs, outputs, data: used, whole, delay_s, remarks })
 }

@@ -2,33 +2,33 @@
 
 use crumple_sysid::{EraError, MarkovParameters, Realization};
 
-use crate::stage::waves::input_output::Cut;
+use crate::stage::waves::input_output::WindowedWave;
 
 /// The samples of waveforms as ERA is given them: of different quantities each divided by its root mean square, for
 /// sequences count by their size.
 pub struct ScaledWaves<'a> {
-    cuts: &'a [Cut],
+    waves: &'a [WindowedWave],
     /// Divisors and the divided samples; empty where the quantity is one.
     scales: Vec<f64>,
     scaled: Vec<Vec<f64>>,
 }
 
 impl<'a> ScaledWaves<'a> {
-    /// Of cuts sampled together, at least one.
-    pub fn new(cuts: &'a [Cut]) -> Self {
-        if cuts.iter().all(|cut| cut.quantity == cuts[0].quantity) {
-            return Self { cuts, scales: Vec::new(), scaled: Vec::new() };
+    /// Of waveforms sampled together, at least one.
+    pub fn new(waves: &'a [WindowedWave]) -> Self {
+        if waves.iter().all(|wave| wave.quantity == waves[0].quantity) {
+            return Self { waves, scales: Vec::new(), scaled: Vec::new() };
         }
-        let scales: Vec<f64> = cuts.iter().map(|cut| root_mean_square(cut.sampled.samples())).collect();
-        let divided = |(cut, scale): (&Cut, &f64)| cut.sampled.samples().iter().map(|x| x / scale).collect();
-        let scaled = cuts.iter().zip(&scales).map(divided).collect();
-        Self { cuts, scales, scaled }
+        let scales: Vec<f64> = waves.iter().map(|wave| root_mean_square(wave.sampled.samples())).collect();
+        let divided = |(wave, scale): (&WindowedWave, &f64)| wave.sampled.samples().iter().map(|x| x / scale).collect();
+        let scaled = waves.iter().zip(&scales).map(divided).collect();
+        Self { waves, scales, scaled }
     }
 
     /// One a waveform.
     pub fn slices(&self) -> Vec<&[f64]> {
         if self.scaled.is_empty() {
-            return self.cuts.iter().map(|cut| cut.sampled.samples()).collect();
+            return self.waves.iter().map(|wave| wave.sampled.samples()).collect();
         }
         self.scaled.iter().map(Vec::as_slice).collect()
     }

@@ -139,11 +139,11 @@ fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) ->
     };
     let name = |k: usize| id_of(&orders[k]);
     let (by_bic, by_aicc) = (smallest(|model| model.bic), smallest(|model| model.aicc));
-    let output = record.answers[0].id.clone();
+    let output = record.outputs[0].id.clone();
     out.put(
         &format!("/scan/{output}"),
         &ArxScanV1 {
-            input: record.drives.iter().map(|cut| cut.id.clone()).collect::<Vec<_>>().join(", "),
+            input: record.inputs.iter().map(|wave| wave.id.clone()).collect::<Vec<_>>().join(", "),
             output,
             samples: rows.unwrap_or(0) as u64,
             models,

@@ -18,7 +18,7 @@ pub struct MethodRun<'a> {
     pub method: &'a str,
     /// Settings of the stage.
     pub settings: &'a Settings,
-    /// Those beside `era`.
+    /// Settings of the methods other than `era`.
     pub input_output: &'a InputOutputSettings,
     /// The waveforms.
     pub record: Record,
@@ -26,11 +26,11 @@ pub struct MethodRun<'a> {
     pub data: IoData,
     /// The same with what is kept after it.
     pub whole: IoData,
-    /// What to do where no attempt leads to a model.
+    /// What a user can do where no request leads to a model.
     pub hint: &'static str,
 }
 
-/// Gives the model of a record.
+/// Identifies a model from a record.
 pub type Estimator<'a> = Box<dyn Fn(&IoData, RecordChoices) -> Result<DiscreteModel, IdentifyError> + Sync + 'a>;
 
 /// One model that is asked for.
@@ -39,9 +39,9 @@ pub struct ModelRequest<'a> {
     pub id: String,
     /// States asked for.
     pub order: usize,
-    /// The model of a record, which may be another one of the same shape, with the choices that are made already.
+    /// Identifies the model from a record, the measured one or a replicate of it, with the choices already made.
     pub identify: Estimator<'a>,
-    /// What is known of it before it is there.
+    /// A note on why this model is asked for.
     pub remark: Option<String>,
 }
 
@@ -58,8 +58,8 @@ impl<'a> MethodRun<'a> {
         Ok(Self { method, settings: source.settings, input_output, record, data, whole, hint })
     }
 
-    /// Writes one model an attempt. What one attempt does not allow is a warning; an error, told by who asked, only if
-    /// there is no model at all.
+    /// Writes one model per request. A request that cannot be met is a warning; where none can, the first reason is
+    /// returned, as an error or as a diagnosis.
     pub fn put_all(&self, requests: &[ModelRequest<'_>], results: &mut Results<'_>) -> anyhow::Result<Outcome> {
         let mut written = 0;
         let mut failures = Vec::new();

@@ -108,7 +108,7 @@ pub fn put_subspace_diagram(
     });
     match models {
         Ok((models, dt_s)) => {
-            let names: Vec<&str> = record.answers.iter().map(|cut| cut.id.as_str()).collect();
+            let names: Vec<&str> = record.outputs.iter().map(|wave| wave.id.as_str()).collect();
             stabilization::put_diagram(method, &names.join(", "), &models, dt_s, wanted, out)?;
         }
         Err(error) => out.notes().warning(format!("{method}: no stabilisation diagram: {error}")),
