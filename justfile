@@ -63,7 +63,7 @@ build:
     @stamp={{ quote(bin / ".crumple-built") }}; \
     if [ ! -e "$stamp" ] || [ -n "$(find Cargo.toml Cargo.lock rust-toolchain.toml crates -newer "$stamp" -print -quit)" ]; then \
         mkdir -p {{ quote(bin) }}; touch "$stamp.$$"; \
-        cargo build --release --workspace --bins; \
+        cargo build --release --workspace --exclude crumple-testkit --bins; \
         mv "$stamp.$$" "$stamp"; \
     fi
 
@@ -81,9 +81,9 @@ bench *args:
 # Formatting, lints, the rules of the house (crates/testkit/tests/architecture), documentation.
 [group('development')]
 lint:
+    cargo test --package crumple-testkit --test architecture --quiet
     cargo fmt --all --check
     cargo clippy --workspace --all-targets --quiet -- -D warnings
-    cargo test --package crumple-testkit --test architecture --quiet
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --quiet
 
 # Writes the section "Rooms" of ARCHITECTURE.md from the `mod.rs` of the rooms.
@@ -134,7 +134,7 @@ papers:
 [group('development')]
 ci-full:
     .ci/run
-    cargo nextest run --workspace --run-ignored only --no-tests pass
+    CRUMPLE_KILLS=120 cargo nextest run --package crumple-run --package crumple-testkit --test run --test just_run
     just papers
     RAYON_NUM_THREADS=1 just bytes target/bytes-1.txt
     RAYON_NUM_THREADS=4 just bytes target/bytes-4.txt
