@@ -17,7 +17,7 @@ pub enum InitialConditions {
     Auto,
 }
 
-/// Settings of [`crate::transfer_function::fit`].
+/// Settings of [`transfer_function_fit`](crate::transfer_function_fit()).
 ///
 /// Number of unknowns of one input and one output: `poles`, `zeros + 1`, and `poles` more for an estimated initial
 /// motion.

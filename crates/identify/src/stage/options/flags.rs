@@ -10,6 +10,7 @@ use crate::stage::options::order::OrderOption;
 /// Flags of `crumple-identify`, keys of `[identify]`.
 #[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
+#[allow(rustdoc::invalid_html_tags, reason = "comments of fields are the help texts of their flags")]
 pub struct Options {
     /// Identification methods, separated by commas. From free motion: era (eigensystem realization), era-dc (the same
     /// on correlations of the record), exponentials. From an input and an output: tfest (continuous transfer function),
