@@ -211,14 +211,14 @@ fn run_instead(
 fn zero_level(samples: &Sampled, rule: ZeroLevel, notes: &mut Notes) -> Result<f64, FilterError> {
     let ZeroLevel::PreEvent(window) = rule else { return Ok(0.0) };
     match pre_event(samples, window)? {
-        Some(found) => {
-            if found.muted > 0 {
+        Some(pre_event) => {
+            if pre_event.muted > 0 {
                 notes.info(format!(
                     "the first {} samples are exactly 0, the recorder was muted: not counted in the zero level",
-                    found.muted
+                    pre_event.muted
                 ));
             }
-            Ok(found.zero_level)
+            Ok(pre_event.zero_level)
         }
         None => {
             notes.warning(format!(

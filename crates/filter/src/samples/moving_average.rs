@@ -56,11 +56,11 @@ mod tests {
     #[test]
     fn the_running_sum_is_the_sum_however_long_the_record() {
         let samples: Vec<f64> = (0..10_000).map(|k| 1e3 * (0.1 * f64::from(k)).sin()).collect();
-        let found = moving_average(&samples, 0.0, 101);
+        let averaged = moving_average(&samples, 0.0, 101);
         for k in 50..9950 {
             let mean = samples[k - 50..=k + 50].iter().sum::<f64>() / 101.0;
             // 1024 additions of numbers up to 1e3 to a sum up to 2e4, divided by 101: 1e-11.
-            assert!((found[k] - mean).abs() < 1e-10, "{k}");
+            assert!((averaged[k] - mean).abs() < 1e-10, "{k}");
         }
     }
 
