@@ -3,11 +3,13 @@
 use crumple_signal::{Notes, Sampled};
 use serde::Serialize;
 
+use crate::butterworth::sections::sections_extension;
 use crate::cfc::corridor::corridor;
-use crate::samples::moving_average::moving_average;
+use crate::cfc::zero_phase::Report;
+use crate::samples::moving_average::{moving_average, samples_of_width};
 use crate::{
-    Butterworth, Cfc, Class, Coefficients, Design, FilterError, Mode, Phase, Report, ZeroLevel, filter_both_ways_into,
-    pre_event, run_sections, samples_added, samples_of_width, sections_extension,
+    Butterworth, Cfc, Class, Coefficients, Design, FilterError, Mode, Phase, ZeroLevel, filter_both_ways_into,
+    pre_event, run_sections, samples_added,
 };
 
 /// How channels are filtered.

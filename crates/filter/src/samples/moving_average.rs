@@ -1,4 +1,4 @@
-//! Centred moving averages and their gain.
+//! Centred moving averages.
 
 /// Samples of the running sum after which it is summed afresh, so that rounding does not grow with the record.
 const AFRESH: usize = 1024;
@@ -31,15 +31,15 @@ pub fn moving_average(samples: &[f64], level: f64, width: usize) -> Vec<f64> {
     output
 }
 
-/// Amplitude gain of a moving average of `width` samples: `|sin(π·f·w·T)/(w·sin(π·f·T))|`.
-pub fn moving_average_gain(width: usize, dt_s: f64, frequency_hz: f64) -> f64 {
-    let x = std::f64::consts::PI * frequency_hz * dt_s;
-    if x.sin() == 0.0 { 1.0 } else { ((width as f64 * x).sin() / (width as f64 * x.sin())).abs() }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Amplitude gain of a moving average of `width` samples: `|sin(π·f·w·T)/(w·sin(π·f·T))|`.
+    fn moving_average_gain(width: usize, dt_s: f64, frequency_hz: f64) -> f64 {
+        let x = std::f64::consts::PI * frequency_hz * dt_s;
+        if x.sin() == 0.0 { 1.0 } else { ((width as f64 * x).sin() / (width as f64 * x.sin())).abs() }
+    }
 
     #[test]
     fn the_window_shrinks_at_the_ends() {
