@@ -3,11 +3,13 @@
 use crumple_signal::{Notes, Sampled};
 use serde::Serialize;
 
+use crate::butterworth::sections::sections_extension;
 use crate::cfc::corridor::corridor;
-use crate::samples::moving_average::moving_average;
+use crate::cfc::zero_phase::Report;
+use crate::samples::moving_average::{moving_average, samples_of_width};
 use crate::{
-    Butterworth, Cfc, Class, Coefficients, Design, FilterError, Mode, Phase, Report, ZeroLevel, filter_both_ways_into,
-    pre_event, run_sections, samples_added, samples_of_width, sections_extension,
+    Butterworth, Cfc, Class, Coefficients, Design, FilterError, Mode, Phase, ZeroLevel, filter_both_ways_into,
+    pre_event, run_sections, samples_added,
 };
 
 /// How channels are filtered.
@@ -211,14 +213,14 @@ fn run_instead(
 fn zero_level(samples: &Sampled, rule: ZeroLevel, notes: &mut Notes) -> Result<f64, FilterError> {
     let ZeroLevel::PreEvent(window) = rule else { return Ok(0.0) };
     match pre_event(samples, window)? {
-        Some(found) => {
-            if found.muted > 0 {
+        Some(pre_event) => {
+            if pre_event.muted > 0 {
                 notes.info(format!(
                     "the first {} samples are exactly 0, the recorder was muted: not counted in the zero level",
-                    found.muted
+                    pre_event.muted
                 ));
             }
-            Ok(found.zero_level)
+            Ok(pre_event.zero_level)
         }
         None => {
             notes.warning(format!(

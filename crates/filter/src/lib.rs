@@ -4,7 +4,7 @@
 //! [`filter`] does for one channel what the stage does for all: remove the zero level, check the sampling rate,
 //! run the filter, and say in notes what a reader should know. The parts are here to be used alone: [`Coefficients`]
 //! (the difference equation of a class), [`filter_both_ways`] (the two passes and the ends), [`corridor`] (its response
-//! against the limits), [`Butterworth`] and [`run_sections`], [`moving_average`], [`resample`], [`delay`],
+//! against the limits), [`Butterworth`] and [`run_sections`], [`resample`], [`delay`],
 //! [`pre_event`] (the zero level).
 //!
 //! rooms: stage | channels | cfc butterworth samples | recursion
@@ -17,21 +17,20 @@ mod filter;
 mod recursion;
 mod samples;
 
-pub use butterworth::design::{Design, Section};
-pub use butterworth::pass::{Butterworth, HIGHEST_ORDER, Pass, Phase};
-pub use butterworth::sections::{run_sections, sections_extension};
+pub use butterworth::design::Design;
+pub use butterworth::pass::{Butterworth, Pass, Phase};
+pub use butterworth::sections::run_sections;
 pub use cfc::class::{Cfc, Class};
 pub use cfc::coefficients::Coefficients;
-pub use cfc::corridor::{CorridorPoint, corridor, limits_db};
+pub use cfc::corridor::{CorridorPoint, corridor};
 pub use cfc::mode::Mode;
-pub use cfc::zero_phase::{Report, filter_both_ways, filter_both_ways_into, samples_added};
+pub use cfc::zero_phase::{filter_both_ways, filter_both_ways_into, samples_added};
 pub use channels::selection::{
-    SelectionError, class_of_body, id_meant, ids_meant, is_barrier_force, is_of_body, occupants_left, select,
+    SelectionError, class_of_body, id_meant, ids_meant, is_barrier_force, occupants_left, select,
 };
 pub use error::FilterError;
 pub use filter::{Applied, Filtered, Instead, Settings, filter, filter_reporting};
 pub use samples::delay::{Delay, delay};
-pub use samples::derivative::{acceleration_of_velocity_change, derivative_note, printed_step_m_per_s};
-pub use samples::moving_average::{moving_average, moving_average_gain, samples_of_width};
+pub use samples::derivative::{acceleration_of_velocity_change, derivative_note};
 pub use samples::resampling::{Interpolation, Resampling, resample};
 pub use samples::zero_level::{ZeroLevel, pre_event};

@@ -18,7 +18,7 @@ pub use barrier::inertia_force::barrier_force;
 pub use error::IntegrateError;
 pub use events::findings::findings;
 pub use events::sign::{WRONG_SIGN, events_of, wrong_sign};
-pub use events::time_zero::{FoundZero, contact_edge, edr_start, threshold_crossing};
+pub use events::time_zero::{TimeZeroEstimate, contact_edge, edr_start, threshold_crossing};
 pub use motion::drift::{Drift, DriftShape, EndCondition, integrate_without_drift};
 pub use motion::integration::{Motion, Settings, integrate, integrate_reporting};
 pub use motion::rule::{Rule, integrate_twice, integrate_twice_into};

@@ -6,10 +6,10 @@ use crate::ModelKind;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LumpedError {
     /// No model has this name.
-    #[error("unknown model {found:?}, expected one of {expected}")]
+    #[error("unknown model {given:?}, expected one of {expected}")]
     UnknownModel {
         /// What was given.
-        found: String,
+        given: String,
         /// All names.
         expected: String,
     },

@@ -5,7 +5,7 @@
 //! [`definitions::CATALOGUE`] and the part of the record it belongs to. A metric that a record does not show is a
 //! [`Metric`] without a value whose definition says why; it is never a number in disguise.
 //!
-//! - the pulse: [`crash_events`], [`pulse_metrics`], [`sliding_mean`], [`olc`], [`vpi`], [`force_deflection`]; of a
+//! - the pulse: [`crash_events`], [`pulse_metrics`], [`sliding_mean`], [`olc`], [`vpi`], ; of a
 //!   recorder [`maximum_delta_v`]
 //! - the occupant: [`hic`], [`clip_contiguous`], [`clip_cumulative`], [`gadd_severity_index`], [`ride_down`]
 //! - roadside hardware: [`asi`], [`thiv_phd`], [`oiv_ora`]
@@ -31,14 +31,12 @@ pub use curves::iso18571::rating::{Grade, Iso18571, Iso18571Options, iso18571};
 pub use curves::residuals::{Residuals, fit_percent, residuals, rmse};
 pub use energy::average_stiffness::average_stiffness;
 pub use energy::crush_energy::{CrushStiffness, NO_DAMAGE_SPEED_M_PER_S};
-pub use energy::force_deflection::{Branch, ForceDeflection, force_deflection, specific_energy};
-pub use energy::work::{absorbed_energy, energy_equivalent_speed, kinetic_energy, loading_work_per_kg};
+pub use energy::work::energy_equivalent_speed;
 pub use error::MetricsError;
 pub use events::crash_events::{CrashEvents, DynamicCrush, Rebound, crash_events};
 pub use events::separation::{acceleration_after_separation, restitution_of_two_bodies};
 pub use events::time_zero::{
-    EDR_CHANGE_M_PER_S, EDR_INTERVAL_S, ThresholdRule, event_end_by_velocity_change, time_zero_by_threshold,
-    time_zero_by_velocity_change,
+    EDR_INTERVAL_S, ThresholdRule, event_end_by_velocity_change, time_zero_by_threshold, time_zero_by_velocity_change,
 };
 pub use events::unstopped::{EventEnd, Unstopped, unstopped};
 pub use metric::definitions::{self, Definition, Mark};
@@ -59,4 +57,4 @@ pub use pulse::square_wave::{average_square_wave, equivalent_square_wave};
 pub use pulse::vpi::{VpiOptions, vpi};
 pub use roadside::asi::{AsiLimits, AsiMethod, asi};
 pub use roadside::flail_space::{FlailSpace, oiv_ora, thiv_phd};
-pub use sums::sliding_mean::{sliding_mean, sliding_mean_of_velocity};
+pub use sums::sliding_mean::sliding_mean;

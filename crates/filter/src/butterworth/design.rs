@@ -152,10 +152,10 @@ mod tests {
     fn two_passes_of_second_order_at_cfc_over_0_6_are_the_sae_filter() {
         let asked = Butterworth { pass: Pass::Low(100.0), order: 2, phase: Phase::Zero };
         let sae = Coefficients::new(Cfc::Cfc60, Mode::SaeReflect, 1e-4).to_array();
-        for (found, expected) in asked.design(1e-4).unwrap().sections[0].iter().zip(sae) {
+        for (coefficient, expected) in asked.design(1e-4).unwrap().sections[0].iter().zip(sae) {
             // SAE prewarps at 2.0775·CFC = 124.65 Hz, this design at the cut-off: ((π·124.65·T)² - (π·100·T)²)/3 in the
             // frequency, 1.8e-4, twice that in a0.
-            assert!((found - expected).abs() < 4e-4 * expected.abs(), "{found} {expected}");
+            assert!((coefficient - expected).abs() < 4e-4 * expected.abs(), "{coefficient} {expected}");
         }
     }
 

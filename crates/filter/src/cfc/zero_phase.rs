@@ -170,8 +170,8 @@ mod tests {
             let c = Coefficients::new(Cfc::Cfc180, mode, 1e-4);
             for n in [4, 5, 7, 99, 101, 350, BLOCK + 3, 2 * BLOCK + 2] {
                 let samples: Vec<f64> = (0..n).map(|k| 40.0 * (0.05 * k as f64).sin() + (k % 7) as f64).collect();
-                let found = filter_both_ways(&samples, 0.3, &c).unwrap();
-                for (y, z) in found.iter().zip(as_written(&samples, 0.3, &c)) {
+                let filtered = filter_both_ways(&samples, 0.3, &c).unwrap();
+                for (y, z) in filtered.iter().zip(as_written(&samples, 0.3, &c)) {
                     // The start of the second pass is a mean of ten numbers up to 50, summed from the other end.
                     assert!((y - z).abs() < 1e-13, "{n} {mode:?}: {y} {z}");
                 }

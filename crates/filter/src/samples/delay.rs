@@ -118,9 +118,9 @@ mod tests {
         let reference = pulse(0.02, 0.0, 500);
         for shift_s in [0.0, 1e-4, 3.7e-5, -5.55e-5, 1.234_567e-3, -2e-3] {
             for (t0_s, n) in [(0.0, 500), (-0.01, 700)] {
-                let found = delay(&pulse(0.02 + shift_s, t0_s, n), &reference, 5e-3).unwrap();
-                assert!((found.delay_s - shift_s).abs() < 1e-10, "{shift_s}: {found:?}");
-                assert!((found.correlation - 1.0).abs() < 1e-9, "{found:?}");
+                let lag = delay(&pulse(0.02 + shift_s, t0_s, n), &reference, 5e-3).unwrap();
+                assert!((lag.delay_s - shift_s).abs() < 1e-10, "{shift_s}: {lag:?}");
+                assert!((lag.correlation - 1.0).abs() < 1e-9, "{lag:?}");
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Centred moving averages and their gain.
+//! Centred moving averages.
 
 /// Samples of the running sum after which it is summed afresh, so that rounding does not grow with the record.
 const AFRESH: usize = 1024;
@@ -31,15 +31,15 @@ pub fn moving_average(samples: &[f64], level: f64, width: usize) -> Vec<f64> {
     output
 }
 
-/// Amplitude gain of a moving average of `width` samples: `|sin(π·f·w·T)/(w·sin(π·f·T))|`.
-pub fn moving_average_gain(width: usize, dt_s: f64, frequency_hz: f64) -> f64 {
-    let x = std::f64::consts::PI * frequency_hz * dt_s;
-    if x.sin() == 0.0 { 1.0 } else { ((width as f64 * x).sin() / (width as f64 * x.sin())).abs() }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Amplitude gain of a moving average of `width` samples: `|sin(π·f·w·T)/(w·sin(π·f·T))|`.
+    fn moving_average_gain(width: usize, dt_s: f64, frequency_hz: f64) -> f64 {
+        let x = std::f64::consts::PI * frequency_hz * dt_s;
+        if x.sin() == 0.0 { 1.0 } else { ((width as f64 * x).sin() / (width as f64 * x.sin())).abs() }
+    }
 
     #[test]
     fn the_window_shrinks_at_the_ends() {
@@ -56,11 +56,11 @@ mod tests {
     #[test]
     fn the_running_sum_is_the_sum_however_long_the_record() {
         let samples: Vec<f64> = (0..10_000).map(|k| 1e3 * (0.1 * f64::from(k)).sin()).collect();
-        let found = moving_average(&samples, 0.0, 101);
+        let averaged = moving_average(&samples, 0.0, 101);
         for k in 50..9950 {
             let mean = samples[k - 50..=k + 50].iter().sum::<f64>() / 101.0;
             // 1024 additions of numbers up to 1e3 to a sum up to 2e4, divided by 101: 1e-11.
-            assert!((found[k] - mean).abs() < 1e-10, "{k}");
+            assert!((averaged[k] - mean).abs() < 1e-10, "{k}");
         }
     }
 

@@ -226,24 +226,31 @@ mod tests {
         Sampled::new(-0.05, 1.0 / rate_hz, wave.collect()).unwrap()
     }
 
-    fn largest_error(found: &Sampled, f: f64, margin: usize) -> f64 {
-        (margin..found.len() - margin)
-            .map(|k| (found.samples()[k] - (2.0 * PI * f * found.time_s(k)).sin()).abs())
+    fn largest_error(resampled: &Sampled, f: f64, margin: usize) -> f64 {
+        (margin..resampled.len() - margin)
+            .map(|k| (resampled.samples()[k] - (2.0 * PI * f * resampled.time_s(k)).sin()).abs())
             .fold(0.0, f64::max)
     }
 
     #[test]
     fn a_tone_below_0_4_of_the_lower_rate_is_found_again_at_any_rate() {
         for to_hz in [8000.0, 9600.0, 12_345.678, 20_000.0, 51_200.0] {
-            let found = resample(
+            let resampled = resample(
                 &tone(20_000.0, 6000, 3000.0),
                 Resampling { rate_hz: to_hz, interpolation: Interpolation::Sinc },
             )
             .unwrap();
             // The promise of the kernel; the margin is its reach.
             let margin = (40.0 * (to_hz / 20_000.0_f64).max(1.0)).ceil() as usize;
-            assert!(largest_error(&found, 3000.0, margin) < 1e-4, "{to_hz}: {}", largest_error(&found, 3000.0, margin));
-            assert!((found.time_s(found.index_at_or_after(0.0))).abs() < 1e-12, "{to_hz}: the grid contains t = 0");
+            assert!(
+                largest_error(&resampled, 3000.0, margin) < 1e-4,
+                "{to_hz}: {}",
+                largest_error(&resampled, 3000.0, margin)
+            );
+            assert!(
+                (resampled.time_s(resampled.index_at_or_after(0.0))).abs() < 1e-12,
+                "{to_hz}: the grid contains t = 0"
+            );
         }
     }
 
@@ -251,8 +258,8 @@ mod tests {
     fn a_tone_above_half_the_new_rate_is_gone_and_with_straight_lines_it_aliases() {
         let record = tone(20_000.0, 6000, 6500.0);
         let at = |interpolation| {
-            let found = resample(&record, Resampling { rate_hz: 10_000.0, interpolation }).unwrap();
-            found.samples()[100..2900].iter().fold(0.0_f64, |largest, x| largest.max(x.abs()))
+            let resampled = resample(&record, Resampling { rate_hz: 10_000.0, interpolation }).unwrap();
+            resampled.samples()[100..2900].iter().fold(0.0_f64, |largest, x| largest.max(x.abs()))
         };
         // -80 dB.
         assert!(at(Interpolation::Sinc) < 1e-4, "{}", at(Interpolation::Sinc));
@@ -263,9 +270,9 @@ mod tests {
     fn a_straight_line_stays_one_to_its_ends() {
         let line = Sampled::new(-0.01, 1e-4, (0..300).map(|k| 3.0 - 0.5 * f64::from(k)).collect()).unwrap();
         for interpolation in [Interpolation::Linear, Interpolation::Sinc] {
-            let found = resample(&line, Resampling { rate_hz: 25_000.0, interpolation }).unwrap();
-            for (k, y) in found.samples().iter().enumerate() {
-                let expected = 3.0 - 0.5 * (found.time_s(k) + 0.01) / 1e-4;
+            let resampled = resample(&line, Resampling { rate_hz: 25_000.0, interpolation }).unwrap();
+            for (k, y) in resampled.samples().iter().enumerate() {
+                let expected = 3.0 - 0.5 * (resampled.time_s(k) + 0.01) / 1e-4;
                 // Weights that are symmetric to their truncation, 1e-5, times a slope of 0.5 over 32 samples.
                 assert!((y - expected).abs() < 1e-4, "{interpolation:?} {k}: {y} {expected}");
             }

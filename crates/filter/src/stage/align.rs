@@ -24,10 +24,10 @@ pub fn align(channels: &mut [FilteredChannel], asked: &Align, remarks: &mut Rema
             continue;
         }
         let samples = &channel.filtered.samples;
-        let found = match delay(samples, &reference, asked.within_s) {
-            Ok(found) if found.correlation >= LOWEST_CORRELATION => found,
-            Ok(found) => {
-                let correlation = found.correlation;
+        let lag = match delay(samples, &reference, asked.within_s) {
+            Ok(lag) if lag.correlation >= LOWEST_CORRELATION => lag,
+            Ok(lag) => {
+                let correlation = lag.correlation;
                 remarks.warning(
                     &channel.id,
                     format!("not aligned to {}: the highest correlation is {correlation:.3}", asked.to),
@@ -40,7 +40,7 @@ pub fn align(channels: &mut [FilteredChannel], asked: &Align, remarks: &mut Rema
             }
         };
         // Whole nanoseconds, as an artifact stores times.
-        let shift_s = (-found.delay_s * 1e9).round() / 1e9;
+        let shift_s = (-lag.delay_s * 1e9).round() / 1e9;
         channel.filtered.samples = samples.starting_at(samples.t0_s() + shift_s).refuse()?;
         channel.extra.shift_s = Some(shift_s);
         remarks.info(
@@ -49,7 +49,7 @@ pub fn align(channels: &mut [FilteredChannel], asked: &Align, remarks: &mut Rema
                 "time axis shifted by {:+.4} ms to lie over channel {} (correlation {:.4})",
                 1e3 * shift_s,
                 asked.to,
-                found.correlation
+                lag.correlation
             ),
         );
     }

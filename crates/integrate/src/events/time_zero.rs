@@ -8,7 +8,7 @@ const OPEN_S: f64 = 0.001;
 
 /// A time zero found in a record.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FoundZero {
+pub struct TimeZeroEstimate {
     /// On the record's time axis, s.
     pub time_s: f64,
     /// How much earlier (positive) true contact may have been, s.
@@ -21,26 +21,26 @@ pub struct FoundZero {
 ///
 /// Meant for a signal of CFC 60 without zero level. Lags true contact, by 0.65 ms on a half-sine of 100 ms; it cannot
 /// have been before the last change of sign, which is what `earlier_by_s` says (at most the start of the record).
-pub fn threshold_crossing(acceleration: &Signal<Acceleration>) -> Option<FoundZero> {
+pub fn threshold_crossing(acceleration: &Signal<Acceleration>) -> Option<TimeZeroEstimate> {
     let time_s = time_zero_by_threshold(acceleration, ThresholdRule::default()).value?;
     let a = acceleration.samples();
     let first = acceleration.index_at_or_after(time_s).min(a.len() - 1);
     let sign = a[first].signum();
     let rest = a[..first].iter().rposition(|a| a * sign <= 0.0).unwrap_or(0);
-    Some(FoundZero { time_s, earlier_by_s: (time_s - acceleration.time_s(rest)).max(0.0), later_by_s: 0.0 })
+    Some(TimeZeroEstimate { time_s, earlier_by_s: (time_s - acceleration.time_s(rest)).max(0.0), later_by_s: 0.0 })
 }
 
 /// Time zero of an event data recorder, [`time_zero_by_velocity_change`].
 ///
 /// The interval may begin before contact, by up to its length: that is what `later_by_s` says.
-pub fn edr_start(acceleration: &Signal<Acceleration>) -> Option<FoundZero> {
+pub fn edr_start(acceleration: &Signal<Acceleration>) -> Option<TimeZeroEstimate> {
     let time_s = time_zero_by_velocity_change(acceleration).value?;
-    Some(FoundZero { time_s, earlier_by_s: 0.0, later_by_s: EDR_INTERVAL_S })
+    Some(TimeZeroEstimate { time_s, earlier_by_s: 0.0, later_by_s: EDR_INTERVAL_S })
 }
 
 /// Time zero from a contact switch: where its signal first crosses the middle between its level at the start of the
 /// record (mean of the first millisecond) and the level farthest from it, linearly interpolated; right to a sample.
-pub fn contact_edge(switch: &Sampled) -> Option<FoundZero> {
+pub fn contact_edge(switch: &Sampled) -> Option<TimeZeroEstimate> {
     let s = switch.samples();
     let open = ((OPEN_S / switch.dt_s()).round() as usize).clamp(1, s.len().max(1)).min(s.len());
     if open == 0 {
@@ -58,7 +58,7 @@ pub fn contact_edge(switch: &Sampled) -> Option<FoundZero> {
         Some(before) => before as f64 + (0.5 - travelled(before)) / (travelled(first) - travelled(before)),
     };
     let time_s = switch.t0_s() + crossing * switch.dt_s();
-    Some(FoundZero { time_s, earlier_by_s: switch.dt_s(), later_by_s: switch.dt_s() })
+    Some(TimeZeroEstimate { time_s, earlier_by_s: switch.dt_s(), later_by_s: switch.dt_s() })
 }
 
 #[cfg(test)]
@@ -77,11 +77,11 @@ mod tests {
 
     #[test]
     fn the_threshold_is_interpolated_and_says_how_late_it_may_be() {
-        let found = threshold_crossing(&ramp(2000.0)).unwrap();
+        let zero = threshold_crossing(&ramp(2000.0)).unwrap();
         // 0.5 g = 4.903325 m/s² is reached after 2.4517 ms of the ramp; binary rounding only.
-        assert!((found.time_s - 0.005 - THRESHOLD_M_PER_S2 / 2000.0).abs() < 1e-12, "{found:?}");
+        assert!((zero.time_s - 0.005 - THRESHOLD_M_PER_S2 / 2000.0).abs() < 1e-12, "{zero:?}");
         // The last sample at rest is the one at which the ramp starts from zero.
-        assert!((found.earlier_by_s - THRESHOLD_M_PER_S2 / 2000.0).abs() < 1e-4 + 1e-12, "{found:?}");
+        assert!((zero.earlier_by_s - THRESHOLD_M_PER_S2 / 2000.0).abs() < 1e-4 + 1e-12, "{zero:?}");
     }
 
     #[test]
@@ -106,10 +106,10 @@ mod tests {
             Signal::new(0.0, 1e-4, (0..1200).map(at).collect()).unwrap()
         };
         assert_eq!(edr_start(&step(-10.0)), None);
-        let found = edr_start(&step(-20.0)).unwrap();
+        let zero = edr_start(&step(-20.0)).unwrap();
         // The last sample of the interval is at 41.1 ms: 111 full steps and half of the first, 0.223 m/s.
-        assert!((found.time_s - 0.0211).abs() < 1.5e-4, "{found:?}");
-        let end = event_end_by_velocity_change(&step(-20.0), found.time_s).unwrap();
+        assert!((zero.time_s - 0.0211).abs() < 1.5e-4, "{zero:?}");
+        let end = event_end_by_velocity_change(&step(-20.0), zero.time_s).unwrap();
         assert!((end - (0.08 - 0.0111)).abs() < 1.5e-4, "{end}");
         assert_eq!(edr_start(&Signal::new(0.0, 1e-4, vec![]).unwrap()), None);
     }
@@ -118,8 +118,8 @@ mod tests {
     fn a_switch_closes_in_the_middle_of_its_edge_whichever_way() {
         for (open, closed) in [(0.0, 5.0), (5.0, 0.0), (1.0, -3.0)] {
             let samples = (0..100).map(|k| if k < 50 { open } else { closed }).collect();
-            let found = contact_edge(&Sampled::new(-0.005, 1e-4, samples).unwrap()).unwrap();
-            assert!((found.time_s + 0.5e-4).abs() < 1e-12, "{found:?}");
+            let zero = contact_edge(&Sampled::new(-0.005, 1e-4, samples).unwrap()).unwrap();
+            assert!((zero.time_s + 0.5e-4).abs() < 1e-12, "{zero:?}");
         }
         assert_eq!(contact_edge(&Sampled::new(0.0, 1e-4, vec![5.0; 9]).unwrap()), None);
         assert_eq!(contact_edge(&Sampled::new(0.0, 1e-4, vec![]).unwrap()), None);

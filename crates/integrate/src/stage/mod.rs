@@ -18,14 +18,14 @@ use crate::stage::criteria::occupants_and_roadside::Criteria;
 use crate::stage::criteria::recorder::recorded_changes;
 use crate::stage::options::flags::Options;
 use crate::stage::options::settings::StageSettings;
-use crate::stage::pulse::channel_agreement::Redundant;
+use crate::stage::pulse::channel_agreement::ChannelAgreement;
 use crate::stage::pulse::impact_speed::impact_speed;
 use crate::stage::pulse::integration::{ChannelIntegration, acceleration};
-use crate::stage::pulse::other_channels::{further, meant};
+use crate::stage::pulse::other_channels::{channels_named, other_channels};
 use crate::stage::pulse::records::{events_record, metric_records};
 use crate::stage::pulse::summary::{note_findings, note_warnings, summary, warn_unless_of_the_vehicle};
 use crate::stage::pulse::time_zero::time_zero;
-use crate::stage::without_motion::{lacking, without_motion};
+use crate::stage::without_motion::{missing_for_motion, without_motion};
 
 /// The stage.
 pub struct Integrate;
@@ -53,8 +53,8 @@ impl Stage for Integrate {
         }
         let channel = test.pulse_channel().refuse_with_hint("name the pulse with --channel")?.clone();
         let speed = settings.impact_speed_m_per_s.or(test.impact_speed_m_per_s);
-        if let Some(lacking) = lacking(input, &test, &channel, speed) {
-            return without_motion(settings, input, &test, &channel, lacking, out);
+        if let Some(missing) = missing_for_motion(input, &test, &channel, speed) {
+            return without_motion(settings, input, &test, &channel, missing, out);
         }
         refuse_left_out(&channel, input)?;
         let impact_speed_m_per_s = impact_speed(settings, &test, &channel, out.notes())?;
@@ -71,14 +71,14 @@ impl Stage for Integrate {
             out.notes().info(options::uncertainty::uncertainty_note(uncertainty, pulse.motion.start));
         }
         let mut metrics = metric_records(&channel.id, &pulse, zero.time_s);
-        let mut redundant = Redundant::new(&channel, &pulse, zero.time_s);
+        let mut others = ChannelAgreement::new(&channel, &pulse, zero.time_s);
 
         out.put("/test", &TestV1::from(&test))?;
         out.put("/events", &events_record(&channel.id, settings, &zero, &pulse, impact_speed_m_per_s))?;
         out.summary(summary(&channel.id, &pulse, zero.time_s, impact_speed_m_per_s));
 
-        metrics.extend(integrate_others(&task, &channel, &mut redundant, out)?);
-        metrics.extend(redundant.spread(out));
+        metrics.extend(integrate_others(&task, &channel, &mut others, out)?);
+        metrics.extend(others.spread(out));
         let against = load_cells::Pulse {
             id: &channel.id,
             motion: &pulse.motion,
@@ -107,7 +107,7 @@ impl Stage for Integrate {
 
 /// The id of the one channel that `--channel` means.
 fn pulse_named(name: &str, test: &TestDescription, input: &Inputs) -> anyhow::Result<String> {
-    match meant(test, name, "channel", input)?.as_slice() {
+    match channels_named(test, name, "channel", input)?.as_slice() {
         [id] => Ok(id.clone()),
         several => Err(Refused::new(format!("channel {name:?} means several channels: {}", several.join(", ")))
             .expected("one channel as the crash pulse")
@@ -134,16 +134,16 @@ fn refuse_left_out(pulse: &Channel, input: &Inputs) -> anyhow::Result<()> {
 fn integrate_others(
     task: &ChannelIntegration<'_>,
     pulse: &Channel,
-    redundant: &mut Redundant<'_>,
+    others: &mut ChannelAgreement<'_>,
     out: &mut Output,
 ) -> anyhow::Result<Vec<MetricV1>> {
     let ChannelIntegration { settings, input, test, impact_speed_m_per_s, time_zero_s } = *task;
     let mut metrics = Vec::new();
-    for other in further(&settings.channels, test, &pulse.id, input, out.notes())? {
+    for other in other_channels(&settings.channels, test, &pulse.id, input, out.notes())? {
         let motion = task.integrate(other, &acceleration(input, other)?, out)?;
         // Taken with all the others, of a place that nobody names: that it moves with the vehicle must show.
         let unnamed = !settings.channels.iter().any(|name| test.channels_meant(name).iter().any(|c| c.id == other.id));
-        if unnamed && unplaced(other) && !redundant.agrees(&motion) {
+        if unnamed && unplaced(other) && !others.agrees(&motion) {
             out.notes().warning(format!(
                 "channel {} does not move as the pulse does, and nothing says where it sits: not held against the \
                  vehicle (if it is of the compartment, name it: crumple-integrate --channels all,{})",
@@ -154,7 +154,7 @@ fn integrate_others(
         note_warnings(&other.id, &motion, time_zero_s, impact_speed_m_per_s, out.notes());
         metrics.extend(metric_records(&other.id, &motion, time_zero_s));
         warn_unless_of_the_vehicle(other, out.notes());
-        redundant.compare(other, &motion, out.notes());
+        others.compare(other, &motion, out.notes());
         task.write(&other.id, motion, out)?;
     }
     Ok(metrics)

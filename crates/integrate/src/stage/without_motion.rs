@@ -10,7 +10,7 @@ use crate::stage::options::settings::StageSettings;
 
 /// What a motion of the pulse lacks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Lacking {
+pub enum Missing {
     /// The impact speed.
     Speed,
     /// The samples of the pulse, while an occupant's are here.
@@ -18,12 +18,17 @@ pub enum Lacking {
 }
 
 /// What stands in the way of a motion, if anything does that is no fault of the inputs.
-pub fn lacking(input: &Inputs, test: &TestDescription, pulse: &Channel, speed_m_per_s: Option<f64>) -> Option<Lacking> {
+pub fn missing_for_motion(
+    input: &Inputs,
+    test: &TestDescription,
+    pulse: &Channel,
+    speed_m_per_s: Option<f64>,
+) -> Option<Missing> {
     let occupants = || test.channels.iter().any(|c| part_of(c).is_some() && input.wave_if(&c.id).is_some());
     if input.wave_if(&pulse.id).is_none() && occupants() {
-        return Some(Lacking::Pulse);
+        return Some(Missing::Pulse);
     }
-    speed_m_per_s.is_none().then_some(Lacking::Speed)
+    speed_m_per_s.is_none().then_some(Missing::Speed)
 }
 
 /// Writes the test and the criteria. Done where the pulse is an occupant's, or not in the inputs: nobody asked for a
@@ -33,7 +38,7 @@ pub fn without_motion(
     input: &Inputs,
     test: &TestDescription,
     pulse: &Channel,
-    lacking: Lacking,
+    missing: Missing,
     out: &mut Output,
 ) -> anyhow::Result<Outcome> {
     out.put("/test", &TestV1::from(test))?;
@@ -50,33 +55,33 @@ pub fn without_motion(
     }
     let id = &pulse.id;
     let speed = "--impact-speed 35km/h here or at crumple-ingest";
-    let (result, reason) = match lacking {
-        Lacking::Pulse if measured => (
+    let (result, reason) = match missing {
+        Missing::Pulse if measured => (
             true,
             format!(
                 "criteria of occupants alone: the pulse {id} is not in the inputs, so there is no motion of the \
                  vehicle (crumple-filter without --channels takes both)"
             ),
         ),
-        Lacking::Pulse => (
+        Missing::Pulse => (
             false,
             format!(
                 "the pulse {id} is not in the inputs: crumple-filter --channels leaves out what it does not name, so \
                  name {id} there too"
             ),
         ),
-        Lacking::Speed if part_of(pulse).is_some() && measured => (
+        Missing::Speed if part_of(pulse).is_some() && measured => (
             true,
             format!(
                 "criteria of occupants alone: channel {id} is of an occupant, and no impact speed is stated for a \
                  motion"
             ),
         ),
-        Lacking::Speed if recorder => (
+        Missing::Speed if recorder => (
             true,
             format!("the recorded change of velocity alone: no impact speed is stated, so there is no crush ({speed})"),
         ),
-        Lacking::Speed => (false, format!("the test has no impact speed, which no accelerometer can tell: {speed}")),
+        Missing::Speed => (false, format!("the test has no impact speed, which no accelerometer can tell: {speed}")),
     };
     if !result {
         return Ok(Outcome::NoAcceptableResult(reason));

@@ -202,11 +202,11 @@ pub fn propagate(
         report((last - first) as u64);
     }
     let quantities = replicates.iter().flatten().map(Vec::len).next().unwrap_or(0);
-    let of = |quantity: usize| {
+    let interval_of = |quantity: usize| {
         let values: Option<Vec<f64>> = replicates.iter().map(|values| values.as_ref()?[quantity]).collect();
         Interval::of_replicates(values?)
     };
-    let mut events: Vec<Option<Interval>> = (0..quantities).map(of).collect();
+    let mut events: Vec<Option<Interval>> = (0..quantities).map(interval_of).collect();
     let metrics = events.split_off(EVENT_NAMES.len().min(quantities));
     let without = |quantity: usize| {
         replicates.iter().filter(|values| values.as_ref().is_none_or(|values| values[quantity].is_none())).count()

@@ -49,24 +49,24 @@ impl Driven {
         finite("impact_speed_m_per_s", drive.speed_m_per_s())?;
         let source = drive.source();
         let at = |k: usize| source.get(k).copied().unwrap_or(0.0);
-        let own = start.len();
+        let states = start.len();
         // Without a drive its four states stay zero and are left out.
-        let active = if source.is_empty() { own } else { own + 4 };
+        let active = if source.is_empty() { states } else { states + 4 };
         let part = |m: &DMatrix<f64>| m.view((0, 0), (active, active)).into_owned();
         let a = part(&self.a);
-        let phi = Rows::of(&matrix_exponential(&(&a * dt_s))?);
-        let heat = Rows::of(&integrated(&a, &part(&self.heat), dt_s)?);
+        let phi = Rows::of_matrix(&matrix_exponential(&(&a * dt_s))?);
+        let heat = Rows::of_matrix(&integrated(&a, &part(&self.heat), dt_s)?);
         let work = (!source.is_empty()).then(|| integrated(&a, &part(&self.work), dt_s)).transpose()?;
-        let work = work.as_ref().map(Rows::of);
-        let a = Rows::of(&a);
+        let work = work.as_ref().map(Rows::of_matrix);
+        let a = Rows::of_matrix(&a);
 
-        let mut z = vec![0.0; own + 4];
-        z[..own].copy_from_slice(start);
-        let (mut rate, mut next) = (vec![0.0; own + 4], vec![0.0; active]);
+        let mut z = vec![0.0; states + 4];
+        z[..states].copy_from_slice(start);
+        let (mut rate, mut next) = (vec![0.0; states + 4], vec![0.0; active]);
         let (mut dissipated_j, mut input_j) = (0.0, 0.0);
         for k in 0..samples {
-            z[own + 2] = at(k);
-            z[own + 3] = (at(k + 1) - at(k)) / dt_s;
+            z[states + 2] = at(k);
+            z[states + 3] = (at(k + 1) - at(k)) / dt_s;
             a.times(&z, &mut rate[..active]);
             if !rate.iter().all(|x| x.is_finite()) {
                 return Err(LumpedError::Diverges { model: self.model, time_s: k as f64 * dt_s });
@@ -90,7 +90,7 @@ struct Rows {
 }
 
 impl Rows {
-    fn of(m: &DMatrix<f64>) -> Self {
+    fn of_matrix(m: &DMatrix<f64>) -> Self {
         Self { size: m.nrows(), entries: m.transpose().as_slice().to_vec() }
     }
 

@@ -55,11 +55,11 @@ pub fn exact_step_with_derivatives<const P: usize>(
     let mut derivatives = dx;
     let (mut term, mut dterm) = (x, dx);
     for k in 2..=TERMS {
-        let by = 1.0 / k as f64;
+        let factor = 1.0 / k as f64;
         for (dt, d) in dterm.iter_mut().zip(&dx) {
-            *dt = (*dt * x + term * d) * by;
+            *dt = (*dt * x + term * d) * factor;
         }
-        term = term * x * by;
+        term = term * x * factor;
         phi += term;
         for (sum, dt) in derivatives.iter_mut().zip(&dterm) {
             *sum += dt;
@@ -123,10 +123,10 @@ mod tests {
             let a = model.state_matrix();
             let scaled = nalgebra::DMatrix::from_fn(4, 4, |i, j| a[(i, j)] * t);
             let wanted = crumple_lti::matrix_exponential(&scaled).unwrap();
-            let found = exact_step(&a, t);
+            let phi = exact_step(&a, t);
             for i in 0..16 {
                 // Entries up to |A| dt e^..: both lose 2^s roundings of the largest, with at most 7 squarings.
-                assert!((found[i] - wanted[i]).abs() < 1e-13 * wanted.amax(), "{t} {i}: {} {}", found[i], wanted[i]);
+                assert!((phi[i] - wanted[i]).abs() < 1e-13 * wanted.amax(), "{t} {i}: {} {}", phi[i], wanted[i]);
             }
         }
     }

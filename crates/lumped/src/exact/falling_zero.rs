@@ -39,10 +39,10 @@ mod tests {
     #[test]
     fn a_zero_is_found_to_rounding_and_a_flat_start_does_not_stop_it() {
         // Two roundings of the answer, as the last step allows.
-        let found = falling_zero(0.0, 2.0, |t| (2.0 - t * t, -2.0 * t));
-        assert!((found - 2.0_f64.sqrt()).abs() <= 2.0 * f64::EPSILON * 1.5, "{found}");
+        let zero = falling_zero(0.0, 2.0, |t| (2.0 - t * t, -2.0 * t));
+        assert!((zero - 2.0_f64.sqrt()).abs() <= 2.0 * f64::EPSILON * 1.5, "{zero}");
         // At the middle the rate is zero, and Newton's step no number.
-        let found = falling_zero(-1.0, 1.0, |t| (0.125 - t * t * t, -3.0 * t * t));
-        assert!((found - 0.5).abs() <= 2.0 * f64::EPSILON, "{found}");
+        let zero = falling_zero(-1.0, 1.0, |t| (0.125 - t * t * t, -3.0 * t * t));
+        assert!((zero - 0.5).abs() <= 2.0 * f64::EPSILON, "{zero}");
     }
 }

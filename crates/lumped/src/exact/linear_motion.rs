@@ -64,7 +64,7 @@ impl LinearMotion<Const<3>> {
         a[(1, 2)] = -1.0;
         a[(2, 1)] = stiffness;
         a[(2, 2)] = -decay;
-        let by = |place: &usize| {
+        let derivative_by = |place: &usize| {
             let mut d = Square::<Const<3>>::zeros();
             (d[(2, 1)], d[(2, 2)]) = match place {
                 0 => (-stiffness / mass_kg, 0.0),
@@ -73,7 +73,7 @@ impl LinearMotion<Const<3>> {
             };
             d
         };
-        let da = parameters.iter().map(by).collect();
+        let da = parameters.iter().map(derivative_by).collect();
         Self { masses: 1, tau_s, a, da, start: [0.0, v0 * tau_s, 0.0].into() }
     }
 }
@@ -97,22 +97,22 @@ where
                 let (k, c) = (springs[i] * tau_s * tau_s, dampers[i] * tau_s);
                 for (row, sign) in [(Some(i), -1.0), (i.checked_sub(1), 1.0)] {
                     let Some(row) = row else { continue };
-                    let by = sign / masses_kg[row];
-                    a[(n + row, i)] += by * k;
-                    a[(n + row, n + i)] += by * c;
+                    let per_mass = sign / masses_kg[row];
+                    a[(n + row, i)] += per_mass * k;
+                    a[(n + row, n + i)] += per_mass * c;
                     if i > 0 {
-                        a[(n + row, i - 1)] -= by * k;
-                        a[(n + row, n + i - 1)] -= by * c;
+                        a[(n + row, i - 1)] -= per_mass * k;
+                        a[(n + row, n + i - 1)] -= per_mass * c;
                     }
                 }
             }
             a
         };
         let a = build(springs, dampers, true);
-        let one = |i: usize| -> Vec<f64> { (0..n).map(|j| if i == j { 1.0 } else { 0.0 }).collect() };
-        let none = vec![0.0; n];
+        let unit_vector = |i: usize| -> Vec<f64> { (0..n).map(|j| if i == j { 1.0 } else { 0.0 }).collect() };
+        let zero_vector = vec![0.0; n];
         // A is linear in springs and dampers, and its rows are over the masses.
-        let by = |&place: &usize| match place / n {
+        let derivative_by = |&place: &usize| match place / n {
             0 => {
                 let mut d = zeros();
                 for column in 0..2 * n {
@@ -120,10 +120,10 @@ where
                 }
                 d
             }
-            1 => build(&one(place - n), &none, false),
-            _ => build(&none, &one(place - 2 * n), false),
+            1 => build(&unit_vector(place - n), &zero_vector, false),
+            _ => build(&zero_vector, &unit_vector(place - 2 * n), false),
         };
-        let da = parameters.iter().map(by).collect();
+        let da = parameters.iter().map(derivative_by).collect();
         let mut start = OVector::<f64, D>::zeros_generic(size, U1);
         start.rows_mut(n, n).fill(v0 * tau_s);
         Self { masses: n, tau_s, a, da, start }
@@ -143,11 +143,11 @@ where
         let mut derivatives = dx.clone();
         let (mut term, mut dterm) = (x.clone(), dx.clone());
         for k in 2..=TERMS {
-            let by = 1.0 / k as f64;
+            let factor = 1.0 / k as f64;
             for (dt, d) in dterm.iter_mut().zip(&dx) {
-                *dt = (&*dt * &x + &term * d) * by;
+                *dt = (&*dt * &x + &term * d) * factor;
             }
-            term = &term * &x * by;
+            term = &term * &x * factor;
             phi += &term;
             for (sum, dt) in derivatives.iter_mut().zip(&dterm) {
                 *sum += dt;
@@ -165,8 +165,8 @@ where
     /// Marches over the instants; a sensitivity goes `s(t+dt) = phi s + dphi z`.
     fn sensitivity(&self, at: &Instants) -> Sensitivity {
         let parameters = self.da.len();
-        let nothing = || OVector::<f64, D>::zeros_generic(self.a.shape_generic().0, U1);
-        let (mut z, mut s) = (self.start.clone(), vec![nothing(); parameters]);
+        let zero_state = || OVector::<f64, D>::zeros_generic(self.a.shape_generic().0, U1);
+        let (mut z, mut s) = (self.start.clone(), vec![zero_state(); parameters]);
         if at.first_s > 0.0 {
             let (phi, derivatives) = self.exponential(at.first_s);
             s = derivatives.iter().map(|d| d * &z).collect();
@@ -174,7 +174,7 @@ where
         }
         let (phi, derivatives) = self.exponential(at.dt_s);
         let empty = || vec![Motion::zeros(at.samples); self.masses];
-        let mut found = Sensitivity { motions: empty(), derivatives: (0..parameters).map(|_| empty()).collect() };
+        let mut sensitivity = Sensitivity { motions: empty(), derivatives: (0..parameters).map(|_| empty()).collect() };
         let (n, per_tau) = (self.masses, self.tau_s.recip());
         let fill = |motions: &mut [Motion], k: usize, z: &OVector<f64, D>, rate: &OVector<f64, D>| {
             for (i, motion) in motions.iter_mut().enumerate() {
@@ -183,14 +183,14 @@ where
                 motion.acceleration_m_per_s2[k] = rate[n + i] * per_tau * per_tau;
             }
         };
-        let (mut rate, mut moved) = (nothing(), nothing());
+        let (mut rate, mut moved) = (zero_state(), zero_state());
         for k in 0..at.samples {
             rate.gemv(1.0, &self.a, &z, 0.0);
-            fill(&mut found.motions, k, &z, &rate);
+            fill(&mut sensitivity.motions, k, &z, &rate);
             for j in 0..parameters {
                 rate.gemv(1.0, &self.a, &s[j], 0.0);
                 rate.gemv(1.0, &self.da[j], &z, 1.0);
-                fill(&mut found.derivatives[j], k, &s[j], &rate);
+                fill(&mut sensitivity.derivatives[j], k, &s[j], &rate);
                 moved.gemv(1.0, &phi, &s[j], 0.0);
                 moved.gemv(1.0, &derivatives[j], &z, 1.0);
                 s[j].copy_from(&moved);
@@ -198,6 +198,6 @@ where
             moved.gemv(1.0, &phi, &z, 0.0);
             z.copy_from(&moved);
         }
-        found
+        sensitivity
     }
 }

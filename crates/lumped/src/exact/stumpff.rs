@@ -37,9 +37,9 @@ pub(crate) fn cosine_integrals(w2: f64, t: f64) -> [f64; 7] {
     }
     let mut power = 1.0;
     c.map(|value| {
-        let found = value * power;
+        let scaled = value * power;
         power *= t;
-        found
+        scaled
     })
 }
 
@@ -58,8 +58,8 @@ mod tests {
             assert!((below[n] - above[n]).abs() < 4e-13, "{n}: {} {}", below[n], above[n]);
         }
         let (w, t) = (3.0_f64, 0.4);
-        let found = cosine_integrals(w * w, t);
-        assert!((found[0] - (w * t).cos()).abs() < 4e-16 && (found[1] - (w * t).sin() / w).abs() < 2e-16);
-        assert!((found[2] - (1.0 - (w * t).cos()) / (w * w)).abs() < 2e-16);
+        let integrals = cosine_integrals(w * w, t);
+        assert!((integrals[0] - (w * t).cos()).abs() < 4e-16 && (integrals[1] - (w * t).sin() / w).abs() < 2e-16);
+        assert!((integrals[2] - (1.0 - (w * t).cos()) / (w * w)).abs() < 2e-16);
     }
 }

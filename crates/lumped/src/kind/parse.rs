@@ -10,7 +10,7 @@ impl FromStr for ModelKind {
 
     fn from_str(text: &str) -> Result<Self, LumpedError> {
         Self::ALL.into_iter().find(|kind| kind.name() == text).ok_or_else(|| LumpedError::UnknownModel {
-            found: text.to_owned(),
+            given: text.to_owned(),
             expected: Self::ALL.map(Self::name).join(", "),
         })
     }

@@ -203,11 +203,11 @@ impl CoefficientMatching {
         let kappa = one + self.m2 / self.m1;
         let reduced = self.m1 * self.m2 / (self.m1 + self.m2);
         let cubic = [u.scale(-2.0), u * u + t * v - (kappa * w).scale(4.0), kappa * (v * v) + t * t * w - t * u * v];
-        let found = cubic_roots(cubic[0], cubic[1], cubic[2]);
+        let zetas = cubic_roots(cubic[0], cubic[1], cubic[2]);
 
         let solutions_with = |most_blur: f64| {
             let mut solutions = Vec::with_capacity(6);
-            for (place, root) in found.iter().enumerate() {
+            for (place, root) in zetas.iter().enumerate() {
                 let zeta = root.value;
                 let [ct, ck] = [t, kappa].map(ComplexDd::real);
                 let rest = ComplexDd::real(u) - zeta;
@@ -220,13 +220,13 @@ impl CoefficientMatching {
                 // Where a set is its own dual the root of the cubic is double. Coefficients off by a rounding split it
                 // by less than can be seen, so it is known to the square root of the noise only; without this the four
                 // sets there would come out complex, though two of them are real for every polynomial.
-                let third = found.iter().map(|other| (other.value - zeta).norm()).fold(0.0, f64::max) / u.hi.abs();
+                let third = zetas.iter().map(|other| (other.value - zeta).norm()).fold(0.0, f64::max) / u.hi.abs();
                 let blur = (OWN_DUAL.0 / third).min(most_blur);
                 let own_dual = root.multiplicity > 1
                     && square_1.norm() <= blur * (t.hi * t.hi + kappa.hi * u.hi.abs())
                     && square_0.norm() <= blur * (rest.norm().powi(2) + kw.hi.abs());
-                let none = own_dual || (square_1.norm() == 0.0 && square_0.norm() == 0.0);
-                let (r1, r0) = if none {
+                let coincide = own_dual || (square_1.norm() == 0.0 && square_0.norm() == 0.0);
+                let (r1, r0) = if coincide {
                     (ComplexDd::default(), ComplexDd::default())
                 } else if square_1.norm() * (1.0 + rest.norm().powi(2)) >= square_0.norm() * (1.0 + t.hi * t.hi) {
                     let r1 = square_1.sqrt();
@@ -237,7 +237,7 @@ impl CoefficientMatching {
                 };
                 let first = self.solution([ct, rest, r1, r0], reduced, unit);
                 let base = solutions.len();
-                if none {
+                if coincide {
                     solutions.push(MatchedSolution {
                         dual: base,
                         root: place,
@@ -271,7 +271,7 @@ impl CoefficientMatching {
             }
             solutions = solutions_with(wider * OWN_DUAL.1);
         }
-        let roots = found
+        let roots = zetas
             .iter()
             .map(|root| MatchRoot {
                 zeta: root.value.value() * (unit * unit),

@@ -102,9 +102,9 @@ mod tests {
 
     #[test]
     fn finds_three_real_roots_to_thirty_digits() {
-        let mut found: Vec<f64> = roots_of([1e-6, 3.0, -2e5]).iter().map(|r| r.value.re.value()).collect();
-        found.sort_by(f64::total_cmp);
-        for (x, y) in found.iter().zip([-2e5, 1e-6, 3.0]) {
+        let mut roots: Vec<f64> = roots_of([1e-6, 3.0, -2e5]).iter().map(|r| r.value.re.value()).collect();
+        roots.sort_by(f64::total_cmp);
+        for (x, y) in roots.iter().zip([-2e5, 1e-6, 3.0]) {
             // 1e-31 of the largest root is left: 1e-26, a hundred thousand millionth of the smallest.
             assert!((x - y).abs() <= 1e-15 * y.abs(), "{x} {y}");
         }
@@ -112,11 +112,11 @@ mod tests {
 
     #[test]
     fn double_and_triple_roots_keep_every_digit_and_their_multiplicity() {
-        let found = roots_of([0.1, 0.1, 7.0]);
-        assert_eq!(found.iter().map(|r| r.multiplicity).collect::<Vec<_>>(), [1, 2]);
-        assert_eq!((found[0].value.re.value(), found[1].value.re.value()), (7.0, 0.1));
-        let found = roots_of([0.3; 3]);
-        assert_eq!((found.len(), found[0].multiplicity, found[0].value.re.value()), (1, 3, 0.3));
+        let roots = roots_of([0.1, 0.1, 7.0]);
+        assert_eq!(roots.iter().map(|r| r.multiplicity).collect::<Vec<_>>(), [1, 2]);
+        assert_eq!((roots[0].value.re.value(), roots[1].value.re.value()), (7.0, 0.1));
+        let roots = roots_of([0.3; 3]);
+        assert_eq!((roots.len(), roots[0].multiplicity, roots[0].value.re.value()), (1, 3, 0.3));
         // Two units in the last place apart are two roots.
         let near = roots_of([1.0, 1.0 + 1e-12, -4.0]);
         assert_eq!(near.len(), 3);
@@ -125,16 +125,16 @@ mod tests {
     #[test]
     fn one_real_root_leaves_a_conjugate_pair() {
         // (z - 2)(z^2 + 2 z + 5)
-        let found = cubic_roots(Dd::of(0.0), Dd::of(1.0), Dd::of(-10.0));
-        assert_eq!(found[0].value.value(), crate::Complex::new(2.0, 0.0));
-        assert_eq!(found[1].value.value(), crate::Complex::new(-1.0, 2.0));
-        assert_eq!(found[2].value.value(), crate::Complex::new(-1.0, -2.0));
+        let roots = cubic_roots(Dd::of(0.0), Dd::of(1.0), Dd::of(-10.0));
+        assert_eq!(roots[0].value.value(), crate::Complex::new(2.0, 0.0));
+        assert_eq!(roots[1].value.value(), crate::Complex::new(-1.0, 2.0));
+        assert_eq!(roots[2].value.value(), crate::Complex::new(-1.0, -2.0));
         // z^3 - 8: the shifted cubic has p = 0.
-        let found = cubic_roots(Dd::ZERO, Dd::ZERO, Dd::of(-8.0));
-        assert_eq!(found[0].value.value(), crate::Complex::new(2.0, 0.0));
+        let roots = cubic_roots(Dd::ZERO, Dd::ZERO, Dd::of(-8.0));
+        assert_eq!(roots[0].value.value(), crate::Complex::new(2.0, 0.0));
         // z^3 + 8 z: q = 0.
-        let found = cubic_roots(Dd::ZERO, Dd::of(4.0), Dd::ZERO);
-        assert_eq!(found[0].value.value(), crate::Complex::new(0.0, 0.0));
-        assert_eq!(found[1].value.value(), crate::Complex::new(0.0, 2.0));
+        let roots = cubic_roots(Dd::ZERO, Dd::of(4.0), Dd::ZERO);
+        assert_eq!(roots[0].value.value(), crate::Complex::new(0.0, 0.0));
+        assert_eq!(roots[1].value.value(), crate::Complex::new(0.0, 2.0));
     }
 }

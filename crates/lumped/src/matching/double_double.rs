@@ -57,8 +57,8 @@ impl Dd {
         let shift = power - places;
         let ten = (0..shift.abs().min(290)).fold(Self::of(1.0), |p, _| p * Self::of(10.0));
         let exact = two_sum(upper, lower);
-        let found = if shift < 0 { exact / ten } else { exact * ten };
-        if found.hi == x { found } else { Self::of(x) }
+        let decimal = if shift < 0 { exact / ten } else { exact * ten };
+        if decimal.hi == x { decimal } else { Self::of(x) }
     }
 
     pub fn value(self) -> f64 {

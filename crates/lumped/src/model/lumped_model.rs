@@ -99,8 +99,8 @@ impl Model {
             Self::TripleSpringMassDamper(m) => {
                 positive("dt_s", dt_s)?;
                 let values = [&m.masses_kg[..], &m.springs_n_per_m, &m.dampers_n_s_per_m];
-                let found = chain(values, &[], v0, &Instants { first_s: 0.0, dt_s, samples });
-                (m.masses_kg.to_vec(), found.motions)
+                let sensitivity = chain(values, &[], v0, &Instants { first_s: 0.0, dt_s, samples });
+                (m.masses_kg.to_vec(), sensitivity.motions)
             }
             Self::DoubleSpringMassDamper(m) => (vec![m.m1_kg, m.m2_kg], march(m, v0, dt_s, samples)),
         };

@@ -27,7 +27,7 @@ impl Model {
             return Err(LumpedError::Value { name: "parameter", value: *place as f64, expected });
         }
         let v0 = impact_speed_m_per_s;
-        let found = match self {
+        let sensitivity = match self {
             Self::Kelvin(m) => {
                 chain([&[m.mass_kg], &[m.stiffness_n_per_m], &[m.damping_n_s_per_m]], parameters, v0, at)
             }
@@ -43,10 +43,10 @@ impl Model {
             Self::Nonlinear1(m) => m.law().sensitivity(v0, at, parameters)?,
             Self::Nonlinear2(m) => m.law().sensitivity(v0, at, parameters)?,
         };
-        let motions = || found.motions.iter().chain(found.derivatives.iter().flatten());
+        let motions = || sensitivity.motions.iter().chain(sensitivity.derivatives.iter().flatten());
         if let Some(k) = motions().filter_map(Motion::first_not_finite).min() {
             return Err(LumpedError::Diverges { model: self.kind(), time_s: at.first_s + k as f64 * at.dt_s });
         }
-        Ok(found)
+        Ok(sensitivity)
     }
 }

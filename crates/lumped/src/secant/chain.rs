@@ -113,13 +113,14 @@ impl ChainMotion<'_> {
 
             let size = largest(&x).max(1e-3 * largest(&v)).max(NOTHING_M);
             let mut tries = 0;
-            let (found, reach, near) = loop {
-                let found = self.expand(&x, &v, &laws, &places, input);
-                let reach = longest(&found.x, size).min(until - t);
+            let (expansion, reach, near) = loop {
+                let expansion = self.expand(&x, &v, &laws, &places, input);
+                let reach = longest(&expansion.x, size).min(until - t);
                 let near = tolerances(&x, &v, reach);
                 let wrong = (0..2 * n).find_map(|c| {
                     let region = laws[c][places[c]];
-                    let (now, soon) = (found.coordinates[c][0], horner(&found.coordinates[c], reach * INSIDE).0);
+                    let (now, soon) =
+                        (expansion.coordinates[c][0], horner(&expansion.coordinates[c], reach * INSIDE).0);
                     if now <= region.low + near[c % 2] && soon < region.low - near[c % 2] {
                         Some((c, places[c].checked_sub(1)?))
                     } else if now >= region.high - near[c % 2] && soon > region.high + near[c % 2] {
@@ -133,15 +134,15 @@ impl ChainMotion<'_> {
                     // Each piece can move the motion onto another; more changes than there are coordinates decide
                     // nothing.
                     Some((c, place)) if tries <= 4 * n + 4 => places[c] = place,
-                    _ => break (found, reach, near),
+                    _ => break (expansion, reach, near),
                 }
             };
-            if !found.x.iter().chain(&found.force).all(|s| s.iter().all(|q| q.is_finite())) {
+            if !expansion.x.iter().chain(&expansion.force).all(|s| s.iter().all(|q| q.is_finite())) {
                 return Err(LumpedError::ChainDiverges { time_s: t });
             }
-            let exit = first_exit(&found.coordinates, &laws, &places, reach, near);
+            let exit = first_exit(&expansion.coordinates, &laws, &places, reach, near);
             let length_s = exit.map_or(reach, |(tau, ..)| tau);
-            let step = self.step(found, t, length_s, &laws, &places, input);
+            let step = self.step(expansion, t, length_s, &laws, &places, input);
             if !visit(&step) {
                 return Ok(());
             }
@@ -193,7 +194,7 @@ impl ChainMotion<'_> {
                 break;
             }
             let drive = [input.value, input.slope].get(k).copied().unwrap_or(0.0);
-            let by = 1.0 / (k + 1) as f64;
+            let factor = 1.0 / (k + 1) as f64;
             for i in 0..=n {
                 let acceleration = if i == n {
                     if input.force.is_none() { drive } else { 0.0 }
@@ -202,8 +203,8 @@ impl ChainMotion<'_> {
                     let pushed = if input.force == Some(i) { drive } else { 0.0 };
                     (behind - e.force[i][k] + pushed) / self.masses_kg[i]
                 };
-                e.x[i][k + 1] = e.v[i][k] * by;
-                e.v[i][k + 1] = acceleration * by;
+                e.x[i][k + 1] = e.v[i][k] * factor;
+                e.v[i][k + 1] = acceleration * factor;
             }
         }
         e
@@ -212,7 +213,7 @@ impl ChainMotion<'_> {
     /// The step with its powers: `c(w) w²` of every damper, and force times velocity where the drive acts.
     fn step(
         &self,
-        found: Expansion,
+        expansion: Expansion,
         start_s: f64,
         length_s: f64,
         laws: &[Vec<Region>],
@@ -222,7 +223,7 @@ impl ChainMotion<'_> {
         let n = self.masses_kg.len();
         let mut heat = [0.0; ORDER + 1];
         for i in 0..n {
-            let (w, law) = (&found.coordinates[2 * i + 1], laws[2 * i + 1][places[2 * i + 1]]);
+            let (w, law) = (&expansion.coordinates[2 * i + 1], laws[2 * i + 1][places[2 * i + 1]]);
             let square: Series = std::array::from_fn(|k| product(w, w, k));
             for (k, power) in heat.iter_mut().enumerate() {
                 *power += law.constant * square[k] + law.slope * product(w, &square, k);
@@ -230,12 +231,12 @@ impl ChainMotion<'_> {
         }
         let work = std::array::from_fn(|k| match input.force {
             Some(mass) => {
-                input.value * found.v[mass][k] + if k == 0 { 0.0 } else { input.slope * found.v[mass][k - 1] }
+                input.value * expansion.v[mass][k] + if k == 0 { 0.0 } else { input.slope * expansion.v[mass][k - 1] }
             }
             // The barrier pushes with the force of the first element.
-            None => -product(&found.force[0], &found.v[n], k),
+            None => -product(&expansion.force[0], &expansion.v[n], k),
         });
-        ChainStep { start_s, length_s, x: found.x, heat, work }
+        ChainStep { start_s, length_s, x: expansion.x, heat, work }
     }
 }
 
@@ -275,7 +276,7 @@ fn first_exit(
     length: f64,
     near: [f64; 2],
 ) -> Option<(f64, usize, usize)> {
-    let mut found = None;
+    let mut exit = None;
     let mut first = length;
     for (c, series) in coordinates.iter().enumerate() {
         let region = laws[c][places[c]];
@@ -313,8 +314,8 @@ fn first_exit(
             }
             let Some(high) = high else { continue };
             let tau = falling_zero(low, high, distance);
-            (first, found) = (tau, Some((tau, c, next)));
+            (first, exit) = (tau, Some((tau, c, next)));
         }
     }
-    found
+    exit
 }

@@ -59,12 +59,12 @@ impl Curve {
             _ => return (0.0, 0.0),
         };
         // constant = value - slope * from at the lower knot.
-        let own = match by {
+        let change_of_value = match by {
             Knot::Value(k) if k == low => 1.0,
             Knot::Place(k) if k == low => -slope,
             _ => 0.0,
         };
-        (own - steepening * from, steepening)
+        (change_of_value - steepening * from, steepening)
     }
 }
 

@@ -48,8 +48,8 @@ impl Series {
         let mut acceleration = [0.0; L];
         for lane in 0..L {
             let (sx, sv) = (sx[lane], sv[lane]);
-            let own = (law.k0 + 2.0 * law.k1 * sx) * x[lane] + (law.c0 + 2.0 * law.c1 * sv) * v[lane];
-            acceleration[lane] = change.acceleration(sx, sv) - own;
+            let from_change = (law.k0 + 2.0 * law.k1 * sx) * x[lane] + (law.c0 + 2.0 * law.c1 * sv) * v[lane];
+            acceleration[lane] = change.acceleration(sx, sv) - from_change;
         }
         [x, v, acceleration]
     }
@@ -79,44 +79,44 @@ struct Products {
 
 impl Products {
     #[inline(always)]
-    fn of(step: &Step) -> Self {
-        let mut found = Self { xx: [0.0; ORDER + 1], vv: [0.0; ORDER + 1] };
+    fn of_step(step: &Step) -> Self {
+        let mut products = Self { xx: [0.0; ORDER + 1], vv: [0.0; ORDER + 1] };
         for i in 0..=ORDER {
             for j in 0..=ORDER - i {
-                found.xx[i + j] += step.x[i] * step.x[j];
-                found.vv[i + j] += step.v[i] * step.v[j];
+                products.xx[i + j] += step.x[i] * step.x[j];
+                products.vv[i + j] += step.v[i] * step.v[j];
             }
         }
-        found
+        products
     }
 
     /// `y'' = -(k0 + 2 k1 x) y - (c0 + 2 c1 v) y' - (change of the law)`.
     #[inline(always)]
     fn series(&self, step: &Step, start: [Change; ABREAST], laws: [Law; ABREAST]) -> Series {
-        let none = [[0.0; ABREAST]; ORDER + 1];
-        let mut found = Series { x: none, v: none, laws };
-        (found.x[0], found.v[0]) = (start.map(|change| change.x), start.map(|change| change.v));
+        let zeros = [[0.0; ABREAST]; ORDER + 1];
+        let mut series = Series { x: zeros, v: zeros, laws };
+        (series.x[0], series.v[0]) = (start.map(|change| change.x), start.map(|change| change.v));
         let now = &step.law;
         for k in 0..ORDER {
             let (mut with_x, mut with_v) = ([0.0; ABREAST], [0.0; ABREAST]);
             let of_step = step.x[..=k].iter().zip(&step.v[..=k]);
-            let of_change = found.x[..=k].iter().zip(&found.v[..=k]).rev();
+            let of_change = series.x[..=k].iter().zip(&series.v[..=k]).rev();
             for ((sx, sv), (x, v)) in of_step.zip(of_change) {
                 for p in 0..ABREAST {
                     with_x[p] += sx * x[p];
                     with_v[p] += sv * v[p];
                 }
             }
-            let by = 1.0 / (k + 1) as f64;
+            let factor = 1.0 / (k + 1) as f64;
             for p in 0..ABREAST {
-                let (x, v, law) = (found.x[k][p], found.v[k][p], &laws[p]);
-                let own = now.k0 * x + 2.0 * now.k1 * with_x[p] + now.c0 * v + 2.0 * now.c1 * with_v[p];
+                let (x, v, law) = (series.x[k][p], series.v[k][p], &laws[p]);
+                let from_change = now.k0 * x + 2.0 * now.k1 * with_x[p] + now.c0 * v + 2.0 * now.c1 * with_v[p];
                 let forced = law.k0 * step.x[k] + law.k1 * self.xx[k] + law.c0 * step.v[k] + law.c1 * self.vv[k];
-                found.x[k + 1][p] = v * by;
-                found.v[k + 1][p] = -(own + forced) * by;
+                series.x[k + 1][p] = v * factor;
+                series.v[k + 1][p] = -(from_change + forced) * factor;
             }
         }
-        found
+        series
     }
 }
 
@@ -125,11 +125,16 @@ impl SecantMotion {
     /// the damper, its inner knots, last knot of the spring, last knot of the damper.
     fn change_of_law(&self, step: &Step, place: usize) -> Law {
         let (springs, dampers) = (self.spring.len(), self.damper.len());
-        let by = 1.0 / self.mass_kg;
+        let per_mass = 1.0 / self.mass_kg;
         let knot = match place {
             0 => {
                 let law = &step.law;
-                return Law { k0: -by * law.k0, k1: -by * law.k1, c0: -by * law.c0, c1: -by * law.c1 };
+                return Law {
+                    k0: -per_mass * law.k0,
+                    k1: -per_mass * law.k1,
+                    c0: -per_mass * law.c0,
+                    c1: -per_mass * law.c1,
+                };
             }
             p if p <= springs => (true, Knot::Value(p - 1)),
             p if p < 2 * springs - 1 => (true, Knot::Place(p - springs)),
@@ -140,16 +145,16 @@ impl SecantMotion {
                 _ => (false, Knot::Place(dampers - 1)),
             },
         };
-        let none = Law { k0: 0.0, k1: 0.0, c0: 0.0, c1: 0.0 };
+        let unchanged = Law { k0: 0.0, k1: 0.0, c0: 0.0, c1: 0.0 };
         let change = |curve: &Curve, piece: usize, knot: Knot| curve.change_of_piece(piece, knot);
         match knot {
             (true, knot) => {
                 let (constant, slope) = change(&self.spring, step.spring_piece, knot);
-                Law { k0: by * constant, k1: by * slope * step.sign_x, ..none }
+                Law { k0: per_mass * constant, k1: per_mass * slope * step.sign_x, ..unchanged }
             }
             (false, knot) => {
                 let (constant, slope) = change(&self.damper, step.damper_piece, knot);
-                Law { c0: by * constant, c1: by * slope * step.sign_v, ..none }
+                Law { c0: per_mass * constant, c1: per_mass * slope * step.sign_v, ..unchanged }
             }
         }
     }
@@ -172,7 +177,7 @@ impl SecantMotion {
         // Series of the parameters' changes over a step, kept to be filled again.
         let mut series = Vec::with_capacity(blocks);
         // Places of a last block that no parameter fills change nothing.
-        let none = Law { k0: 0.0, k1: 0.0, c0: 0.0, c1: 0.0 };
+        let unchanged = Law { k0: 0.0, k1: 0.0, c0: 0.0, c1: 0.0 };
         self.walk(impact_speed_m_per_s, end_s, |step| {
             let stop = step.start_s + step.length_s;
             let first = next;
@@ -180,7 +185,7 @@ impl SecantMotion {
                 next += 1;
             }
             let laws = |block: &[usize]| -> [Law; ABREAST] {
-                std::array::from_fn(|p| block.get(p).map_or(none, |place| self.change_of_law(step, *place)))
+                std::array::from_fn(|p| block.get(p).map_or(unchanged, |place| self.change_of_law(step, *place)))
             };
             let laws = parameters.chunks(ABREAST).map(laws).collect();
             let (series, changes) = (&mut series, &mut changes);
@@ -214,7 +219,7 @@ impl WithSimd for Expand<'_> {
     fn with_simd<S: Simd>(mut self, _: S) {
         self.series.clear();
         if !self.laws.is_empty() {
-            let products = Products::of(self.step);
+            let products = Products::of_step(self.step);
             for (laws, change) in self.laws.iter().zip(&mut *self.changes) {
                 let series = products.series(self.step, *change, *laws);
                 *change = series.end(self.step);

@@ -94,15 +94,15 @@ impl SecantMotion {
         let sx = if x == 0.0 { v.signum() } else { x.signum() };
         let sv = if v == 0.0 { a.signum() } else { v.signum() };
         let (outwards, faster) = (x == 0.0 || x * v > 0.0, v == 0.0 || v * a > 0.0);
-        let by = 1.0 / self.mass_kg;
+        let per_mass = 1.0 / self.mass_kg;
         let attempt = |outwards: bool, faster: bool| {
             let spring = self.spring.piece(x.abs(), outwards);
             let damper = self.damper.piece(v.abs(), faster);
             let law = Law {
-                k0: by * spring.constant,
-                k1: by * spring.slope * sx,
-                c0: by * damper.constant,
-                c1: by * damper.slope * sv,
+                k0: per_mass * spring.constant,
+                k1: per_mass * spring.slope * sx,
+                c0: per_mass * damper.constant,
+                c1: per_mass * damper.slope * sv,
             };
             let (of_x, of_v) = law.series(x, v);
             let smooth = longest(&of_x).min(end_s - t);
@@ -182,9 +182,9 @@ impl SecantMotion {
             let time = |k: usize| first_s + k as f64 * dt_s;
             while next < out.len() && time(next) <= stop {
                 let tau: [f64; LANES] = std::array::from_fn(|lane| time(next + lane) - step.start_s);
-                let [found, ..] = step.waves(&tau);
+                let [displacements, ..] = step.waves(&tau);
                 // Lanes beyond the step or the end are not used.
-                for x in found {
+                for x in displacements {
                     if next < out.len() && time(next) <= stop {
                         out[next] = x;
                         next += 1;
@@ -281,13 +281,13 @@ fn border(step: &Step, length: f64, spring: &Piece, damper: &Piece, sx: f64, sv:
                 (side * (sx * s.displacement_m - end), side * sx * s.velocity_m_per_s)
             }
         };
-        let here = side * (if is_velocity { sv * step.x[1] } else { sx * step.x[0] } - end);
-        if here > if is_velocity { reach.1 } else { reach.0 } {
+        let distance_now = side * (if is_velocity { sv * step.x[1] } else { sx * step.x[0] } - end);
+        if distance_now > if is_velocity { reach.1 } else { reach.0 } {
             continue;
         }
         // Looked for on eight points, so that one out and back within the step is seen. From a border the motion was
         // found to go inwards.
-        let mut low = if here > 0.0 { 0.0 } else { length * INSIDE };
+        let mut low = if distance_now > 0.0 { 0.0 } else { length * INSIDE };
         let mut high = None;
         let (x, v) = looked.get_or_insert_with(|| {
             let [x, v, _] = step.waves(&parts);

@@ -138,8 +138,8 @@ impl Blocks for Fill<'_> {
     #[inline(always)]
     fn block<const L: usize>(&mut self, from: usize) {
         let tau = times::<L>(self.first_s, self.dt_s, self.first + from, self.step);
-        let found = self.step.waves(&tau);
-        self.waves.iter_mut().zip(&found).for_each(|(wave, found)| put(&mut wave[from..], found));
+        let values = self.step.waves(&tau);
+        self.waves.iter_mut().zip(&values).for_each(|(wave, values)| put(&mut wave[from..], values));
     }
 }
 
@@ -156,10 +156,10 @@ pub(crate) fn times<const L: usize>(first_s: f64, dt_s: f64, at: usize, step: &S
 
 /// Lanes beyond the end are not used.
 #[inline(always)]
-pub(crate) fn put<const L: usize>(wave: &mut [f64], found: &[f64; L]) {
+pub(crate) fn put<const L: usize>(wave: &mut [f64], values: &[f64; L]) {
     match wave.first_chunk_mut::<L>() {
-        Some(all) => *all = *found,
-        None => wave.copy_from_slice(&found[..wave.len()]),
+        Some(all) => *all = *values,
+        None => wave.copy_from_slice(&values[..wave.len()]),
     }
 }
 
@@ -189,9 +189,9 @@ impl Law {
                 vv += v[k / 2] * v[k / 2];
             }
             let a = -(self.k0 * x[k] + self.k1 * xx + self.c0 * v[k] + self.c1 * vv);
-            let by = 1.0 / (k + 1) as f64;
-            x[k + 1] = v[k] * by;
-            v[k + 1] = a * by;
+            let factor = 1.0 / (k + 1) as f64;
+            x[k + 1] = v[k] * factor;
+            v[k + 1] = a * factor;
         }
         (x, v)
     }

@@ -39,10 +39,10 @@ pub(crate) fn best_shift(t: &[f64], c: &[f64], longest: usize, kind: Correlation
     let mut best = BestShift { late: 0, correlation: correlation(t, c, kind) };
     for late in candidates(t, c, longest.min(t.len().saturating_sub(1)), kind) {
         let (t, c) = overlap(t, c, late);
-        if let Some(found) = correlation(t, c, kind)
-            && best.correlation.is_none_or(|best| found > best + EQUAL)
+        if let Some(value) = correlation(t, c, kind)
+            && best.correlation.is_none_or(|best| value > best + EQUAL)
         {
-            best = BestShift { late, correlation: Some(found) };
+            best = BestShift { late, correlation: Some(value) };
         }
     }
     best
@@ -67,8 +67,8 @@ pub(crate) fn correlation(x: &[f64], y: &[f64], kind: Correlation) -> Option<f64
         yy += y * y;
         xy += x * y;
     }
-    let found = xy / (xx * yy).sqrt();
-    found.is_finite().then_some(found)
+    let value = xy / (xx * yy).sqrt();
+    value.is_finite().then_some(value)
 }
 
 fn mean(x: &[f64]) -> f64 {
@@ -187,10 +187,10 @@ mod tests {
         let mut best = BestShift { late: 0, correlation: correlation(t, c, kind) };
         for late in (1..=isize::try_from(longest).unwrap()).flat_map(|m| [m, -m]) {
             let (t, c) = overlap(t, c, late);
-            if let Some(found) = correlation(t, c, kind)
-                && best.correlation.is_none_or(|best| found > best + EQUAL)
+            if let Some(value) = correlation(t, c, kind)
+                && best.correlation.is_none_or(|best| value > best + EQUAL)
             {
-                best = BestShift { late, correlation: Some(found) };
+                best = BestShift { late, correlation: Some(value) };
             }
         }
         best

@@ -80,14 +80,14 @@ mod tests {
 
     #[test]
     fn the_spread_of_channels_is_the_interval_of_the_first() {
-        let of = |value| Metric::found(&OLC, value);
-        let spread = over_channels(&of(295.0), &[&of(300.0), &of(290.0)]).unwrap();
+        let olc = |value| Metric::with_value(&OLC, value);
+        let spread = over_channels(&olc(295.0), &[&olc(300.0), &olc(290.0)]).unwrap();
         let by = IntervalBy::Channels(3);
         assert_eq!((spread.value, spread.interval), (Some(295.0), Some(Interval { low: 290.0, high: 300.0, by })));
         assert_eq!(by.to_string(), "range over 3 channels");
-        assert_eq!(over_channels(&of(1.0), &[&Metric::absent(&OLC, "why")]), None);
-        assert_eq!(over_channels(&of(1.0), &[&Metric::found(&VPI, 1.0)]), None);
-        assert_eq!(over_channels(&of(1.0), &[]), None);
+        assert_eq!(over_channels(&olc(1.0), &[&Metric::absent(&OLC, "why")]), None);
+        assert_eq!(over_channels(&olc(1.0), &[&Metric::with_value(&VPI, 1.0)]), None);
+        assert_eq!(over_channels(&olc(1.0), &[]), None);
     }
 
     #[test]
@@ -95,9 +95,9 @@ mod tests {
         let a = [[0.0, -2.0, 0.0], [0.0, -3.0, 0.0]].map(|a| Signal::new(0.0, 0.5, a.to_vec()).unwrap());
         let v = [[4.0, 3.5, 3.0], [4.0, 3.25, 2.5]].map(|v| Signal::new(0.0, 0.5, v.to_vec()).unwrap());
         let motion = |k: usize, c| ChannelMotion { acceleration: &a[k], velocity: &v[k], dynamic_crush_m: c };
-        let found = agreement(motion(0, Some(0.75)), motion(1, Some(0.73)), 0.75).unwrap();
-        assert_eq!((found.largest_acceleration_gap_m_per_s2, found.velocity_gap_m_per_s), (1.0, Some(0.375)));
-        assert!(found.may_be_averaged());
+        let gaps = agreement(motion(0, Some(0.75)), motion(1, Some(0.73)), 0.75).unwrap();
+        assert_eq!((gaps.largest_acceleration_gap_m_per_s2, gaps.velocity_gap_m_per_s), (1.0, Some(0.375)));
+        assert!(gaps.may_be_averaged());
         assert!(!agreement(motion(0, Some(0.75)), motion(1, None), 0.75).unwrap().may_be_averaged());
         assert!(!agreement(motion(0, Some(0.75)), motion(1, Some(0.7)), 0.75).unwrap().may_be_averaged());
     }

@@ -35,7 +35,7 @@ impl CoraInterval {
     pub const AUTOMATIC: Self = Self::Automatic { start: 0.03, end: 0.075, extension: 0.01 };
 
     /// First sample and one past the last.
-    fn of(self, reference: &[f64]) -> (usize, usize) {
+    fn samples_rated(self, reference: &[f64]) -> (usize, usize) {
         let Self::Automatic { start, end, extension } = self else { return (0, reference.len()) };
         let peak = reference.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
         let first = reference.iter().position(|t| t.abs() >= start * peak).unwrap_or(0);
@@ -134,7 +134,7 @@ pub struct Cora {
 /// the reference program. Errors: grids that differ, no samples, a reference of zeros.
 pub fn cora(reference: &Sampled, comparison: &Sampled, options: &CoraOptions) -> Result<Cora, MetricsError> {
     rated_grid(reference, comparison)?;
-    let (from, to) = options.interval.of(reference.samples());
+    let (from, to) = options.interval.samples_rated(reference.samples());
     let (t, c) = (&reference.samples()[from..to], &comparison.samples()[from..to]);
     let n = t.len();
     let corridor = corridor_score(t, c, options.a_0, options.b_0, options.k);
@@ -174,9 +174,9 @@ impl Cora {
             CoraInterval::Automatic { .. } => [&CORA_CORRIDOR_AUTOMATIC, &CORA_CROSS_AUTOMATIC, &CORA_AUTOMATIC],
         };
         [
-            Metric::found(corridor, self.corridor),
-            Metric::found(cross, self.cross_correlation),
-            Metric::found(total, self.total),
+            Metric::with_value(corridor, self.corridor),
+            Metric::with_value(cross, self.cross_correlation),
+            Metric::with_value(total, self.total),
         ]
         .map(|metric| metric.over(self.interval_s.0, self.interval_s.1))
     }

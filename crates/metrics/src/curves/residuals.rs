@@ -145,7 +145,7 @@ impl Residuals {
     pub fn metrics(&self, unit: &'static str) -> Vec<Metric> {
         let constant = "the measured curve is constant";
         let zero = "a curve is zero everywhere";
-        let mut metrics = vec![Metric { unit, ..Metric::found(&RMSE, self.rmse) }];
+        let mut metrics = vec![Metric { unit, ..Metric::with_value(&RMSE, self.rmse) }];
         metrics.extend([
             Metric::of(&FIT, self.fit_percent, constant),
             Metric::of(&NRMSE, self.nrmse, constant),

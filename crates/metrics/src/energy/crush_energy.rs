@@ -47,9 +47,9 @@ impl CrushStiffness {
     /// A, B and G as metrics.
     pub fn metrics(&self) -> [Metric; 3] {
         [
-            Metric::found(&CRASH3_A, self.a_n_per_m),
-            Metric::found(&CRASH3_B, self.b_n_per_m2),
-            Metric::found(&CRASH3_G, self.g_n),
+            Metric::with_value(&CRASH3_A, self.a_n_per_m),
+            Metric::with_value(&CRASH3_B, self.b_n_per_m2),
+            Metric::with_value(&CRASH3_G, self.g_n),
         ]
     }
 
@@ -69,7 +69,7 @@ impl CrushStiffness {
         // C1² + 2(C2² + …) + C6² + C1C2 + … is the sum of p² + pq + q² over the five spans.
         let square: f64 = crush_m.windows(2).map(|c| c[0] * c[0] + c[0] * c[1] + c[1] * c[1]).sum();
         let spans = self.a_n_per_m / 2.0 * linear + self.b_n_per_m2 / 6.0 * square + 5.0 * self.g_n;
-        Metric::found(&CRUSH_ENERGY, width_m / 5.0 * spans * (1.0 + force_angle_rad.tan().powi(2)))
+        Metric::with_value(&CRUSH_ENERGY, width_m / 5.0 * spans * (1.0 + force_angle_rad.tan().powi(2)))
     }
 }
 

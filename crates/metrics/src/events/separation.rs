@@ -18,7 +18,7 @@ pub fn acceleration_after_separation(velocity: &Signal<Velocity>, from_s: f64) -
     let slack_s = 1e-6 * velocity.dt_s();
     match velocity.at(start_s).zip(velocity.samples().last()) {
         Some((start, end)) if start_s >= from_s - slack_s => {
-            Metric::found(&SEPARATION, ((end - start) / STRETCH_S).abs()).over(start_s, end_s)
+            Metric::with_value(&SEPARATION, ((end - start) / STRETCH_S).abs()).over(start_s, end_s)
         }
         _ => Metric::absent(&SEPARATION, "the record ends less than 20 ms after the lowest velocity"),
     }
@@ -30,7 +30,7 @@ pub fn restitution_of_two_bodies(before_m_per_s: [f64; 2], after_m_per_s: [f64; 
     if closing == 0.0 {
         return Metric::absent(&RESTITUTION_TWO, "the bodies do not approach each other");
     }
-    Metric::found(&RESTITUTION_TWO, (after_m_per_s[1] - after_m_per_s[0]) / closing)
+    Metric::with_value(&RESTITUTION_TWO, (after_m_per_s[1] - after_m_per_s[0]) / closing)
 }
 
 #[cfg(test)]

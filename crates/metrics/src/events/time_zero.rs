@@ -36,9 +36,9 @@ pub fn time_zero_by_threshold(acceleration: &Signal<Acceleration>, rule: Thresho
     let a = acceleration.samples();
     let dt = acceleration.dt_s();
     let above = |k: usize| a[k].abs() >= rule.threshold_m_per_s2;
-    let none = || Metric::absent(&TIME_ZERO_THRESHOLD, "no stretch of the record holds the threshold");
+    let absent = || Metric::absent(&TIME_ZERO_THRESHOLD, "no stretch of the record holds the threshold");
     let Some(hold) = in_samples(rule.hold_s, dt).map(|(whole, part)| whole + usize::from(part > 0.0)) else {
-        return none();
+        return absent();
     };
     let mut since = None;
     for k in 0..a.len() {
@@ -54,22 +54,22 @@ pub fn time_zero_by_threshold(acceleration: &Signal<Acceleration>, rule: Thresho
                 let (low, high) = (a[start - 1].abs(), a[start].abs());
                 (start - 1) as f64 + (rule.threshold_m_per_s2 - low) / (high - low)
             };
-            return Metric::found(&TIME_ZERO_THRESHOLD, acceleration.t0_s() + at * dt);
+            return Metric::with_value(&TIME_ZERO_THRESHOLD, acceleration.t0_s() + at * dt);
         }
     }
-    none()
+    absent()
 }
 
 /// Rule of event data recorders: the first sample after which the velocity changes by more than 0.8 km/h within 20 ms,
 /// s on the signal's axis (49 CFR 563.5). The point may precede contact by up to 20 ms.
 pub fn time_zero_by_velocity_change(acceleration: &Signal<Acceleration>) -> Metric {
-    let none = || Metric::absent(&TIME_ZERO_EDR, "no 20 ms of the record change the velocity by more than 0.8 km/h");
+    let absent = || Metric::absent(&TIME_ZERO_EDR, "no 20 ms of the record change the velocity by more than 0.8 km/h");
     match changes_of_velocity(acceleration).position(|change| change > EDR_CHANGE_M_PER_S) {
         Some(k) => {
             let from_s = acceleration.time_s(k);
-            Metric::found(&TIME_ZERO_EDR, from_s).over(from_s, from_s + EDR_INTERVAL_S)
+            Metric::with_value(&TIME_ZERO_EDR, from_s).over(from_s, from_s + EDR_INTERVAL_S)
         }
-        None => none(),
+        None => absent(),
     }
 }
 

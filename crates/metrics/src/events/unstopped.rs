@@ -96,12 +96,12 @@ mod tests {
 
     #[test]
     fn the_event_ends_with_its_first_quiet_20_ms() {
-        let found = unstopped(&velocity(&[(0.0, 10.0)], 300), 0.0).unwrap();
-        assert!((found.velocity_m_per_s - 5.0).abs() < 1e-12, "{found:?}");
+        let event = unstopped(&velocity(&[(0.0, 10.0)], 300), 0.0).unwrap();
+        assert!((event.velocity_m_per_s - 5.0).abs() < 1e-12, "{event:?}");
         // The last 20 ms with 0.222 m/s begin at t with 10·(1 + cos(πt/60))/2 = 0.222: t = 54.29 ms, the next sample is
         // 55 ms.
-        assert!((found.end_s - 0.075).abs() < 1e-9 && found.end == EventEnd::Quiet, "{found:?}");
-        assert!((found.time_s - 0.06).abs() < 1e-9, "{found:?}");
+        assert!((event.end_s - 0.075).abs() < 1e-9 && event.end == EventEnd::Quiet, "{event:?}");
+        assert!((event.time_s - 0.06).abs() < 1e-9, "{event:?}");
     }
 
     #[test]
@@ -114,10 +114,10 @@ mod tests {
 
     #[test]
     fn a_record_that_ends_first_says_so() {
-        let found = unstopped(&velocity(&[(0.0, 10.0)], 41), 0.0).unwrap();
-        assert_eq!((found.end, found.end_s == found.time_s), (EventEnd::Record, true));
+        let event = unstopped(&velocity(&[(0.0, 10.0)], 41), 0.0).unwrap();
+        assert_eq!((event.end, event.end_s == event.time_s), (EventEnd::Record, true));
         // 10·(1 - cos(2π/3))/2 are lost at 40 ms.
-        assert!((found.velocity_m_per_s - 7.5).abs() < 1e-12 && (found.time_s - 0.04).abs() < 1e-12, "{found:?}");
+        assert!((event.velocity_m_per_s - 7.5).abs() < 1e-12 && (event.time_s - 0.04).abs() < 1e-12, "{event:?}");
     }
 
     #[test]

@@ -77,7 +77,7 @@ impl Interval {
 
 impl Metric {
     /// A value; absent if it is not finite, which only happens where the samples leave the range of numbers.
-    pub fn found(definition: &Definition, value: f64) -> Self {
+    pub fn with_value(definition: &Definition, value: f64) -> Self {
         if !value.is_finite() {
             return Self::absent(definition, "not computable from this record");
         }
@@ -107,7 +107,7 @@ impl Metric {
 
     /// The value if there is one, else the reason.
     pub fn of(definition: &Definition, value: Option<f64>, reason: &str) -> Self {
-        value.map_or_else(|| Self::absent(definition, reason), |value| Self::found(definition, value))
+        value.map_or_else(|| Self::absent(definition, reason), |value| Self::with_value(definition, value))
     }
 
     /// States the part of the record; nothing for a missing value.

@@ -15,15 +15,16 @@ pub const CLIP_3MS_S: f64 = 0.003;
 /// Half-sine of height A and length D: `A·cos(π·duration/(2D))`. Absent for a record shorter than the duration. Time:
 /// some 60 passes.
 pub fn clip_contiguous(resultant: &Signal<Acceleration>, duration_s: f64) -> Metric {
-    let found = level(resultant, duration_s, |a, level| longest_stay(a, level).map_or(0.0, |(from, to)| to - from));
-    match found {
+    let level_held =
+        level(resultant, duration_s, |a, level| longest_stay(a, level).map_or(0.0, |(from, to)| to - from));
+    match level_held {
         Ok(level) => {
-            let found = Metric::found(&CLIP_CONTIGUOUS, level);
+            let metric = Metric::with_value(&CLIP_CONTIGUOUS, level);
             let stay = longest_stay(resultant.samples(), level).map(|(from, to)| Window {
                 from_s: resultant.t0_s() + from * resultant.dt_s(),
                 to_s: resultant.t0_s() + to * resultant.dt_s(),
             });
-            Metric { window: stay, ..found }
+            Metric { window: stay, ..metric }
         }
         Err(reason) => Metric::absent(&CLIP_CONTIGUOUS, &reason),
     }
@@ -35,7 +36,7 @@ pub fn clip_contiguous(resultant: &Signal<Acceleration>, duration_s: f64) -> Met
 /// record.
 pub fn clip_cumulative(resultant: &Signal<Acceleration>, duration_s: f64) -> Metric {
     match level(resultant, duration_s, total_time) {
-        Ok(level) => Metric::found(&CLIP_CUMULATIVE, level).over(resultant.t0_s(), resultant.end_s()),
+        Ok(level) => Metric::with_value(&CLIP_CUMULATIVE, level).over(resultant.t0_s(), resultant.end_s()),
         Err(reason) => Metric::absent(&CLIP_CUMULATIVE, &reason),
     }
 }
@@ -104,10 +105,10 @@ mod tests {
     fn a_triangle_is_cut_where_it_is_as_wide_as_the_duration() {
         // Height 4 over 4 s: at level L it is 4 - L wide.
         let a = Signal::new(1.0, 1.0, vec![0.0, 2.0, 4.0, 2.0, 0.0]).unwrap();
-        let found = clip_contiguous(&a, 1.0);
+        let metric = clip_contiguous(&a, 1.0);
         // Bisection ends at neighbouring numbers; the width is computed to some 1e-15.
-        assert!((found.value.unwrap() - 3.0).abs() < 1e-14);
-        let window = found.window.unwrap();
+        assert!((metric.value.unwrap() - 3.0).abs() < 1e-14);
+        let window = metric.window.unwrap();
         assert!((window.from_s - 2.5).abs() < 1e-14 && (window.to_s - 3.5).abs() < 1e-14);
     }
 
@@ -120,9 +121,9 @@ mod tests {
 
     #[test]
     fn a_record_of_exactly_the_duration_has_a_level_and_a_shorter_one_has_none() {
-        let of = |n| clip_contiguous(&Signal::new(0.0, 1e-4, vec![5.0; n]).unwrap(), CLIP_3MS_S).value;
-        assert_eq!(of(31), Some(5.0));
-        assert_eq!(of(30), None);
+        let clip_of = |n| clip_contiguous(&Signal::new(0.0, 1e-4, vec![5.0; n]).unwrap(), CLIP_3MS_S).value;
+        assert_eq!(clip_of(31), Some(5.0));
+        assert_eq!(clip_of(30), None);
         assert_eq!(clip_cumulative(&Signal::new(0.0, 1e-4, vec![]).unwrap(), CLIP_3MS_S).value, None);
     }
 }

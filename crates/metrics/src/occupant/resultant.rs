@@ -26,9 +26,9 @@ mod tests {
     #[test]
     fn three_components_make_a_length_and_one_its_magnitude() {
         let signal = |level: f64| Signal::new(0.0, 0.5, vec![0.0, level]).unwrap();
-        let found = resultant(&[&signal(2.0), &signal(-3.0), &signal(6.0)]).unwrap();
+        let length = resultant(&[&signal(2.0), &signal(-3.0), &signal(6.0)]).unwrap();
         // 7 in whole numbers, a unit in the last place of each root.
-        assert!((found.samples()[1] - 7.0).abs() < 1e-14, "{found:?}");
+        assert!((length.samples()[1] - 7.0).abs() < 1e-14, "{length:?}");
         assert_eq!(resultant(&[&signal(-3.0)]).unwrap().samples(), [0.0, 3.0]);
         assert!(resultant(&[]).is_err());
         assert!(resultant(&[&signal(1.0), &Signal::new(0.1, 0.5, vec![0.0, 1.0]).unwrap()]).is_err());

@@ -60,9 +60,9 @@ pub fn ride_down(
     let share = 2.0 / (v0 * v0);
     let (from_s, to_s, at_s) = (vehicle.t0_s(), vehicle.end_s(), vehicle.time_s(largest.1));
     Ok(RideDown {
-        efficiency: Metric::found(&RIDE_DOWN, share * crush).over(from_s, to_s),
-        restraint: Metric::found(&RESTRAINT, share * belt).over(from_s, to_s),
-        largest_travel: Metric::found(&OCCUPANT_TRAVEL, largest.0).over(at_s, at_s),
+        efficiency: Metric::with_value(&RIDE_DOWN, share * crush).over(from_s, to_s),
+        restraint: Metric::with_value(&RESTRAINT, share * belt).over(from_s, to_s),
+        largest_travel: Metric::with_value(&OCCUPANT_TRAVEL, largest.0).over(at_s, at_s),
         left: (v_o[v_o.len() - 1] / v0).powi(2),
     })
 }
@@ -74,9 +74,9 @@ mod tests {
     #[test]
     fn an_occupant_tied_to_the_vehicle_rides_down_with_it() {
         let a = Signal::new(0.0, 0.5, vec![-1.0; 9]).unwrap();
-        let found = ride_down(&a, &a, 4.0).unwrap();
-        assert_eq!((found.efficiency.value, found.restraint.value, found.left), (Some(1.0), Some(0.0), 0.0));
-        assert_eq!(found.residual(), Some(0.0));
+        let shares = ride_down(&a, &a, 4.0).unwrap();
+        assert_eq!((shares.efficiency.value, shares.restraint.value, shares.left), (Some(1.0), Some(0.0), 0.0));
+        assert_eq!(shares.residual(), Some(0.0));
         assert_eq!(ride_down(&a, &a, 0.0).unwrap_err().to_string(), "impact speed 0 m/s is not a positive number");
     }
 }

@@ -54,15 +54,15 @@ pub fn olc(
 
     let g = |k: usize| s(k) - (v0 - v[k]) * (t(k) - t1) / 2.0 - free_flight_m - restraint_m;
     let mut before = (t1, v1, -restraint_m);
-    for (k, &v_here) in v.iter().enumerate().skip(k1) {
-        let here = (t(k), v_here, g(k));
-        if here.2 >= 0.0 && here.0 > before.0 {
-            let w = -before.2 / (here.2 - before.2);
-            let t2 = before.0 + w * (here.0 - before.0);
-            let v2 = before.1 + w * (here.1 - before.1);
-            return Ok(Metric::found(&OLC, (v0 - v2) / (t2 - t1)).over(t1, t2));
+    for (k, &v_now) in v.iter().enumerate().skip(k1) {
+        let now = (t(k), v_now, g(k));
+        if now.2 >= 0.0 && now.0 > before.0 {
+            let w = -before.2 / (now.2 - before.2);
+            let t2 = before.0 + w * (now.0 - before.0);
+            let v2 = before.1 + w * (now.1 - before.1);
+            return Ok(Metric::with_value(&OLC, (v0 - v2) / (t2 - t1)).over(t1, t2));
         }
-        before = here;
+        before = now;
     }
     Ok(Metric::absent(&OLC, &format!("the restraint travel of {restraint_m} m is not reached in the record")))
 }
@@ -81,13 +81,13 @@ mod tests {
     #[test]
     fn a_constant_deceleration_follows_the_formula() {
         for a in [50.0, 200.0, 431.0] {
-            let found = constant(a, 30.0, 4000, 1e-4);
+            let olc = constant(a, 30.0, 4000, 1e-4);
             let t1 = (0.13_f64 / a).sqrt();
             let t2 = 0.6 / (a * t1);
-            let window = found.window.unwrap();
+            let window = olc.window.unwrap();
             // s is quadratic, its chord is off by a·T²/8 = 5e-7 m of slopes above 2 m/s.
             assert!((window.from_s - t1).abs() < 2e-7 && (window.to_s - t2).abs() < 1e-6, "{window:?}");
-            assert!((found.value.unwrap() / (a * t2 / (t2 - t1)) - 1.0).abs() < 1e-5);
+            assert!((olc.value.unwrap() / (a * t2 / (t2 - t1)) - 1.0).abs() < 1e-5);
         }
     }
 

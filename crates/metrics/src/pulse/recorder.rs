@@ -33,7 +33,10 @@ pub fn maximum_delta_v(change: &Sampled, time_zero_s: f64) -> [Metric; 2] {
         let metric = metric.over(time_s, time_s);
         if largest + 1 == v.len() { metric.remarked("at the last sample of the table: a lower bound") } else { metric }
     };
-    [at(Metric::found(&MAXIMUM_DELTA_V, v[largest] - start)), at(Metric::found(&TIME_OF_MAXIMUM_DELTA_V, time_s))]
+    [
+        at(Metric::with_value(&MAXIMUM_DELTA_V, v[largest] - start)),
+        at(Metric::with_value(&TIME_OF_MAXIMUM_DELTA_V, time_s)),
+    ]
 }
 
 #[cfg(test)]

@@ -81,11 +81,11 @@ pub fn vpi(acceleration: &Signal<Acceleration>, time_zero_s: f64, options: VpiOp
     let Some(at_s) = at_s else {
         return Metric::absent(&VPI, &format!("the slack of {} m is not used up in the record", options.slack_m));
     };
-    let found = Metric::found(&VPI, omega * omega * largest).over(at_s - time_zero_s, at_s - time_zero_s);
+    let index = Metric::with_value(&VPI, omega * omega * largest).over(at_s - time_zero_s, at_s - time_zero_s);
     if u >= largest && rate > 0.0 {
-        return found.remarked("lower bound: the record ends while the belt still stretches");
+        return index.remarked("lower bound: the record ends while the belt still stretches");
     }
-    found
+    index
 }
 
 /// One stretch of the motion with a linear vehicle acceleration `a + slope·τ`.
@@ -158,8 +158,8 @@ mod tests {
         for (a, dt) in [(200.0, 1e-4), (50.0, 5e-3), (431.7, 1e-3)] {
             let exact = a + (a * a + 2.0 * a * 0.03 * 2500.0_f64).sqrt();
             // No error of the rule is left: rounding of some hundred steps.
-            let found = constant(a, (0.2 / dt) as usize, dt).value.unwrap();
-            assert!((found / exact - 1.0).abs() < 1e-11, "{found} {exact}");
+            let index = constant(a, (0.2 / dt) as usize, dt).value.unwrap();
+            assert!((index / exact - 1.0).abs() < 1e-11, "{index} {exact}");
         }
     }
 

@@ -69,7 +69,7 @@ pub fn asi(
     let components = x_smooth.iter().zip(&y_smooth).zip(&z_smooth).map(|((&x, &y), &z)| [x, y, z]);
     let (largest, index) = largest(components, limits);
     let at_s = x.time_s(index);
-    Ok(Metric::found(definition, largest).over(at_s, at_s))
+    Ok(Metric::with_value(definition, largest).over(at_s, at_s))
 }
 
 fn moving_average(signals: [&Signal<Acceleration>; 3], limits: AsiLimits) -> Metric {
@@ -90,7 +90,7 @@ fn moving_average(signals: [&Signal<Acceleration>; 3], limits: AsiLimits) -> Met
     let mean = |v: &Vec<f64>, k: usize| (window_end(v, k, whole, fraction) - v[k]) / MEAN_S;
     let (largest, index) = largest(starts.map(|k| [mean(&sums[0], k), mean(&sums[1], k), mean(&sums[2], k)]), limits);
     let from_s = t0_s + (index as f64 - padding as f64) * dt;
-    Metric::found(&ASI_1998, largest).over(from_s, from_s + MEAN_S)
+    Metric::with_value(&ASI_1998, largest).over(from_s, from_s + MEAN_S)
 }
 
 /// The largest index and its position, the first of equals.
@@ -118,9 +118,9 @@ mod tests {
     fn a_constant_at_the_limits_is_the_root_of_three() {
         let (x, y, z) = (constant(-12.0), constant(9.0), constant(10.0));
         for method in [AsiMethod::MovingAverage, AsiMethod::ButterworthPerPass, AsiMethod::ButterworthBothPasses] {
-            let found = asi([&x, &y, &z], AsiLimits::default(), method).unwrap().value.unwrap();
+            let index = asi([&x, &y, &z], AsiLimits::default(), method).unwrap().value.unwrap();
             // Rounding of means and of a filter of DC gain 1.
-            assert!((found - 3.0_f64.sqrt()).abs() < 1e-10, "{method:?} {found}");
+            assert!((index - 3.0_f64.sqrt()).abs() < 1e-10, "{method:?} {index}");
         }
     }
 
@@ -129,7 +129,7 @@ mod tests {
         let short = Signal::new(0.0, 1e-3, vec![1.0; 5]).unwrap();
         let full = constant(1.0);
         assert!(asi([&full, &short, &full], AsiLimits::default(), AsiMethod::default()).is_err());
-        let found = asi([&short, &short, &short], AsiLimits::default(), AsiMethod::default()).unwrap();
-        assert!(found.value.is_some());
+        let metric = asi([&short, &short, &short], AsiLimits::default(), AsiMethod::default()).unwrap();
+        assert!(metric.value.is_some());
     }
 }

@@ -52,7 +52,7 @@ pub fn thiv_phd(
         return Ok((Metric::absent(&THIV, reason), Metric::absent(&PHD, reason)));
     };
     let [vx, vy] = end.rates;
-    let thiv = Metric::found(&THIV, vx.hypot(vy)).over(ax.t0_s(), end.time_s);
+    let thiv = Metric::with_value(&THIV, vx.hypot(vy)).over(ax.t0_s(), end.time_s);
     let phd = largest_mean(&PHD, end.time_s, ax, &[ax, ay]);
     Ok((thiv, phd))
 }
@@ -74,7 +74,7 @@ pub fn oiv_ora(
         let reason = "the occupant reaches no surface in the record";
         return Ok([&OIV_X, &OIV_Y, &ORA_X, &ORA_Y].map(|definition| Metric::absent(definition, reason)));
     };
-    let velocity = |definition, value| Metric::found(definition, value).over(ax.t0_s(), end.time_s);
+    let velocity = |definition, value| Metric::with_value(definition, value).over(ax.t0_s(), end.time_s);
     Ok([
         velocity(&OIV_X, end.rates[0]),
         velocity(&OIV_Y, end.rates[1]),
@@ -156,5 +156,5 @@ fn largest_mean(definition: &Definition, after_s: f64, grid: &Sampled, component
         }
     }
     let Some((squared, k)) = best else { return short() };
-    Metric::found(definition, squared.sqrt()).over(grid.time_s(k), grid.time_s(k) + MEAN_S)
+    Metric::with_value(definition, squared.sqrt()).over(grid.time_s(k), grid.time_s(k) + MEAN_S)
 }

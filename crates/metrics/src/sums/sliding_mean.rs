@@ -34,7 +34,7 @@ fn largest(v: &[f64], grid: &crumple_signal::Sampled, window_s: f64, from_s: f64
     let best = best_start(v, first, whole, fraction);
     let Some((change, start)) = best else { return short() };
     let from_s = grid.time_s(start);
-    Metric::found(definition, change / window_s).over(from_s, from_s + window_s)
+    Metric::with_value(definition, change / window_s).over(from_s, from_s + window_s)
 }
 
 /// Largest |V(k + whole + fraction) - V(k)| over k from `first`, and its k.
@@ -63,8 +63,8 @@ mod tests {
     #[test]
     fn finds_the_window_and_its_mean() {
         let a = Signal::new(0.0, 0.5, vec![0.0, -2.0, -2.0, 0.0, 0.0]).unwrap();
-        let found = sliding_mean(&a, 0.5, 0.0);
-        assert_eq!((found.value, found.window.map(|w| w.from_s)), (Some(2.0), Some(0.5)));
+        let mean = sliding_mean(&a, 0.5, 0.0);
+        assert_eq!((mean.value, mean.window.map(|w| w.from_s)), (Some(2.0), Some(0.5)));
         // One and a half samples: 0.5·2 + a quarter from V's chord (0.5).
         assert_eq!(sliding_mean(&a, 0.75, 0.0).value, Some(1.25 / 0.75));
         assert_eq!(sliding_mean(&a, 0.5, 1.5).value, Some(0.0));
@@ -72,8 +72,8 @@ mod tests {
 
     #[test]
     fn a_record_shorter_than_the_window_has_none() {
-        let found = sliding_mean(&Signal::new(0.0, 1e-3, vec![-2.0; 25]).unwrap(), 0.025, 0.0);
-        assert_eq!(found.definition, "absent: the record is shorter than the window of 0.025 s");
+        let mean = sliding_mean(&Signal::new(0.0, 1e-3, vec![-2.0; 25]).unwrap(), 0.025, 0.0);
+        assert_eq!(mean.definition, "absent: the record is shorter than the window of 0.025 s");
         assert!(sliding_mean(&Signal::new(0.0, 1e-3, vec![-2.0; 26]).unwrap(), 0.025, 0.0).value.is_some());
     }
 }

@@ -36,8 +36,8 @@ mod tests {
     #[test]
     fn the_criterion_is_that_of_the_formula() {
         // 100 ln 1e-6 + 4 + 12/97, by hand.
-        let found = information(1e-6, 100.0, 2);
-        assert!((found.aicc.unwrap() - (-1_381.551_055_796_427_5 + 4.0 + 12.0 / 97.0)).abs() < 1e-9);
+        let criterion = information(1e-6, 100.0, 2);
+        assert!((criterion.aicc.unwrap() - (-1_381.551_055_796_427_5 + 4.0 + 12.0 / 97.0)).abs() < 1e-9);
         assert_eq!(information(1e-6, 10.9, 10).aicc, None);
         assert_eq!((parameters_of(ModelKind::Kelvin), parameters_of(ModelKind::Nonlinear2)), (2, 10));
     }

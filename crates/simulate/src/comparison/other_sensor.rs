@@ -33,8 +33,8 @@ pub struct SensorFit {
 /// Whether a sensor sits on the engine: as its location says, and without a location, as in a plain table, its name.
 /// The rule by which integration tells what moves apart from the compartment.
 pub fn is_on_engine(channel: &Channel) -> bool {
-    let said = if channel.location.trim().is_empty() { &channel.id } else { &channel.location };
-    said.to_lowercase().contains("engine")
+    let place = if channel.location.trim().is_empty() { &channel.id } else { &channel.location };
+    place.to_lowercase().contains("engine")
 }
 
 /// Compares the displacement of the sensor with that of its mass over the window of the simulation: the engine's with

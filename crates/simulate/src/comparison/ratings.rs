@@ -70,9 +70,9 @@ pub fn iso_ratings(measured: &Sampled, modelled: &Sampled) -> Vec<Rating> {
         return absent("the window is longer than 2 s");
     }
     match iso18571(measured, modelled, &Iso18571Options::default()) {
-        Ok(found) => {
-            let [corridor, phase, magnitude, slope, overall] = found.metrics();
-            let grade = found.grade.map(|grade| grade.name().to_owned());
+        Ok(iso) => {
+            let [corridor, phase, magnitude, slope, overall] = iso.metrics();
+            let grade = iso.grade.map(|grade| grade.name().to_owned());
             let parts = [corridor, phase, magnitude, slope].map(|metric| rating("acceleration", metric, None));
             std::iter::once(rating("acceleration", overall, grade)).chain(parts).collect()
         }
@@ -99,20 +99,20 @@ mod tests {
         Sampled::new(0.01, dt_s, (0..=n).map(at).collect()).unwrap()
     }
 
-    fn value(found: &[Rating], id: &str) -> f64 {
-        found.iter().find(|rating| rating.metric.id == id).unwrap().metric.value.unwrap()
+    fn value(rated: &[Rating], id: &str) -> f64 {
+        rated.iter().find(|rating| rating.metric.id == id).unwrap().metric.value.unwrap()
     }
 
     #[test]
     fn a_model_of_four_fifths_the_height_is_rated_as_its_scale_says() {
-        let found = ratings("acceleration", &half_sine(1e-4, 100.0), &half_sine(1e-4, 80.0));
+        let rated = ratings("acceleration", &half_sine(1e-4, 100.0), &half_sine(1e-4, 80.0));
         // Equal shape: M = 0.8 - 1, U1 = 0.2/1.8, CORA's size 0.64, progression and phase 1. Rounding of sums over 801
         // samples; P keeps half the digits.
-        assert!((value(&found, "sprague-geers-m") + 0.2).abs() < 1e-13 && value(&found, "sprague-geers-p") < 1e-7);
-        assert!((value(&found, "sprague-geers-c") - 0.2).abs() < 1e-13);
-        assert!((value(&found, "theil-u1") - 0.2 / 1.8).abs() < 1e-13);
-        assert!((value(&found, "cora-cross") - (0.5 + 0.25 * 0.64 + 0.25)).abs() < 1e-12);
-        let total = &found[0];
+        assert!((value(&rated, "sprague-geers-m") + 0.2).abs() < 1e-13 && value(&rated, "sprague-geers-p") < 1e-7);
+        assert!((value(&rated, "sprague-geers-c") - 0.2).abs() < 1e-13);
+        assert!((value(&rated, "theil-u1") - 0.2 / 1.8).abs() < 1e-13);
+        assert!((value(&rated, "cora-cross") - (0.5 + 0.25 * 0.64 + 0.25)).abs() < 1e-12);
+        let total = &rated[0];
         assert_eq!((total.metric.id, total.mark), ("cora", "M"));
         assert!(total.note.as_ref().unwrap().contains(
             "compared window, not the manual's automatic rule (mark U); constants (mark M): a0 0.05, b0 0.5,"
@@ -123,9 +123,9 @@ mod tests {
 
     #[test]
     fn the_standard_rates_at_its_rate_alone_and_says_so() {
-        let found = iso_ratings(&half_sine(1e-4, 100.0), &half_sine(1e-4, 100.0));
-        assert_eq!((value(&found, "iso18571"), found[0].note.as_deref()), (1.0, Some("excellent")));
-        assert_eq!(found.len(), 5);
+        let rated = iso_ratings(&half_sine(1e-4, 100.0), &half_sine(1e-4, 100.0));
+        assert_eq!((value(&rated, "iso18571"), rated[0].note.as_deref()), (1.0, Some("excellent")));
+        assert_eq!(rated.len(), 5);
         let slow = iso_ratings(&half_sine(1e-3, 100.0), &half_sine(1e-3, 100.0));
         assert_eq!((slow.len(), slow[0].metric.value), (1, None));
         assert_eq!(slow[0].note.as_deref(), Some("absent: sampled at 1000 Hz, the standard wants 10 kHz"));

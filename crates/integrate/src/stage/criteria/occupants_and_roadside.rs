@@ -44,7 +44,7 @@ impl Criteria<'_> {
         {
             let of_group = || sites.iter().filter(|(part, _)| parts.contains(part));
             if self.takes(group) {
-                self.say_what_is_left_out(group, parts, of_group().count() == 0, notes);
+                self.note_what_is_left_out(group, parts, of_group().count() == 0, notes);
             }
             for (part, site) in of_group().filter(|_| self.takes(group)) {
                 let channels = channels_of(site);
@@ -75,7 +75,7 @@ impl Criteria<'_> {
 
     /// Names the heads or chests that were measured and are not in the inputs. A group that was asked for and has no
     /// sensor at all is a warning.
-    fn say_what_is_left_out(&self, group: MetricGroup, parts: &[BodyPart], has_none: bool, notes: &mut Notes) {
+    fn note_what_is_left_out(&self, group: MetricGroup, parts: &[BodyPart], has_none: bool, notes: &mut Notes) {
         let group_name = name(group);
         let left_out = |channel: &&Channel| part_of(channel).is_some_and(|part| parts.contains(&part));
         if let Some((ids, _)) = self.not_in_the_inputs(left_out) {
@@ -119,9 +119,9 @@ impl Criteria<'_> {
 
     /// The channels with data, not marked failed, that the inputs hold no samples of: their ids, and in words.
     fn not_in_the_inputs(&self, fits: impl Fn(&&Channel) -> bool) -> Option<(Vec<&str>, String)> {
-        let here = |channel: &&Channel| self.input.wave_if(&channel.id).is_some();
+        let in_inputs = |channel: &&Channel| self.input.wave_if(&channel.id).is_some();
         let usable = |channel: &&Channel| channel.status.has_data() && channel.status != ChannelStatus::Failed;
-        let fits = |channel: &&Channel| usable(channel) && !here(channel) && fits(channel);
+        let fits = |channel: &&Channel| usable(channel) && !in_inputs(channel) && fits(channel);
         let ids: Vec<&str> = self.test.channels.iter().filter(fits).map(|channel| channel.id.as_str()).collect();
         let words = match ids.as_slice() {
             [] => return None,
@@ -164,9 +164,9 @@ impl Criteria<'_> {
         let partial = channels.len() < 3 && channels.iter().all(|channel| channel.axis != Some(Axis::Resultant));
         if partial {
             let axes: Vec<String> = channels.iter().filter_map(|c| c.axis).map(|axis| axis.to_string()).collect();
-            let of = if axes.is_empty() { "one axis".to_owned() } else { axes.join(" and ") };
-            remarks.push(format!("lower bound: resultant of {of} alone"));
-            bounds.push(format!("{place} ({of})"));
+            let axes = if axes.is_empty() { "one axis".to_owned() } else { axes.join(" and ") };
+            remarks.push(format!("lower bound: resultant of {axes} alone"));
+            bounds.push(format!("{place} ({axes})"));
         }
         remarks.extend(class_remark(channels, part.cfc(), notes));
         let mut metrics = match part {
@@ -194,9 +194,9 @@ impl Criteria<'_> {
         for chest in chests {
             let occupant = self.since_time_zero(&self.acceleration(chest)?);
             match ride_down(&vehicle, &occupant, v0) {
-                Ok(found) => {
+                Ok(shares) => {
                     let remarks = [format!("vehicle: channel {}", self.pulse.id)];
-                    for metric in [found.efficiency, found.restraint, found.largest_travel] {
+                    for metric in [shares.efficiency, shares.restraint, shares.largest_travel] {
                         records.push(self.record(&[chest], metric, &remarks));
                     }
                 }
@@ -246,14 +246,14 @@ impl Criteria<'_> {
         remarks.extend(class_remark(&planar, ROADSIDE_CFC, notes));
 
         let ax = self.acceleration(x)?;
-        let nothing = || ax.with_samples(vec![0.0; ax.len()]).refuse_with_hint("--metrics none leaves it out");
-        let along = |channel: Option<&Channel>| channel.map_or_else(nothing, |channel| self.acceleration(channel));
+        let zeros = || ax.with_samples(vec![0.0; ax.len()]).refuse_with_hint("--metrics none leaves it out");
+        let along = |channel: Option<&Channel>| channel.map_or_else(zeros, |channel| self.acceleration(channel));
         let (ay, az) = (along(y)?, along(z)?);
         let mut spatial = planar.clone();
         spatial.extend(z);
         let space = FlailSpace::default();
         let (x_flight, y_flight) = (self.since_time_zero(&ax), self.since_time_zero(&ay));
-        let mut found: Vec<(&[&Channel], Metric)> = Vec::new();
+        let mut metrics: Vec<(&[&Channel], Metric)> = Vec::new();
         let limits = AsiLimits::default();
         let severity = [AsiMethod::ButterworthPerPass].map(|method| asi([&ax, &ay, &az], limits, method));
         let flight = oiv_ora(&x_flight, &y_flight, space);
@@ -261,13 +261,13 @@ impl Criteria<'_> {
             notes.warning("roadside metrics: x, y and z are on different time grids, none computed");
             return Ok(Vec::new());
         };
-        found.push((&spatial, severity));
+        metrics.push((&spatial, severity));
         for metric in flight {
             // A zero that nothing measured is no result.
             let unmeasured =
                 [&definitions::OIV_Y, &definitions::ORA_Y].into_iter().find(|d| y.is_none() && d.id == metric.id);
             let reason = "y is not measured at the centre of gravity";
-            found.push((&planar[..], unmeasured.map_or(metric, |d| Metric::absent(d, reason))));
+            metrics.push((&planar[..], unmeasured.map_or(metric, |d| Metric::absent(d, reason))));
         }
         let mut with_yaw = planar.clone();
         with_yaw.extend(yaw);
@@ -276,7 +276,7 @@ impl Criteria<'_> {
                 let rate = &self.input.wave(&yaw.id)?.sampled;
                 let rate = rate.slice(rate.index_at_or_after(self.time_zero_s), rate.len());
                 match thiv_phd(&x_flight, &y_flight, &rate, space) {
-                    Ok((thiv, phd)) => found.extend([(&with_yaw[..], thiv), (&with_yaw[..], phd)]),
+                    Ok((thiv, phd)) => metrics.extend([(&with_yaw[..], thiv), (&with_yaw[..], phd)]),
                     Err(error) => notes.warning(format!("thiv: {error}")),
                 }
             }
@@ -290,11 +290,11 @@ impl Criteria<'_> {
                     }
                     None => "no yaw rate of the vehicle is measured".to_owned(),
                 };
-                found
+                metrics
                     .extend([&definitions::THIV, &definitions::PHD].map(|d| (&planar[..], Metric::absent(d, &reason))));
             }
         }
-        Ok(found.into_iter().map(|(channels, metric)| self.record(channels, metric, &remarks)).collect())
+        Ok(metrics.into_iter().map(|(channels, metric)| self.record(channels, metric, &remarks)).collect())
     }
 
     /// Channels of the vehicle that measure a quantity along an axis, with samples in the inputs.
@@ -311,8 +311,8 @@ impl Criteria<'_> {
             return Vec::new();
         };
         let b0 = damage.no_damage_speed_m_per_s;
-        let found = CrushStiffness::from_barrier_test(mass_kg, damage.width_m, v0, damage.residual_crush_m, b0);
-        let Some(found) = found else {
+        let stiffness = CrushStiffness::from_barrier_test(mass_kg, damage.width_m, v0, damage.residual_crush_m, b0);
+        let Some(stiffness) = stiffness else {
             notes.warning(format!(
                 "crush stiffness: width, residual crush and impact speed above {b0} m/s must be positive, none computed"
             ));
@@ -324,7 +324,7 @@ impl Criteria<'_> {
         );
         let at_impact = |metric: Metric| metric.over(self.time_zero_s, self.time_zero_s);
         let record = |metric: Metric| self.record(&[self.pulse], at_impact(metric), std::slice::from_ref(&remark));
-        found.metrics().into_iter().map(record).collect()
+        stiffness.metrics().into_iter().map(record).collect()
     }
 }
 
@@ -343,7 +343,7 @@ fn name(group: MetricGroup) -> &'static str {
 
 /// `driver, head: hic15 412.3, hic36 530.1, 3 ms 61.2 g contiguous, 62.0 g cumulative`.
 fn line(place: &str, metrics: &[Metric], lower_bound: bool) -> String {
-    let of = |metric: &Metric| {
+    let value_in_words = |metric: &Metric| {
         let value = metric.value?;
         let g = value / STANDARD_GRAVITY_M_PER_S2;
         Some(match metric.name {
@@ -352,7 +352,7 @@ fn line(place: &str, metrics: &[Metric], lower_bound: bool) -> String {
             name => format!("{name} {value:.1}"),
         })
     };
-    let values: Vec<String> = metrics.iter().filter_map(of).collect();
+    let values: Vec<String> = metrics.iter().filter_map(value_in_words).collect();
     let values = if values.is_empty() { "no criterion, the notes say why".to_owned() } else { values.join(", ") };
     format!("{place}: {values}{}", if lower_bound { " (lower bounds: not all axes)" } else { "" })
 }

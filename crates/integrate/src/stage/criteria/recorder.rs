@@ -22,15 +22,15 @@ pub fn recorded_changes(input: &Inputs, test: &TestDescription, time_zero_s: f64
     changes.sort_by_key(|channel| !derived_from(&channel.id));
     for channel in changes {
         let Some(wave) = input.wave_if(&channel.id) else { continue };
-        let found = maximum_delta_v(&wave.sampled, time_zero_s);
-        if let [Some(change), Some(time_s)] = [&found[0], &found[1]].map(|metric| metric.value) {
+        let metrics = maximum_delta_v(&wave.sampled, time_zero_s);
+        if let [Some(change), Some(time_s)] = [&metrics[0], &metrics[1]].map(|metric| metric.value) {
             let title = channel.comment.as_ref().map_or_else(String::new, |title| format!(" ({title})"));
             let (change_km_per_h, time_ms) = (3.6 * change, 1e3 * time_s);
             let line =
                 format!("recorded {}{title}: maximum delta-v {change_km_per_h:.2} km/h at {time_ms:.0} ms", channel.id);
             out.summary(line);
         }
-        records.extend(found.into_iter().map(|metric| metric_record(&channel.id, &metric.counted_from(time_zero_s))));
+        records.extend(metrics.into_iter().map(|metric| metric_record(&channel.id, &metric.counted_from(time_zero_s))));
     }
     records
 }

@@ -7,10 +7,10 @@ use crumple_stage::records::MetricV1;
 
 use crate::stage::metric_record::metric_record;
 use crate::stage::pulse::integrated::Integrated;
-use crate::stage::pulse::other_channels::of_compartment;
+use crate::stage::pulse::other_channels::is_of_compartment;
 
 /// The pulse and the channels that measured the same motion.
-pub struct Redundant<'a> {
+pub struct ChannelAgreement<'a> {
     channel: &'a Channel,
     pulse: &'a Integrated,
     time_zero_s: f64,
@@ -18,16 +18,16 @@ pub struct Redundant<'a> {
     others: Vec<(String, Vec<Metric>)>,
 }
 
-impl<'a> Redundant<'a> {
+impl<'a> ChannelAgreement<'a> {
     pub fn new(channel: &'a Channel, pulse: &'a Integrated, time_zero_s: f64) -> Self {
         Self { channel, pulse, time_zero_s, others: Vec::new() }
     }
 
     /// Says how far a further channel is from the pulse, and takes it into the spread if both are of the compartment.
     pub fn compare(&mut self, other: &Channel, of: &Integrated, notes: &mut Notes) {
-        let Some(outside) = [self.channel, other].into_iter().find(|channel| !of_compartment(channel)) else {
+        let Some(outside) = [self.channel, other].into_iter().find(|channel| !is_of_compartment(channel)) else {
             self.others.push((other.id.clone(), of.metrics.clone()));
-            return self.say(other, of, notes);
+            return self.note_gaps(other, of, notes);
         };
         notes.info(format!(
             "channel {} is not in the spread: channel {} is failed or not of the compartment",
@@ -39,25 +39,25 @@ impl<'a> Redundant<'a> {
     pub fn agrees(&self, of: &Integrated) -> bool {
         let Some(crush) = self.pulse.events.crush else { return true };
         agreement(motion(self.pulse), motion(of), self.time_zero_s + crush.time_s)
-            .is_ok_and(|found| found.may_be_averaged())
+            .is_ok_and(|gaps| gaps.may_be_averaged())
     }
 
-    fn say(&self, other: &Channel, of: &Integrated, notes: &mut Notes) {
+    fn note_gaps(&self, other: &Channel, of: &Integrated, notes: &mut Notes) {
         let Some(crush) = self.pulse.events.crush else { return };
         let id = format!("channel {} against {}", other.id, self.channel.id);
-        let Ok(found) = agreement(motion(self.pulse), motion(of), self.time_zero_s + crush.time_s) else {
+        let Ok(gaps) = agreement(motion(self.pulse), motion(of), self.time_zero_s + crush.time_s) else {
             return notes.info(format!("{id}: on another time grid, not compared sample by sample"));
         };
         let none = || "none".to_owned();
-        let crush_gap = found.crush_gap_m.zip(found.crush_gap_ratio);
+        let crush_gap = gaps.crush_gap_m.zip(gaps.crush_gap_ratio);
         let text = format!(
             "{id}: largest |da| {:.2} g, |dv| at dynamic crush {}, |dC| {}, fit {}",
-            found.largest_acceleration_gap_m_per_s2 / STANDARD_GRAVITY_M_PER_S2,
-            found.velocity_gap_m_per_s.map_or_else(none, |dv| format!("{dv:.3} m/s")),
+            gaps.largest_acceleration_gap_m_per_s2 / STANDARD_GRAVITY_M_PER_S2,
+            gaps.velocity_gap_m_per_s.map_or_else(none, |dv| format!("{dv:.3} m/s")),
             crush_gap.map_or_else(none, |(gap, ratio)| format!("{:.1} mm ({:.1} %)", 1e3 * gap, 1e2 * ratio)),
-            found.fit_percent.map_or_else(none, |fit| format!("{fit:.1} %")),
+            gaps.fit_percent.map_or_else(none, |fit| format!("{fit:.1} %")),
         );
-        if found.may_be_averaged() {
+        if gaps.may_be_averaged() {
             notes.info(text);
         } else {
             notes.warning(format!("{text}: more than {:.0} % of crush apart", 1e2 * LARGEST_CRUSH_GAP));

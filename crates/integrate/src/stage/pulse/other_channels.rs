@@ -8,7 +8,7 @@ const PARTS: [&str; 6] = ["engine", "caliper", "brake", "wheel", "steering", "da
 
 /// The channels of a list, or with `all` every x acceleration with data, not marked failed, whose location names
 /// nothing that moves apart from the compartment, and those the list names beside it.
-pub fn further<'a>(
+pub fn other_channels<'a>(
     asked: &[String],
     test: &'a TestDescription,
     pulse: &str,
@@ -18,7 +18,7 @@ pub fn further<'a>(
     let everything = asked.iter().any(|id| id == "all");
     let mut ids: Vec<String> = Vec::new();
     for name in asked.iter().filter(|name| *name != "all") {
-        ids.extend(meant(test, name, "channels", input)?);
+        ids.extend(channels_named(test, name, "channels", input)?);
     }
     ids.retain(|id| id != pulse);
     if everything {
@@ -33,7 +33,7 @@ pub fn further<'a>(
         }
         let named = |channel: &Channel| ids.contains(&channel.id);
         let (mut taken, mut left): (Vec<&Channel>, Vec<&Channel>) =
-            candidates.partition(|channel| of_compartment(channel) || named(channel));
+            candidates.partition(|channel| is_of_compartment(channel) || named(channel));
         // Heads and chests are here for their criteria.
         left.retain(|channel| part_of(channel).is_none());
         if !left.is_empty() {
@@ -63,24 +63,25 @@ const SHOWN: usize = 12;
 
 /// The ids that a name, a code or a pattern means, given under an option. A pattern leaves out what cannot be
 /// integrated: other quantities, and channels that are not in the inputs.
-pub fn meant(test: &TestDescription, name: &str, key: &str, input: &Inputs) -> anyhow::Result<Vec<String>> {
+pub fn channels_named(test: &TestDescription, name: &str, key: &str, input: &Inputs) -> anyhow::Result<Vec<String>> {
     let all = test.channels_meant(name);
     if all.is_empty() {
-        let here =
+        let usable_here =
             |channel: &&Channel| channel.quantity == QuantityKind::Acceleration && input.wave_if(&channel.id).is_some();
-        let mut here: Vec<&str> = test.channels.iter().filter(here).map(|channel| channel.id.as_str()).collect();
-        let more = here.len().saturating_sub(SHOWN);
-        here.truncate(SHOWN);
+        let mut usable_here: Vec<&str> =
+            test.channels.iter().filter(usable_here).map(|channel| channel.id.as_str()).collect();
+        let more = usable_here.len().saturating_sub(SHOWN);
+        usable_here.truncate(SHOWN);
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         return Err(Refused::new(format!(
             "the test has no channel {name:?}, which {key} of [integrate] or --{key} \
             names"
         ))
-        .expected(format!("an accelerometer of the inputs: {}{more}", here.join(", ")))
+        .expected(format!("an accelerometer of the inputs: {}{more}", usable_here.join(", ")))
         .hint(format!(
             "put the id of yours there; in the pipeline two-sensors it stands in channels of [integrate] and in \
                  sensors of [parameter-solve]{}",
-            if test.channels.len() > here.len() {
+            if test.channels.len() > usable_here.len() {
                 " (crumple-ingest --list RECORD shows every \
                     channel)"
             } else {
@@ -99,11 +100,11 @@ pub fn meant(test: &TestDescription, name: &str, key: &str, input: &Inputs) -> a
 
 /// Whether a channel moves with the compartment, as far as status, code, location and, without a location, its name
 /// say.
-pub fn of_compartment(channel: &Channel) -> bool {
-    let said = if channel.location.trim().is_empty() { &channel.id } else { &channel.location };
-    let said = said.to_lowercase();
+pub fn is_of_compartment(channel: &Channel) -> bool {
+    let place = if channel.location.trim().is_empty() { &channel.id } else { &channel.location };
+    let place = place.to_lowercase();
     channel.status != ChannelStatus::Failed
         && channel.may_be_on_vehicle()
         && part_of(channel).is_none()
-        && !PARTS.iter().any(|word| said.contains(word))
+        && !PARTS.iter().any(|word| place.contains(word))
 }

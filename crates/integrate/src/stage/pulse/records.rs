@@ -18,8 +18,8 @@ pub fn events_record(
 ) -> EventsV1 {
     let events = &pulse.events;
     // An event that is not there has neither an interval nor a reason for none.
-    let there = event_values(events, impact_speed_m_per_s).map(|value| value.is_some());
-    let named = || EVENT_NAMES.iter().zip(there).filter(|(_, there)| *there).map(|(name, _)| *name);
+    let is_there = event_values(events, impact_speed_m_per_s).map(|value| value.is_some());
+    let named = || EVENT_NAMES.iter().zip(is_there).filter(|(_, is_there)| *is_there).map(|(name, _)| *name);
     let place = |name: &str| EVENT_NAMES.iter().position(|other| *other == name);
     let intervals = named().filter_map(|name| {
         pulse.event_intervals.get(place(name)?).copied().flatten().map(|interval| EventIntervalV1 {
@@ -57,7 +57,7 @@ pub fn events_record(
 
 /// The metrics of a channel, and the drift taken out of it.
 pub fn metric_records(channel: &str, of: &Integrated, time_zero_s: f64) -> Vec<MetricV1> {
-    let one = |(k, metric): (usize, &Metric)| {
+    let record_of = |(k, metric): (usize, &Metric)| {
         let mut record = metric_record(channel, metric);
         // A check of the arithmetic has no interval, and a missing value none to give a reason for.
         if metric.value.is_some() && metric.interval.is_none() && metric.id != definitions::CLOSURE.id {
@@ -65,10 +65,10 @@ pub fn metric_records(channel: &str, of: &Integrated, time_zero_s: f64) -> Vec<M
         }
         record
     };
-    let mut records: Vec<MetricV1> = of.metrics.iter().enumerate().map(one).collect();
+    let mut records: Vec<MetricV1> = of.metrics.iter().enumerate().map(record_of).collect();
     if let Some(drift) = of.drift {
         let from_s = of.motion.velocity.t0_s() - time_zero_s;
-        let metric = Metric::found(&definitions::DRIFT, drift.acceleration_m_per_s2)
+        let metric = Metric::with_value(&definitions::DRIFT, drift.acceleration_m_per_s2)
             .over(from_s, drift.time_s - time_zero_s)
             .remarked(&format!("{}, met at {:.6} s of the record", drift.shape.name(), drift.time_s));
         records.push(metric_record(channel, &metric));

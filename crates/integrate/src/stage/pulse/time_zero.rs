@@ -1,6 +1,6 @@
 //! Finds first contact by the rule asked for.
 
-use crumple_integrate::{FoundZero, contact_edge, edr_start, threshold_crossing};
+use crumple_integrate::{TimeZeroEstimate, contact_edge, edr_start, threshold_crossing};
 use crumple_metrics::event_end_by_velocity_change;
 use crumple_signal::{Acceleration, Channel, Notes, Signal, TestDescription};
 use crumple_stage::{Inputs, Refused};
@@ -34,13 +34,13 @@ pub fn time_zero(
         late_contact(test, channel, pulse, impact_speed_m_per_s, notes);
         return Ok(TimeZero { time_s: 0.0, rule: ZeroRule::File.to_string() });
     };
-    let found = match rule {
+    let zero = match rule {
         ZeroRule::File => None,
         ZeroRule::Threshold => threshold_crossing(pulse),
         ZeroRule::Edr => edr_start(pulse),
         ZeroRule::Contact(id) => contact_edge(&input.wave(id)?.sampled),
     };
-    let Some(found) = found else {
+    let Some(zero) = zero else {
         return Err(Refused::new(format!("time zero rule {rule}: {}", nothing_found(rule, &channel.id)))
             .hint("state first contact with --time-zero, e.g. --time-zero 0s")
             .into());
@@ -49,13 +49,13 @@ pub fn time_zero(
         let class = channel.cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("cfc {cfc}"));
         notes.warning(format!("the threshold rule is meant for cfc 60, channel {} is of {class}", channel.id));
     }
-    notes.info(uncertainty(rule, found, impact_speed_m_per_s));
+    notes.info(uncertainty(rule, zero, impact_speed_m_per_s));
     if *rule == ZeroRule::Edr
-        && let Some(end_s) = event_end_by_velocity_change(pulse, found.time_s)
+        && let Some(end_s) = event_end_by_velocity_change(pulse, zero.time_s)
     {
-        notes.info(format!("the event ends at {:.2} ms by the same rule", 1e3 * (end_s - found.time_s)));
+        notes.info(format!("the event ends at {:.2} ms by the same rule", 1e3 * (end_s - zero.time_s)));
     }
-    Ok(TimeZero { time_s: found.time_s, rule: rule.to_string() })
+    Ok(TimeZero { time_s: zero.time_s, rule: rule.to_string() })
 }
 
 /// Warns of a pulse that begins long after the file's t = 0 where nothing says that this is first contact: an NHTSA or
@@ -72,14 +72,14 @@ fn late_contact(
     if test.time_zero.is_some() || matches!(test.source.format.as_str(), "nhtsa-ev5" | "iso-mme") {
         return;
     }
-    let Some(found) = threshold_crossing(pulse).filter(|found| found.time_s > LATE_S) else { return };
-    let late_ms = 1e3 * found.time_s;
+    let Some(zero) = threshold_crossing(pulse).filter(|zero| zero.time_s > LATE_S) else { return };
+    let late_ms = 1e3 * zero.time_s;
     notes.warning(format!(
         "channel {} first exceeds 0.5 g for 3 ms at {late_ms:.1} ms, and nothing says that contact is at the file's t \
          = 0: the vehicle is taken to move on at the impact speed until then, up to {:.3} m that may be no crush: if \
          contact is there, crumple-ingest --time-zero {late_ms:.1}ms; if it is at 0, crumple-ingest --time-zero 0s",
         channel.id,
-        found.time_s * speed_m_per_s
+        zero.time_s * speed_m_per_s
     ));
 }
 
@@ -91,8 +91,8 @@ fn nothing_found(rule: &ZeroRule, pulse: &str) -> String {
     }
 }
 
-fn uncertainty(rule: &ZeroRule, found: FoundZero, impact_speed_m_per_s: f64) -> String {
-    let FoundZero { time_s, earlier_by_s, later_by_s } = found;
+fn uncertainty(rule: &ZeroRule, zero: TimeZeroEstimate, impact_speed_m_per_s: f64) -> String {
+    let TimeZeroEstimate { time_s, earlier_by_s, later_by_s } = zero;
     let side = |by_s: f64, word: &str| {
         (by_s > 0.0).then(|| {
             format!("{:.2} ms {word} ({:.1} mm at the impact speed)", 1e3 * by_s, 1e3 * by_s * impact_speed_m_per_s)

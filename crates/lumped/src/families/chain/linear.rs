@@ -92,11 +92,11 @@ impl Chain {
             let front = if i == 0 { (base, base + 1) } else { (i - 1, n + i - 1) };
             for (row, sign) in [(Some(i), -1.0), (i.checked_sub(1), 1.0)] {
                 let Some(row) = row else { continue };
-                let by = sign / self.masses_kg[row];
-                a[(n + row, i)] += by * k;
-                a[(n + row, front.0)] -= by * k;
-                a[(n + row, n + i)] += by * c;
-                a[(n + row, front.1)] -= by * c;
+                let per_mass = sign / self.masses_kg[row];
+                a[(n + row, i)] += per_mass * k;
+                a[(n + row, front.0)] -= per_mass * k;
+                a[(n + row, n + i)] += per_mass * c;
+                a[(n + row, front.1)] -= per_mass * c;
             }
         }
         a[(base, base + 1)] = 1.0;
@@ -280,11 +280,11 @@ impl Chain {
             let expected = "the place of a mass, spring or damper of the chain";
             return Err(LumpedError::Value { name: "parameter", value: *place as f64, expected });
         }
-        let found = chain([masses, springs, dampers], parameters, impact_speed_m_per_s, at);
-        let motions = || found.motions.iter().chain(found.derivatives.iter().flatten());
+        let sensitivity = chain([masses, springs, dampers], parameters, impact_speed_m_per_s, at);
+        let motions = || sensitivity.motions.iter().chain(sensitivity.derivatives.iter().flatten());
         match motions().filter_map(Motion::first_not_finite).min() {
             Some(k) => Err(LumpedError::ChainDiverges { time_s: at.first_s + k as f64 * at.dt_s }),
-            None => Ok(found),
+            None => Ok(sensitivity),
         }
     }
 }

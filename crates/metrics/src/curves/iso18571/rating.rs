@@ -170,8 +170,8 @@ impl Iso18571 {
         let no_slope = "fewer than 9 samples are left after the shift, or the reference is constant";
         let no_overall = if self.magnitude.is_none() { no_magnitude } else { no_slope };
         [
-            Metric::found(&ISO_CORRIDOR, self.corridor),
-            Metric::found(&ISO_PHASE, self.phase),
+            Metric::with_value(&ISO_CORRIDOR, self.corridor),
+            Metric::with_value(&ISO_PHASE, self.phase),
             Metric::of(&ISO_MAGNITUDE, self.magnitude, no_magnitude),
             Metric::of(&ISO_SLOPE, self.slope, no_slope),
             Metric::of(&ISO, self.overall, no_overall),

@@ -21,15 +21,15 @@ pub const HIC36_WINDOW_S: f64 = 0.036;
 /// (a square pulse): one of them is reported. The input is a resultant at CFC 1000. `window_s` of 15 or 36 ms give
 /// HIC15 and HIC36.
 pub fn hic(resultant: &Signal<Acceleration>, window_s: f64) -> Metric {
-    by(resultant, window_s, search::pruned)
+    worst_window(resultant, window_s, search::pruned)
 }
 
 /// [`hic`] by trying every pair: time grows with samples times window. The yardstick of [`hic`].
 pub fn hic_all_pairs(resultant: &Signal<Acceleration>, window_s: f64) -> Metric {
-    by(resultant, window_s, search::all_pairs)
+    worst_window(resultant, window_s, search::all_pairs)
 }
 
-fn by(resultant: &Signal<Acceleration>, window_s: f64, search: fn(&[f64], usize) -> search::Best) -> Metric {
+fn worst_window(resultant: &Signal<Acceleration>, window_s: f64, search: fn(&[f64], usize) -> search::Best) -> Metric {
     let definition = definition(window_s);
     let (a, dt) = (resultant.samples(), resultant.dt_s());
     if a.len() < 2 {
@@ -46,11 +46,11 @@ fn by(resultant: &Signal<Acceleration>, window_s: f64, search: fn(&[f64], usize)
     // The search works in m/s² and samples.
     let value = dt * best.value / STANDARD_GRAVITY_M_PER_S2.powf(2.5);
     if best.value == 0.0 {
-        return Metric::found(definition, 0.0)
+        return Metric::with_value(definition, 0.0)
             .over(resultant.t0_s(), resultant.end_s())
             .remarked("no window has a positive mean");
     }
-    Metric::found(definition, value).over(resultant.time_s(best.start), resultant.time_s(best.end))
+    Metric::with_value(definition, value).over(resultant.time_s(best.start), resultant.time_s(best.end))
 }
 
 fn definition(window_s: f64) -> &'static Definition {
@@ -66,8 +66,8 @@ fn definition(window_s: f64) -> &'static Definition {
 /// HIC(d) = 0.75446·HIC36 + 166.4 of a free-motion headform, FMVSS 201; its window is that of HIC36.
 pub fn hic_d(resultant: &Signal<Acceleration>) -> Metric {
     let hic36 = hic(resultant, HIC36_WINDOW_S);
-    let found = Metric::of(&HICD, hic36.value.map(hic_d_of), hic36.definition.trim_start_matches("absent: "));
-    Metric { window: hic36.window, ..found }
+    let metric = Metric::of(&HICD, hic36.value.map(hic_d_of), hic36.definition.trim_start_matches("absent: "));
+    Metric { window: hic36.window, ..metric }
 }
 
 /// HIC(d) of a known HIC36.
@@ -83,7 +83,7 @@ pub fn gadd_severity_index(resultant: &Signal<Acceleration>) -> Metric {
         return Metric::absent(&GSI, "the record has fewer than two samples");
     }
     let sum: f64 = a.iter().map(|&a| power(a)).sum::<f64>() - (power(a[0]) + power(a[a.len() - 1])) / 2.0;
-    Metric::found(&GSI, sum * resultant.dt_s()).over(resultant.t0_s(), resultant.end_s())
+    Metric::with_value(&GSI, sum * resultant.dt_s()).over(resultant.t0_s(), resultant.end_s())
 }
 
 #[cfg(test)]
@@ -98,14 +98,14 @@ mod tests {
     #[test]
     fn a_square_pulse_follows_the_formula() {
         let exact = 60.0_f64.powf(2.5) * 0.015;
-        let found = hic(&square(60.0), HIC15_WINDOW_S);
+        let metric = hic(&square(60.0), HIC15_WINDOW_S);
         // The running sum of 1001 samples rounds by 1.1e-13 of it at most; the power takes that 2.5 times.
         let rounding = 2.5 * 1001.0 * f64::EPSILON / 2.0;
-        assert!((found.value.unwrap() / exact - 1.0).abs() < rounding);
-        let window = found.window.unwrap();
+        assert!((metric.value.unwrap() / exact - 1.0).abs() < rounding);
+        let window = metric.window.unwrap();
         // Two multiples of 1e-4 s below 0.03 s, each rounded twice.
         assert!((window.to_s - window.from_s - 0.015).abs() < 4.0 * 0.03 * f64::EPSILON);
-        assert_eq!(found.id, "hic15-fmvss208");
+        assert_eq!(metric.id, "hic15-fmvss208");
         // 420.8 of it is the HIC36, rounded as above.
         let hic_d_exact = 0.75446 * 60.0_f64.powf(2.5) * 0.02 + 166.4;
         assert!((hic_d(&square(60.0)).value.unwrap() - hic_d_exact).abs() < 421.0 * rounding);

@@ -73,12 +73,12 @@ pub(super) fn pruned(a: &[f64], longest: usize) -> Best {
         // Starts in from..from+chunk; the ends reach one window further.
         let to = a.len().min(from + chunk + longest);
         let part = &a[from..to];
-        let mut found = Best { value: best.value, ..NONE };
+        let mut best_of_part = Best { value: best.value, ..NONE };
         if exceeds(bound_of_peak(part, longest), best.value) {
-            Search::new(part, longest).run(&mut found);
+            Search::new(part, longest).run(&mut best_of_part);
         }
-        if found.value > best.value {
-            best = Best { value: found.value, start: from + found.start, end: from + found.end };
+        if best_of_part.value > best.value {
+            best = Best { value: best_of_part.value, start: from + best_of_part.start, end: from + best_of_part.end };
         }
         from += chunk;
     }

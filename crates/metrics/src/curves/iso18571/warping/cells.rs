@@ -9,8 +9,8 @@ pub(super) fn accumulate(c: &[f64], t: &[f64], up: &[f64], left: &[f64], corner:
     let (c, t, up, left, corner) = (&c[..length], &t[..length], &up[..length], &left[..length], &corner[..length]);
     for p in 0..length {
         let gap = c[p] - t[p];
-        let one = if up[p] < left[p] { up[p] } else { left[p] };
-        let least = if one < corner[p] { one } else { corner[p] };
+        let least = if up[p] < left[p] { up[p] } else { left[p] };
+        let least = if least < corner[p] { least } else { corner[p] };
         out[p] = gap * gap + least;
     }
 }
