@@ -1,4 +1,5 @@
-//! The settings as they stand in the provenance of an artifact: every default filled in, in names, numbers and SI units.
+//! The settings as they stand in the provenance of an artifact: every default filled in, in names, numbers and SI
+//! units.
 //!
 //! This is part of the file format. Names, order and meaning of the fields stay when the settings of the code change.
 
