@@ -116,7 +116,7 @@ masses = [{ mass = "free", stiffness = "free" }, { mass = "free", stiffness = "f
     let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
     let notes = format!("{:?}", artifact.record::<NotesV1>("/notes").unwrap().unwrap());
     assert!(notes.contains("chain loose: the record determines 4 directions of 5 free numbers"), "{notes}");
-    assert!(notes.contains("chain loose: masses were looked for with a sensor on the last mass alone"), "{notes}");
+    assert!(notes.contains("chain loose: masses were fitted to a sensor on the last mass alone"), "{notes}");
     // No damping was stated for the first mass, the dual has some.
     assert!(notes.contains("is left out by what was given or by a bound, not by the record"), "{notes}");
     let found: CandidateV1 = artifact.record("/parameters/chain/loose/1").unwrap().unwrap();

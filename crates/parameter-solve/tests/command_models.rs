@@ -129,7 +129,7 @@ fn matched_springs_carry_the_deviations_of_the_identified_coefficients_and_a_del
         builder.put("/evidence/tfest-4-0", &evidence(covariance, deviations)).unwrap();
         write(builder, &folder.path().join("3.mcap"));
         let artifact = done(folder.path(), &[&MATCHING[..], &["--m1", "300kg", "--m2", "900kg"]].concat());
-        assert!(notes(&artifact).contains("2.000 ms late"));
+        assert!(notes(&artifact).contains("a delay of 2.000 ms"));
         candidate(&artifact, 1).unwrap()
     };
     let known = solved(covariance, deviations.clone());

@@ -212,7 +212,7 @@ fn a_closed_form_is_propagated_by_itself_and_has_no_profile_of_another_estimate(
         }
     }
     let notes = serde_json::to_string(&artifact.record::<NotesV1>("/notes").unwrap()).unwrap();
-    assert!(notes.contains("--profile and --bootstrap left out for kelvin/closed-form/1"), "{notes}");
+    assert!(notes.contains("--profile and --bootstrap not computed for kelvin/closed-form/1"), "{notes}");
 }
 
 #[test]

@@ -129,7 +129,7 @@ pub fn bounds_remark(model: &Model, active_bounds: &[&'static str]) -> Option<St
     let values = model.parameters();
     let (zero, other): (Vec<&str>, Vec<&str>) =
         active_bounds.iter().partition(|name| values.get(**name).is_some_and(|value| *value == 0.0));
-    let zero = (!zero.is_empty()).then(|| format!("zero, the least there is: {}", all_in_words(model, zero)));
+    let zero = (!zero.is_empty()).then(|| format!("zero, the smallest value possible: {}", all_in_words(model, zero)));
     let other = (!other.is_empty())
         .then(|| format!("on a bound, not determined by the record: {}", all_in_words(model, other)));
     match (zero, other) {
@@ -149,9 +149,9 @@ mod tests {
         let model = Model::Kelvin(Kelvin { mass_kg: 1.0, stiffness_n_per_m: 2.0, damping_n_s_per_m: 0.0 });
         let said = |names: &[&'static str]| bounds_remark(&model, names);
         assert_eq!(said(&[]), None);
-        assert_eq!(said(&["damping_n_s_per_m"]).as_deref(), Some("zero, the least there is: damping"));
+        assert_eq!(said(&["damping_n_s_per_m"]).as_deref(), Some("zero, the smallest value possible: damping"));
         let both = said(&["stiffness_n_per_m", "damping_n_s_per_m"]);
-        let text = "zero, the least there is: damping; on a bound, not determined by the record: stiffness";
+        let text = "zero, the smallest value possible: damping; on a bound, not determined by the record: stiffness";
         assert_eq!(both.as_deref(), Some(text));
     }
 }

@@ -124,7 +124,7 @@ pub fn match_identified(
                     .push(format!("standard deviations: {}; for the given masses, in first order", deviations.method));
             }
             (None, Some(_)) => {
-                remarks.push("no standard deviations: in first order they have no bound here".to_owned());
+                remarks.push("no standard deviations: to first order they are unbounded here".to_owned());
             }
             (None, None) => {}
         }
@@ -155,8 +155,8 @@ pub fn match_identified(
     let mut remarks = vec![solutions_in_words, format!("used: the {} {}", identified.source, identified.id)];
     if identified.delay_s != 0.0 {
         let text = format!(
-            "its input acts {:.3} ms late: poles do not know of that, so neither do springs and dampers, and a \
-             simulation of them starts at contact",
+            "its input has a delay of {:.3} ms, which the poles do not contain: springs and dampers do not depend on \
+             it, and their simulation starts at contact",
             1e3 * identified.delay_s
         );
         notes.info(format!("{}: {text}", identified.id));
@@ -223,9 +223,7 @@ fn coordinate_remark(physical: &PhysicalCoordinates) -> String {
 
 /// The remark on a solution with a damper or spring of zero, which has no relative sensitivity.
 fn at_the_border(what: &str) -> String {
-    format!(
-        "a {what} is zero, at the border of what is physical: no share of a coefficient moves it by a share of itself"
-    )
+    format!("a {what} is zero, at the border of what is physical: it has no relative sensitivity to a coefficient")
 }
 
 /// The remark on the root of the cubic that the start of a free motion implies, `c1 c2/(m1 m2)`, 1/s².

@@ -83,8 +83,8 @@ pub fn agrees(printed: &str, found: f64) -> bool {
     (found - value).abs() <= 0.5 * unit * (1.0 + 1e-9)
 }
 
-fn words(verdict: &str) -> &str {
-    match verdict {
+fn words(result: &str) -> &str {
+    match result {
         "no-printed-value" => "nothing printed",
         "reproduces" => "reproduces",
         "reproduces-after-correction" => "reproduces after a correction",
@@ -136,7 +136,7 @@ pub fn page() -> Result<String, String> {
     let (mut printed_total, mut printed_agree) = (0, 0);
     for paper in list(&table, "papers") {
         let _ = writeln!(body, "## {}\n\n{}\n", text(&paper, "title"), text(&paper, "about"));
-        let _ = writeln!(body, "| item | place | printed → recomputed | verdict | why |\n|---|---|---|---|---|");
+        let _ = writeln!(body, "| item | place | printed → recomputed | result | why |\n|---|---|---|---|---|");
         for item in items.iter().filter(|item| item["paper"] == paper["id"]) {
             let (id, kind) = (text(item, "id"), text(item, "kind"));
             let found = evaluate(&kind, &item["inputs"]).map_err(|e| format!("{id}: {e}"))?;
@@ -160,15 +160,15 @@ pub fn page() -> Result<String, String> {
                     shown.extend(keys.iter().filter_map(|k| all.get(*k).map(|v| format!("{k} = {}", show(v)))));
                 }
             }
-            let verdict = words(&text(item, "verdict")).to_owned();
+            let result = words(&text(item, "verdict")).to_owned();
             let _ = writeln!(
                 body,
-                "| `{id}` | {} | {} | {verdict} | {} |",
+                "| `{id}` | {} | {} | {result} | {} |",
                 cell(&text(item, "place")),
                 cell(&shown.join("; ")),
                 cell(&text(item, "why"))
             );
-            *counts.entry(verdict).or_default() += 1;
+            *counts.entry(result).or_default() += 1;
         }
         let corrections = list(&paper, "corrections");
         if !corrections.is_empty() {
@@ -179,7 +179,7 @@ pub fn page() -> Result<String, String> {
         }
         body.push('\n');
     }
-    let counts: Vec<String> = counts.iter().map(|(verdict, n)| format!("{n} {verdict}")).collect();
+    let counts: Vec<String> = counts.iter().map(|(result, n)| format!("{n} {result}")).collect();
     Ok(format!(
         "# The three papers, recomputed\n\n\
          <!-- Written by `just papers`; do not edit. -->\n\n\

@@ -73,7 +73,7 @@ pub fn fit_chains(
                 ("repeated with uncertain inputs", asked.inputs.any() && assessment.propagation.is_none()),
             ];
             for (what, _) in without.iter().filter(|(_, missing)| *missing) {
-                out.notes().warning(format!("{id}: not {what}, too few fits near its minimum came to an end"));
+                out.notes().warning(format!("{id}: not {what}, too few fits near its minimum converged"));
             }
             let text = summary_text(&id, &assessment.profile, assessment.propagation.as_ref(), ToString::to_string);
             if !text.is_empty() {
@@ -112,8 +112,8 @@ fn warn_of_open_parameters(chain: &FittedChain, solutions: &[ChainSolution], out
 }
 
 /// The note where masses were fitted to one sensor on the last mass.
-const DIVISION: &str = "masses were looked for with a sensor on the last mass alone: their division follows from a \
-    formula and, with any noise, not from the record; give a mass, or name a sensor on another mass with --sensors";
+const DIVISION: &str = "masses were fitted to a sensor on the last mass alone: with any noise the record does not \
+    determine how they divide; give a mass, or name a sensor on another mass with --sensors";
 
 /// What the dual is, in words.
 fn dual(chain: &FittedChain, solution: &ChainSolution) -> Option<String> {

@@ -125,8 +125,8 @@ fn unsolvable(
         ));
     }
     Ok(speeds_up(input, events)?.then(|| {
-        "the vehicle goes further than its impact speed alone takes it: no spring and no damper does that; see whether \
-         the pulse has the wrong sign (crumple-ingest --sign flip) or unit"
+        "the vehicle moves further than its impact speed alone would carry it, which no spring or damper can do: check \
+         the sign of the pulse (crumple-ingest --sign flip) and its unit"
             .to_owned()
     }))
 }
@@ -171,8 +171,7 @@ fn warn_of_flags_without_effect(
     let unassessed: Vec<String> = unassessed.map(|(candidate, _)| candidate.id()).collect();
     if !flags.is_empty() && !unassessed.is_empty() {
         out.notes().warning(format!(
-            "{} without effect on {}: judged are candidates from events and motion, over the window of the \
-             displacement of the pulse that they follow",
+            "{} without effect on {}: only candidates from the events and the motion of the pulse are assessed",
             flags.join(", "),
             unassessed.join(", ")
         ));

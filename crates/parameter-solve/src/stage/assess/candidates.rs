@@ -78,8 +78,8 @@ pub fn assess_all(
     }
     if events.dynamic_crush_m.is_none() {
         out.notes().info(
-            "the vehicle does not stop within the record: its models are judged over the window they were fitted to \
-             and not to a dynamic crush; what unloads is not seen",
+            "the vehicle does not stop within the record: its models are assessed over the window of their fit and not \
+             up to a dynamic crush; the record does not determine how they unload",
         );
     }
     settings.assessment.check(mass_kg, impact_speed_m_per_s)?;
@@ -362,8 +362,8 @@ impl Assessor<'_> {
             .collect();
         if !flags.is_empty() && !elsewhere.is_empty() {
             out.notes().info(format!(
-                "{} left out for {}: they look from the minimum of a fit through the filter, and these values are not \
-                 there",
+                "{} not computed for {}: profile and bootstrap start at the minimum of a fit through the filter, and \
+                 these values are not there",
                 flags.join(" and "),
                 elsewhere.join(", ")
             ));
@@ -376,9 +376,8 @@ impl Assessor<'_> {
                 && refined.as_ref().is_some_and(|(_, r)| self.is_conditioned(candidate, r))
             {
                 out.notes().warning(format!(
-                    "{}: its repetitions begin at its own minimum, and with time zero more than {} ms off another \
-                     start of the fit can win: the propagated intervals are those of one minimum, and may be too \
-                     narrow",
+                    "{}: its repetitions start at its own minimum; with time zero more than {} ms off, another minimum \
+                     can be lower: the propagated intervals are those of one minimum and may be too narrow",
                     candidate.id(),
                     1e3 * ONE_MINIMUM_S
                 ));

@@ -68,7 +68,11 @@ pub fn drop_repeated(
         }
         let repeated = candidates.remove(k);
         assessed.remove(k);
-        out.notes().info(format!("{}: left out, seen through the filters it is an earlier one", repeated.id()));
+        out.notes().info(format!(
+            "{}: left out, through the filters of the sensors it is the same set as an earlier \
+            one",
+            repeated.id()
+        ));
         for later in candidates[k..].iter_mut().filter(|later| later.is_like(&repeated)) {
             later.index -= 1;
         }
@@ -102,7 +106,7 @@ pub fn pair_up(candidates: &mut Vec<Candidate>, assessed: &mut Vec<Option<Candid
     }
     if kept.len() < before {
         out.notes().info(format!(
-            "double-spring-mass-damper: seen through the filter of the record {} of the {before} pairs remain",
+            "double-spring-mass-damper: through the filter of the record {} of the {before} pairs remain",
             kept.len()
         ));
     }

@@ -1,5 +1,7 @@
 //! Flags and pipeline keys of the stage.
 
+#![allow(rustdoc::invalid_html_tags, reason = "help texts are read on a terminal, where <name> stands for a value")]
+
 use crumple_lumped::ModelKind;
 use crumple_lumped_fit::{DEFAULT_MODELS, METHODS, MODELS, Method, solvers_of};
 use crumple_signal::Uncertain;

@@ -4,4 +4,5 @@
 pub mod assessment;
 pub mod chain_table;
 pub mod flags;
+mod provenance;
 pub mod settings;

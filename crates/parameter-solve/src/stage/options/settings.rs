@@ -7,7 +7,6 @@ use crumple_lumped_fit::{
 };
 use crumple_signal::value::{Mass, Time};
 use crumple_stage::{Usage, nearest};
-use serde::Serialize;
 
 use crate::stage::options::assessment::AssessmentSettings;
 use crate::stage::options::chain_table::FittedChain;
@@ -22,41 +21,22 @@ const FRONT_MASS_FRACTION: f64 = 0.25;
 /// Shares of masses that are free.
 const FREE_SHARES: (f64, f64) = (0.02, 0.95);
 
-/// Options with every default filled in.
-#[derive(Debug, Clone, Serialize)]
+/// Options with every default filled in. What of it goes to the provenance, and in which words, is in `provenance`.
+#[derive(Debug, Clone)]
 pub struct StageSettings {
-    models: Vec<&'static str>,
-    methods: Vec<&'static str>,
     /// Mass given by flag, kg.
     pub mass_kg: Option<f64>,
-    m1_kg: Option<f64>,
-    m2_kg: Option<f64>,
-    front_mass_fraction: f64,
-    fit_from_s: f64,
-    fit_to_s: Option<f64>,
-    fit_samples: usize,
-    fit_starts: usize,
-    firefly_units: &'static str,
-    firefly_generations: usize,
-    firefly_seed: u64,
-    l_shade_evaluations: u64,
-    l_shade_seed: u64,
-    fit_quantity: &'static str,
-    /// Place and channel of each sensor.
-    sensors: Vec<(String, String)>,
-    fit_masses: Option<(f64, f64)>,
-    triple_masses_kg: Option<[f64; 3]>,
-    stay_attached: bool,
+    /// Share of the mass in front, whether masses are given or not.
+    pub front_mass_fraction: f64,
     /// The paper whose printed solutions are added.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub paper: Option<&'static str>,
-    #[serde(skip)]
+    /// Place and channel of each sensor.
     pub places: Vec<(SensorPlace, String)>,
-    #[serde(flatten)]
+    /// What is assessed beyond the covariance.
     pub assessment: AssessmentSettings,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    /// Chains to be fitted.
     pub chain: Vec<FittedChain>,
-    #[serde(skip)]
+    /// What the library is asked for.
     pub solve: SolveSettings,
 }
 
@@ -132,33 +112,8 @@ impl TryFrom<Options> for StageSettings {
         };
         let assessment = assessment_settings(&options)?;
         Ok(Self {
-            models: solve.models.iter().map(|m| m.name()).collect(),
-            methods: if solve.methods.is_empty() {
-                vec!["default"]
-            } else {
-                solve.methods.iter().map(|m| m.name()).collect()
-            },
             mass_kg: options.mass.map(Mass::si),
-            m1_kg: options.m1.map(Mass::si),
-            m2_kg: options.m2.map(Mass::si),
             front_mass_fraction: fraction.unwrap_or(FRONT_MASS_FRACTION),
-            fit_from_s: solve.fit_from_s,
-            fit_to_s: solve.fit_to_s,
-            fit_samples: solve.fit_samples,
-            fit_starts: solve.fit_starts,
-            firefly_units: if units == FireflyUnits::Unit { "unit" } else { "physical" },
-            firefly_generations: firefly.generations,
-            firefly_seed: firefly.seed,
-            l_shade_evaluations: l_shade.evaluations,
-            l_shade_seed: l_shade.seed,
-            fit_quantity: quantity.name(),
-            sensors: places.iter().map(|(place, channel)| (place.to_string(), channel.clone())).collect(),
-            fit_masses: match mass_fit {
-                MassFit::Known => None,
-                MassFit::Shares { lower, upper } => Some((lower, upper)),
-            },
-            triple_masses_kg: triple,
-            stay_attached: !solve.release,
             paper,
             places,
             chain: Vec::new(),
