@@ -78,7 +78,7 @@ test *args: build
 bench *args:
     RAYON_NUM_THREADS=1 cargo bench --quiet --workspace --bench '*' -- "$@"
 
-# Formatting, lints, crate arrows, documentation.
+# Formatting, lints, the rules of the house (crates/testkit/tests/architecture), documentation.
 [group('development')]
 lint:
     cargo fmt --all --check
@@ -109,19 +109,31 @@ golden-update: build
         [ "$(basename "$fixture")" = double ] || rm -f "$fixture/golden/6-simulate.mcap"; \
     done
 
-# Digests of everything the programs write over the fixtures, pipelines, methods and solvers, into OUT (default target/bytes.txt), for
-# changes that must not change a byte: `just bin=OTHER/release bytes A`, then `just bytes --compare A B [--content | --masked]`.
+# For changes that must not change a byte: `just bytes A` before, `just bytes B` after, `just bytes --compare A B [--content | --masked]`;
+# `just bin=OTHER/release bytes A` for programs built elsewhere. What a line holds: crates/testkit/src/bytes/digest.rs.
+#
+# Digests of everything the programs write over fixtures, pipelines, methods and solvers, into OUT (default: target/bytes.txt).
 [group('development')]
 [no-cd]
 [no-exit-message]
 bytes *args:
-    @[ {{ quote(bin) }} != {{ quote(env("CARGO_TARGET_DIR", justfile_directory() / "target") / "release") }} ] || [ "${1-}" = --compare ] || just build
+    @[ {{ quote(bin) }} != {{ quote(env("CARGO_TARGET_DIR", justfile_directory() / "target") / "release") }} ] || [ "${1-}" = --compare ] || just --justfile {{ quote(justfile()) }} build
     @cargo run --quiet --manifest-path {{ quote(justfile_directory() / "Cargo.toml") }} --package crumple-testkit --bin bytes -- --bin {{ quote(bin) }} "$@"
 
 # The three papers' numbers, recomputed and compared: writes docs/papers.md, ends with `N of M items`.
 [group('development')]
 papers:
     CRUMPLE_WRITE_PAPERS=1 cargo test --quiet --package crumple-lumped-fit --test papers
+
+# What every change must pass, and what is too slow for that: before an issue is called resolved.
+[group('development')]
+ci-full:
+    .ci/run
+    cargo nextest run --workspace --run-ignored only --no-tests pass
+    just papers
+    RAYON_NUM_THREADS=1 just bytes target/bytes-1.txt
+    RAYON_NUM_THREADS=4 just bytes target/bytes-4.txt
+    just bytes --compare target/bytes-1.txt target/bytes-4.txt
 
 # Shell completions and man pages of all programs, into target/shell.
 [group('development')]

@@ -1,10 +1,5 @@
 //! `crumple-filter`: brings the acceleration channels of a test to a channel frequency class.
 
-mod align;
-mod derived;
-mod options;
-mod record;
-mod remarks;
 mod stage;
 
 use std::process::ExitCode;

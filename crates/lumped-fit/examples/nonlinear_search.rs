@@ -35,8 +35,10 @@ fn main() -> anyhow::Result<()> {
         "Made by `cargo run -p crumple-lumped-fit --example nonlinear_search > docs/methods/nonlinear-search.md`.\n"
     );
     println!(
-        "A displacement record of the model itself, {SAMPLES} samples up to 150 ms, made from the parameters of Table 5 of the single-mass \
-         paper: it can be met exactly. Error is the root mean square over the record, in mm, over {SEEDS} seeds; what uses no random \
+        "A displacement record of the model itself, {SAMPLES} samples up to 150 ms, made from the parameters of Table \
+         5 of the single-mass \
+         paper: it can be met exactly. Error is the root mean square over the record, in mm, over {SEEDS} seeds; what \
+         uses no random \
          numbers has one. An evaluation is one simulation, with or without its ten sensitivities.\n"
     );
     println!("| method | evaluations (median) | best | median | worst |");
@@ -59,17 +61,22 @@ fn main() -> anyhow::Result<()> {
     println!();
     println!("## What it says\n");
     println!(
-        "- **The firefly search as printed is a random walk.** Distances in N/m, N·s/m, m and m/s side by side are near 1e6, and \
-         `exp(-gamma r²)` with `gamma = 1/sqrt(L) = 6.1e-4` underflows to zero for every pair. With the attraction set to zero by hand \
-         (`beta0 = 0`) all trajectories are the same to the last bit, seed by seed: the two rows are equal, and a test asserts it for three seeds."
+        "- **The firefly search as printed is a random walk.** Distances in N/m, N·s/m, m and m/s side by side are \
+         near 1e6, and \
+         `exp(-gamma r²)` with `gamma = 1/sqrt(L) = 6.1e-4` underflows to zero for every pair. With the attraction set \
+         to zero by hand \
+         (`beta0 = 0`) all trajectories are the same to the last bit, seed by seed: the two rows are equal, and a test \
+         asserts it for three seeds."
     );
     println!("- In the unit box the attraction acts, and the search works moderately.");
     println!(
-        "- L-SHADE is the general search for a model without a structure to use, and always ends with a descent. Here 100 random descents \
+        "- L-SHADE is the general search for a model without a structure to use, and always ends with a descent. Here \
+         100 random descents \
          on analytic sensitivities do better for fewer evaluations."
     );
     println!(
-        "- The default, `direct-fit`, uses the structure: for fixed knots the momentum is linear in the seven coefficients. It is \
+        "- The default, `direct-fit`, uses the structure: for fixed knots the momentum is linear in the seven \
+         coefficients. It is \
          deterministic. Where the record determines the parameters it finds them with a few hundred evaluations."
     );
     Ok(())
@@ -154,8 +161,8 @@ fn rows(truth: &Model) -> anyhow::Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// Where descents start: `k1 k2 k3` and `c1 c2 c3 c4` in logarithms of their units `m (v0/C)²` and `m v0/C`, `x1` as a share of the
-/// crush, `v2` of the impact speed, `v1` of `v2`. Order of the coordinates: k1 k2 k3 x1 c1 c2 c3 c4 v2 v1.
+/// Where descents start: `k1 k2 k3` and `c1 c2 c3 c4` in logarithms of their units `m (v0/C)²` and `m v0/C`, `x1` as a
+/// share of the crush, `v2` of the impact speed, `v1` of `v2`. Order of the coordinates: k1 k2 k3 x1 c1 c2 c3 c4 v2 v1.
 const KNOTS: [(usize, (f64, f64)); 3] = [(3, (0.1, 0.95)), (8, (0.05, 0.95)), (9, (0.05, 0.95))];
 const COEFFICIENTS: (f64, f64) = (1e-3, 10.0);
 /// Bounds of coefficients and of knots.
@@ -227,7 +234,8 @@ impl Response for Beside {
         let Ok(response) = model.sensitivity(V0, &self.instants(), &PLACES) else { return Some(false) };
         let p = self.parameters(theta);
         for (j, theta_j) in theta.iter().enumerate() {
-            // A logarithm changes its parameter by the parameter itself, a share by what it is a share of; v1 follows v2.
+            // A logarithm changes its parameter by the parameter itself, a share by what it is a share of; v1 follows
+            // v2.
             let own = if KNOTS.iter().any(|(knot, _)| *knot == j) { p[j] / theta_j } else { p[j] };
             for k in 0..self.samples.len() {
                 let by = |i: usize| response.derivatives[i][0].displacement_m[k];
@@ -239,8 +247,8 @@ impl Response for Beside {
     }
 }
 
-/// Evaluations and root mean square error, m, of the best of bounded Levenberg-Marquardt descents from `starts` points drawn evenly
-/// in the logarithms of the coefficients.
+/// Evaluations and root mean square error, m, of the best of bounded Levenberg-Marquardt descents from `starts` points
+/// drawn evenly in the logarithms of the coefficients.
 fn random_starts(record: &Signal<Displacement>, starts: usize, seed: u64) -> anyhow::Result<(u64, f64)> {
     let stride = record.len().div_ceil(SAMPLES);
     let samples = record.samples().iter().copied().step_by(stride).collect();

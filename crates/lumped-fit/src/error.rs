@@ -34,7 +34,8 @@ pub enum SolveError {
     },
     /// The window leaves the record.
     #[error(
-        "the fit window {from_s} s to {to_s} s is not inside the displacement record, {first_s} s to {last_s} s after time zero"
+        "the fit window {from_s} s to {to_s} s is not inside the displacement record, {first_s} s to {last_s} s after \
+         time zero"
     )]
     Window {
         /// Start asked for.

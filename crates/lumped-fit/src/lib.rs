@@ -1,17 +1,18 @@
 //! Solves for the physical parameters of lumped models.
 //!
-//! From the events of a crash (`t_m`, `C`, restitution) by closed forms; from the displacement, velocity or acceleration of one
-//! or several sensors by bounded least squares of every model, the first nonlinear one also by an interior point, the second
-//! also by firefly, all by L-SHADE; from an identified transfer function, state space or set of modes by coefficient matching;
-//! from four exponentials as the ERA paper does. Every candidate says how it was found, what was assumed, how well its
-//! parameters are determined (covariance, profile, bootstrap, propagation) and which other candidate gives the same record.
-//! Where a model has no solution the notes say why: that is an answer, not an error.
+//! From the events of a crash (`t_m`, `C`, restitution) by closed forms; from the displacement, velocity or
+//! acceleration of one or several sensors by bounded least squares of every model, the first nonlinear one also by an
+//! interior point, the second also by firefly, all by L-SHADE; from an identified transfer function, state space or set
+//! of modes by coefficient matching; from four exponentials as the ERA paper does. Every candidate says how it was
+//! found, what was assumed, how well its parameters are determined (covariance, profile, bootstrap, propagation) and
+//! which other candidate gives the same record. Where a model has no solution the notes say why: that is an answer, not
+//! an error.
 //!
 //! rooms: solvers | papers chain | matching uncertainty | fit | closed_form free candidate | record
 //!
-//! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model; transfer
-//! function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two nonlinear models; each
-//! function names its own.
+//! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model;
+//! transfer function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two nonlinear
+//! models; each function names its own.
 
 mod candidate;
 mod chain;
@@ -26,6 +27,7 @@ mod solvers;
 mod uncertainty;
 
 pub use candidate::method::{METHODS, Method};
+pub use candidate::note::{CandidateNote, NoteTopic};
 pub use candidate::parameter_set::{Candidate, Fit, Uncertainty, bounds_remark};
 pub use candidate::parameter_words::{all_in_words, in_words};
 pub use chain::assessment::{ChainAssessment, ChainAssessmentOptions, assess_chain};
@@ -51,9 +53,10 @@ pub use fit::nonlinear::nonlinear2::fit_nonlinear2;
 pub use fit::nonlinear::problem::conditions_at_crush;
 pub use fit::options::SingleMassFitOptions;
 pub use fit::refine::{Refined, refine};
-pub use free::free_parameter::{FreeParameter, free_masses, free_parameters};
+pub use free::free_parameter::{FreeParameter, free_masses, free_parameters, mass_of};
 pub use free::mass_split::{MassSplit, masses, triple_masses};
-pub use free::model_coordinates::{MassFit, largest_of_chain};
+pub use free::model_coordinates::MassFit;
+pub use free::search_bounds::largest_of_chain;
 pub use matching::coefficient_matching::{Identified, Matched, Quartic, match_identified};
 pub use matching::coefficient_spread::CoefficientSpread;
 pub use papers::era_amplitude_ratios::{front_from_amplitudes, rear_from_amplitudes};
@@ -65,14 +68,14 @@ pub use papers::tfest::match_as_the_paper_typed;
 pub use record::fit_quantity::FitQuantity;
 pub use record::measurement::{IntegrationRule, Measurement, TwoPassFilter};
 pub use record::observation::{Observation, ObservedWave, RESOLUTION_M};
-pub use record::sensor::{Place, Sensor, SensorFit, errors_in_words, is_note_of_errors, note_of_errors};
+pub use record::sensor::{Sensor, SensorFit, SensorPlace, errors_in_words, note_of_errors};
 pub use record::test_data::TestData;
 pub use solvers::settings::SolveSettings;
 pub use solvers::solve::solve;
 pub use solvers::table::{DEFAULT_MODELS, MODELS, SOLVERS, Solver, solvers_of};
 pub use solvers::task::Needs;
 pub use uncertainty::assessment::{Assessment, AssessmentOptions, Intervals, assess, undetermined};
-pub use uncertainty::block_bootstrap::{Bootstrap, REPLICATES, bootstrap};
+pub use uncertainty::block_bootstrap::{BlockBootstrap, REPLICATES, bootstrap};
 pub use uncertainty::closed_form_propagation::{FollowedEvents, propagate_closed_form};
 pub use uncertainty::conditioned_propagation::propagate_conditioned;
 pub use uncertainty::dual_scale::DualScale;

@@ -116,7 +116,8 @@ fn the_truth_of_three_noisy_masses_is_inside_every_interval() {
         for (name, (low, high)) in &bootstrap.interval {
             let linear = known.interval[name];
             let ratio = (high.unwrap() - low.unwrap()) / (linear.1.unwrap() - linear.0.unwrap());
-            // 60 replicates know a 2.5 % quantile to a third of the width; the fit has taken part of the noise out of the misfit.
+            // 60 replicates know a 2.5 % quantile to a third of the width; the fit has taken part of the noise out of
+            // the misfit.
             assert!(ratio > 0.2 && ratio < 2.0, "{name}: {ratio}");
         }
     }
@@ -219,7 +220,8 @@ fn an_uncertain_speed_moves_the_parameters_by_the_derivatives_of_the_response() 
     let asked = ChainAssessmentOptions { inputs, repetitions: 200, ..ChainAssessmentOptions::default() };
     let spread = assess_chain(&given(), &observed, false, &found, &asked).unwrap().propagation.unwrap();
 
-    // d(ln p)/dv by the theorem of implicit functions, from differences of the response alone: the record gains t, the model x/v0.
+    // d(ln p)/dv by the theorem of implicit functions, from differences of the response alone: the record gains t, the
+    // model x/v0.
     let rows: Vec<usize> = (0..=800).step_by(9).collect();
     let picked = |springs: [f64; 3], dampers: [f64; 3], v0: f64| -> DVector<f64> {
         let all = displacements(&chain(&MASSES, &springs, &dampers), v0);
@@ -253,7 +255,8 @@ fn an_uncertain_speed_moves_the_parameters_by_the_derivatives_of_the_response() 
     for (name, slope) in names.iter().zip(moved.iter()) {
         let wanted = slope.abs() * half_m_per_s / 3.0_f64.sqrt();
         let own = spread.standard_deviation[*name] / truth()[*name];
-        // 200 draws of a uniform number know its deviation to 3.2 %; a third deviation is 10 %. Squares of 0.15 % are less.
+        // 200 draws of a uniform number know its deviation to 3.2 %; a third deviation is 10 %. Squares of 0.15 % are
+        // less.
         assert!((own / wanted - 1.0).abs() < 0.1, "{name}: {own} {wanted}");
     }
 }

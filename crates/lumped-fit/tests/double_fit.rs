@@ -126,8 +126,8 @@ fn integrated(model: &DoubleSpringMassDamper, v0: f64) -> Signal<Displacement> {
 
 #[test]
 fn an_integrated_displacement_costs_accuracy_by_the_damping() {
-    // Relative deviation of the best pair from the truth, twice what was measured (1.4e-3, 1e-4, 7e-3): the record's error
-    // is about 1e-6 m in each case, and what it does to the parameters is the condition of the model.
+    // Relative deviation of the best pair from the truth, twice what was measured (1.4e-3, 1e-4, 7e-3): the record's
+    // error is about 1e-6 m in each case, and what it does to the parameters is the condition of the model.
     for (record, at_most) in [("double-underdamped", 3e-3), ("double-mixed", 3e-4), ("double-overdamped", 2e-2)] {
         let Some((truth, v0)) = known(record) else { return };
         let t_m = truth.events(v0).unwrap()[1].time_of_dynamic_crush_s.unwrap();
@@ -159,7 +159,8 @@ fn refuses_a_window_outside_the_record() {
 
 #[test]
 fn cars_of_many_kinds_come_back() {
-    // Multiples of irrational numbers spread the parameters evenly over decades: stiff and soft, light and strong damping.
+    // Multiples of irrational numbers spread the parameters evenly over decades: stiff and soft, light and strong
+    // damping.
     let spread = |k: usize, irrational: f64| (k as f64 * irrational).fract();
     let (mut recovered, cars) = (0, 60);
     for k in 1..=cars {

@@ -99,7 +99,7 @@ fn without_a_covariance_deviations_are_taken_as_independent_and_say_so() {
     let spread = CoefficientSpread::of_deviations(&[1e-3 * t, 1e-3 * u, 1e-3 * v, 1e-3 * w]);
     let found = matched([t, u, v, w], spread);
     assert!(found.iter().all(|c| c.uncertainty.as_ref().unwrap().method.contains("taken as independent")));
-    assert!(found.iter().all(|c| c.notes.iter().any(|note| note.contains("taken as independent"))));
+    assert!(found.iter().all(|c| c.notes.iter().any(|note| note.text().contains("taken as independent"))));
     // What is not a covariance gives none.
     assert_eq!(CoefficientSpread::of_deviations(&[1.0, 1.0, 1.0]), None);
     assert_eq!(CoefficientSpread::of_covariance(&[vec![1.0; 4], vec![1.0; 4], vec![1.0; 4]]), None);
@@ -112,7 +112,8 @@ fn without_a_covariance_deviations_are_taken_as_independent_and_say_so() {
 fn the_solutions_of_the_transfer_function_paper_come_from_its_printed_polynomial() {
     let found = match_as_the_paper_typed(3, &mut Notes::new()).unwrap();
     let solutions: Vec<Candidate> = found.iter().flat_map(|matched| matched.candidates.clone()).collect();
-    // k1, k2, c1, c2 as printed, with k1 and c2 exchanged back, the lost minus sign, and 19581.82 for the misprinted 19581.12.
+    // k1, k2, c1, c2 as printed, with k1 and c2 exchanged back, the lost minus sign, and 19581.82 for the misprinted
+    // 19581.12.
     let printed = [
         [75_332.067, 1_780_609.088, 34_435.783, -19_420.450],
         [2_225_761.360, 60_265.654, -24_275.563, 27_548.626],
@@ -125,7 +126,11 @@ fn the_solutions_of_the_transfer_function_paper_come_from_its_printed_polynomial
         let near = |c: &&Candidate| values(c).iter().zip(wanted).all(|(a, b)| (a - b).abs() < 0.0101);
         let candidate = solutions.iter().find(near).unwrap_or_else(|| panic!("{wanted:?} in {solutions:?}"));
         assert!(!candidate.model.is_physical());
-        assert!(candidate.notes.iter().any(|note| note.starts_with("for reproduction only")), "{:?}", candidate.notes);
+        assert!(
+            candidate.notes.iter().any(|note| note.text().starts_with("for reproduction only")),
+            "{:?}",
+            candidate.notes
+        );
     }
     let indices: Vec<usize> = solutions.iter().map(|c| c.index).collect();
     assert_eq!(indices, [3, 4, 5, 6], "numbered on");

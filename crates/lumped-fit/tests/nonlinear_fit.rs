@@ -4,7 +4,7 @@
 
 use crumple_lumped::{Maxwell, Model, ModelKind, Nonlinear1};
 use crumple_lumped_fit::{
-    FireflyOptions, FireflyUnits, SingleMassFitOptions, SolveSettings, TestData, conditions_at_crush,
+    CandidateNote, FireflyOptions, FireflyUnits, SingleMassFitOptions, SolveSettings, TestData, conditions_at_crush,
     firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2, interior_point_nonlinear1, solve,
 };
 use crumple_signal::{Displacement, Notes, Signal};
@@ -191,7 +191,7 @@ fn side_conditions_that_cannot_be_met_are_named() {
     };
     let left = conditions_at_crush(&model, &options).unwrap();
     assert!(left.iter().any(|condition| condition.abs() > 0.1), "{left:?}");
-    let said = |text: &String| text.contains("the conditions at dynamic crush are not met");
+    let said = |note: &CandidateNote| note.text().contains("the conditions at dynamic crush are not met");
     assert!(found[0].notes.iter().any(said), "{:?}", found[0].notes);
     assert!(format!("{notes:?}").contains("the conditions at dynamic crush are not met"));
 }

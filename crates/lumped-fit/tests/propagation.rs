@@ -38,8 +38,8 @@ fn acceleration(model: &Model) -> Vec<f64> {
     std::iter::repeat_n(0.0, BEFORE).chain(after).collect()
 }
 
-/// The displacement that integration makes of it with contact `late_s` later, from the first sample or from contact, and how it was
-/// measured.
+/// The displacement that integration makes of it with contact `late_s` later, from the first sample or from contact,
+/// and how it was measured.
 fn displacement(a: &[f64], late_s: f64, from_contact: bool) -> (Signal<Displacement>, Measurement) {
     let contact = BEFORE as f64 * DT_S + late_s;
     let (mut v, mut x) = (V0, 0.0);
@@ -144,8 +144,8 @@ fn another_time_zero_gives_what_the_whole_way_with_it_gives() {
                 let whole = repeat(&model, &free, &Repetition { observed: again, mass_ratio: 1.0 }).unwrap();
                 let found = repeat(&model, &free, &perturbed(&seen, 0.0, 0.0, 0.0, late_s).unwrap()).unwrap();
                 for (name, value) in &whole {
-                    // The parabola at contact and the last sample of a window that ends between two: 1e-7 m on 0.5 m. A damper
-                    // that is zero: a thousandth of m v0/C.
+                    // The parabola at contact and the last sample of a window that ends between two: 1e-7 m on 0.5 m. A
+                    // damper that is zero: a thousandth of m v0/C.
                     let allowed = 2e-4 * value.abs() + if name.starts_with("damping") { 30.0 } else { 0.0 };
                     assert!(
                         (found[name] - value).abs() < allowed,
@@ -274,8 +274,8 @@ fn an_uncertain_time_zero_spreads_a_fit_under_conditions_as_the_whole_way_does()
         for (name, wanted) in spread(&again) {
             let of = found.standard_deviation[name];
             eprintln!("{name} from {from_s} s: {of:.4e}, the whole way {wanted:.4e}");
-            // The same draws on both sides; the fits stop at 1e-9 of crush and speed here and at 1e-8 there, and every other
-            // sample compared is another one.
+            // The same draws on both sides; the fits stop at 1e-9 of crush and speed here and at 1e-8 there, and every
+            // other sample compared is another one.
             assert!((of / wanted - 1.0).abs() < 0.05, "{name} from {from_s} s: {of} {wanted}");
         }
     }

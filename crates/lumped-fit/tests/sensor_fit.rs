@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{Model, ModelKind};
 use crumple_lumped_fit::{
-    Candidate, FitQuantity, LShadeOptions, MassFit, MassSplit, Method, Place, Sensor, SolveSettings, TestData, solve,
+    Candidate, FitQuantity, LShadeOptions, MassFit, MassSplit, Method, Sensor, SensorPlace, SolveSettings, TestData,
+    solve,
 };
 use crumple_signal::{Displacement, Notes, Sampled, Signal};
 use crumple_testkit::table_5;
@@ -29,8 +30,8 @@ fn model(kind: ModelKind) -> Model {
     Model::from_parameters(kind, &named).unwrap()
 }
 
-/// The first nonlinear model with the last knot of its spring at its own dynamic crush, as the side conditions of its fit
-/// to the plain displacement have it; other models as they are.
+/// The first nonlinear model with the last knot of its spring at its own dynamic crush, as the side conditions of its
+/// fit to the plain displacement have it; other models as they are.
 fn with_knot_at_crush(model: Model) -> Model {
     let mut named = model.parameters();
     if model.kind() == ModelKind::Nonlinear1 {
@@ -56,7 +57,7 @@ fn records(model: &Model, quantity: FitQuantity, samples: usize) -> Vec<Sampled>
 
 struct Run {
     quantity: FitQuantity,
-    places: Vec<Place>,
+    places: Vec<SensorPlace>,
     settings: SolveSettings,
 }
 
@@ -117,8 +118,10 @@ fn every_model_comes_back_from_every_quantity() {
         let truth = with_knot_at_crush(model(kind));
         for quantity in FitQuantity::ALL {
             let places = match kind {
-                ModelKind::TripleSpringMassDamper => vec![Place::Compartment, Place::Front, Place::Chassis],
-                _ => vec![Place::Compartment],
+                ModelKind::TripleSpringMassDamper => {
+                    vec![SensorPlace::Compartment, SensorPlace::Front, SensorPlace::Chassis]
+                }
+                _ => vec![SensorPlace::Compartment],
             };
             // The whole record for the nonlinear models: up to dynamic crush the last knots hardly show.
             let fit_to_s = matches!(kind, ModelKind::Nonlinear1 | ModelKind::Nonlinear2).then_some(0.12);
@@ -144,9 +147,9 @@ fn a_sensor_on_the_chassis_tells_the_dual_apart_and_says_by_how_much() {
         let settings = settings(Method::DirectFit, &truth);
         run(Run { quantity: FitQuantity::Velocity, places, settings }, &truth)
     };
-    let (alone, _) = of(vec![Place::Compartment]);
+    let (alone, _) = of(vec![SensorPlace::Compartment]);
     assert_eq!(alone[0].equivalent_to, Some(2));
-    let (both, notes) = of(vec![Place::Compartment, Place::Front]);
+    let (both, notes) = of(vec![SensorPlace::Compartment, SensorPlace::Front]);
     // Exact records: rounding times the condition.
     assert!(distance(&both[0].model, &truth) < 1e-9, "{both:?}");
     assert!(both.iter().all(|c| c.equivalent_to.is_none()));
@@ -163,7 +166,7 @@ fn two_sensors_tell_the_mass_ratio() {
         split: MassSplit::FrontFraction(0.5),
         ..settings(Method::DirectFit, &truth)
     };
-    let places = vec![Place::Compartment, Place::Front];
+    let places = vec![SensorPlace::Compartment, SensorPlace::Front];
     let (found, _) = run(Run { quantity: FitQuantity::Displacement, places, settings }, &truth);
     // Exact records, condition below 1e4.
     assert!(distance(&found[0].model, &truth) < 1e-8, "{found:?}");
@@ -200,7 +203,7 @@ fn noise_decides_how_much_a_sensor_counts() {
     records = vec![disturbed(&records[0], 5e-3), disturbed(&records[1], 1e-4)];
     let sensor =
         |place, record| Sensor { channel: "channel", place, quantity: FitQuantity::Displacement, record, noise: None };
-    let sensors = [sensor(Place::Compartment, &records[1]), sensor(Place::Front, &records[0])];
+    let sensors = [sensor(SensorPlace::Compartment, &records[1]), sensor(SensorPlace::Front, &records[0])];
     let events = truth.events(V0).unwrap();
     let test = TestData {
         mass_kg: 1500.0,

@@ -11,152 +11,52 @@
 //! - roadside hardware: [`asi`], [`thiv_phd`], [`oiv_ora`]
 //! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]
 //! - two curves: [`iso18571()`], [`cora()`], [`residuals()`]; several: [`Corridor`], [`agreement`], [`over_channels`]
+//!
+//! rooms: pulse | energy | events occupant roadside curves | sums | metric
 
-mod asi;
-mod best_shift;
-mod butterworth;
-mod centroid;
-mod channels;
-mod clip;
-mod cora;
-mod corridor;
-mod corridor_rating;
-mod crush_energy;
-mod cumulative;
-pub mod definitions;
+mod curves;
 mod energy;
+mod error;
 mod events;
-mod flail_space;
-mod force_deflection;
-mod hic;
-mod iso18571;
-mod mean;
 mod metric;
-mod olc;
-mod peak;
-mod pulse_metrics;
-mod recorder;
-mod residuals;
-mod resultant;
-mod ride_down;
-mod separation;
-mod sliding_mean;
-mod square_wave;
-mod stiffness;
-mod time_zero;
-mod unstopped;
-mod vpi;
+mod occupant;
+mod pulse;
+mod roadside;
+mod sums;
 
-pub use asi::{AsiLimits, AsiMethod, asi};
-pub use centroid::{centroid_time_by_moment, centroid_time_from_crush};
-pub use channels::{Agreement, ChannelMotion, LARGEST_CRUSH_GAP, agreement, over_channels};
-pub use clip::{CLIP_3MS_S, clip_contiguous, clip_cumulative};
-pub use cora::{Cora, CoraInterval, CoraOptions, cora};
-pub use corridor::{Corridor, CorridorOptions, CorridorResult, Excursion};
-pub use crush_energy::{CrushStiffness, NO_DAMAGE_SPEED_M_PER_S};
-pub use definitions::{Definition, Mark};
-pub use energy::{absorbed_energy, energy_equivalent_speed, kinetic_energy, loading_work_per_kg};
-pub use events::{CrashEvents, DynamicCrush, Rebound, crash_events};
-pub use flail_space::{FlailSpace, oiv_ora, thiv_phd};
-pub use force_deflection::{Branch, ForceDeflection, force_deflection, specific_energy};
-pub use hic::{HIC15_WINDOW_S, HIC36_WINDOW_S, gadd_severity_index, hic, hic_all_pairs, hic_d, hic_d_of};
-pub use iso18571::{Grade, Iso18571, Iso18571Options, iso18571};
-pub use mean::mean_deceleration;
-pub use metric::{Interval, IntervalBy, Metric, Window};
-pub use olc::{OlcOptions, olc};
-pub use peak::{Peak, peak};
-pub use pulse_metrics::{Pulse, pulse_metrics};
-pub use recorder::maximum_delta_v;
-pub use residuals::{Residuals, fit_percent, residuals, rmse};
-pub use resultant::resultant;
-pub use ride_down::{RideDown, ride_down};
-pub use separation::{acceleration_after_separation, restitution_of_two_bodies};
-pub use sliding_mean::{sliding_mean, sliding_mean_of_velocity};
-pub use square_wave::{average_square_wave, equivalent_square_wave};
-pub use stiffness::average_stiffness;
-pub use time_zero::{
+pub use curves::channel_agreement::{Agreement, ChannelMotion, LARGEST_CRUSH_GAP, agreement, over_channels};
+pub use curves::cora::{Cora, CoraInterval, CoraOptions, cora};
+pub use curves::corridor::{Corridor, CorridorOptions, CorridorResult, Excursion};
+pub use curves::iso18571::rating::{Grade, Iso18571, Iso18571Options, iso18571};
+pub use curves::residuals::{Residuals, fit_percent, residuals, rmse};
+pub use energy::average_stiffness::average_stiffness;
+pub use energy::crush_energy::{CrushStiffness, NO_DAMAGE_SPEED_M_PER_S};
+pub use energy::force_deflection::{Branch, ForceDeflection, force_deflection, specific_energy};
+pub use energy::work::{absorbed_energy, energy_equivalent_speed, kinetic_energy, loading_work_per_kg};
+pub use error::MetricsError;
+pub use events::crash_events::{CrashEvents, DynamicCrush, Rebound, crash_events};
+pub use events::separation::{acceleration_after_separation, restitution_of_two_bodies};
+pub use events::time_zero::{
     EDR_CHANGE_M_PER_S, EDR_INTERVAL_S, ThresholdRule, event_end_by_velocity_change, time_zero_by_threshold,
     time_zero_by_velocity_change,
 };
-pub use unstopped::{EventEnd, Unstopped, unstopped};
-pub use vpi::{VpiOptions, vpi};
-
-/// Why a metric cannot be computed from what was given.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum MetricsError {
-    /// Two signals of one motion differ in start, interval or length.
-    #[error(
-        "{first} has {first_len} samples from {first_t0_s} s, \
-         {second} has {second_len} from {second_t0_s} s: one grid is needed"
-    )]
-    Grids {
-        /// What the first is.
-        first: &'static str,
-        /// Its length.
-        first_len: usize,
-        /// Its start, s.
-        first_t0_s: f64,
-        /// What the second is.
-        second: &'static str,
-        /// Its length.
-        second_len: usize,
-        /// Its start, s.
-        second_t0_s: f64,
-    },
-    /// There are no samples.
-    #[error("the motion has no samples")]
-    Empty,
-    /// A rating against nothing.
-    #[error("the reference is zero everywhere, a rating needs a reference that is not")]
-    ZeroReference,
-    /// The impact speed is no speed.
-    #[error("impact speed {0} m/s is not a positive number")]
-    ImpactSpeed(f64),
-    /// One test has no spread.
-    #[error("a corridor of {tests} tests, at least 2 are needed")]
-    TooFewTests {
-        /// How many there are.
-        tests: usize,
-    },
-    /// Bounds of a corridor that bound nothing.
-    #[error(
-        "the corridor's bounds need points at increasing finite times, the lower below the upper, over a common time"
-    )]
-    Polyline,
-    /// The result is not a signal: the samples are so large that a sum overflows.
-    #[error("the result is not a finite signal")]
-    Result(#[from] crumple_signal::SignalError),
-}
-
-/// Refuses two signals that are not sampled at the same times.
-pub(crate) fn same_grid(
-    (first, a): (&'static str, &crumple_signal::Sampled),
-    (second, b): (&'static str, &crumple_signal::Sampled),
-) -> Result<(), MetricsError> {
-    if a.is_empty() {
-        return Err(MetricsError::Empty);
-    }
-    if a.len() != b.len() || a.t0_s() != b.t0_s() || a.dt_s() != b.dt_s() {
-        return Err(MetricsError::Grids {
-            first,
-            first_len: a.len(),
-            first_t0_s: a.t0_s(),
-            second,
-            second_len: b.len(),
-            second_t0_s: b.t0_s(),
-        });
-    }
-    Ok(())
-}
-
-/// Refuses what cannot be rated: grids that differ, a reference of zeros.
-pub(crate) fn rated_grid(
-    reference: &crumple_signal::Sampled,
-    comparison: &crumple_signal::Sampled,
-) -> Result<(), MetricsError> {
-    same_grid(("the reference", reference), ("the comparison", comparison))?;
-    if reference.samples().iter().all(|x| *x == 0.0) {
-        return Err(MetricsError::ZeroReference);
-    }
-    Ok(())
-}
+pub use events::unstopped::{EventEnd, Unstopped, unstopped};
+pub use metric::definitions::{self, Definition, Mark};
+pub use metric::value::{Interval, IntervalBy, Metric, Window};
+pub use occupant::clip::{CLIP_3MS_S, clip_contiguous, clip_cumulative};
+pub use occupant::hic::criterion::{
+    HIC15_WINDOW_S, HIC36_WINDOW_S, gadd_severity_index, hic, hic_all_pairs, hic_d, hic_d_of,
+};
+pub use occupant::resultant::resultant;
+pub use occupant::ride_down::{RideDown, ride_down};
+pub use pulse::centroid::{centroid_time_by_moment, centroid_time_from_crush};
+pub use pulse::mean::mean_deceleration;
+pub use pulse::olc::{OlcOptions, olc};
+pub use pulse::peak::{Peak, peak};
+pub use pulse::pulse_metrics::{Pulse, pulse_metrics};
+pub use pulse::recorder::maximum_delta_v;
+pub use pulse::square_wave::{average_square_wave, equivalent_square_wave};
+pub use pulse::vpi::{VpiOptions, vpi};
+pub use roadside::asi::{AsiLimits, AsiMethod, asi};
+pub use roadside::flail_space::{FlailSpace, oiv_ora, thiv_phd};
+pub use sums::sliding_mean::{sliding_mean, sliding_mean_of_velocity};

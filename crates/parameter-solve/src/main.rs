@@ -4,8 +4,8 @@ mod stage;
 
 use std::process::ExitCode;
 
-/// Every evaluation of a model takes and returns some hundred kilobytes, which the system's allocator gives back to the system each
-/// time: a quarter of a run went into page faults.
+/// Every evaluation of a model takes and returns some hundred kilobytes, which the system's allocator gives back to the
+/// system each time: a quarter of a run went into page faults.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

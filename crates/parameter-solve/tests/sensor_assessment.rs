@@ -276,6 +276,7 @@ fn a_uniform_uncertainty_is_a_half_width() {
     let found = candidate(&flags, "kelvin/closed-form/1");
     let propagation = found.uncertainty.unwrap().propagation.unwrap();
     let half = 0.5 * (propagation.high["stiffness_n_per_m"] - propagation.low["stiffness_n_per_m"]);
-    // 5 to 95 % of +-1 % are +-0.9 %; percentiles of 200 uniform draws are known to 3 % of the width, two of that allowed.
+    // 5 to 95 % of +-1 % are +-0.9 %; percentiles of 200 uniform draws are known to 3 % of the width, two of that
+    // allowed.
     assert!((half / found.parameters["stiffness_n_per_m"] / 0.009 - 1.0).abs() < 0.06, "{half}");
 }

@@ -1,8 +1,5 @@
 //! `crumple-simulate`: the response of every candidate model beside the test.
 
-mod chain_table;
-mod chosen;
-mod drive;
 mod stage;
 
 use std::process::ExitCode;

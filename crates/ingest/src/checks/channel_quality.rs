@@ -1,6 +1,6 @@
-//! What is said of the channels' quality: each check with its figure, none a correction.
+//! Notes on the quality of the channels: each check with its figure, none a correction.
 //!
-//! | check | figure | said when |
+//! | check | figure | noted when |
 //! |---|---|---|
 //! | zero level | mean from -50 to -10 ms | less than 10 ms of it is there |
 //! | muted start | exact zeros at the start of the record | more than ten before the end of the window |
@@ -39,7 +39,7 @@ const JITTER: f64 = 0.01;
 const NAMED: usize = 12;
 
 /// Notes on all accelerations, the pulse first.
-pub fn notes(
+pub fn check(
     waves: &[Wave],
     pulse_id: Option<&str>,
     speed_m_per_s: Option<f64>,
@@ -47,53 +47,60 @@ pub fn notes(
     notes: &mut Notes,
 ) {
     if let Some(pulse) = waves.iter().find(|w| Some(w.id.as_str()) == pulse_id) {
-        of_the_pulse(pulse, speed_m_per_s, polarity, notes);
-        other_grids(waves, pulse, notes);
+        check_pulse(pulse, speed_m_per_s, polarity, notes);
+        note_other_rates(waves, pulse, notes);
     }
     let others = || waves.iter().filter(|w| Some(w.id.as_str()) != pulse_id);
     let accelerations = || others().filter(|w| w.quantity == QuantityKind::Acceleration);
-    shared(
-        accelerations().filter(|w| muted(w).is_some()),
+    note_channels(
+        accelerations().filter(|w| muted_samples(w).is_some()),
         "a muted start (exact zeros), not counted in the zero level,",
         notes,
     );
-    shared(others().filter(|w| clipped(w)), "equal samples in a row at an extreme (clipped?)", notes);
-    shared(accelerations().filter(|w| slow(w)), "less than 600 samples a second, too few for CFC 60,", notes);
-    shared(accelerations().filter(|w| noise(w).is_some()), "noise before the event above 1 g", notes);
-    shared(
+    note_channels(others().filter(|w| is_clipped(w)), "equal samples in a row at an extreme (clipped?)", notes);
+    note_channels(
+        accelerations().filter(|w| is_too_slow(w)),
+        "less than 600 samples a second, too few for CFC 60,",
+        notes,
+    );
+    note_channels(accelerations().filter(|w| excess_noise(w).is_some()), "noise before the event above 1 g", notes);
+    note_channels(
         accelerations().filter(|w| dropout(w).is_some()),
         "equal samples in a row inside the pulse (dropout?)",
         notes,
     );
-    shared(
+    note_channels(
         accelerations().filter(|w| drift(w).is_some()),
         "mean over the last 20 ms above 0.5 g (drift, or still moving)",
         notes,
     );
 }
 
-fn of_the_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, notes: &mut Notes) {
+fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, notes: &mut Notes) {
     let quality = &pulse.quality;
     let zero_level = quality.pre_event.map(|p| p.zero_level);
     if zero_level.is_none() {
         notes.warning(
-            "the pulse has less than 10 ms of data between -50 ms and -10 ms: its zero level and noise floor are not known",
+            "the pulse has less than 10 ms of data between -50 ms and -10 ms: its zero level and noise floor are not \
+             known",
         );
     }
-    if let Some(muted) = muted(pulse) {
+    if let Some(muted) = muted_samples(pulse) {
         notes.info(format!(
-            "the first {muted} samples of the pulse are exactly 0: the recorder was muted, its zero level is that of the rest"
+            "the first {muted} samples of the pulse are exactly 0: the recorder was muted, and the zero level is \
+             that of the other samples"
         ));
     }
     polarity::check(&pulse.samples, zero_level, speed_m_per_s, polarity, notes);
     time_zero::check(&pulse.samples, zero_level, notes);
-    if slow(pulse) {
+    if is_too_slow(pulse) {
         notes.warning(format!(
-            "the pulse has {:.1} samples a second: CFC 60 needs {CFC60_RATE_HZ} at least, a crash pulse is not resolved",
+            "the pulse has {:.1} samples a second: CFC 60 needs {CFC60_RATE_HZ} at least, a crash pulse is not \
+             resolved",
             quality.sample_rate_hz
         ));
     }
-    if clipped(pulse) {
+    if is_clipped(pulse) {
         notes.warning(format!(
             "the pulse may be clipped: {} equal samples in a row at an extreme ({:.3} to {:.3} {})",
             quality.clipped_run,
@@ -102,9 +109,10 @@ fn of_the_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, no
             pulse.quantity.si_unit()
         ));
     }
-    if let Some(noise) = noise(pulse) {
+    if let Some(noise) = excess_noise(pulse) {
         notes.warning(format!(
-            "the pulse is noisy before the event: standard deviation {:.2} g, at most 1 g is usual: the sensor may have failed",
+            "the pulse is noisy before the event: standard deviation {:.2} g, at most 1 g is usual: the sensor may \
+             have failed",
             noise / G
         ));
     }
@@ -128,8 +136,9 @@ fn of_the_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, no
     }
 }
 
-/// Channels that must be resampled before they can be compared with the pulse sample by sample, or drive one model with it.
-fn other_grids(waves: &[Wave], pulse: &Wave, notes: &mut Notes) {
+/// Channels that must be resampled before they can be compared with the pulse sample by sample, or drive one model with
+/// it.
+fn note_other_rates(waves: &[Wave], pulse: &Wave, notes: &mut Notes) {
     let rate = |w: &Wave| format!("{} Hz", (w.quality.sample_rate_hz * 1e3).round() / 1e3);
     let mut others: BTreeMap<String, Vec<&Wave>> = BTreeMap::new();
     for wave in waves.iter().filter(|w| (w.samples.dt_s() / pulse.samples.dt_s() - 1.0).abs() > 1e-9) {
@@ -140,23 +149,23 @@ fn other_grids(waves: &[Wave], pulse: &Wave, notes: &mut Notes) {
             "another sampling rate than the pulse ({other} against {}; crumple-filter --resample brings them together)",
             rate(pulse)
         );
-        shared(waves.into_iter(), &what, notes);
+        note_channels(waves.into_iter(), &what, notes);
     }
 }
 
-fn muted(wave: &Wave) -> Option<usize> {
+fn muted_samples(wave: &Wave) -> Option<usize> {
     wave.quality.pre_event.map(|p| p.muted).filter(|muted| *muted > 0)
 }
 
-fn slow(wave: &Wave) -> bool {
+fn is_too_slow(wave: &Wave) -> bool {
     wave.quality.sample_rate_hz < CFC60_RATE_HZ * (1.0 - 1e-9)
 }
 
-fn clipped(wave: &Wave) -> bool {
+fn is_clipped(wave: &Wave) -> bool {
     wave.quality.clipped_run >= 3
 }
 
-fn noise(wave: &Wave) -> Option<f64> {
+fn excess_noise(wave: &Wave) -> Option<f64> {
     wave.quality.pre_event.map(|p| p.noise_floor).filter(|noise| *noise > NOISE_M_PER_S2)
 }
 
@@ -171,7 +180,7 @@ fn drift(wave: &Wave) -> Option<f64> {
     wave.quality.end_level.filter(|level| over && level.abs() > DRIFT_M_PER_S2)
 }
 
-fn shared<'a>(waves: impl Iterator<Item = &'a Wave>, what: &str, notes: &mut Notes) {
+fn note_channels<'a>(waves: impl Iterator<Item = &'a Wave>, what: &str, notes: &mut Notes) {
     let ids: Vec<&str> = waves.map(|w| w.id.as_str()).collect();
     if ids.is_empty() {
         return;
@@ -187,18 +196,18 @@ mod tests {
     use crate::recording::quality::measure;
     use crumple_signal::Sampled;
 
-    fn said(at: impl Fn(f64) -> f64) -> Vec<String> {
-        said_of(at, Polarity::AsRead)
+    fn texts(at: impl Fn(f64) -> f64) -> Vec<String> {
+        texts_with_polarity(at, Polarity::AsRead)
     }
 
-    fn said_of(at: impl Fn(f64) -> f64, polarity: Polarity) -> Vec<String> {
+    fn texts_with_polarity(at: impl Fn(f64) -> f64, polarity: Polarity) -> Vec<String> {
         let samples = (0..2500).map(|k| G * at(f64::from(k - 500) * 1e-4)).collect();
         let samples = Sampled::new(-0.05, 1e-4, samples).unwrap();
         let quality = measure(&samples, 0.0);
         let wave = Wave { id: "a".to_owned(), quantity: QuantityKind::Acceleration, samples, quality };
-        let mut found = Notes::new();
-        notes(&[wave], Some("a"), Some(15.0), polarity, &mut found);
-        found.to_texts()
+        let mut written = Notes::new();
+        check(&[wave], Some("a"), Some(15.0), polarity, &mut written);
+        written.to_texts()
     }
 
     fn pulse(t: f64) -> f64 {
@@ -207,31 +216,31 @@ mod tests {
 
     #[test]
     fn a_clean_pulse_has_no_remarks() {
-        assert_eq!(said(pulse), Vec::<String>::new());
+        assert_eq!(texts(pulse), Vec::<String>::new());
     }
 
     #[test]
     fn each_fault_is_named_with_its_figure() {
-        let one = |notes: Vec<String>, words: &str| {
+        let has_one_note = |notes: Vec<String>, words: &str| {
             assert!(notes.len() == 1 && notes[0].contains(words), "{words}: {notes:?}");
         };
-        one(
-            said(|t| if (0.03..0.032).contains(&t) { 0.0 } else { pulse(t) }),
+        has_one_note(
+            texts(|t| if (0.03..0.032).contains(&t) { 0.0 } else { pulse(t) }),
             "20 equal samples in a row from 30.00 ms",
         );
-        one(said(|t| if t > 0.1 { 0.8 } else { pulse(t) }), "last 20 ms is 0.80 g");
-        one(said(|t| if t < 0.0 { 3.0 * (t * 3e5).sin() } else { pulse(t) }), "noisy before the event");
-        one(said(|t| pulse(t).max(-15.0)), "clipped");
-        one(said(|t| -pulse(t)), "use --sign flip");
+        has_one_note(texts(|t| if t > 0.1 { 0.8 } else { pulse(t) }), "last 20 ms is 0.80 g");
+        has_one_note(texts(|t| if t < 0.0 { 3.0 * (t * 3e5).sin() } else { pulse(t) }), "noisy before the event");
+        has_one_note(texts(|t| pulse(t).max(-15.0)), "clipped");
+        has_one_note(texts(|t| -pulse(t)), "use --sign flip");
     }
 
     #[test]
     fn turning_the_sign_is_advised_where_it_helps() {
         // 11.2 m/s of 15 m/s; ten times that is a wrong unit.
         let positive = |factor: f64| move |t: f64| -factor * pulse(t);
-        assert!(said_of(positive(1.0), Polarity::Turned)[0].ends_with("leave --sign out"));
-        assert_eq!(said_of(positive(1.0), Polarity::Unasked), Vec::<String>::new());
-        assert!(said(positive(10.0))[0].contains("check the unit"), "{:?}", said(positive(10.0)));
-        assert!(!said(positive(10.0))[0].contains("flip"));
+        assert!(texts_with_polarity(positive(1.0), Polarity::Turned)[0].ends_with("leave --sign out"));
+        assert_eq!(texts_with_polarity(positive(1.0), Polarity::OfOccupant), Vec::<String>::new());
+        assert!(texts(positive(10.0))[0].contains("check the unit"), "{:?}", texts(positive(10.0)));
+        assert!(!texts(positive(10.0))[0].contains("flip"));
     }
 }

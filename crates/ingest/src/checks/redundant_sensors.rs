@@ -1,4 +1,4 @@
-//! Sensors that should say the same: redundant ones at one place, left and right of one place.
+//! Agreement of redundant sensors: two at one place, or left and right of one place.
 
 use std::collections::BTreeMap;
 
@@ -26,11 +26,11 @@ pub struct Disagreement {
     pub crush_m: Option<[f64; 2]>,
 }
 
-/// Compares two records on one grid, each without its zero level. `None` where the grids differ or there is no sample after
-/// contact.
+/// Compares two records on one grid, each without its zero level. `None` where the grids differ or there is no sample
+/// after contact.
 ///
-/// Velocity and displacement by the trapezoidal rule of the unfiltered samples. A difference of zero level of 0.1 g alone is
-/// 0.1 m/s and 5 mm after 0.1 s.
+/// Velocity and displacement by the trapezoidal rule of the unfiltered samples. A difference of zero level of 0.1 g
+/// alone is 0.1 m/s and 5 mm after 0.1 s.
 pub fn compare(one: &Sampled, other: &Sampled, zeros: [f64; 2], v0_m_per_s: Option<f64>) -> Option<Disagreement> {
     let dt = one.dt_s();
     let shift = (other.t0_s() - one.t0_s()) / dt;
@@ -69,9 +69,9 @@ pub fn compare(one: &Sampled, other: &Sampled, zeros: [f64; 2], v0_m_per_s: Opti
     Some(Disagreement { acceleration_m_per_s2: acceleration, velocity_m_per_s: velocity, crush_m })
 }
 
-/// Notes on all pairs of accelerations with data whose codes differ by redundancy alone, or by left and right along x on the
-/// vehicle. `same_place` tells the ids that serve as the pulse.
-pub fn notes(
+/// Notes on all pairs of accelerations with data whose codes differ by redundancy alone, or by left and right along x
+/// on the vehicle. `same_place` tells the ids that serve as the pulse.
+pub fn check(
     channels: &[Channel],
     waves: &[Wave],
     same_place: &[String],
@@ -82,7 +82,7 @@ pub fn notes(
     for wave in waves.iter().filter(|w| w.quantity == QuantityKind::Acceleration) {
         let Some(channel) = channels.iter().find(|c| c.id == wave.id) else { continue };
         let Some((code, _)) = channel.code.as_deref().and_then(|c| IsoCode::parse(c).ok()) else { continue };
-        groups.entry(group(&code, same_place.contains(&wave.id))).or_default().push((channel, wave));
+        groups.entry(place_key(&code, same_place.contains(&wave.id))).or_default().push((channel, wave));
     }
     let mut pairs = 0;
     for members in groups.values() {
@@ -92,7 +92,7 @@ pub fn notes(
             if pairs <= PAIR_LIMIT {
                 let speed = first.initial_velocity_m_per_s.map(f64::abs).filter(|v| *v > 0.0).or(speed_m_per_s);
                 let speed = speed.filter(|_| same_place.contains(&first.id));
-                note([first, other], [wave, other_wave], speed, notes);
+                note_pair([first, other], [wave, other_wave], speed, notes);
             }
         }
     }
@@ -102,7 +102,7 @@ pub fn notes(
 }
 
 /// The code without redundancy, filter class, and, at places that serve as the pulse, without its side.
-fn group(code: &IsoCode, as_pulse: bool) -> String {
+fn place_key(code: &IsoCode, as_pulse: bool) -> String {
     let fine = code.fine_locations().map(|part| match part {
         "RD" | "__" => "00",
         "LE" | "RI" if as_pulse => "00",
@@ -112,11 +112,11 @@ fn group(code: &IsoCode, as_pulse: bool) -> String {
     format!("{}{}{}{}{axis}", code.object(), code.position(), code.main_location(), fine.concat())
 }
 
-fn note(channels: [&Channel; 2], waves: [&Wave; 2], speed: Option<f64>, notes: &mut Notes) {
+fn note_pair(channels: [&Channel; 2], waves: [&Wave; 2], speed: Option<f64>, notes: &mut Notes) {
     let zeros = waves.map(|w| w.quality.pre_event.map_or(0.0, |p| p.zero_level));
     let names = format!("channels {} and {}", channels[0].id, channels[1].id);
     let what = if channels[0].redundant == channels[1].redundant { "left and right" } else { "redundant" };
-    let Some(found) = compare(&waves[0].samples, &waves[1].samples, zeros, speed) else {
+    let Some(difference) = compare(&waves[0].samples, &waves[1].samples, zeros, speed) else {
         notes.info(format!(
             "{names} ({what}) are not compared: their time grids differ, or there is nothing after contact"
         ));
@@ -124,11 +124,11 @@ fn note(channels: [&Channel; 2], waves: [&Wave; 2], speed: Option<f64>, notes: &
     };
     let mut text = format!(
         "{names} ({what}) differ by at most {:.2} g (4.4 ms mean) and {:.2} m/s up to 150 ms",
-        found.acceleration_m_per_s2 / G,
-        found.velocity_m_per_s
+        difference.acceleration_m_per_s2 / G,
+        difference.velocity_m_per_s
     );
     let mut warn = false;
-    if let Some([a, b]) = found.crush_m {
+    if let Some([a, b]) = difference.crush_m {
         let part = (a - b).abs() / a.abs().max(b.abs()).max(f64::MIN_POSITIVE);
         text.push_str(&format!(", by {:.1} % of dynamic crush ({:.0} and {:.0} mm)", 100.0 * part, 1e3 * a, 1e3 * b));
         warn = part > TOO_MUCH;
@@ -145,11 +145,11 @@ mod tests {
         // Constant -200 m/s^2 from 15 m/s: t_m = 75 ms, C = v0^2/2a = 0.5625 m; 10 % less gives 0.625 m.
         let wave =
             |a: f64| Sampled::new(-0.01, 1e-4, (0..2000).map(|k| if k < 100 { 0.0 } else { a }).collect()).unwrap();
-        let found = compare(&wave(-200.0), &wave(-180.0), [0.0; 2], Some(15.0)).unwrap();
-        assert!((found.acceleration_m_per_s2 - 20.0).abs() < 1e-9);
+        let difference = compare(&wave(-200.0), &wave(-180.0), [0.0; 2], Some(15.0)).unwrap();
+        assert!((difference.acceleration_m_per_s2 - 20.0).abs() < 1e-9);
         // 20 m/s^2 over 149.9 ms.
-        assert!((found.velocity_m_per_s - 20.0 * 0.1499).abs() < 1e-9);
-        let [a, b] = found.crush_m.unwrap();
+        assert!((difference.velocity_m_per_s - 20.0 * 0.1499).abs() < 1e-9);
+        let [a, b] = difference.crush_m.unwrap();
         // The maximum is taken at a sample: v there is below 200*1e-4 m/s, so x is short by less than 1e-6 m.
         assert!((a - 0.5625).abs() < 2e-6 && (b - 0.625).abs() < 2e-6, "{a} {b}");
         let offset = compare(&wave(-200.0), &wave(-200.0), [0.0, 0.0], None).unwrap();

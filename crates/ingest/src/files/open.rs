@@ -163,8 +163,8 @@ fn channel_folder(folder: &Path) -> Result<Option<PathBuf>, IngestError> {
     Ok(entries(folder)?.into_iter().find(|path| is_channel_folder(&file_name(path)) && path.is_dir()))
 }
 
-/// The file that stands for a folder: its one EV5 file; else the test file, the channel list or the first channel file of
-/// an ISO-MME test; else what its only subfolder has.
+/// The file that stands for a folder: its one EV5 file; else the test file, the channel list or the first channel file
+/// of an ISO-MME test; else what its only subfolder has.
 fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
     let all = entries(folder)?;
     let mut places = all.clone();
@@ -174,8 +174,8 @@ fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
     for extension in ["ev5", "mme", "chn"] {
         let is_it =
             |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension)) && path.is_file();
-        let found: Vec<&PathBuf> = places.iter().filter(is_it).collect();
-        match found.as_slice() {
+        let candidates: Vec<&PathBuf> = places.iter().filter(is_it).collect();
+        match candidates.as_slice() {
             [one] => return Ok((*one).clone()),
             [] => {}
             several => {

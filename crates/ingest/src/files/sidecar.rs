@@ -1,10 +1,10 @@
 //! The sidecar: `crash.csv.toml` beside `crash.csv`, with the keys of the flags.
 
 use crate::formats::reader::Bundle;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 /// Reads a sidecar. An unknown key is refused; a value has its unit in it.
-pub fn parse(file: &str, bytes: &[u8]) -> Result<Settings, IngestError> {
+pub fn parse(file: &str, bytes: &[u8]) -> Result<IngestSettings, IngestError> {
     const EXPECTED: &str = "lines such as mass = \"873 kg\"";
     let refuse = |found: String, hint: &str| IngestError::content(Place::file(file), found, EXPECTED, hint);
     let text = std::str::from_utf8(bytes)
@@ -13,12 +13,12 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Settings, IngestError> {
         .parse()
         .map_err(|error: toml::de::Error| refuse(one_line(&error.to_string()), "put text values in quotes"))?;
     for key in table.keys() {
-        if !Settings::KEYS.contains(&key.as_str()) {
+        if !IngestSettings::KEYS.contains(&key.as_str()) {
             return Err(IngestError::UnknownKey {
                 file: file.to_owned(),
                 key: key.clone(),
                 expected: EXPECTED.to_owned(),
-                hint: format!("the keys are: {}", Settings::KEYS.join(", ")),
+                hint: format!("the keys are: {}", IngestSettings::KEYS.join(", ")),
             });
         }
     }
@@ -28,8 +28,11 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Settings, IngestError> {
 }
 
 /// What the sidecar of a record states; nothing where there is none.
-pub fn settings(bundle: &Bundle) -> Result<Settings, IngestError> {
-    bundle.sidecar.as_ref().map_or_else(|| Ok(Settings::default()), |sidecar| parse(&sidecar.name, &sidecar.bytes))
+pub fn settings(bundle: &Bundle) -> Result<IngestSettings, IngestError> {
+    bundle
+        .sidecar
+        .as_ref()
+        .map_or_else(|| Ok(IngestSettings::default()), |sidecar| parse(&sidecar.name, &sidecar.bytes))
 }
 
 fn one_line(text: &str) -> String {
@@ -64,7 +67,7 @@ mod tests {
     #[test]
     fn every_key_is_a_field() {
         // A key in the list that is no field would pass the spelling check and fail later with another message.
-        for key in Settings::KEYS {
+        for key in IngestSettings::KEYS {
             let value = match key {
                 "mass" => "\"1 kg\"",
                 "impact_speed" => "\"1 m/s\"",

@@ -45,24 +45,25 @@ pub fn open(file: &str, bytes: &[u8]) -> Result<Bundle, IngestError> {
             limit: format!("archives of one test, at most {ENTRY_LIMIT} files"),
         });
     }
-    let entries = list(&zip);
+    let entries = list_entries(&zip);
     refuse_documents(file, &entries)?;
     let mut total = 0;
     let main = match channel_file(file, &mut zip, &entries)? {
         Some(entry) => entry,
-        None => choose(file, &entries)?,
+        None => main_entry(file, &entries)?,
     };
     let main_bytes = inflate(file, &mut zip, main, &mut total)?;
     let mut bundle = Bundle::from_bytes(&main.name, main_bytes)?;
     file.clone_into(&mut bundle.name);
     let is_companion = |entry: &&Entry| {
-        let beside =
-            entry.folder == main.folder || (bundle.reader.spans_folders() && of_one_test(&main.folder, &entry.folder));
+        let beside = entry.folder == main.folder
+            || (bundle.reader.spans_folders() && are_of_one_test(&main.folder, &entry.folder));
         let known = entry.index == main.index || bundle.companions.contains_key(&entry.name);
         beside && !known && bundle.reader.companion(&main.name, &entry.name)
     };
     let companions: Vec<&Entry> = entries.iter().filter(is_companion).collect();
-    // By the sizes that the archive claims, before any is unpacked; that none holds more than it claims is checked there.
+    // By the sizes that the archive claims, before any is unpacked; that none holds more than it claims is checked
+    // there.
     let mut claimed = total;
     for entry in &companions {
         let size = zip.by_index_raw(entry.index).map_or(0, |raw| raw.size());
@@ -79,7 +80,7 @@ pub fn open(file: &str, bytes: &[u8]) -> Result<Bundle, IngestError> {
 }
 
 /// Whether one folder is the folder `Channel` of the other.
-fn of_one_test(a: &str, b: &str) -> bool {
+fn are_of_one_test(a: &str, b: &str) -> bool {
     let channel_of = |inner: &str, outer: &str| {
         let (parent, name) = inner.rsplit_once('/').unwrap_or(("", inner));
         is_channel_folder(name) && parent == outer
@@ -102,7 +103,7 @@ fn channel_file<'a>(
     Ok(IsoMme.recognises(&bytes[..bytes.len().min(8192)]).then_some(first))
 }
 
-fn list(zip: &ZipArchive<Cursor<&[u8]>>) -> Vec<Entry> {
+fn list_entries(zip: &ZipArchive<Cursor<&[u8]>>) -> Vec<Entry> {
     let mut entries = Vec::new();
     for index in 0..zip.len() {
         let Some(Ok(path)) = zip.name_for_index(index) else { continue };
@@ -138,15 +139,15 @@ fn refuse_documents(file: &str, entries: &[Entry]) -> Result<(), IngestError> {
 }
 
 /// The EV5 file, else the only table, else the only file.
-fn choose<'a>(file: &str, entries: &'a [Entry]) -> Result<&'a Entry, IngestError> {
+fn main_entry<'a>(file: &str, entries: &'a [Entry]) -> Result<&'a Entry, IngestError> {
     let with = |accept: &dyn Fn(&Entry) -> bool| entries.iter().filter(|e| accept(e)).collect::<Vec<&Entry>>();
     let ev5 = with(&|e| e.extension() == "ev5");
     let mme = with(&|e| e.extension() == "mme");
     let chn = with(&|e| e.extension() == "chn");
     let tables = with(&|e| TABLES.contains(&e.extension().as_str()) && !e.name.to_lowercase().contains("readme"));
     let measurements = with(&|e| MEASUREMENTS.contains(&e.extension().as_str()));
-    for found in [&ev5, &mme, &chn, &measurements, &tables] {
-        match found.as_slice() {
+    for candidates in [&ev5, &mme, &chn, &measurements, &tables] {
+        match candidates.as_slice() {
             [] => {}
             [one] => return Ok(one),
             several => {

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::recording::details::{Details, Stated};
 
-/// Title, vehicle and facts by the names of properties, case aside. Speeds and masses in properties carry no unit and are
-/// told as facts only.
+/// Title, vehicle and facts by the names of properties, case aside. Speeds and masses in properties carry no unit and
+/// are told as facts only.
 pub fn details(properties: &BTreeMap<String, String>) -> Details {
     let find = |names: &[&str]| {
         names.iter().find_map(|wanted| {

@@ -1,16 +1,16 @@
 //! Channel codes of ISO/TS 13499 as names of columns and waveforms: `10VEHC0000__ACXD`, `10VEHCCG0000ACXP (g)`.
 //!
-//! DIAdem and laboratories name the channels of TDMS, TDM, LVM and CSV files by their codes. The code then says place, axis and
-//! filter class, as it does in an ISO-MME file. A name is only taken for a code if every place of it that has a table holds
-//! something of that table, so that `Acceleration_0` stays a name.
+//! DIAdem and laboratories name the channels of TDMS, TDM, LVM and CSV files by their codes. The code then says place,
+//! axis and filter class, as it does in an ISO-MME file. A name is only taken for a code if every place of it that has
+//! a table holds something of that table, so that `Acceleration_0` stays a name.
 
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{Channel, Notes, QuantityKind};
 
-use crate::Settings;
+use crate::IngestSettings;
 use crate::pulse::place_rank;
 use crate::recording::content::PulseRule;
-use crate::recording::read_channel::Found;
+use crate::recording::read_channel::ReadChannel;
 use crate::recording::unheeded_flags;
 
 /// Test objects a code may begin with.
@@ -22,9 +22,9 @@ const FILTERS: &str = "?_0ABCDEFGHLPQSXV123";
 
 /// The code that a name without its unit is, and what had to be made of it.
 ///
-/// DIAdem appends `_NoName` and a number where a name is taken already. A name in small letters, or one without test object and
-/// position, is a code only if its main location is known.
-pub fn of_name(name: &str) -> Option<(IsoCode, Vec<String>)> {
+/// DIAdem appends `_NoName` and a number where a name is taken already. A name in small letters, or one without test
+/// object and position, is a code only if its main location is known.
+pub fn code_of_name(name: &str) -> Option<(IsoCode, Vec<String>)> {
     let name = name.trim();
     let suffix = name.to_ascii_lowercase().find("_noname");
     let written = suffix.map_or(name, |at| &name[..at]);
@@ -47,12 +47,12 @@ pub fn of_name(name: &str) -> Option<(IsoCode, Vec<String>)> {
 
 /// Whether a name is the code of an acceleration.
 pub fn is_acceleration(name: &str) -> bool {
-    of_name(name).is_some_and(|(code, _)| code.quantity().0 == Some(QuantityKind::Acceleration))
+    code_of_name(name).is_some_and(|(code, _)| code.quantity().0 == Some(QuantityKind::Acceleration))
 }
 
 /// Puts what the code in a channel's name says into the channel; its quantity, told by the unit, stays.
-pub fn describe(channel: &mut Channel, name: &str, notes: &mut Notes) {
-    let Some((code, remarks)) = of_name(name) else { return };
+pub fn describe_by_name(channel: &mut Channel, name: &str, notes: &mut Notes) {
+    let Some((code, remarks)) = code_of_name(name) else { return };
     remarks.into_iter().for_each(|remark| notes.info(remark));
     if let Some(of_code) =
         code.quantity().0.filter(|q| *q != channel.quantity && channel.quantity != QuantityKind::Other)
@@ -62,11 +62,11 @@ pub fn describe(channel: &mut Channel, name: &str, notes: &mut Notes) {
             channel.id, channel.quantity
         ));
     }
-    by_code(channel, &code);
+    describe_by_code(channel, &code);
 }
 
 /// Puts what a code says into a channel, its quantity aside.
-pub fn by_code(channel: &mut Channel, code: &IsoCode) {
+pub fn describe_by_code(channel: &mut Channel, code: &IsoCode) {
     channel.location = code.location();
     channel.axis = code.axis();
     channel.redundant = code.redundant();
@@ -76,13 +76,13 @@ pub fn by_code(channel: &mut Channel, code: &IsoCode) {
     channel.polarity = code.polarity_remark();
 }
 
-/// How the pulse is found among channels of which some are named by codes: as in an ISO-MME test if all accelerations that may
-/// be the pulse are and one sits at a usual place, else there must be only one.
-pub fn pulse_rule(channels: &mut [Found], settings: &Settings, notes: &mut Notes) -> PulseRule {
+/// How the pulse is found among channels of which some are named by codes: as in an ISO-MME test if all accelerations
+/// that may be the pulse are and one sits at a usual place, else there must be only one.
+pub fn pulse_rule(channels: &mut [ReadChannel], settings: &IngestSettings, notes: &mut Notes) -> PulseRule {
     let code_of =
-        |found: &Found| found.channel.code.as_deref().and_then(|code| IsoCode::parse(code).ok()).map(|(c, _)| c);
-    if settings.vehicle_number.is_some() && !channels.iter().any(|found| code_of(found).is_some()) {
-        unheeded_flags::note("--vehicle-number", "no channel is named by a channel code", notes);
+        |read: &ReadChannel| read.channel.code.as_deref().and_then(|code| IsoCode::parse(code).ok()).map(|(c, _)| c);
+    if settings.vehicle_number.is_some() && !channels.iter().any(|read| code_of(read).is_some()) {
+        unheeded_flags::warn("--vehicle-number", "no channel is named by a channel code", notes);
     }
     let candidates: Vec<usize> = (0..channels.len()).filter(|k| channels[*k].fitness.is_some()).collect();
     let vehicle = settings.vehicle_number.unwrap_or(1);
@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn codes_are_told_from_names() {
-        let code = |name: &str| of_name(name).map(|(code, _)| code.to_string());
+        let code = |name: &str| code_of_name(name).map(|(code, _)| code.to_string());
         for (name, expected) in [
             ("10VEHC0000__ACXD", "10VEHC0000__ACXD"),
             ("10VEHC0000__ACXD_NoName12", "10VEHC0000__ACXD"),

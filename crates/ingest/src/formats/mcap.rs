@@ -11,15 +11,15 @@ use mcap::records::{Channel as McapChannel, Record as McapRecord};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::formats::messages::{
-    self, Component, Sample, Topic, Track, imu_components, is_imu, json_number, json_stamp_ns,
+    self, Component, StampedSample, Topic, Track, imu_components, is_imu, json_number, json_stamp_ns,
 };
 use crate::formats::protobuf::decoder::{self, Decoder};
 use crate::formats::reader::{Bundle, Reader};
 use crate::recording::content::{PulseRule, Recording};
 use crate::recording::details::{Details, Stated};
-use crate::recording::read_channel::{Fitness, Found};
+use crate::recording::read_channel::{Fitness, ReadChannel};
 use crate::recording::unheeded_flags;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 /// Largest chunk that is unpacked, bytes.
 const CHUNK_LIMIT: u64 = 1 << 28;
@@ -36,20 +36,20 @@ impl Reader for Mcap {
         head.starts_with(b"\x89MCAP0\r\n")
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--unit", "--field", "--resample"]
     }
 
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
         let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
         let topics = topics(file, bytes)?;
         if topics.get("/test").is_some_and(|t| t.kind.starts_with("crumple.Test.v")) {
-            let mut recording = of_artifact(file, bytes)?;
+            let mut recording = read_artifact(file, bytes)?;
             let why = "channels and samples of an artifact are as its stage left them";
-            unheeded_flags::notes(settings, |flag| self.heeds().contains(&flag), why, &mut recording.notes);
+            unheeded_flags::warn_except(settings, self.relevant_flags(), why, &mut recording.notes);
             return Ok(recording);
         }
-        of_messages(file, bytes, &topics, settings)
+        read_messages(file, bytes, &topics, settings)
     }
 }
 
@@ -62,8 +62,8 @@ fn damaged(file: &str, found: &str) -> IngestError {
     )
 }
 
-/// Tells `each` all records of the file; chunks as they are (`unpack` false), or the records in them. No record may be longer
-/// than [`CHUNK_LIMIT`], whatever it claims.
+/// Tells `each` all records of the file; chunks as they are (`unpack` false), or the records in them. No record may be
+/// longer than [`CHUNK_LIMIT`], whatever it claims.
 fn scan(
     file: &str,
     bytes: &[u8],
@@ -172,7 +172,8 @@ fn topics(file: &str, bytes: &[u8]) -> Result<BTreeMap<String, Topic>, IngestErr
     Ok(topics)
 }
 
-/// `--field`: a path, or several separated by commas, each with its topic and a colon in front if more than one topic has it.
+/// `--field`: a path, or several separated by commas, each with its topic and a colon in front if more than one topic
+/// has it.
 struct Field<'a> {
     topic: Option<&'a str>,
     path: &'a str,
@@ -200,15 +201,15 @@ fn plan(name: &str, topic: &Topic, named: &[Field], unit: Option<(QuantityKind, 
             .collect();
         return (is_imu(&topic.kind) && readable).then(|| (imu_components(), paths));
     }
-    let mine: Vec<&Field> = named.iter().filter(|f| f.topic.is_none_or(|t| t == name)).collect();
+    let of_topic: Vec<&Field> = named.iter().filter(|f| f.topic.is_none_or(|t| t == name)).collect();
     let (quantity, factor) = unit.unwrap_or((QuantityKind::Other, 1.0));
     let component = |f: &&Field| Component { name: f.path.to_owned(), quantity, axis: None, factor };
-    (matches!(topic.encoding.as_str(), "json" | "protobuf") && !mine.is_empty())
-        .then(|| (mine.iter().map(component).collect(), mine.iter().map(|f| f.path.to_owned()).collect()))
+    (matches!(topic.encoding.as_str(), "json" | "protobuf") && !of_topic.is_empty())
+        .then(|| (of_topic.iter().map(component).collect(), of_topic.iter().map(|f| f.path.to_owned()).collect()))
 }
 
 /// The unit of the fields named.
-fn unit_of_fields(file: &str, settings: &Settings) -> Result<Option<(QuantityKind, f64)>, IngestError> {
+fn unit_of_fields(file: &str, settings: &IngestSettings) -> Result<Option<(QuantityKind, f64)>, IngestError> {
     let Some(symbol) = settings.unit.as_deref().filter(|_| settings.field.is_some()) else { return Ok(None) };
     signal_unit(symbol).map(Some).ok_or_else(|| {
         IngestError::content(
@@ -255,7 +256,7 @@ impl Collected {
         }
     }
 
-    fn decoded(&mut self, message: &Message, paths: &[String]) -> Option<Sample> {
+    fn decoded(&mut self, message: &Message, paths: &[String]) -> Option<StampedSample> {
         let decoder = self.decoders.entry(message.schema).or_insert_with(|| {
             let decoder = Decoder::new(&message.kind.name, &message.kind.description)?;
             let ways = paths.iter().map(|path| decoder.path(path)).collect();
@@ -267,40 +268,40 @@ impl Collected {
         self.stamped(stamp, message.log_time_ns, values)
     }
 
-    fn stamped(&mut self, own: Option<i64>, log_time_ns: u64, values: Vec<f64>) -> Option<Sample> {
+    fn stamped(&mut self, own: Option<i64>, log_time_ns: u64, values: Vec<f64>) -> Option<StampedSample> {
         self.by_log_time |= own.is_none();
         let stamp_ns = own.or_else(|| i64::try_from(log_time_ns).ok())?;
-        Some(Sample { stamp_ns, values })
+        Some(StampedSample { stamp_ns, values })
     }
 }
 
-fn of_messages(
+fn read_messages(
     file: &str,
     bytes: &[u8],
     topics: &BTreeMap<String, Topic>,
-    settings: &Settings,
+    settings: &IngestSettings,
 ) -> Result<Recording, IngestError> {
     let mut notes = Notes::new();
     let named = settings.field.as_deref().map(fields).unwrap_or_default();
     let unit = unit_of_fields(file, settings)?;
     if named.is_empty() && settings.unit.is_some() {
-        unheeded_flags::note("--unit", "it is the unit of --field, which is not given", &mut notes);
+        unheeded_flags::warn("--unit", "it is the unit of --field, which is not given", &mut notes);
     }
     let plans: BTreeMap<&str, Plan> =
         topics.iter().filter_map(|(name, topic)| Some((name.as_str(), plan(name, topic, &named, unit)?))).collect();
-    let mut found = Collected::default();
+    let mut collected = Collected::default();
     messages_of(file, bytes, |message| {
         if let Some(plan) = plans.get(message.topic) {
-            found.take(&message, plan);
+            collected.take(&message, plan);
         }
     })?;
-    if found.tracks.is_empty() {
-        return Err(nothing(file, topics, &named, &found));
+    if collected.tracks.is_empty() {
+        return Err(no_channel_error(file, topics, &named, &collected));
     }
-    for (topic, count) in found.unread.iter().filter(|(topic, _)| found.tracks.contains_key(*topic)) {
+    for (topic, count) in collected.unread.iter().filter(|(topic, _)| collected.tracks.contains_key(*topic)) {
         notes.warning(format!("topic {topic}: {count} messages do not hold the fields and are left out"));
     }
-    if found.by_log_time {
+    if collected.by_log_time {
         notes.warning(
             "messages without a stamp of their own: the time of recording is taken for the time of measurement",
         );
@@ -310,10 +311,15 @@ fn of_messages(
             "no unit is known for the fields: kept as read, quantity other; --unit m/s^2 or --unit g states it",
         );
     }
-    messages::recording(file, &found.tracks, settings, notes)
+    messages::recording(file, &collected.tracks, settings, notes)
 }
 
-fn nothing(file: &str, topics: &BTreeMap<String, Topic>, named: &[Field], collected: &Collected) -> IngestError {
+fn no_channel_error(
+    file: &str,
+    topics: &BTreeMap<String, Topic>,
+    named: &[Field],
+    collected: &Collected,
+) -> IngestError {
     if let Some(field) = named.first() {
         if let Some(problem) = collected.decoders.values().find_map(|d| d.as_ref().err()) {
             let hint = "record it with its schema (a FileDescriptorSet), or export the acceleration as CSV";
@@ -335,7 +341,8 @@ fn nothing(file: &str, topics: &BTreeMap<String, Topic>, named: &[Field], collec
     let hint = if topics.values().any(|t| matches!(t.encoding.as_str(), "json" | "protobuf")) {
         "name the acceleration by --field, such as --field imu.acceleration.x, and its unit by --unit"
     } else if topics.values().any(|t| is_imu(&t.kind)) {
-        "its encoding is not read (cdr, ros1, json and protobuf are): export the acceleration as CSV, or record it in one of them"
+        "its encoding is not read (cdr, ros1, json and protobuf are): export the acceleration as CSV, or record it in \
+         one of them"
     } else {
         "export the acceleration as CSV: time and acceleration columns with their units in the header"
     };
@@ -343,7 +350,7 @@ fn nothing(file: &str, topics: &BTreeMap<String, Topic>, named: &[Field], collec
 }
 
 /// The test and the waves of an artifact of any stage, as they are.
-fn of_artifact(file: &str, bytes: &[u8]) -> Result<Recording, IngestError> {
+fn read_artifact(file: &str, bytes: &[u8]) -> Result<Recording, IngestError> {
     let refuse = |found: String| {
         IngestError::content(
             Place::file(file),
@@ -379,20 +386,20 @@ fn of_artifact(file: &str, bytes: &[u8]) -> Result<Recording, IngestError> {
         no_pulse: false,
         facts,
     };
-    let found = |channel: Channel| {
+    let read = |channel: Channel| {
         let wave = artifact.waves().get(&channel.id).filter(|w| w.quantity == channel.quantity);
         let is_pulse = test.pulse.as_deref() == Some(channel.id.as_str());
         let fitness = (channel.quantity == QuantityKind::Acceleration && (is_pulse || test.pulse.is_none()))
             .then_some(Fitness { redundant: false, place: 0, why: "the pulse of the artifact" });
-        Found { wave: wave.map(|w| w.sampled.clone()), jitter: 0.0, fitness, aliases: Vec::new(), channel }
+        ReadChannel { wave: wave.map(|w| w.sampled.clone()), fitness, ..ReadChannel::new(channel) }
     };
-    let mut channels: Vec<Found> = test.channels.iter().cloned().map(found).collect();
+    let mut channels: Vec<ReadChannel> = test.channels.iter().cloned().map(read).collect();
     for (id, wave) in artifact.waves() {
         if !test.channels.iter().any(|c| c.id == *id && c.quantity == wave.quantity) {
             // A wave that the test does not list, or lists as something else, such as a displacement of the pulse.
             let taken = channels.iter().any(|f| f.channel.id == *id);
             let name = if taken { format!("{id}-{}", wave.quantity) } else { id.clone() };
-            let mut extra = found(Channel::new(name, wave.quantity));
+            let mut extra = read(Channel::new(name, wave.quantity));
             extra.wave = Some(wave.sampled.clone());
             channels.push(extra);
         }

@@ -1,7 +1,8 @@
-//! Channels from stamped messages: `sensor_msgs/Imu` of ROS 1 and ROS 2, and numbers named in JSON and protobuf messages.
+//! Channels from stamped messages: `sensor_msgs/Imu` of ROS 1 and ROS 2, and numbers named in JSON and protobuf
+//! messages.
 //!
-//! A logger's messages come at uneven times. The stamp in the message is taken, not the time of recording; stamps that do
-//! not form a uniform grid are refused, unless resampling is asked for (`--resample`, linear interpolation).
+//! A logger's messages come at uneven times. The stamp in the message is taken, not the time of recording; stamps that
+//! do not form a uniform grid are refused, unless resampling is asked for (`--resample`, linear interpolation).
 
 use std::collections::BTreeMap;
 
@@ -10,14 +11,14 @@ use crumple_signal::{Axis, Channel, Notes, QuantityKind, Sampled};
 
 use crate::recording::content::{PulseRule, Recording};
 use crate::recording::details::Details;
-use crate::recording::read_channel::{Fitness, Found};
-use crate::time::grid::{self, GridError};
-use crate::time::resampling::{Interpolation, jitter, resample};
-use crate::{IngestError, Place, Settings};
+use crate::recording::read_channel::{Fitness, ReadChannel};
+use crate::time::grid::{self, Grid, GridError};
+use crate::time::resampling::{LinearInterpolation, jitter, resample};
+use crate::{IngestError, IngestSettings, Place};
 
 /// What a message of one topic gives: its stamp, and the values of its components.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sample {
+pub struct StampedSample {
     /// Stamp in ns since the epoch.
     pub stamp_ns: i64,
     /// Values of the first components of the track; the others are not measured.
@@ -43,7 +44,7 @@ pub struct Track {
     /// Components in the order of the values.
     pub components: Vec<Component>,
     /// In the order of the file.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<StampedSample>,
 }
 
 /// A topic as listed in a refusal.
@@ -60,7 +61,7 @@ pub struct Topic {
 /// The six components of an IMU message.
 pub fn imu_components() -> Vec<Component> {
     let axes = [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];
-    let of = |what: &str, quantity| {
+    let components_along_axes = |what: &str, quantity| {
         axes.map(|(letter, axis)| Component {
             name: format!("{what}_{letter}"),
             quantity,
@@ -68,10 +69,15 @@ pub fn imu_components() -> Vec<Component> {
             factor: 1.0,
         })
     };
-    [of("acceleration", QuantityKind::Acceleration), of("angular_velocity", QuantityKind::AngularVelocity)].concat()
+    [
+        components_along_axes("acceleration", QuantityKind::Acceleration),
+        components_along_axes("angular_velocity", QuantityKind::AngularVelocity),
+    ]
+    .concat()
 }
 
-/// Whether a type name is that of an IMU message: `sensor_msgs/Imu`, `sensor_msgs/msg/Imu`, `sensor_msgs::msg::dds_::Imu_`.
+/// Whether a type name is that of an IMU message: `sensor_msgs/Imu`, `sensor_msgs/msg/Imu`,
+/// `sensor_msgs::msg::dds_::Imu_`.
 pub fn is_imu(kind: &str) -> bool {
     let parts: Vec<&str> = kind.split(['/', ':', '.']).filter(|p| !p.is_empty()).collect();
     parts.first() == Some(&"sensor_msgs") && matches!(parts.last(), Some(&("Imu" | "Imu_")))
@@ -114,10 +120,10 @@ impl Bytes<'_> {
     }
 }
 
-/// Decodes `sensor_msgs/Imu` in CDR (`cdr`) or as ROS 1 writes it. Linear acceleration in m/s^2 with gravity, angular velocity in
-/// rad/s; a field whose first covariance is -1 is absent: without acceleration there is no sample, without
+/// Decodes `sensor_msgs/Imu` in CDR (`cdr`) or as ROS 1 writes it. Linear acceleration in m/s^2 with gravity, angular
+/// velocity in rad/s; a field whose first covariance is -1 is absent: without acceleration there is no sample, without
 /// angular velocity it has three values.
-pub fn imu(data: &[u8], cdr: bool) -> Option<Sample> {
+pub fn imu(data: &[u8], cdr: bool) -> Option<StampedSample> {
     let data = if cdr {
         // Encapsulation: 0x0001 is CDR little-endian.
         data.strip_prefix(&[0, 1]).and_then(|rest| rest.get(2..))?
@@ -140,7 +146,7 @@ pub fn imu(data: &[u8], cdr: bool) -> Option<Sample> {
         return None;
     }
     let angular = if angular_covariance[0] == -1.0 { Vec::new() } else { angular.to_vec() };
-    Some(Sample {
+    Some(StampedSample {
         stamp_ns: i64::from(seconds) * 1_000_000_000 + i64::from(nanoseconds),
         values: [linear.to_vec(), angular].concat(),
     })
@@ -192,7 +198,7 @@ pub fn refuse(file: &str, topics: &BTreeMap<String, Topic>, found: &str, hint: &
 pub fn recording(
     file: &str,
     tracks: &BTreeMap<String, Track>,
-    settings: &Settings,
+    settings: &IngestSettings,
     mut notes: Notes,
 ) -> Result<Recording, IngestError> {
     let start_ns = tracks.values().filter_map(|t| t.samples.first()).map(|s| s.stamp_ns).min().unwrap_or(0);
@@ -203,7 +209,7 @@ pub fn recording(
     ));
     let mut channels = Vec::new();
     for (topic, track) in tracks {
-        channels.extend(of_track(file, topic, track, start_ns, settings, &mut notes)?);
+        channels.extend(track_channels(file, topic, track, start_ns, settings, &mut notes)?);
     }
     if channels.iter().any(|f| f.channel.quantity == QuantityKind::Acceleration) {
         notes.info("accelerations of an IMU hold gravity, and are along the axes of the sensor, not of the vehicle");
@@ -217,43 +223,43 @@ pub fn recording(
     })
 }
 
-fn of_track(
+/// The uniform grid of a track's samples.
+struct TrackGrid {
+    grid: Grid,
+    /// How the samples are brought to it; `None` where they lie on it.
+    interpolation: Option<LinearInterpolation>,
+    /// A remark for its channels.
+    comment: Option<String>,
+}
+
+/// An error about message `index` of a topic.
+fn message_error(file: &str, topic: &str, index: usize, found: String, hint: &str) -> IngestError {
+    let place = Place::file(&format!("{file}, topic {topic}, message {}", index + 1));
+    IngestError::content(place, found, "stamps at equal steps", hint)
+}
+
+/// The grid of stamps: as they are, or the one of `--resample`. Errors: stamps that do not increase, or are uneven and
+/// no rate is asked for.
+fn track_grid(
     file: &str,
     topic: &str,
-    track: &Track,
-    start_ns: i64,
-    settings: &Settings,
+    times: &[f64],
+    settings: &IngestSettings,
     notes: &mut Notes,
-) -> Result<Vec<Found>, IngestError> {
-    let times: Vec<f64> = track.samples.iter().map(|s| s.stamp_ns.wrapping_sub(start_ns) as f64 / 1e9).collect();
-    let at = |index: usize, found: String, hint: &str| {
-        IngestError::content(
-            Place::file(&format!("{file}, topic {topic}, message {}", index + 1)),
-            found,
-            "stamps at equal steps",
-            hint,
-        )
-    };
-    if times.len() < 2 {
-        return Err(at(0, format!("{} messages with data", times.len()), "give a longer recording"));
-    }
-    let fitted = grid::fit(&times, 1e-9);
-    let resampled = |rate: Frequency| resample(&times, rate.si());
-    let mut comment = None;
-    let (grid, columns): (grid::Grid, Option<Interpolation>) = match (fitted, settings.resample) {
-        (Ok(grid), None) => (grid, None),
+) -> Result<TrackGrid, IngestError> {
+    let error_at = |index, found, hint: &str| Err(message_error(file, topic, index, found, hint));
+    match (grid::fit(times, 1e-9), settings.resample) {
+        (Ok(grid), None) => Ok(TrackGrid { grid, interpolation: None, comment: None }),
         (Err(GridError::Repeated { index } | GridError::Backwards { index }), _) => {
-            return Err(at(
-                index,
-                "its stamp does not come after the one before".to_owned(),
-                "remove the repeated messages",
-            ));
+            error_at(index, "its stamp does not come after the one before".to_owned(), "remove the repeated messages")
         }
         (Err(GridError::Uneven { dt_s, .. }), None) if settings.listing => {
-            comment =
-                Some(format!("uneven stamps, up to {:.2} steps off a uniform grid: needs --resample", jitter(&times)));
-            let found = resampled(Frequency::from_si(1.0 / dt_s));
-            (grid::Grid { t0_s: times[0], dt_s, jitter: jitter(&times) }, found)
+            let jitter = jitter(times);
+            Ok(TrackGrid {
+                grid: Grid { t0_s: times[0], dt_s, jitter },
+                interpolation: resample(times, Frequency::from_si(1.0 / dt_s).si()),
+                comment: Some(format!("uneven stamps, up to {jitter:.2} steps off a uniform grid: needs --resample")),
+            })
         }
         (Err(GridError::Uneven { index, step_s, dt_s }), None) => {
             let steps = times.windows(2).map(|p| p[1] - p[0]);
@@ -269,25 +275,39 @@ fn of_track(
                 "resample on a uniform grid by linear interpolation: --resample {}Hz",
                 (1.0 / dt_s).round().max(1.0)
             );
-            return Err(at(index, found, &hint));
+            error_at(index, found, &hint)
         }
         (_, Some(rate)) => {
-            let interpolation = resampled(rate).ok_or_else(|| {
-                at(
-                    0,
-                    format!("--resample {rate} gives no usable number of samples"),
-                    "give a rate near that of the messages",
-                )
-            })?;
-            let dt_s = 1.0 / rate.si();
+            let Some(interpolation) = resample(times, rate.si()) else {
+                let found = format!("--resample {rate} gives no usable number of samples");
+                return error_at(0, found, "give a rate near that of the messages");
+            };
             notes.warning(format!(
                 "topic {topic}: {} messages are resampled to {rate} by linear interpolation, as asked: {} samples",
                 times.len(),
                 interpolation.len()
             ));
-            (grid::Grid { t0_s: times[0], dt_s, jitter: jitter(&times) }, Some(interpolation))
+            let grid = Grid { t0_s: times[0], dt_s: 1.0 / rate.si(), jitter: jitter(times) };
+            Ok(TrackGrid { grid, interpolation: Some(interpolation), comment: None })
         }
-    };
+    }
+}
+
+/// The channels of one topic: one for each component that every message has.
+fn track_channels(
+    file: &str,
+    topic: &str,
+    track: &Track,
+    start_ns: i64,
+    settings: &IngestSettings,
+    notes: &mut Notes,
+) -> Result<Vec<ReadChannel>, IngestError> {
+    let times: Vec<f64> = track.samples.iter().map(|s| s.stamp_ns.wrapping_sub(start_ns) as f64 / 1e9).collect();
+    if times.len() < 2 {
+        let found = format!("{} messages with data", times.len());
+        return Err(message_error(file, topic, 0, found, "give a longer recording"));
+    }
+    let TrackGrid { grid, interpolation, comment } = track_grid(file, topic, &times, settings, notes)?;
     let stem: String = topic.trim_matches('/').chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
     // What one message lacks is no channel.
     let measured = track.samples.iter().map(|s| s.values.len()).min().unwrap_or(0);
@@ -298,12 +318,13 @@ fn of_track(
         .enumerate()
         .map(|(c, component)| {
             let read = |k: usize| track.samples[k].values[c] * component.factor;
-            let samples: Vec<f64> = match &columns {
+            let samples: Vec<f64> = match &interpolation {
                 None => (0..track.samples.len()).map(read).collect(),
                 Some(interpolation) => interpolation.apply(track.samples.len(), read),
             };
-            let wave = Sampled::new(grid.t0_s, grid.dt_s, samples)
-                .map_err(|error| at(0, format!("{}: {error}", component.name), "cut the recording before it"))?;
+            let wave = Sampled::new(grid.t0_s, grid.dt_s, samples).map_err(|error| {
+                message_error(file, topic, 0, format!("{}: {error}", component.name), "cut the recording before it")
+            })?;
             let name: String =
                 component.name.chars().map(|c| if c.is_alphanumeric() || c == '_' { c } else { '_' }).collect();
             let mut channel = Channel::new(format!("{stem}-{name}"), component.quantity);
@@ -316,7 +337,7 @@ fn of_track(
                 why: "the only acceleration",
             });
             let aliases = vec![component.name.clone(), format!("{topic}:{}", component.name)];
-            Ok(Found { channel, wave: Some(wave), jitter: grid.jitter, fitness, aliases })
+            Ok(ReadChannel { wave: Some(wave), jitter: grid.jitter, fitness, aliases, ..ReadChannel::new(channel) })
         })
         .collect()
 }

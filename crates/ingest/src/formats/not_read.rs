@@ -29,7 +29,8 @@ const FORMATS: &[Foreign] = &[
     },
     Foreign {
         what: "an enDAQ recording (IDE)",
-        instead: "export it as CSV with enDAQ Lab or idelib: time and acceleration columns with their units in the header",
+        instead: "export it as CSV with enDAQ Lab or idelib: time and acceleration columns with their units in the \
+            header",
         matches: |b| b.starts_with(b"\x1A\x45\xDF\xA3"),
     },
     Foreign { what: "a DTS channel file (SLICE)", instead: DTS, matches: |b| b.starts_with(b"\x1F\x35\x36\x2C") },
@@ -106,7 +107,7 @@ const BY_ENDING: &[(&[&str], &str, &str)] = &[
 ];
 
 /// What a file of unknown content may be by its name, and what to do instead.
-pub fn by_ending(file: &str) -> Option<(&'static str, &'static str)> {
+pub fn recognise_ending(file: &str) -> Option<(&'static str, &'static str)> {
     let ending = file.rsplit_once('.')?.1.to_ascii_lowercase();
     BY_ENDING
         .iter()
@@ -181,8 +182,8 @@ mod tests {
 
     #[test]
     fn an_ending_tells_what_the_content_does_not() {
-        assert!(by_ending("v01234.UDS").unwrap().1.contains("EV5 ASCII"));
-        assert_eq!(by_ending("a.xyz"), None);
+        assert!(recognise_ending("v01234.UDS").unwrap().1.contains("EV5 ASCII"));
+        assert_eq!(recognise_ending("a.xyz"), None);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::recording::content::Recording;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 /// Largest file that is read, bytes.
 pub const FILE_LIMIT: u64 = 1 << 30;
@@ -36,13 +36,19 @@ pub trait Reader: Sync {
         false
     }
 
-    /// Flags about the form of a file that the reader heeds, by their names, `--unit`; others given are warned about.
-    fn heeds(&self) -> &'static [&'static str] {
+    /// Flags about the form of a file that have an effect here, by their names, `--unit`; others given are warned
+    /// about.
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &[]
     }
 
+    /// Whether mass and impact speed can be stated in comment lines of the file.
+    fn has_comments(&self) -> bool {
+        false
+    }
+
     /// Reads the record. Sees bytes only; the same bytes and settings give the same recording.
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError>;
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError>;
 }
 
 /// A file's name without folder, and its content.
@@ -72,8 +78,8 @@ pub struct Bundle {
     pub show_progress: ShowProgress,
 }
 
-/// Shows how far work has come. Called with what is done and the bytes there are to it; what it returns is called with the
-/// bytes of each piece done.
+/// Shows how far work has come. Called with what is done and the bytes there are to it; what it returns is called with
+/// the bytes of each piece done.
 pub type ShowProgress = fn(what: String, total: u64) -> Box<dyn FnMut(u64)>;
 
 /// Opens a file from an offset on.
@@ -102,8 +108,8 @@ impl LargeFile {
 }
 
 impl Bundle {
-    /// `blake3:<hex>` of the record. One file: of its bytes. Several: of each file's name, a zero byte, its length (u64,
-    /// little-endian) and its bytes, the main file first, the others by name. The sidecar is not part of it.
+    /// `blake3:<hex>` of the record. One file: of its bytes. Several: of each file's name, a zero byte, its length
+    /// (u64, little-endian) and its bytes, the main file first, the others by name. The sidecar is not part of it.
     pub fn digest(&self) -> String {
         if let Some(large) = &self.large {
             return large.digest.clone();

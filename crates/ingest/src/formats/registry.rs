@@ -47,7 +47,7 @@ pub fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader, Ingest
         return Ok(&iso_mme::IsoMme);
     }
     READERS.iter().copied().find(|reader| reader.recognises(head)).ok_or_else(|| {
-        if let Some((what, instead)) = not_read::by_ending(file) {
+        if let Some((what, instead)) = not_read::recognise_ending(file) {
             return IngestError::Foreign { file: file.to_owned(), what: what.to_owned(), instead: instead.to_owned() };
         }
         let start: Vec<String> = bytes.iter().take(8).map(|b| format!("{b:02x}")).collect();

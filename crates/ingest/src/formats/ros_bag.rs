@@ -1,7 +1,7 @@
 //! ROS 1 bags, version 2.0; chunks plain, or packed by bz2 or lz4.
 //!
-//! After the line `#ROSBAG V2.0`, records: header length, header fields `name=value`, data length, data. A chunk's data are
-//! records; a connection names topic and type of the messages that carry its number.
+//! After the line `#ROSBAG V2.0`, records: header length, header fields `name=value`, data length, data. A chunk's data
+//! are records; a connection names topic and type of the messages that carry its number.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -12,7 +12,7 @@ use crumple_signal::Notes;
 use crate::formats::messages::{self, Topic, Track, imu_components, is_imu};
 use crate::formats::reader::{Bundle, Reader, check_total};
 use crate::recording::content::Recording;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 const MESSAGE: u8 = 2;
@@ -33,11 +33,11 @@ impl Reader for RosBag {
         head.starts_with(b"#ROSBAG V")
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--resample"]
     }
 
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
         let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
         let Some(body) = bytes.strip_prefix(MAGIC) else {
             return Err(refuse(

@@ -1,4 +1,6 @@
 //! How well a place on the vehicle serves as the crash pulse, by the channel code.
+//!
+//! The places of an NHTSA test, which have names of their own, are ranked in `formats/ev5/sensor.rs`.
 
 use crumple_signal::Axis;
 use crumple_signal::iso13499::IsoCode;
@@ -9,8 +11,8 @@ use crate::recording::read_channel::Fitness;
 /// compartment; `None` elsewhere, the engine, bumper, subframe and side members first of all. Of two channels of one
 /// place the one that is less filtered ranks first.
 pub fn fitness(code: &IsoCode, vehicle: u32) -> Option<Fitness> {
-    let own = code.object() == 'S' || code.object() == '?' || code.object().to_digit(10) == Some(vehicle);
-    if !own || code.dimension() != "AC" || code.axis() != Some(Axis::X) {
+    let is_of_vehicle = code.object() == 'S' || code.object() == '?' || code.object().to_digit(10) == Some(vehicle);
+    if !is_of_vehicle || code.dimension() != "AC" || code.axis() != Some(Axis::X) {
         return None;
     }
     let fine = code.fine_locations();

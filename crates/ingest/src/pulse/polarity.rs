@@ -2,7 +2,7 @@
 
 use crumple_signal::{Axis, Notes, PreEventWindow, QuantityKind, Sampled, SignalError, pre_event};
 
-use crate::recording::read_channel::Found;
+use crate::recording::read_channel::ReadChannel;
 
 /// How long after time zero the pulse is looked at, s.
 const WINDOW_S: f64 = 0.150;
@@ -11,15 +11,15 @@ const CLEAR_CHANGE_M_PER_S: f64 = 0.25;
 /// The same as a part of the impact speed.
 const CLEAR_PART: f64 = 0.05;
 
-/// Gain of speed over impact speed that only a pulse of the wrong sign shows: a frontal impact loses 1.0 to 1.35 times the impact
-/// speed, and a record may end early.
+/// Gain of speed over impact speed that only a pulse of the wrong sign shows: a frontal impact loses 1.0 to 1.35 times
+/// the impact speed, and a record may end early.
 const CERTAIN: std::ops::RangeInclusive<f64> = 0.6..=1.6;
 
-/// Gain of speed over impact speed above which no sign makes an impact of it: a perfect rebound loses twice the impact speed, and a
-/// tenth is left to gain and impact speed. More speaks of a wrong unit.
+/// Gain of speed over impact speed above which no sign makes an impact of it: a perfect rebound loses twice the impact
+/// speed, and a tenth is left to gain and impact speed. A larger gain suggests a wrong unit.
 const IMPOSSIBLE: f64 = 2.2;
 
-/// Whether the sign of the pulse is certainly wrong, and what `--sign auto` says of it.
+/// Whether the sign of the pulse is certainly wrong, and the note of `--sign auto` about it.
 pub fn certainly_wrong(pulse: Option<&Sampled>, impact_speed_m_per_s: Option<f64>) -> (bool, String) {
     let (Some(pulse), Some(speed)) = (pulse, impact_speed_m_per_s.filter(|speed| *speed > 0.0)) else {
         return (false, "sign kept: without a pulse and its impact speed its polarity is not certain".to_owned());
@@ -31,7 +31,7 @@ pub fn certainly_wrong(pulse: Option<&Sampled>, impact_speed_m_per_s: Option<f64
         1e3 * pulse.end_s().min(WINDOW_S)
     );
     if CERTAIN.contains(&ratio) {
-        (true, format!("sign turned, as --sign auto has it: {gains}, a frontal impact loses it"))
+        (true, format!("sign turned by --sign auto: {gains}, where a frontal impact loses speed"))
     } else if ratio <= 0.0 {
         (false, format!("sign kept: {gains}"))
     } else {
@@ -52,12 +52,12 @@ pub enum Polarity {
     AsRead,
     /// It was turned.
     Turned,
-    /// It is of an occupant, whose criteria are of magnitudes: its sign decides nothing.
-    Unasked,
+    /// The pulse is that of an occupant; its criteria are of magnitudes, so that the sign does not matter.
+    OfOccupant,
 }
 
-/// Warns if the pulse, zero level removed, gains speed over the first 150 ms, with what helps: turning it only where it was not turned
-/// and where what it then loses is that of an impact.
+/// Warns if the pulse, zero level removed, gains speed over the first 150 ms, with what helps: turning it only where it
+/// was not turned and where what it then loses is that of an impact.
 pub fn check(
     pulse: &Sampled,
     zero_level: Option<f64>,
@@ -67,31 +67,37 @@ pub fn check(
 ) {
     let change = change(pulse, zero_level.unwrap_or(0.0));
     let clear = impact_speed_m_per_s.map_or(CLEAR_CHANGE_M_PER_S, |v| CLEAR_PART * v);
-    if change <= clear || polarity == Polarity::Unasked {
+    if change <= clear || polarity == Polarity::OfOccupant {
         return;
     }
     let ratio = impact_speed_m_per_s.filter(|v| *v > 0.0).map(|v| change / v);
     let way_out = match (polarity, ratio) {
-        (Polarity::Turned, _) => "it was turned as read: leave --sign out".to_owned(),
+        (Polarity::Turned, _) => "--sign has turned it: leave --sign out".to_owned(),
         (_, Some(ratio)) if ratio > IMPOSSIBLE => {
-            format!("{ratio:.1} times the impact speed is no impact of either sign: check the unit (--unit) and the impact speed first")
+            format!(
+                "{ratio:.1} times the impact speed is too large for an impact of either sign: check the unit (--unit) \
+                 and the \
+                impact speed first"
+            )
         }
-        (_, None) => "if this is a frontal impact with deceleration positive, use --sign flip; a motion from rest, a shock or a drop may \
+        (_, None) => "if this is a frontal impact with deceleration positive, use --sign flip; a motion from rest, a \
+            shock or a drop may \
                       be positive and needs nothing"
             .to_owned(),
         _ => "if deceleration is positive in this file, use --sign flip".to_owned(),
     };
     notes.warning(format!(
-        "the pulse is positive (it gains {change:.2} m/s in the first {:.0} ms), a frontal impact is negative by SAE J211: {way_out}",
+        "the pulse is positive (it gains {change:.2} m/s in the first {:.0} ms), a frontal impact is negative by SAE \
+         J211: {way_out}",
         (pulse.end_s().min(WINDOW_S)) * 1e3
     ));
 }
 
-/// Turns the sign of every acceleration along x, or along an axis that is not stated, and of its initial velocity. Returns how
-/// many channels that are.
-pub fn flip(channels: &mut [Found]) -> Result<usize, SignalError> {
+/// Turns the sign of every acceleration along x, or along an axis that is not stated, and of its initial velocity.
+/// Returns how many channels that are.
+pub fn flip(channels: &mut [ReadChannel]) -> Result<usize, SignalError> {
     let mut flipped = 0;
-    for Found { channel, wave, .. } in channels {
+    for ReadChannel { channel, wave, .. } in channels {
         if channel.quantity != QuantityKind::Acceleration || !matches!(channel.axis, None | Some(Axis::X)) {
             continue;
         }

@@ -2,12 +2,12 @@
 
 use crumple_signal::{Channel, channels_meant};
 
-use crate::recording::read_channel::Found;
+use crate::recording::read_channel::ReadChannel;
 
 pub use crumple_signal::is_pattern;
 
 /// The channels meant, as indices, see [`channels_meant`].
-pub fn select(channels: &[Found], wanted: &str) -> Vec<usize> {
+pub fn select(channels: &[ReadChannel], wanted: &str) -> Vec<usize> {
     let named: Vec<(&Channel, &[String])> = channels.iter().map(|f| (&f.channel, f.aliases.as_slice())).collect();
     channels_meant(&named, wanted)
 }
@@ -17,19 +17,14 @@ mod tests {
     use super::*;
     use crumple_signal::QuantityKind;
 
-    fn found(id: &str, aliases: &[&str]) -> Found {
-        Found {
-            channel: Channel::new(id, QuantityKind::Acceleration),
-            wave: None,
-            jitter: 0.0,
-            fitness: None,
-            aliases: aliases.iter().map(|a| (*a).to_owned()).collect(),
-        }
+    fn named(id: &str, aliases: &[&str]) -> ReadChannel {
+        let aliases = aliases.iter().map(|a| (*a).to_owned()).collect();
+        ReadChannel { aliases, ..ReadChannel::new(Channel::new(id, QuantityKind::Acceleration)) }
     }
 
     #[test]
     fn an_id_beats_a_name_beats_a_pattern() {
-        let channels = [found("93", &["FLLR", "FLLR XG"]), found("99", &["FLLR", "93"]), found("FLRR", &["94"])];
+        let channels = [named("93", &["FLLR", "FLLR XG"]), named("99", &["FLLR", "93"]), named("FLRR", &["94"])];
         assert_eq!(select(&channels, "93"), [0]);
         assert_eq!(select(&channels, "fllr"), [0, 1]);
         assert_eq!(select(&channels, "FL*"), [0, 1, 2]);

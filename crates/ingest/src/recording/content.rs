@@ -1,9 +1,9 @@
-//! What a reader finds in a file, before flags and choices are applied.
+//! What a reader reads in a file, before flags and choices are applied.
 
 use crumple_signal::Notes;
 
 use crate::recording::details::Details;
-use crate::recording::read_channel::Found;
+use crate::recording::read_channel::ReadChannel;
 
 /// Fewer samples than this are no crash record.
 pub const MINIMUM_SAMPLES: usize = 50;
@@ -17,13 +17,13 @@ pub enum PulseRule {
     Fittest,
 }
 
-/// Everything a reader finds.
+/// Everything a reader reads.
 #[derive(Debug, Clone)]
 pub struct Recording {
     /// The test's facts.
     pub details: Details,
     /// All channels the file lists, in its order.
-    pub channels: Vec<Found>,
+    pub channels: Vec<ReadChannel>,
     /// How the pulse is found.
     pub pulse_rule: PulseRule,
     /// The format defines t = 0 as first contact.

@@ -5,7 +5,7 @@ use crumple_signal::QuantityKind;
 use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
 
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 /// A fact and where it is stated.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,8 +33,8 @@ pub struct Details {
     pub time_zero_s: Option<Stated<f64>>,
     /// What the record says of the impact speed and is not taken, and why, in words.
     pub speed_not_taken: Option<String>,
-    /// The record is of a kind that has no crash pulse (an event data recorder's velocity change, say): mass, speed and pulse
-    /// may be missing.
+    /// The record is of a kind that has no crash pulse (an event data recorder's velocity change, say): mass, speed and
+    /// pulse may be missing.
     pub no_pulse: bool,
     /// Facts that have no field of their own: static crush, laboratory, date.
     pub facts: Vec<String>,
@@ -53,9 +53,9 @@ pub struct CommentFacts {
     pub notes: Notes,
 }
 
-/// Reads `key: value` from comment lines. Keys: mass, impact speed, vehicle, title, barrier, unit, time unit, time zero, in
-/// any case, with blanks, `_` or `-` between the words. Prose is left alone: only a line that starts with a key and a
-/// colon counts.
+/// Reads `key: value` from comment lines. Keys: mass, impact speed, vehicle, title, barrier, unit, time unit, time
+/// zero, in any case, with blanks, `_` or `-` between the words. Prose is left alone: only a line that starts with a
+/// key and a colon counts.
 pub fn from_comments<'a>(
     file: &str,
     comments: impl Iterator<Item = (usize, &'a str)>,
@@ -104,7 +104,7 @@ pub fn from_comments<'a>(
 }
 
 /// One layer of statements over another; a differing value below is noted. `show` writes a value for people.
-pub fn over<T: PartialEq>(
+pub fn overrule<T: PartialEq>(
     below: &mut Option<Stated<T>>,
     value: Option<T>,
     from: &str,
@@ -120,13 +120,13 @@ pub fn over<T: PartialEq>(
 }
 
 /// Puts the statements of a sidecar or of flags over those of the record.
-pub fn apply(details: &mut Details, settings: &Settings, from: &str, notes: &mut Notes) {
+pub fn apply(details: &mut Details, settings: &IngestSettings, from: &str, notes: &mut Notes) {
     let text = |t: &String| format!("{t:?}");
-    over(&mut details.title, settings.title.clone(), from, "title", text, notes);
-    over(&mut details.vehicle, settings.vehicle.clone(), from, "vehicle", text, notes);
-    over(&mut details.barrier, settings.barrier.clone(), from, "barrier", text, notes);
-    over(&mut details.mass_kg, settings.mass.map(Mass::si), from, "mass", |kg| format!("{kg} kg"), notes);
-    over(
+    overrule(&mut details.title, settings.title.clone(), from, "title", text, notes);
+    overrule(&mut details.vehicle, settings.vehicle.clone(), from, "vehicle", text, notes);
+    overrule(&mut details.barrier, settings.barrier.clone(), from, "barrier", text, notes);
+    overrule(&mut details.mass_kg, settings.mass.map(Mass::si), from, "mass", |kg| format!("{kg} kg"), notes);
+    overrule(
         &mut details.impact_speed_m_per_s,
         settings.impact_speed.map(Speed::si),
         from,
@@ -134,7 +134,14 @@ pub fn apply(details: &mut Details, settings: &Settings, from: &str, notes: &mut
         |v| format!("{v} m/s"),
         notes,
     );
-    over(&mut details.time_zero_s, settings.time_zero.map(Time::si), from, "time zero", |t| format!("{t} s"), notes);
+    overrule(
+        &mut details.time_zero_s,
+        settings.time_zero.map(Time::si),
+        from,
+        "time zero",
+        |t| format!("{t} s"),
+        notes,
+    );
 }
 
 /// Checks that mass and impact speed are stated and sensible. `allow_missing` lets them be unknown, not wrong.
@@ -171,7 +178,8 @@ pub fn require(
     };
     if allow_missing {
         notes.warning(format!(
-            "not stated, as allowed: {what}; enough to filter and to identify, not for crush, force or physical parameters"
+            "not stated, as allowed: {what}; enough to filter and to identify, not for crush, force or physical \
+             parameters"
         ));
         return Ok(());
     }
@@ -235,7 +243,7 @@ mod tests {
     #[test]
     fn a_flag_beats_the_file_and_says_so() {
         let mut details = facts(&["mass: 873 kg"]).unwrap().details;
-        let settings = Settings { mass: Some("900kg".parse().unwrap()), ..Settings::default() };
+        let settings = IngestSettings { mass: Some("900kg".parse().unwrap()), ..IngestSettings::default() };
         let mut notes = Notes::new();
         apply(&mut details, &settings, "flag", &mut notes);
         assert_eq!(details.mass_kg.unwrap().value, 900.0);

@@ -54,8 +54,8 @@ pub fn measure(wave: &Sampled, time_jitter: f64) -> Quality {
     }
 }
 
-/// The signal is active from the first to the last sample after time zero, up to 150 ms, that is farther from the zero level
-/// than a tenth of the range. Runs at the extremes are clipping and not counted here.
+/// The signal is active from the first to the last sample after time zero, up to 150 ms, that is farther from the zero
+/// level than a tenth of the range. Runs at the extremes are clipping and not counted here.
 fn constant_run(wave: &Sampled, minimum: f64, maximum: f64, zero: f64) -> (usize, Option<f64>) {
     let from = wave.index_at_or_after(0.0);
     let window = &wave.samples()[from..wave.index_at_or_after(ACTIVE_UNTIL_S).max(from)];

@@ -28,47 +28,50 @@ pub enum Profile {
 /// record itself.
 #[derive(Debug, Clone, Default, PartialEq, clap::Args, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Settings {
+pub struct IngestSettings {
     /// Test mass of the vehicle, with its unit: 873kg, 1.2t, 2000lb.
     #[arg(long, value_name = "MASS")]
     pub mass: Option<Mass>,
     /// Speed just before contact, with its unit: 35km/h, 13.4m/s, 30mph.
     #[arg(long, value_name = "SPEED")]
     pub impact_speed: Option<Speed>,
-    /// Channel to take as the crash pulse: a column name or number of a table, a curve number of an NHTSA test, a channel
-    /// code, or a pattern that means one channel: '1?VEHC*X?', 'FLLR*'. With --list: the channels to print.
-    /// Default: the only acceleration column; for an NHTSA test the rear-seat crossmember or the next best place along x.
+    /// Channel to take as the crash pulse: a column name or number of a table, a curve number of an NHTSA test, a
+    /// channel code, or a pattern that means one channel: '1?VEHC*X?', 'FLLR*'. With --list: the channels to print.
+    /// Default: the only acceleration column; for an NHTSA test the rear-seat crossmember or the next best place along
+    /// x.
     #[arg(long, value_name = "CHANNEL")]
     pub channel: Option<String>,
     /// Unit of acceleration columns that state none: g, m/s^2, mg, kilo-g, ft/s^2, mm/s^2.
     #[arg(long, value_name = "UNIT")]
     pub unit: Option<String>,
-    /// Unit of the time column: s, ms, us. Default: from the header, else judged from the sampling interval and said so.
+    /// Unit of the time column: s, ms, us. Default: from the header, else inferred from the sampling interval, with
+    /// a note.
     #[arg(long, value_name = "UNIT")]
     pub time_unit: Option<String>,
     /// Time of first contact on the file's own time axis, with its unit: 0s, 12ms. The axis is shifted so that this is
     /// t = 0. Default: the file's t = 0.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub time_zero: Option<Time>,
-    /// Polarity of acceleration along x: keep; flip where the file has deceleration positive; auto flips only where the pulse gains
-    /// 0.6 to 1.6 times the impact speed in 150 ms, and says so. Default: keep.
+    /// Polarity of acceleration along x: keep; flip where the file has deceleration positive; auto flips only where the
+    /// pulse gains 0.6 to 1.6 times the impact speed in 150 ms, with a note. Default: keep.
     #[arg(long, value_enum, value_name = "SIGN")]
     pub sign: Option<Sign>,
     /// Sampling interval of a table without a time column, with its unit: 0.08s, 100us. The first row is at 0 s.
     #[arg(long, value_name = "TIME")]
     pub sample_time: Option<Time>,
-    /// Kind of table: edr for the tables of event data recorders (CDR reports), whose velocity columns are changes of velocity.
+    /// Kind of table: edr for the tables of event data recorders (CDR reports), whose velocity columns are changes of
+    /// velocity.
     #[arg(long, value_enum, value_name = "PROFILE")]
     pub profile: Option<Profile>,
     /// Words of the line above the table that is meant, in a text with several: "Longitudinal Crash Pulse".
     #[arg(long, value_name = "TEXT")]
     pub skip_to: Option<String>,
-    /// Number to take from the JSON or protobuf messages of an MCAP file, by its path; several by commas; a topic and a colon may stand in front:
-    /// imu.acceleration.x. Its unit is that of --unit.
+    /// Number to take from the JSON or protobuf messages of an MCAP file, by its path; several by commas; a topic and a
+    /// colon may stand in front: imu.acceleration.x. Its unit is that of --unit.
     #[arg(long, value_name = "PATH")]
     pub field: Option<String>,
-    /// Rate to which messages, or rows of a table with uneven times, are resampled by linear interpolation, with its unit: 10kHz.
-    /// Default: uneven times are refused.
+    /// Rate to which messages, or rows of a table with uneven times, are resampled by linear interpolation, with its
+    /// unit: 10kHz. Default: uneven times are refused.
     #[arg(long, value_name = "RATE")]
     pub resample: Option<Frequency>,
     /// Vehicle whose structure carries the pulse in an NHTSA test with two: 1 or 2. Default: 1.
@@ -93,7 +96,7 @@ pub struct Settings {
     pub listing: bool,
 }
 
-impl Settings {
+impl IngestSettings {
     /// These settings where they say something, else those below.
     pub fn over(&self, below: &Self) -> Self {
         Self {

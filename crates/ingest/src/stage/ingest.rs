@@ -6,7 +6,7 @@ use crumple_artifact::InputDigest;
 use crumple_artifact::records::{QualityV1, TestV1};
 use crumple_stage::{Loaded, Outcome, Output, Stage, Usage};
 
-use crumple_ingest::{Bundle, Ingested, Quality, Settings, ingest};
+use crumple_ingest::{Bundle, IngestSettings, Ingested, Quality, ingest};
 
 use crate::stage::process::{refused, show_progress};
 
@@ -15,19 +15,21 @@ pub struct Ingest;
 
 impl Stage for Ingest {
     const NAME: &'static str = "ingest";
-    const ABOUT: &'static str = "Reads a crash record as you have it (a table such as CSV, an NHTSA EV5 or ISO-MME test, its folder, or a zip of one) and writes it in SI units: \
-        every channel, the test's mass and impact speed, the crash pulse. Asks for what the record does not say; corrects nothing. \
+    const ABOUT: &'static str = "Reads a crash record as you have it (a table such as CSV, an NHTSA EV5 or ISO-MME \
+        test, its folder, or a zip of one) and writes it in SI units: \
+        every channel, the test's mass and impact speed, the crash pulse. Asks for what the record does not say; \
+        corrects nothing. \
         crumple-ingest --list INPUT prints the table of channels and writes nothing.";
 
-    type Options = Settings;
-    type Settings = Settings;
+    type Options = IngestSettings;
+    type Settings = IngestSettings;
     type Input = Bundle;
 
-    fn resolve(options: Settings) -> anyhow::Result<Settings> {
+    fn resolve(options: IngestSettings) -> anyhow::Result<IngestSettings> {
         Ok(options)
     }
 
-    fn load(paths: &[PathBuf], _: &Settings) -> anyhow::Result<Loaded<Bundle>> {
+    fn load(paths: &[PathBuf], _: &IngestSettings) -> anyhow::Result<Loaded<Bundle>> {
         let [path] = paths else {
             return Err(Usage::new(format!("{} inputs, one record is read at a time", paths.len()))
                 .hint("give one file, or the folder of one test")
@@ -44,7 +46,7 @@ impl Stage for Ingest {
         Ok(Loaded::new(bundle, digests))
     }
 
-    fn run(settings: &Settings, bundle: &Bundle, out: &mut Output) -> anyhow::Result<Outcome> {
+    fn run(settings: &IngestSettings, bundle: &Bundle, out: &mut Output) -> anyhow::Result<Outcome> {
         let ingested = ingest(bundle, settings).map_err(refused)?;
         for line in summary(&ingested) {
             out.summary(line);

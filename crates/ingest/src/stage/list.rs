@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use crumple_ingest::{Bundle, Line, Settings, list};
+use crumple_ingest::{Bundle, IngestSettings, ListedChannel, list};
 use crumple_stage::{ExitStatus, Usage};
 
 use crate::stage::process::{refused, show_progress};
@@ -16,7 +16,8 @@ use crate::stage::process::{refused, show_progress};
     bin_name = "crumple-ingest",
     display_name = "crumple-ingest",
     about = "Prints the table of channels of a record and writes nothing.",
-    after_help = "Values are in SI units, as they would be written. --channel prints only the channels it means: an id, a code, a pattern such as '1?VEHC*X?'."
+    after_help = "Values are in SI units, as they would be written. --channel prints only the channels it means: an \
+        id, a code, a pattern such as '1?VEHC*X?'."
 )]
 pub struct Cli {
     /// The record as you have it.
@@ -35,7 +36,7 @@ pub struct Cli {
     #[arg(short, long, hide = true)]
     quiet: bool,
     #[command(flatten)]
-    settings: Settings,
+    settings: IngestSettings,
 }
 
 /// Reads the record and prints its channels.
@@ -62,7 +63,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
 }
 
 /// Columns as wide as their widest cell, two blanks between; the last is open.
-fn table(lines: &[Line]) -> String {
+fn table(lines: &[ListedChannel]) -> String {
     let rows: Vec<[String; 11]> = std::iter::once(HEAD.map(str::to_owned)).chain(lines.iter().map(cells)).collect();
     let width = |c: usize| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..HEAD.len()).map(width).collect();
@@ -83,7 +84,7 @@ const HEAD: [&str; 11] =
     ["id", "code", "location", "axis", "quantity", "unit", "rate_hz", "samples", "cfc", "status", "comment"];
 
 /// The texts of a row; a dash for what is not known.
-fn cells(line: &Line) -> [String; 11] {
+fn cells(line: &ListedChannel) -> [String; 11] {
     let dash = |text: Option<String>| text.filter(|t| !t.is_empty()).unwrap_or_else(|| "-".to_owned());
     [
         line.id.clone(),

@@ -1,6 +1,6 @@
 //! How the process shows progress and words a refusal.
 
-use crumple_ingest::{IngestError, Settings};
+use crumple_ingest::{IngestError, IngestSettings};
 use crumple_stage::{Progress, Refused, nearest};
 
 /// Progress of reading, on a terminal or as log lines.
@@ -11,11 +11,11 @@ pub(crate) fn show_progress(what: String, total: u64) -> Box<dyn FnMut(u64)> {
 
 /// A refusal of the library as one of the process, with the nearest key of a sidecar for an unknown one.
 pub(crate) fn refused(error: IngestError) -> anyhow::Error {
-    let meant = match &error {
-        IngestError::UnknownKey { key, .. } => nearest(key, Settings::KEYS),
+    let nearest_key = match &error {
+        IngestError::UnknownKey { key, .. } => nearest(key, IngestSettings::KEYS),
         _ => None,
     };
-    let hint = meant.map_or_else(|| error.hint().to_owned(), |name| format!("did you mean {name:?}?"));
+    let hint = nearest_key.map_or_else(|| error.hint().to_owned(), |name| format!("did you mean {name:?}?"));
     let mut refused = Refused::new(error.to_string()).hint(hint);
     if let Some(expected) = error.expected() {
         refused = refused.expected(expected);

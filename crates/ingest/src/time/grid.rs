@@ -1,14 +1,14 @@
 //! The uniform time grid of printed time stamps.
 //!
-//! Printed times are rounded, so neither their differences nor `(t_last - t_first)/(n - 1)` is the recorder's interval to
-//! the last bit. The rule here: the interval is the decimal number with the fewest significant digits that agrees with the
-//! first and the last stamp within their printed resolution `q`, i.e. within `q/(n - 1)`; for up to six digits, within
-//! 1e-12 of it at least. Stamps `-0.0200, -0.0199, ...` give exactly `1e-4` s; stamps with 18 digits at 20.0027797 us keep
-//! what they say. The first stamp is taken as printed.
+//! Printed times are rounded, so neither their differences nor `(t_last - t_first)/(n - 1)` is the recorder's interval
+//! to the last bit. The rule here: the interval is the decimal number with the fewest significant digits that agrees
+//! with the first and the last stamp within their printed resolution `q`, i.e. within `q/(n - 1)`; for up to six
+//! digits, within 1e-12 of it at least. Stamps `-0.0200, -0.0199, ...` give exactly `1e-4` s; stamps with 18 digits at
+//! 20.0027797 us keep what they say. The first stamp is taken as printed.
 //!
 //! A record is uniform if every step differs from the interval by less than 1e-3 of it (crash-pulse practice for
-//! filtering), or if the stamps are coarsely printed (`q` up to half an interval) and every stamp lies within `q` of the
-//! grid: 16 kHz printed to the microsecond.
+//! filtering), or if the stamps are coarsely printed (`q` up to half an interval) and every stamp lies within `q` of
+//! the grid: 16 kHz printed to the microsecond.
 
 /// Largest accepted deviation of a step from the interval, as a fraction of it.
 pub const STEP_TOLERANCE: f64 = 1e-3;
@@ -93,8 +93,8 @@ pub fn fit(times_s: &[f64], resolution_s: f64) -> Result<Grid, GridError> {
 
 /// The decimal number with the fewest significant digits within `tolerance` of `x` (positive); `x` itself if none is.
 ///
-/// A number of up to six digits is also taken within 1e-12 of `x`: stamps made by adding up the interval carry that much
-/// rounding even where they are printed to 18 digits.
+/// A number of up to six digits is also taken within 1e-12 of `x`: stamps made by adding up the interval carry that
+/// much rounding even where they are printed to 18 digits.
 fn shortest(x: f64, tolerance: f64) -> f64 {
     (0..17)
         .filter_map(|digits| format!("{x:.digits$e}").parse::<f64>().ok().map(|round| (digits, round)))

@@ -1,7 +1,7 @@
 //! Samples at uneven times on a uniform grid, by linear interpolation, where a person asks for it (`--resample`).
 //!
-//! Between two samples the signal is taken for a straight line: the error is up to h²/8 times the second derivative, h the step.
-//! Frequencies near half the rate are damped; nothing is filtered.
+//! Between two samples the signal is taken for a straight line: the error is up to h²/8 times the second derivative, h
+//! the step. Frequencies near half the rate are damped; nothing is filtered.
 
 /// Most samples that resampling may make.
 const RESAMPLED_LIMIT: f64 = 1e8;
@@ -25,14 +25,15 @@ pub fn rate_to_type(step_s: f64) -> f64 {
     ((rate / unit).round() * unit).max(1.0)
 }
 
-/// For each instant of a uniform grid from the first sample on: the sample before it, and the part of the way to the next.
+/// For each instant of a uniform grid from the first sample on: the sample before it, and the part of the way to the
+/// next.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Interpolation {
+pub struct LinearInterpolation {
     positions: Vec<usize>,
     parts: Vec<f64>,
 }
 
-impl Interpolation {
+impl LinearInterpolation {
     /// Number of instants.
     pub fn len(&self) -> usize {
         self.positions.len()
@@ -46,7 +47,7 @@ impl Interpolation {
 }
 
 /// The interpolation from `times`, which increase, at `rate_hz`; `None` if that gives no usable number of samples.
-pub fn resample(times: &[f64], rate_hz: f64) -> Option<Interpolation> {
+pub fn resample(times: &[f64], rate_hz: f64) -> Option<LinearInterpolation> {
     let span = times[times.len() - 1] - times[0];
     let count = (span * rate_hz + 1e-9).floor() + 1.0;
     if !(rate_hz > 0.0 && (2.0..=RESAMPLED_LIMIT).contains(&count)) {
@@ -62,7 +63,7 @@ pub fn resample(times: &[f64], rate_hz: f64) -> Option<Interpolation> {
         positions.push(k);
         parts.push(((t - times[k]) / (times[k + 1] - times[k])).clamp(0.0, 1.0));
     }
-    Some(Interpolation { positions, parts })
+    Some(LinearInterpolation { positions, parts })
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ pub fn shift(wave: &Sampled, zero_s: f64) -> Result<Sampled, SignalError> {
 }
 
 /// Refuses a pulse that does not contain t = 0.
-pub fn require(file: &str, pulse: &Sampled) -> Result<(), IngestError> {
+pub fn require_contact(file: &str, pulse: &Sampled) -> Result<(), IngestError> {
     let (start, end) = (pulse.t0_s(), pulse.end_s());
     if start <= pulse.dt_s() && end > 0.0 {
         return Ok(());
@@ -125,8 +125,8 @@ mod tests {
 
     #[test]
     fn zero_level_and_crossing_agree_with_another_implementation() {
-        // 0.35 g offset, half sine of -22 g and 90 ms from t = 0, 10 kHz from -50 ms; an independent script gives 0.35 g
-        // from 401 samples and 0.651145457828 ms, printed to 1e-15 s.
+        // 0.35 g offset, half sine of -22 g and 90 ms from t = 0, 10 kHz from -50 ms; an independent script gives 0.35
+        // g from 401 samples and 0.651145457828 ms, printed to 1e-15 s.
         let g = STANDARD_GRAVITY_M_PER_S2;
         let at = |t: f64| {
             0.35 - if (0.0..=0.09).contains(&t) { 22.0 * (std::f64::consts::PI * t / 0.09).sin() } else { 0.0 }
@@ -141,9 +141,9 @@ mod tests {
     #[test]
     fn a_record_without_time_zero_is_refused() {
         let late = Sampled::new(12.0, 1e-4, vec![0.0; 100]).unwrap();
-        let error = require("a.csv", &late).unwrap_err();
+        let error = require_contact("a.csv", &late).unwrap_err();
         assert!(error.to_string().contains("does not contain t = 0"), "{error}");
         assert!(error.hint().contains("--time-zero 12.000s"));
-        require("a.csv", &Sampled::new(0.0, 1e-4, vec![0.0; 100]).unwrap()).unwrap();
+        require_contact("a.csv", &Sampled::new(0.0, 1e-4, vec![0.0; 100]).unwrap()).unwrap();
     }
 }

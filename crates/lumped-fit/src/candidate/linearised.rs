@@ -12,8 +12,9 @@ use crate::Uncertainty;
 /// What the uncertainty of a fit by iteration is made from.
 pub(crate) const LINEARISED: &str = "linearised, autocorrelated residuals";
 
-/// Linearised deviations of the parameters `factor_i theta_i`, as the fit of the double model has them: `sigma² (J'J)^-1`,
-/// widened for the lag-1 autocorrelation of the residuals. Those on a bound have none; `None` where nothing is left.
+/// Linearised deviations of the parameters `factor_i theta_i`, as the fit of the double model has them:
+/// `sigma² (J'J)^-1`, widened for the lag-1 autocorrelation of the residuals. Those on a bound have none; `None` where
+/// nothing is left.
 pub fn uncertainty(best: &Optimum, residuals: &[f64], names: &[&'static str], factors: &[f64]) -> Option<Uncertainty> {
     let free: Vec<usize> = (0..names.len()).filter(|&i| !best.on_bound[i]).collect();
     let norms: Vec<f64> = best.r.column_iter().map(|c| c.norm()).collect();

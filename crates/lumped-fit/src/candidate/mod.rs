@@ -3,5 +3,6 @@
 
 pub mod linearised;
 pub mod method;
+pub mod note;
 pub mod parameter_set;
 pub mod parameter_words;

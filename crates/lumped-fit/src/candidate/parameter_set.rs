@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use crumple_estimation::minimise::StopReason;
 use crumple_lumped::Model;
 
+use crate::candidate::note::CandidateNote;
 use crate::candidate::parameter_words::all_in_words;
 use crate::record::window::Window;
 use crate::{FitQuantity, Method, SensorFit};
@@ -24,7 +25,7 @@ pub struct Candidate {
     /// How well the parameters are determined; `None` where nothing is left over to judge by.
     pub uncertainty: Option<Uncertainty>,
     /// Reductions and assumptions, in words.
-    pub notes: Vec<String>,
+    pub notes: Vec<CandidateNote>,
 }
 
 impl Candidate {
@@ -110,8 +111,8 @@ pub struct Uncertainty {
     pub residual_autocorrelation: Option<f64>,
 }
 
-/// What is said of the parameters that stopped on a bound; `None` where none did. Zero is the limit of what is physical, and an
-/// answer; any other bound is that of the search.
+/// What is said of the parameters that stopped on a bound; `None` where none did. Zero is the limit of what is
+/// physical, and an answer; any other bound is that of the search.
 pub fn bounds_remark(model: &Model, active_bounds: &[&'static str]) -> Option<String> {
     let values = model.parameters();
     let (zero, other): (Vec<&str>, Vec<&str>) =

@@ -1,12 +1,15 @@
 //! Parameters as a person calls them.
 
-use crumple_lumped::Model;
+use crumple_lumped::{Model, ParameterKind, parameter_kind};
 
 /// A parameter of a model in words: `stiffness k2 at 0.31 m`, `damping c1 at rest`, `unloading stiffness`, `mass m1`.
 ///
 /// A knot of a nonlinear model is named with its place. What the model does not have stays as it is, without its unit.
 pub fn in_words(model: &Model, name: &str) -> String {
-    let stem = short(name);
+    let parameter = model.kind().parameter(name);
+    let kind = parameter.map(|parameter| parameter.kind).or_else(|| parameter_kind("", name));
+    let Some(kind) = kind else { return name.replace('_', " ") };
+    let stem = kind.symbol_of(name).replace('_', " ");
     let length = |m: f64| format!("at {m:.3} m");
     let speed = |v: f64| format!("at {v:.2} m/s");
     let at_contact = || "at contact".to_owned();
@@ -24,13 +27,16 @@ pub fn in_words(model: &Model, name: &str) -> String {
         (Model::Nonlinear2(m), "c4") => Some(speed(m.v0_m_per_s)),
         _ => None,
     };
-    let kind = match stem.as_bytes() {
-        [b'k', digit] if digit.is_ascii_digit() => "stiffness ",
-        [b'c', digit] if digit.is_ascii_digit() => "damping ",
-        [b'm', digit] if digit.is_ascii_digit() => "mass ",
-        [b'x', digit] if digit.is_ascii_digit() => "displacement of the spring's knot ",
-        [b'v', digit] if *digit == b'1' || *digit == b'2' => "speed of the damper's knot ",
-        _ if stem == "v thresh" => return "speed of the damper's knot".to_owned(),
+    let is_numbered = matches!(stem.as_bytes(), [_, digit] if digit.is_ascii_digit());
+    let kind = match kind {
+        ParameterKind::Rate if !is_numbered => return "speed of the damper's knot".to_owned(),
+        ParameterKind::Stiffness if is_numbered => "stiffness ",
+        ParameterKind::Damping if is_numbered => "damping ",
+        ParameterKind::Mass if is_numbered => "mass ",
+        ParameterKind::Length if is_numbered => "displacement of the spring's knot ",
+        ParameterKind::Rate if parameter.is_some_and(|parameter| !parameter.of_the_test) => {
+            "speed of the damper's knot "
+        }
         _ => "",
     };
     let place = place.map(|place| format!(" {place}")).unwrap_or_default();
@@ -40,15 +46,6 @@ pub fn in_words(model: &Model, name: &str) -> String {
 /// Several of them, in a row.
 pub fn all_in_words<'a>(model: &Model, names: impl IntoIterator<Item = &'a str>) -> String {
     names.into_iter().map(|name| in_words(model, name)).collect::<Vec<_>>().join(", ")
-}
-
-/// A parameter without its unit: `k1_n_per_m` is `k1`.
-pub(crate) fn short(name: &str) -> String {
-    ["_n_s_per_m", "_n_per_m", "_m_per_s", "_kg", "_m"]
-        .iter()
-        .find_map(|unit| name.strip_suffix(unit))
-        .unwrap_or(name)
-        .replace('_', " ")
 }
 
 #[cfg(test)]

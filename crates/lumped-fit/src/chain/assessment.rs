@@ -7,7 +7,7 @@ use crate::chain::fit::ChainSolution;
 use crate::chain::problem::ChainProblem;
 use crate::free::parameterisation::Parameterisation;
 use crate::uncertainty::assessment::AssessmentOptions;
-use crate::uncertainty::block_bootstrap::{Bootstrap, replicate};
+use crate::uncertainty::block_bootstrap::{BlockBootstrap, replicate};
 use crate::uncertainty::profile_likelihood::{Minimum, Profile};
 use crate::uncertainty::propagation::{
     Errors, InputUncertainty, Propagation, Repetition, over_repetitions, with_errors,
@@ -31,7 +31,7 @@ pub struct ChainAssessment {
     /// Profiles of everything that was free; of a mass that is the rest where one mass was.
     pub profile: Vec<Profile<String>>,
     /// Block bootstrap.
-    pub bootstrap: Option<Bootstrap<String>>,
+    pub bootstrap: Option<BlockBootstrap<String>>,
     /// The fit repeated with uncertain inputs.
     pub propagation: Option<Propagation<String>>,
 }
@@ -39,12 +39,14 @@ pub struct ChainAssessment {
 /// The crush of a chain that stops later than this has none, s.
 const HORIZON_S: f64 = 2.0;
 
-/// Answers for a solution of [`fit_chain`](crate::fit_chain) from the same arguments, by the rules of [`profile`](crate::uncertainty::profile_likelihood),
-/// [`bootstrap`](crate::uncertainty::block_bootstrap) and [`propagate`](crate::propagate).
+/// Answers for a solution of [`fit_chain`](crate::fit_chain) from the same arguments, by the rules of
+/// [`profile`](crate::uncertainty::profile_likelihood), [`bootstrap`](crate::uncertainty::block_bootstrap) and
+/// [`propagate`](crate::propagate).
 ///
-/// An uncertain mass is that of the test: a mass that is the rest takes it up; where none is, all masses of the chain change by the
-/// same share. What else is given stays, so springs are proportional to the mass only where all of them are free. Each repetition
-/// starts from the minimum, weights as there: it says nothing of other minima. Errors: as of the fit.
+/// An uncertain mass is that of the test: a mass that is the rest takes it up; where none is, all masses of the chain
+/// change by the same share. What else is given stays, so springs are proportional to the mass only where all of them
+/// are free. Each repetition starts from the minimum, weights as there: it says nothing of other minima. Errors: as of
+/// the fit.
 pub fn assess_chain(
     stated: &StatedChain,
     observed: &Observation,
@@ -53,22 +55,22 @@ pub fn assess_chain(
     asked: &ChainAssessmentOptions,
 ) -> Result<ChainAssessment, SolveError> {
     let length_s = observed.waves.iter().map(|w| w.time_s(w.samples.len() - 1)).fold(0.0, f64::max);
-    let family = ChainCoordinates::new(stated, length_s)?;
+    let coordinates = ChainCoordinates::new(stated, length_s)?;
     let mut measured = observed.clone();
     for (wave, noise) in measured.waves.iter_mut().zip(&solution.noise) {
         wave.weight = solution.noise[0] / noise;
     }
     let seen = |waves: Observation| if through_filter { waves } else { waves.unfiltered() };
     let waves = seen(measured.clone());
-    let problem = ChainProblem::new(&family, &waves, through_filter);
+    let problem = ChainProblem::new(&coordinates, &waves, through_filter);
     let theta = &solution.theta;
     let Some(misfit) = problem.misfit(theta) else { return Ok(ChainAssessment::default()) };
 
     let mut assessment = ChainAssessment::default();
     if let (true, Some(known)) = (asked.options.profile, &solution.linearised) {
-        let bounds: Vec<(f64, f64)> = family.axes().iter().map(|axis| (axis.lower, axis.upper)).collect();
+        let bounds: Vec<(f64, f64)> = coordinates.axes().iter().map(|axis| (axis.lower, axis.upper)).collect();
         assessment.profile = Minimum {
-            names: &family.names,
+            names: &coordinates.names,
             at: theta,
             bounds: &bounds,
             value: &|_, coordinate| coordinate.exp(),
@@ -80,20 +82,21 @@ pub fn assess_chain(
             effective_samples: known.effective_samples,
         }
         .profiles();
-        assessment.profile.extend(profile_of_the_rest(&family, theta, &assessment.profile));
+        assessment.profile.extend(profile_of_the_rest(&coordinates, theta, &assessment.profile));
     }
     if asked.options.bootstrap > 0 {
-        assessment.bootstrap = replicate(&waves, &misfit, asked.options.bootstrap, family.all_names(), |again| {
-            let found = ChainProblem::new(&family, again, through_filter).follow(theta)?;
-            Some(family.values(&found.theta))
-        });
+        assessment.bootstrap =
+            replicate(&waves, &misfit, asked.options.bootstrap, coordinates.all_names(), |resampled| {
+                let minimum = ChainProblem::new(&coordinates, resampled, through_filter).follow(theta)?;
+                Some(coordinates.values(&minimum.theta))
+            });
     }
     if asked.inputs.any() {
         let mass_kg = stated.total_mass_kg.unwrap_or_else(|| solution.chain.masses_kg().iter().sum());
         let repetitions = (asked.repetitions, measured.waves.len());
         assessment.propagation = over_repetitions(mass_kg, &asked.inputs, repetitions, |errors: &Errors| {
             let Repetition { observed, mass_ratio } = with_errors(&measured, errors)?;
-            repeat(&family.of_mass(mass_ratio), &seen(observed), through_filter, theta, mass_ratio)
+            repeat(&coordinates.of_mass(mass_ratio), &seen(observed), through_filter, theta, mass_ratio)
         });
     }
     Ok(assessment)
@@ -101,18 +104,20 @@ pub fn assess_chain(
 
 /// The values and the crush of one repetition.
 fn repeat(
-    family: &ChainCoordinates,
+    coordinates: &ChainCoordinates,
     waves: &Observation,
     through_filter: bool,
     theta: &[f64],
     mass_ratio: f64,
 ) -> Option<BTreeMap<String, f64>> {
-    // Without a rest everything is a share of the mass; with one the masses that are looked for, so that something is left for it.
-    let by = |i: usize| if !family.has_rest() || family.is_mass(i) { mass_ratio.ln() } else { 0.0 };
+    // Without a rest everything is a share of the mass; with one the masses that are looked for, so that something is
+    // left for it.
+    let by = |i: usize| if !coordinates.has_rest() || coordinates.is_mass(i) { mass_ratio.ln() } else { 0.0 };
     let start: Vec<f64> = theta.iter().enumerate().map(|(i, x)| x + by(i)).collect();
-    let found = ChainProblem::new(family, waves, through_filter).follow(&start)?;
-    let mut values: BTreeMap<String, f64> = family.all_names().into_iter().zip(family.values(&found.theta)).collect();
-    let events = family.model(&found.theta)?.events(waves.impact_speed_m_per_s, HORIZON_S).ok();
+    let minimum = ChainProblem::new(coordinates, waves, through_filter).follow(&start)?;
+    let mut values: BTreeMap<String, f64> =
+        coordinates.all_names().into_iter().zip(coordinates.values(&minimum.theta)).collect();
+    let events = coordinates.model(&minimum.theta)?.events(waves.impact_speed_m_per_s, HORIZON_S).ok();
     if let Some(crush) = events.and_then(|mut events| events.pop()?.dynamic_crush_m) {
         values.insert("dynamic_crush_m".to_owned(), crush);
     }
@@ -121,19 +126,19 @@ fn repeat(
 
 /// The profile of a mass that is the rest: that of the one free mass mirrored; none with several free masses.
 fn profile_of_the_rest(
-    family: &ChainCoordinates,
+    coordinates: &ChainCoordinates,
     theta: &[f64],
     profiles: &[Profile<String>],
 ) -> Option<Profile<String>> {
-    family.free_rest()?;
-    let mut masses = (0..theta.len()).filter(|&i| family.is_mass(i));
-    let (one, None) = (masses.next()?, masses.next()) else { return None };
-    let of = profiles.get(one)?;
-    let total = family.values(theta).last()? + theta[one].exp();
+    coordinates.free_rest()?;
+    let mut masses = (0..theta.len()).filter(|&i| coordinates.is_mass(i));
+    let (mass, None) = (masses.next()?, masses.next()) else { return None };
+    let mirrored = profiles.get(mass)?;
+    let total = coordinates.values(theta).last()? + theta[mass].exp();
     Some(Profile {
-        parameter: family.all_names().pop()?,
-        low: of.high.map(|kg| total - kg),
-        high: of.low.map(|kg| total - kg),
-        points: of.points.iter().rev().map(|(kg, rise)| (total - kg, *rise)).collect(),
+        parameter: coordinates.all_names().pop()?,
+        low: mirrored.high.map(|kg| total - kg),
+        high: mirrored.low.map(|kg| total - kg),
+        points: mirrored.points.iter().rev().map(|(kg, rise)| (total - kg, *rise)).collect(),
     })
 }

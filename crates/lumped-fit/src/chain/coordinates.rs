@@ -2,12 +2,13 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crumple_lumped::{Chain, Instants, LumpedError, PiecewiseLinear, SecantChain, Sensitivity};
+use crumple_lumped::{Chain, Instants, LumpedError, ParameterKind, PiecewiseLinear, SecantChain, Sensitivity};
 
 use serde::Serialize;
 
 use crate::SolveError;
 use crate::free::parameterisation::{Axis, Parameterisation};
+use crate::free::search_bounds::{DAMPER_BOUNDS, DAMPER_STARTS, SPRING_BOUNDS, SPRING_STARTS};
 
 /// A number that is given or looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -58,7 +59,7 @@ pub struct StatedChain {
 
 /// Which number of the chain.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Place {
+enum ChainNumber {
     Mass(usize),
     Spring(usize, usize),
     Damper(usize, usize),
@@ -76,7 +77,7 @@ pub(crate) struct ChainCoordinates {
     leaves_a_rest: bool,
     total_kg: f64,
     total_known: bool,
-    free: Vec<(Place, Axis)>,
+    free: Vec<(ChainNumber, Axis)>,
     /// Whether a person gave the lower and the upper bound of each.
     given_bounds: Vec<(bool, bool)>,
     /// The starts that were given, logarithms; the middle of the box for others.
@@ -84,10 +85,9 @@ pub(crate) struct ChainCoordinates {
     pub names: Vec<String>,
 }
 
-/// Springs are looked for within these factors of `M (π/2T)²`, and started in the second pair; dampers of `M/T`: as in the fits of
-/// two and three masses.
-const SPRINGS: [(f64, f64); 2] = [(1e-4, 1e4), (0.2, 30.0)];
-const DAMPERS: [(f64, f64); 2] = [(1e-5, 1e3), (0.01, 3.0)];
+/// Bounds of springs and where searches start, in their unit; of dampers.
+const SPRINGS: [(f64, f64); 2] = [SPRING_BOUNDS, SPRING_STARTS];
+const DAMPERS: [(f64, f64); 2] = [DAMPER_BOUNDS, DAMPER_STARTS];
 /// Masses, of the total.
 const MASSES: [(f64, f64); 2] = [(1e-3, 0.999), (0.05, 0.6)];
 /// Two numbers nearer than this, relatively, are the same.
@@ -117,15 +117,15 @@ impl ChainCoordinates {
         };
         for (i, element) in stated.elements.iter().enumerate() {
             let number = i + 1;
-            for of in [&element.stiffness, &element.damping] {
-                if let Some((knot, _)) = of.first().filter(|(knot, _)| *knot != 0.0) {
+            for law in [&element.stiffness, &element.damping] {
+                if let Some((knot, _)) = law.first().filter(|(knot, _)| *knot != 0.0) {
                     let expected = "zero, where a coefficient that is fitted begins";
                     return Err(SolveError::Value { name: "first knot", value: *knot, expected });
                 }
             }
             let mass = match element.mass_kg {
                 StatedMass::Own(mass) => {
-                    chain.take(mass, Place::Mass(i), (total_kg, MASSES), || format!("m{number}_kg"))?
+                    chain.take(mass, ChainNumber::Mass(i), (total_kg, MASSES), || format!("m{number}_kg"))?
                 }
                 StatedMass::Rest => {
                     let total = stated.total_mass_kg.ok_or(SolveError::RestWithoutTotal)?;
@@ -148,8 +148,10 @@ impl ChainCoordinates {
             let count = element.stiffness.len();
             for (j, (knot, value)) in element.stiffness.iter().enumerate() {
                 let scale = (sizes.0, SPRINGS);
-                springs
-                    .push((*knot, chain.take(*value, Place::Spring(i, j), scale, || name('k', j, count, "n_per_m"))?));
+                springs.push((
+                    *knot,
+                    chain.take(*value, ChainNumber::Spring(i, j), scale, || name('k', j, count, "n_per_m"))?,
+                ));
             }
             let mut dampers = Vec::new();
             let count = element.damping.len();
@@ -157,7 +159,7 @@ impl ChainCoordinates {
                 let scale = (sizes.1, DAMPERS);
                 dampers.push((
                     *knot,
-                    chain.take(*value, Place::Damper(i, j), scale, || name('c', j, count, "n_s_per_m"))?,
+                    chain.take(*value, ChainNumber::Damper(i, j), scale, || name('c', j, count, "n_s_per_m"))?,
                 ));
             }
             chain.springs.push(springs);
@@ -175,7 +177,7 @@ impl ChainCoordinates {
     fn take(
         &mut self,
         stated: Stated,
-        place: Place,
+        place: ChainNumber,
         (size, [bounds, searched]): (f64, [(f64, f64); 2]),
         name: impl FnOnce() -> String,
     ) -> Result<f64, SolveError> {
@@ -198,7 +200,7 @@ impl ChainCoordinates {
         // Bounds of the search give way to what was given, however far outside it is.
         let least = known.first().copied().unwrap_or(size);
         let most = known.last().copied();
-        if matches!(place, Place::Mass(_)) && !self.total_known && (lower.is_none() || upper.is_none()) {
+        if matches!(place, ChainNumber::Mass(_)) && !self.total_known && (lower.is_none() || upper.is_none()) {
             let problem = "without a mass of the vehicle a free mass needs both bounds".to_owned();
             return Err(SolveError::Bounds { name, problem });
         }
@@ -256,9 +258,9 @@ impl ChainCoordinates {
 
     /// The values of those names.
     pub fn values(&self, theta: &[f64]) -> Vec<f64> {
-        let own = theta.iter().map(|x| x.exp());
+        let free = theta.iter().map(|x| x.exp());
         let rest = self.free_rest().map(|rest| self.total_kg - self.others_kg(rest, theta));
-        own.chain(rest).collect()
+        free.chain(rest).collect()
     }
 
     /// Whether a mass is the rest of the total.
@@ -275,19 +277,19 @@ impl ChainCoordinates {
     fn others_kg(&self, rest: usize, theta: &[f64]) -> f64 {
         let free: f64 = (0..theta.len()).filter(|&i| self.is_mass(i)).map(|i| theta[i].exp()).sum();
         let given =
-            (0..self.masses.len()).filter(|&i| i != rest && !self.free.iter().any(|(p, _)| *p == Place::Mass(i)));
+            (0..self.masses.len()).filter(|&i| i != rest && !self.free.iter().any(|(p, _)| *p == ChainNumber::Mass(i)));
         free + given.map(|i| self.masses[i]).sum::<f64>()
     }
 
-    /// Coordinates of a chain that is as stated: what was given has its value, what is free is in the bounds that were given. Those
-    /// of the search alone leave nothing out.
+    /// Coordinates of a chain that is as stated: what was given has its value, what is free is in the bounds that were
+    /// given. Those of the search alone leave nothing out.
     pub fn point(&self, chain: &SecantChain) -> Option<Vec<f64>> {
-        let value = |place: Place| match place {
-            Place::Mass(i) => chain.masses_kg().get(i).copied(),
-            Place::Spring(i, j) => chain.springs().get(i)?.points().nth(j).map(|(_, value)| value),
-            Place::Damper(i, j) => chain.dampers().get(i)?.points().nth(j).map(|(_, value)| value),
+        let value = |place: ChainNumber| match place {
+            ChainNumber::Mass(i) => chain.masses_kg().get(i).copied(),
+            ChainNumber::Spring(i, j) => chain.springs().get(i)?.points().nth(j).map(|(_, value)| value),
+            ChainNumber::Damper(i, j) => chain.dampers().get(i)?.points().nth(j).map(|(_, value)| value),
         };
-        let within = |((place, axis), (lower, upper)): (&(Place, Axis), &(bool, bool))| {
+        let within = |((place, axis), (lower, upper)): (&(ChainNumber, Axis), &(bool, bool))| {
             let x = value(*place).filter(|value| *value > 0.0)?.ln();
             let low = if *lower { axis.lower } else { f64::NEG_INFINITY };
             let high = if *upper { axis.upper } else { f64::INFINITY };
@@ -301,8 +303,9 @@ impl ChainCoordinates {
         (own.len() == other.len() && own.iter().all(same)).then_some(theta)
     }
 
-    /// The same chain where the test weighs `ratio` times as much: the rest takes the difference; where no mass is the rest, all
-    /// masses are shares of the test's and change alike. Springs and dampers that are given stay, and so do bounds.
+    /// The same chain where the test weighs `ratio` times as much: the rest takes the difference; where no mass is the
+    /// rest, all masses are shares of the test's and change alike. Springs and dampers that are given stay, and so do
+    /// bounds.
     #[must_use]
     pub fn of_mass(&self, ratio: f64) -> Self {
         let mut other = self.clone();
@@ -313,20 +316,30 @@ impl ChainCoordinates {
         other
     }
 
-    /// What is said of every free number, of the dual of two masses, where first and second spring and damper change places.
+    /// What is said of every free number, of the dual of two masses, where first and second spring and damper change
+    /// places.
     pub fn exchanged(&self, of: &[bool]) -> Vec<bool> {
-        let other = |place: Place| match place {
-            Place::Mass(i) => Place::Mass(i),
-            Place::Spring(i, j) => Place::Spring(1 - i.min(1), j),
-            Place::Damper(i, j) => Place::Damper(1 - i.min(1), j),
+        let other = |place: ChainNumber| match place {
+            ChainNumber::Mass(i) => ChainNumber::Mass(i),
+            ChainNumber::Spring(i, j) => ChainNumber::Spring(1 - i.min(1), j),
+            ChainNumber::Damper(i, j) => ChainNumber::Damper(1 - i.min(1), j),
         };
-        let at = |place: Place| self.free.iter().position(|(free, _)| *free == other(place));
+        let at = |place: ChainNumber| self.free.iter().position(|(free, _)| *free == other(place));
         self.free.iter().map(|(place, _)| at(*place).is_some_and(|k| of.get(k) == Some(&true))).collect()
+    }
+
+    /// What this free number is.
+    pub fn kind(&self, index: usize) -> ParameterKind {
+        match self.free[index].0 {
+            ChainNumber::Mass(_) => ParameterKind::Mass,
+            ChainNumber::Spring(..) => ParameterKind::Stiffness,
+            ChainNumber::Damper(..) => ParameterKind::Damping,
+        }
     }
 
     /// Whether this free number is a mass.
     pub fn is_mass(&self, index: usize) -> bool {
-        matches!(self.free[index].0, Place::Mass(_))
+        self.kind(index) == ParameterKind::Mass
     }
 }
 
@@ -348,9 +361,9 @@ impl Parameterisation for ChainCoordinates {
         let (mut masses, mut springs, mut dampers) = (self.masses.clone(), self.springs.clone(), self.dampers.clone());
         for ((place, _), x) in self.free.iter().zip(theta) {
             match *place {
-                Place::Mass(i) => masses[i] = x.exp(),
-                Place::Spring(i, j) => springs[i][j].1 = x.exp(),
-                Place::Damper(i, j) => dampers[i][j].1 = x.exp(),
+                ChainNumber::Mass(i) => masses[i] = x.exp(),
+                ChainNumber::Spring(i, j) => springs[i][j].1 = x.exp(),
+                ChainNumber::Damper(i, j) => dampers[i][j].1 = x.exp(),
             }
         }
         if let Some(rest) = self.rest {
@@ -374,22 +387,22 @@ impl Parameterisation for ChainCoordinates {
         }
     }
 
-    fn chain(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>> {
+    fn derivatives_by_coordinate(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>> {
         let n = self.masses.len();
         if !self.is_linear() {
             return None;
         }
-        let of = |((place, _), x): (&(Place, Axis), &f64)| {
+        let changes = |((place, _), x): (&(ChainNumber, Axis), &f64)| {
             let value = x.exp();
             match *place {
-                Place::Mass(i) => {
+                ChainNumber::Mass(i) => {
                     let rest = self.rest.map(|rest| (rest, -value));
                     std::iter::once((i, value)).chain(rest).collect()
                 }
-                Place::Spring(i, _) => vec![(n + i, value)],
-                Place::Damper(i, _) => vec![(2 * n + i, value)],
+                ChainNumber::Spring(i, _) => vec![(n + i, value)],
+                ChainNumber::Damper(i, _) => vec![(2 * n + i, value)],
             }
         };
-        Some(self.free.iter().zip(theta).map(of).collect())
+        Some(self.free.iter().zip(theta).map(changes).collect())
     }
 }

@@ -17,12 +17,13 @@ pub enum ChainDual {
 /// Two chains whose coordinates are nearer than this are one.
 const SAME: f64 = 1e-6;
 
-/// The chain with the same masses and the same motion of the last mass; `None` for any but two masses with constant coefficients.
+/// The chain with the same masses and the same motion of the last mass; `None` for any but two masses with constant
+/// coefficients.
 pub(crate) fn dual(chain: &SecantChain) -> Option<SecantChain> {
     let ([m1_kg, m2_kg], [k1, k2], [c1, c2]) = (chain.masses_kg(), chain.springs(), chain.dampers()) else {
         return None;
     };
-    let of = DoubleSpringMassDamper {
+    let double = DoubleSpringMassDamper {
         m1_kg: *m1_kg,
         m2_kg: *m2_kg,
         k1_n_per_m: k1.as_constant()?,
@@ -31,9 +32,10 @@ pub(crate) fn dual(chain: &SecantChain) -> Option<SecantChain> {
         c2_n_s_per_m: c2.as_constant()?,
     }
     .dual();
-    let laws = |of: [f64; 2]| of.map(PiecewiseLinear::constant);
-    let (springs, dampers) = (laws([of.k1_n_per_m, of.k2_n_per_m]), laws([of.c1_n_s_per_m, of.c2_n_s_per_m]));
-    SecantChain::new(&[of.m1_kg, of.m2_kg], &springs, &dampers).ok()
+    let laws = |values: [f64; 2]| values.map(PiecewiseLinear::constant);
+    let (springs, dampers) =
+        (laws([double.k1_n_per_m, double.k2_n_per_m]), laws([double.c1_n_s_per_m, double.c2_n_s_per_m]));
+    SecantChain::new(&[double.m1_kg, double.m2_kg], &springs, &dampers).ok()
 }
 
 /// Springs, then dampers; `None` where one is no constant.
@@ -56,14 +58,14 @@ pub(crate) enum DualOf {
 }
 
 /// The dual of the chain at `theta`; `None` where it has none, or is its own.
-pub(crate) fn dual_of(family: &ChainCoordinates, chain: &SecantChain, theta: &[f64]) -> Option<DualOf> {
+pub(crate) fn dual_of(coordinates: &ChainCoordinates, chain: &SecantChain, theta: &[f64]) -> Option<DualOf> {
     let dual = dual(chain)?;
     // By value, not by name: a law with knots of one value is a constant under another name.
     let (own, other) = (constants(chain)?, constants(&dual)?);
     if own.iter().zip(&other).all(|(value, other)| (value - other).abs() <= SAME * value.abs()) {
         return None;
     }
-    Some(match family.point(&dual) {
+    Some(match coordinates.point(&dual) {
         Some(point) if point.len() == theta.len() => DualOf::At(point),
         _ => DualOf::Outside(dual),
     })

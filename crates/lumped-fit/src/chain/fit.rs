@@ -45,10 +45,11 @@ pub struct ChainSolution {
     pub stop_reason: StopReason,
     /// What the record says of the free numbers; `None` where there is nothing to judge by.
     pub linearised: Option<LinearisedUncertainty>,
-    /// The chain with the same masses and the same motion of the last one; `None` where a wave tells it, or there is none.
+    /// The chain with the same masses and the same motion of the last one; `None` where a wave tells it, or there is
+    /// none.
     pub dual: Option<ChainDual>,
-    /// Whether masses were looked for and no wave is of another mass than the last: their division is then in the record by a
-    /// formula, and in practice not.
+    /// Whether masses were looked for and no wave is of another mass than the last: their division is then in the
+    /// record by a formula, and in practice not.
     pub division_undecided: bool,
     /// The logarithms of what was free.
     pub(crate) theta: Vec<f64>,
@@ -56,11 +57,12 @@ pub struct ChainSolution {
 
 /// Fits the free numbers of a chain to waves, each of a mass by its index (`None`: the last).
 ///
-/// Least squares in the logarithms within bounds: Levenberg-Marquardt on analytic sensitivities, or on differences where a
-/// coefficient has knots, from the start that was given and from evenly spread (Halton) points; sensors weighed by their noise
-/// levels as in the fits of the other models. `through_filter`: whether the measurement of every wave is known: then the
-/// minima are followed to those of the misfit as measured. Deterministic for any number of threads; a global minimum is likely, not
-/// proven. Errors: a chain without meaning, waves of masses it does not have, no start with a finite response.
+/// Least squares in the logarithms within bounds: Levenberg-Marquardt on analytic sensitivities, or on differences
+/// where a coefficient has knots, from the start that was given and from evenly spread (Halton) points; sensors weighed
+/// by their noise levels as in the fits of the other models. `through_filter`: whether the measurement of every wave is
+/// known: then the minima are followed to those of the misfit as measured. Deterministic for any number of threads; a
+/// global minimum is likely, not proven. Errors: a chain without meaning, waves of masses it does not have, no start
+/// with a finite response.
 pub fn fit_chain(
     stated: &StatedChain,
     observed: &Observation,
@@ -72,7 +74,7 @@ pub fn fit_chain(
     if length_s <= 0.0 {
         return Err(SolveError::Value { name: "number of waves", value: 0.0, expected: "one or more" });
     }
-    let family = ChainCoordinates::new(stated, length_s)?;
+    let coordinates = ChainCoordinates::new(stated, length_s)?;
     let index = |mass: Option<usize>| mass.unwrap_or(masses - 1);
     if let Some(strange) = observed.waves.iter().map(|wave| index(wave.mass)).find(|mass| *mass >= masses) {
         return Err(SolveError::Value {
@@ -86,20 +88,20 @@ pub fn fit_chain(
     for (sensor, wave) in seen.iter_mut().zip(&waves.waves) {
         sensor.noise = wave.size().max(f64::MIN_POSITIVE);
     }
-    let starts = starts.max(6 * family.names.len());
-    let search = Search::Starts(starts, vec![family.start.clone()]);
+    let starts = starts.max(6 * coordinates.names.len());
+    let search = Search::Starts(starts, vec![coordinates.start.clone()]);
     let weigh = vec![true; seen.len()];
-    let found = fit_sensors(&family, observed.impact_speed_m_per_s, seen, &weigh, &search)
+    let fitted = fit_sensors(&coordinates, observed.impact_speed_m_per_s, seen, &weigh, &search)
         .ok_or(SolveError::NoFit { starts })?;
-    for (wave, sensor) in waves.waves.iter_mut().zip(&found.sensors) {
-        wave.weight = found.sensors[0].noise / sensor.noise;
+    for (wave, sensor) in waves.waves.iter_mut().zip(&fitted.sensors) {
+        wave.weight = fitted.sensors[0].noise / sensor.noise;
     }
-    let (mut minima, mut evaluations) = (found.minima, found.evaluations);
+    let (mut minima, mut evaluations) = (fitted.minima, fitted.evaluations);
     if through_filter {
         for _ in 0..WEIGHINGS {
-            let problem = ChainProblem::new(&family, &waves, true);
+            let problem = ChainProblem::new(&coordinates, &waves, true);
             let points = minima.iter().map(|m| m.theta.clone()).collect();
-            let (next, spent) = all(&problem, points, &bounds(&family, 200, 1e-12));
+            let (next, spent) = all(&problem, points, &bounds(&coordinates, 200, 1e-12));
             evaluations += spent;
             minima = distinct(next);
             let Some(best) = minima.first() else { break };
@@ -113,26 +115,27 @@ pub fn fit_chain(
     }
     let best = minima.first().ok_or(SolveError::NoFit { starts })?.cost;
     minima.retain(|minimum| minimum.cost.sqrt() <= AS_GOOD * best.sqrt());
-    let problem = ChainProblem::new(&family, &waves, through_filter);
-    let mut found: Vec<ChainSolution> = Vec::new();
+    let problem = ChainProblem::new(&coordinates, &waves, through_filter);
+    let mut solutions: Vec<ChainSolution> = Vec::new();
     let mut sets = 0;
     for minimum in &minima {
-        let known = found.iter().any(|f| f.theta.iter().zip(&minimum.theta).all(|(a, b)| (a - b).abs() < SAME));
+        let known = solutions.iter().any(|f| f.theta.iter().zip(&minimum.theta).all(|(a, b)| (a - b).abs() < SAME));
         if known || sets == REPORTED {
             continue;
         }
-        let Some(mut own) = solution(&problem, minimum, evaluations) else { continue };
+        let Some(mut primal) = solution(&problem, minimum, evaluations) else { continue };
         sets += 1;
-        let place = found.len() + 1;
-        let dual = sees_the_last_only(&waves, masses).then(|| dual_of(&family, &own.chain, &own.theta)).flatten();
+        let place = solutions.len() + 1;
+        let dual =
+            sees_the_last_only(&waves, masses).then(|| dual_of(&coordinates, &primal.chain, &primal.theta)).flatten();
         let other = match dual {
             Some(DualOf::At(theta)) => {
                 // What the search stopped at is the bound of the minimum: that of the other place in its dual.
-                let on_bound = family.exchanged(&minimum.on_bound);
+                let on_bound = coordinates.exchanged(&minimum.on_bound);
                 solution(&problem, &Optimum { theta, on_bound, ..minimum.clone() }, evaluations)
             }
             Some(DualOf::Outside(chain)) => {
-                own.dual = Some(ChainDual::NotAsStated(chain));
+                primal.dual = Some(ChainDual::NotAsStated(chain));
                 None
             }
             None => None,
@@ -140,17 +143,17 @@ pub fn fit_chain(
         match other {
             // The one with the softer first spring comes first, whichever was met first.
             Some(mut other) => {
-                if other.first_spring() < own.first_spring() {
-                    std::mem::swap(&mut own, &mut other);
+                if other.first_spring() < primal.first_spring() {
+                    std::mem::swap(&mut primal, &mut other);
                 }
-                own.dual = Some(ChainDual::Solution(place + 1));
+                primal.dual = Some(ChainDual::Solution(place + 1));
                 other.dual = Some(ChainDual::Solution(place));
-                found.extend([own, other]);
+                solutions.extend([primal, other]);
             }
-            None => found.push(own),
+            None => solutions.push(primal),
         }
     }
-    Ok(found)
+    Ok(solutions)
 }
 
 impl ChainSolution {
@@ -160,17 +163,17 @@ impl ChainSolution {
 }
 
 fn solution(problem: &ChainProblem<'_>, minimum: &Optimum, evaluations: u64) -> Option<ChainSolution> {
-    let (family, waves) = (problem.family, problem.waves);
-    let chain = family.model(&minimum.theta)?;
+    let (coordinates, waves) = (problem.coordinates, problem.waves);
+    let chain = coordinates.model(&minimum.theta)?;
     let misfit = problem.misfit(&minimum.theta)?;
     let rmse = waves.rmse(&misfit);
     let sensitivities = derivatives(problem, &minimum.theta, &problem.bounds())? * problem.unit;
-    let on_bound = family.names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
+    let on_bound = coordinates.names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
     let first = waves.noise_levels(&rmse).first().copied().unwrap_or(0.0);
-    let free_masses = (0..family.names.len()).any(|i| family.is_mass(i));
+    let free_masses = (0..coordinates.names.len()).any(|i| coordinates.is_mass(i));
     Some(ChainSolution {
         chain,
-        free: family.all_names(),
+        free: coordinates.all_names(),
         on_bound: on_bound.map(|(name, _)| name.clone()).collect(),
         noise: waves.waves.iter().map(|wave| first / wave.weight).collect(),
         rmse,
@@ -178,9 +181,9 @@ fn solution(problem: &ChainProblem<'_>, minimum: &Optimum, evaluations: u64) -> 
         iterations: minimum.iterations,
         evaluations,
         stop_reason: minimum.stop,
-        linearised: linearised(family, waves, minimum, &misfit, &sensitivities),
+        linearised: linearised(coordinates, waves, minimum, &misfit, &sensitivities),
         dual: None,
-        division_undecided: free_masses && family.masses() > 1 && sees_the_last_only(waves, family.masses()),
+        division_undecided: free_masses && coordinates.masses() > 1 && sees_the_last_only(waves, coordinates.masses()),
         theta: minimum.theta.clone(),
     })
 }

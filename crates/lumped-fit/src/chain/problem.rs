@@ -14,10 +14,11 @@ use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Respons
 /// Iterations, and the relative decrease of the cost worth going on for, where a minimum is followed.
 const FOLLOWING: (u32, f64) = (200, 1e-7);
 
-/// A chain of which some numbers are free, beside waves: as measured, each sampled, filtered and integrated like its wave; or as the
-/// motion itself where a filter is not known. Residuals are weighted, in units of [`Observation::scale_m`].
+/// A chain of which some numbers are free, beside waves: as measured, each sampled, filtered and integrated like its
+/// wave; or as the motion itself where a filter is not known. Residuals are weighted, in units of
+/// [`Observation::scale_m`].
 pub(crate) struct ChainProblem<'a> {
-    pub family: &'a ChainCoordinates,
+    pub coordinates: &'a ChainCoordinates,
     pub waves: &'a Observation,
     /// The windows to compare with the motion itself; `None`: through the filters.
     direct: Option<Vec<SensorWindow>>,
@@ -27,7 +28,7 @@ pub(crate) struct ChainProblem<'a> {
 
 /// The windows of waves for a comparison with the motion itself; `unit` is the noise level of the first.
 pub(crate) fn windows(waves: &Observation, masses: usize, unit: f64) -> Vec<SensorWindow> {
-    let of = |wave: &ObservedWave| SensorWindow {
+    let window_of = |wave: &ObservedWave| SensorWindow {
         mass: wave.mass.unwrap_or(masses - 1),
         quantity: wave.quantity,
         window: Window {
@@ -37,14 +38,14 @@ pub(crate) fn windows(waves: &Observation, masses: usize, unit: f64) -> Vec<Sens
         },
         noise: unit / wave.weight,
     };
-    waves.waves.iter().map(of).collect()
+    waves.waves.iter().map(window_of).collect()
 }
 
 impl<'a> ChainProblem<'a> {
-    pub fn new(family: &'a ChainCoordinates, waves: &'a Observation, through_filter: bool) -> Self {
+    pub fn new(coordinates: &'a ChainCoordinates, waves: &'a Observation, through_filter: bool) -> Self {
         let unit = waves.scale_m();
-        let direct = (!through_filter).then(|| windows(waves, family.masses(), unit));
-        Self { family, waves, direct, unit }
+        let direct = (!through_filter).then(|| windows(waves, coordinates.masses(), unit));
+        Self { coordinates, waves, direct, unit }
     }
 
     /// Weighted misfit at every sample of every wave, in the unit of the first.
@@ -62,7 +63,7 @@ impl<'a> ChainProblem<'a> {
 
     /// Bounds of a descent near a minimum.
     pub fn bounds(&self) -> Bounds {
-        bounds(self.family, FOLLOWING.0, FOLLOWING.1)
+        bounds(self.coordinates, FOLLOWING.0, FOLLOWING.1)
     }
 
     /// The minimum near `start`.
@@ -70,31 +71,32 @@ impl<'a> ChainProblem<'a> {
         descend(self, start, &self.bounds())
     }
 
-    /// The minimum near `others` where number `fixed` stays at `coordinate`: the coordinates of the others and the sum of squares.
+    /// The minimum near `others` where number `fixed` stays at `coordinate`: the coordinates of the others and the sum
+    /// of squares.
     pub fn follow_others(&self, fixed: usize, coordinate: f64, others: &[f64]) -> Option<(Vec<f64>, f64)> {
         let mut start = others.to_vec();
         start.insert(fixed, coordinate);
         let mut limits = self.bounds();
         (limits.lower[fixed], limits.upper[fixed]) = (coordinate, coordinate);
-        let mut found = descend(self, &start, &limits)?;
-        found.theta.remove(fixed);
-        Some((found.theta, found.cost))
+        let mut minimum = descend(self, &start, &limits)?;
+        minimum.theta.remove(fixed);
+        Some((minimum.theta, minimum.cost))
     }
 
     fn plain<'b>(&'b self, sensors: &'b [SensorWindow]) -> SensorProblem<'b, ChainCoordinates> {
-        SensorProblem { family: self.family, impact_speed_m_per_s: self.waves.impact_speed_m_per_s, sensors }
+        SensorProblem { coordinates: self.coordinates, impact_speed_m_per_s: self.waves.impact_speed_m_per_s, sensors }
     }
 
     /// What is measured of every wave's motion, and of its derivatives by these places.
     fn measured(&self, chain: &SecantChain, places: &[usize]) -> Option<Vec<Vec<Vec<f64>>>> {
         let v0 = self.waves.impact_speed_m_per_s;
         let last = chain.masses_kg().len() - 1;
-        let of = |wave: &ObservedWave| {
+        let measured_wave = |wave: &ObservedWave| {
             let what = (wave.mass.unwrap_or(last), wave.quantity);
-            let respond = |at: &Instants| self.family.sensitivity(chain, v0, at, places);
+            let respond = |at: &Instants| self.coordinates.sensitivity(chain, v0, at, places);
             wave.measurement.of_motions(what, v0, wave.last(), respond).ok()
         };
-        self.waves.waves.iter().map(of).collect()
+        self.waves.waves.iter().map(measured_wave).collect()
     }
 }
 
@@ -107,11 +109,11 @@ impl Response for ChainProblem<'_> {
         if let Some(sensors) = &self.direct {
             return self.plain(sensors).residuals(theta, out);
         }
-        let Some(chain) = self.family.model(theta) else { return false };
+        let Some(chain) = self.coordinates.model(theta) else { return false };
         let Some(measured) = self.measured(&chain, &[]) else { return false };
         let mut row = 0;
-        for (wave, found) in self.waves.waves.iter().zip(&measured) {
-            let picked = found[0].get(wave.first..).unwrap_or_default().iter().step_by(wave.stride);
+        for (wave, motions) in self.waves.waves.iter().zip(&measured) {
+            let picked = motions[0].get(wave.first..).unwrap_or_default().iter().step_by(wave.stride);
             for (model, record) in picked.zip(&wave.samples) {
                 out[row] = (model - record) * wave.weight / self.unit;
                 row += 1;
@@ -124,21 +126,21 @@ impl Response for ChainProblem<'_> {
         if let Some(sensors) = &self.direct {
             return self.plain(sensors).sensitivities(theta, out);
         }
-        let chain = self.family.chain(theta)?;
-        let places = places(&chain);
-        let Some(measured) = self.family.model(theta).and_then(|model| self.measured(&model, &places)) else {
+        let derivatives = self.coordinates.derivatives_by_coordinate(theta)?;
+        let places = places(&derivatives);
+        let Some(measured) = self.coordinates.model(theta).and_then(|model| self.measured(&model, &places)) else {
             return Some(false);
         };
         let mut first = 0;
-        for (wave, found) in self.waves.waves.iter().zip(&measured) {
-            for (j, by) in chain.iter().enumerate() {
+        for (wave, motions) in self.waves.waves.iter().zip(&measured) {
+            for (j, by) in derivatives.iter().enumerate() {
                 for k in 0..wave.samples.len() {
                     let at = wave.first + k * wave.stride;
                     let change: Option<f64> = by
                         .iter()
                         .map(|(place, factor)| {
                             let p = places.binary_search(place).ok()?;
-                            Some(factor * found.get(p + 1)?.get(at)?)
+                            Some(factor * motions.get(p + 1)?.get(at)?)
                         })
                         .sum();
                     let Some(change) = change else { return Some(false) };

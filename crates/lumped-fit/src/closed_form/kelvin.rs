@@ -54,8 +54,8 @@ fn tau_m(zeta: f64) -> f64 {
 
 /// `t_c/t_m = e^(-ζ ω t_m)/(ω t_m)` of a Kelvin model with damping ratio `zeta >= 0`.
 ///
-/// Falls strictly, from `2/π` at 0 (slope -0.5947) through `1/e` at 1 towards 0, about `1/(2 ln 2ζ)`. Single-mass paper, equations
-/// 2 to 4, where `arctan(sqrt(1-ζ²)/ζ)` is `acos ζ`.
+/// Falls strictly, from `2/π` at 0 (slope -0.5947) through `1/e` at 1 towards 0, about `1/(2 ln 2ζ)`. Single-mass
+/// paper, equations 2 to 4, where `arctan(sqrt(1-ζ²)/ζ)` is `acos ζ`.
 pub fn centroid_to_crush_time_ratio(zeta: f64) -> f64 {
     let tau = tau_m(zeta);
     (-zeta * tau).exp() / tau

@@ -30,8 +30,8 @@ impl<F: Fn(&[f64]) -> G + Sync, G: Fn(f64) -> f64> Response for ClosedForm<'_, F
     }
 }
 
-/// The best end of descents from every start, its record, and the deviations of the parameters `names`, which are logarithms in
-/// the search; `values` gives them at a point.
+/// The best end of descents from every start, its record, and the deviations of the parameters `names`, which are
+/// logarithms in the search; `values` gives them at a point.
 pub(crate) fn fit_logarithms<F: Fn(&[f64]) -> G + Sync, G: Fn(f64) -> f64>(
     problem: &ClosedForm<'_, F>,
     starts: Vec<Vec<f64>>,
@@ -40,14 +40,14 @@ pub(crate) fn fit_logarithms<F: Fn(&[f64]) -> G + Sync, G: Fn(f64) -> f64>(
     values: impl Fn(&[f64]) -> Vec<f64>,
 ) -> Result<(Optimum, Fit, Option<Uncertainty>), SolveError> {
     let tried = starts.len();
-    let (mut found, evaluations) = all(problem, starts, bounds);
-    if found.is_empty() {
+    let (mut ends, evaluations) = all(problem, starts, bounds);
+    if ends.is_empty() {
         return Err(SolveError::NoFit { starts: tried });
     }
-    let best = found.remove(0);
-    let mut rest = vec![0.0; problem.rows()];
-    let known = problem.residuals(&best.theta, &mut rest);
-    let deviations = known.then(|| uncertainty(&best, &rest, names, &values(&best.theta))).flatten();
+    let best = ends.remove(0);
+    let mut residuals = vec![0.0; problem.rows()];
+    let finite = problem.residuals(&best.theta, &mut residuals);
+    let deviations = finite.then(|| uncertainty(&best, &residuals, names, &values(&best.theta))).flatten();
     let fit = Fit::of_displacement(&best, problem.window, evaluations, names, problem.crush_m);
     Ok((best, fit, deviations))
 }

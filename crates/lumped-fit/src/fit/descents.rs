@@ -11,8 +11,8 @@ const REPORTED: usize = 3;
 const APART: f64 = 0.01;
 
 /// Bounds of a descent in the coordinates of a model.
-pub(crate) fn bounds(family: &impl Parameterisation, max_iterations: u32, cost_tolerance: f64) -> Bounds {
-    let axes = family.axes();
+pub(crate) fn bounds(coordinates: &impl Parameterisation, max_iterations: u32, cost_tolerance: f64) -> Bounds {
+    let axes = coordinates.axes();
     Bounds {
         lower: axes.iter().map(|axis| axis.lower).collect(),
         upper: axes.iter().map(|axis| axis.upper).collect(),
@@ -23,11 +23,11 @@ pub(crate) fn bounds(family: &impl Parameterisation, max_iterations: u32, cost_t
 
 /// Descends from every point: where each with a finite response ended, least cost first, and the evaluations spent.
 pub(crate) fn all(problem: &impl Response, points: Vec<Vec<f64>>, bounds: &Bounds) -> (Vec<Optimum>, u64) {
-    let found: Vec<_> = points.par_iter().map(|point| descend(problem, point, bounds)).collect();
-    let mut found: Vec<Optimum> = found.into_iter().flatten().collect();
-    let evaluations = found.iter().map(|m| m.evaluations).sum();
-    found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    (found, evaluations)
+    let ends: Vec<_> = points.par_iter().map(|point| descend(problem, point, bounds)).collect();
+    let mut ends: Vec<Optimum> = ends.into_iter().flatten().collect();
+    let evaluations = ends.iter().map(|m| m.evaluations).sum();
+    ends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    (ends, evaluations)
 }
 
 /// Those that have not come to the place of a better one.

@@ -16,9 +16,9 @@ const STIFFNESSES: [f64; 5] = [0.1, 0.3, 1.0, 2.0, 4.0];
 /// Fits the loading stiffness of the elastoplastic model to a displacement that never stops: `x = v0/w sin w t`,
 /// `w² = k_E/m`.
 ///
-/// Nothing of the record depends on the unloading stiffness: it is set to the loading stiffness, the least that a structure can
-/// have, and named among the active bounds. Least squares over the logarithm of `k_E` from five starts, within `e^±9` of
-/// `m (v0/C)²`. Errors: as the other fits.
+/// Nothing of the record depends on the unloading stiffness: it is set to the loading stiffness, the least that a
+/// structure can have, and named among the active bounds. Least squares over the logarithm of `k_E` from five starts,
+/// within `e^±9` of `m (v0/C)²`. Errors: as the other fits.
 pub fn fit_elastoplastic_loading(
     displacement: &Signal<Displacement>,
     options: &SingleMassFitOptions,

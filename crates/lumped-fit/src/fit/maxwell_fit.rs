@@ -14,11 +14,11 @@ use crumple_estimation::minimise::levenberg_marquardt::Bounds;
 const SPRINGS: [f64; 5] = [0.3, 1.0, 3.0, 10.0, 30.0];
 const DAMPERS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
 
-/// Fits spring and damper in series, with `x(0) = 0`, `v(0) = v0`, `a(0) = 0` as the model has them: two numbers, where the
-/// paper's five free constants do not reproduce the curve.
+/// Fits spring and damper in series, with `x(0) = 0`, `v(0) = v0`, `a(0) = 0` as the model has them: two numbers, where
+/// the paper's five free constants do not reproduce the curve.
 ///
-/// Logarithms, from 20 starts, bounded to `e^±9` of their units; the closed form is exact at every sample. Errors: as the
-/// other fits.
+/// Logarithms, from 20 starts, bounded to `e^±9` of their units; the closed form is exact at every sample. Errors: as
+/// the other fits.
 pub fn fit_maxwell(
     displacement: &Signal<Displacement>,
     options: &SingleMassFitOptions,
@@ -55,10 +55,11 @@ const RIGID: f64 = 0.02;
 
 /// Which parameter the record hardly determines, in words, and why; `None` where both take part.
 ///
-/// Spring and damper in series share the crush. The damper gives `m v0/c` until the mass stops, at most; the spring gives the
-/// largest force over its stiffness, at a thousand instants up to twice the time `C/v0` (the force of a stiff spring is largest soon after
-/// contact and falls slowly). Where one of them gives less than 2 % of the crush it could as well be rigid: its value follows
-/// from that small part, to which noise, filter and the other's law contribute as much.
+/// Spring and damper in series share the crush. The damper gives `m v0/c` until the mass stops, at most; the spring
+/// gives the largest force over its stiffness, at a thousand instants up to twice the time `C/v0` (the force of a stiff
+/// spring is largest soon after contact and falls slowly). Where one of them gives less than 2 % of the crush it could
+/// as well be rigid: its value follows from that small part, to which noise, filter and the other's law contribute as
+/// much.
 pub fn undetermined_by_the_record(model: &Maxwell, impact_speed_m_per_s: f64, crush_m: f64) -> Option<String> {
     let damper = model.mass_kg * impact_speed_m_per_s / model.damping_n_s_per_m;
     let step_s = 2.0 * crush_m / impact_speed_m_per_s / 1000.0;
@@ -68,14 +69,16 @@ pub fn undetermined_by_the_record(model: &Maxwell, impact_speed_m_per_s: f64, cr
     let share = |give: f64| format!("{:.2} mm of {:.1} mm", 1e3 * give, 1e3 * crush_m);
     if damper < RIGID * crush_m {
         return Some(format!(
-            "the damper is nearly rigid, it gives {}: the record does not determine its damping, only that it is large, and the \
+            "the damper is nearly rigid, it gives {}: the record does not determine its damping, only that it is \
+             large, and the \
              model is a spring alone",
             share(damper)
         ));
     }
     (spring < RIGID * crush_m).then(|| {
         format!(
-            "the spring is nearly rigid, it gives {}: the record does not determine its stiffness, only that it is large, and the \
+            "the spring is nearly rigid, it gives {}: the record does not determine its stiffness, only that it is \
+             large, and the \
              model is a damper alone",
             share(spring)
         )
@@ -99,7 +102,8 @@ mod tests {
 
     #[test]
     fn a_spring_that_has_relaxed_when_the_mass_stops_is_not_rigid() {
-        // Nearly critical: hardly any force is left at dynamic crush, but the spring gave a fifth of the crush on the way.
+        // Nearly critical: hardly any force is left at dynamic crush, but the spring gave a fifth of the crush on the
+        // way.
         let slow = Maxwell { mass_kg: 1600.0, stiffness_n_per_m: 6e5, damping_n_s_per_m: 1.6e4 };
         let crush = slow.events(17.0).dynamic_crush_m.unwrap();
         assert!(crush - 1600.0 * 17.0 / 1.6e4 < 0.02 * crush);

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crumple_estimation::minimise::levenberg_marquardt::Response;
-use crumple_lumped::{Model, ModelKind};
+use crumple_lumped::{Model, ModelKind, ParameterKind};
 use nalgebra::DMatrix;
 
 use crate::free::free_parameter::{FreeParameter, masses_of, rest_mass};
@@ -88,14 +88,15 @@ impl Response for Problem<'_> {
         let mut row = 0;
         for wave in &self.observed.waves {
             let what = (wave.mass, wave.quantity);
-            let found = wave.measurement.derivatives(&model, what, v0, wave.last(), &places).ok()?;
+            let derivatives = wave.measurement.derivatives(&model, what, v0, wave.last(), &places).ok()?;
             for (j, (parameter, theta)) in self.free.iter().zip(theta).enumerate() {
                 let scale = parameter.slope(*theta) * wave.weight / self.unit_m;
-                let taken = rest.filter(|_| parameter.name.ends_with("_kg")).and_then(|_| found.last());
+                let taken = rest.filter(|_| parameter.kind == ParameterKind::Mass).and_then(|_| derivatives.last());
                 for (k, row) in (row..row + wave.samples.len()).enumerate() {
                     let at = wave.first + k * wave.stride;
-                    let own = found[j].get(at)? - taken.map_or(Some(0.0), |of| of.get(at).copied())?;
-                    out[(row, j)] = scale * own;
+                    let derivative =
+                        derivatives[j].get(at)? - taken.map_or(Some(0.0), |column| column.get(at).copied())?;
+                    out[(row, j)] = scale * derivative;
                 }
             }
             row += wave.samples.len();

@@ -33,8 +33,8 @@ pub struct Refined {
 }
 
 const ITERATIONS: u32 = 200;
-/// Relative decrease of the cost that is worth another step: over 250 samples it moves a parameter by `sqrt(250e-7)`, 0.5 % of
-/// its standard deviation.
+/// Relative decrease of the cost that is worth another step: over 250 samples it moves a parameter by `sqrt(250e-7)`,
+/// 0.5 % of its standard deviation.
 const COST_TOLERANCE: f64 = 1e-7;
 /// Steps along the weakest direction from which the descent starts once more, in the coordinates.
 const HOPS: [f64; 4] = [-0.3, 0.3, -0.05, 0.05];
@@ -50,21 +50,21 @@ impl Refined {
 
 /// Descends from `model` to the least misfit, all parameters of `free` moving.
 ///
-/// Bounded Levenberg-Marquardt in the coordinates of [`FreeParameter`], then from both sides of the direction along which
-/// the misfit rises least, as long as that finds something better and the misfit is more than what is resolved. Local: the result depends on the start. `None`
-/// where the model has no finite response.
+/// Bounded Levenberg-Marquardt in the coordinates of [`FreeParameter`], then from both sides of the direction along
+/// which the misfit rises least, as long as that finds something better and the misfit is more than what is resolved.
+/// Local: the result depends on the start. `None` where the model has no finite response.
 ///
 /// A parameter that comes near zero, or away from it, is described anew there and the descent goes on.
 pub fn refine(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Refined> {
-    let found = descend_with_hops(model, free, observed)?;
-    let again: Vec<FreeParameter> = found.free.iter().map(|p| p.described_at(p.value)).collect();
-    if again.iter().zip(free).all(|(new, old)| new.logarithmic == old.logarithmic) {
-        return Some(found);
+    let minimum = descend_with_hops(model, free, observed)?;
+    let redescribed: Vec<FreeParameter> = minimum.free.iter().map(|p| p.described_at(p.value)).collect();
+    if redescribed.iter().zip(free).all(|(new, old)| new.logarithmic == old.logarithmic) {
+        return Some(minimum);
     }
-    let next = descend_with_hops(&found.model, &again, observed)?;
+    let next = descend_with_hops(&minimum.model, &redescribed, observed)?;
     Some(Refined {
-        evaluations: found.evaluations + next.evaluations,
-        iterations: found.iterations + next.iterations,
+        evaluations: minimum.evaluations + next.evaluations,
+        iterations: minimum.iterations + next.iterations,
         ..next
     })
 }
@@ -86,11 +86,13 @@ fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observati
                 descend(&problem, &start, &Bounds { cost_tolerance: WORTH_A_HOP, ..bounds(free) })
             })
             .collect();
-        evaluations += hopped.iter().map(|found| found.evaluations).sum::<u64>();
-        let Some(found) = hopped.into_iter().find(|found| found.cost < (1.0 - WORTH_A_HOP) * best.cost) else { break };
-        let Some(found) = descend(&problem, &found.theta, &bounds(free)) else { break };
-        evaluations += found.evaluations;
-        best = found;
+        evaluations += hopped.iter().map(|minimum| minimum.evaluations).sum::<u64>();
+        let Some(minimum) = hopped.into_iter().find(|minimum| minimum.cost < (1.0 - WORTH_A_HOP) * best.cost) else {
+            break;
+        };
+        let Some(minimum) = descend(&problem, &minimum.theta, &bounds(free)) else { break };
+        evaluations += minimum.evaluations;
+        best = minimum;
     }
     finish(&problem, best, evaluations)
 }
@@ -202,10 +204,10 @@ mod tests {
             }
             let problem = Problem::new(*model, free, &observed);
             let theta = problem.start();
-            let mut own = DMatrix::zeros(observed.rows(), theta.len());
-            assert_eq!(problem.sensitivities(&theta, &mut own), Some(true));
+            let mut analytic = DMatrix::zeros(observed.rows(), theta.len());
+            assert_eq!(problem.sensitivities(&theta, &mut analytic), Some(true));
             let by_differences = central_differences(&problem, &theta, &bounds(&problem.free)).unwrap();
-            for (j, (a, b)) in own.column_iter().zip(by_differences.column_iter()).enumerate() {
+            for (j, (a, b)) in analytic.column_iter().zip(by_differences.column_iter()).enumerate() {
                 // Square of the step times the third derivative, rounding over the step, and samples that a kink of the
                 // acceleration crosses within the step.
                 assert!(

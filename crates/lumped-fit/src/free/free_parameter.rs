@@ -1,12 +1,14 @@
 //! Parameters of a model that are free in a fit, as coordinates of size one.
 
-use crumple_lumped::Model;
+use crumple_lumped::{Model, Parameter, ParameterKind};
 
 /// One parameter that is judged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeParameter {
     /// Name with unit.
     pub name: &'static str,
+    /// What it is.
+    pub kind: ParameterKind,
     /// Value where the description was made.
     pub value: f64,
     /// Unit of its coordinate: the value itself for a logarithm, the scale of its kind otherwise.
@@ -58,8 +60,8 @@ impl FreeParameter {
     }
 }
 
-/// The springs, dampers and knots of a model that a displacement can tell, with coordinates of size one. Masses, and the end
-/// knots of a nonlinear model, are given.
+/// The springs, dampers and knots of a model that a displacement can tell, with coordinates of size one. Masses, and
+/// the end knots of a nonlinear model, are given.
 ///
 /// `crush_m` and `time_s` are those of the test; `with_unloading`: whether the window goes beyond the dynamic crush.
 pub fn free_parameters(
@@ -70,22 +72,26 @@ pub fn free_parameters(
 ) -> Vec<FreeParameter> {
     let rate = impact_speed_m_per_s / crush_m;
     let values = model.parameters();
-    let mass: f64 = values.iter().filter(|(name, _)| name.ends_with("_kg")).map(|(_, value)| value).sum();
-    let names = model.kind().parameter_names();
-    names
+    let mass = mass_of(model);
+    let parameters = model.kind().parameters();
+    // Knots of a curve stay inside its last one.
+    let last_knot = |kind: ParameterKind| {
+        let last = parameters.iter().find(|p| p.of_the_test && p.kind == kind);
+        0.999_999 * last.map_or(f64::INFINITY, |p| values[p.name])
+    };
+    parameters
         .iter()
-        .filter(|name| !(name.ends_with("_kg") || **name == "crush_m" || **name == "v0_m_per_s"))
-        .filter(|name| with_unloading || **name != "unloading_stiffness_n_per_m")
-        .map(|&name| {
+        .filter(|p| !(p.kind == ParameterKind::Mass || p.of_the_test))
+        .filter(|p| with_unloading || p.name != "unloading_stiffness_n_per_m")
+        .map(|&Parameter { name, kind, .. }| {
             let value = values[name];
-            let knot = |last: &str| 0.999_999 * values.get(last).copied().unwrap_or(f64::INFINITY);
-            let (scale, limit) = match name {
-                _ if name.ends_with("_n_s_per_m") => (mass * rate, f64::INFINITY),
-                _ if name.ends_with("_n_per_m") => (mass * rate * rate, f64::INFINITY),
-                _ if name.ends_with("_m_per_s") => (0.0, knot("v0_m_per_s")),
-                _ => (0.0, knot("crush_m")),
+            let (scale, limit) = match kind {
+                ParameterKind::Damping => (mass * rate, f64::INFINITY),
+                ParameterKind::Stiffness => (mass * rate * rate, f64::INFINITY),
+                kind => (0.0, last_knot(kind)),
             };
-            FreeParameter { name, value, unit: value, scale, logarithmic: true, limit, lowest: 0.0 }.described_at(value)
+            let unit = value;
+            FreeParameter { name, kind, value, unit, scale, logarithmic: true, limit, lowest: 0.0 }.described_at(value)
         })
         .collect()
 }
@@ -100,7 +106,8 @@ pub fn free_masses(model: &Model, (lower, upper): (f64, f64)) -> Vec<FreeParamet
         .map(|&(name, value)| {
             let (limit, lowest) = (upper * left, lower * left);
             left -= value;
-            FreeParameter { name, value, unit: value, scale: 0.0, logarithmic: true, limit, lowest }
+            let kind = ParameterKind::Mass;
+            FreeParameter { name, kind, value, unit: value, scale: 0.0, logarithmic: true, limit, lowest }
         })
         .collect()
 }
@@ -108,11 +115,16 @@ pub fn free_masses(model: &Model, (lower, upper): (f64, f64)) -> Vec<FreeParamet
 /// Masses of a model from the barrier on.
 pub(crate) fn masses_of(model: &Model) -> Vec<(&'static str, f64)> {
     let values = model.parameters();
-    let names = model.kind().parameter_names().iter();
-    names.filter(|name| name.ends_with("_kg")).map(|name| (*name, values[*name])).collect()
+    let masses = model.kind().parameters().iter().filter(|p| p.kind == ParameterKind::Mass);
+    masses.map(|p| (p.name, values[p.name])).collect()
+}
+
+/// Sum of the masses of a model, kg.
+pub fn mass_of(model: &Model) -> f64 {
+    masses_of(model).iter().map(|(_, kg)| kg).sum()
 }
 
 /// The last mass where masses are free: the rest of the total. Its name and its value.
 pub(crate) fn rest_mass(model: &Model, free: &[FreeParameter]) -> Option<(&'static str, f64)> {
-    free.iter().any(|p| p.name.ends_with("_kg")).then(|| masses_of(model).pop()).flatten()
+    free.iter().any(|p| p.kind == ParameterKind::Mass).then(|| masses_of(model).pop()).flatten()
 }

@@ -68,7 +68,8 @@ pub fn triple_masses(
     let (front, rear, _) = masses(mass_kg, split)?;
     let half = 0.5 * front;
     let text = format!(
-        "m1 = m2 = {half:.2} kg, m3 = {rear:.2} kg: the front mass halved between engine and chassis, an assumption that \
+        "m1 = m2 = {half:.2} kg, m3 = {rear:.2} kg: the front mass halved between engine and chassis, an assumption \
+         that \
          the parameters depend on"
     );
     Ok(([half, half, rear], text))

@@ -5,3 +5,4 @@ pub mod free_parameter;
 pub mod mass_split;
 pub mod model_coordinates;
 pub mod parameterisation;
+pub mod search_bounds;

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{Instants, LumpedError, Model, ModelKind, Sensitivity};
+use crumple_lumped::{Instants, LumpedError, Model, ModelKind, Parameter, ParameterKind, Sensitivity};
 
 use crate::free::parameterisation::{Axis, Parameterisation};
+use crate::free::search_bounds::{DAMPER_BOUNDS, DAMPER_STARTS, SPRING_BOUNDS, SPRING_STARTS};
 
 /// How a coordinate becomes parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,23 +36,13 @@ pub(crate) struct Coordinate {
     pub box_upper: f64,
 }
 
-/// Largest spring of a chain in a search, in units of `M (π/2T)²`, and largest damper in units of `M/T`: M the mass, T the window.
-pub(crate) const STIFFEST: f64 = 1e4;
-pub(crate) const STRONGEST: f64 = 1e3;
-
-/// Largest spring, N/m, and damper, N s/m, that a search gives a chain of this mass over a window of this length.
-pub fn largest_of_chain(mass_kg: f64, length_s: f64) -> (f64, f64) {
-    let rate = std::f64::consts::FRAC_PI_2 / length_s;
-    (STIFFEST * mass_kg * rate * rate, STRONGEST * mass_kg / length_s)
-}
-
 /// A model family with its known and its free parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ModelCoordinates {
     pub kind: ModelKind,
     /// Every parameter, in the order of the names; free ones are overwritten.
     known: Vec<f64>,
-    pub coordinates: Vec<Coordinate>,
+    pub free: Vec<Coordinate>,
     total_mass_kg: f64,
     /// Whether an elastoplastic model leaves the barrier.
     release: bool,
@@ -98,12 +89,12 @@ impl ModelCoordinates {
         let nonlinear = matches!(kind, ModelKind::Nonlinear1 | ModelKind::Nonlinear2);
         let mut known = vec![1.0; names.len()];
         known[..masses_kg.len()].copy_from_slice(masses_kg);
-        let mut coordinates = Vec::new();
+        let mut free = Vec::new();
         let mut push = |place, map, bounds: (f64, f64), searched: (f64, f64)| {
             let name = names[place];
             let logarithm = matches!(map, Map::Logarithm(_));
             let to = |x: f64| if logarithm { x.ln() } else { x };
-            coordinates.push(Coordinate {
+            free.push(Coordinate {
                 name,
                 place,
                 map,
@@ -118,41 +109,53 @@ impl ModelCoordinates {
                 push(place, Map::MassShare, (lower, upper), (lower, upper));
             }
         }
-        for (place, &name) in names.iter().enumerate().skip(masses_kg.len()) {
-            match name {
-                "crush_m" => known[place] = scale.crush_m,
-                "v0_m_per_s" => known[place] = scale.impact_speed_m_per_s,
-                "x1_m" => push(place, Map::Share(scale.crush_m), (0.005, 0.995), (0.1, 0.95)),
-                "v_thresh_m_per_s" | "v2_m_per_s" => {
+        let parameters = kind.parameters();
+        let free_rate = |p: &Parameter| p.kind == ParameterKind::Rate && !p.of_the_test;
+        for (place, parameter) in parameters.iter().enumerate().skip(masses_kg.len()) {
+            match parameter.kind {
+                ParameterKind::Length if parameter.of_the_test => known[place] = scale.crush_m,
+                ParameterKind::Rate if parameter.of_the_test => known[place] = scale.impact_speed_m_per_s,
+                ParameterKind::Length => push(place, Map::Share(scale.crush_m), (0.005, 0.995), (0.1, 0.95)),
+                // Below another knot that is free: a share of it.
+                ParameterKind::Rate if parameters.get(place + 1).is_some_and(free_rate) => {
+                    push(place, Map::ShareOf(place + 1), (0.005, 0.995), (0.05, 0.95));
+                }
+                ParameterKind::Rate => {
                     push(place, Map::Share(scale.impact_speed_m_per_s), (0.005, 0.995), (0.05, 0.95));
                 }
-                "v1_m_per_s" => push(place, Map::ShareOf(place + 1), (0.005, 0.995), (0.05, 0.95)),
-                _ if nonlinear && name.starts_with('k') => {
+                ParameterKind::Stiffness if nonlinear => {
                     push(place, Map::Logarithm(total_mass_kg * rate * rate), (1e-8, 1e3), (1e-3, 10.0));
                 }
-                _ if nonlinear => push(place, Map::Logarithm(total_mass_kg * rate), (1e-8, 1e3), (1e-3, 10.0)),
-                "unloading_stiffness_n_per_m" => push(place, Map::Logarithm(spring), (1e-2, 1e5), (1.0, 300.0)),
-                _ if name.ends_with("n_s_per_m") => {
-                    let searched = if kind == ModelKind::Maxwell { (0.1, 30.0) } else { (0.01, 3.0) };
-                    push(place, Map::Logarithm(damper), (1e-5, STRONGEST), searched);
+                ParameterKind::Damping if nonlinear => {
+                    push(place, Map::Logarithm(total_mass_kg * rate), (1e-8, 1e3), (1e-3, 10.0));
                 }
-                _ => push(place, Map::Logarithm(spring), (1e-4, STIFFEST), (0.2, 30.0)),
+                ParameterKind::Stiffness if parameter.name == "unloading_stiffness_n_per_m" => {
+                    push(place, Map::Logarithm(spring), (1e-2, 1e5), (1.0, 300.0));
+                }
+                ParameterKind::Damping => {
+                    let searched = if kind == ModelKind::Maxwell { (0.1, 30.0) } else { DAMPER_STARTS };
+                    push(place, Map::Logarithm(damper), DAMPER_BOUNDS, searched);
+                }
+                // Masses stand in front of all others.
+                ParameterKind::Stiffness | ParameterKind::Mass => {
+                    push(place, Map::Logarithm(spring), SPRING_BOUNDS, SPRING_STARTS);
+                }
             }
         }
         // A knot that is a share of another needs that one first.
-        coordinates.sort_by_key(|c| matches!(c.map, Map::ShareOf(_)));
-        Self { kind, known, coordinates, total_mass_kg, release: scale.release }
+        free.sort_by_key(|c| matches!(c.map, Map::ShareOf(_)));
+        Self { kind, known, free, total_mass_kg, release: scale.release }
     }
 
     pub fn names(&self) -> Vec<&'static str> {
-        self.coordinates.iter().map(|c| c.name).collect()
+        self.free.iter().map(|c| c.name).collect()
     }
 
     /// Every parameter, in the order of the names.
     fn values(&self, theta: &[f64]) -> Vec<f64> {
         let mut values = self.known.clone();
         let mut left = self.total_mass_kg;
-        for (coordinate, x) in self.coordinates.iter().zip(theta) {
+        for (coordinate, x) in self.free.iter().zip(theta) {
             values[coordinate.place] = match coordinate.map {
                 Map::Logarithm(scale) => scale * x.exp(),
                 Map::Share(scale) => scale * x,
@@ -190,14 +193,14 @@ impl ModelCoordinates {
             // A zero has no logarithm: the bound stands for it.
             x.max(c.lower).min(c.upper)
         };
-        self.coordinates.iter().map(coordinate).collect()
+        self.free.iter().map(coordinate).collect()
     }
 
     /// Places of the parameters that change, and for each coordinate their derivatives by it.
     fn changes(&self, theta: &[f64]) -> Vec<Vec<(usize, f64)>> {
         let values = self.values(theta);
-        let masses = values.iter().zip(self.kind.parameter_names()).filter(|(_, n)| n.ends_with("_kg")).count();
-        self.coordinates
+        let masses = self.kind.parameters().iter().filter(|p| p.kind == ParameterKind::Mass).count();
+        self.free
             .iter()
             .zip(theta)
             .map(|(coordinate, x)| {
@@ -206,13 +209,13 @@ impl ModelCoordinates {
                     Map::Logarithm(_) => vec![(place, values[place])],
                     Map::Share(scale) => {
                         let follows = |c: &&Coordinate| c.map == Map::ShareOf(place);
-                        let follower = self.coordinates.iter().find(follows);
-                        let own = (place, scale);
-                        std::iter::once(own).chain(follower.map(|c| (c.place, values[c.place] / x))).collect()
+                        let follower = self.free.iter().find(follows);
+                        let itself = (place, scale);
+                        std::iter::once(itself).chain(follower.map(|c| (c.place, values[c.place] / x))).collect()
                     }
                     Map::ShareOf(of) => vec![(place, values[of])],
                     Map::MassShare => {
-                        // Its own mass grows by what the others behind it lose in proportion.
+                        // Its itself mass grows by what the others behind it lose in proportion.
                         let left: f64 = values[place..masses].iter().sum();
                         let behind = left - values[place];
                         let loses = |i: usize| (i, -left * values[i] / behind);
@@ -233,9 +236,9 @@ impl Parameterisation for ModelCoordinates {
     type Model = Model;
 
     fn axes(&self) -> Vec<Axis> {
-        let of =
+        let axis =
             |c: &Coordinate| Axis { lower: c.lower, upper: c.upper, box_lower: c.box_lower, box_upper: c.box_upper };
-        self.coordinates.iter().map(of).collect()
+        self.free.iter().map(axis).collect()
     }
 
     fn model(&self, theta: &[f64]) -> Option<Model> {
@@ -258,7 +261,7 @@ impl Parameterisation for ModelCoordinates {
         model.sensitivity(impact_speed_m_per_s, at, places)
     }
 
-    fn chain(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>> {
+    fn derivatives_by_coordinate(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>> {
         Some(self.changes(theta))
     }
 }
@@ -276,31 +279,31 @@ mod tests {
                 ModelKind::TripleSpringMassDamper => &[200.0, 100.0, 900.0],
                 _ => &[1200.0],
             };
-            let family = ModelCoordinates::new(kind, masses, MassFit::Shares { lower: 0.05, upper: 0.6 }, &scale);
-            let theta: Vec<f64> = family
-                .coordinates
+            let coordinates = ModelCoordinates::new(kind, masses, MassFit::Shares { lower: 0.05, upper: 0.6 }, &scale);
+            let theta: Vec<f64> = coordinates
+                .free
                 .iter()
                 .enumerate()
                 .map(|(k, c)| c.box_lower + (c.box_upper - c.box_lower) * (0.3 + 0.05 * k as f64))
                 .collect();
-            let model = family.model(&theta).unwrap();
-            for (a, b) in family.theta(&model).iter().zip(&theta) {
+            let model = coordinates.model(&theta).unwrap();
+            for (a, b) in coordinates.theta(&model).iter().zip(&theta) {
                 // Two roundings of a logarithm.
                 assert!((a - b).abs() < 1e-13, "{kind}");
             }
-            for (j, by) in family.changes(&theta).iter().enumerate() {
+            for (j, by) in coordinates.changes(&theta).iter().enumerate() {
                 let moved = |h: f64| {
                     let mut theta = theta.clone();
                     theta[j] += h;
-                    family.values(&theta)
+                    coordinates.values(&theta)
                 };
                 let (up, down) = (moved(1e-5), moved(-1e-5));
                 for place in 0..up.len() {
-                    let found = by.iter().find(|(p, _)| *p == place).map_or(0.0, |(_, d)| *d);
+                    let derivative = by.iter().find(|(p, _)| *p == place).map_or(0.0, |(_, d)| *d);
                     let difference = (up[place] - down[place]) / 2e-5;
                     // h²/6 of the third derivative, and rounding over h.
                     assert!(
-                        (found - difference).abs() <= 1e-9 * up[place].abs().max(found.abs()),
+                        (derivative - difference).abs() <= 1e-9 * up[place].abs().max(derivative.abs()),
                         "{kind} {j} {place}"
                     );
                 }

@@ -30,14 +30,14 @@ pub(crate) trait Parameterisation: Sync {
         places: &[usize],
     ) -> Result<Sensitivity, LumpedError>;
 
-    /// Places of the parameters that change with each number, and their derivatives by it; `None` where the model has no
-    /// derivatives of its own and differences must do.
-    fn chain(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>>;
+    /// Places of the parameters that change with each number, and their derivatives by it; `None` where the model has
+    /// no derivatives of its own and differences must do.
+    fn derivatives_by_coordinate(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>>;
 }
 
 /// The places that any number changes, each once, rising.
-pub(crate) fn places(chain: &[Vec<(usize, f64)>]) -> Vec<usize> {
-    let mut places: Vec<usize> = chain.iter().flatten().map(|(place, _)| *place).collect();
+pub(crate) fn places(derivatives: &[Vec<(usize, f64)>]) -> Vec<usize> {
+    let mut places: Vec<usize> = derivatives.iter().flatten().map(|(place, _)| *place).collect();
     places.sort_unstable();
     places.dedup();
     places

@@ -6,6 +6,7 @@ use crumple_lumped::{
 };
 use crumple_signal::Notes;
 
+use crate::candidate::note::infos;
 use crate::{Candidate, CoefficientSpread, Method, SolveError};
 
 /// Divisions of the mass in a sweep.
@@ -51,7 +52,7 @@ impl Identified {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Matched {
     /// All solutions at the given masses.
-    pub found: CoefficientMatch,
+    pub coefficient_match: CoefficientMatch,
     /// All solutions at other divisions of the same total mass, with the front share.
     pub sweep: Vec<(f64, CoefficientMatch)>,
     /// The real ones as candidates, in the order of the solutions.
@@ -66,7 +67,7 @@ pub struct Matched {
 
 /// Matches the characteristic polynomial of the double model with the identified one.
 ///
-/// Candidates are the real solutions, numbered from `first_index`; complex ones and multiplicities are in `found`. No
+/// Candidates are the real solutions, numbered from `first_index`; complex ones and multiplicities are in `coefficient_match`. No
 /// real solution is left out, physical or not: a verdict needs to be seen. Errors: masses that are not positive, poles
 /// that are not real or in pairs.
 pub fn match_identified(
@@ -80,11 +81,11 @@ pub fn match_identified(
         Quartic::Coefficients(polynomial) => CoefficientMatching::new(polynomial, m1_kg, m2_kg, Reading::Binary)?,
         Quartic::Poles(poles) => CoefficientMatching::from_poles(&poles, m1_kg, m2_kg, Reading::Binary)?,
     };
-    let found = matching.solve();
+    let coefficient_match = matching.solve();
     let fractions: Vec<f64> = (1..=SWEEP).map(|k| k as f64 / (SWEEP + 1) as f64).collect();
     let sweep = fractions.iter().copied().zip(matching.mass_split_sweep(&fractions)?).collect();
-    let solutions_in_words = solutions_in_words(&found);
-    let physical = found.solutions.iter().any(|s| s.physical);
+    let solutions_in_words = solutions_in_words(&coefficient_match);
+    let physical = coefficient_match.solutions.iter().any(|s| s.physical);
     let text = format!("{}: {solutions_in_words}", identified.id);
     if physical {
         notes.info(text);
@@ -97,7 +98,7 @@ pub fn match_identified(
     let mut candidates = Vec::new();
     let mut coordinates = Vec::new();
     let zeta_of_the_start = identified.realised.as_ref().and_then(RealisedModel::zeta_of_the_start);
-    for (place, solution) in found.solutions.iter().enumerate().filter(|(_, s)| s.real) {
+    for (place, solution) in coefficient_match.solutions.iter().enumerate().filter(|(_, s)| s.real) {
         let Some(model) = solution.model(m1_kg, m2_kg) else { continue };
         let mut remarks = vec![format!("from the {} {}: {solutions_in_words}", identified.source, identified.id)];
         remarks.push(numerator_remark(identified.numerator.as_deref(), solution));
@@ -109,8 +110,9 @@ pub fn match_identified(
         });
         let uncertainty = identified.spread.as_ref().and_then(|spread| spread.of_match(&model));
         match (&uncertainty, &identified.spread) {
-            (Some(found), _) => {
-                remarks.push(format!("standard deviations: {}; for the given masses, in first order", found.method));
+            (Some(deviations), _) => {
+                remarks
+                    .push(format!("standard deviations: {}; for the given masses, in first order", deviations.method));
             }
             (None, Some(_)) => {
                 remarks.push("no standard deviations: in first order they have no bound here".to_owned());
@@ -138,13 +140,14 @@ pub fn match_identified(
             equivalent_to: (solution.dual != place).then(|| index(solution.dual)),
             fit: None,
             uncertainty,
-            notes: remarks,
+            notes: infos(remarks),
         });
     }
     let mut remarks = vec![solutions_in_words, format!("used: the {} {}", identified.source, identified.id)];
     if identified.delay_s != 0.0 {
         let text = format!(
-            "its input acts {:.3} ms late: poles do not know of that, so neither do springs and dampers, and a simulation of them \
+            "its input acts {:.3} ms late: poles do not know of that, so neither do springs and dampers, and a \
+             simulation of them \
              starts at contact",
             1e3 * identified.delay_s
         );
@@ -152,32 +155,46 @@ pub fn match_identified(
         remarks.push(text);
     }
     if let Some(zeta) = zeta_of_the_start {
-        remarks.push(start_remark(zeta, &found));
+        remarks.push(start_remark(zeta, &coefficient_match));
     }
     if let Some(realised) = identified.realised.as_ref().filter(|realised| realised.chassis.is_some()) {
-        match realised.from_both_masses(m1_kg + m2_kg) {
-            Ok(Some((model, residual))) => {
-                let text = format!(
-                    "from the rows of both masses, with the total mass alone given: m1 = {:.2} kg, m2 = {:.2} kg; the state space is a \
-                     chain of two masses up to {residual:.1e}",
-                    model.m1_kg, model.m2_kg
-                );
-                remarks.push(text.clone());
-                candidates.push(Candidate {
-                    model: Model::DoubleSpringMassDamper(model),
-                    method: Method::CoefficientMatching,
-                    index: first_index + candidates.len(),
-                    equivalent_to: None,
-                    fit: None,
-                    uncertainty: None,
-                    notes: vec![text],
-                });
-            }
-            Ok(None) => {}
-            Err(error) => remarks.push(format!("not from the rows of both masses: {error}")),
-        }
+        let index = first_index + candidates.len();
+        candidates.extend(from_both_masses(realised, m1_kg + m2_kg, index, &mut remarks));
     }
-    Ok(Matched { found, sweep, candidates, remarks, coordinates, zeta_of_the_start })
+    Ok(Matched { coefficient_match, sweep, candidates, remarks, coordinates, zeta_of_the_start })
+}
+
+/// The model that the output rows of both masses give with the total mass alone; a remark on it, or on why there is
+/// none.
+fn from_both_masses(
+    realised: &RealisedModel,
+    total_kg: f64,
+    index: usize,
+    remarks: &mut Vec<String>,
+) -> Option<Candidate> {
+    let (model, residual) = match realised.from_both_masses(total_kg) {
+        Ok(model) => model?,
+        Err(error) => {
+            remarks.push(format!("not from the rows of both masses: {error}"));
+            return None;
+        }
+    };
+    let text = format!(
+        "from the rows of both masses, with the total mass alone given: m1 = {:.2} kg, m2 = {:.2} kg; the state space \
+         is a \
+         chain of two masses up to {residual:.1e}",
+        model.m1_kg, model.m2_kg
+    );
+    remarks.push(text.clone());
+    Some(Candidate {
+        model: Model::DoubleSpringMassDamper(model),
+        method: Method::CoefficientMatching,
+        index,
+        equivalent_to: None,
+        fit: None,
+        uncertainty: None,
+        notes: infos(vec![text]),
+    })
 }
 
 /// What the transformation says, and what it does not.
@@ -203,8 +220,8 @@ fn at_the_border(what: &str) -> String {
 }
 
 /// Which root of the cubic the start of the motion speaks for.
-fn start_remark(zeta: f64, found: &CoefficientMatch) -> String {
-    let real = found.roots.iter().enumerate().filter(|(_, root)| root.zeta.im == 0.0);
+fn start_remark(zeta: f64, coefficient_match: &CoefficientMatch) -> String {
+    let real = coefficient_match.roots.iter().enumerate().filter(|(_, root)| root.zeta.im == 0.0);
     let nearest = real.min_by(|(_, a), (_, b)| (a.zeta.re - zeta).abs().total_cmp(&(b.zeta.re - zeta).abs()));
     let root = nearest.map_or_else(String::new, |(place, root)| {
         format!("; the nearest real root of the cubic is {:.6} 1/s² (number {})", root.zeta.re, place + 1)
@@ -213,13 +230,13 @@ fn start_remark(zeta: f64, found: &CoefficientMatch) -> String {
 }
 
 /// How many solutions of which kind, and whether the masses can be right at all.
-fn solutions_in_words(found: &CoefficientMatch) -> String {
+fn solutions_in_words(coefficient_match: &CoefficientMatch) -> String {
     let count = |which: &dyn Fn(&MatchedSolution) -> bool| -> usize {
-        found.solutions.iter().filter(|s| which(s)).map(|s| s.multiplicity).sum()
+        coefficient_match.solutions.iter().filter(|s| which(s)).map(|s| s.multiplicity).sum()
     };
     let (real, physical) = (count(&|s| s.real), count(&|s| s.physical));
-    let ratio = found.m2_kg / found.m1_kg;
-    let bound = match found.largest_mass_ratio {
+    let ratio = coefficient_match.m2_kg / coefficient_match.m1_kg;
+    let bound = match coefficient_match.largest_mass_ratio {
         // Counted, not compared: at the bound itself one damper is zero and the set is still physical.
         Some(bound) if physical > 0 => format!("m2/m1 = {ratio:.4} is not above its bound {bound:.5}"),
         Some(bound) if real == 0 => {
@@ -229,7 +246,7 @@ fn solutions_in_words(found: &CoefficientMatch) -> String {
         }
         Some(bound) => format!(
             "m2/m1 = {ratio:.4} is above its bound {bound:.5}, so no parameter set with these masses is physical: {}",
-            match found.roots.iter().filter(|root| root.zeta.im == 0.0).count() {
+            match coefficient_match.roots.iter().filter(|root| root.zeta.im == 0.0).count() {
                 0 | 1 => "at the only real root of the cubic c1 c2 < 0",
                 _ if real > 2 => "at the real roots of the cubic c1 c2 < 0",
                 _ => "at the only root of the cubic with real springs and dampers c1 c2 < 0",

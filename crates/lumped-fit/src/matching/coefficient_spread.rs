@@ -16,8 +16,8 @@ pub struct CoefficientSpread {
 }
 
 impl CoefficientSpread {
-    /// From the covariance of the four coefficients, rows from `t` on; `None` for another shape, numbers that are not finite, or
-    /// variances that are not positive.
+    /// From the covariance of the four coefficients, rows from `t` on; `None` for another shape, numbers that are not
+    /// finite, or variances that are not positive.
     pub fn of_covariance(rows: &[Vec<f64>]) -> Option<Self> {
         if rows.len() != 4 || rows.iter().any(|row| row.len() != 4) {
             return None;
@@ -27,8 +27,8 @@ impl CoefficientSpread {
         sound.then_some(Self { covariance, independent: false })
     }
 
-    /// From standard deviations alone, as if independent. Coefficients of one fit are correlated, so this is off by a factor of
-    /// a few either way.
+    /// From standard deviations alone, as if independent. Coefficients of one fit are correlated, so this is off by a
+    /// factor of a few either way.
     pub fn of_deviations(deviations: &[f64]) -> Option<Self> {
         let deviations = <[f64; 4]>::try_from(deviations).ok()?;
         let sound = deviations.iter().all(|d| d.is_finite() && *d > 0.0);
@@ -36,11 +36,11 @@ impl CoefficientSpread {
         sound.then_some(Self { covariance, independent: true })
     }
 
-    /// Standard deviations of `k1, k2, c1, c2` of one solution: `J cov J'` with `J` by implicit differentiation of the four
-    /// equations, for known masses.
+    /// Standard deviations of `k1, k2, c1, c2` of one solution: `J cov J'` with `J` by implicit differentiation of the
+    /// four equations, for known masses.
     ///
-    /// First order: good while the deviations are small beside the distance to the next solution, without bound towards a
-    /// multiple one. `None` there, and where a coefficient or a damper is zero.
+    /// First order: good while the deviations are small beside the distance to the next solution, without bound towards
+    /// a multiple one. `None` there, and where a coefficient or a damper is zero.
     pub fn of_match(&self, model: &DoubleSpringMassDamper) -> Option<Uncertainty> {
         let relative = matching_sensitivity(model)?;
         let p = [model.k1_n_per_m, model.k2_n_per_m, model.c1_n_s_per_m, model.c2_n_s_per_m];

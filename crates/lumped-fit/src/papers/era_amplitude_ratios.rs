@@ -14,8 +14,8 @@ fn line(x: &[f64], y: impl Fn(usize) -> f64) -> (f64, f64) {
 /// `(k2, c2)` with `m2 s² + c2 s + k2 = C` in the sense of least squares (ERA paper, equations 19 to 22, with the
 /// transposed matrix that the print leaves out).
 ///
-/// **Not a method to use.** An amplitude is known up to one factor for each exponent, so metres are set equal to N/m here;
-/// of the result 99.97 % is `m2` times the straight line through `s²`. From the exponents alone
+/// **Not a method to use.** An amplitude is known up to one factor for each exponent, so metres are set equal to N/m
+/// here; of the result 99.97 % is `m2` times the straight line through `s²`. From the exponents alone
 /// [`CoefficientMatching`](crumple_lumped::CoefficientMatching) gives every model there is.
 pub fn rear_from_amplitudes(exponents_per_s: &[f64], amplitudes_m: &[f64], m2_kg: f64) -> (f64, f64) {
     line(exponents_per_s, |k| amplitudes_m[k] - m2_kg * exponents_per_s[k].powi(2))

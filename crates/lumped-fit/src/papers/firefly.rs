@@ -14,8 +14,8 @@ use crate::{Fit, FitQuantity, SolveError};
 /// In which units distances between fireflies are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FireflyUnits {
-    /// As printed: N/m, N·s/m, m and m/s side by side. The attraction `exp(-gamma r²)` of two fireflies that differ by a
-    /// thousandth of one stiffness range is below the smallest number, so every firefly walks at random.
+    /// As printed: N/m, N·s/m, m and m/s side by side. The attraction `exp(-gamma r²)` of two fireflies that differ by
+    /// a thousandth of one stiffness range is below the smallest number, so every firefly walks at random.
     Physical,
     /// Every variable over its range: the attraction acts.
     #[default]
@@ -59,11 +59,34 @@ pub struct FireflyResult {
 /// Upper bounds as printed (Table 4): coefficients up to 1e6, knots up to crush and impact speed.
 const COEFFICIENT: f64 = 1e6;
 
+/// The model at a place of the unit box, every variable times its range: coefficients, knots of spring and damper; the
+/// knots of the damper in rising order, each with its value.
+fn model_at(p: &[f64; 10], range: &[f64; 10], options: &SingleMassFitOptions) -> Nonlinear2 {
+    let x: [f64; 10] = std::array::from_fn(|i| p[i] * range[i]);
+    let ((v1, c2), (v2, c3)) = if x[8] <= x[9] { ((x[8], x[5]), (x[9], x[6])) } else { ((x[9], x[6]), (x[8], x[5])) };
+    Nonlinear2 {
+        mass_kg: options.mass_kg,
+        k1_n_per_m: x[0],
+        k2_n_per_m: x[1],
+        k3_n_per_m: x[2],
+        x1_m: x[3],
+        c1_n_s_per_m: x[4],
+        c2_n_s_per_m: c2,
+        c3_n_s_per_m: c3,
+        c4_n_s_per_m: x[7],
+        v1_m_per_s: v1,
+        v2_m_per_s: v2,
+        crush_m: options.crush_m,
+        v0_m_per_s: options.impact_speed_m_per_s,
+    }
+}
+
 /// Firefly search for the ten parameters of the second nonlinear model.
 ///
-/// Each firefly moves towards every brighter one, `x_i += beta0 exp(-gamma r²)(x_j - x_i) + alpha (random - 1/2) range`, with
-/// `gamma = 1/sqrt(L)` and `L` the length of the box's diagonal (single-mass paper, section 5.5; Yang 2009). A model
-/// without a response is dark. The same seed gives the same result on every machine.
+/// Each firefly moves towards every brighter one,
+/// `x_i += beta0 exp(-gamma r²)(x_j - x_i) + alpha (random - 1/2) range`, with `gamma = 1/sqrt(L)` and `L` the length
+/// of the box's diagonal (single-mass paper, section 5.5; Yang 2009). A model without a response is dark. The same seed
+/// gives the same result on every machine.
 ///
 /// A population search ends near a minimum, not in it: [`fit_nonlinear2`](crate::fit_nonlinear2) is better by orders of
 /// magnitude and faster. Errors: as that fit.
@@ -78,26 +101,7 @@ pub fn firefly_nonlinear2(
     let window = Window::pick(displacement, options.time_zero_s, options.from_s, options.to_s, options.samples)?;
     let c = COEFFICIENT;
     let range = [c, c, c, crush, c, c, c, c, v0, v0];
-    let build = |p: &[f64; 10]| {
-        let x: [f64; 10] = std::array::from_fn(|i| p[i] * range[i]);
-        let ((v1, c2), (v2, c3)) =
-            if x[8] <= x[9] { ((x[8], x[5]), (x[9], x[6])) } else { ((x[9], x[6]), (x[8], x[5])) };
-        Nonlinear2 {
-            mass_kg: options.mass_kg,
-            k1_n_per_m: x[0],
-            k2_n_per_m: x[1],
-            k3_n_per_m: x[2],
-            x1_m: x[3],
-            c1_n_s_per_m: x[4],
-            c2_n_s_per_m: c2,
-            c3_n_s_per_m: c3,
-            c4_n_s_per_m: x[7],
-            v1_m_per_s: v1,
-            v2_m_per_s: v2,
-            crush_m: crush,
-            v0_m_per_s: v0,
-        }
-    };
+    let build = |p: &[f64; 10]| model_at(p, &range, options);
     let mut buffer = vec![0.0; window.samples.len()];
     let mut evaluations = 0;
     let mut cost = |p: &[f64; 10]| -> f64 {

@@ -2,22 +2,23 @@
 
 use crumple_lumped::{Complex, Model};
 
+use crate::candidate::note::CandidateNote;
 use crate::{Candidate, MaxwellExponents, Method, SolveError, maxwell_from_exponents};
 
-/// How large the exponent of the constant may be beside the slowest of the others before it is remarked upon, and before one that
-/// grows is refused.
+/// How large the exponent of the constant may be beside the slowest of the others before it is remarked upon, and
+/// before one that grows is refused.
 const CONSTANT: f64 = 0.01;
 
-/// The Maxwell model whose displacement `x = C1 + e^(a t) (...)` has these exponents, 1/s: a real one for the constant and a
-/// conjugate pair, or three real ones (single-mass paper, equations 18 to 25).
+/// The Maxwell model whose displacement `x = C1 + e^(a t) (...)` has these exponents, 1/s: a real one for the constant
+/// and a conjugate pair, or three real ones (single-mass paper, equations 18 to 25).
 ///
-/// The real exponent nearest zero is that of the constant, which the model has at exactly zero; how far it is from there is
-/// remarked, and the other two give spring and damper in closed form. Amplitudes play no part: impact speed and start of the
-/// record are not used, so a model of the right exponents may still miss the motion. The relative error of `k` is the sum of those
-/// of both exponents.
+/// The real exponent nearest zero is that of the constant, which the model has at exactly zero; how far it is from
+/// there is remarked, and the other two give spring and damper in closed form. Amplitudes play no part: impact speed
+/// and start of the record are not used, so a model of the right exponents may still miss the motion. The relative
+/// error of `k` is the sum of those of both exponents.
 ///
-/// Errors: another number of exponents, none of them real, a mass that is not positive, an exponent that does not decay (its spring
-/// or damper would be negative).
+/// Errors: another number of exponents, none of them real, a mass that is not positive, an exponent that does not decay
+/// (its spring or damper would be negative).
 pub fn maxwell_from_sum(id: &str, exponents: &[Complex], mass_kg: f64, index: usize) -> Result<Candidate, SolveError> {
     let count = exponents.len();
     if count != 3 {
@@ -50,7 +51,8 @@ pub fn maxwell_from_sum(id: &str, exponents: &[Complex], mass_kg: f64, index: us
         return Err(SolveError::Value {
             name: "real exponent nearest zero",
             value: near_zero,
-            expected: "0, that of the constant, or at most a hundredth of the slowest other: the motion grows without end",
+            expected: "0, that of the constant, or at most a hundredth of the slowest other: the motion grows without \
+                end",
         });
     }
     let model = maxwell_from_exponents(mass_kg, exponents_of_the_motion)?;
@@ -60,14 +62,15 @@ pub fn maxwell_from_sum(id: &str, exponents: &[Complex], mass_kg: f64, index: us
         }
         MaxwellExponents::Real { .. } => format!("{:.4} and {:.4} 1/s, real: the mass creeps", a.re, b.re),
     };
-    let mut notes = vec![format!("from the exponents of {id}: {kind}; amplitudes are not used")];
+    let mut notes = vec![CandidateNote::info(format!("from the exponents of {id}: {kind}; amplitudes are not used"))];
     notes.push(if near_zero.abs() > CONSTANT * slowest {
-        format!(
-            "warning: the exponent taken for the constant is {near_zero:.4} 1/s, 0 in the model, and not small beside {slowest:.4} 1/s: \
+        CandidateNote::warning(format!(
+            "the exponent taken for the constant is {near_zero:.4} 1/s, 0 in the model, and not small beside \
+             {slowest:.4} 1/s: \
              this is hardly the motion of a Maxwell model"
-        )
+        ))
     } else {
-        format!("the exponent taken for the constant is {near_zero:.3e} 1/s, 0 in the model")
+        CandidateNote::info(format!("the exponent taken for the constant is {near_zero:.3e} 1/s, 0 in the model"))
     });
     Ok(Candidate {
         model: Model::Maxwell(model),
@@ -98,12 +101,12 @@ mod tests {
         // Critical at sqrt(k m)/2 = 31,225 N·s/m.
         for damping_n_s_per_m in [60_000.0, 25_000.0] {
             let model = Maxwell { mass_kg: 1300.0, stiffness_n_per_m: 3e6, damping_n_s_per_m };
-            let found = maxwell_from_sum("exponentials-3", &exponents(&model), 1300.0, 1).unwrap();
-            let p = found.model.parameters();
+            let candidate = maxwell_from_sum("exponentials-3", &exponents(&model), 1300.0, 1).unwrap();
+            let p = candidate.model.parameters();
             // Ten roundings.
             assert!((p["stiffness_n_per_m"] / 3e6 - 1.0).abs() < 1e-13, "{p:?}");
             assert!((p["damping_n_s_per_m"] / damping_n_s_per_m - 1.0).abs() < 1e-13, "{p:?}");
-            assert_eq!(found.id(), "maxwell/closed-form/1");
+            assert_eq!(candidate.id(), "maxwell/closed-form/1");
         }
     }
 
@@ -125,7 +128,11 @@ mod tests {
     #[test]
     fn a_constant_that_decays_is_remarked() {
         let list = [(-5.0, 0.0), (-20.0, 30.0), (-20.0, -30.0)].map(|(re, im)| Complex::new(re, im));
-        let found = maxwell_from_sum("x", &list, 900.0, 1).unwrap();
-        assert!(found.notes[1].starts_with("warning: the exponent taken for the constant is -5"), "{:?}", found.notes);
+        let candidate = maxwell_from_sum("x", &list, 900.0, 1).unwrap();
+        assert!(
+            candidate.notes[1].to_string().starts_with("warning: the exponent taken for the constant is -5"),
+            "{:?}",
+            candidate.notes
+        );
     }
 }

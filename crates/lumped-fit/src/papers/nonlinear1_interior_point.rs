@@ -54,10 +54,11 @@ impl Program for SideConstraints<'_> {
         let places = [1, 2, 3, 4, 5, 6];
         let n = self.window.samples.len();
         let at = Instants { first_s: self.window.first_s, dt_s: self.window.dt_s, samples: n };
-        let found = model.sensitivity(v0, &at, &places).ok()?;
-        let x = &found.motions[0].displacement_m;
+        let response = model.sensitivity(v0, &at, &places).ok()?;
+        let x = &response.motions[0].displacement_m;
         let residuals = DVector::from_fn(n, |k, _| (x[k] - self.window.samples[k]) / crush);
-        let columns = DMatrix::from_fn(n, 6, |k, j| found.derivatives[j][0].displacement_m[k] * self.scale[j] / crush);
+        let columns =
+            DMatrix::from_fn(n, 6, |k, j| response.derivatives[j][0].displacement_m[k] * self.scale[j] / crush);
         let end = Instants { first_s: self.options.time_of_dynamic_crush_s, dt_s: self.window.dt_s, samples: 1 };
         let stop = model.sensitivity(v0, &end, &places).ok()?;
         let jacobian = DMatrix::from_fn(2, 6, |i, j| {

@@ -3,6 +3,7 @@
 use crumple_signal::Notes;
 
 use crate::SolveError;
+use crate::candidate::note::CandidateNote;
 use crate::matching::coefficient_matching::{Identified, Matched, Quartic, match_identified};
 
 /// The printed denominator `s^4 + 35.7 s^3 + 6024 s^2 + 185000 s + 414600`.
@@ -16,15 +17,15 @@ const TYPED_KG: f64 = 284.6;
 /// The solutions that the paper lists, from its printed polynomial: for reproduction only.
 ///
 /// In the first of the four equations 284.6 kg is typed for 284.4 kg, which is to say that the coefficient of `s^3` is
-/// `284.6/284.4` times the printed one. Both splits of the mass: one fifth in front, then four fifths. Candidates are numbered
-/// from `first_index`; each says that it is a reproduction.
+/// `284.6/284.4` times the printed one. Both splits of the mass: one fifth in front, then four fifths. Candidates are
+/// numbered from `first_index`; each says that it is a reproduction.
 pub fn match_as_the_paper_typed(first_index: usize, notes: &mut Notes) -> Result<Vec<Matched>, SolveError> {
     let splits = [
         ("tfest-paper/one-fifth-in-front", FIFTH_KG, FOUR_FIFTHS_KG),
         ("tfest-paper/four-fifths-in-front", FOUR_FIFTHS_KG, FIFTH_KG),
     ];
     let [t, u, v, w] = PRINTED;
-    let mut found: Vec<Matched> = Vec::new();
+    let mut results: Vec<Matched> = Vec::new();
     for (id, m1_kg, m2_kg) in splits {
         let typed = t * TYPED_KG / FIFTH_KG;
         let identified = Identified {
@@ -36,18 +37,19 @@ pub fn match_as_the_paper_typed(first_index: usize, notes: &mut Notes) -> Result
             spread: None,
             delay_s: 0.0,
         };
-        let first = first_index + found.iter().map(|matched| matched.candidates.len()).sum::<usize>();
+        let first = first_index + results.iter().map(|matched| matched.candidates.len()).sum::<usize>();
         let mut matched = match_identified(&identified, m1_kg, m2_kg, first, notes)?;
-        let label = "for reproduction only: 284.6 kg stands for 284.4 kg in the first right-hand side, as in the paper, which lists \
+        let label = "for reproduction only: 284.6 kg stands for 284.4 kg in the first right-hand side, as in the \
+            paper, which lists \
                      k1 and c2 exchanged (its solver answers in the order c1, c2, k1, k2)";
         matched.remarks.push(label.to_owned());
         for candidate in &mut matched.candidates {
-            candidate.notes.push(label.to_owned());
+            candidate.notes.push(CandidateNote::info(label));
         }
-        found.push(matched);
+        results.push(matched);
     }
     notes.warning(
         "the candidates of --paper tfest are those of the paper's printed polynomial, not of this test".to_owned(),
     );
-    Ok(found)
+    Ok(results)
 }

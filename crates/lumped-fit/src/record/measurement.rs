@@ -44,7 +44,8 @@ pub struct Measurement {
     pub rule: IntegrationRule,
 }
 
-/// What a filter remembers is followed until it has fallen to this: 1e-10 of 1000 m/s² over its 10 ms moves no displacement by 1e-11 m.
+/// What a filter remembers is followed until it has fallen to this: 1e-10 of 1000 m/s² over its 10 ms moves no
+/// displacement by 1e-11 m.
 const FORGOTTEN: f64 = 1e-10;
 /// Samples of which the mean starts a pass, as in the filter stage.
 const START_SAMPLES: usize = 10;
@@ -74,8 +75,8 @@ impl Measurement {
         self.motion(model, None, FitQuantity::Displacement, v0_m_per_s, last)
     }
 
-    /// The same for any mass (by its index from the barrier on; `None`: the compartment, also for an index beyond it) and quantity:
-    /// the acceleration is what the filter makes of it, the velocity its first sum.
+    /// The same for any mass (by its index from the barrier on; `None`: the compartment, also for an index beyond it)
+    /// and quantity: the acceleration is what the filter makes of it, the velocity its first sum.
     pub fn motion(
         &self,
         model: &Model,
@@ -92,8 +93,8 @@ impl Measurement {
         Ok(self.seen(&motion.acceleration_m_per_s2, quantity, v0_m_per_s, last))
     }
 
-    /// Derivatives of that by the parameters at these places of the model's names: a measurement is linear, so they are the
-    /// derivatives of the acceleration measured without an impact speed.
+    /// Derivatives of that by the parameters at these places of the model's names: a measurement is linear, so they are
+    /// the derivatives of the acceleration measured without an impact speed.
     pub(crate) fn derivatives(
         &self,
         model: &Model,
@@ -107,9 +108,9 @@ impl Measurement {
         };
         let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples };
         let of_some = |places: &[usize]| -> Result<Vec<Vec<f64>>, LumpedError> {
-            let found = model.sensitivity(v0_m_per_s, &at, places)?;
+            let response = model.sensitivity(v0_m_per_s, &at, places)?;
             let motions =
-                found.derivatives.iter().map(|motions| mass.and_then(|mass| motions.get(mass)).or(motions.last()));
+                response.derivatives.iter().map(|motions| mass.and_then(|mass| motions.get(mass)).or(motions.last()));
             let accelerations: Vec<&[f64]> =
                 motions.map(|motion| motion.map_or(&[][..], |motion| &motion.acceleration_m_per_s2)).collect();
             Ok(self.all_seen(&accelerations, quantity, last))
@@ -121,8 +122,8 @@ impl Measurement {
         Ok(parts.into_iter().flatten().collect())
     }
 
-    /// The same of a model that is no [`Model`]: `respond` gives the motion of every mass, and its derivatives by each free number if
-    /// there are any. What is measured of the motion comes first, then of each derivative.
+    /// The same of a model that is no [`Model`]: `respond` gives the motion of every mass, and its derivatives by each
+    /// free number if there are any. What is measured of the motion comes first, then of each derivative.
     pub(crate) fn of_motions(
         &self,
         (mass, quantity): (usize, FitQuantity),
@@ -131,12 +132,13 @@ impl Measurement {
         respond: impl FnOnce(&Instants) -> Result<Sensitivity, LumpedError>,
     ) -> Result<Vec<Vec<f64>>, LumpedError> {
         let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples: self.samples_of_the_model(last).unwrap_or(0) };
-        let found = respond(&at)?;
-        fn of(motions: &[Motion], mass: usize) -> &[f64] {
+        let response = respond(&at)?;
+        fn acceleration_of(motions: &[Motion], mass: usize) -> &[f64] {
             motions.get(mass).map_or(&[], |motion| &motion.acceleration_m_per_s2)
         }
-        let derivatives: Vec<&[f64]> = found.derivatives.iter().map(|motions| of(motions, mass)).collect();
-        let mut seen = vec![self.seen(of(&found.motions, mass), quantity, v0_m_per_s, last)];
+        let derivatives: Vec<&[f64]> =
+            response.derivatives.iter().map(|motions| acceleration_of(motions, mass)).collect();
+        let mut seen = vec![self.seen(acceleration_of(&response.motions, mass), quantity, v0_m_per_s, last)];
         seen.extend(self.all_seen(&derivatives, quantity, last));
         Ok(seen)
     }
@@ -158,15 +160,16 @@ impl Measurement {
         seen
     }
 
-    /// The same of many of equal length, several at a time: filter and integration wait for themselves, not for the processor.
+    /// The same of many of equal length, several at a time: filter and integration wait for themselves, not for the
+    /// processor.
     fn all_seen(&self, accelerations: &[&[f64]], quantity: FitQuantity, last: usize) -> Vec<Vec<f64>> {
         let arch = Arch::new();
         let mut seen = Vec::with_capacity(accelerations.len());
         for chunk in accelerations.chunks(ABREAST) {
             // Places of a last chunk that nothing fills repeat its first.
             let accelerations = std::array::from_fn(|lane| *chunk.get(lane).unwrap_or(&chunk[0]));
-            let found = arch.dispatch(Together { measurement: self, accelerations, quantity, last });
-            seen.extend(found.into_iter().take(chunk.len()));
+            let lanes = arch.dispatch(Together { measurement: self, accelerations, quantity, last });
+            seen.extend(lanes.into_iter().take(chunk.len()));
         }
         seen
     }
@@ -205,8 +208,8 @@ impl Measurement {
         std::array::from_fn(|lane| seen.iter().map(|values| values[lane]).collect())
     }
 
-    /// Acceleration to velocity or displacement in its place, as the integrate stage has them: from the first sample, the displacement
-    /// shifted to zero at contact; or from contact. Every lane by itself.
+    /// Acceleration to velocity or displacement in its place, as the integrate stage has them: from the first sample,
+    /// the displacement shifted to zero at contact; or from contact. Every lane by itself.
     #[inline(always)]
     fn integrate<const N: usize>(&self, waves: &mut [[f64; N]], quantity: FitQuantity, v0: f64, zero: usize, gap: f64) {
         let is_velocity = quantity == FitQuantity::Velocity;
@@ -289,7 +292,8 @@ impl Measurement {
     }
 }
 
-/// Several waves through one measurement, compiled for each width of the processor's vectors; the result is the same to the bit.
+/// Several waves through one measurement, compiled for each width of the processor's vectors; the result is the same to
+/// the bit.
 struct Together<'a> {
     measurement: &'a Measurement,
     accelerations: [&'a [f64]; ABREAST],
@@ -307,8 +311,9 @@ impl WithSimd for Together<'_> {
 }
 
 impl TwoPassFilter {
-    /// Samples after which a pass has forgotten what it met: as many as its slowest pole takes to fall to [`FORGOTTEN`]; never
-    /// fewer than the two inputs that an output depends on, without end where a pole does not decay.
+    /// Samples after which a pass has forgotten what it met: as many as its slowest pole takes to fall to
+    /// [`FORGOTTEN`]; never fewer than the two inputs that an output depends on, without end where a pole does not
+    /// decay.
     fn memory_samples(&self) -> usize {
         let [.., b1, b2] = self.coefficients;
         // Roots of z² - b1 z - b2.
@@ -321,8 +326,8 @@ impl TwoPassFilter {
         if largest < 1.0 && samples.is_finite() { samples.max(2.0) as usize } else { usize::MAX }
     }
 
-    /// Forward and backward over all but the first `added` waves, with the same extension and the same start of each pass as the
-    /// filter stage; every lane by itself. The extension stands before and after them.
+    /// Forward and backward over all but the first `added` waves, with the same extension and the same start of each
+    /// pass as the filter stage; every lane by itself. The extension stands before and after them.
     #[inline(always)]
     fn run<const N: usize>(&self, waves: &mut Vec<[f64; N]>, added: usize) {
         let samples = waves.len() - added;
@@ -343,7 +348,8 @@ impl TwoPassFilter {
         self.pass::<N, true>(waves, from_rest);
     }
 
-    /// One pass in place, from the end on if `BACKWARD`. Plain loops: closures would not be compiled for the vectors of the caller.
+    /// One pass in place, from the end on if `BACKWARD`. Plain loops: closures would not be compiled for the vectors of
+    /// the caller.
     #[inline(always)]
     fn pass<const N: usize, const BACKWARD: bool>(&self, waves: &mut [[f64; N]], from_rest: bool) {
         let [a0, a1, a2, b1, b2] = self.coefficients;

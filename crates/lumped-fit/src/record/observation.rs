@@ -39,8 +39,9 @@ pub(crate) struct WholeWave {
 }
 
 impl WholeWave {
-    /// Value and slope `t_s` after contact, from the parabola through the three nearest samples: off by `dt^3/16` and `dt^2/4`
-    /// times the largest third derivative. `None` before the first sample; the last parabola goes on after the last.
+    /// Value and slope `t_s` after contact, from the parabola through the three nearest samples: off by `dt^3/16` and
+    /// `dt^2/4` times the largest third derivative. `None` before the first sample; the last parabola goes on after the
+    /// last.
     pub fn at(&self, t_s: f64) -> Option<(f64, f64)> {
         let place = (t_s - self.first_s) / self.dt_s;
         let last = self.samples.len().checked_sub(3)?;
@@ -54,7 +55,8 @@ impl WholeWave {
         Some((b + s * slope + 0.5 * s * s * bend, (slope + s * bend) / self.dt_s))
     }
 
-    /// Samples `first`, `first + stride`, ... up to `last`, counted on the grid of `measurement`; the first index there is one of.
+    /// Samples `first`, `first + stride`, ... up to `last`, counted on the grid of `measurement`; the first index there
+    /// is one of.
     pub fn picked(&self, measurement: &Measurement, first: f64, last: usize, stride: usize) -> (usize, Vec<f64>) {
         let offset = ((self.first_s - measurement.first_s) / measurement.dt_s).round().max(0.0) as usize;
         let first = (first.max(0.0) as usize).max(offset);
@@ -65,8 +67,8 @@ impl WholeWave {
 
 /// A record and where it is compared.
 ///
-/// Misfits of several waves stand one after the other, each times its weight: all in the unit of the first wave, which is
-/// called a metre wherever it is a displacement.
+/// Misfits of several waves stand one after the other, each times its weight: all in the unit of the first wave, which
+/// is called a metre wherever it is a displacement.
 #[derive(Debug, Clone)]
 pub struct Observation {
     /// Speed at contact, m/s.
@@ -81,7 +83,8 @@ pub struct Observation {
 /// record tells (anti-aliasing, phase of the sampling). A tenth of a micrometre: at contact speed the distance of
 /// 1e-8 s. It stands in for no error of the sensor: those are propagated.
 pub const RESOLUTION_M: f64 = 1e-7;
-/// The crush of which that is a share: a velocity and an acceleration are believed to the same share of their largest value.
+/// The crush of which that is a share: a velocity and an acceleration are believed to the same share of their largest
+/// value.
 const USUAL_CRUSH_M: f64 = 0.5;
 
 /// The least noise level of a wave, as a share of it.
@@ -91,8 +94,8 @@ const LEAST_LEVEL: f64 = 1e-6;
 pub(crate) const FEWEST: usize = 12;
 
 impl ObservedWave {
-    /// At most `limit` samples from `from_s` to `to_s` after contact. `wave` is on the grid of the measurement, as far as it goes.
-    /// Weight 1. Errors: a window that leaves the record, or fewer than 12 samples.
+    /// At most `limit` samples from `from_s` to `to_s` after contact. `wave` is on the grid of the measurement, as far
+    /// as it goes. Weight 1. Errors: a window that leaves the record, or fewer than 12 samples.
     pub fn new(
         wave: &Sampled,
         (mass, quantity): (Option<usize>, FitQuantity),
@@ -154,8 +157,8 @@ fn largest(samples: &[f64]) -> f64 {
 }
 
 impl Observation {
-    /// At most `limit` samples from `from_s` to `to_s` after contact. `displacement` is on the grid of the measurement, as
-    /// far as it goes. Errors: a window that leaves the record, or fewer than 12 samples.
+    /// At most `limit` samples from `from_s` to `to_s` after contact. `displacement` is on the grid of the measurement,
+    /// as far as it goes. Errors: a window that leaves the record, or fewer than 12 samples.
     pub fn new(
         displacement: &Signal<Displacement>,
         time_zero_s: f64,
@@ -188,21 +191,21 @@ impl Observation {
 
     /// The part of each wave of what stands one after the other.
     pub fn split<'a>(&self, rows: &'a [f64]) -> Vec<&'a [f64]> {
-        let mut rest = rows;
-        let of = |wave: &ObservedWave| {
-            let (own, others) = rest.split_at(wave.samples.len().min(rest.len()));
-            rest = others;
-            own
+        let mut remaining = rows;
+        let rows_of = |wave: &ObservedWave| {
+            let (of_wave, others) = remaining.split_at(wave.samples.len().min(remaining.len()));
+            remaining = others;
+            of_wave
         };
-        self.waves.iter().map(of).collect()
+        self.waves.iter().map(rows_of).collect()
     }
 
     /// Root mean square misfit of every wave, in its unit.
     pub fn rmse(&self, misfit: &[f64]) -> Vec<f64> {
-        let of = |(own, wave): (&[f64], &ObservedWave)| {
-            (own.iter().map(|r| r * r).sum::<f64>() / own.len() as f64).sqrt() / wave.weight
+        let rmse_of = |(misfit_of_wave, wave): (&[f64], &ObservedWave)| {
+            (misfit_of_wave.iter().map(|r| r * r).sum::<f64>() / misfit_of_wave.len() as f64).sqrt() / wave.weight
         };
-        self.split(misfit).into_iter().zip(&self.waves).map(of).collect()
+        self.split(misfit).into_iter().zip(&self.waves).map(rmse_of).collect()
     }
 
     /// Samples and weighted resolution of every wave.
@@ -221,7 +224,8 @@ impl Observation {
         self.waves.first().map_or(f64::MIN_POSITIVE, |wave| largest(&wave.samples))
     }
 
-    /// The same record taken as unfiltered and integrated from contact: how fits that know nothing of the filter see it.
+    /// The same record taken as unfiltered and integrated from contact: how fits that know nothing of the filter see
+    /// it.
     #[must_use]
     pub fn unfiltered(mut self) -> Self {
         for wave in &mut self.waves {
@@ -232,12 +236,12 @@ impl Observation {
 
     /// The noise level of each wave from its root mean square misfit: never less than a millionth of the wave.
     pub fn noise_levels(&self, rmse: &[f64]) -> Vec<f64> {
-        let of = |(wave, rmse): (&ObservedWave, &f64)| rmse.max(LEAST_LEVEL * wave.size()).max(f64::MIN_POSITIVE);
-        self.waves.iter().zip(rmse).map(of).collect()
+        let level_of = |(wave, rmse): (&ObservedWave, &f64)| rmse.max(LEAST_LEVEL * wave.size()).max(f64::MIN_POSITIVE);
+        self.waves.iter().zip(rmse).map(level_of).collect()
     }
 
-    /// Weighs the waves by the noise levels that follow from the root mean square misfit of each; whether a weight changed by more
-    /// than the share `worth` of itself.
+    /// Weighs the waves by the noise levels that follow from the root mean square misfit of each; whether a weight
+    /// changed by more than the share `worth` of itself.
     pub fn weigh(&mut self, rmse: &[f64], worth: f64) -> bool {
         let levels = self.noise_levels(rmse);
         let mut moved = false;

@@ -10,14 +10,14 @@ const ERRORS: &str = "root mean square errors ";
 
 /// How far sensors were missed: each root mean square error in its unit, with channel and place.
 pub fn errors_in_words<'a>(errors: impl IntoIterator<Item = (f64, FitQuantity, &'a str, String)>) -> String {
-    let one = |(rmse, quantity, channel, place): (f64, FitQuantity, &str, String)| {
+    let error_text = |(rmse, quantity, channel, place): (f64, FitQuantity, &str, String)| {
         let (value, unit) = match quantity {
             FitQuantity::Displacement => (1e3 * rmse, "mm"),
             other => (rmse, other.unit()),
         };
         format!("{value:.4} {unit} at {channel} ({place})")
     };
-    errors.into_iter().map(one).collect::<Vec<_>>().join(", ")
+    errors.into_iter().map(error_text).collect::<Vec<_>>().join(", ")
 }
 
 /// The note on these [`errors_in_words`]; `seen`: how, `"through the filter"`, or nothing.
@@ -26,14 +26,9 @@ pub fn note_of_errors(errors: &str, seen: Option<&str>) -> String {
     format!("{ERRORS}{seen}{errors}; residuals weighted by the noise level of each sensor")
 }
 
-/// Whether a note is an [`note_of_errors`].
-pub fn is_note_of_errors(note: &str) -> bool {
-    note.starts_with(ERRORS)
-}
-
 /// Which mass of a model a sensor sits on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum SensorPlace {
     /// The last mass.
     Compartment,
     /// The mass next to the barrier: engine and front structure.
@@ -44,7 +39,7 @@ pub enum Place {
     Mass(usize),
 }
 
-impl Place {
+impl SensorPlace {
     /// Index of the mass in a model of so many masses. A model of one mass has a compartment only.
     pub fn mass(self, masses: usize) -> Option<usize> {
         match self {
@@ -56,7 +51,7 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for SensorPlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Compartment => f.write_str("compartment"),
@@ -67,7 +62,7 @@ impl fmt::Display for Place {
     }
 }
 
-impl FromStr for Place {
+impl FromStr for SensorPlace {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -93,7 +88,7 @@ pub struct Sensor<'a> {
     /// Its channel, for records and notes.
     pub channel: &'a str,
     /// Where it sits.
-    pub place: Place,
+    pub place: SensorPlace,
     /// What it says.
     pub quantity: FitQuantity,
     /// Its samples, SI.

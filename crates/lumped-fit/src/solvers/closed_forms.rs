@@ -33,7 +33,8 @@ pub(crate) fn kelvin(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate
         ),
         KelvinBranch::UndampedReduction { model_time_of_dynamic_crush_s } => {
             let text = format!(
-                "t_c/t_m = {ratio:.4} is not below 2/pi = 0.6366: no Kelvin damping ratio exists; reduced to the undamped \
+                "t_c/t_m = {ratio:.4} is not below 2/pi = 0.6366: no Kelvin damping ratio exists; reduced to the \
+                 undamped \
                  model, which keeps crush and speed and stops at {:.2} ms instead of {:.2} ms",
                 1e3 * model_time_of_dynamic_crush_s,
                 1e3 * t_m
@@ -51,7 +52,8 @@ pub(crate) fn elastoplastic(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Ca
     if !extent.stops {
         return fitted(task, &extent, notes, |x, options, remarks| {
             remarks.push(
-                "the loading part only, fitted to the displacement: the record shows no unloading, so the unloading stiffness \
+                "the loading part only, fitted to the displacement: the record shows no unloading, so the unloading \
+                 stiffness \
                  is not determined and set to the loading stiffness, the least it can be"
                     .to_owned(),
             );
@@ -71,8 +73,10 @@ pub(crate) fn elastoplastic(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Ca
     match elastoplastic_of_record(test.mass_kg, test.impact_speed_m_per_s, crush, restitution) {
         Ok((model, true)) => {
             let remark = format!(
-                "the rebound is zero within its uncertainty (restitution {restitution:.4}): the unloading is rigid, and its stiffness \
-                 not determined; {:.0} times the loading stiffness stands for it, of which the rebound is {:.0} % of the impact speed",
+                "the rebound is zero within its uncertainty (restitution {restitution:.4}): the unloading is rigid, \
+                 and its stiffness \
+                 not determined; {:.0} times the loading stiffness stands for it, of which the rebound is {:.0} % of \
+                 the impact speed",
                 RIGID_RESTITUTION.powi(-2),
                 100.0 * RIGID_RESTITUTION
             );

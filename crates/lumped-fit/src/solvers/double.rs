@@ -3,6 +3,7 @@
 use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_signal::Notes;
 
+use crate::candidate::note::infos;
 use crate::solvers::sensors;
 use crate::solvers::task::Task;
 use crate::{Candidate, DoubleFitOptions, SolveError, fit_double, masses};
@@ -37,44 +38,48 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
         starts: settings.fit_starts,
         resolution_m: DISPLACEMENT_RESOLUTION_M,
     };
-    let found = match fit_double(displacement, &options) {
-        Ok(found) => found,
+    let pairs = match fit_double(displacement, &options) {
+        Ok(pairs) => pairs,
         Err(error @ SolveError::NoFit { .. }) => {
             notes.warning(format!("{kind}: {error}"));
             return Ok(Vec::new());
         }
         Err(error) => return Err(error),
     };
-    let window = &found[0].fit;
+    let window = &pairs[0].fit;
     let window = format!("fitted from {:.2} ms to {:.2} ms after time zero", 1e3 * window.from_s, 1e3 * window.to_s);
     notes.info(format!(
-        "{kind}: {window}; one compartment accelerometer cannot tell its two dual solutions apart, a second one on the front can"
+        "{kind}: {window}; one compartment accelerometer cannot tell its two dual solutions apart, a second one on the \
+         front can"
     ));
-    if found.len() > 1 {
+    if pairs.len() > 1 {
         notes.warning(format!(
-            "{kind}: {} pairs of parameter sets fit equally well within the accuracy of the displacement; the record does \
+            "{kind}: {} pairs of parameter sets fit equally well within the accuracy of the displacement; the record \
+             does \
              not determine the parameters",
-            found.len()
+            pairs.len()
         ));
     }
     let mut candidates = Vec::new();
-    for (place, pair) in found.iter().enumerate() {
-        let own = coincides_with_its_dual(&pair.models);
-        for dual in 0..if own { 1 } else { 2 } {
+    for (place, pair) in pairs.iter().enumerate() {
+        let is_own_dual = coincides_with_its_dual(&pair.models);
+        for dual in 0..if is_own_dual { 1 } else { 2 } {
             let mut remarks = vec![split.clone(), window.clone()];
-            if own {
+            if is_own_dual {
                 remarks.push(
-                    "its own dual, listed once, counts twice: front and rear can move against each other without a change of \
+                    "its own dual, listed once, counts twice: front and rear can move against each other without a \
+                     change of \
                      the record in first order, so there are no standard deviations"
                         .to_owned(),
                 );
             }
-            if let Some(u) = pair.uncertainty[dual].as_ref().filter(|_| !own) {
+            if let Some(u) = pair.uncertainty[dual].as_ref().filter(|_| !is_own_dual) {
                 let widened = u.residual_autocorrelation.map_or_else(String::new, |correlation| {
                     format!(", widened for a residual autocorrelation of {correlation:.4}")
                 });
                 remarks.push(format!(
-                    "standard deviations: linearised{widened}; they hold for the given masses and if the model is true, and \
+                    "standard deviations: linearised{widened}; they hold for the given masses and if the model is \
+                     true, and \
                      say nothing of other solutions"
                 ));
             }
@@ -86,17 +91,18 @@ pub(crate) fn direct_fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
                 model: Model::DoubleSpringMassDamper(pair.models[dual]),
                 method: task.method,
                 index: 2 * place + dual + 1,
-                equivalent_to: (!own).then_some(2 * place + 2 - dual),
+                equivalent_to: (!is_own_dual).then_some(2 * place + 2 - dual),
                 fit: Some(fit),
-                uncertainty: pair.uncertainty[dual].clone().filter(|_| !own),
-                notes: remarks,
+                uncertainty: pair.uncertainty[dual].clone().filter(|_| !is_own_dual),
+                notes: infos(remarks),
             });
         }
     }
     Ok(candidates)
 }
 
-/// Whether the two models of a pair are one to 1e-4: the error is flat to fourth order there, so a fit to 1e-16 leaves that.
+/// Whether the two models of a pair are one to 1e-4: the error is flat to fourth order there, so a fit to 1e-16 leaves
+/// that.
 fn coincides_with_its_dual([a, b]: &[DoubleSpringMassDamper; 2]) -> bool {
     let near = |x: f64, y: f64| (x - y).abs() <= 1e-4 * x.abs().max(y.abs());
     near(a.k1_n_per_m, b.k1_n_per_m) && near(a.c1_n_s_per_m, b.c1_n_s_per_m)

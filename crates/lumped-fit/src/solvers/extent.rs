@@ -4,11 +4,20 @@ use crumple_lumped::Model;
 use crumple_signal::Notes;
 
 use crate::Candidate;
+use crate::candidate::note::infos;
 use crate::solvers::task::Task;
 
 /// A candidate that nothing was fitted for.
 pub(super) fn unfitted(task: &Task<'_>, model: Model, notes: Vec<String>) -> Candidate {
-    Candidate { model, method: task.method, index: 1, equivalent_to: None, fit: None, uncertainty: None, notes }
+    Candidate {
+        model,
+        method: task.method,
+        index: 1,
+        equivalent_to: None,
+        fit: None,
+        uncertainty: None,
+        notes: infos(notes),
+    }
 }
 
 /// What a fit to the displacement of one mass is scaled by.
@@ -22,8 +31,9 @@ pub(super) struct Extent {
     pub stops: bool,
 }
 
-/// Dynamic crush of the record; where its velocity never reaches zero, the end of the window (`fit_to` or the end of the record)
-/// and the largest displacement up to there, with a note. `None`, with a note, where that leaves nothing to fit.
+/// Dynamic crush of the record; where its velocity never reaches zero, the end of the window (`fit_to` or the end of
+/// the record) and the largest displacement up to there, with a note. `None`, with a note, where that leaves nothing to
+/// fit.
 pub(super) fn extent_of(task: &Task<'_>, notes: &mut Notes) -> Option<Extent> {
     let (kind, test) = (task.model, task.test);
     if let Some((time_s, crush_m)) = test.time_of_dynamic_crush_s.zip(test.dynamic_crush_m) {
@@ -44,7 +54,8 @@ pub(super) fn extent_of(task: &Task<'_>, notes: &mut Notes) -> Option<Extent> {
         return None;
     }
     notes.warning(format!(
-        "{kind}: the velocity of the record never reaches zero: fitted up to {:.2} ms, the end of the window, with the largest \
+        "{kind}: the velocity of the record never reaches zero: fitted up to {:.2} ms, the end of the window, with the \
+         largest \
          displacement {:.1} mm in place of the dynamic crush",
         1e3 * time_s,
         1e3 * crush_m
@@ -57,7 +68,8 @@ pub(super) fn crush_of(task: &Task<'_>, notes: &mut Notes) -> Option<(f64, f64)>
     let events = task.test.time_of_dynamic_crush_s.zip(task.test.dynamic_crush_m);
     if events.is_none() {
         notes.warning(format!(
-            "{}: not solved, since the velocity of the record never reaches zero: it has no dynamic crush, which {} starts from; \
+            "{}: not solved, since the velocity of the record never reaches zero: it has no dynamic crush, which {} \
+             starts from; \
              direct-fit does without",
             task.model, task.method
         ));

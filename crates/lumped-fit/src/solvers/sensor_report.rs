@@ -4,6 +4,7 @@ use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_signal::Notes;
 
 use crate::candidate::linearised::uncertainty;
+use crate::candidate::note::{CandidateNote, infos};
 use crate::fit::sensors::fit::Fitted;
 use crate::fit::sensors::problem::{SensorProblem, SensorWindow};
 use crate::free::model_coordinates::ModelCoordinates;
@@ -30,7 +31,8 @@ fn broken_side_constraints(model: &Model) -> Option<String> {
     .collect();
     (!broken.is_empty()).then(|| {
         format!(
-            "warning: breaks the side constraints of the paper, {}, which this fit does not know: direct-fit and interior-point to the \
+            "breaks the side constraints of the paper, {}, which this fit does not know: direct-fit and interior-point \
+             to the \
              displacement of the pulse keep them",
             broken.join(" and ")
         )
@@ -40,17 +42,17 @@ fn broken_side_constraints(model: &Model) -> Option<String> {
 /// What was found, as candidates.
 pub(super) struct Report<'a> {
     pub task: &'a Task<'a>,
-    pub family: &'a ModelCoordinates,
+    pub coordinates: &'a ModelCoordinates,
     pub sensors: &'a [(usize, Sensor<'a>)],
-    pub found: &'a Fitted,
+    pub fitted: &'a Fitted,
 }
 
 impl<'a> Report<'a> {
     fn problem(&self) -> SensorProblem<'_, ModelCoordinates> {
         SensorProblem {
-            family: self.family,
+            coordinates: self.coordinates,
             impact_speed_m_per_s: self.task.test.impact_speed_m_per_s,
-            sensors: &self.found.sensors,
+            sensors: &self.fitted.sensors,
         }
     }
 
@@ -61,46 +63,47 @@ impl<'a> Report<'a> {
     /// How far the sensors were missed, in words: `8.1 mm at 93 (compartment)`.
     fn errors(&self, theta: &[f64]) -> Option<String> {
         let rmse = self.problem().rmse(theta)?;
-        let of = |((_, sensor), rmse): (&(usize, Sensor<'a>), f64)| {
+        let sensor_error = |((_, sensor), rmse): (&(usize, Sensor<'a>), f64)| {
             (rmse, sensor.quantity, sensor.channel, sensor.place.to_string())
         };
-        Some(errors_in_words(self.sensors.iter().zip(rmse).map(of)))
+        Some(errors_in_words(self.sensors.iter().zip(rmse).map(sensor_error)))
     }
 
     fn candidate(&self, minimum: &Optimum, index: usize, remarks: &[String]) -> Option<Candidate> {
         let problem = self.problem();
-        let model = self.family.model(&minimum.theta)?;
+        let model = self.coordinates.model(&minimum.theta)?;
         let mut residuals = vec![0.0; problem.rows()];
         if !problem.residuals(&minimum.theta, &mut residuals) {
             return None;
         }
         let rmse = problem.rmse(&minimum.theta)?;
-        let names = self.family.names();
-        let first = &self.found.sensors[0];
+        let names = self.coordinates.names();
+        let first = &self.fitted.sensors[0];
         let active_bounds: Vec<_> =
             names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound).map(|(name, _)| *name).collect();
-        let mut notes = remarks.to_vec();
-        notes.push(format!(
+        let mut notes = infos(remarks.to_vec());
+        notes.push(CandidateNote::info(format!(
             "fitted to {} from {:.2} ms to {:.2} ms after time zero",
             first.quantity,
             1e3 * first.window.first_s,
             1e3 * first.window.last_s()
-        ));
+        )));
         if self.sensors.len() > 1 {
-            notes.push(note_of_errors(&self.errors(&minimum.theta)?, None));
+            notes.push(CandidateNote::sensor_errors(note_of_errors(&self.errors(&minimum.theta)?, None)));
         }
-        notes.extend(bounds_remark(&model, &active_bounds));
-        notes.extend(broken_side_constraints(&model));
-        let of = |((mass, sensor), (observed, rmse)): (&(usize, Sensor<'_>), (&SensorWindow, &f64))| SensorFit {
-            channel: sensor.channel.to_owned(),
-            mass: mass + 1,
-            quantity: sensor.quantity,
-            rmse: *rmse,
-            noise: observed.noise,
-        };
-        // The pulse's displacement: judged like the fits made for one model, through the filter of the record.
+        notes.extend(bounds_remark(&model, &active_bounds).map(CandidateNote::active_bounds));
+        notes.extend(broken_side_constraints(&model).map(CandidateNote::warning));
+        let sensor_fit =
+            |((mass, sensor), (observed, rmse)): (&(usize, Sensor<'_>), (&SensorWindow, &f64))| SensorFit {
+                channel: sensor.channel.to_owned(),
+                mass: mass + 1,
+                quantity: sensor.quantity,
+                rmse: *rmse,
+                noise: observed.noise,
+            };
+        // The pulse's displacement: judged like the fits made for one model, through the filter sensor_fit the record.
         let plain = self.task.fits_displacement_alone();
-        let sensors = self.sensors.iter().zip(self.found.sensors.iter().zip(&rmse)).map(of);
+        let sensors = self.sensors.iter().zip(self.fitted.sensors.iter().zip(&rmse)).map(sensor_fit);
         Some(Candidate {
             model,
             method: self.task.method,
@@ -113,58 +116,64 @@ impl<'a> Report<'a> {
                 quantity: first.quantity,
                 rmse: rmse[0],
                 iterations: minimum.iterations,
-                evaluations: self.found.evaluations,
+                evaluations: self.fitted.evaluations,
                 stop_reason: minimum.stop,
                 active_bounds,
                 sensors: if plain { Vec::new() } else { sensors.collect() },
             }),
-            uncertainty: uncertainty(minimum, &residuals, &names, &self.family.factors(&minimum.theta)),
+            uncertainty: uncertainty(minimum, &residuals, &names, &self.coordinates.factors(&minimum.theta)),
             notes,
         })
     }
 
     /// Every minimum as good as the best; for the double model with a sensor on the chassis, also what its dual does.
     pub fn candidates(&self, remarks: &[String], notes: &mut Notes) -> Vec<Candidate> {
-        let Some(best) = self.found.minima.first() else { return Vec::new() };
+        let Some(best) = self.fitted.minima.first() else { return Vec::new() };
         let limit = AS_GOOD * self.level(best);
-        let mut minima: Vec<Optimum> = self.found.minima.iter().filter(|m| self.level(m) <= limit).cloned().collect();
+        let mut minima: Vec<Optimum> = self.fitted.minima.iter().filter(|m| self.level(m) <= limit).cloned().collect();
         if minima.len() > 1 {
             notes.warning(format!(
-                "{}: {} parameter sets fit within 1 % as well as the best; the record does not determine the parameters",
+                "{}: {} parameter sets fit within 1 % as well as the best; the record does not determine the \
+                 parameters",
                 self.task.model,
                 minima.len()
             ));
             minima.truncate(REPORTED);
         }
-        let mut own = vec![Vec::new(); minima.len()];
-        if let Some(Model::DoubleSpringMassDamper(model)) = self.family.model(&best.theta) {
-            let dual = self.family.theta(&Model::DoubleSpringMassDamper(model.dual()));
+        let mut extra_remarks = vec![Vec::new(); minima.len()];
+        if let Some(Model::DoubleSpringMassDamper(model)) = self.coordinates.model(&best.theta) {
+            let dual = self.coordinates.theta(&Model::DoubleSpringMassDamper(model.dual()));
             let at_best = self.errors(&best.theta);
             if let (Some(at_dual), Some(at_best)) = (self.errors(&dual), at_best) {
                 let text = format!(
-                    "the dual model moves the compartment alike, but not the chassis: it misses by {at_dual}, this one by \
+                    "the dual model moves the compartment alike, but not the chassis: it misses by {at_dual}, this one \
+                     by \
                      {at_best}; the second sensor decides, and the two are not equivalent"
                 );
                 notes.info(format!("{}: {text}", self.task.model));
-                own[0].push(text);
+                extra_remarks[0].push(text);
             }
             // Where the dual leads if it is followed: the second best explanation.
-            let settings = crate::fit::descents::bounds(self.family, 200, 1e-15);
+            let settings = crate::fit::descents::bounds(self.coordinates, 200, 1e-15);
             if let Some(followed) =
                 crumple_estimation::minimise::levenberg_marquardt::descend(&self.problem(), &dual, &settings)
             {
                 let apart = |m: &Optimum| m.theta.iter().zip(&followed.theta).any(|(a, b)| (a - b).abs() > 0.01);
                 if minima.iter().all(apart) {
-                    own.push(vec![format!(
-                        "followed from the dual of the first: weighted error {:.3} times that of the first, not equivalent",
+                    extra_remarks.push(vec![format!(
+                        "followed from the dual of the first: weighted error {:.3} times that of the first, not \
+                         equivalent",
                         self.level(&followed) / self.level(best).max(f64::MIN_POSITIVE)
                     )]);
                     minima.push(followed);
                 }
             }
         }
-        let all = minima.iter().zip(own).enumerate();
-        all.filter_map(|(k, (minimum, own))| self.candidate(minimum, k + 1, &[remarks, &own].concat())).collect()
+        let all = minima.iter().zip(extra_remarks).enumerate();
+        all.filter_map(|(k, (minimum, extra_remarks))| {
+            self.candidate(minimum, k + 1, &[remarks, &extra_remarks].concat())
+        })
+        .collect()
     }
 
     /// The compartment alone: each minimum stands for a model and its dual.
@@ -173,12 +182,12 @@ impl<'a> Report<'a> {
             "{}: one compartment accelerometer cannot tell its two dual solutions apart, a second one on the front can",
             self.task.model
         ));
-        let Some(best) = self.found.minima.first() else { return Vec::new() };
+        let Some(best) = self.fitted.minima.first() else { return Vec::new() };
         let limit = AS_GOOD * self.level(best);
-        let mut seen: Vec<DoubleSpringMassDamper> = Vec::new();
-        let mut found = Vec::new();
-        for minimum in self.found.minima.iter().filter(|m| self.level(m) <= limit) {
-            let Some(Model::DoubleSpringMassDamper(model)) = self.family.model(&minimum.theta) else { continue };
+        let mut models: Vec<DoubleSpringMassDamper> = Vec::new();
+        let mut pairs = Vec::new();
+        for minimum in self.fitted.minima.iter().filter(|m| self.level(m) <= limit) {
+            let Some(Model::DoubleSpringMassDamper(model)) = self.coordinates.model(&minimum.theta) else { continue };
             // Alike within 1 %; dampers also where both are nothing beside the critical one of their spring.
             let alike = |a: &DoubleSpringMassDamper, b: &DoubleSpringMassDamper| {
                 let near = |x: f64, y: f64, size: f64| (x - y).abs() <= 0.01 * x.abs().max(y.abs()).max(size);
@@ -187,14 +196,14 @@ impl<'a> Report<'a> {
                     && near(a.c1_n_s_per_m, b.c1_n_s_per_m, 0.1 * (a.k1_n_per_m * a.m1_kg).sqrt())
                     && near(a.c2_n_s_per_m, b.c2_n_s_per_m, 0.1 * (a.k2_n_per_m * a.m2_kg).sqrt())
             };
-            if seen.iter().any(|other| alike(&model, other) || alike(&model.dual(), other)) {
+            if models.iter().any(|other| alike(&model, other) || alike(&model.dual(), other)) {
                 continue;
             }
-            seen.push(model);
-            let index = found.len() + 1;
+            models.push(model);
+            let index = pairs.len() + 1;
             let dual = model.dual();
-            let theta = self.family.theta(&Model::DoubleSpringMassDamper(dual));
-            let settings = crate::fit::descents::bounds(self.family, 0, 1e-15);
+            let theta = self.coordinates.theta(&Model::DoubleSpringMassDamper(dual));
+            let settings = crate::fit::descents::bounds(self.coordinates, 0, 1e-15);
             // Where a bound keeps the dual out it is none of the candidates.
             let other = crumple_estimation::minimise::levenberg_marquardt::descend(&self.problem(), &theta, &settings)
                 .filter(|other| other.cost <= minimum.cost * (1.0 + 1e-6) + 1e-20);
@@ -212,9 +221,9 @@ impl<'a> Report<'a> {
                 pair[0].equivalent_to = Some(index + 1);
                 pair[1].equivalent_to = Some(index);
             }
-            found.extend(pair);
+            pairs.extend(pair);
         }
-        found
+        pairs
     }
 }
 
@@ -239,6 +248,6 @@ mod tests {
         assert_eq!(broken_side_constraints(&Model::Nonlinear1(kept)), None);
         let broken = Nonlinear1 { k1_n_per_m: 4e5, c3_n_s_per_m: 2e4, ..kept };
         let text = broken_side_constraints(&Model::Nonlinear1(broken)).unwrap();
-        assert!(text.starts_with("warning: breaks the side constraints of the paper, k1 <= k2 and c2 >= c3"), "{text}");
+        assert!(text.starts_with("breaks the side constraints of the paper, k1 <= k2 and c2 >= c3"), "{text}");
     }
 }

@@ -1,6 +1,6 @@
 //! Any model fitted to acceleration, velocity or displacement of one or several sensors.
 
-use crumple_lumped::{Model, ModelKind};
+use crumple_lumped::{Model, ModelKind, Parameter, ParameterKind};
 use crumple_signal::Notes;
 
 use crate::fit::options::SingleMassFitOptions;
@@ -11,8 +11,8 @@ use crate::record::window::Window;
 use crate::solvers::sensor_report::Report;
 use crate::solvers::task::{Task, mass_count};
 use crate::{
-    Candidate, FitQuantity, MassFit, Method, Place, Sensor, SolveError, elastoplastic_from_events, fit_nonlinear1,
-    fit_nonlinear2, kelvin_from_events, masses, triple_masses,
+    Candidate, FitQuantity, MassFit, Method, Sensor, SensorPlace, SolveError, elastoplastic_from_events,
+    fit_nonlinear1, fit_nonlinear2, kelvin_from_events, masses, triple_masses,
 };
 
 /// The fit of the table of solvers, by descents or by L-SHADE.
@@ -36,11 +36,11 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     for (mass, sensor) in &sensors {
         let window = Window::pick(sensor.record, test.time_zero_s, settings.fit_from_s, to_s, settings.fit_samples)?;
         let noise = sensor.noise.unwrap_or(1.0);
-        let mut one = SensorWindow { mass: *mass, quantity: sensor.quantity, window, noise };
+        let mut sensor_window = SensorWindow { mass: *mass, quantity: sensor.quantity, window, noise };
         if sensor.noise.is_none() {
-            one.noise = one.size().max(f64::MIN_POSITIVE);
+            sensor_window.noise = sensor_window.size().max(f64::MIN_POSITIVE);
         }
-        observed.push(one);
+        observed.push(sensor_window);
     }
     let length_s = observed.iter().map(|o| o.window.last_s()).fold(0.0, f64::max);
     let scale = Scale {
@@ -50,16 +50,16 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
         crush_m: test.dynamic_crush_m.unwrap_or(test.impact_speed_m_per_s * length_s),
         release: settings.release,
     };
-    let family = ModelCoordinates::new(kind, &masses_kg, settings.mass_fit, &scale);
+    let coordinates = ModelCoordinates::new(kind, &masses_kg, settings.mass_fit, &scale);
     let search = match task.method {
         Method::LShade => Search::LShade(settings.l_shade),
         _ => {
-            let starts = settings.fit_starts.max(6 * family.coordinates.len());
-            Search::Starts(starts, given_starts(task, &family, &masses_kg, to_s))
+            let starts = settings.fit_starts.max(6 * coordinates.free.len());
+            Search::Starts(starts, given_starts(task, &coordinates, &masses_kg, to_s))
         }
     };
     let weigh: Vec<bool> = sensors.iter().map(|(_, sensor)| sensor.noise.is_none()).collect();
-    let Some(mut found) = fit_sensors(&family, test.impact_speed_m_per_s, observed, &weigh, &search) else {
+    let Some(mut fitted) = fit_sensors(&coordinates, test.impact_speed_m_per_s, observed, &weigh, &search) else {
         notes.warning(format!("{kind}: {}", SolveError::NoFit { starts: settings.fit_starts }));
         return Ok(Vec::new());
     };
@@ -69,13 +69,14 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
         remarks.push(match settings.mass_fit {
             MassFit::Known => text.clone(),
             MassFit::Shares { lower, upper } => format!(
-                "masses fitted: total {:.1} kg known, each but the last between {lower} and {upper} of what is left behind it",
+                "masses fitted: total {:.1} kg known, each but the last between {lower} and {upper} of what is left \
+                 behind it",
                 masses_kg.iter().sum::<f64>()
             ),
         });
     }
-    remarks.append(&mut found.remarks);
-    let report = Report { task, family: &family, sensors: &sensors, found: &found };
+    remarks.append(&mut fitted.remarks);
+    let report = Report { task, coordinates: &coordinates, sensors: &sensors, fitted: &fitted };
     if kind == ModelKind::DoubleSpringMassDamper && sensors.iter().all(|(mass, _)| *mass == 1) {
         Ok(report.pairs(&remarks, notes))
     } else {
@@ -83,9 +84,9 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     }
 }
 
-/// Why a model cannot be fitted: two sensors of different places fall on one of its masses, which moves one way only. One channel
-/// named for two places is one sensor, and two sensors of one place are two looks at it.
-pub(crate) fn shared_mass(places: &[(Place, &str)], count: usize) -> Option<String> {
+/// Why a model cannot be fitted: two sensors of different places fall on one of its masses, which moves one way only.
+/// One channel named for two places is one sensor, and two sensors of one place are two looks at it.
+pub(crate) fn shared_mass(places: &[(SensorPlace, &str)], count: usize) -> Option<String> {
     let on_masses = || places.iter().filter_map(|(place, channel)| Some((place.mass(count)?, *place, *channel)));
     let (mass, first, second) = on_masses().enumerate().find_map(|(k, (mass, place, channel))| {
         let mut before = on_masses().take(k);
@@ -93,15 +94,16 @@ pub(crate) fn shared_mass(places: &[(Place, &str)], count: usize) -> Option<Stri
         Some((mass, (other.1, other.2), (place, channel)))
     })?;
     // The compartment is the pulse, which every fit needs: the other one has to go.
-    let goes = if second.0 == Place::Compartment { first } else { second };
+    let goes = if second.0 == SensorPlace::Compartment { first } else { second };
     let instead = match goes.0 {
-        Place::Mass(1) if count == 1 => {
+        SensorPlace::Mass(1) if count == 1 => {
             format!("write front={} in sensors instead, which a model of one mass is not fitted to", goes.1)
         }
         place => format!("leave {place}={} out of sensors, or this model out of models", goes.1),
     };
     Some(format!(
-        "not fitted: sensors {} ({}) and {} ({}) both fall on mass {} of its {count}, which moves one way only; {instead}",
+        "not fitted: sensors {} ({}) and {} ({}) both fall on mass {} of its {count}, which moves one way only; \
+         {instead}",
         first.1,
         first.0,
         second.1,
@@ -110,8 +112,8 @@ pub(crate) fn shared_mass(places: &[(Place, &str)], count: usize) -> Option<Stri
     ))
 }
 
-/// The sensors that sit on a mass of the model; without any, the compartment's displacement. `None` with a warning where there is
-/// nothing to fit to, or no way to ([`shared_mass`]).
+/// The sensors that sit on a mass of the model; without any, the compartment's displacement. `None` with a warning
+/// where there is nothing to fit to, or no way to ([`shared_mass`]).
 fn sensors_of<'a>(task: &Task<'a>, count: usize, notes: &mut Notes) -> Option<Vec<(usize, Sensor<'a>)>> {
     let places: Vec<_> = task.test.sensors.iter().map(|sensor| (sensor.place, sensor.channel)).collect();
     if let Some(reason) = shared_mass(&places, count) {
@@ -134,7 +136,7 @@ fn sensors_of<'a>(task: &Task<'a>, count: usize, notes: &mut Notes) -> Option<Ve
     {
         let compartment = Sensor {
             channel: "",
-            place: Place::Compartment,
+            place: SensorPlace::Compartment,
             quantity: FitQuantity::Displacement,
             record: displacement,
             noise: None,
@@ -157,12 +159,13 @@ fn window_end(task: &Task<'_>) -> Option<f64> {
     })
 }
 
-/// Springs beside the soft one, as multiples of it, and least damper, in units of mass over the time of crush, of [`one_soft_pair`].
+/// Springs beside the soft one, as multiples of it, and least damper, in units of mass over the time of crush, of
+/// [`one_soft_pair`].
 const NEARLY_RIGID: f64 = 100.0;
 const SOME_DAMPING: f64 = 0.01;
 
-/// A chain that is nearly one mass: the Kelvin model of this crush and time at one place, of all that is behind it, and nearly rigid
-/// elsewhere.
+/// A chain that is nearly one mass: the Kelvin model of this crush and time at one place, of all that is behind it, and
+/// nearly rigid elsewhere.
 fn one_soft_pair(
     kind: ModelKind,
     masses_kg: &[f64],
@@ -173,28 +176,33 @@ fn one_soft_pair(
     let behind_kg: f64 = masses_kg[soft..].iter().sum();
     let kelvin = kelvin_from_events(behind_kg, v0, time_s, crush_m).ok()?.model;
     let damper = kelvin.damping_n_s_per_m.max(SOME_DAMPING * behind_kg / time_s);
-    let value = |name: &&str| -> Option<f64> {
-        let place = name[1..].split('_').next()?.parse::<usize>().ok()?.checked_sub(1)?;
+    let value = |index: usize, parameter: &Parameter| -> Option<f64> {
+        let place = kind.parameters()[..index].iter().filter(|before| before.kind == parameter.kind).count();
         let rigid = if place == soft { 1.0 } else { NEARLY_RIGID };
-        Some(match name.as_bytes()[0] {
-            b'm' => *masses_kg.get(place)?,
-            b'k' => rigid * kelvin.stiffness_n_per_m,
+        Some(match parameter.kind {
+            ParameterKind::Mass => *masses_kg.get(place)?,
+            ParameterKind::Stiffness => rigid * kelvin.stiffness_n_per_m,
             _ => rigid * damper,
         })
     };
-    let named = kind.parameter_names().iter().map(|name| Some(((*name).to_owned(), value(name)?)));
+    let named = kind.parameters().iter().enumerate().map(|(k, p)| Some((p.name.to_owned(), value(k, p)?)));
     Model::from_parameters(kind, &named.collect::<Option<_>>()?).ok()
 }
 
 /// Points that other solvers of this crate give: closed forms, and the fit of a nonlinear model to the displacement.
-fn given_starts(task: &Task<'_>, family: &ModelCoordinates, masses_kg: &[f64], to_s: Option<f64>) -> Vec<Vec<f64>> {
+fn given_starts(
+    task: &Task<'_>,
+    coordinates: &ModelCoordinates,
+    masses_kg: &[f64],
+    to_s: Option<f64>,
+) -> Vec<Vec<f64>> {
     let e = task.test;
     let events = e.time_of_dynamic_crush_s.zip(e.dynamic_crush_m);
     let (v0, m) = (e.impact_speed_m_per_s, e.mass_kg);
     if let (ModelKind::DoubleSpringMassDamper | ModelKind::TripleSpringMassDamper, Some(crush)) = (task.model, events) {
         let places = 0..masses_kg.len();
         let models = places.filter_map(|soft| one_soft_pair(task.model, masses_kg, soft, v0, crush));
-        return models.map(|model| family.theta(&model)).collect();
+        return models.map(|model| coordinates.theta(&model)).collect();
     }
     let model = match (task.model, events, e.displacement) {
         (ModelKind::Kelvin, Some((t, c)), _) => kelvin_from_events(m, v0, t, c).ok().map(|s| Model::Kelvin(s.model)),
@@ -221,7 +229,7 @@ fn given_starts(task: &Task<'_>, family: &ModelCoordinates, masses_kg: &[f64], t
         }
         _ => None,
     };
-    model.iter().map(|model| family.theta(model)).collect()
+    model.iter().map(|model| coordinates.theta(model)).collect()
 }
 
 #[cfg(test)]
@@ -230,27 +238,29 @@ mod tests {
 
     #[test]
     fn two_places_on_one_mass_leave_the_model_out_and_say_what_to_write() {
-        let stated = [(Place::Compartment, "floor"), (Place::Mass(1), "front"), (Place::Mass(2), "engine")];
+        let stated =
+            [(SensorPlace::Compartment, "floor"), (SensorPlace::Mass(1), "front"), (SensorPlace::Mass(2), "engine")];
         assert_eq!(shared_mass(&stated, 3), None);
         assert_eq!(
             shared_mass(&stated, 2).unwrap(),
-            "not fitted: sensors floor (compartment) and engine (m2) both fall on mass 2 of its 2, which moves one way only; leave \
+            "not fitted: sensors floor (compartment) and engine (m2) both fall on mass 2 of its 2, which moves reason way \
+             only; leave \
              m2=engine out of sensors, or this model out of models"
         );
-        let one = shared_mass(&stated, 1).unwrap();
+        let reason = shared_mass(&stated, 1).unwrap();
         assert!(
-            one.ends_with("write front=front in sensors instead, which a model of one mass is not fitted to"),
-            "{one}"
+            reason.ends_with("write front=front in sensors instead, which a model of reason mass is not fitted to"),
+            "{reason}"
         );
-        // Front and chassis are one mass of two; a model of one has neither.
-        let parts = [(Place::Front, "a"), (Place::Chassis, "b"), (Place::Compartment, "c")];
+        // Front and chassis are reason mass of two; a model of reason has neither.
+        let parts = [(SensorPlace::Front, "a"), (SensorPlace::Chassis, "b"), (SensorPlace::Compartment, "c")];
         assert!(shared_mass(&parts, 2).unwrap().contains("a (front) and b (chassis) both fall on mass 1"));
         assert_eq!(shared_mass(&parts, 1), None);
     }
 
     #[test]
     fn a_sensor_named_for_two_places_and_two_sensors_of_one_place_are_no_conflict() {
-        assert_eq!(shared_mass(&[(Place::Compartment, "93"), (Place::Mass(2), "93")], 2), None);
-        assert_eq!(shared_mass(&[(Place::Compartment, "93"), (Place::Compartment, "94")], 2), None);
+        assert_eq!(shared_mass(&[(SensorPlace::Compartment, "93"), (SensorPlace::Mass(2), "93")], 2), None);
+        assert_eq!(shared_mass(&[(SensorPlace::Compartment, "93"), (SensorPlace::Compartment, "94")], 2), None);
     }
 }

@@ -4,6 +4,7 @@ use crumple_lumped::Model;
 use crumple_signal::{Displacement, Notes, Signal};
 
 use super::extent::{Extent, crush_of, extent_of};
+use crate::candidate::note::{CandidateNote, infos};
 use crate::fit::options::SingleMassFitOptions;
 use crate::solvers::sensors;
 use crate::solvers::task::Task;
@@ -12,7 +13,7 @@ use crate::{
     fit_nonlinear1, fit_nonlinear2, interior_point_nonlinear1, undetermined_by_the_record,
 };
 
-type Found = (Model, Fit, Option<Uncertainty>);
+type SingleMassFit = (Model, Fit, Option<Uncertainty>);
 
 /// Spring and damper in series.
 pub(crate) fn maxwell(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
@@ -33,7 +34,7 @@ pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     }
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
     let mut missed = None;
-    let found = fitted(task, &extent, notes, |x, options, remarks| {
+    let candidates = fitted(task, &extent, notes, |x, options, remarks| {
         remarks.push(if extent.stops {
             "constrained to the dynamic crush and its time; k1 <= k2, c1 >= c2 >= c3".to_owned()
         } else {
@@ -41,7 +42,7 @@ pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
                 .to_owned()
         });
         let (model, fit) = fit_nonlinear1(x, options, extent.stops)?;
-        if let Some([crush, speed]) = conditions_at_crush(&model, options).filter(|found| extent.stops && !met(found)) {
+        if let Some([crush, speed]) = conditions_at_crush(&model, options).filter(|left| extent.stops && !met(left)) {
             missed = Some(format!(
                 "the conditions at dynamic crush are not met: crush {:.3} % off, speed {:.3} % of that at impact left",
                 100.0 * crush,
@@ -54,12 +55,12 @@ pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     if let Some(missed) = missed {
         notes.warning(format!("{}: {missed}", task.model));
     }
-    found
+    candidates
 }
 
 /// Whether the conditions at dynamic crush are met to what a fit under them is asked for.
-fn met(found: &[f64; 2]) -> bool {
-    found.iter().all(|condition| condition.abs() <= 1e-6)
+fn met(left: &[f64; 2]) -> bool {
+    left.iter().all(|condition| condition.abs() <= 1e-6)
 }
 
 /// The same as the paper finds it.
@@ -68,7 +69,8 @@ pub(crate) fn interior_point(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<C
     let Some((time_s, crush_m)) = crush_of(task, notes) else { return Ok(Vec::new()) };
     fitted(task, &Extent { crush_m, time_s, stops: true }, notes, |x, options, remarks| {
         remarks.push(
-            "the paper's way: interior point with x(t_m) = C, v(t_m) = 0, k1 <= k2, c1 >= c2 >= c3; direct-fit reaches the \
+            "the paper's way: interior point with x(t_m) = C, v(t_m) = 0, k1 <= k2, c1 >= c2 >= c3; direct-fit reaches \
+             the \
              same point"
                 .to_owned(),
         );
@@ -93,13 +95,13 @@ pub(crate) fn nonlinear2(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
 pub(crate) fn firefly(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
     fitted(task, &extent, notes, |x, options, remarks| {
-        let found = firefly_nonlinear2(x, options, &task.settings.firefly)?;
-        remarks.push(if found.attraction > 0.0 {
-            format!("mean attraction of two fireflies at the start {:.3}", found.attraction)
+        let best = firefly_nonlinear2(x, options, &task.settings.firefly)?;
+        remarks.push(if best.attraction > 0.0 {
+            format!("mean attraction of two fireflies at the start {:.3}", best.attraction)
         } else {
             "the attraction of two fireflies is zero in these units: a random walk".to_owned()
         });
-        Ok((Model::Nonlinear2(found.model), found.fit, None))
+        Ok((Model::Nonlinear2(best.model), best.fit, None))
     })
 }
 
@@ -108,7 +110,7 @@ pub(super) fn fitted(
     task: &Task<'_>,
     extent: &Extent,
     notes: &mut Notes,
-    fit: impl FnOnce(&Signal<Displacement>, &SingleMassFitOptions, &mut Vec<String>) -> Result<Found, SolveError>,
+    fit: impl FnOnce(&Signal<Displacement>, &SingleMassFitOptions, &mut Vec<String>) -> Result<SingleMassFit, SolveError>,
 ) -> Result<Vec<Candidate>, SolveError> {
     let (kind, test, settings) = (task.model, task.test, task.settings);
     let Some(displacement) = test.displacement else {
@@ -127,7 +129,7 @@ pub(super) fn fitted(
     };
     let mut remarks = Vec::new();
     let (model, fit, uncertainty) = match fit(displacement, &options, &mut remarks) {
-        Ok(found) => found,
+        Ok(fitted) => fitted,
         Err(error @ SolveError::NoFit { .. }) => {
             notes.warning(format!("{kind}: {error}"));
             return Ok(Vec::new());
@@ -141,7 +143,8 @@ pub(super) fn fitted(
         notes.warning(format!("{kind}: {finding}"));
         remarks.push(finding);
     }
-    remarks.extend(bounds_remark(&model, &fit.active_bounds));
+    let mut notes = infos(remarks);
+    notes.extend(bounds_remark(&model, &fit.active_bounds).map(CandidateNote::active_bounds));
     Ok(vec![Candidate {
         model,
         method: task.method,
@@ -149,6 +152,6 @@ pub(super) fn fitted(
         equivalent_to: None,
         fit: Some(fit),
         uncertainty,
-        notes: remarks,
+        notes,
     }])
 }

@@ -9,12 +9,14 @@ use crate::{Candidate, SolveError, SolveSettings, TestData};
 
 /// Finds every candidate that the settings ask for and the test allows; the notes say what is missing and why.
 ///
-/// Errors: only what makes every model senseless or an option impossible: a mass, speed, mass split or window without meaning.
+/// Errors: only what makes every model senseless or an option impossible: a mass, speed, mass split or window without
+/// meaning.
 pub fn solve(test: &TestData<'_>, settings: &SolveSettings, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     crate::error::positive("mass_kg", test.mass_kg)?;
     crate::error::positive("impact_speed_m_per_s", test.impact_speed_m_per_s)?;
-    // Solvers know nothing of each other; candidates and notes keep the order of the settings for any number of threads.
-    let found: Vec<(Result<Vec<Candidate>, SolveError>, Notes)> = settings
+    // Solvers know nothing of each other; candidates and notes keep the order of the settings for any number of
+    // threads.
+    let results: Vec<(Result<Vec<Candidate>, SolveError>, Notes)> = settings
         .models
         .par_iter()
         .flat_map_iter(|&model| {
@@ -27,7 +29,8 @@ pub fn solve(test: &TestData<'_>, settings: &SolveSettings, notes: &mut Notes) -
                 let mut notes = Notes::new();
                 let task = Task { model, method: solver.method, test, settings };
                 let mut result = solver.solve?(&task, &mut notes);
-                // A record that is too coarse for a fit (an event data recorder's) still has its events for the closed forms.
+                // A record that is too coarse for a fit (an event data recorder's) still has its events for the closed
+                // forms.
                 if let Err(error @ SolveError::TooFewSamples { .. }) = &result {
                     notes.warning(format!("{model}: not fitted by {}: {error}", solver.method.name()));
                     result = Ok(Vec::new());
@@ -38,7 +41,7 @@ pub fn solve(test: &TestData<'_>, settings: &SolveSettings, notes: &mut Notes) -
         })
         .collect();
     let mut candidates = Vec::new();
-    for (result, remarks) in found {
+    for (result, remarks) in results {
         notes.extend(remarks);
         candidates.extend(result?);
     }

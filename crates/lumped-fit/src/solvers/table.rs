@@ -173,8 +173,8 @@ mod tests {
     #[test]
     fn methods_keep_the_order_asked_for() {
         let both = [Method::CoefficientMatching, Method::DirectFit, Method::Firefly];
-        let found: Vec<_> = solvers_of(ModelKind::DoubleSpringMassDamper, &both).iter().map(|s| s.method).collect();
-        assert_eq!(found, both[..2]);
+        let methods: Vec<_> = solvers_of(ModelKind::DoubleSpringMassDamper, &both).iter().map(|s| s.method).collect();
+        assert_eq!(methods, both[..2]);
         assert_eq!(solvers_of(ModelKind::Kelvin, &[]).len(), 1);
     }
 }

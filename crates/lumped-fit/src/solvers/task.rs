@@ -1,6 +1,6 @@
 //! What a solver is given.
 
-use crumple_lumped::ModelKind;
+use crumple_lumped::{ModelKind, ParameterKind};
 use crumple_signal::Sampled;
 
 use crate::candidate::method::Method;
@@ -30,8 +30,8 @@ pub(crate) struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// Whether the displacement of the pulse alone is to be fitted, with known masses: what the fits made for one model do. A sensor
-    /// on a mass that the model does not have changes nothing, nor does naming the pulse itself.
+    /// Whether the displacement of the pulse alone is to be fitted, with known masses: what the fits made for one model
+    /// do. A sensor on a mass that the model does not have changes nothing, nor does naming the pulse itself.
     pub(crate) fn fits_displacement_alone(&self) -> bool {
         let count = mass_count(self.model);
         let is_pulse = |sensor: &Sensor<'_>| {
@@ -50,5 +50,5 @@ impl Task<'_> {
 
 /// How many masses a model has.
 pub(crate) fn mass_count(kind: ModelKind) -> usize {
-    kind.parameter_names().iter().filter(|name| matches!(**name, "mass_kg" | "m1_kg" | "m2_kg" | "m3_kg")).count()
+    kind.parameters().iter().filter(|parameter| parameter.kind == ParameterKind::Mass).count()
 }

@@ -6,13 +6,13 @@ use crate::FitQuantity;
 use crate::fit::refine::Refined;
 use crate::free::free_parameter::{FreeParameter, masses_of, rest_mass};
 use crate::record::observation::Observation;
-use crate::uncertainty::block_bootstrap::{Bootstrap, bootstrap};
+use crate::uncertainty::block_bootstrap::{BlockBootstrap, bootstrap};
 use crate::uncertainty::dual_scale::DualScale;
 use crate::uncertainty::identifiability::weakest_direction;
 use crate::uncertainty::profile_likelihood::{Profile, profile};
 use crumple_estimation::statistics::lag_1_autocorrelation;
 use crumple_estimation::statistics::{Covariance, covariance_of_blocks};
-use crumple_lumped::Model;
+use crumple_lumped::{Model, ParameterKind};
 
 /// What is computed beyond the covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -50,7 +50,7 @@ pub struct Assessment {
     /// Profile likelihood intervals, where asked for.
     pub profile: Vec<Profile>,
     /// Bootstrap, where asked for.
-    pub bootstrap: Option<Bootstrap>,
+    pub bootstrap: Option<BlockBootstrap>,
     /// What the sentence on the weakest direction is made from.
     free: Vec<FreeParameter>,
     covariance: Covariance,
@@ -59,9 +59,9 @@ pub struct Assessment {
 
 /// Judges a model at the minimum of its misfit.
 ///
-/// `given`: the values that are to be judged, where they are not those of the minimum: a closed form that follows two events
-/// instead of the whole curve. Its intervals stand around its own values and are widened by their distance from the minimum, as
-/// one more deviation: the same model, taken from the record in another way, gives values so far apart.
+/// `given`: the values that are to be judged, where they are not those of the minimum: a closed form that follows two
+/// events instead of the whole curve. Its intervals stand around its own values and are widened by their distance from
+/// the minimum, as one more deviation: the same model, taken from the record in another way, gives values so far apart.
 pub fn assess(
     refined: &Refined,
     given: Option<&Model>,
@@ -76,7 +76,7 @@ pub fn assess(
     let kept: Vec<usize> = (0..refined.free.len()).filter(assessed).collect();
     let free: Vec<FreeParameter> = kept.iter().map(|&i| refined.free[i]).collect();
     let j_m = refined.sensitivity_m.select_columns(&kept);
-    let found = covariance_of_blocks(&j_m, &refined.misfit_m, &observed.blocks())?;
+    let covariance = covariance_of_blocks(&j_m, &refined.misfit_m, &observed.blocks())?;
     let values = given.unwrap_or(&refined.model).parameters();
     let mut standard_deviation = BTreeMap::new();
     let mut interval = Intervals::new();
@@ -84,8 +84,8 @@ pub fn assess(
         let value = values[parameter.name];
         let away = parameter.coordinate(value) - parameter.coordinate(parameter.value);
         let away = if given.is_some() && away.is_finite() { away } else { 0.0 };
-        let deviation = (found.matrix[(i, i)].max(0.0) + away * away).sqrt();
-        let half = (found.half_width[i].powi(2) + (1.96 * away).powi(2)).sqrt();
+        let deviation = (covariance.matrix[(i, i)].max(0.0) + away * away).sqrt();
+        let half = (covariance.half_width[i].powi(2) + (1.96 * away).powi(2)).sqrt();
         if half.is_finite() {
             standard_deviation.insert(parameter.name, deviation * parameter.slope(parameter.coordinate(value)).abs());
         }
@@ -98,15 +98,15 @@ pub fn assess(
     }
     // A mass that a bound holds leaves the rest of the total open too.
     let model = given.unwrap_or(&refined.model);
-    let all_masses = free.iter().filter(|p| p.name.ends_with("_kg")).count() + 1 == masses_of(model).len();
+    let all_masses = free.iter().filter(|p| p.kind == ParameterKind::Mass).count() + 1 == masses_of(model).len();
     if let Some((rest, value)) = rest_mass(model, &refined.free) {
-        let (deviation, ends) = of_the_rest(value, &free, &found, &interval);
+        let (deviation, ends) = of_the_rest(value, &free, &covariance, &interval);
         if all_masses {
             standard_deviation.insert(rest, deviation);
         }
         interval.insert(rest, if all_masses { ends } else { (None, None) });
     }
-    let correlation = found.correlation();
+    let correlation = covariance.correlation();
     let waves = observed.split(&refined.misfit_m);
     let quantity = observed.waves.first()?.quantity;
     Some(Assessment {
@@ -114,17 +114,18 @@ pub fn assess(
         standard_deviation,
         interval,
         correlation: correlation.row_iter().map(|row| row.iter().copied().collect()).collect(),
-        condition: Some(found.condition).filter(|c| c.is_finite()),
-        rank: found.rank,
-        weakest_direction: weakest_direction(&free, &found, quantity),
-        residual_autocorrelation: waves.iter().map(|own| lag_1_autocorrelation(own)).sum::<f64>() / waves.len() as f64,
-        effective_samples: found.effective_samples,
+        condition: Some(covariance.condition).filter(|c| c.is_finite()),
+        rank: covariance.rank,
+        weakest_direction: weakest_direction(&free, &covariance, quantity),
+        residual_autocorrelation: waves.iter().map(|misfit| lag_1_autocorrelation(misfit)).sum::<f64>()
+            / waves.len() as f64,
+        effective_samples: covariance.effective_samples,
         profile: if options.profile {
-            let half_width = |i| kept.iter().position(|&k| k == i).map(|k| found.half_width[k]);
+            let half_width = |i| kept.iter().position(|&k| k == i).map(|k| covariance.half_width[k]);
             let expected: Vec<Option<f64>> = (0..refined.free.len()).map(half_width).collect();
-            let mut found = profile(refined, observed, &expected, found.effective_samples);
-            found.extend(profile_of_the_rest(refined, &found).filter(|_| all_masses));
-            found
+            let mut profiles = profile(refined, observed, &expected, covariance.effective_samples);
+            profiles.extend(profile_of_the_rest(refined, &profiles).filter(|_| all_masses));
+            profiles
         } else {
             Vec::new()
         },
@@ -132,7 +133,7 @@ pub fn assess(
             .then(|| bootstrap(refined, observed, options.bootstrap, all_masses))
             .flatten(),
         free,
-        covariance: found,
+        covariance,
         quantity,
     })
 }
@@ -148,28 +149,28 @@ fn around(parameter: &FreeParameter, value: f64, half: f64) -> (Option<f64>, Opt
     }
 }
 
-/// Standard deviation and interval of the mass that is the rest of the total: those of the free mass, mirrored; of two free
-/// masses normal, from the deviation of their sum with the factor of the wider of their intervals.
+/// Standard deviation and interval of the mass that is the rest of the total: those of the free mass, mirrored; of two
+/// free masses normal, from the deviation of their sum with the factor of the wider of their intervals.
 fn of_the_rest(
     value: f64,
     free: &[FreeParameter],
-    found: &Covariance,
+    covariance: &Covariance,
     interval: &Intervals,
 ) -> (f64, (Option<f64>, Option<f64>)) {
-    let masses: Vec<usize> = (0..free.len()).filter(|&i| free[i].name.ends_with("_kg")).collect();
+    let masses: Vec<usize> = (0..free.len()).filter(|&i| free[i].kind == ParameterKind::Mass).collect();
     let slope = |i: usize| free[i].slope(free[i].coordinate(free[i].value));
     let pairs = masses.iter().flat_map(|&i| masses.iter().map(move |&j| (i, j)));
-    let variance: f64 = pairs.map(|(i, j)| slope(i) * found.matrix[(i, j)] * slope(j)).sum();
+    let variance: f64 = pairs.map(|(i, j)| slope(i) * covariance.matrix[(i, j)] * slope(j)).sum();
     let deviation = variance.max(0.0).sqrt();
     let ends = match masses[..] {
-        [one] => {
-            let (low, high) = interval[free[one].name];
-            let total = value + free[one].value;
+        [mass] => {
+            let (low, high) = interval[free[mass].name];
+            let total = value + free[mass].value;
             let rest = |end: Option<f64>| end.map(|kg| (total - kg).max(0.0));
             (rest(high), rest(low))
         }
         _ => {
-            let factor = |i: &usize| found.half_width[*i] / found.matrix[(*i, *i)].sqrt();
+            let factor = |i: &usize| covariance.half_width[*i] / covariance.matrix[(*i, *i)].sqrt();
             let half = masses.iter().map(factor).fold(1.96, f64::max) * deviation;
             if half.is_finite() { (Some((value - half).max(0.0)), Some(value + half)) } else { (None, None) }
         }
@@ -180,15 +181,15 @@ fn of_the_rest(
 /// The profile of the rest of the total, which is that of the one free mass mirrored; none with two free masses.
 fn profile_of_the_rest(refined: &Refined, profiles: &[Profile]) -> Option<Profile> {
     let (parameter, value) = rest_mass(&refined.model, &refined.free)?;
-    let mut masses = refined.free.iter().filter(|p| p.name.ends_with("_kg"));
-    let (one, None) = (masses.next()?, masses.next()) else { return None };
-    let of = profiles.iter().find(|p| p.parameter == one.name)?;
-    let total = value + one.value;
+    let mut masses = refined.free.iter().filter(|p| p.kind == ParameterKind::Mass);
+    let (mass, None) = (masses.next()?, masses.next()) else { return None };
+    let mirrored = profiles.iter().find(|p| p.parameter == mass.name)?;
+    let total = value + mass.value;
     Some(Profile {
         parameter,
-        low: of.high.map(|kg| total - kg),
-        high: of.low.map(|kg| total - kg),
-        points: of.points.iter().rev().map(|(kg, rise)| (total - kg, *rise)).collect(),
+        low: mirrored.high.map(|kg| total - kg),
+        high: mirrored.low.map(|kg| total - kg),
+        points: mirrored.points.iter().rev().map(|(kg, rise)| (total - kg, *rise)).collect(),
     })
 }
 
@@ -231,7 +232,7 @@ impl Assessment {
                     }
                 })
                 .collect(),
-            bootstrap: self.bootstrap.as_ref().map(|b| Bootstrap { interval: exchange(&b.interval), ..b.clone() }),
+            bootstrap: self.bootstrap.as_ref().map(|b| BlockBootstrap { interval: exchange(&b.interval), ..b.clone() }),
             free,
             ..self.clone()
         }

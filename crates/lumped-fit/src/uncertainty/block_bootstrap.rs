@@ -23,7 +23,7 @@ const LARGEST_SHARE: usize = 3;
 
 /// What the replicates say of parameters named by `N`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bootstrap<N: Ord = &'static str> {
+pub struct BlockBootstrap<N: Ord = &'static str> {
     /// Replicates that led to a fit.
     pub replicates: usize,
     /// Samples in a block.
@@ -34,18 +34,24 @@ pub struct Bootstrap<N: Ord = &'static str> {
 
 /// Fits the model again to its own response with the misfit laid over it in shuffled blocks, and reads the percentiles.
 ///
-/// Several waves are shuffled in the same blocks of time, so that an error they share stays shared. Moving blocks on a circle (Politis & Romano 1992), two autocorrelation times long but at most a third of the window, so
-/// that what hangs together stays together. Every replicate starts from the minimum and draws from its own stream of a fixed
-/// seed: the result does not depend on threads. Says nothing of other minima, nor of an error that is the same in
-/// the whole record. `None` with fewer than 20 fits, or for a misfit of rounding alone.
+/// Several waves are shuffled in the same blocks of time, so that an error they share stays shared. Moving blocks on a
+/// circle (Politis & Romano 1992), two autocorrelation times long but at most a third of the window, so that what hangs
+/// together stays together. Every replicate starts from the minimum and draws from its own stream of a fixed seed: the
+/// result does not depend on threads. Says nothing of other minima, nor of an error that is the same in the whole
+/// record. `None` with fewer than 20 fits, or for a misfit of rounding alone.
 ///
 /// `with_rest`: whether a last mass that is the rest of the total has an interval too.
-pub fn bootstrap(refined: &Refined, observed: &Observation, replicates: usize, with_rest: bool) -> Option<Bootstrap> {
+pub fn bootstrap(
+    refined: &Refined,
+    observed: &Observation,
+    replicates: usize,
+    with_rest: bool,
+) -> Option<BlockBootstrap> {
     let rest = |model: &Model, free: &[FreeParameter]| rest_mass(model, free).filter(|_| with_rest);
     let rest_name = rest(&refined.model, &refined.free).map(|(name, _)| name);
     let names = refined.free.iter().map(|parameter| parameter.name).chain(rest_name).collect();
-    replicate(observed, &refined.misfit_m, replicates, names, |again| {
-        let problem = Problem::new(refined.model, refined.free.clone(), again);
+    replicate(observed, &refined.misfit_m, replicates, names, |resampled| {
+        let problem = Problem::new(refined.model, refined.free.clone(), resampled);
         let optimum = follow(&problem, &problem.start())?;
         let rest = rest(&problem.model(&optimum.theta)?, &problem.free).map(|(_, kg)| kg);
         Some(problem.free.iter().zip(&optimum.theta).map(|(p, theta)| p.at(*theta)).chain(rest).collect())
@@ -59,44 +65,47 @@ pub(crate) fn replicate<N: Ord>(
     replicates: usize,
     names: Vec<N>,
     fit: impl Fn(&Observation) -> Option<Vec<f64>> + Sync,
-) -> Option<Bootstrap<N>> {
+) -> Option<BlockBootstrap<N>> {
     let misfits = observed.split(misfit);
     let n = misfits.first()?.len();
     // In samples of the first wave; the same blocks of time for all.
-    let time = misfits.iter().map(|own| autocorrelation_time(own) * n as f64 / own.len() as f64).fold(0.0, f64::max);
+    let time = misfits
+        .iter()
+        .map(|samples| autocorrelation_time(samples) * n as f64 / samples.len() as f64)
+        .fold(0.0, f64::max);
     let block = ((BLOCK_TIMES * time).ceil() as usize).clamp(1, n / LARGEST_SHARE);
-    let found: Vec<Option<Vec<f64>>> = (0..replicates)
+    let fits: Vec<Option<Vec<f64>>> = (0..replicates)
         .into_par_iter()
         .map(|index| {
             let mut random = ChaCha8Rng::seed_from_u64(SEED);
             random.set_stream(index as u64);
             let from: Vec<usize> = (0..n.div_ceil(block)).map(|_| (random.next_u64() % n as u64) as usize).collect();
-            let mut again = observed.clone();
-            for (wave, misfit) in again.waves.iter_mut().zip(&misfits) {
-                let own = misfit.len();
+            let mut resampled = observed.clone();
+            for (wave, misfit) in resampled.waves.iter_mut().zip(&misfits) {
+                let samples = misfit.len();
                 for (k, sample) in wave.samples.iter_mut().enumerate() {
-                    let place = k * n / own;
-                    let drawn = ((from[place / block] + place % block) * own / n) % own;
+                    let place = k * n / samples;
+                    let drawn = ((from[place / block] + place % block) * samples / n) % samples;
                     // The misfit is model minus record, times the weight.
                     *sample += (misfit[k] - misfit[drawn]) / wave.weight;
                 }
             }
-            fit(&again)
+            fit(&resampled)
         })
         .collect();
-    let found: Vec<Vec<f64>> = found.into_iter().flatten().collect();
-    if found.len() < 20 {
+    let fits: Vec<Vec<f64>> = fits.into_iter().flatten().collect();
+    if fits.len() < 20 {
         return None;
     }
     let interval = names
         .into_iter()
         .enumerate()
         .map(|(i, name)| {
-            let mut values: Vec<f64> = found.iter().map(|f| f[i]).collect();
+            let mut values: Vec<f64> = fits.iter().map(|f| f[i]).collect();
             (name, (percentile(&mut values, 0.025), percentile(&mut values, 0.975)))
         })
         .collect();
-    Some(Bootstrap { replicates: found.len(), block, interval })
+    Some(BlockBootstrap { replicates: fits.len(), block, interval })
 }
 
 /// Percentile by linear interpolation between order statistics.

@@ -1,9 +1,9 @@
-//! What uncertain mass, speed, zero level and time zero do to a closed form: the same formula from the events of the record as
-//! it would have been.
+//! What uncertain mass, speed, zero level and time zero do to a closed form: the same formula from the events of the
+//! record as it would have been.
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::Model;
+use crumple_lumped::{Model, ParameterKind};
 
 use crate::record::observation::Observation;
 use crate::uncertainty::propagation::{InputUncertainty, Propagation, Repetition, over_repetitions, with_errors};
@@ -23,8 +23,9 @@ pub struct FollowedEvents {
 impl FollowedEvents {
     /// The events of a displacement that is compared at every sample from contact to its end; `None` if it never stops.
     ///
-    /// Velocities are differences between samples, which for a displacement summed by trapezoids are means of two samples of the
-    /// velocity; their first zero and their minimum after it. Off by `O(dt²)`: only changes of the events are taken from here.
+    /// Velocities are differences between samples, which for a displacement summed by trapezoids are means of two
+    /// samples of the velocity; their first zero and their minimum after it. Off by `O(dt²)`: only changes of the
+    /// events are taken from here.
     pub fn of(record: &Observation) -> Option<Self> {
         let wave = record.waves.first()?;
         let dt = wave.measurement.dt_s * wave.stride as f64;
@@ -61,10 +62,10 @@ impl FollowedEvents {
 
 /// Repeats the closed form of `model` with inputs drawn anew, and reads the percentiles.
 ///
-/// Each repetition takes the events of the record with its mass, speed, zero level and time zero, and solves for the model by the
-/// same formula: Kelvin from crush and its time, elastoplastic from crush and restitution. `events`: those that gave the
-/// model; `whole`: the record, every sample from contact to its end. A repetition without a solution is left out and not counted.
-/// `None` for a model without closed form, or with fewer than 20 results.
+/// Each repetition takes the events of the record with its mass, speed, zero level and time zero, and solves for the
+/// model by the same formula: Kelvin from crush and its time, elastoplastic from crush and restitution. `events`: those
+/// that gave the model; `whole`: the record, every sample from contact to its end. A repetition without a solution is
+/// left out and not counted. `None` for a model without closed form, or with fewer than 20 results.
 pub fn propagate_closed_form(
     model: &Model,
     events: &FollowedEvents,
@@ -100,8 +101,8 @@ fn repeat_closed_form(
         _ => return None,
     };
     let values = solved.parameters();
-    let named = solved.kind().parameter_names().iter().filter(|name| !name.ends_with("_kg"));
-    let mut result: BTreeMap<&'static str, f64> = named.map(|name| (*name, values[*name])).collect();
+    let but_masses = solved.kind().parameters().iter().filter(|p| p.kind != ParameterKind::Mass);
+    let mut result: BTreeMap<&'static str, f64> = but_masses.map(|p| (p.name, values[p.name])).collect();
     if matches!(model, Model::Elastoplastic(m) if unloads_rigidly(m)) {
         // A stand-in, and no number of the record.
         result.remove("unloading_stiffness_n_per_m");

@@ -1,9 +1,9 @@
-//! What uncertain inputs do to the first nonlinear model under its side conditions: the same fit from the record as it would
-//! have been.
+//! What uncertain inputs do to the first nonlinear model under its side conditions: the same fit from the record as it
+//! would have been.
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{Instants, Model, Nonlinear1};
+use crumple_lumped::{Instants, Model, Nonlinear1, ParameterKind};
 use nalgebra::DMatrix;
 
 use crate::Observation;
@@ -18,14 +18,15 @@ const MET: f64 = 1e-8;
 /// Places of the parameters that are free: all but the mass and the last knots.
 const PLACES: [usize; 6] = [1, 2, 3, 4, 5, 6];
 
-/// Repeats the fit of the first nonlinear model under `k1 <= k2`, `c1 >= c2 >= c3`, `x(t_m) = C` and `v(t_m) = 0` with inputs
-/// drawn anew, and reads the percentiles.
+/// Repeats the fit of the first nonlinear model under `k1 <= k2`, `c1 >= c2 >= c3`, `x(t_m) = C` and `v(t_m) = 0` with
+/// inputs drawn anew, and reads the percentiles.
 ///
-/// The estimator of [`fit_nonlinear1`](crate::fit_nonlinear1): crush, its time and the last knots are those of each repetition's
-/// record, the displacement is compared without the filter. Every repetition descends from `model`: where errors are so large that
-/// another start of the fit would win (time zero more than 0.25 ms off), the spread is that of one minimum and too small. `events`, `whole`: as
-/// [`propagate_closed_form`](crate::propagate_closed_form) takes them; `observed`: the samples compared. A repetition that cannot meet
-/// the conditions is left out and not counted. `None` with fewer than 20 results.
+/// The estimator of [`fit_nonlinear1`](crate::fit_nonlinear1): crush, its time and the last knots are those of each
+/// repetition's record, the displacement is compared without the filter. Every repetition descends from `model`: where
+/// errors are so large that another start of the fit would win (time zero more than 0.25 ms off), the spread is that of
+/// one minimum and too small. `events`, `whole`: as [`propagate_closed_form`](crate::propagate_closed_form) takes them;
+/// `observed`: the samples compared. A repetition that cannot meet the conditions is left out and not counted. `None`
+/// with fewer than 20 results.
 pub fn propagate_conditioned(
     model: &Nonlinear1,
     events: &FollowedEvents,
@@ -75,12 +76,12 @@ fn repeat_conditioned(
     let mut met = false;
     for _ in 0..ROUNDS {
         theta = descend(&problem, &theta, &bounds)?.theta;
-        let found = problem.at_crush(&problem.model(&theta)?)?;
-        met = found.iter().all(|c| c.abs() <= MET);
+        let conditions = problem.at_crush(&problem.model(&theta)?)?;
+        met = conditions.iter().all(|c| c.abs() <= MET);
         if met {
             break;
         }
-        for (multiplier, condition) in problem.multipliers.iter_mut().zip(found) {
+        for (multiplier, condition) in problem.multipliers.iter_mut().zip(conditions) {
             *multiplier += problem.weight * condition;
         }
         problem.weight = (problem.weight * 4.0).min(1e8);
@@ -90,18 +91,20 @@ fn repeat_conditioned(
     }
     let fitted = Model::Nonlinear1(problem.model(&theta)?);
     let values = fitted.parameters();
-    let names = fitted.kind().parameter_names();
-    let by = |name: &str| if name.ends_with("_m_per_s") { 1.0 } else { repetition.mass_ratio };
-    let mut result: BTreeMap<&'static str, f64> =
-        PLACES.iter().map(|&place| (names[place], values[names[place]] * by(names[place]))).collect();
+    let scaled = |&place: &usize| {
+        let parameter = &fitted.kind().parameters()[place];
+        let ratio = if parameter.kind == ParameterKind::Rate { 1.0 } else { repetition.mass_ratio };
+        (parameter.name, values[parameter.name] * ratio)
+    };
+    let mut result: BTreeMap<&'static str, f64> = PLACES.iter().map(scaled).collect();
     if let Some(crush) = fitted.events(v0).ok().and_then(|events| events.dynamic_crush_m) {
         result.insert("dynamic_crush_m", crush);
     }
     Some(result)
 }
 
-/// Displacements in units of the crush, and the two weighted conditions after them. Coefficients are sums of parts that are not
-/// negative, which keeps their order.
+/// Displacements in units of the crush, and the two weighted conditions after them. Coefficients are sums of parts that
+/// are not negative, which keeps their order.
 struct Conditioned<'a> {
     record: &'a ObservedWave,
     impact_speed_m_per_s: f64,
@@ -146,13 +149,13 @@ impl Conditioned<'_> {
     /// `x(t_m)/C - 1` and `v(t_m)/v0`.
     fn at_crush(&self, model: &Nonlinear1) -> Option<[f64; 2]> {
         let v0 = self.impact_speed_m_per_s;
-        let found = Model::Nonlinear1(*model).sensitivity(v0, &self.stop(), &[]).ok()?;
-        let motion = found.motions.first()?;
+        let response = Model::Nonlinear1(*model).sensitivity(v0, &self.stop(), &[]).ok()?;
+        let motion = response.motions.first()?;
         Some([motion.displacement_m[0] / self.events.dynamic_crush_m - 1.0, motion.velocity_m_per_s[0] / v0])
     }
 
     /// The parameters by their places that each of theta moves, and how far.
-    fn chain(&self) -> [Vec<(usize, f64)>; 6] {
+    fn derivatives(&self) -> [Vec<(usize, f64)>; 6] {
         let (k, c) = (self.spring, self.damper);
         [
             vec![(1, k), (2, k)],
@@ -192,13 +195,13 @@ impl Response for Conditioned<'_> {
         let Some(model) = self.model(theta).map(Model::Nonlinear1) else { return Some(false) };
         let (v0, crush) = (self.impact_speed_m_per_s, self.events.dynamic_crush_m);
         let n = self.record.samples.len();
-        let Ok(found) = model.sensitivity(v0, &self.instants(), &PLACES) else { return Some(false) };
+        let Ok(response) = model.sensitivity(v0, &self.instants(), &PLACES) else { return Some(false) };
         let Ok(stop) = model.sensitivity(v0, &self.stop(), &PLACES) else { return Some(false) };
         let weight = self.weight.sqrt();
-        for (j, by) in self.chain().iter().enumerate() {
+        for (j, by) in self.derivatives().iter().enumerate() {
             out.column_mut(j).fill(0.0);
             for (place, factor) in by {
-                for (k, d) in found.derivatives[place - 1][0].displacement_m.iter().enumerate() {
+                for (k, d) in response.derivatives[place - 1][0].displacement_m.iter().enumerate() {
                     out[(k, j)] += factor * d / crush;
                 }
                 let motion = &stop.derivatives[place - 1][0];

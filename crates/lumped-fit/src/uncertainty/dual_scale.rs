@@ -6,11 +6,11 @@ use crumple_lumped::DoubleSpringMassDamper;
 
 use crate::Propagation;
 
-/// Names and factors that lead to the dual, which exchanges front and rear: `k1' = mu k2`, `k2' = k1/mu`, the dampers alike,
-/// `mu = (m1 + m2)/m2`.
+/// Names and factors that lead to the dual, which exchanges front and rear: `k1' = mu k2`, `k2' = k1/mu`, the dampers
+/// alike, `mu = (m1 + m2)/m2`.
 ///
-/// The factors are constants of the masses, so logarithms move by constants: deviations and intervals keep their relative size,
-/// and so does what repetitions with another mass give as long as its split stays.
+/// The factors are constants of the masses, so logarithms move by constants: deviations and intervals keep their
+/// relative size, and so does what repetitions with another mass give as long as its split stays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DualScale {
     mu: f64,
@@ -35,22 +35,22 @@ impl DualScale {
 
     /// Values by parameter, seen from the dual.
     pub fn values(&self, values: &BTreeMap<&'static str, f64>) -> BTreeMap<&'static str, f64> {
-        let one = |(name, value): (&&'static str, &f64)| {
+        let exchanged = |(name, value): (&&'static str, &f64)| {
             let (name, by) = self.of(name);
             (name, value * by)
         };
-        values.iter().map(one).collect()
+        values.iter().map(exchanged).collect()
     }
 
     /// What repetitions with uncertain inputs say of the dual.
     pub fn propagation(&self, of: &Propagation) -> Propagation {
-        let one = |(name, (low, high)): (&&'static str, &(f64, f64))| {
+        let exchanged = |(name, (low, high)): (&&'static str, &(f64, f64))| {
             let (name, by) = self.of(name);
             (name, (low * by, high * by))
         };
         Propagation {
             repetitions: of.repetitions,
-            interval_90: of.interval_90.iter().map(one).collect(),
+            interval_90: of.interval_90.iter().map(exchanged).collect(),
             standard_deviation: self.values(&of.standard_deviation),
         }
     }
@@ -77,7 +77,7 @@ mod tests {
             ("c1_n_s_per_m", model.c1_n_s_per_m),
             ("c2_n_s_per_m", model.c2_n_s_per_m),
         ];
-        let found = scale.values(&BTreeMap::from(values));
+        let dual_values = scale.values(&BTreeMap::from(values));
         let wanted = [
             ("k1_n_per_m", dual.k1_n_per_m),
             ("k2_n_per_m", dual.k2_n_per_m),
@@ -86,7 +86,7 @@ mod tests {
         ];
         for (name, value) in wanted {
             // Rounding; a damper of zero stays one.
-            assert!((found[name] - value).abs() <= 1e-12 * value.abs(), "{name}: {} {value}", found[name]);
+            assert!((dual_values[name] - value).abs() <= 1e-12 * value.abs(), "{name}: {} {value}", dual_values[name]);
         }
         assert_eq!(scale, DualScale::new(&dual));
     }

@@ -1,7 +1,8 @@
 //! What a record does not determine, in words.
 
+use crumple_lumped::ParameterKind;
+
 use crate::FitQuantity;
-use crate::candidate::parameter_words::short;
 use crate::free::free_parameter::FreeParameter;
 use crumple_estimation::statistics::Covariance;
 
@@ -10,13 +11,16 @@ const WORTH_NAMING: f64 = 0.2;
 /// A combination known to less than this, in relative terms, is called not determined.
 const LOOSE: f64 = 0.5;
 
-/// The weakest direction as a sentence: which parameters can move together how far, and what that does to the displacement.
+/// The weakest direction as a sentence: which parameters can move together how far, and what that does to the
+/// displacement.
 ///
-/// `quantity`: what the sensitivities are of, in its SI unit; of several waves that of the first, with the others weighted. With two parameters the combination that
-/// remains determined is named too: moving `k1` by `d1` and `k2` by `d2` changes nothing, so only `k1 - (d1/d2) k2` is known.
+/// `quantity`: what the sensitivities are of, in its SI unit; of several waves that of the first, with the others
+/// weighted. With two parameters the combination that remains determined is named too: moving `k1` by `d1` and `k2` by
+/// `d2` changes nothing, so only `k1 - (d1/d2) k2` is known.
 pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance, quantity: FitQuantity) -> Option<String> {
     let named = |p: &FreeParameter| NamedCoordinate {
         name: p.name.to_owned(),
+        kind: p.kind,
         logarithmic: p.logarithmic,
         slope: p.slope(p.coordinate(p.value)),
     };
@@ -28,10 +32,19 @@ pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance, quanti
 pub(crate) struct NamedCoordinate {
     /// The parameter, with its unit.
     pub name: String,
+    /// What it is.
+    pub kind: ParameterKind,
     /// Whether the coordinate is its logarithm.
     pub logarithmic: bool,
     /// Derivative of the parameter by the coordinate.
     pub slope: f64,
+}
+
+impl NamedCoordinate {
+    /// The parameter without its unit: `k1` of `k1_n_per_m`.
+    fn symbol(&self) -> String {
+        self.kind.symbol_of(&self.name).replace('_', " ")
+    }
 }
 
 /// As [`weakest_direction`], of parameters of any name.
@@ -57,8 +70,8 @@ pub(crate) fn direction_in_words(
     let named: Vec<String> = parts
         .iter()
         .map(|&i| {
-            let of = if free[i].logarithmic { "" } else { " of its scale" };
-            format!("{} {:+.2} %{of}", short(&free[i].name), 100.0 * unit * sign * along[i])
+            let suffix = if free[i].logarithmic { "" } else { " of its scale" };
+            format!("{} {:+.2} %{suffix}", free[i].symbol(), 100.0 * unit * sign * along[i])
         })
         .collect();
     let moved = format!(
@@ -67,22 +80,17 @@ pub(crate) fn direction_in_words(
         if named.len() == 1 { "moves" } else { "together move" },
         size(unit * covariance.weakest_change_m, quantity)
     );
-    let known = match parts[..] {
-        [_] => format!("{} is the least determined", short(&free[lead].name)),
+    let determined = match parts[..] {
+        [_] => format!("{} is the least determined", free[lead].symbol()),
         [a, b] if deviation > LOOSE => {
             let slope = |i: usize| along[i] * free[i].slope;
-            let (first, second) = if comes_before(&free[a].name, &free[b].name, a < b) { (a, b) } else { (b, a) };
+            let (first, second) = if comes_before(&free[a], &free[b], a < b) { (a, b) } else { (b, a) };
             let factor = -slope(first) / slope(second);
             let sign = if factor < 0.0 { '-' } else { '+' };
-            format!(
-                "only {} {sign} {:.3} {} is determined",
-                short(&free[first].name),
-                factor.abs(),
-                short(&free[second].name)
-            )
+            format!("only {} {sign} {:.3} {} is determined", free[first].symbol(), factor.abs(), free[second].symbol())
         }
         _ if deviation > LOOSE => {
-            let names: Vec<_> = parts.iter().map(|&i| short(&free[i].name)).collect();
+            let names: Vec<_> = parts.iter().map(|&i| free[i].symbol()).collect();
             format!("{} are not determined one by one", names.join(", "))
         }
         _ => "the least determined combination".to_owned(),
@@ -92,12 +100,12 @@ pub(crate) fn direction_in_words(
     } else {
         "nothing bounds it".to_owned()
     };
-    Some(format!("{known}: {moved}; {width}"))
+    Some(format!("{determined}: {moved}; {width}"))
 }
 
 /// Two of one kind stand by their numbers, others as the model has them.
-fn comes_before(a: &str, b: &str, in_the_model: bool) -> bool {
-    if a.as_bytes().first() == b.as_bytes().first() { a < b } else { in_the_model }
+fn comes_before(a: &NamedCoordinate, b: &NamedCoordinate, in_the_model: bool) -> bool {
+    if a.kind == b.kind { a.name < b.name } else { in_the_model }
 }
 
 fn size(value: f64, quantity: FitQuantity) -> String {
@@ -115,7 +123,16 @@ mod tests {
     use nalgebra::DMatrix;
 
     fn spring(name: &'static str, value: f64) -> FreeParameter {
-        FreeParameter { name, value, unit: value, scale: 0.0, logarithmic: true, limit: f64::INFINITY, lowest: 0.0 }
+        FreeParameter {
+            name,
+            kind: ParameterKind::Stiffness,
+            value,
+            unit: value,
+            scale: 0.0,
+            logarithmic: true,
+            limit: f64::INFINITY,
+            lowest: 0.0,
+        }
     }
 
     #[test]
@@ -128,10 +145,13 @@ mod tests {
             by_value * if k == 0 { k1 } else { k2 } * 1e-6
         });
         let noise: Vec<f64> = (0..100).map(|i| 1e-3 * (f64::from(i * i)).sin()).collect();
-        let found = covariance(&j, &noise, 0.0).unwrap();
-        let text =
-            weakest_direction(&[spring("k1_n_per_m", k1), spring("k2_n_per_m", k2)], &found, FitQuantity::Displacement)
-                .unwrap();
+        let estimate = covariance(&j, &noise, 0.0).unwrap();
+        let text = weakest_direction(
+            &[spring("k1_n_per_m", k1), spring("k2_n_per_m", k2)],
+            &estimate,
+            FitQuantity::Displacement,
+        )
+        .unwrap();
         assert!(text.starts_with("only k1 + 0.900 k2 is determined: k1 +1.00 %, k2 -0.56 %"), "{text}");
     }
 }

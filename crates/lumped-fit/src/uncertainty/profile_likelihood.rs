@@ -42,11 +42,13 @@ impl<N> Profile<N> {
 /// Fixes each free parameter on a grid away from the minimum, fits all others again from the neighbour, and ends the
 /// interval where `2 ΔlnL = Ne ln(S/S_min)` exceeds 3.84.
 ///
-/// `Ne` is the effective number of samples, at least one more than there are parameters. To both sums of squares comes the
-/// resolution of the displacement. Up to 24 points on each side, with growing steps; a side that never rises so far, or ends on
-/// a bound of the search, is open: not identifiable. Where zero is reached below the limit, zero is the end.
+/// `Ne` is the effective number of samples, at least one more than there are parameters. To both sums of squares comes
+/// the resolution of the displacement. Up to 24 points on each side, with growing steps; a side that never rises so
+/// far, or ends on a bound of the search, is open: not identifiable. Where zero is reached below the limit, zero is the
+/// end.
 ///
-/// `expected`: half-width of the linear interval of each free parameter's coordinate, where there is one; it sets the first step.
+/// `expected`: half-width of the linear interval of each free parameter's coordinate, where there is one; it sets the
+/// first step.
 pub fn profile(
     refined: &Refined,
     observed: &Observation,
@@ -66,8 +68,8 @@ pub fn profile(
             let cost = observed.misfit(&template)?.iter().map(|r| (r / problem.unit_m).powi(2)).sum();
             return Some((Vec::new(), cost));
         }
-        let found = follow(&problem, start)?;
-        Some((found.theta, found.cost))
+        let refitted = follow(&problem, start)?;
+        Some((refitted.theta, refitted.cost))
     };
     Minimum {
         names: &names,
@@ -84,8 +86,8 @@ pub fn profile(
     .profiles()
 }
 
-/// How the other parameters are fitted while one is held: which, at what coordinate, from what coordinates of the others; gives
-/// those of the minimum and its sum of squares in units of [`Observation::scale_m`].
+/// How the other parameters are fitted while one is held: which, at what coordinate, from what coordinates of the
+/// others; gives those of the minimum and its sum of squares in units of [`Observation::scale_m`].
 pub(crate) type Refit<'a> = &'a (dyn Fn(usize, f64, &[f64]) -> Option<(Vec<f64>, f64)> + Sync);
 
 /// A minimum of which the parameters can be held one at a time.
@@ -172,23 +174,23 @@ impl<'a, N> Side<'a, N> {
             if next == inside {
                 return (zero(inside), points);
             }
-            let Some((found, rise)) = self.rise(next, &theta) else { return (None, points) };
+            let Some((refitted, rise)) = self.rise(next, &theta) else { return (None, points) };
             points.push((value(next), rise));
             if rise > RISE_95 {
                 let (mut good, mut bad) = (inside, next);
                 for _ in 0..BISECTIONS {
                     let middle = 0.5 * (good + bad);
                     match self.rise(middle, &theta) {
-                        Some((found, rise)) if rise <= RISE_95 => {
+                        Some((refitted, rise)) if rise <= RISE_95 => {
                             good = middle;
-                            theta = found;
+                            theta = refitted;
                         }
                         _ => bad = middle,
                     }
                 }
                 return (Some(value(0.5 * (good + bad))), points);
             }
-            (theta, inside) = (found, next);
+            (theta, inside) = (refitted, next);
             step *= GROWTH;
         }
         (None, points)

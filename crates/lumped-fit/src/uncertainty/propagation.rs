@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
-use crumple_lumped::Model;
+use crumple_lumped::{Model, Parameter, ParameterKind};
 use crumple_signal::Distribution;
 
 use crate::fit::observed_problem::{Problem, with_parameters};
@@ -72,9 +72,10 @@ pub struct Repetition {
 
 /// The inputs of repetition `index`: four numbers from its own stream of a fixed seed.
 ///
-/// Another impact speed adds `δv t` to the displacement `t` after contact, another zero level `δb (t - t_start)²/2` less what that
-/// is at contact, since the integration starts at `t_start`: at contact, or at the first sample; another time zero moves the label of contact, with the displacement made zero again there and, where
-/// the integration starts at contact, the velocity made the impact speed.
+/// Another impact speed adds `δv t` to the displacement `t` after contact, another zero level `δb (t - t_start)²/2`
+/// less what that is at contact, since the integration starts at `t_start`: at contact, or at the first sample; another
+/// time zero moves the label of contact, with the displacement made zero again there and, where the integration starts
+/// at contact, the velocity made the impact speed.
 pub fn repetition(observed: &Observation, inputs: &InputUncertainty, index: usize) -> Option<Repetition> {
     with_errors(observed, &drawn(inputs, index, observed.waves.len()))
 }
@@ -92,22 +93,23 @@ pub(crate) struct Errors {
     pub bias_m_per_s2: Vec<f64>,
 }
 
-/// What repetition `index` draws; the mass as a share of that which `inputs` are relative to. Every sensor has its own zero level.
+/// What repetition `index` draws; the mass as a share of that which `inputs` are relative to. Every sensor has its own
+/// zero level.
 fn drawn(inputs: &InputUncertainty, index: usize, sensors: usize) -> Errors {
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     random.set_stream(index as u64);
-    let mut of = |size: f64, distribution: Distribution| {
+    let mut draw = |size: f64, distribution: Distribution| {
         size * match distribution {
             Distribution::Normal => normal(&mut random),
             Distribution::Uniform => 2.0 * uniform(&mut random) - 1.0,
         }
     };
     let [of_mass, of_speed, of_bias, of_zero] = inputs.distributions;
-    let mass = of(inputs.mass_kg, of_mass);
-    let speed_m_per_s = of(inputs.impact_speed_m_per_s, of_speed);
-    let bias = of(inputs.bias_m_per_s2, of_bias);
-    let late_s = of(inputs.time_zero_s, of_zero);
-    let others = (1..sensors).map(|_| of(inputs.bias_m_per_s2, of_bias));
+    let mass = draw(inputs.mass_kg, of_mass);
+    let speed_m_per_s = draw(inputs.impact_speed_m_per_s, of_speed);
+    let bias = draw(inputs.bias_m_per_s2, of_bias);
+    let late_s = draw(inputs.time_zero_s, of_zero);
+    let others = (1..sensors).map(|_| draw(inputs.bias_m_per_s2, of_bias));
     let bias_m_per_s2 = std::iter::once(bias).chain(others).collect();
     Errors { mass, speed_m_per_s, late_s, bias_m_per_s2 }
 }
@@ -133,9 +135,10 @@ pub(crate) fn with_errors(observed: &Observation, errors: &Errors) -> Option<Rep
 
 /// One wave with these errors and its own zero level `bias` higher.
 ///
-/// The new contact is looked up in the whole record, wherever the window starts: a displacement is zero there, and one that is
-/// integrated from contact has the impact speed there too. Before the record's first sample nothing has slowed the vehicle. The
-/// window starts as long after the new contact as it did after the old one, and ends with the same sample.
+/// The new contact is looked up in the whole record, wherever the window starts: a displacement is zero there, and one
+/// that is integrated from contact has the impact speed there too. Before the record's first sample nothing has slowed
+/// the vehicle. The window starts as long after the new contact as it did after the old one, and ends with the same
+/// sample.
 fn shifted(wave: &ObservedWave, v0: f64, errors: &Errors, bias: f64) -> ObservedWave {
     let (speed, late) = (errors.speed_m_per_s, errors.late_s);
     let m = wave.measurement;
@@ -173,8 +176,9 @@ fn shifted(wave: &ObservedWave, v0: f64, errors: &Errors, bias: f64) -> Observed
 
 /// Repeats the fit of `model` with inputs drawn anew, each from the values found, and reads the percentiles.
 ///
-/// Springs and dampers are proportional to the mass, since a displacement knows only their ratio to it. Without a fit the
-/// repetition is left out and not counted. `mass_kg`: the mass that `inputs` speak of. `None` with fewer than 20 results.
+/// Springs and dampers are proportional to the mass, since a displacement knows only their ratio to it. Without a fit
+/// the repetition is left out and not counted. `mass_kg`: the mass that `inputs` speak of. `None` with fewer than 20
+/// results.
 pub fn propagate(
     model: &Model,
     free: &[FreeParameter],
@@ -188,8 +192,8 @@ pub fn propagate(
     })
 }
 
-/// [`propagate`] for a fit that takes the record as unfiltered: the errors act on the record as it was measured, the model is
-/// compared without the filter.
+/// [`propagate`] for a fit that takes the record as unfiltered: the errors act on the record as it was measured, the
+/// model is compared without the filter.
 pub fn propagate_unfiltered(
     model: &Model,
     free: &[FreeParameter],
@@ -215,18 +219,18 @@ pub(crate) fn over_repetitions<N: Ord + Clone + Send>(
     one: impl Fn(&Errors) -> Option<BTreeMap<N, f64>> + Sync,
 ) -> Option<Propagation<N>> {
     let relative = InputUncertainty { mass_kg: inputs.mass_kg / mass_kg, ..*inputs };
-    let found: Vec<Option<BTreeMap<N, f64>>> =
+    let results: Vec<Option<BTreeMap<N, f64>>> =
         (0..repetitions).into_par_iter().map(|index| one(&drawn(&relative, index, sensors))).collect();
-    let found: Vec<_> = found.into_iter().flatten().collect();
-    if found.len() < LEAST_REPETITIONS {
+    let results: Vec<_> = results.into_iter().flatten().collect();
+    if results.len() < LEAST_REPETITIONS {
         return None;
     }
     let mut interval_90 = BTreeMap::new();
     let mut standard_deviation = BTreeMap::new();
     // A repetition may lack what the others have, such as a crush.
-    let names: BTreeSet<N> = found.iter().flat_map(|values| values.keys().cloned()).collect();
+    let names: BTreeSet<N> = results.iter().flat_map(|values| values.keys().cloned()).collect();
     for name in names {
-        let mut values: Vec<f64> = found.iter().filter_map(|f| f.get(&name).copied()).collect();
+        let mut values: Vec<f64> = results.iter().filter_map(|f| f.get(&name).copied()).collect();
         if values.len() < LEAST_REPETITIONS {
             continue;
         }
@@ -235,7 +239,7 @@ pub(crate) fn over_repetitions<N: Ord + Clone + Send>(
         standard_deviation.insert(name.clone(), (power / (values.len() - 1) as f64).sqrt());
         interval_90.insert(name, (percentile(&mut values, 0.05)?, percentile(&mut values, 0.95)?));
     }
-    Some(Propagation { repetitions: found.len(), interval_90, standard_deviation })
+    Some(Propagation { repetitions: results.len(), interval_90, standard_deviation })
 }
 
 /// The parameters and the model's crush of one repetition.
@@ -243,8 +247,9 @@ pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) ->
     let v0 = repetition.observed.impact_speed_m_per_s;
     // The last knot of a nonlinear damper is the impact speed.
     let mut values = model.parameters();
-    if let Some(knot) = values.get_mut("v0_m_per_s") {
-        *knot = v0;
+    let is_last_knot = |p: &&Parameter| p.of_the_test && p.kind == ParameterKind::Rate;
+    if let Some(knot) = model.kind().parameters().iter().find(is_last_knot) {
+        values.insert(knot.name.to_owned(), v0);
     }
     let template = with_parameters(model, &values)?;
     let problem = Problem::new(template, free.to_vec(), &repetition.observed);
@@ -252,7 +257,7 @@ pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) ->
     let fitted = problem.model(&optimum.theta)?;
     let mut result: BTreeMap<&'static str, f64> = BTreeMap::new();
     for (parameter, theta) in free.iter().zip(&optimum.theta) {
-        let by_mass = ["_n_per_m", "_n_s_per_m", "_kg"].iter().any(|unit| parameter.name.ends_with(unit));
+        let by_mass = matches!(parameter.kind, ParameterKind::Mass | ParameterKind::Stiffness | ParameterKind::Damping);
         result.insert(parameter.name, parameter.at(*theta) * if by_mass { repetition.mass_ratio } else { 1.0 });
     }
     if let Some((rest, kg)) = rest_mass(&fitted, free) {
@@ -264,7 +269,8 @@ pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) ->
     Some(result)
 }
 
-/// Twelve uniform numbers less six: normal to 2 % up to three deviations, without a logarithm whose last digit depends on the machine.
+/// Twelve uniform numbers less six: normal to 2 % up to three deviations, without a logarithm whose last digit depends
+/// on the machine.
 fn normal(random: &mut ChaCha8Rng) -> f64 {
     (0..12).map(|_| uniform(random)).sum::<f64>() - 6.0
 }

@@ -119,8 +119,8 @@ fn comes_back_from_the_exact_signal(truth: &Truth) -> Result<(), String> {
     for wanted in &equals(truth)? {
         let nearest = found.iter().map(|model| distance(model, truth, wanted)).fold(f64::INFINITY, f64::min);
         eprintln!("{record}: {nearest:.1e} from the exact signal");
-        // The acceptance limit. Rounding of the record (1e-16) times the sensitivities is far below it, but for four real
-        // poles (condition up to 1e6 and more) and the spring of 4 N/m between springs of 2e5 N/m.
+        // The acceptance limit. Rounding of the record (1e-16) times the sensitivities is far below it, but for four
+        // real poles (condition up to 1e6 and more) and the spring of 4 N/m between springs of 2e5 N/m.
         require(nearest <= 1e-6, || format!("{record}: {nearest:e} from the exact signal: {found:?}"))?;
     }
     Ok(())
@@ -158,7 +158,8 @@ fn observed(truth: &Truth, to_s: f64, error: impl Fn(f64) -> f64) -> Observation
     Observation::new(&record, 0.0, measurement, truth.v0, (0.0, to_s), 250).unwrap()
 }
 
-/// Up to where a record is compared: its rebound for the model that shows its unloading there, else its dynamic crush, else its end.
+/// Up to where a record is compared: its rebound for the model that shows its unloading there, else its dynamic crush,
+/// else its end.
 fn window_end_s(truth: &Truth) -> f64 {
     let unloading = matches!(truth.model, Model::Elastoplastic(_));
     truth.t_rebound.filter(|_| unloading).or(truth.t_m).unwrap_or(truth.end_s()).min(truth.end_s())

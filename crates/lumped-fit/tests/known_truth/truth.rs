@@ -16,7 +16,8 @@ pub struct Truth {
     pub before: usize,
     pub model: Model,
     pub v0: f64,
-    /// Scale of the displacement: the dynamic crush, or where the model never stops the largest displacement of the record.
+    /// Scale of the displacement: the dynamic crush, or where the model never stops the largest displacement of the
+    /// record.
     pub crush: f64,
     /// None where the model never stops.
     pub t_m: Option<f64>,
@@ -83,8 +84,8 @@ fn number(value: &Value, key: &str) -> Result<f64, String> {
     value[key].as_f64().ok_or_else(|| format!("{key} is missing"))
 }
 
-/// The model of a file. The last knot of a nonlinear spring stands at the dynamic crush where there is one, where a fit has it:
-/// the line up to there is the same, and its value at that place is what can come back.
+/// The model of a file. The last knot of a nonlinear spring stands at the dynamic crush where there is one, where a fit
+/// has it: the line up to there is the same, and its value at that place is what can come back.
 fn model(kind: &str, p: &Value, crush: Option<f64>) -> Result<Model, String> {
     let n = |key: &str| number(p, key).map_err(|fault| format!("parameters.{fault}"));
     let list = |key: &str| -> Result<Vec<f64>, String> {

@@ -27,8 +27,9 @@ pub fn configuration(poles: &[Complex]) -> Value {
     })
 }
 
-/// The roots with those that coincide made one: `m` roots close together whose mean is a zero of the polynomial and of its
-/// first `m - 1` derivatives to rounding. Such roots come apart by the m-th root of a rounding; their mean does not move.
+/// The roots with those that coincide made one: `m` roots close together whose mean is a zero of the polynomial and of
+/// its first `m - 1` derivatives to rounding. Such roots come apart by the m-th root of a rounding; their mean does not
+/// move.
 fn settled(polynomial: &[f64], roots: &[Complex]) -> Vec<Complex> {
     let mut found = roots.to_vec();
     let mut taken = vec![false; found.len()];

@@ -64,8 +64,8 @@ fn cases() -> Option<Vec<Value>> {
     Some(file["items"].as_array().or_else(|| file.as_array()).cloned().unwrap_or_default())
 }
 
-/// Whether the page ticks the printed values that the case file says agree. Compared are the sorted pairs of printed value and
-/// tick of an item: lists without an order of their own are numbered differently there.
+/// Whether the page ticks the printed values that the case file says agree. Compared are the sorted pairs of printed
+/// value and tick of an item: lists without an order of their own are numbered differently there.
 fn check_ticks() -> bool {
     let ticks = page::ticks().unwrap();
     let mut same = true;
@@ -85,8 +85,8 @@ fn check_ticks() -> bool {
     same
 }
 
-/// Whether the same kinds with other numbers are met: three masses, other masses and root configurations, multiple roots. Made by
-/// `variants.py`.
+/// Whether the same kinds with other numbers are met: three masses, other masses and root configurations, multiple
+/// roots. Made by `variants.py`.
 fn check_variants() -> bool {
     let file: Value = serde_json::from_str(include_str!("variants.json")).unwrap();
     let items = file["items"].as_array().unwrap();

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use crumple_lumped::{ParameterKind, SecantChain};
 use crumple_lumped_fit::{
     ChainAssessment, ChainAssessmentOptions, ChainDual, ChainSolution, LinearisedUncertainty, Observation,
-    ObservedWave, Place, RESOLUTION_M, assess_chain, errors_in_words, fit_chain, note_of_errors,
+    ObservedWave, RESOLUTION_M, SensorPlace, assess_chain, errors_in_words, fit_chain, note_of_errors,
 };
 use crumple_signal::Sampled;
 use crumple_stage::records::{CandidateV1, EventsV1, FitV1, SensorFitV1, UncertaintyV1};
@@ -21,7 +22,7 @@ use crate::stage::records::uncertainty::{
 /// A sensor on a mass of the chain.
 struct Sensor {
     channel: String,
-    place: Place,
+    place: SensorPlace,
     mass: usize,
     /// Whether its filter is known.
     known: bool,
@@ -50,7 +51,7 @@ pub fn fit_chains(
         inputs: assessment.inputs(),
         repetitions: assessment.repetitions,
     };
-    let mut found = Vec::new();
+    let mut records = Vec::new();
     for chain in &settings.chain {
         let (observed, sensors) = waves(chain, settings, input, &events, speed, out)?;
         let known = sensors.iter().all(|sensor| sensor.known);
@@ -74,15 +75,15 @@ pub fn fit_chains(
             for (what, _) in without.iter().filter(|(_, missing)| *missing) {
                 out.notes().warning(format!("{id}: not {what}, too few fits near its minimum came to an end"));
             }
-            let said = summary_text(&id, &assessment.profile, assessment.propagation.as_ref(), ToString::to_string);
-            if !said.is_empty() {
-                out.summary(said);
+            let text = summary_text(&id, &assessment.profile, assessment.propagation.as_ref(), ToString::to_string);
+            if !text.is_empty() {
+                out.summary(text);
             }
-            let of = (chain, solution, &assessment, total_kg);
-            found.push((id, record(of, &observed, &sensors, &events.channel)));
+            let subject = (chain, solution, &assessment, total_kg);
+            records.push((id, record(subject, &observed, &sensors, &events.channel)));
         }
     }
-    Ok(found)
+    Ok(records)
 }
 
 /// Warnings on what the record does not decide.
@@ -111,7 +112,8 @@ fn warn_of_open_parameters(chain: &FittedChain, solutions: &[ChainSolution], out
 }
 
 /// Said where masses were looked for and one sensor on the last mass has seen the chain.
-const DIVISION: &str = "masses were looked for with a sensor on the last mass alone: their division follows from a formula and, with any \
+const DIVISION: &str = "masses were looked for with a sensor on the last mass alone: their division follows from a \
+    formula and, with any \
                         noise, not from the record; give a mass, or name a sensor on another mass with --sensors";
 
 /// What the dual is, in words.
@@ -126,7 +128,7 @@ fn dual(chain: &FittedChain, solution: &ChainSolution) -> Option<String> {
             let springs: Vec<String> = other
                 .parameters()
                 .iter()
-                .filter(|(name, _)| !name.ends_with("_kg"))
+                .filter(|(name, _)| SecantChain::parameter_kind(name) != Some(ParameterKind::Mass))
                 .map(|(name, value)| format!("{name} {value:.1}"))
                 .collect();
             format!(
@@ -148,8 +150,8 @@ fn waves(
 ) -> anyhow::Result<(Observation, Vec<Sensor>)> {
     let quantity = settings.solve.quantity;
     let mut places = settings.places.clone();
-    if !places.iter().any(|(place, _)| *place == Place::Compartment) {
-        places.insert(0, (Place::Compartment, events.channel.clone()));
+    if !places.iter().any(|(place, _)| *place == SensorPlace::Compartment) {
+        places.insert(0, (SensorPlace::Compartment, events.channel.clone()));
     }
     let masses = chain.masses.len();
     let mass_kg = settings.mass_kg.or(input.test()?.mass_kg).unwrap_or(1.0);
@@ -277,8 +279,9 @@ fn uncertainty(solution: &ChainSolution, assessment: &ChainAssessment, sensors: 
         return UncertaintyV1 { method, interval_low: open.clone(), interval_high: open, ..UncertaintyV1::default() };
     };
     let LinearisedUncertainty { standard_deviation, order, correlation, weakest_direction, .. } = known.clone();
-    let side =
-        |of: fn(&Ends) -> Option<f64>| known.interval.iter().map(|(name, ends)| (name.clone(), of(ends))).collect();
+    let side = |subject: fn(&Ends) -> Option<f64>| {
+        known.interval.iter().map(|(name, ends)| (name.clone(), subject(ends))).collect()
+    };
     UncertaintyV1 {
         method,
         standard_deviation,

@@ -8,11 +8,12 @@ use crumple_stage::{Inputs, Output, RefuseExt, Refused, Wave};
 use crate::stage::inputs::motions::sensor_waves;
 use crate::stage::options::settings::StageSettings;
 
-/// More of the way at constant speed than this part, and the record shows a vehicle that speeds up; a drifting zero level of
-/// 0.1 g adds 1 % of 10 m/s in 100 ms.
+/// More of the way at constant speed than this part, and the record shows a vehicle that speeds up; a drifting zero
+/// level of 0.1 g adds 1 % of 10 m/s in 100 ms.
 const SPEEDS_UP: f64 = 1.05;
 
-/// Whether the vehicle, which never stops, is at the end of its record beyond where its impact speed alone would have taken it.
+/// Whether the vehicle, which never stops, is at the end of its record beyond where its impact speed alone would have
+/// taken it.
 pub fn speeds_up(input: &Inputs, events: &EventsV1) -> anyhow::Result<bool> {
     let wave = input.wave_if(&format!("{}/displacement", events.channel));
     let Some(displacement) = wave.map(Wave::signal::<Displacement>).transpose().refuse()? else { return Ok(false) };
@@ -23,7 +24,8 @@ pub fn speeds_up(input: &Inputs, events: &EventsV1) -> anyhow::Result<bool> {
     Ok(events.dynamic_crush_m.is_none() && alone_m > 0.0 && *end_m > SPEEDS_UP * alone_m)
 }
 
-/// The settings with the end of the event as the end of the window, where the velocity never reaches zero and no end is stated.
+/// The settings with the end of the event as the end of the window, where the velocity never reaches zero and no end is
+/// stated.
 pub fn up_to_the_end_of_the_event(
     settings: &StageSettings,
     events: &EventsV1,

@@ -13,8 +13,8 @@ fn asked_for(settings: &StageSettings) -> bool {
     settings.solve.models.contains(&ModelKind::Maxwell) && settings.solve.methods.contains(&Method::ClosedForm)
 }
 
-/// Maxwell candidates from every sum of three exponentials; what keeps one from being a Maxwell model goes to the notes, and so
-/// does a missing mass or sum: with `closed-form` in a list of methods this is one way among others.
+/// Maxwell candidates from every sum of three exponentials; what keeps one from being a Maxwell model goes to the
+/// notes, and so does a missing mass or sum: with `closed-form` in a list of methods this is one way among others.
 pub fn maxwell_candidates(
     settings: &StageSettings,
     input: &Inputs,
@@ -27,7 +27,8 @@ pub fn maxwell_candidates(
     }
     let sums = input.records::<ExponentialSumV1>("/model/")?;
     if sums.is_empty() {
-        let text = "maxwell: no closed form, none of the inputs holds a sum of exponentials (crumple-identify --methods \
+        let text = "maxwell: no closed form, none of the inputs holds a sum of exponentials (crumple-identify \
+            --methods \
                     exponentials --terms 3)";
         if settings
             .solve
@@ -80,7 +81,8 @@ pub fn from_exponentials(
         };
         if !real {
             out.notes().warning(format!(
-                "curve-fit: {id} has a damped wave, the paper's form has four real exponents (--real at crumple-identify); \
+                "curve-fit: {id} has a damped wave, the paper's form has four real exponents (--real at \
+                 crumple-identify); \
                  coefficient-matching takes any"
             ));
             continue;

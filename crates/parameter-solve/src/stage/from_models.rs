@@ -23,7 +23,8 @@ pub fn from_models(
     if identified.is_empty() {
         return Err(Refused::new("none of the inputs holds a model with four poles")
             .expected(
-                "below /model/ a transfer function with a denominator of degree 4, a state space of order 4 or a sum of four \
+                "below /model/ a transfer function with a denominator of degree 4, a state space of order 4 or a sum \
+                 of four \
                  exponentials, or four poles below /modes/",
             )
             .hint("give the artifact of crumple-identify with order 4, or --methods exponentials --terms 4, too")

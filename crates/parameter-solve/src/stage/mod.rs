@@ -125,13 +125,15 @@ fn unsolvable(
         ));
     }
     Ok(speeds_up(input, events)?.then(|| {
-        "the vehicle goes further than its impact speed alone takes it: no spring and no damper does that; see whether the \
+        "the vehicle goes further than its impact speed alone takes it: no spring and no damper does that; see whether \
+         the \
          pulse has the wrong sign (crumple-ingest --sign flip) or unit"
             .to_owned()
     }))
 }
 
-/// Candidates that need no motion: by coefficient matching, from the paper's printed polynomial, from sums of exponentials.
+/// Candidates that need no motion: by coefficient matching, from the paper's printed polynomial, from sums of
+/// exponentials.
 fn of_identified_models(
     settings: &StageSettings,
     input: &Inputs,
@@ -170,7 +172,8 @@ fn warn_of_flags_without_effect(
     let unassessed: Vec<String> = unassessed.map(|(candidate, _)| candidate.id()).collect();
     if !flags.is_empty() && !unassessed.is_empty() {
         out.notes().warning(format!(
-            "{} without effect on {}: judged are candidates from events and motion, over the window of the displacement of \
+            "{} without effect on {}: judged are candidates from events and motion, over the window of the \
+             displacement of \
              the pulse that they follow",
             flags.join(", "),
             unassessed.join(", ")

@@ -34,7 +34,7 @@ pub struct Options {
     #[arg(long, value_name = "NAME|FILE", default_value = "default", allow_hyphen_values = true)]
     pub(crate) pipeline: String,
 
-    /// Run folder [default: runs/<name of the record>/<name of the pipeline>].
+    /// Run folder [default: runs/NAME-OF-RECORD/NAME-OF-PIPELINE in the project].
     #[arg(long, value_name = "FOLDER", allow_hyphen_values = true)]
     pub(crate) out: Option<OsString>,
 

@@ -13,7 +13,7 @@ pub(crate) fn say_what_failed(stage: &Stage, failure: Unforeseen, inputs: &Path)
     let happened = match failure {
         Unforeseen::Code(127) => "ended with exit code 127: a program was not found".to_owned(),
         Unforeseen::Code(126) => "ended with exit code 126: a program could not be started".to_owned(),
-        Unforeseen::Code(code) => format!("ended with exit code {code}, which says nothing"),
+        Unforeseen::Code(code) => format!("ended with exit code {code}, which is none of a stage"),
         Unforeseen::Signal(9) => "was ended by signal 9 (SIGKILL), as the system does when memory runs out".to_owned(),
         Unforeseen::Signal(signal) => match signal_name(signal) {
             Some(name) => format!("was ended by signal {signal} ({name})"),

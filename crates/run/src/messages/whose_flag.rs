@@ -26,11 +26,18 @@ pub(crate) fn say_whose_flags(flags: &[OsString], stages: &[Stage]) {
                     "tip: {flag} is an option of crumple-{name}: just {}=\"{} {flag} ...\" run RECORD, \
                      or a key of [{name}] in a pipeline",
                     name.replace('-', "_"),
-                    program.display()
+                    shell_word(&program)
                 ));
             }
         }
     }
+}
+
+/// A path as one types it.
+fn shell_word(path: &Path) -> String {
+    let path = path.display().to_string();
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+".contains(c);
+    if path.chars().all(is_plain) { path } else { format!("'{}'", path.replace('\'', r"'\''")) }
 }
 
 /// The flags of a program, by its help.

@@ -136,7 +136,7 @@ fn execute<S: Stage>(common: &Common, options: S::Options) -> anyhow::Result<Exi
     let mut progress = out.progress("writing", out.builder.samples());
     out.builder
         .write_replacing(&common.output, &common.dependents, &provenance, common.compress.into(), &mut |samples| {
-            progress.advance(samples)
+            progress.advance(samples);
         })
         .with_context(|| format!("the result of {} is lost", S::NAME))?;
     drop(progress);

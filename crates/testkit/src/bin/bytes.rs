@@ -1,5 +1,5 @@
-//! `bytes --bin BIN [OUT]` writes digests of everything the programs in the folder BIN write; `bytes --compare A B` names what differs.
-//! What the programs write lies in `OUT` with the ending `.cases` meanwhile.
+//! `bytes --bin BIN [OUT]` writes digests of everything the programs in the folder BIN write; `bytes --compare A B`
+//! names what differs. What the programs write lies in `OUT` with the ending `.cases` meanwhile.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

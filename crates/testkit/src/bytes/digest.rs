@@ -55,8 +55,8 @@ pub fn digests_of_file(path: &Path) -> Result<Digests, String> {
     }
 }
 
-/// A JSON value in which every string with a blank is empty: notes, reasons and definitions are sentences; ids, units, names of
-/// models and methods have no blank. The number of texts in a list stays, and so do keys.
+/// A JSON value in which every string with a blank is empty: notes, reasons and definitions are sentences; ids, units,
+/// names of models and methods have no blank. The number of texts in a list stays, and so do keys.
 pub fn masked(value: Value) -> Value {
     match value {
         Value::String(text) if text.contains(char::is_whitespace) => Value::String(String::new()),

@@ -1,4 +1,5 @@
-//! The list of all cases: records by pipelines, every method and solver, every stage's flags, every file format there is.
+//! The list of all cases: records by pipelines, every method and solver, every stage's flags, every file format there
+//! is.
 
 use std::path::Path;
 
@@ -17,8 +18,8 @@ const NOISY: &str = "run/noisy/default";
 const SENSORS: &str = "run/two-sensors/two-sensors";
 const OCCUPANTS: &str = "run/occupants/default";
 
-/// All cases over these records (name and path) and pipeline files, and over these files of the reference material. Paths are relative to
-/// the folder of the cases.
+/// All cases over these records (name and path) and pipeline files, and over these files of the reference material.
+/// Paths are relative to the folder of the cases.
 pub fn phases(records: &[(String, String)], pipelines: &[String], files: &[String]) -> Phases {
     let mut first = Vec::new();
     for (record, path) in records {

@@ -148,18 +148,21 @@ pub const CHAINS: &[(&str, &str, &str)] = &[
         "parameter-solve",
         "[parameter-solve]\nmodels = [\"kelvin\"]\n[parameter-solve.chain.car]\nmasses = [\n\
          { name = \"front\", mass = \"375 kg\", stiffness = \"free\", damping = \"6 kN*s/m\" },\n\
-         { name = \"rest\", mass = \"rest\", stiffness = { start = \"1 MN/m\", lower = \"100 kN/m\" }, damping = \"free\" },\n]\n",
+         { name = \"rest\", mass = \"rest\", stiffness = { start = \"1 MN/m\", lower = \"100 kN/m\" }, damping = \
+         \"free\" },\n]\n",
     ),
     (
         "free",
         "parameter-solve",
         "[parameter-solve]\nmodels = [\"kelvin\"]\nbootstrap = 20\n[parameter-solve.chain.loose]\nmasses = [\n\
-         { mass = \"free\", stiffness = \"free\" },\n{ mass = \"free\", stiffness = \"free\", damping = \"free\" },\n]\n",
+         { mass = \"free\", stiffness = \"free\" },\n{ mass = \"free\", stiffness = \"free\", damping = \"free\" \
+         },\n]\n",
     ),
     (
         "dual",
         "parameter-solve",
-        "[parameter-solve]\nmodels = [\"kelvin\"]\nprofile = true\nmass_uncertainty = \"10 kg uniform\"\nrepetitions = 20\n\
+        "[parameter-solve]\nmodels = [\"kelvin\"]\nprofile = true\nmass_uncertainty = \"10 kg uniform\"\nrepetitions = \
+         20\n\
          [parameter-solve.chain.light]\nmasses = [\n{ mass = \"300 kg\", stiffness = \"free\", damping = \"free\" },\n\
          { mass = \"900 kg\", stiffness = \"free\", damping = \"free\" },\n]\n",
     ),
@@ -167,13 +170,15 @@ pub const CHAINS: &[(&str, &str, &str)] = &[
         "knots",
         "parameter-solve",
         "[parameter-solve]\nmodels = [\"kelvin\"]\n[parameter-solve.chain.knots]\nmasses = [\n\
-         { mass = \"1500 kg\", stiffness = [[\"0 mm\", \"free\"], [\"200 mm\", \"free\"], [\"400 mm\", \"300 kN/m\"]],\n\
+         { mass = \"1500 kg\", stiffness = [[\"0 mm\", \"free\"], [\"200 mm\", \"free\"], [\"400 mm\", \"300 \
+         kN/m\"]],\n\
          damping = [[\"0 m/s\", \"free\"], [\"5 m/s\", \"free\"]] },\n]\n",
     ),
     (
         "refused",
         "parameter-solve",
-        "[parameter-solve.chain.odd]\nmasses = [{ mass = \"2000 kg\", stiffness = \"free\" }, { mass = \"rest\", stiffness = \"free\" }]\n",
+        "[parameter-solve.chain.odd]\nmasses = [{ mass = \"2000 kg\", stiffness = \"free\" }, { mass = \"rest\", \
+         stiffness = \"free\" }]\n",
     ),
     (
         "stated",

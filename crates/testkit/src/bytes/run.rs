@@ -12,8 +12,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::case::{Case, Step};
 use super::digest::{Digests, digests_of_file};
 use super::every_case::{chain_files, phases};
-use super::records::write_records;
-use crate::{shared, workspace};
+use super::made_records::write_records;
+use crate::places::{shared, workspace};
 
 /// Why there is no list.
 #[derive(Debug)]
@@ -41,8 +41,8 @@ impl std::error::Error for BytesError {}
 /// Digests by file.
 type Lines = BTreeMap<String, Digests>;
 
-/// Runs every case with the programs of the folder `bin`, in `folder`, which is made anew and removed, and returns the sorted list:
-/// digest of the whole file, of its content, of its masked content, its name.
+/// Runs every case with the programs of the folder `bin`, in `folder`, which is made anew and removed, and returns the
+/// sorted list: digest of the whole file, of its content, of its masked content, its name.
 ///
 /// # Errors
 /// A program that is not there, a file that cannot be written, an artifact that cannot be read.
@@ -135,7 +135,8 @@ fn files_below(folder: &Path) -> io::Result<Vec<String>> {
     Ok(files)
 }
 
-/// Runs cases at once, as many as there are processors, each process on one thread: the bytes do not depend on either.
+/// Runs cases at once, as many as there are processors, each process on one thread unless
+/// `RAYON_NUM_THREADS` says otherwise: the bytes do not depend on either.
 fn run_all(cases: &[Case], bin: &Path, folder: &Path) -> Result<Lines, BytesError> {
     let next = AtomicUsize::new(0);
     let lines = Mutex::new(Ok(Lines::new()));
@@ -162,13 +163,15 @@ fn run_case(case: &Case, bin: &Path, folder: &Path) -> Result<Lines, BytesError>
     let home = folder.join(&case.name);
     let at = |error| BytesError::File(home.clone(), error);
     fs::create_dir_all(&home).map_err(at)?;
+    // Cases run beside each other already.
+    let threads = std::env::var_os("RAYON_NUM_THREADS").unwrap_or_else(|| "1".into());
     let mut lines = Lines::new();
     for Step { program, arguments } in &case.steps {
         let path = bin.join(format!("crumple-{program}"));
         let output = Command::new(&path)
             .args(arguments)
             .current_dir(folder)
-            .env("RAYON_NUM_THREADS", "1")
+            .env("RAYON_NUM_THREADS", &threads)
             .env_remove("COLUMNS")
             .output()
             .map_err(|error| BytesError::Program(path, error))?;

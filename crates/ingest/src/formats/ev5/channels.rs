@@ -7,7 +7,7 @@ use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind, Sampled};
 
 use crate::formats::ev5::records::Curve;
 use crate::formats::ev5::{code, sensor, signal_file};
-use crate::recording::read_channel::{Found, NOT_READ};
+use crate::recording::read_channel::ReadChannel;
 use crate::time::grid::{self, Grid, GridError};
 use crate::{IngestError, Place};
 
@@ -20,7 +20,7 @@ pub fn channel(
     vehicle: u32,
     wanted: bool,
     notes: &mut Notes,
-) -> Result<Found, IngestError> {
+) -> Result<ReadChannel, IngestError> {
     let (quantity, factor) = signal_unit(&curve.y_unit).unwrap_or((QuantityKind::Other, 1.0));
     let id = curve.number.to_string();
     let mut channel = Channel::new(id.clone(), quantity);
@@ -35,36 +35,37 @@ pub fn channel(
     channel.filter_state = curve.prefilter_hz.map(|hz| format!("low-pass {hz} Hz"));
     channel.sensor = sensor::words(curve);
 
-    let mut wave = None;
-    let mut jitter = 0.0;
-    match files.get(&curve.number) {
-        None if channel.status != ChannelStatus::NotInstalled => channel.status = ChannelStatus::Absent,
-        None => {}
+    // Two digits and three name the file; people copy either.
+    let mut aliases = vec![format!("{:03}", curve.number), format!("{:02}", curve.number)];
+    aliases.extend(channel.code.clone());
+    aliases.extend([curve.attachment.clone(), format!("{} {}", curve.attachment, curve.axis)]);
+    let fitness = sensor::fitness(curve, vehicle).filter(|_| quantity == QuantityKind::Acceleration);
+    let read = match files.get(&curve.number) {
+        None => {
+            if channel.status != ChannelStatus::NotInstalled {
+                channel.status = ChannelStatus::Absent;
+            }
+            ReadChannel::new(channel)
+        }
         Some((file, bytes)) => match samples(curve, file, bytes, factor, notes) {
-            Ok((sampled, grid_jitter)) => {
+            Ok((samples, jitter)) => {
                 if channel.status == ChannelStatus::NotInstalled {
                     notes.warning(format!(
                         "channel {id} is listed as not installed, but {file} is here: taken as questionable"
                     ));
                     channel.status = ChannelStatus::Questionable;
                 }
-                (wave, jitter) = (Some(sampled), grid_jitter);
+                ReadChannel { wave: Some(samples), jitter, ..ReadChannel::new(channel) }
             }
             Err(error) if wanted => return Err(error),
             Err(error) => {
                 notes.warning(format!("channel {id} is left out: {error}"));
-                channel.status = ChannelStatus::Absent;
                 let remark = channel.comment.take().map_or_else(String::new, |comment| format!("; {comment}"));
-                channel.comment = Some(format!("{NOT_READ}{error}{remark}"));
+                ReadChannel::without_readable_file(channel, format!("{error}{remark}"))
             }
         },
-    }
-    // Two digits and three name the file; people copy either.
-    let mut aliases = vec![format!("{:03}", curve.number), format!("{:02}", curve.number)];
-    aliases.extend(channel.code.clone());
-    aliases.extend([curve.attachment.clone(), format!("{} {}", curve.attachment, curve.axis)]);
-    let fitness = sensor::fitness(curve, vehicle).filter(|_| quantity == QuantityKind::Acceleration);
-    Ok(Found { channel, wave, jitter, fitness, aliases })
+    };
+    Ok(ReadChannel { fitness, aliases, ..read })
 }
 
 fn samples(
@@ -125,8 +126,8 @@ fn samples(
     Ok((sampled, grid.jitter))
 }
 
-/// The listed grid where the printed times agree with it, else the printed one: DELT is rounded to whole microseconds by
-/// the guide, so 16 kHz cannot be listed.
+/// The listed grid where the printed times agree with it, else the printed one: DELT is rounded to whole microseconds
+/// by the guide, so 16 kHz cannot be listed.
 fn reconcile(
     number: u32,
     listed: Option<Grid>,
@@ -142,7 +143,8 @@ fn reconcile(
         return Grid { jitter: printed.jitter, ..listed };
     }
     notes.warning(format!(
-        "channel {number}: its entry lists samples every {} s from {} s, the times in its file say every {} s from {} s: those are used",
+        "channel {number}: its entry lists samples every {} s from {} s, the times in its file say every {} s from {} \
+         s: those are used",
         listed.dt_s, listed.t0_s, printed.dt_s, printed.t0_s
     ));
     printed

@@ -8,9 +8,9 @@ use crate::formats::ev5::sensor;
 
 /// The code, or `None` where a field has no counterpart in the tables: none is invented.
 ///
-/// The direction is a letter, since data from version 4 of the guide on follow SAE J211; NHTSA's own codes have the digit.
-/// The filter class is `P` where a pre-filter is stated, `?` else. A redundant sensor has `RD` in the first open fine
-/// location after the first.
+/// The direction is a letter, since data from version 4 of the guide on follow SAE J211; NHTSA's own codes have the
+/// digit. The filter class is `P` where a pre-filter is stated, `?` else. A redundant sensor has `RD` in the first open
+/// fine location after the first.
 pub fn code(curve: &Curve) -> Option<IsoCode> {
     let (main, mut fine) = place(curve)?;
     let dimension = match curve.sensor.as_str() {

@@ -1,4 +1,5 @@
 //! NHTSA vehicle tests: an EV5 specification file and ASCII signal files `.001`, `.002`, ... beside it.
+//! May use text and what formats may use, no other reader.
 
 mod channels;
 mod code;
@@ -16,8 +17,8 @@ use crumple_signal::{ChannelStatus, Notes};
 
 use crate::formats::reader::{Bundle, Reader, stem};
 use crate::recording::content::{PulseRule, Recording};
-use crate::recording::read_channel::Found;
-use crate::{IngestError, Place, Settings};
+use crate::recording::read_channel::ReadChannel;
+use crate::{IngestError, IngestSettings, Place};
 use specification::Specification;
 
 /// Reader of EV5 sets.
@@ -36,11 +37,11 @@ impl Reader for Ev5 {
         stem(name).eq_ignore_ascii_case(stem(main)) && curve_number(name).is_some()
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--vehicle-number"]
     }
 
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
         read(&bundle.main.name, &bundle.main.bytes, &bundle.companions, settings)
     }
 }
@@ -57,7 +58,7 @@ pub fn read(
     file: &str,
     bytes: &[u8],
     companions: &BTreeMap<String, Vec<u8>>,
-    settings: &Settings,
+    settings: &IngestSettings,
 ) -> Result<Recording, IngestError> {
     let specification = specification::parse(file, bytes)?;
     let number = settings.vehicle_number.unwrap_or(1);
@@ -86,7 +87,7 @@ pub fn read(
         .curves
         .iter()
         .map(|curve| channels::channel(curve, &files, number, asked_for(curve.number), &mut notes))
-        .collect::<Result<Vec<Found>, _>>()?;
+        .collect::<Result<Vec<ReadChannel>, _>>()?;
     channel_notes(&channels, &mut notes);
     unit_note(&specification, &mut notes);
     Ok(Recording {
@@ -110,12 +111,12 @@ fn no_files(file: &str, specification: &Specification) -> IngestError {
 }
 
 /// One note for all files that are missing, one for each channel with data that the laboratory doubts.
-fn channel_notes(channels: &[Found], notes: &mut Notes) {
+fn channel_notes(channels: &[ReadChannel], notes: &mut Notes) {
     let with = |status| -> Vec<u32> {
         channels.iter().filter(|f| f.channel.status == status).filter_map(|f| f.channel.id.parse().ok()).collect()
     };
     let (absent, not_installed) = (with(ChannelStatus::Absent), with(ChannelStatus::NotInstalled));
-    let unread = |id: &u32| channels.iter().any(|f| f.channel.id == id.to_string() && f.unread().is_some());
+    let unread = |id: &u32| channels.iter().any(|f| f.channel.id == id.to_string() && f.unread.is_some());
     let absent: Vec<u32> = absent.into_iter().filter(|id| !unread(id)).collect();
     if !absent.is_empty() {
         notes.info(format!(
@@ -128,8 +129,8 @@ fn channel_notes(channels: &[Found], notes: &mut Notes) {
     if !not_installed.is_empty() {
         notes.info(format!("{} listed channels were not installed: {}", not_installed.len(), ranges(&not_installed)));
     }
-    for found in channels.iter().filter(|f| f.wave.is_some()) {
-        let channel = &found.channel;
+    for read in channels.iter().filter(|f| f.wave.is_some()) {
+        let channel = &read.channel;
         if matches!(channel.status, ChannelStatus::Questionable | ChannelStatus::Failed) {
             let comment = channel.comment.as_deref().unwrap_or("without a comment");
             notes.warning(format!("channel {} is {} by its laboratory: {comment}", channel.id, channel.status));

@@ -96,8 +96,8 @@ pub fn axis(curve: &Curve) -> Option<Axis> {
     }
 }
 
-/// How well an accelerometer serves as the crash pulse of vehicle `vehicle`: along x on its structure, at a place that moves
-/// with the passenger compartment. `None` for any other place, the engine first of all.
+/// How well an accelerometer serves as the crash pulse of vehicle `vehicle`: along x on its structure, at a place that
+/// moves with the passenger compartment. `None` for any other place, the engine first of all.
 pub fn fitness(curve: &Curve, vehicle: u32) -> Option<Fitness> {
     let on_structure = matches!(curve.location.as_str(), "" | "NA") && curve.vehicle == vehicle;
     if curve.sensor != "AC" || !on_structure || axis(curve) != Some(Axis::X) {

@@ -40,8 +40,8 @@ pub fn recognises(head: &[u8]) -> bool {
         .is_some_and(|line| section(line) == Some("EV5"))
 }
 
-/// Reads the text. Tolerant of missing fields, blanks and unknown sections; the sections TEST, VEHICLE and INSTRUMENTATION
-/// must be there.
+/// Reads the text. Tolerant of missing fields, blanks and unknown sections; the sections TEST, VEHICLE and
+/// INSTRUMENTATION must be there.
 pub fn parse(file: &str, bytes: &[u8]) -> Result<Specification, IngestError> {
     let text = decode(bytes);
     let mut specification = Specification::default();

@@ -8,10 +8,10 @@ use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, Sampled}
 
 use crate::formats::iso_mme::channel_file::ChannelFile;
 use crate::formats::iso_mme::header::Header;
-use crate::formats::iso13499::by_code;
-use crate::recording::read_channel::Found;
+use crate::formats::iso13499::describe_by_code;
+use crate::recording::read_channel::ReadChannel;
 use crate::time::grid::{self, Grid};
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 /// Keywords that have a place of their own in a channel, or are checked here.
 const READ: [&str; 26] = [
@@ -44,14 +44,14 @@ const READ: [&str; 26] = [
 ];
 
 /// Makes the channel of one file. `all` are the files of the test, for explicit time channels.
-pub fn found(
+pub fn channel_of_file(
     name: &str,
     file: &ChannelFile,
     all: &[(&str, ChannelFile)],
-    settings: &Settings,
+    settings: &IngestSettings,
     taken: &mut BTreeSet<String>,
     notes: &mut Notes,
-) -> Result<Found, IngestError> {
+) -> Result<ReadChannel, IngestError> {
     let header = &file.header;
     let number = name.rsplit_once('.').map_or(name, |(_, e)| e);
     let code = header.text("channel code").and_then(|text| match IsoCode::parse(text) {
@@ -64,16 +64,16 @@ pub fn found(
             None
         }
     });
-    let id = unique(code.as_ref().map_or(number, IsoCode::as_str), taken);
+    let id = unique_id(code.as_ref().map_or(number, IsoCode::as_str), taken);
     let mut channel = match &code {
-        Some(code) => of_code(code, id),
+        Some(code) => channel_of_code(code, id),
         None => Channel::new(id, QuantityKind::Other),
     };
     describe(&mut channel, header, code.as_ref(), name, notes);
-    let factor = unit(&mut channel, header, code.as_ref(), settings, name, notes);
+    let factor = apply_unit(&mut channel, header, code.as_ref(), settings, name, notes);
     let grid = grid(name, file, all, notes)?;
-    remarks(name, file, notes);
-    extremes(name, file, &grid, notes);
+    note_oddities(name, file, notes);
+    check_extremes(name, file, &grid, notes);
 
     // Left-off gaps move the first sample.
     let t0_s = if file.gaps_before == 0 { grid.t0_s } else { grid.t0_s + file.gaps_before as f64 * grid.dt_s };
@@ -90,19 +90,19 @@ pub fn found(
     for keyword in ["channel code", "name of the channel", "laboratory channel code", "customer channel code"] {
         aliases.extend(header.text(keyword).map(str::to_owned));
     }
-    Ok(Found { channel, wave: Some(wave), jitter: grid.jitter, fitness: None, aliases })
+    Ok(ReadChannel { wave: Some(wave), jitter: grid.jitter, aliases, ..ReadChannel::new(channel) })
 }
 
 /// What the code alone says.
-pub fn of_code(code: &IsoCode, id: String) -> Channel {
+pub fn channel_of_code(code: &IsoCode, id: String) -> Channel {
     let (quantity, _) = code.quantity();
     let mut channel = Channel::new(id, quantity.unwrap_or(QuantityKind::Other));
-    by_code(&mut channel, code);
+    describe_by_code(&mut channel, code);
     channel
 }
 
 /// An id fit for a topic, each once.
-pub fn unique(text: &str, taken: &mut BTreeSet<String>) -> String {
+pub fn unique_id(text: &str, taken: &mut BTreeSet<String>) -> String {
     let base: String = text.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     let mut id = base.clone();
     let mut copy = 2;
@@ -172,11 +172,11 @@ fn class_of_words(words: &str) -> Option<u16> {
 }
 
 /// The factor to SI. Values are in engineering units: amplitude class and resolution scale nothing.
-fn unit(
+fn apply_unit(
     channel: &mut Channel,
     header: &Header,
     code: Option<&IsoCode>,
-    settings: &Settings,
+    settings: &IngestSettings,
     name: &str,
     notes: &mut Notes,
 ) -> f64 {
@@ -191,10 +191,10 @@ fn unit(
     });
     let by_flag = settings.unit.as_deref().and_then(acceleration).filter(|_| may_be_acceleration);
     let Some((quantity, factor)) = known.or(by_flag) else {
-        let said = stated.map_or_else(|| "no unit is stated".to_owned(), |u| format!("unit {u:?} is not known"));
+        let reason = stated.map_or_else(|| "no unit is stated".to_owned(), |u| format!("unit {u:?} is not known"));
         let hint =
             if of_code == Some(QuantityKind::Acceleration) { "; --unit g or --unit m/s^2 states it" } else { "" };
-        notes.warning(format!("{name}: {said}: kept as read, quantity other{hint}"));
+        notes.warning(format!("{name}: {reason}: kept as read, quantity other{hint}"));
         channel.quantity = QuantityKind::Other;
         return 1.0;
     };
@@ -295,7 +295,7 @@ fn explicit(name: &str, file: &ChannelFile, all: &[(&str, ChannelFile)]) -> Resu
     Ok(Grid { t0_s: fitted.t0_s - file.gaps_before as f64 * fitted.dt_s, ..fitted })
 }
 
-fn remarks(name: &str, file: &ChannelFile, notes: &mut Notes) {
+fn note_oddities(name: &str, file: &ChannelFile, notes: &mut Notes) {
     let count = file.samples.len() + file.gaps_before + file.gaps_after;
     if file.surplus > 0 {
         notes.warning(format!(
@@ -322,9 +322,9 @@ fn remarks(name: &str, file: &ChannelFile, notes: &mut Notes) {
     }
 }
 
-/// The extremes stated in the header against those of the samples, in the unit of the file. The stated time may be that of
-/// any sample of a plateau.
-fn extremes(name: &str, file: &ChannelFile, grid: &Grid, notes: &mut Notes) {
+/// The extremes stated in the header against those of the samples, in the unit of the file. The stated time may be that
+/// of any sample of a plateau.
+fn check_extremes(name: &str, file: &ChannelFile, grid: &Grid, notes: &mut Notes) {
     let low = file.samples.iter().copied().fold(f64::INFINITY, f64::min);
     let high = file.samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     // Extremes are printed with five digits and more.

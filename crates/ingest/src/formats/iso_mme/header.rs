@@ -29,7 +29,8 @@ pub fn recognises(head: &[u8]) -> bool {
     })
 }
 
-/// Whether the start of a file is a text of lines `keyword :value`: three at least, and half of those that say something.
+/// Whether the start of a file is a text of lines `keyword :value`: three at least, and half of those that say
+/// something.
 pub fn has_keyword_lines(head: &[u8]) -> bool {
     if head.contains(&0) {
         return false;
@@ -90,7 +91,7 @@ impl Header {
 
     /// The first known value of a keyword; empty, `NOVALUE` and the like are unknown.
     pub fn text(&self, keyword: &str) -> Option<&str> {
-        self.entries.iter().filter(|e| e.keyword == keyword).find_map(|e| known(&e.value))
+        self.entries.iter().filter(|e| e.keyword == keyword).find_map(|e| stated_value(&e.value))
     }
 
     /// The line of a keyword.
@@ -105,7 +106,7 @@ impl Header {
 
     /// All known entries as keyword in small letters and value.
     pub fn entries(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.entries.iter().filter_map(|e| Some((e.keyword.as_str(), known(&e.value)?)))
+        self.entries.iter().filter_map(|e| Some((e.keyword.as_str(), stated_value(&e.value)?)))
     }
 
     /// All known entries whose keyword is not in the list, as `Keyword: value`, repeated ones included.
@@ -113,7 +114,7 @@ impl Header {
         self.entries
             .iter()
             .filter(|e| !keywords.contains(&e.keyword.as_str()))
-            .filter_map(|e| Some(format!("{}: {}", e.title, known(&e.value)?)))
+            .filter_map(|e| Some(format!("{}: {}", e.title, stated_value(&e.value)?)))
             .collect()
     }
 }
@@ -123,7 +124,7 @@ pub fn number(text: &str) -> Option<f64> {
     text.parse().or_else(|_| text.replace(',', ".").parse()).ok().filter(|x: &f64| x.is_finite())
 }
 
-fn known(value: &str) -> Option<&str> {
+fn stated_value(value: &str) -> Option<&str> {
     let upper = value.to_ascii_uppercase();
     (!matches!(upper.as_str(), "" | "NOVALUE" | "NONE" | "NO VALUE" | "N/A" | "UNKNOWN" | "-")).then_some(value)
 }
@@ -134,7 +135,8 @@ mod tests {
 
     #[test]
     fn lines_are_split_at_the_first_colon_and_trimmed() {
-        let text = b"\xEF\xBB\xBFTitle                       :a: b \r\nTEST\tobject  number :1\r\nno colon\nComments :x\nComments :y\nUnit :NOVALUE\n";
+        let text = b"\xEF\xBB\xBFTitle                       :a: b \r\nTEST\tobject  number :1\r\nno colon\nComments \
+            :x\nComments :y\nUnit :NOVALUE\n";
         let header = Header::parse("a.mme", text).unwrap();
         assert_eq!(header.text("title"), Some("a: b"));
         assert_eq!(header.number("test object number"), Some(1.0));

@@ -1,5 +1,5 @@
-//! ISO/TS 13499 (ISO-MME): a test file `.mme`, a channel list `.chn`, channel files `.001`, `.002`, ...; or a single channel
-//! file, with or without the others.
+//! ISO/TS 13499 (ISO-MME): a test file `.mme`, a channel list `.chn`, channel files `.001`; or one channel file alone.
+//! May use text, iso13499 and what formats may use, no other reader.
 
 mod channel;
 mod channel_file;
@@ -17,9 +17,9 @@ use crate::formats::reader::{Bundle, Reader, stem};
 use crate::pulse::place_rank;
 use crate::recording::content::{PulseRule, Recording};
 use crate::recording::details::Details;
-use crate::recording::read_channel::{Fitness, Found, NOT_READ};
+use crate::recording::read_channel::{Fitness, ReadChannel};
 use crate::recording::unheeded_flags;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 use channel_file::ChannelFile;
 use header::Header;
 
@@ -43,16 +43,16 @@ impl Reader for IsoMme {
         true
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--unit", "--vehicle-number"]
     }
 
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
         read(bundle, settings)
     }
 }
 
-fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
     let mut notes = Notes::new();
     let main = &bundle.main;
     let main_is_channel = !is_text_part(&main.name);
@@ -71,7 +71,8 @@ fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> 
     let details = match part(".mme") {
         Some((name, bytes)) if !header::recognises(bytes) => {
             notes.warning(format!(
-                "{name} lacks the line \"Data format edition number\": read as ISO-MME by its name and its keyword lines"
+                "{name} lacks the line \"Data format edition number\": read as ISO-MME by its name and its keyword \
+                 lines"
             ));
             test_file::details(name, &Header::parse(name, bytes)?, settings, &mut notes)
         }
@@ -81,7 +82,7 @@ fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> 
 
     let mut channels = Vec::new();
     let mut parsed: Vec<(&str, ChannelFile)> = Vec::new();
-    let mut unread: Vec<Found> = Vec::new();
+    let mut unread: Vec<ReadChannel> = Vec::new();
     for (name, bytes) in
         files.iter().filter(|(name, _)| is_channel_name(name) || main_is_channel && **name == main.name)
     {
@@ -89,7 +90,7 @@ fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> 
             Ok(file) => parsed.push((name, file)),
             Err(error) if single && *name == main.name => return Err(error),
             Err(error) if single => notes.info(format!("{name} is not read: {error}")),
-            Err(error) => unread.push(left_out(name, &error, &mut notes)),
+            Err(error) => unread.push(unread_channel(name, &error, &mut notes)),
         }
     }
     // By number: names may differ in case.
@@ -98,53 +99,57 @@ fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> 
         return Err(no_channels(bundle, &main.name, unread.len()));
     }
     if settings.unit.is_some() && parsed.iter().all(|(_, file)| channel::states_a_known_unit(&file.header)) {
-        unheeded_flags::note("--unit", "every channel file states a unit that is known", &mut notes);
+        unheeded_flags::warn("--unit", "every channel file states a unit that is known", &mut notes);
     }
     let mut taken = BTreeSet::new();
     for (name, file) in &parsed {
         if single && *name != main.name {
             continue;
         }
-        match channel::found(name, file, &parsed, settings, &mut taken, &mut notes) {
-            Ok(found) => channels.push(found),
+        match channel::channel_of_file(name, file, &parsed, settings, &mut taken, &mut notes) {
+            Ok(read) => channels.push(read),
             Err(error) if single => return Err(error),
-            Err(error) => channels.push(left_out(name, &error, &mut notes)),
+            Err(error) => channels.push(unread_channel(name, &error, &mut notes)),
         }
     }
     if single {
-        for found in &mut channels {
-            if found.channel.quantity == QuantityKind::Acceleration {
-                found.fitness = Some(Fitness { redundant: false, place: 0, why: "the only channel of the file" });
+        for read in &mut channels {
+            if read.channel.quantity == QuantityKind::Acceleration {
+                read.fitness = Some(Fitness { redundant: false, place: 0, why: "the only channel of the file" });
             }
         }
     } else {
         let vehicle = settings.vehicle_number.unwrap_or(1);
-        for found in channels.iter_mut().filter(|f| f.channel.quantity == QuantityKind::Acceleration) {
-            let code = found.channel.code.as_deref().and_then(|c| IsoCode::parse(c).ok());
-            found.fitness = code.and_then(|(code, _)| place_rank::fitness(&code, vehicle));
+        for read in channels.iter_mut().filter(|f| f.channel.quantity == QuantityKind::Acceleration) {
+            let code = read.channel.code.as_deref().and_then(|c| IsoCode::parse(c).ok());
+            read.fitness = code.and_then(|(code, _)| place_rank::fitness(&code, vehicle));
         }
         channels.extend(unread);
         if let Some((name, bytes)) = part(".chn") {
-            listed_only(name, &Header::parse(name, bytes)?, &mut channels, &mut taken, &mut notes);
+            add_listed_channels(name, &Header::parse(name, bytes)?, &mut channels, &mut taken, &mut notes);
         }
-        doubted(&channels, &mut notes);
+        warn_of_doubtful(&channels, &mut notes);
     }
     let pulse_rule = if single { PulseRule::OnlyOne } else { PulseRule::Fittest };
     Ok(Recording { details, channels, pulse_rule, contact_at_zero: true, notes })
 }
 
 /// A channel whose file cannot be read: listed without data, the reason in its comment.
-fn left_out(name: &str, error: &IngestError, notes: &mut Notes) -> Found {
+fn unread_channel(name: &str, error: &IngestError, notes: &mut Notes) -> ReadChannel {
     notes.warning(format!("a channel is left out: {error}"));
     let id = name.rsplit_once('.').map_or(name, |(_, number)| number);
-    let mut channel = Channel::new(format!("file-{id}"), QuantityKind::Other);
-    channel.status = ChannelStatus::Absent;
-    channel.comment = Some(format!("{NOT_READ}{error}"));
-    Found { channel, wave: None, jitter: 0.0, fitness: None, aliases: vec![id.to_owned()] }
+    let channel = Channel::new(format!("file-{id}"), QuantityKind::Other);
+    ReadChannel { aliases: vec![id.to_owned()], ..ReadChannel::without_readable_file(channel, error.to_string()) }
 }
 
 /// Channels of the list that have no file. The list's numbers are not reliable, its codes are compared.
-fn listed_only(name: &str, list: &Header, channels: &mut Vec<Found>, taken: &mut BTreeSet<String>, notes: &mut Notes) {
+fn add_listed_channels(
+    name: &str,
+    list: &Header,
+    channels: &mut Vec<ReadChannel>,
+    taken: &mut BTreeSet<String>,
+    notes: &mut Notes,
+) {
     let mut absent = 0;
     let mut listed = 0_usize;
     for (keyword, value) in list.entries().filter(|(keyword, _)| keyword.starts_with("name of channel")) {
@@ -157,9 +162,9 @@ fn listed_only(name: &str, list: &Header, channels: &mut Vec<Found>, taken: &mut
         if channels.iter().any(|f| f.channel.code.as_deref() == Some(code.as_str())) {
             continue;
         }
-        let mut channel = channel::of_code(&code, channel::unique(code.as_str(), taken));
+        let mut channel = channel::channel_of_code(&code, channel::unique_id(code.as_str(), taken));
         channel.status = ChannelStatus::Absent;
-        channels.push(Found { channel, wave: None, jitter: 0.0, fitness: None, aliases: Vec::new() });
+        channels.push(ReadChannel::new(channel));
         absent += 1;
     }
     if absent > 0 {
@@ -170,13 +175,13 @@ fn listed_only(name: &str, list: &Header, channels: &mut Vec<Found>, taken: &mut
     }
 }
 
-fn doubted(channels: &[Found], notes: &mut Notes) {
-    for found in channels.iter().filter(|f| f.wave.is_some()) {
-        if matches!(found.channel.status, ChannelStatus::Questionable | ChannelStatus::Failed) {
-            let comment = found.channel.comment.as_deref().unwrap_or("without a comment");
+fn warn_of_doubtful(channels: &[ReadChannel], notes: &mut Notes) {
+    for read in channels.iter().filter(|f| f.wave.is_some()) {
+        if matches!(read.channel.status, ChannelStatus::Questionable | ChannelStatus::Failed) {
+            let comment = read.channel.comment.as_deref().unwrap_or("without a comment");
             notes.warning(format!(
                 "channel {} is {} by its laboratory: {comment}",
-                found.channel.id, found.channel.status
+                read.channel.id, read.channel.status
             ));
         }
     }

@@ -3,7 +3,7 @@
 use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::{Notes, QuantityKind};
 
-use crate::Settings;
+use crate::IngestSettings;
 use crate::formats::iso_mme::header::{Header, number};
 use crate::recording::details::{Details, Stated};
 
@@ -14,7 +14,7 @@ const FACT_LIMIT: usize = 100;
 
 /// Title, vehicle, mass and speed of the test object asked for, everything else as facts. Mass and speed are found by
 /// words in the keyword, since keywords differ between laboratories; what was taken is noted.
-pub fn details(file: &str, header: &Header, settings: &Settings, notes: &mut Notes) -> Details {
+pub fn details(file: &str, header: &Header, settings: &IngestSettings, notes: &mut Notes) -> Details {
     let object = settings.vehicle_number.unwrap_or(1);
     let words = |keyword: &str| {
         header.text(keyword).map(|v| Stated { value: v.to_owned(), from: format!("{file}, {keyword}") })
@@ -104,13 +104,14 @@ mod tests {
     fn read(text: &str) -> (Details, Vec<String>) {
         let mut notes = Notes::new();
         let header = Header::parse("t.mme", text.as_bytes()).unwrap();
-        (details("t.mme", &header, &Settings::default(), &mut notes), notes.to_texts())
+        (details("t.mme", &header, &IngestSettings::default(), &mut notes), notes.to_texts())
     }
 
     #[test]
     fn mass_and_speed_of_the_first_object_are_found_by_words() {
         let (details, notes) = read(
-            "Title :frontal\nMass test object 2 :900\nMass test object 1 :1719\nVelocity test object 1 :57.09 km/h\nName of test object 1 :car\nOdd key :kept\n",
+            "Title :frontal\nMass test object 2 :900\nMass test object 1 :1719\nVelocity test object 1 :57.09 \
+             km/h\nName of test object 1 :car\nOdd key :kept\n",
         );
         assert_eq!((details.mass_kg.unwrap().value, details.vehicle.unwrap().value.as_str()), (1719.0, "car"));
         assert!((details.impact_speed_m_per_s.unwrap().value - 57.09 / 3.6).abs() < 1e-12);

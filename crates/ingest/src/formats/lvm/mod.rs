@@ -1,4 +1,5 @@
 //! LVM, the text files of LabVIEW's "Write to Measurement File": a header, then segments of columns.
+//! May use text, waveform, iso13499 and what formats may use, no other reader.
 
 mod header;
 mod lines;
@@ -15,8 +16,8 @@ use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::recording::content::Recording;
 use crate::recording::details::{Details, Stated};
-use crate::recording::read_channel::Found;
-use crate::{IngestError, Place, Settings};
+use crate::recording::read_channel::ReadChannel;
+use crate::{IngestError, IngestSettings, Place};
 use header::{FileHeader, SegmentHeader};
 use lines::Lines;
 
@@ -35,11 +36,11 @@ impl Reader for Lvm {
         without_mark(head).trim_ascii_start().starts_with(b"LabVIEW Measurement")
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--unit", "--time-unit", "--vehicle-number", "--resample"]
     }
 
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
         read(&bundle.main.name, &bundle.main.bytes, settings)
     }
 }
@@ -52,7 +53,7 @@ struct Segment {
 }
 
 /// Reads a file from its bytes. `file` names it in messages.
-pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, IngestError> {
+pub fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recording, IngestError> {
     let text = without_mark(bytes);
     let start = text.iter().take_while(|b| b.is_ascii_whitespace()).count();
     let mut lines = Lines::new(file, &text);
@@ -85,7 +86,8 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, 
     let several = segments.len() > 1;
     if several {
         notes.warning(format!(
-            "{} segments of the file do not continue each other: their channels are kept apart as segment_1, segment_2, ...",
+            "{} segments of the file do not continue each other: their channels are kept apart as segment_1, \
+             segment_2, ...",
             segments.len()
         ));
     }
@@ -94,8 +96,8 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, 
         let group = if several { format!("segment_{}", k + 1) } else { String::new() };
         waveforms.extend(segment.waveforms(&group, &file_header, &mut notes));
     }
-    let channels = conversion::channels(file, waveforms, settings, &mut notes)?;
-    let mut channels: Vec<Found> = channels.into_iter().map(|(_, found)| found).collect();
+    let channels = conversion::to_channels(file, waveforms, settings, &mut notes)?;
+    let mut channels: Vec<ReadChannel> = channels.into_iter().map(|(_, found)| found).collect();
     let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
     Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
 }
@@ -115,7 +117,8 @@ impl Segment {
         }
         for ((announced, found), channels) in off.into_iter().take(5) {
             notes.warning(format!(
-                "segment {number}: {announced} samples are announced, {found} are there, in {channels} channels: those are used"
+                "segment {number}: {announced} samples are announced, {found} are there, in {channels} channels: those \
+                 are used"
             ));
         }
     }
@@ -128,7 +131,8 @@ impl Segment {
         self.header.number("Delta_X", column, self.decimal).filter(|dt| *dt > 0.0)
     }
 
-    /// Whether `next` has the same channels, each from where this one ends: by X0, or by the clock where X0 starts anew.
+    /// Whether `next` has the same channels, each from where this one ends: by X0, or by the clock where X0 starts
+    /// again at its first value.
     fn continues(&self, next: &Self) -> bool {
         let (a, b) = (&self.header, &next.header);
         a.titles == b.titles
@@ -180,7 +184,8 @@ impl Segment {
         }
         if since_program_start > 0.0 {
             notes.info(format!(
-                "X0 = {since_program_start} s is the time since the program began, by the clock: the samples start at t = 0, and --time-zero counts from there"
+                "X0 = {since_program_start} s is the time since the program began, by the clock: the samples start at \
+                 t = 0, and --time-zero counts from there"
             ));
         }
         waveforms

@@ -107,7 +107,8 @@ impl Clock {
 
     /// The X that row `row` should have, if it is not near it.
     fn off(&mut self, x: f64, row: usize) -> Option<f64> {
-        // X is printed to the microsecond, to seven digits where it is large; both ends are rounded. Where it starts is not checked.
+        // X is printed to the microsecond, to seven digits where it is large; both ends are rounded. Where it starts is
+        // not checked.
         let expected = *self.first.get_or_insert(x) + row as f64 * self.dt;
         let rounding = if expected.abs() < 1e6 { 1.1e-6 } else { 1.1e-6 * expected.abs() };
         let slack = 0.5 * self.dt + rounding;

@@ -1,14 +1,14 @@
 //! Numbers out of protobuf messages, by the description of their type that an MCAP file carries.
 //!
-//! The schema of such a topic is a `FileDescriptorSet` (descriptor.proto), its name that of the message type. Read here and
-//! not by a library: what decodes any message by its description (`prost-reflect` 0.16) panics on damaged descriptions,
-//! and a path of numbers needs little of it. The tests write their messages with that library.
+//! The schema of such a topic is a `FileDescriptorSet` (descriptor.proto), its name that of the message type. Read here
+//! and not by a library: what decodes any message by its description (`prost-reflect` 0.16) panics on damaged
+//! descriptions, and a path of numbers needs little of it. The tests write their messages with that library.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-use crate::formats::protobuf::types::{Kind, Number, Types};
-use crate::formats::protobuf::wire::{self, Raw, Reader};
+use crate::formats::protobuf::types::{Kind, NumberType, Types};
+use crate::formats::protobuf::wire::{self, WireReader, WireValue};
 
 /// Fields of fields that are looked into for a list of numbers.
 const DEPTH: usize = 4;
@@ -23,7 +23,7 @@ const NANOSECONDS: [&str; 4] = ["nanos", "nsec", "nanosec", "nsecs"];
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Path {
     steps: Vec<Step>,
-    number: Number,
+    number: NumberType,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -108,8 +108,8 @@ impl Decoder {
     }
 }
 
-/// The number at a path. A plain number that was not sent is 0, as protobuf has it; a message or an `optional` number that was
-/// not sent is not there.
+/// The number at a path. A plain number that was not sent is 0, as protobuf has it; a message or an `optional` number
+/// that was not sent is not there.
 pub fn number(message: &[u8], path: &Path) -> Option<f64> {
     Some(match read(message, path)? {
         Value::Whole(x) => x as f64,
@@ -133,12 +133,12 @@ fn read(message: &[u8], path: &Path) -> Option<Value> {
             Cow::Owned(bytes) => Cow::Owned(inner_message(&bytes, step)?.into_owned()),
         };
     }
-    let (mut found, mut count) = (None, 0);
-    wire::each(&message, |field, raw| {
+    let (mut value, mut count) = (None, 0);
+    wire::for_each_field(&message, |field, raw| {
         if field == last.field {
-            values(raw, path.number, |value| {
+            values(raw, path.number, |next| {
                 if last.index.is_none_or(|index| index == count) {
-                    found = Some(value);
+                    value = Some(next);
                 }
                 count += 1;
             })?;
@@ -146,13 +146,13 @@ fn read(message: &[u8], path: &Path) -> Option<Value> {
         Some(())
     })?;
     let zero = if path.number.is_whole() { Value::Whole(0) } else { Value::Real(0.0) };
-    found.or((last.index.is_none() && !last.presence).then_some(zero))
+    value.or((last.index.is_none() && !last.presence).then_some(zero))
 }
 
 /// A message in a message. What was sent in several parts counts as one.
 fn inner_message<'a>(message: &'a [u8], step: &Step) -> Option<Cow<'a, [u8]>> {
     let mut parts: Vec<&[u8]> = Vec::new();
-    wire::each(message, |field, raw| {
+    wire::for_each_field(message, |field, raw| {
         if field == step.field {
             parts.push(raw.bytes()?);
         }
@@ -167,18 +167,18 @@ fn inner_message<'a>(message: &'a [u8], step: &Step) -> Option<Cow<'a, [u8]>> {
 }
 
 /// Tells `each` number of a field: one, or several in a row.
-fn values(raw: Raw, number: Number, mut each: impl FnMut(Value)) -> Option<()> {
+fn values(raw: WireValue, number: NumberType, mut each: impl FnMut(Value)) -> Option<()> {
     match (raw, number.size()) {
-        (Raw::Varint(bits), None) => each(number.of_varint(bits)),
-        (Raw::Eight(bytes), Some(8)) => each(number.of_bits(u64::from_le_bytes(bytes))),
-        (Raw::Four(bytes), Some(4)) => each(number.of_bits(u64::from(u32::from_le_bytes(bytes)))),
-        (Raw::Bytes(packed), size) => {
-            let mut reader = Reader(packed);
+        (WireValue::Varint(bits), None) => each(number.value_of_varint(bits)),
+        (WireValue::Eight(bytes), Some(8)) => each(number.value_of_bits(u64::from_le_bytes(bytes))),
+        (WireValue::Four(bytes), Some(4)) => each(number.value_of_bits(u64::from(u32::from_le_bytes(bytes)))),
+        (WireValue::Bytes(packed), size) => {
+            let mut reader = WireReader(packed);
             while !reader.0.is_empty() {
                 each(match size {
-                    None => number.of_varint(reader.varint()?),
-                    Some(8) => number.of_bits(u64::from_le_bytes(reader.take()?)),
-                    Some(_) => number.of_bits(u64::from(u32::from_le_bytes(reader.take()?))),
+                    None => number.value_of_varint(reader.varint()?),
+                    Some(8) => number.value_of_bits(u64::from_le_bytes(reader.take()?)),
+                    Some(_) => number.value_of_bits(u64::from(u32::from_le_bytes(reader.take()?))),
                 });
             }
         }
@@ -187,7 +187,7 @@ fn values(raw: Raw, number: Number, mut each: impl FnMut(Value)) -> Option<()> {
     Some(())
 }
 
-impl Number {
+impl NumberType {
     /// Bytes of a number of fixed length.
     fn size(self) -> Option<usize> {
         match self {
@@ -201,7 +201,7 @@ impl Number {
         !matches!(self, Self::Double | Self::Float)
     }
 
-    fn of_varint(self, bits: u64) -> Value {
+    fn value_of_varint(self, bits: u64) -> Value {
         Value::Whole(match self {
             Self::UInt => i128::from(bits),
             // 0, -1, 1, -2, ... as 0, 1, 2, 3, ...
@@ -210,7 +210,7 @@ impl Number {
         })
     }
 
-    fn of_bits(self, bits: u64) -> Value {
+    fn value_of_bits(self, bits: u64) -> Value {
         match self {
             Self::Double => Value::Real(f64::from_bits(bits)),
             Self::Float => Value::Real(f64::from(f32::from_bits(bits as u32))),

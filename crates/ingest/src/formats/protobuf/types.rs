@@ -30,7 +30,7 @@ pub struct Field {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Kind {
     /// A number.
-    Number(Number),
+    Number(NumberType),
     /// A message of this type.
     Message(String),
     /// Text, bytes, a truth value, an enumeration.
@@ -39,7 +39,7 @@ pub enum Kind {
 
 /// How a number is sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Number {
+pub enum NumberType {
     /// `double`.
     Double,
     /// `float`.
@@ -64,7 +64,7 @@ impl Types {
     /// From the bytes of a `FileDescriptorSet`; `None` if they are none.
     pub fn read(set: &[u8]) -> Option<Self> {
         let mut types = Self::default();
-        wire::each(set, |number, raw| if number == 1 { types.file(raw.bytes()?) } else { Some(()) })?;
+        wire::for_each_field(set, |number, raw| if number == 1 { types.file(raw.bytes()?) } else { Some(()) })?;
         Some(types)
     }
 
@@ -76,7 +76,7 @@ impl Types {
     /// `FileDescriptorProto`: package = 2, message_type = 4, syntax = 12.
     fn file(&mut self, file: &[u8]) -> Option<()> {
         let (mut package, mut proto3, mut messages) = (String::new(), false, Vec::new());
-        wire::each(file, |number, raw| {
+        wire::for_each_field(file, |number, raw| {
             match number {
                 2 => package = text(raw.bytes()?)?,
                 4 => messages.push(raw.bytes()?),
@@ -88,16 +88,16 @@ impl Types {
         messages.into_iter().try_for_each(|message| self.message(message, &package, proto3, NESTING))
     }
 
-    /// `DescriptorProto`: name = 1, field = 2, nested_type = 3, options = 7 (map_entry = 7). The entries of a map have no order:
-    /// their type is left out.
+    /// `DescriptorProto`: name = 1, field = 2, nested_type = 3, options = 7 (map_entry = 7). The entries of a map have
+    /// no order: their type is left out.
     fn message(&mut self, message: &[u8], scope: &str, proto3: bool, depth: usize) -> Option<()> {
         let (mut name, mut fields, mut nested, mut map) = (String::new(), Vec::new(), Vec::new(), false);
-        wire::each(message, |number, raw| {
+        wire::for_each_field(message, |number, raw| {
             match number {
                 1 => name = text(raw.bytes()?)?,
                 2 => fields.push(field(raw.bytes()?, proto3)?),
                 3 => nested.push(raw.bytes()?),
-                7 => wire::each(raw.bytes()?, |option, raw| {
+                7 => wire::for_each_field(raw.bytes()?, |option, raw| {
                     map |= option == 7 && raw.varint() == Some(1);
                     Some(())
                 })?,
@@ -119,7 +119,7 @@ impl Types {
 fn field(bytes: &[u8], proto3: bool) -> Option<Field> {
     let (mut name, mut type_name) = (String::new(), String::new());
     let (mut number, mut label, mut kind, mut one_of) = (0, 0, 0, false);
-    wire::each(bytes, |at, raw| {
+    wire::for_each_field(bytes, |at, raw| {
         match at {
             1 => name = text(raw.bytes()?)?,
             3 => number = u32::try_from(raw.varint()?).ok()?,
@@ -132,15 +132,15 @@ fn field(bytes: &[u8], proto3: bool) -> Option<Field> {
         Some(())
     })?;
     let kind = match kind {
-        1 => Kind::Number(Number::Double),
-        2 => Kind::Number(Number::Float),
-        3 | 5 => Kind::Number(Number::Int),
-        4 | 13 => Kind::Number(Number::UInt),
-        6 => Kind::Number(Number::Fixed64),
-        7 => Kind::Number(Number::Fixed32),
-        15 => Kind::Number(Number::SFixed32),
-        16 => Kind::Number(Number::SFixed64),
-        17 | 18 => Kind::Number(Number::SInt),
+        1 => Kind::Number(NumberType::Double),
+        2 => Kind::Number(NumberType::Float),
+        3 | 5 => Kind::Number(NumberType::Int),
+        4 | 13 => Kind::Number(NumberType::UInt),
+        6 => Kind::Number(NumberType::Fixed64),
+        7 => Kind::Number(NumberType::Fixed32),
+        15 => Kind::Number(NumberType::SFixed32),
+        16 => Kind::Number(NumberType::SFixed64),
+        17 | 18 => Kind::Number(NumberType::SInt),
         11 => Kind::Message(type_name.trim_start_matches('.').to_owned()),
         _ => Kind::Other,
     };

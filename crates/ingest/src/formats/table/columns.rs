@@ -7,28 +7,28 @@ use crumple_signal::unit::{Dimension, choices, factor};
 use crumple_signal::{Channel, Notes, QuantityKind, Sampled, SignalError};
 
 use crate::formats::iso13499;
-use crate::formats::table::header::{Column, Header};
+use crate::formats::table::header::{Column, TableHeader};
 use crate::formats::table::rows::Rows;
 use crate::formats::table::time_axis::TimeAxis;
 use crate::formats::text::column_names::{Unit, axis, cfc, names_acceleration, names_velocity_change};
 use crate::recording::channel_selection::is_pattern;
 use crate::recording::details::Stated;
-use crate::recording::read_channel::{Fitness, Found};
+use crate::recording::read_channel::{Fitness, ReadChannel};
 use crate::recording::unheeded_flags;
-use crate::{IngestError, Place, Profile, Settings};
+use crate::{IngestError, IngestSettings, Place, Profile};
 
 const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
 
 /// Turns every column but the time into a channel in SI.
 pub fn channels(
     file: &str,
-    header: &Header,
+    header: &TableHeader,
     rows: Rows,
     time: &TimeAxis,
-    settings: &Settings,
+    settings: &IngestSettings,
     comment: Option<&Stated<String>>,
     notes: &mut Notes,
-) -> Result<Vec<Found>, IngestError> {
+) -> Result<Vec<ReadChannel>, IngestError> {
     let data: Vec<usize> = (0..header.columns.len()).filter(|k| *k != time.column).collect();
     let ids = ids(header, &data);
     same_titles(header, &data, &ids, notes);
@@ -46,14 +46,14 @@ pub fn channels(
     if let Some((factor, true)) = stated
         && !kinds.iter().any(|(kind, f)| *kind != QuantityKind::Other && *f == factor)
     {
-        unheeded_flags::note(
+        unheeded_flags::warn(
             "--unit",
             "the columns state units of their own; --channel names the one that is meant",
             notes,
         );
     }
-    // A record of other quantities is welcome where mass and speed may be missing; a sole column without a unit, or one named as
-    // acceleration, is asked about all the same.
+    // A record of other quantities is welcome where mass and speed may be missing; a sole column without a unit, or one
+    // named as acceleration, is asked about all the same.
     let sole = data.len() == 1 && settings.sample_time.is_none();
     let others_are_welcome = settings.allow_missing.unwrap_or(false)
         && selected.is_none()
@@ -75,7 +75,7 @@ pub fn channels(
         samples.iter_mut().for_each(|x| *x *= factor);
         let wave = Sampled::new(time.grid.t0_s, time.grid.dt_s, samples).map_err(|error| {
             let place = match error {
-                SignalError::NotFinite { index, .. } => Place::line(file, lines.of(index)),
+                SignalError::NotFinite { index, .. } => Place::line(file, lines.of_row(index)),
                 _ => Place::file(file),
             };
             let column = format!("{} ({})", k + 1, header.columns[k].title);
@@ -86,9 +86,8 @@ pub fn channels(
         let mut channel = Channel::new(id, quantity);
         channel.axis = axis(title);
         channel.cfc = cfc(title).filter(|_| acceleration);
-        iso13499::describe(&mut channel, name, notes);
-        channels.push(Found {
-            channel,
+        iso13499::describe_by_name(&mut channel, name, notes);
+        channels.push(ReadChannel {
             wave: Some(wave),
             jitter: time.grid.jitter,
             fitness: acceleration.then_some(Fitness {
@@ -97,6 +96,7 @@ pub fn channels(
                 why: "the only acceleration column",
             }),
             aliases: vec![name.clone(), title.clone(), (k + 1).to_string()],
+            ..ReadChannel::new(channel)
         });
     }
     Ok(channels)
@@ -104,7 +104,7 @@ pub fn channels(
 
 /// Quantity and factor to SI of every data column; [`QuantityKind::Other`] and 1 where no unit is known.
 fn kinds(
-    header: &Header,
+    header: &TableHeader,
     data: &[usize],
     selected: Option<usize>,
     stated: Option<(f64, bool)>,
@@ -125,7 +125,8 @@ fn kinds(
                 if *f != over && (selected == Some(k) || accelerations == 1) =>
             {
                 notes.warning(format!(
-                    "the header of column {title} says its unit is {f} m/s^2, the flag or sidecar says {over} m/s^2: that is used"
+                    "the header of column {title} says its unit is {f} m/s^2, the flag or sidecar says {over} m/s^2: \
+                     that is used"
                 ));
                 (QuantityKind::Acceleration, over)
             }
@@ -151,7 +152,7 @@ fn kinds(
 /// An acceleration there must be, and the column asked for must be one.
 fn check_for_acceleration(
     file: &str,
-    header: &Header,
+    header: &TableHeader,
     data: &[usize],
     kinds: &[(QuantityKind, f64)],
     selected: Option<usize>,
@@ -171,7 +172,8 @@ fn check_for_acceleration(
             && data.len() > 1
             && !data.iter().any(|k| names_acceleration(&header.columns[*k].title))
         {
-            "if it is a crash, add --unit g or --unit m/s^2, whichever it is; inputs and outputs that are no crash need none: \
+            "if it is a crash, add --unit g or --unit m/s^2, whichever it is; inputs and outputs that are no crash \
+             need none: \
              --allow-missing, and then crumple-identify --methods n4sid --inputs COLUMN --outputs COLUMN"
         } else {
             "add --unit g or --unit m/s^2, whichever it is: a unit is never guessed from the numbers"
@@ -204,7 +206,7 @@ fn check_for_acceleration(
 /// An event data recorder's table has a change of velocity.
 fn check_for_velocity(
     file: &str,
-    header: &Header,
+    header: &TableHeader,
     data: &[usize],
     kinds: &[(QuantityKind, f64)],
 ) -> Result<(), IngestError> {
@@ -236,7 +238,13 @@ fn stated_unit(file: &str, symbol: &str, from: &str, edr: bool) -> Result<f64, I
 }
 
 /// The column a person means by its id, its name with or without unit, or its number from 1.
-fn select(file: &str, wanted: &str, header: &Header, data: &[usize], ids: &[String]) -> Result<usize, IngestError> {
+fn select(
+    file: &str,
+    wanted: &str,
+    header: &TableHeader,
+    data: &[usize],
+    ids: &[String],
+) -> Result<usize, IngestError> {
     let wanted = wanted.trim();
     let matches = |k: usize, id: &str, fold: bool| {
         let same = |name: &str| if fold { name.to_lowercase() == wanted.to_lowercase() } else { name == wanted };
@@ -288,14 +296,14 @@ fn select(file: &str, wanted: &str, header: &Header, data: &[usize], ids: &[Stri
     })
 }
 
-fn titles(header: &Header, data: &[usize]) -> String {
+fn titles(header: &TableHeader, data: &[usize]) -> String {
     let titles: Vec<&str> = data.iter().take(20).map(|k| header.columns[*k].title.as_str()).collect();
     let more = data.len() - titles.len();
     if more == 0 { titles.join(", ") } else { format!("{} and {more} more", titles.join(", ")) }
 }
 
-/// Columns with one title get ids of their own, and that is said.
-fn same_titles(header: &Header, data: &[usize], ids: &[String], notes: &mut Notes) {
+/// Notes which ids columns of the same title get.
+fn same_titles(header: &TableHeader, data: &[usize], ids: &[String], notes: &mut Notes) {
     let mut by_title: BTreeMap<&str, Vec<(usize, &str)>> = BTreeMap::new();
     for (k, id) in data.iter().zip(ids) {
         by_title.entry(header.columns[*k].title.as_str()).or_default().push((k + 1, id));
@@ -307,7 +315,7 @@ fn same_titles(header: &Header, data: &[usize], ids: &[String], notes: &mut Note
 }
 
 /// Names fit for topics and file names, each once: letters, digits, `_`, `-` and `.`; anything else becomes `_`.
-fn ids(header: &Header, data: &[usize]) -> Vec<String> {
+fn ids(header: &TableHeader, data: &[usize]) -> Vec<String> {
     let mut taken = BTreeSet::new();
     data.iter()
         .map(|k| {

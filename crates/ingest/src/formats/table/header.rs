@@ -7,7 +7,7 @@ use crate::formats::text::column_names::{Unit, is_kg, is_time_name, names_accele
 use crate::formats::text::lines::{Line, decode};
 use crate::formats::text::numbers::unquoted;
 
-/// What a column is said to hold.
+/// Name and stated unit of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     /// The name in the header without its unit in brackets; `column 3` where there is none.
@@ -20,7 +20,7 @@ pub struct Column {
 
 /// What the header lines say.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Header {
+pub struct TableHeader {
     /// One for each column of numbers.
     pub columns: Vec<Column>,
     /// Names are given at all.
@@ -34,7 +34,7 @@ pub struct Header {
 }
 
 /// Reads names and units from the lines before the rows.
-pub fn read(layout: &Layout) -> Header {
+pub fn read(layout: &Layout) -> TableHeader {
     let count = layout.columns;
     let mut lines: Vec<(usize, Vec<String>)> =
         layout.header.iter().map(|line| (line.number, cells(line, layout.delimiter, count))).collect();
@@ -78,26 +78,32 @@ pub fn read(layout: &Layout) -> Header {
             Column { name, title, unit }
         })
         .collect();
-    Header { columns, named, surplus_names, kilo_g, ignored_lines: lines.iter().map(|(number, _)| *number).collect() }
+    TableHeader {
+        columns,
+        named,
+        surplus_names,
+        kilo_g,
+        ignored_lines: lines.iter().map(|(number, _)| *number).collect(),
+    }
 }
 
 /// The cells of a header line. Its delimiter may differ from that of the rows (`# time(s), <tab> acceleration(g)` over
 /// blanks): then the one that gives as many cells as there are columns is taken.
 fn cells(line: &Line, delimiter: Delimiter, count: usize) -> Vec<String> {
     let clean = |fields: Vec<&[u8]>| -> Vec<String> { fields.into_iter().map(|f| decode(unquoted(f))).collect() };
-    let own = clean(delimiter.split(line.bytes));
-    if own.len() >= 2 && delimiter != Delimiter::Blanks {
-        return own;
+    let cells_by_delimiter = clean(delimiter.split(line.bytes));
+    if cells_by_delimiter.len() >= 2 && delimiter != Delimiter::Blanks {
+        return cells_by_delimiter;
     }
     [b',', b';', b'\t']
         .into_iter()
         .map(|byte| clean(Delimiter::Byte(byte).split(line.bytes)).into_iter().filter(|c| !c.is_empty()).collect())
         .find(|cells: &Vec<String>| cells.len() == count)
-        .unwrap_or(own)
+        .unwrap_or(cells_by_delimiter)
 }
 
-/// Whether the last line before the rows has the names, and the line above it is a title: as many cells as there are columns, each
-/// with a name and a unit or one of them named for time, and no such names above.
+/// Whether the last line before the rows has the names, and the line above it is a title: as many cells as there are
+/// columns, each with a name and a unit or one of them named for time, and no such names above.
 fn is_header_below_a_title(last: &[String], above: &[String], count: usize) -> bool {
     let filled = last.iter().rposition(|cell| !cell.is_empty()).map_or(0, |end| end + 1);
     let above_is_names = above.len() >= count && above.iter().any(|cell| is_time_name(cell));
@@ -143,7 +149,7 @@ mod tests {
 
     const G: Unit = Unit::Signal(QuantityKind::Acceleration, 9.806_65);
 
-    fn header(text: &str) -> Header {
+    fn header(text: &str) -> TableHeader {
         read(&sniff(text.as_bytes(), "t.csv", 2).unwrap())
     }
 

@@ -83,8 +83,8 @@ const WAYS: [(Delimiter, u8); 8] = [
     (Delimiter::Byte(b','), b','),
 ];
 
-/// Fields of a row, and whether the last is empty; `None` where something else than numbers stands. `NaN` and gaps count
-/// as numbers here, so that they are refused at their place and not taken for names.
+/// Fields of a row, and whether the last is empty; `None` where something else than numbers stands. `NaN` and gaps
+/// count as numbers here, so that they are refused at their place and not taken for names.
 fn row_shape(line: &[u8], delimiter: Delimiter, decimal: u8) -> Option<(usize, bool)> {
     let fields = delimiter.split(line);
     let numbers = fields.iter().filter(|text| field(text, decimal).is_some()).count();
@@ -208,7 +208,8 @@ fn no_rows(lines: &[Line], single_column: Option<usize>, file: &str) -> IngestEr
             Place::line(file, line),
             "one number in a row",
             EXPECTED,
-            "export the time column too, or state --sample-time; a signal file of an NHTSA test is read by giving its .EV5 file",
+            "export the time column too, or state --sample-time; a signal file of an NHTSA test is read by giving its \
+             .EV5 file",
         );
     }
     if let Some(error) = text_column(lines, file) {
@@ -242,10 +243,12 @@ fn text_column(lines: &[Line], file: &str) -> Option<IngestError> {
         let shapes: Vec<Vec<bool>> = lines.iter().map(|line| shape(line, way)).collect();
         // One number at least, or it is prose.
         let is_row = |shape: &[bool]| shape.contains(&true) && shape.contains(&false);
-        let first = shapes.windows(ALIKE).position(|rows| is_row(&rows[0]) && rows.iter().all(|row| *row == rows[0]))?;
+        let first =
+            shapes.windows(ALIKE).position(|rows| is_row(&rows[0]) && rows.iter().all(|row| *row == rows[0]))?;
         let column = shapes[first].iter().position(|number| !number)?;
         let text = decode(unquoted(way.0.split(lines[first].bytes)[column]));
-        let names = first.checked_sub(1).map(|k| way.0.split(lines[k].bytes)).filter(|n| n.len() == shapes[first].len());
+        let names =
+            first.checked_sub(1).map(|k| way.0.split(lines[k].bytes)).filter(|n| n.len() == shapes[first].len());
         let number = column + 1;
         let title = names.map_or_else(|| number.to_string(), |n| format!("{number} ({})", decode(unquoted(n[column]))));
         let is_clock = text.contains(':') && text.bytes().any(|b| b.is_ascii_digit());
@@ -254,7 +257,8 @@ fn text_column(lines: &[Line], file: &str) -> Option<IngestError> {
             format!("text in a row of numbers: {:?}", text.chars().take(40).collect::<String>()),
             "numbers in every column",
             if is_clock {
-                "export the time in seconds from the start, not as a time of day, or leave the column out and state --sample-time"
+                "export the time in seconds from the start, not as a time of day, or leave the column out and state \
+                 --sample-time"
             } else {
                 "leave the column of text out of the export, or move what it says into comment lines (# ...)"
             },

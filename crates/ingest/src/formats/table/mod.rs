@@ -1,4 +1,5 @@
 //! Tables of numbers: CSV, TSV, semicolons or blanks, as instruments and spreadsheets write them.
+//! May use text, iso13499 and what formats may use, no other reader.
 
 mod columns;
 mod event_data_recorder;
@@ -14,10 +15,10 @@ use std::borrow::Cow;
 use crate::formats::iso13499;
 use crate::formats::reader::{Bundle, Reader};
 use crate::formats::table::event_data_recorder::report;
-use crate::formats::table::one_table::{OneTable, one_table};
+use crate::formats::table::one_table::{OneTable, TextAbove, one_table};
 use crate::formats::text::lines::{is_text, without_mark};
 use crate::recording::content::Recording;
-use crate::{IngestError, Place, Profile, Settings};
+use crate::{IngestError, IngestSettings, Place, Profile};
 
 /// Reader of tables: whatever is text and nothing else.
 pub struct Table;
@@ -36,17 +37,21 @@ impl Reader for Table {
         !matches!(without_mark(head), Cow::Owned(_))
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--unit", "--time-unit", "--sample-time", "--profile", "--skip-to", "--vehicle-number", "--resample"]
     }
 
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    fn has_comments(&self) -> bool {
+        true
+    }
+
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
         read(&bundle.main.name, &bundle.main.bytes, bundle, settings)
     }
 }
 
 /// Reads a table from its bytes, or from the file of which these are the start. `file` names it in messages.
-fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
     let edr = settings.profile == Some(Profile::Edr);
     let mut text = without_mark(bytes);
     if edr
@@ -65,10 +70,11 @@ fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &Settings) -> Resul
         }
         text = Cow::Owned(section::cut(&text, title, file)?);
     }
-    let OneTable { mut channels, mut details, mut notes } = match one_table(file, bytes, &text, bundle, settings) {
-        Err(error) if !edr && bundle.large.is_none() => return Err(report::hinted(file, &text, error)),
-        table => table?,
-    };
+    let OneTable { mut channels, mut details, mut notes } =
+        match one_table(file, bytes, &text, bundle, settings, TextAbove::Unused) {
+            Err(error) if !edr && bundle.large.is_none() => return Err(report::with_profile_hint(file, &text, error)),
+            table => table?,
+        };
     if edr {
         report::edr_notes(&channels, &mut details, &mut notes);
     }

@@ -7,9 +7,9 @@ use crate::formats::table::{columns, header, layout, rows, time_axis};
 use crate::formats::text::lines::decode;
 use crate::recording::content::MINIMUM_SAMPLES;
 use crate::recording::details::{Details, from_comments};
-use crate::recording::read_channel::Found;
+use crate::recording::read_channel::ReadChannel;
 use crate::recording::unheeded_flags;
-use crate::{IngestError, Place, Profile, Settings};
+use crate::{IngestError, IngestSettings, Place, Profile};
 
 /// Bytes read at a time of a long table.
 const PIECE: usize = 8 << 20;
@@ -19,11 +19,20 @@ const MINIMUM_EDR_SAMPLES: usize = 5;
 /// What one table says.
 pub struct OneTable {
     /// Its columns but that of the time.
-    pub channels: Vec<Found>,
+    pub channels: Vec<ReadChannel>,
     /// Facts of its comments.
     pub details: Details,
     /// Remarks.
     pub notes: Notes,
+}
+
+/// What lines of text above the names of a table are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TextAbove {
+    /// Not used, which is noted.
+    Unused,
+    /// The heading of a table in a report.
+    Heading,
 }
 
 /// Reads one table. `text` is that of `bytes` without its mark; a long table goes on in the file of the bundle.
@@ -32,7 +41,8 @@ pub fn one_table(
     bytes: &[u8],
     text: &[u8],
     bundle: &Bundle,
-    settings: &Settings,
+    settings: &IngestSettings,
+    text_above: TextAbove,
 ) -> Result<OneTable, IngestError> {
     let edr = settings.profile == Some(Profile::Edr);
     let least_columns = if settings.sample_time.is_some() { 1 } else { 2 };
@@ -70,12 +80,12 @@ pub fn one_table(
         ));
     }
     let mut notes = Notes::new();
-    header_notes(file, &header, &mut notes);
+    header_notes(file, &header, text_above, &mut notes);
     notes.extend(facts.notes);
     let time = match settings.sample_time {
         Some(interval) => {
             if settings.time_unit.is_some() {
-                unheeded_flags::note("--time-unit", "--sample-time states the interval with its unit", &mut notes);
+                unheeded_flags::warn("--time-unit", "--sample-time states the interval with its unit", &mut notes);
             }
             time_axis::stated(file, &header, interval.si())?
         }
@@ -85,7 +95,7 @@ pub fn one_table(
     Ok(OneTable { channels, details: facts.details, notes })
 }
 
-fn header_notes(file: &str, header: &header::Header, notes: &mut Notes) {
+fn header_notes(file: &str, header: &header::TableHeader, text_above: TextAbove, notes: &mut Notes) {
     if let Some(names) = header.surplus_names {
         notes.warning(format!(
             "{names} names in the header of {file}, but {} columns: the first names are used",
@@ -95,7 +105,7 @@ fn header_notes(file: &str, header: &header::Header, notes: &mut Notes) {
     if !header.kilo_g.is_empty() {
         notes.info("unit kg in a column of acceleration is read as kilo-g, 9806.65 m/s^2");
     }
-    if let Some(line) = header.ignored_lines.first() {
+    if let Some(line) = header.ignored_lines.first().filter(|_| text_above == TextAbove::Unused) {
         let count = header.ignored_lines.len();
         notes.info(format!("{count} lines of text above the header of {file} are not used, the first is line {line}"));
     }

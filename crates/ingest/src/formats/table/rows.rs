@@ -4,7 +4,7 @@ use std::io::Read;
 
 use crate::formats::table::layout::{Delimiter, Layout, decimal_comma};
 use crate::formats::text::lines::{LINE_LIMIT, comment, decode, line_at};
-use crate::formats::text::numbers::{Number, field, is_gap, scan, unquoted};
+use crate::formats::text::numbers::{ParsedNumber, field, is_gap, scan, unquoted};
 use crate::{IngestError, Place};
 
 /// The numbers of a table.
@@ -15,18 +15,18 @@ pub struct Rows {
     /// Most significant digits printed in each column.
     pub digits: Vec<u32>,
     /// Line number of each row.
-    pub lines: Lines,
+    pub lines: LineNumbers,
 }
 
 /// Line numbers of rows, as runs of rows on consecutive lines: a few bytes for a table without comments, however long.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Lines {
+pub struct LineNumbers {
     /// First row of a run, and its line.
     runs: Vec<(usize, usize)>,
     rows: usize,
 }
 
-impl Lines {
+impl LineNumbers {
     /// Adds a row.
     #[inline]
     fn push(&mut self, line: usize) {
@@ -43,7 +43,7 @@ impl Lines {
     }
 
     /// The line of a row; 0 past the end.
-    pub fn of(&self, row: usize) -> usize {
+    pub fn of_row(&self, row: usize) -> usize {
         let run = self.runs.partition_point(|(first, _)| *first <= row);
         self.runs.get(run.wrapping_sub(1)).filter(|_| row < self.rows).map_or(0, |(first, line)| line + (row - first))
     }
@@ -72,8 +72,8 @@ pub struct Pieces<'a, R> {
     pub piece: usize,
 }
 
-/// Reads all rows piece by piece, so that the text itself is never in memory as a whole. `done` is told of the bytes of each
-/// piece.
+/// Reads all rows piece by piece, so that the text itself is never in memory as a whole. `done` is told of the bytes of
+/// each piece.
 pub fn read_stream(
     mut from: Pieces<impl Read>,
     layout: &Layout,
@@ -115,7 +115,7 @@ struct Parser<'a, F> {
     file: &'a str,
     name: F,
     rows: Rows,
-    row: Vec<Number>,
+    row: Vec<ParsedNumber>,
     line: usize,
 }
 
@@ -129,9 +129,9 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
         let rows = Rows {
             columns: (0..columns).map(|_| Vec::with_capacity(expected_rows)).collect(),
             digits: vec![0; columns],
-            lines: Lines::default(),
+            lines: LineNumbers::default(),
         };
-        let row = vec![Number { value: 0.0, digits: 0 }; columns];
+        let row = vec![ParsedNumber { value: 0.0, digits: 0 }; columns];
         Self { layout, file, name, rows, row, line: layout.first_line }
     }
 
@@ -159,7 +159,7 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
 
 impl Rows {
     #[inline]
-    fn push(&mut self, row: &[Number], line: usize) {
+    fn push(&mut self, row: &[ParsedNumber], line: usize) {
         for ((column, digits), number) in self.columns.iter_mut().zip(&mut self.digits).zip(row) {
             column.push(number.value);
             *digits = (*digits).max(number.digits);
@@ -170,7 +170,7 @@ impl Rows {
 
 /// A row in the plain form, and where the next line starts.
 #[inline]
-fn plain_row(text: &[u8], offset: usize, layout: &Layout, row: &mut [Number]) -> Option<usize> {
+fn plain_row(text: &[u8], offset: usize, layout: &Layout, row: &mut [ParsedNumber]) -> Option<usize> {
     let Delimiter::Byte(delimiter) = layout.delimiter else { return plain_row_of_blanks(text, offset, layout, row) };
     let mut at = offset;
     let last = row.len() - 1;
@@ -188,7 +188,7 @@ fn plain_row(text: &[u8], offset: usize, layout: &Layout, row: &mut [Number]) ->
     end_of_line(text, at)
 }
 
-fn plain_row_of_blanks(text: &[u8], offset: usize, layout: &Layout, row: &mut [Number]) -> Option<usize> {
+fn plain_row_of_blanks(text: &[u8], offset: usize, layout: &Layout, row: &mut [ParsedNumber]) -> Option<usize> {
     let mut at = offset;
     for cell in row.iter_mut() {
         let start = at;
@@ -217,7 +217,7 @@ fn end_of_line(text: &[u8], at: usize) -> Option<usize> {
 fn careful_row(
     line: &[u8],
     layout: &Layout,
-    row: &mut [Number],
+    row: &mut [ParsedNumber],
     place: &Place,
     name: impl Fn(usize) -> String,
 ) -> Result<(), IngestError> {
@@ -306,7 +306,7 @@ mod tests {
     #[test]
     fn lines_are_counted_through_comments() {
         let rows = rows("# x\nt,a\n0,1\n\n1,2\n").unwrap();
-        assert_eq!((rows.lines.of(0), rows.lines.of(1), rows.lines.of(2), rows.lines.len()), (3, 5, 0, 2));
+        assert_eq!((rows.lines.of_row(0), rows.lines.of_row(1), rows.lines.of_row(2), rows.lines.len()), (3, 5, 0, 2));
     }
 
     fn pieces(body: &[u8], piece: usize) -> Pieces<'_, &[u8]> {

@@ -8,8 +8,8 @@ use crate::{IngestError, Place};
 /// Lines looked through for the title.
 const LINE_LIMIT: usize = 9_000;
 
-/// The text from the line after the first one that holds `title` (any case) up to the first blank line or line without a
-/// leading number after its rows. Everything before becomes empty lines, so that line numbers stay.
+/// The text from the line after the first one that holds `title` (any case) up to the first blank line or line without
+/// a leading number after its rows. Everything before becomes empty lines, so that line numbers stay.
 pub fn cut(text: &[u8], title: &str, file: &str) -> Result<Vec<u8>, IngestError> {
     let wanted = title.trim().to_lowercase();
     let (mut offset, mut number) = (0, 1);
@@ -57,7 +57,8 @@ mod tests {
 
     #[test]
     fn the_section_is_cut_out_and_lines_keep_their_numbers() {
-        let text = b"Report\nPre-Crash\nt,v\n-5,60\n-4,60\n\nLongitudinal Crash Pulse (event 1)\nTime (msec),Delta-V (km/h)\n0,0\n10,-1\n\nLateral\n0,0\n";
+        let text = b"Report\nPre-Crash\nt,v\n-5,60\n-4,60\n\nLongitudinal Crash Pulse (event 1)\nTime (msec),Delta-V \
+            (km/h)\n0,0\n10,-1\n\nLateral\n0,0\n";
         let cut = super::cut(text, "longitudinal crash pulse", "a.csv").unwrap();
         assert_eq!(cut, b"\n\n\n\n\n\n\nTime (msec),Delta-V (km/h)\n0,0\n10,-1\n");
         let error = super::cut(text, "Rollover", "a.csv").unwrap_err();

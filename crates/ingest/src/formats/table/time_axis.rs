@@ -3,13 +3,13 @@
 use crumple_signal::Notes;
 use crumple_signal::value::Frequency;
 
-use crate::formats::table::header::Header;
+use crate::formats::table::header::TableHeader;
 use crate::formats::table::rows::Rows;
 use crate::formats::text::column_names::{Unit, is_time_name};
 use crate::recording::details::Stated;
 use crate::time::grid::{self, Grid, GridError};
 use crate::time::{resampling, time_unit};
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 /// The time column and its grid.
 #[derive(Debug, Clone)]
@@ -21,7 +21,7 @@ pub struct TimeAxis {
 }
 
 /// The grid of a table without a time column: the first row at 0 s.
-pub fn stated(file: &str, header: &Header, interval_s: f64) -> Result<TimeAxis, IngestError> {
+pub fn stated(file: &str, header: &TableHeader, interval_s: f64) -> Result<TimeAxis, IngestError> {
     let refuse = |found: String, hint: &str| {
         Err(IngestError::content(Place::file(file), found, "an interval for a table without time column", hint))
     };
@@ -34,12 +34,13 @@ pub fn stated(file: &str, header: &Header, interval_s: f64) -> Result<TimeAxis, 
     Ok(TimeAxis { column: usize::MAX, grid: Grid { t0_s: 0.0, dt_s: interval_s, jitter: 0.0 } })
 }
 
-/// Finds the time column (by name, else by unit, else the first), its unit and its grid. The stamps are taken out of `rows`.
+/// Finds the time column (by name, else by unit, else the first), its unit and its grid. The stamps are taken out of
+/// `rows`.
 pub fn find(
     file: &str,
-    header: &Header,
+    header: &TableHeader,
     rows: &mut Rows,
-    settings: &Settings,
+    settings: &IngestSettings,
     comment: Option<&Stated<String>>,
     notes: &mut Notes,
 ) -> Result<TimeAxis, IngestError> {
@@ -49,10 +50,10 @@ pub fn find(
     let column = named.or(with_unit).unwrap_or(0);
     let title = format!("{} ({})", column + 1, header.columns[column].title);
     let mut times = std::mem::take(&mut rows.columns[column]);
-    let place = |index: usize| Place::line(file, rows.lines.of(index)).in_column(title.clone());
+    let place = |index: usize| Place::line(file, rows.lines.of_row(index)).in_column(title.clone());
 
     if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Err(order(place(k + 1), is_named, times[k], times[k + 1], rows.lines.of(k)));
+        return Err(order(place(k + 1), is_named, times[k], times[k + 1], rows.lines.of_row(k)));
     }
     let unit = unit(file, &title, &header.columns[column].unit, &times, settings, comment, notes)?;
     // The printed resolution: the last digit of the most finely printed stamp, seen from the largest.
@@ -65,7 +66,7 @@ pub fn find(
     }
     let grid = grid::fit(&times, resolution).map_err(|error| match error {
         GridError::Repeated { index } | GridError::Backwards { index } => {
-            order(place(index), is_named, times[index - 1], times[index], rows.lines.of(index - 1))
+            order(place(index), is_named, times[index - 1], times[index], rows.lines.of_row(index - 1))
         }
         GridError::Uneven { index, step_s, dt_s } => IngestError::content(
             place(index),
@@ -75,7 +76,8 @@ pub fn find(
             ),
             format!("equal steps within {} of the interval", grid::STEP_TOLERANCE),
             format!(
-                "a gap is better exported again; for uneven sampling --resample {}Hz brings it to a uniform rate by linear interpolation",
+                "a gap is better exported again; for uneven sampling --resample {}Hz brings it to a uniform rate by \
+                 linear interpolation",
                 resampling::rate_to_type(dt_s)
             ),
         ),
@@ -105,7 +107,8 @@ fn resampled(
         *samples = interpolation.apply(samples.len(), |k| samples[k]);
     }
     notes.warning(format!(
-        "{} rows with a jitter of {:.3} (max|dt - median|/median, median {:.6} s) are resampled to {rate} by linear interpolation, \
+        "{} rows with a jitter of {:.3} (max|dt - median|/median, median {:.6} s) are resampled to {rate} by linear \
+         interpolation, \
          as asked: {} samples",
         times.len(),
         resampling::step_jitter(times, median_s),
@@ -132,7 +135,8 @@ fn order(place: Place, named: bool, before: f64, now: f64, line_before: usize) -
     let hint = if named {
         "remove the repeated rows, or export with more decimals in the time column"
     } else {
-        "no column is named as time, so the first is taken for it: name it time_s, or state --sample-time if there is none; \
+        "no column is named as time, so the first is taken for it: name it time_s, or state --sample-time if there is \
+         none; \
          inputs and outputs that are no crash also take --allow-missing, and then crumple-identify"
     };
     IngestError::content(place, found, "times that increase from row to row", hint)
@@ -144,13 +148,13 @@ fn unit(
     title: &str,
     header: &Unit,
     times: &[f64],
-    settings: &Settings,
+    settings: &IngestSettings,
     comment: Option<&Stated<String>>,
     notes: &mut Notes,
 ) -> Result<f64, IngestError> {
     let place = || Place::file(file).in_column(title);
     if let Some(symbol) = &settings.time_unit {
-        let flag = time_unit::stated(place(), symbol, "--time-unit")?;
+        let flag = time_unit::stated_unit(place(), symbol, "--time-unit")?;
         if matches!(header, Unit::Time(of_header) if *of_header != flag) {
             notes.warning(format!("--time-unit {symbol} is not the unit that the header of column {title} states"));
         }
@@ -160,11 +164,11 @@ fn unit(
         Unit::Time(factor) => return Ok(*factor),
         Unit::Unstated => {}
         Unit::Unknown(_) | Unit::Signal(..) => {
-            return Err(time_unit::refused(place(), "the unit in the header of the time column is no unit of time"));
+            return Err(time_unit::unit_error(place(), "the unit in the header of the time column is no unit of time"));
         }
     }
     if let Some(stated) = comment {
-        return time_unit::stated(place(), &stated.value, &stated.from);
+        return time_unit::stated_unit(place(), &stated.value, &stated.from);
     }
-    time_unit::of_steps(file, &format!("column {title}"), "a unit in the header, such as time_s", times, notes)
+    time_unit::unit_from_steps(file, &format!("column {title}"), "a unit in the header, such as time_s", times, notes)
 }

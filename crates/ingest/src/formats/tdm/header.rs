@@ -35,7 +35,7 @@ pub struct TdmChannel {
 
 /// What the header says.
 #[derive(Debug, Clone)]
-pub struct Header {
+pub struct TdmHeader {
     /// Name of the binary file as the header has it.
     pub url: String,
     /// The binary file has the high byte first.
@@ -46,10 +46,10 @@ pub struct Header {
     pub channels: Vec<TdmChannel>,
 }
 
-type ById<'a, 'i> = HashMap<&'a str, Node<'a, 'i>>;
+type NodeIndex<'a, 'i> = HashMap<&'a str, Node<'a, 'i>>;
 
 /// Reads the header; an error says what was found.
-pub fn parse(text: &str) -> Result<Header, String> {
+pub fn parse(text: &str) -> Result<TdmHeader, String> {
     let options = ParsingOptions { allow_dtd: false, nodes_limit: NODE_LIMIT, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|error| error.to_string())?;
     let named = |name: &'static str| document.descendants().filter(move |node| node.has_tag_name(name));
@@ -65,7 +65,7 @@ pub fn parse(text: &str) -> Result<Header, String> {
         Some(other) => return Err(format!("byte order {other:?}, littleEndian and bigEndian are known")),
     };
     // Later elements do not replace earlier ones of the same id.
-    let mut by_id = ById::new();
+    let mut by_id = NodeIndex::new();
     for node in document.descendants() {
         if let Some(id) = node.attribute("id") {
             by_id.entry(id).or_insert(node);
@@ -86,7 +86,7 @@ pub fn parse(text: &str) -> Result<Header, String> {
             TdmChannel { group, name, attributes: attributes(channel), block: block(channel, &by_id) }
         })
         .collect();
-    Ok(Header { url, big_endian, root, channels })
+    Ok(TdmHeader { url, big_endian, root, channels })
 }
 
 fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
@@ -102,11 +102,11 @@ fn references(text: &str) -> Vec<&str> {
     text.split("id(\"").skip(1).filter_map(|part| part.split('"').next()).collect()
 }
 
-fn referred<'a, 'i>(node: Node<'a, 'i>, name: &str, by_id: &ById<'a, 'i>) -> Option<Node<'a, 'i>> {
+fn referred<'a, 'i>(node: Node<'a, 'i>, name: &str, by_id: &NodeIndex<'a, 'i>) -> Option<Node<'a, 'i>> {
     by_id.get(references(child_text(node, name)?).first()?).copied()
 }
 
-fn group_by_reference(channel: Node, by_id: &ById) -> Option<String> {
+fn group_by_reference(channel: Node, by_id: &NodeIndex) -> Option<String> {
     let id = *references(child_text(channel, "group")?).first()?;
     child_text(*by_id.get(id)?, "name").map(str::to_owned)
 }
@@ -134,7 +134,7 @@ fn attributes(node: Node) -> BTreeMap<String, String> {
 }
 
 /// From a channel by its local column and its sequence to the block.
-fn block<'a, 'i>(channel: Node<'a, 'i>, by_id: &ById<'a, 'i>) -> Result<Block, String> {
+fn block<'a, 'i>(channel: Node<'a, 'i>, by_id: &NodeIndex<'a, 'i>) -> Result<Block, String> {
     let column = referred(channel, "local_columns", by_id).ok_or("no local column belongs to it")?;
     match child_text(column, "sequence_representation") {
         Some("explicit") | None => {}

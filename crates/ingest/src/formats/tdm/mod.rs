@@ -1,4 +1,5 @@
 //! TDM, the older files of DIAdem: an XML header `.tdm` and a binary file `.tdx` beside it.
+//! May use text, waveform, diadem, iso13499, the number types of tdms and what formats may use.
 
 mod header;
 
@@ -11,9 +12,9 @@ use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::formats::{diadem, iso13499};
 use crate::recording::content::Recording;
-use crate::recording::read_channel::Found;
-use crate::{IngestError, Place, Settings};
-use header::{Block, Header, TdmChannel};
+use crate::recording::read_channel::ReadChannel;
+use crate::{IngestError, IngestSettings, Place};
+use header::{Block, TdmChannel, TdmHeader};
 
 /// Largest header, bytes.
 const HEADER_LIMIT: usize = 128 << 20;
@@ -39,17 +40,17 @@ impl Reader for Tdm {
         is_tdx && stem(name).to_lowercase() == stem(main).to_lowercase()
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--unit", "--time-unit", "--vehicle-number", "--resample"]
     }
 
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
         read(bundle, settings)
     }
 }
 
 /// Reads the header and its channels.
-fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
     let file = bundle.main.name.as_str();
     if bundle.main.bytes.len() > HEADER_LIMIT {
         return Err(IngestError::TooLarge {
@@ -83,15 +84,15 @@ fn read(bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> 
         }
         waveforms.push(waveform(channel, tdx_name, tdx, header.big_endian));
     }
-    let channels = conversion::channels(file, waveforms, settings, &mut notes)?;
-    let mut channels: Vec<Found> = channels.into_iter().map(|(_, found)| found).collect();
+    let channels = conversion::to_channels(file, waveforms, settings, &mut notes)?;
+    let mut channels: Vec<ReadChannel> = channels.into_iter().map(|(_, found)| found).collect();
     let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
     let details = diadem::details(&header.root);
     Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
 }
 
 /// The binary file: that of the header's name in any case, else the one that is named like the header.
-fn binary<'a>(bundle: &'a Bundle, header: &Header, notes: &mut Notes) -> Result<(&'a str, &'a [u8]), IngestError> {
+fn binary<'a>(bundle: &'a Bundle, header: &TdmHeader, notes: &mut Notes) -> Result<(&'a str, &'a [u8]), IngestError> {
     let wanted = header.url.rsplit(['/', '\\']).next().unwrap_or(&header.url);
     let named = bundle.companions.iter().find(|(name, _)| name.to_lowercase() == wanted.to_lowercase());
     if let Some((name, bytes)) = named {

@@ -57,7 +57,7 @@ impl Type {
     }
 
     /// Type codes of DAQmx scalers are numbered differently.
-    fn of_daqmx(code: u32) -> Option<Self> {
+    fn from_daqmx_code(code: u32) -> Option<Self> {
         (code < 6)
             .then(|| if code.is_multiple_of(2) { Self::Unsigned(1 << (code / 2)) } else { Self::Int(1 << (code / 2)) })
     }
@@ -124,7 +124,7 @@ pub struct Scaler {
 
 /// What the entry of an object says of raw data in this segment.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Raw {
+pub enum SegmentData {
     /// There is none.
     None,
     /// As in the last segment that described it.
@@ -139,7 +139,7 @@ pub struct Entry {
     /// `/'group'/'channel'`.
     pub path: String,
     /// Its raw data.
-    pub raw: Raw,
+    pub raw: SegmentData,
     /// New or changed properties.
     pub properties: Vec<(String, Property)>,
 }
@@ -157,14 +157,14 @@ pub fn entry(cursor: &mut Cursor) -> Result<Entry, Broken> {
     Ok(Entry { path, raw, properties })
 }
 
-fn raw(cursor: &mut Cursor) -> Result<Raw, Broken> {
+fn raw(cursor: &mut Cursor) -> Result<SegmentData, Broken> {
     let at = cursor.at();
     match cursor.u32()? {
-        0xFFFF_FFFF => Ok(Raw::None),
-        0 => Ok(Raw::AsBefore),
-        0x1269 => daqmx(cursor, false).map(Raw::New),
+        0xFFFF_FFFF => Ok(SegmentData::None),
+        0 => Ok(SegmentData::AsBefore),
+        0x1269 => daqmx(cursor, false).map(SegmentData::New),
         // NI writes the second; the first is met in files, too.
-        0x126A | 0x1369 => daqmx(cursor, true).map(Raw::New),
+        0x126A | 0x1369 => daqmx(cursor, true).map(SegmentData::New),
         20 | 28 => {
             let type_at = cursor.at();
             let code = cursor.u32()?;
@@ -179,7 +179,7 @@ fn raw(cursor: &mut Cursor) -> Result<Raw, Broken> {
                 u64::try_from(kind.size()).ok().and_then(|size| size.checked_mul(count))
             };
             match bytes {
-                Some(bytes) => Ok(Raw::New(RawIndex::Plain { kind, count, bytes })),
+                Some(bytes) => Ok(SegmentData::New(RawIndex::Plain { kind, count, bytes })),
                 None => Cursor::broken(type_at, format!("an impossible count of samples, {count}")),
             }
         }
@@ -210,7 +210,7 @@ fn daqmx(cursor: &mut Cursor, digital: bool) -> Result<RawIndex, Broken> {
             cursor.u32()?;
         }
         cursor.u32()?;
-        scaler = match (digital, k, Type::of_daqmx(code)) {
+        scaler = match (digital, k, Type::from_daqmx_code(code)) {
             (true, ..) => Err("digital lines of DAQmx are not read"),
             (_, 0, Some(kind)) => Ok(Scaler { kind, buffer, offset }),
             (_, 0, None) => Err("raw DAQmx samples of an unknown type"),
@@ -257,7 +257,8 @@ fn property(cursor: &mut Cursor) -> Result<Property, Broken> {
     })
 }
 
-/// Fraction of a second, and whole seconds since 1904-01-01 UTC. The whole 16 bytes change their order with the byte order.
+/// Fraction of a second, and whole seconds since 1904-01-01 UTC. The whole 16 bytes change their order with the byte
+/// order.
 pub fn time(cursor: &mut Cursor) -> Result<(f64, i64), Broken> {
     const PER_S: f64 = 18_446_744_073_709_551_616.0;
     let big_endian = cursor.is_big_endian();
@@ -315,8 +316,8 @@ mod tests {
     fn codes_are_types() {
         assert_eq!(Type::from_code(3), Some(Type::Int(4)));
         assert_eq!(Type::from_code(6), Some(Type::Unsigned(2)));
-        assert_eq!(Type::of_daqmx(3), Some(Type::Int(2)));
-        assert_eq!(Type::of_daqmx(4), Some(Type::Unsigned(4)));
-        assert_eq!((Type::from_code(0x99), Type::of_daqmx(6)), (None, None));
+        assert_eq!(Type::from_daqmx_code(3), Some(Type::Int(2)));
+        assert_eq!(Type::from_daqmx_code(4), Some(Type::Unsigned(4)));
+        assert_eq!((Type::from_code(0x99), Type::from_daqmx_code(6)), (None, None));
     }
 }

@@ -1,7 +1,8 @@
 //! TDMS, the binary files of LabVIEW and DIAdem: segments of metadata and raw data, channels in groups.
+//! May use waveform, diadem, iso13499, records and sensors of ev5 and what formats may use.
 //!
-//! Read after NI's description of the format: contiguous and interleaved data, both byte orders, inherited object lists, DAQmx
-//! raw data, linear scaling, aborted recordings.
+//! Read after NI's description of the format: contiguous and interleaved data, both byte orders, inherited object
+//! lists, DAQmx raw data, linear scaling, aborted recordings.
 
 mod bytes;
 pub(crate) mod metadata;
@@ -19,8 +20,8 @@ use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::formats::{diadem, iso13499};
 use crate::recording::content::{PulseRule, Recording};
-use crate::recording::read_channel::Found;
-use crate::{IngestError, Place, Settings};
+use crate::recording::read_channel::ReadChannel;
+use crate::{IngestError, IngestSettings, Place};
 use metadata::{Properties, Property, names};
 use segments::{Content, Object, SegmentError};
 
@@ -36,22 +37,22 @@ impl Reader for Tdms {
         head.starts_with(b"TDSm")
     }
 
-    fn heeds(&self) -> &'static [&'static str] {
+    fn relevant_flags(&self) -> &'static [&'static str] {
         &["--unit", "--time-unit", "--vehicle-number", "--resample"]
     }
 
-    fn read(&self, bundle: &Bundle, settings: &Settings) -> Result<Recording, IngestError> {
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
         read(&bundle.main.name, &bundle.main.bytes, settings)
     }
 }
 
 /// Reads a file from its bytes. `file` names it in messages.
-pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, IngestError> {
+pub fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recording, IngestError> {
     let Content { objects, warnings } = segments::read(bytes).map_err(|error| refuse(file, error))?;
     let mut notes = Notes::new();
     warnings.iter().take(12).for_each(|warning| notes.warning(warning.clone()));
 
-    let layers = Layers::of(&objects);
+    let layers = Layers::from_objects(&objects);
     let vehicle = settings.vehicle_number.unwrap_or(1);
     let all: Vec<&Properties> = objects.iter().map(|object| &object.properties).collect();
     let details = if layers.channels.iter().any(|(k, ..)| nhtsa::curve(&objects[*k].properties).is_some()) {
@@ -72,14 +73,14 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings) -> Result<Recording, 
         records.push(nhtsa::curve(&object.properties).filter(|_| is_nhtsa));
         waveforms.push(waveform(object, group, name, scales));
     }
-    let channels = conversion::channels(file, waveforms, settings, &mut notes)?;
-    let mut channels: Vec<Found> = channels
+    let channels = conversion::to_channels(file, waveforms, settings, &mut notes)?;
+    let mut channels: Vec<ReadChannel> = channels
         .into_iter()
-        .map(|(k, mut found)| {
+        .map(|(k, mut read)| {
             if let Some(curve) = &records[k] {
-                nhtsa::describe(&mut found, curve, vehicle, &mut notes);
+                nhtsa::describe(&mut read, curve, vehicle, &mut notes);
             }
-            found
+            read
         })
         .collect();
     let pulse_rule =
@@ -97,7 +98,7 @@ struct Layers {
 }
 
 impl Layers {
-    fn of(objects: &[Object]) -> Self {
+    fn from_objects(objects: &[Object]) -> Self {
         let mut layers =
             Self { root: Properties::new(), groups: BTreeMap::new(), channels: Vec::new(), none: Properties::new() };
         for (k, object) in objects.iter().enumerate() {
@@ -191,7 +192,8 @@ fn start_times(layers: &Layers, objects: &[Object], notes: &mut Notes) {
         && first != last
     {
         notes.warning(format!(
-            "channels start at times of the day up to {:.6} s apart (wf_start_time): they are not aligned, each keeps its own offset",
+            "channels start at times of the day up to {:.6} s apart (wf_start_time): they are not aligned, each keeps \
+             its own offset",
             (last - first) as f64 / 1e6
         ));
     }

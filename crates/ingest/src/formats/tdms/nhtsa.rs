@@ -1,7 +1,8 @@
-//! TDMS files of the NHTSA database: the fields of the EV5 guide as properties `INST_SENTYP`, `VEH_VEHTWT`, `TEST_CLSSPD`.
+//! TDMS files of the NHTSA database: the fields of the EV5 guide as properties `INST_SENTYP`, `VEH_VEHTWT`,
+//! `TEST_CLSSPD`.
 //!
-//! Written after descriptions of such files; none was at hand. Hence tolerant: a field may stand at the channel, its group or
-//! the file, with any prefix, as a text or as a number.
+//! Written after descriptions of such files; none was at hand. Hence tolerant: a field may stand at the channel, its
+//! group or the file, with any prefix, as a text or as a number.
 
 use crumple_signal::{Notes, QuantityKind};
 
@@ -10,7 +11,7 @@ use crate::formats::ev5::sensor;
 use crate::formats::ev5::test_details::details;
 use crate::formats::tdms::metadata::{Properties, Property};
 use crate::recording::details::Details;
-use crate::recording::read_channel::Found;
+use crate::recording::read_channel::ReadChannel;
 
 /// A field by its name in the guide, in any of `layers`; what is empty or `NA` counts as absent.
 fn words(layers: &[&Properties], field: &str) -> Option<String> {
@@ -76,17 +77,17 @@ pub fn curve(channel: &Properties) -> Option<Curve> {
 }
 
 /// Identity, status and fitness of a channel from its record.
-pub fn describe(found: &mut Found, curve: &Curve, vehicle: u32, notes: &mut Notes) {
-    let channel = &mut found.channel;
+pub fn describe(read: &mut ReadChannel, curve: &Curve, vehicle: u32, notes: &mut Notes) {
+    let channel = &mut read.channel;
     channel.location = sensor::location(curve);
     channel.axis = sensor::axis(curve).or(channel.axis);
     channel.status = curve.channel_status();
     channel.redundant = curve.channel_status == "R";
     channel.initial_velocity_m_per_s = curve.initial_velocity_km_per_h.map(|v| v / 3.6);
     channel.comment = curve.comment.clone().or(channel.comment.take());
-    found.fitness = sensor::fitness(curve, vehicle).filter(|_| channel.quantity == QuantityKind::Acceleration);
+    read.fitness = sensor::fitness(curve, vehicle).filter(|_| channel.quantity == QuantityKind::Acceleration);
     if curve.number > 0 {
-        found.aliases.push(curve.number.to_string());
+        read.aliases.push(curve.number.to_string());
     }
     if matches!(channel.status, crumple_signal::ChannelStatus::Questionable | crumple_signal::ChannelStatus::Failed) {
         let comment = channel.comment.as_deref().unwrap_or("without a comment");
@@ -96,37 +97,37 @@ pub fn describe(found: &mut Found, curve: &Curve, vehicle: u32, notes: &mut Note
 
 /// What the properties say of test and vehicle; `None` if they say nothing.
 pub fn test(all: &[&Properties], vehicle: u32) -> Option<Details> {
-    let own: Vec<&Properties> =
+    let of_vehicle: Vec<&Properties> =
         all.iter().copied().filter(|p| vehicle_number(&[p]).is_none_or(|n| n == vehicle)).collect();
-    let own = own.as_slice();
+    let of_vehicle = of_vehicle.as_slice();
     let test = Test {
-        title: words(own, "TITLE"),
-        date: words(own, "TSTDAT"),
-        laboratory: words(own, "TSTPRF"),
-        reference: words(own, "TSTREF"),
-        configuration: words(own, "TSTCFN")
+        title: words(of_vehicle, "TITLE"),
+        date: words(of_vehicle, "TSTDAT"),
+        laboratory: words(of_vehicle, "TSTPRF"),
+        reference: words(of_vehicle, "TSTREF"),
+        configuration: words(of_vehicle, "TSTCFN")
             .map(|c| c.split([' ', '-']).next().unwrap_or_default().to_ascii_uppercase()),
-        closing_speed_km_per_h: positive(own, "CLSSPD"),
-        impact_angle_deg: number(own, "IMPANG"),
-        offset_mm: number(own, "OFFSET"),
-        comment: words(own, "TSTCOM"),
+        closing_speed_km_per_h: positive(of_vehicle, "CLSSPD"),
+        impact_angle_deg: number(of_vehicle, "IMPANG"),
+        offset_mm: number(of_vehicle, "OFFSET"),
+        comment: words(of_vehicle, "TSTCOM"),
     };
     let vehicle = Vehicle {
         number: vehicle,
-        make_and_model: [words(own, "MAKE"), words(own, "MODEL")],
-        year: words(own, "YEAR"),
-        test_mass_kg: positive(own, "VEHTWT"),
-        speed_km_per_h: positive(own, "VEHSPD"),
+        make_and_model: [words(of_vehicle, "MAKE"), words(of_vehicle, "MODEL")],
+        year: words(of_vehicle, "YEAR"),
+        test_mass_kg: positive(of_vehicle, "VEHTWT"),
+        speed_km_per_h: positive(of_vehicle, "VEHSPD"),
         crush_profile_mm: Vec::new(),
-        static_crush_mm: positive(own, "CRHDST"),
-        comment: words(own, "VEHCOM").filter(|c| c != "0"),
+        static_crush_mm: positive(of_vehicle, "CRHDST"),
+        comment: words(of_vehicle, "VEHCOM").filter(|c| c != "0"),
     };
     let barrier = Barrier {
-        rigidity: words(own, "BARRIG"),
-        shape: words(own, "BARSHP"),
-        angle_deg: positive(own, "BARANG"),
-        diameter_mm: positive(own, "BARDIA"),
-        comment: words(own, "BARCOM"),
+        rigidity: words(of_vehicle, "BARRIG"),
+        shape: words(of_vehicle, "BARSHP"),
+        angle_deg: positive(of_vehicle, "BARANG"),
+        diameter_mm: positive(of_vehicle, "BARDIA"),
+        comment: words(of_vehicle, "BARCOM"),
     };
     Some(details(&test, Some(&barrier), &vehicle))
 }

@@ -1,7 +1,7 @@
 //! NI scaling: raw values of a card to values with a unit.
 //!
-//! A channel lists scales by number; each takes its input from another one or from the raw values, and the last gives the
-//! result. Linear scales are applied; a channel with another kind is refused by its name.
+//! A channel lists scales by number; each takes its input from another one or from the raw values, and the last gives
+//! the result. Linear scales are applied; a channel with another kind is refused by its name.
 
 use crate::formats::tdms::metadata::{Properties, Property};
 
@@ -14,7 +14,8 @@ pub struct Linear {
     pub intercept: f64,
 }
 
-/// The scales to apply, in order; none if the values are final. `layers`: properties of the channel, its group, the file.
+/// The scales to apply, in order; none if the values are final. `layers`: properties of the channel, its group, the
+/// file.
 pub fn chain(layers: &[&Properties], is_daqmx: bool) -> Result<Vec<Linear>, String> {
     let find = |name: &str| layers.iter().find_map(|layer| layer.get(name));
     let number = |name: &str| match find(name) {

@@ -1,12 +1,13 @@
 //! The segments of a file, one after the other: metadata, then raw data in chunks.
 //!
-//! A segment without a list of objects of its own has that of the segment before it, in the same order. A recording that was
-//! aborted has a last segment without a length, or one that runs past the end of the file: it is read as far as it goes.
+//! A segment without a list of objects of its own has that of the segment before it, in the same order. A recording
+//! that was aborted has a last segment without a length, or one that runs past the end of the file: it is read as far
+//! as it goes.
 
 use std::collections::BTreeMap;
 
 use crate::formats::tdms::bytes::{Broken, Cursor};
-use crate::formats::tdms::metadata::{Properties, Raw, RawIndex, Type, entry};
+use crate::formats::tdms::metadata::{Properties, RawIndex, SegmentData, Type, entry};
 use crate::formats::tdms::samples;
 
 /// Most objects in a file.
@@ -47,7 +48,7 @@ pub struct Object {
 pub struct Content {
     /// The objects.
     pub objects: Vec<Object>,
-    /// What was odd and did not hinder.
+    /// Oddities that did not stop the reading.
     pub warnings: Vec<String>,
 }
 
@@ -173,15 +174,15 @@ impl Walk {
             let object = &mut self.content.objects[index];
             object.properties.extend(entry.properties);
             let has_data = match entry.raw {
-                Raw::None => false,
-                Raw::AsBefore if object.index.is_none() => {
+                SegmentData::None => false,
+                SegmentData::AsBefore if object.index.is_none() => {
                     return Ok(Cursor::broken(
                         at,
                         format!("raw data of {} as before, but there was none", object.path),
                     )?);
                 }
-                Raw::AsBefore => true,
-                Raw::New(index) => {
+                SegmentData::AsBefore => true,
+                SegmentData::New(index) => {
                     object.index = Some(index);
                     true
                 }
@@ -329,7 +330,10 @@ impl Walk {
         let mixed =
             || Cursor::broken(start, "DAQmx channels that do not share their buffers and counts, or with others");
         let RawIndex::Daqmx { count: rows, widths, .. } = &active[0].1 else { return Ok(mixed()?) };
-        let alike = |index: &RawIndex| matches!(index, RawIndex::Daqmx { count, widths: w, .. } if count == rows && w == widths);
+        let alike = |index: &RawIndex| match index {
+            RawIndex::Daqmx { count, widths: others, .. } => count == rows && others == widths,
+            RawIndex::Plain { .. } => false,
+        };
         if !active.iter().all(|(_, index)| alike(index)) {
             return Ok(mixed()?);
         }

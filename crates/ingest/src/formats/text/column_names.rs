@@ -101,8 +101,8 @@ pub fn is_kg(text: &str) -> bool {
     text.trim().eq_ignore_ascii_case("kg")
 }
 
-/// Whether words speak of acceleration: `accel_g`, `Deceleration`, `deacceleration`, `Beschleunigung`, `Verzögerung`, `a`, or a
-/// channel code.
+/// Whether words name acceleration: `accel_g`, `Deceleration`, `deacceleration`, `Beschleunigung`, `Verzögerung`,
+/// `a`, or a channel code.
 pub fn names_acceleration(text: &str) -> bool {
     let lower = text.to_lowercase();
     ["acc", "decel", "beschl", "verzög", "verzoeg"].iter().any(|part| lower.contains(part))
@@ -123,19 +123,19 @@ pub fn is_time_name(text: &str) -> bool {
             .is_some_and(|rest| rest.trim_start().starts_with(['[', '(', '/', '{']) || rest.starts_with('_'))
 }
 
-/// The axis a name speaks of: `ax`, `accel_x`, `Acc X (g)`, `accX`.
+/// The axis that a name states: `ax`, `accel_x`, `Acc X (g)`, `accX`.
 pub fn axis(name: &str) -> Option<Axis> {
-    let of = |word: &str| match word {
+    let axis_of_word = |word: &str| match word {
         "x" | "ax" | "accx" | "accelx" | "xg" | "longitudinal" => Some(Axis::X),
         "y" | "ay" | "accy" | "accely" | "yg" | "lateral" => Some(Axis::Y),
         "z" | "az" | "accz" | "accelz" | "zg" | "vertical" => Some(Axis::Z),
         "resultant" | "res" => Some(Axis::Resultant),
         _ => None,
     };
-    name.to_lowercase().split(|c: char| !c.is_alphanumeric()).find_map(of)
+    name.to_lowercase().split(|c: char| !c.is_alphanumeric()).find_map(axis_of_word)
 }
 
-/// The channel frequency class a name speaks of: `accel_cfc60`, `CFC 180`.
+/// The channel frequency class that a name states: `accel_cfc60`, `CFC 180`.
 pub fn cfc(name: &str) -> Option<u16> {
     let lower = name.to_lowercase();
     let digits: String = lower

@@ -2,7 +2,7 @@
 
 /// A number, and how finely it is printed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Number {
+pub struct ParsedNumber {
     /// Its value, finite.
     pub value: f64,
     /// Significant digits printed, leading zeros not counted.
@@ -16,11 +16,11 @@ const POWERS: [f64; 23] = [
 
 /// Reads the number at the start of `bytes` and says how many bytes it takes.
 ///
-/// Takes `1`, `-.206786E-02` and `1.5D+03` (Fortran), `+1.234560E+01`, `1E-04`; the decimal mark is `decimal`. Correctly
-/// rounded: where mantissa and power of ten are exact in f64 one multiplication or division is (Clinger 1990),
-/// elsewhere the standard library's parser is asked. `None` where there is no finite number.
+/// Takes `1`, `-.206786E-02` and `1.5D+03` (Fortran), `+1.234560E+01`, `1E-04`; the decimal mark is `decimal`.
+/// Correctly rounded: where mantissa and power of ten are exact in f64 one multiplication or division is (Clinger
+/// 1990), elsewhere the standard library's parser is asked. `None` where there is no finite number.
 #[inline]
-pub fn scan(bytes: &[u8], decimal: u8) -> Option<(Number, usize)> {
+pub fn scan(bytes: &[u8], decimal: u8) -> Option<(ParsedNumber, usize)> {
     let mut at = 0;
     let negative = match bytes.first() {
         Some(b'-') => {
@@ -66,9 +66,9 @@ pub fn scan(bytes: &[u8], decimal: u8) -> Option<(Number, usize)> {
         let magnitude = if exponent < 0 { m / POWERS[(-exponent) as usize] } else { m * POWERS[exponent as usize] };
         if negative { -magnitude } else { magnitude }
     } else {
-        slow(&bytes[..at], decimal)?
+        parse_slowly(&bytes[..at], decimal)?
     };
-    value.is_finite().then_some((Number { value, digits }, at))
+    value.is_finite().then_some((ParsedNumber { value, digits }, at))
 }
 
 /// `e-04`, `E+3`, `D02`: the power and its length.
@@ -88,7 +88,7 @@ fn scan_exponent(bytes: &[u8]) -> Option<(i64, usize)> {
 }
 
 #[cold]
-fn slow(bytes: &[u8], decimal: u8) -> Option<f64> {
+fn parse_slowly(bytes: &[u8], decimal: u8) -> Option<f64> {
     if decimal == b'.' && !bytes.iter().any(|b| matches!(b, b'd' | b'D')) {
         return std::str::from_utf8(bytes).ok()?.parse().ok();
     }
@@ -104,7 +104,7 @@ fn slow(bytes: &[u8], decimal: u8) -> Option<f64> {
 }
 
 /// The number that is the whole of a field, blanks and one pair of quotes around it aside. Thousands may be apart.
-pub fn field(bytes: &[u8], decimal: u8) -> Option<Number> {
+pub fn field(bytes: &[u8], decimal: u8) -> Option<ParsedNumber> {
     let bytes = unquoted(bytes);
     let whole = scan(bytes, decimal).filter(|(_, length)| *length == bytes.len()).map(|(number, _)| number);
     whole.or_else(|| grouped(bytes, decimal))
@@ -113,7 +113,7 @@ pub fn field(bytes: &[u8], decimal: u8) -> Option<Number> {
 /// `1,234.5`, `1.234,5`, `1'234.5`, `1 234`: one to three digits, then groups of three. A comma or a point between
 /// thousands counts only where a decimal mark or a second group follows: `1,234` alone may be 1.234.
 #[cold]
-fn grouped(bytes: &[u8], decimal: u8) -> Option<Number> {
+fn grouped(bytes: &[u8], decimal: u8) -> Option<ParsedNumber> {
     let (sign, unsigned) = match bytes {
         [b'-' | b'+', rest @ ..] => (&bytes[..1], rest),
         _ => (&bytes[..0], bytes),
@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn thousands_may_be_apart_where_nothing_else_can_be_meant() {
-        let of = |text: &str, decimal| field(text.as_bytes(), decimal).map(|n| n.value);
+        let parsed = |text: &str, decimal| field(text.as_bytes(), decimal).map(|n| n.value);
         for (text, decimal, value) in [
             ("1,234.5", b'.', 1234.5),
             ("\"-12,345,678\"", b'.', -12_345_678.0),
@@ -170,10 +170,10 @@ mod tests {
             ("1\u{a0}234,5", b',', 1234.5),
             ("1\u{202f}234,5", b',', 1234.5),
         ] {
-            assert_eq!(of(text, decimal), Some(value), "{text}");
+            assert_eq!(parsed(text, decimal), Some(value), "{text}");
         }
         for text in ["1,234", "1234,567.0", "1,23.0", ",123.0", "1,,234.0", "1,234'567.0", "1,234.5 g", "0x1,234.0"] {
-            assert_eq!(of(text, b'.'), None, "{text}");
+            assert_eq!(parsed(text, b'.'), None, "{text}");
         }
         assert_eq!(field(b"1\xA0234,5", b',').map(|n| (n.value, n.digits)), Some((1234.5, 5)));
     }
@@ -206,7 +206,10 @@ mod tests {
 
     proptest! {
         #[test]
-        fn agrees_with_the_standard_library(x in any::<f64>().prop_filter("finite", |x| x.is_finite()), digits in 0_usize..20) {
+        fn agrees_with_the_standard_library(
+            x in any::<f64>().prop_filter("finite", |x| x.is_finite()),
+            digits in 0_usize..20,
+        ) {
             for text in [format!("{x}"), format!("{x:e}"), format!("{x:.digits$e}"), format!("{:.digits$}", x % 1e9)] {
                 let number = field(text.as_bytes(), b'.').unwrap();
                 prop_assert_eq!(number.value.to_bits(), text.parse::<f64>().unwrap().to_bits(), "{}", text);
@@ -214,7 +217,10 @@ mod tests {
         }
 
         #[test]
-        fn any_bytes_give_an_answer(bytes in proptest::collection::vec(any::<u8>(), 0..40), decimal in prop::sample::select(vec![b'.', b','])) {
+        fn any_bytes_give_an_answer(
+            bytes in proptest::collection::vec(any::<u8>(), 0..40),
+            decimal in prop::sample::select(vec![b'.', b',']),
+        ) {
             if let Some((number, length)) = scan(&bytes, decimal) {
                 prop_assert!(number.value.is_finite() && length <= bytes.len());
             }

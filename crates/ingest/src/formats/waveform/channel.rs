@@ -36,8 +36,8 @@ impl Waveform {
         }
     }
 
-    /// Takes start and interval of the X axis (`wf_start_offset`, `wf_increment`) for time, in s unless another unit of time is
-    /// stated. An axis with the unit or the name of something else is none of time.
+    /// Takes start and interval of the X axis (`wf_start_offset`, `wf_increment`) for time, in s unless another unit of
+    /// time is stated. An axis with the unit or the name of something else is none of time.
     pub fn set_steps(&mut self, steps: Option<(f64, f64)>, x_name: &str, x_unit: &str) {
         let Some((start, interval)) = steps else { return };
         let axis = label(x_name, x_unit);

@@ -8,9 +8,9 @@ use crate::formats::text::column_names::Unit;
 use crate::formats::waveform::channel::{Waveform, list};
 use crate::formats::waveform::label::{Label, is_named_time};
 use crate::time::grid::{self, Grid, GridError};
-use crate::time::resampling::{self, Interpolation};
+use crate::time::resampling::{self, LinearInterpolation};
 use crate::time::time_unit;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 /// The channel of times of a group.
 struct Clock {
@@ -29,7 +29,7 @@ struct Clock {
 
 /// A uniform rate for the channels of a clock.
 struct Resampling {
-    interpolation: Interpolation,
+    interpolation: LinearInterpolation,
     /// Rate and jitter in words.
     words: String,
     /// A channel was brought to it.
@@ -44,9 +44,15 @@ pub struct Clocks {
 }
 
 impl Clocks {
-    /// A channel holds times if its unit is one of time, or its name is time and it has none, and its values increase. The first
-    /// of a group is its clock.
-    pub fn find(file: &str, waveforms: &[Waveform], labels: &[Label], settings: &Settings, notes: &mut Notes) -> Self {
+    /// A channel holds times if its unit is one of time, or its name is time and it has none, and its values increase.
+    /// The first of a group is its clock.
+    pub fn find(
+        file: &str,
+        waveforms: &[Waveform],
+        labels: &[Label],
+        settings: &IngestSettings,
+        notes: &mut Notes,
+    ) -> Self {
         let mut clocks = Self { by_group: BTreeMap::new(), are_times: vec![false; waveforms.len()] };
         for (k, (waveform, label)) in waveforms.iter().zip(labels).enumerate() {
             let Ok(values) = &waveform.values else { continue };
@@ -137,7 +143,7 @@ impl Clocks {
         for clock in self.by_group.values() {
             for (samples, ids) in &clock.cut {
                 notes.warning(format!(
-                    "the channel of times {} has {} samples, {} {samples}: the shorter counts",
+                    "the channel of times {} has {} samples, {} {samples}: the shorter length is used",
                     clock.title,
                     clock.samples,
                     list(ids)
@@ -158,7 +164,7 @@ impl Clocks {
         names.sort_unstable();
         if !names.is_empty() {
             let names: Vec<&str> = names.into_iter().map(|(_, name)| name).collect();
-            notes.info(format!("{} holds times and is no channel of its own", list(&names)));
+            notes.info(format!("{} holds the times of the others and is not a channel", list(&names)));
         }
     }
 }
@@ -167,14 +173,14 @@ fn grid_of(
     file: &str,
     label: &Label,
     values: &[f64],
-    settings: &Settings,
+    settings: &IngestSettings,
     notes: &mut Notes,
 ) -> Result<(Grid, Option<Resampling>), IngestError> {
     let place = || Place::file(file).in_column(label.title.clone());
     let unit = match (&settings.time_unit, &label.unit) {
-        (Some(symbol), _) => time_unit::stated(place(), symbol, "--time-unit or the sidecar")?,
+        (Some(symbol), _) => time_unit::stated_unit(place(), symbol, "--time-unit or the sidecar")?,
         (None, Unit::Time(factor)) => *factor,
-        (None, _) => time_unit::of_steps(file, &label.title, "a unit of the channel, such as s", values, notes)?,
+        (None, _) => time_unit::unit_from_steps(file, &label.title, "a unit of the channel, such as s", values, notes)?,
     };
     let inverse = (1.0 / unit).round();
     let times: Vec<f64> = values.iter().map(|t| if unit < 1.0 { t / inverse } else { t * unit }).collect();
@@ -213,7 +219,8 @@ fn grid_of(
             found,
             format!("equal steps within {} of the interval", grid::STEP_TOLERANCE),
             format!(
-                "a gap is better exported again; for uneven sampling --resample {}Hz brings it to a uniform rate by linear interpolation",
+                "a gap is better exported again; for uneven sampling --resample {}Hz brings it to a uniform rate by \
+                 linear interpolation",
                 resampling::rate_to_type(grid::median_step(&times))
             ),
         )

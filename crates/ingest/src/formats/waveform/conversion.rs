@@ -8,11 +8,11 @@ use crate::formats::waveform::channel::{Waveform, list};
 use crate::formats::waveform::clock::Clocks;
 use crate::formats::waveform::label::{self, Label};
 use crate::formats::waveform::{identity, units};
-use crate::recording::read_channel::{Fitness, Found};
+use crate::recording::read_channel::{Fitness, ReadChannel};
 use crate::recording::unheeded_flags;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
-/// What is said once for many channels.
+/// What is noted once for many channels.
 #[derive(Debug, Default)]
 struct Remarks {
     /// Missing samples at the end, by channel.
@@ -29,12 +29,12 @@ struct Remarks {
 ///
 /// A channel of times and one without samples are no channels of the record. One that cannot be read is left out with a
 /// warning, unless it is asked for or nothing remains.
-pub fn channels(
+pub fn to_channels(
     file: &str,
     mut waveforms: Vec<Waveform>,
-    settings: &Settings,
+    settings: &IngestSettings,
     notes: &mut Notes,
-) -> Result<Vec<(usize, Found)>, IngestError> {
+) -> Result<Vec<(usize, ReadChannel)>, IngestError> {
     let labels: Vec<Label> = waveforms.iter().map(|w| label::label(&w.name, &w.unit)).collect();
     let ids = identity::ids(&waveforms, &labels);
     let aliases = identity::aliases(&waveforms, &labels);
@@ -52,9 +52,9 @@ pub fn channels(
     let mut clocks = Clocks::find(file, &waveforms, &labels, settings, notes);
     let own_steps = |(k, w): (usize, &Waveform)| clocks.is_clock(k) || w.steps.is_some();
     if settings.time_unit.is_some() && waveforms.iter().enumerate().all(own_steps) {
-        unheeded_flags::note("--time-unit", "every channel states its step in seconds", notes);
+        unheeded_flags::warn("--time-unit", "every channel states its step in seconds", notes);
     }
-    let kinds = units::kinds(file, &waveforms, &labels, &clocks, wanted, settings, notes)?;
+    let kinds = units::quantities(file, &waveforms, &labels, &clocks, wanted, settings, notes)?;
 
     let mut channels = Vec::new();
     for (k, waveform) in waveforms.into_iter().enumerate() {
@@ -83,12 +83,12 @@ pub fn channels(
         let mut channel = Channel::new(id.clone(), quantity);
         channel.axis = column_names::axis(&label.title);
         channel.cfc = column_names::cfc(&label.title).filter(|_| acceleration);
-        iso13499::describe(&mut channel, &label.name, notes);
+        iso13499::describe_by_name(&mut channel, &label.name, notes);
         channel.comment = comment;
         let fitness =
             acceleration.then_some(Fitness { redundant: false, place: 0, why: "the only acceleration channel" });
         let aliases = aliases.clone();
-        channels.push((k, Found { channel, wave: Some(wave), jitter, fitness, aliases }));
+        channels.push((k, ReadChannel { wave: Some(wave), jitter, fitness, aliases, ..ReadChannel::new(channel) }));
     }
     if channels.is_empty() {
         return Err(remarks.left_out.into_iter().next().unwrap_or_else(|| {
@@ -102,7 +102,7 @@ pub fn channels(
     }
     if settings.resample.is_some() && !clocks.resamples() {
         let why = "every channel states a uniform step; crumple-filter --resample brings channels to another rate";
-        unheeded_flags::note("--resample", why, notes);
+        unheeded_flags::warn("--resample", why, notes);
     }
     clocks.notes(notes);
     remarks.notes(notes);

@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::label::Label;
 
-/// `group.channel`, the unit left out, each once: letters, digits, `_`, `-` and `.`; anything else becomes `_`, so that an
-/// id can be a part of a topic and of a file name.
+/// `group.channel`, the unit left out, each once: letters, digits, `_`, `-` and `.`; anything else becomes `_`, so that
+/// an id can be a part of a topic and of a file name.
 pub fn ids(waveforms: &[Waveform], labels: &[Label]) -> Vec<String> {
     let mut taken = BTreeSet::new();
     let mut next_copy: BTreeMap<String, usize> = BTreeMap::new();

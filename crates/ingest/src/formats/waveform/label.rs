@@ -20,19 +20,19 @@ pub fn label(title: &str, stated: &str) -> Label {
     let title = title.trim().to_owned();
     let (bare, in_name) = split_unit(&title.replace('\\', "/"));
     let in_name = match in_name {
-        Unit::Unknown(symbol) => known(&symbol),
+        Unit::Unknown(symbol) => unit_of_symbol(&symbol),
         unit => unit,
     };
     // `Femur (Good)`: what is no unit belongs to the name.
     let name = if matches!(in_name, Unit::Unknown(_) | Unit::Unstated) { title.clone() } else { bare };
-    let unit = if stated.trim().is_empty() { in_name } else { known(stated) };
+    let unit = if stated.trim().is_empty() { in_name } else { unit_of_symbol(stated) };
     Label { title, name, unit }
 }
 
 /// A unit by its symbol, or by the word that LabVIEW writes for it.
-fn known(symbol: &str) -> Unit {
+fn unit_of_symbol(symbol: &str) -> Unit {
     let symbol = unit::without_brackets(symbol).replace('\\', "/");
-    let of = |symbol: &str| match unit::factor(symbol, Dimension::Time) {
+    let unit = |symbol: &str| match unit::factor(symbol, Dimension::Time) {
         Some(factor) => Some(Unit::Time(factor)),
         None => unit::signal_unit(symbol).map(|(kind, factor)| Unit::Signal(kind, factor)),
     };
@@ -45,7 +45,7 @@ fn known(symbol: &str) -> Unit {
         word if word.len() > 3 => word,
         _ => "",
     };
-    of(&symbol).or_else(|| of(word)).unwrap_or(Unit::Unknown(symbol))
+    unit(&symbol).or_else(|| unit(word)).unwrap_or(Unit::Unknown(symbol))
 }
 
 /// `Time`, `t`, `IIWPG Time`: time stands first or last.
@@ -80,8 +80,8 @@ mod tests {
             ("Acc", "[m/(s^2)]", "Acc", Unit::Signal(Acceleration, 1.0)),
             ("x", "furlong", "x", Unit::Unknown("furlong".to_owned())),
         ] {
-            let found = label(title, stated);
-            assert_eq!((found.name.as_str(), &found.unit), (name, &unit), "{title}");
+            let label = label(title, stated);
+            assert_eq!((label.name.as_str(), &label.unit), (name, &unit), "{title}");
         }
     }
 }

@@ -8,20 +8,20 @@ use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::clock::Clocks;
 use crate::formats::waveform::label::Label;
 use crate::recording::unheeded_flags;
-use crate::{IngestError, Place, Settings};
+use crate::{IngestError, IngestSettings, Place};
 
 const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
 
 /// Quantity and factor to SI of every waveform; [`QuantityKind::Other`] and 1 where no unit is known.
 ///
 /// `--unit` is for the channel asked for and for those named for acceleration, or for the only one.
-pub fn kinds(
+pub fn quantities(
     file: &str,
     waveforms: &[Waveform],
     labels: &[Label],
     clocks: &Clocks,
     wanted: Option<usize>,
-    settings: &Settings,
+    settings: &IngestSettings,
     notes: &mut Notes,
 ) -> Result<Vec<(QuantityKind, f64)>, IngestError> {
     let stated = settings.unit.as_deref().map(|symbol| acceleration_unit(file, symbol)).transpose()?;
@@ -37,7 +37,8 @@ pub fn kinds(
                 if *f != over && (wanted == Some(k) || accelerations == 1) =>
             {
                 notes.warning(format!(
-                    "the unit of channel {} is {f} m/s^2 by the file, {over} m/s^2 by the flag or sidecar: that is used",
+                    "the unit of channel {} is {f} m/s^2 by the file, {over} m/s^2 by the flag or sidecar: that is \
+                     used",
                     labels[k].title
                 ));
                 (QuantityKind::Acceleration, over)
@@ -50,7 +51,7 @@ pub fn kinds(
     if let Some(factor) = stated
         && !data.iter().any(|k| kinds[*k] == (QuantityKind::Acceleration, factor))
     {
-        unheeded_flags::note(
+        unheeded_flags::warn(
             "--unit",
             "the channels state units of their own; --channel names the one that is meant",
             notes,

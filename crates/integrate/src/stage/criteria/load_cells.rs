@@ -9,8 +9,8 @@ use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, Sampled, TestDe
 use crumple_stage::records::{ChannelFilterV1, MetricV1};
 use crumple_stage::{Inputs, Output, RefuseExt};
 
+use crate::stage::metric_record::metric_record;
 use crate::stage::options::flags::BarrierCells;
-use crate::stage::pulse::records::metric_record;
 
 /// Channel name of what is about the barrier as a whole.
 const BARRIER: &str = "barrier";

@@ -12,8 +12,9 @@ use crumple_stage::records::MetricV1;
 use crumple_stage::{Inputs, Output, RefuseExt};
 
 use crate::stage::criteria::sensor_sites::{Site, sites};
-use crate::stage::options::flags::{MetricGroup, StageSettings};
-use crate::stage::pulse::records::metric_record;
+use crate::stage::metric_record::metric_record;
+use crate::stage::options::flags::MetricGroup;
+use crate::stage::options::settings::StageSettings;
 
 /// Class that the criteria of roadside hardware ask for.
 const ROADSIDE_CFC: u16 = 180;

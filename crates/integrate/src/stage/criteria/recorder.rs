@@ -5,7 +5,7 @@ use crumple_signal::{Channel, QuantityKind, TestDescription};
 use crumple_stage::records::MetricV1;
 use crumple_stage::{Inputs, Output};
 
-use crate::stage::pulse::records::metric_record;
+use crate::stage::metric_record::metric_record;
 
 /// Maximum delta-V and the time to it, of every change of velocity in the inputs, under the ids of their channels, first that which the
 /// pulse was derived from. Each has a line of the summary.

@@ -2,4 +2,5 @@
 //! May use the library alone.
 
 pub mod flags;
+pub mod settings;
 pub mod uncertainty;

@@ -5,9 +5,9 @@ use crumple_signal::{Channel, Notes, STANDARD_GRAVITY_M_PER_S2};
 use crumple_stage::Output;
 use crumple_stage::records::MetricV1;
 
-use crate::stage::Integrated;
+use crate::stage::metric_record::metric_record;
+use crate::stage::pulse::integrated::Integrated;
 use crate::stage::pulse::other_channels::of_compartment;
-use crate::stage::pulse::records::metric_record;
 
 /// The pulse and the channels that measured the same motion.
 pub struct Redundant<'a> {

@@ -2,6 +2,10 @@
 //! May use `stage/options` and `stage/metric_record`.
 
 pub mod channel_agreement;
+pub mod impact_speed;
+pub mod integrated;
+pub mod integration;
 pub mod other_channels;
 pub mod records;
+pub mod summary;
 pub mod time_zero;

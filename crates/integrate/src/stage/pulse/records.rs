@@ -4,8 +4,9 @@ use crumple_integrate::{EVENT_NAMES, event_values};
 use crumple_metrics::{Metric, centroid_time_from_crush, definitions};
 use crumple_stage::records::{EventIntervalV1, EventsV1, MetricV1, MissingIntervalV1};
 
-use crate::stage::Integrated;
-use crate::stage::options::flags::StageSettings;
+use crate::stage::metric_record::metric_record;
+use crate::stage::options::settings::StageSettings;
+use crate::stage::pulse::integrated::Integrated;
 use crate::stage::pulse::time_zero::TimeZero;
 
 pub fn events_record(
@@ -73,20 +74,4 @@ pub fn metric_records(channel: &str, of: &Integrated, time_zero_s: f64) -> Vec<M
         records.push(metric_record(channel, &metric));
     }
     records
-}
-
-pub fn metric_record(channel: &str, metric: &Metric) -> MetricV1 {
-    MetricV1 {
-        name: metric.name.to_owned(),
-        value: metric.value,
-        unit: metric.unit.to_owned(),
-        channel: channel.to_owned(),
-        definition: metric.definition.clone(),
-        definition_id: Some(metric.id.to_owned()),
-        from_s: metric.window.map(|window| window.from_s),
-        to_s: metric.window.map(|window| window.to_s),
-        low: metric.interval.map(|interval| interval.low),
-        high: metric.interval.map(|interval| interval.high),
-        interval_by: metric.interval.map(|interval| interval.by.to_string()),
-    }
 }

@@ -5,7 +5,8 @@ use crumple_metrics::event_end_by_velocity_change;
 use crumple_signal::{Acceleration, Channel, Notes, Signal, TestDescription};
 use crumple_stage::{Inputs, Refused};
 
-use crate::stage::options::flags::{StageSettings, ZeroRule};
+use crate::stage::options::flags::ZeroRule;
+use crate::stage::options::settings::StageSettings;
 
 /// Threshold crossings this much later than the file's t = 0 are worth a warning, s.
 const LATE_S: f64 = 0.005;

@@ -50,9 +50,9 @@ pub(crate) fn search(
         }
         let Some(weak) = weakest_direction(&best.r, best.on_bound) else { break };
         let points = HOPS.map(|hop| best.theta + weak * hop);
-        let (found, spent) = descend(problem, &points, settings);
+        let (ends, spent) = descend(problem, &points, settings);
         evaluations += spent;
-        minima.extend(found);
+        minima.extend(ends);
         minima.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         if minima[0].cost > 0.999 * before {
             break;
@@ -63,8 +63,8 @@ pub(crate) fn search(
 
 /// Minima from all points, sorted by cost; equal costs keep the order of the points.
 fn descend(problem: &DoubleResiduals<'_>, points: &[Vector4<f64>], settings: &Settings) -> (Vec<Minimum>, u64) {
-    let found: Vec<_> = points.par_iter().map(|point| minimise(problem, point, settings)).collect();
-    let mut minima: Vec<Minimum> = found.into_iter().flatten().collect();
+    let ends: Vec<_> = points.par_iter().map(|point| minimise(problem, point, settings)).collect();
+    let mut minima: Vec<Minimum> = ends.into_iter().flatten().collect();
     let evaluations = minima.iter().map(|m| m.evaluations).sum();
     minima.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     (minima, evaluations)

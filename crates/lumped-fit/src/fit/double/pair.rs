@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::error::positive;
 use crate::fit::double::multistart::{REPORTED, distinct, search};
 use crate::fit::double::residuals::DoubleResiduals;
-use crate::free::model_coordinates::{STIFFEST, STRONGEST};
+use crate::free::search_bounds::{DAMPER_BOUNDS, DAMPER_STARTS, SPRING_BOUNDS, SPRING_STARTS};
 use crate::record::window::Window;
 use crate::{Fit, FitQuantity, SolveError, Uncertainty};
 use crumple_estimation::minimise::levenberg_marquardt_4::{Minimum, Residuals, Settings, minimise};
@@ -62,11 +62,11 @@ const SEARCH_SAMPLES: usize = 64;
 ///
 /// The masses are given, since one accelerometer does not tell them. Parameters are positive by construction (their
 /// logarithms are fitted) and bounded: springs between 1e-4 and 1e4 times `M (π/2T)²`, the spring of an undamped
-/// mass `M` that stops at the window's end `T`, dampers between 1e-5 and 1e3 times `M/T` (those in the rear divided by `M/m2`). A fit that ends on a bound
-/// says so: that damper or spring does not matter (or ties the masses together), and no value is determined. The
-/// search is a deterministic multi-start on a thinned window, see `search`; what it finds is followed to convergence on the
-/// whole window. Starts run in parallel and are collected by index, so the result does not depend on the number of
-/// threads. A global minimum is likely, not proven.
+/// mass `M` that stops at the window's end `T`, dampers between 1e-5 and 1e3 times `M/T` (those in the rear divided by
+/// `M/m2`). A fit that ends on a bound says so: that damper or spring does not matter (or ties the masses together),
+/// and no value is determined. The search is a deterministic multi-start on a thinned window, see `search`; what it
+/// finds is followed to convergence on the whole window. Starts run in parallel and are collected by index, so the
+/// result does not depend on the number of threads. A global minimum is likely, not proven.
 ///
 /// The two models of a pair fit equally, exactly. With an exact record the parameters come back to 1e-9 relative and
 /// better; with a displacement integrated by the trapezoidal rule at 10 kHz (error about 1e-6 m, smooth) to 1e-4 to
@@ -76,8 +76,8 @@ const SEARCH_SAMPLES: usize = 64;
 /// finite response from any start.
 ///
 /// **Several minima.** The error has more than one minimum, and with strong damping they lie close: records with
-/// real poles were met where parameter sets that differ by a factor 5 leave 4e-9 to 1.4e-7 m. So the result is a list, best
-/// first, of all minima found that the record cannot tell from the best.
+/// real poles were met where parameter sets that differ by a factor 5 leave 4e-9 to 1.4e-7 m. So the result is a list,
+/// best first, of all minima found that the record cannot tell from the best.
 pub fn fit_double(
     displacement: &Signal<Displacement>,
     options: &DoubleFitOptions,
@@ -103,20 +103,21 @@ pub fn fit_double(
     };
     let logarithms = |springs: f64, dampers: f64| Vector4::new(springs, springs, dampers, dampers).map(f64::ln);
     let settings = Settings {
-        lower: logarithms(1e-4, 1e-5),
-        upper: logarithms(STIFFEST, STRONGEST),
+        lower: logarithms(SPRING_BOUNDS.0, DAMPER_BOUNDS.0),
+        upper: logarithms(SPRING_BOUNDS.1, DAMPER_BOUNDS.1),
         max_iterations: 200,
         cost_tolerance: 1e-15,
         step_tolerance: 1e-13,
         gradient_tolerance: 1e-13,
     };
     // Structures that stop a car in time T are near these scales.
-    let (box_lower, box_upper) = (logarithms(0.2, 0.01), logarithms(30.0, 3.0));
+    let (box_lower, box_upper) =
+        (logarithms(SPRING_STARTS.0, DAMPER_STARTS.0), logarithms(SPRING_STARTS.1, DAMPER_STARTS.1));
 
     let coarse = problem(&thin);
-    let (found, mut evaluations) = search(&coarse, options.starts, &settings, &box_lower, &box_upper);
+    let (coarse_minima, mut evaluations) = search(&coarse, options.starts, &settings, &box_lower, &box_upper);
     let fine = problem(&window);
-    let mut minima: Vec<Minimum> = found
+    let mut minima: Vec<Minimum> = coarse_minima
         .par_iter()
         .map(|m| {
             minimise(&fine, &m.theta, &settings).map(|on| Minimum { iterations: m.iterations + on.iterations, ..on })

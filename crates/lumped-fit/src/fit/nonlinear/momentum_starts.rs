@@ -6,7 +6,8 @@ use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crumple_linalg::nonnegative_least_squares;
 
-/// Places of the knots of the damper, shares of the impact speed: quadratic, since most of the motion near rest is slow.
+/// Places of the knots of the damper, shares of the impact speed: quadratic, since most of the motion near rest is
+/// slow.
 pub(crate) const DAMPER_KNOTS: [f64; 9] = [0.012, 0.05, 0.11, 0.2, 0.31, 0.44, 0.6, 0.75, 0.9];
 /// Starts that are refined, and those followed to the end.
 pub(crate) const REFINED: usize = 8;

@@ -6,17 +6,17 @@ use crumple_signal::{Displacement, Signal};
 
 use crate::fit::descents::all;
 use crate::fit::nonlinear::momentum_starts::{DAMPER_KNOTS, FOLLOWED, Momentum, REFINED, Start};
-use crate::fit::nonlinear::problem::{Displacements, chain1, conditions_at_crush};
+use crate::fit::nonlinear::problem::{Displacements, conditions_at_crush, derivatives1};
 use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crate::{Fit, SolveError};
 
-/// Fits the first nonlinear model under the side constraints of the paper: `k1 <= k2`, `c1 >= c2 >= c3`, and at the time of
-/// dynamic crush `x = C` and `v = 0`.
+/// Fits the first nonlinear model under the side constraints of the paper: `k1 <= k2`, `c1 >= c2 >= c3`, and at the
+/// time of dynamic crush `x = C` and `v = 0`.
 ///
 /// The inequalities by parameters that are sums of non-negative parts, the two equations by augmented Lagrangian around
-/// the bounded least squares, to 1e-8 of crush and speed. Starts as in [`fit_nonlinear2`], from nine places of the knee.
-/// With `constrained` false the two equations are left out.
+/// the bounded least squares, to 1e-8 of crush and speed. Starts as in [`fit_nonlinear2`], from nine places of the
+/// knee. With `constrained` false the two equations are left out.
 pub fn fit_nonlinear1(
     displacement: &Signal<Displacement>,
     options: &SingleMassFitOptions,
@@ -62,16 +62,16 @@ pub fn fit_nonlinear1(
     let mut bounds = Bounds { lower: vec![0.0; 6], upper: vec![1e3; 6], max_iterations: 30, cost_tolerance: 1e-4 };
     (bounds.lower[5], bounds.upper[5]) = (0.005, 0.995);
     let model = |theta: &[f64]| build(theta).map(Model::Nonlinear1);
-    let mut problem = Displacements { window: &window, options, model, chain: chain1, conditions: None };
-    let (found, mut evaluations) = all(&problem, points, &bounds);
+    let mut problem = Displacements { window: &window, options, model, derivatives: derivatives1, conditions: None };
+    let (ends, mut evaluations) = all(&problem, points, &bounds);
     bounds.max_iterations = 120;
     bounds.cost_tolerance = 1e-10;
-    let (mut found, more) = all(&problem, found.into_iter().take(FOLLOWED).map(|m| m.theta).collect(), &bounds);
+    let (mut ends, more) = all(&problem, ends.into_iter().take(FOLLOWED).map(|m| m.theta).collect(), &bounds);
     evaluations += more;
-    if found.is_empty() {
+    if ends.is_empty() {
         return Err(SolveError::NoFit { starts: REFINED });
     }
-    let mut best = found.remove(0);
+    let mut best = ends.remove(0);
     if constrained {
         // Residuals are of size one times the number of samples.
         let mut weight = window.samples.len() as f64;
@@ -94,9 +94,9 @@ pub fn fit_nonlinear1(
         }
         // The cost of the record alone.
         problem.conditions = None;
-        let mut rest = vec![0.0; problem.rows()];
-        if problem.residuals(&best.theta, &mut rest) {
-            best.cost = rest.iter().map(|x| x * x).sum();
+        let mut residuals = vec![0.0; problem.rows()];
+        if problem.residuals(&best.theta, &mut residuals) {
+            best.cost = residuals.iter().map(|x| x * x).sum();
         }
     }
     let model = build(&best.theta).ok_or(SolveError::NoFit { starts: REFINED })?;

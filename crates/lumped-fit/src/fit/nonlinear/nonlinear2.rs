@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::candidate::linearised::uncertainty;
 use crate::fit::descents::all;
 use crate::fit::nonlinear::momentum_starts::{DAMPER_KNOTS, FOLLOWED, Momentum, REFINED, Start};
-use crate::fit::nonlinear::problem::{Displacements, chain2};
+use crate::fit::nonlinear::problem::{Displacements, derivatives2};
 use crate::fit::options::SingleMassFitOptions;
 use crate::record::window::Window;
 use crate::{Fit, SolveError, Uncertainty};
@@ -19,10 +19,10 @@ const SPRING_KNOTS: [f64; 9] = [0.1, 0.25, 0.4, 0.55, 0.7, 0.8, 0.87, 0.93, 0.97
 /// Fits the ten parameters of the second nonlinear model.
 ///
 /// For fixed knots the force is linear in the seven coefficients, and the momentum it takes,
-/// `m (v0 - v(t)) = sum of coefficient_j times the integral of hat_j`, needs no acceleration: non-negative least squares
-/// on a grid of 324 knot vectors gives starting values; the best eight go through bounded Levenberg-Marquardt on the
-/// simulated displacement, the best two to the end. Deterministic. From the exact displacement of the paper's own
-/// parameters all ten come back. A real record determines fewer: see the deviations and the active bounds.
+/// `m (v0 - v(t)) = sum of coefficient_j times the integral of hat_j`, needs no acceleration: non-negative least
+/// squares on a grid of 324 knot vectors gives starting values; the best eight go through bounded Levenberg-Marquardt
+/// on the simulated displacement, the best two to the end. Deterministic. From the exact displacement of the paper's
+/// own parameters all ten come back. A real record determines fewer: see the deviations and the active bounds.
 ///
 /// Errors: masses, speed or crush that are not positive, a window outside the record, no finite response.
 pub fn fit_nonlinear2(
@@ -68,7 +68,7 @@ pub fn fit_nonlinear2(
         window: &window,
         options,
         model: |theta: &[f64]| build(theta).map(Model::Nonlinear2),
-        chain: chain2,
+        derivatives: derivatives2,
         conditions: None,
     };
     let mut bounds = Bounds { lower: vec![0.0; 10], upper: vec![1e3; 10], max_iterations: 12, cost_tolerance: 1e-4 };
@@ -76,13 +76,13 @@ pub fn fit_nonlinear2(
         bounds.lower[knot] = 0.005;
         bounds.upper[knot] = 0.995;
     }
-    let (mut found, mut evaluations) = all(&problem, starts.iter().map(to_theta).collect(), &bounds);
-    found.truncate(FOLLOWED);
+    let (mut ends, mut evaluations) = all(&problem, starts.iter().map(to_theta).collect(), &bounds);
+    ends.truncate(FOLLOWED);
     bounds.max_iterations = 120;
     bounds.cost_tolerance = 1e-9;
-    let (found, more) = all(&problem, found.into_iter().map(|m| m.theta).collect(), &bounds);
+    let (ends, more) = all(&problem, ends.into_iter().map(|m| m.theta).collect(), &bounds);
     evaluations += more;
-    let best = found.first().ok_or(SolveError::NoFit { starts: REFINED })?;
+    let best = ends.first().ok_or(SolveError::NoFit { starts: REFINED })?;
     let model = build(&best.theta).ok_or(SolveError::NoFit { starts: REFINED })?;
     let names = [
         "k1_n_per_m",
@@ -107,9 +107,9 @@ pub fn fit_nonlinear2(
     }
     let (x, v) = (options.crush_m, options.impact_speed_m_per_s);
     let factors = [spring, spring, spring, x, damper, damper, damper, damper, v, v];
-    let mut rest = vec![0.0; problem.rows()];
-    let known = problem.residuals(&best.theta, &mut rest);
-    let deviations = known.then(|| uncertainty(&ordered, &rest, &names, &factors)).flatten();
+    let mut residuals = vec![0.0; problem.rows()];
+    let finite = problem.residuals(&best.theta, &mut residuals);
+    let deviations = finite.then(|| uncertainty(&ordered, &residuals, &names, &factors)).flatten();
     Ok((model, Fit::of_displacement(&ordered, &window, evaluations, &names, options.crush_m), deviations))
 }
 

@@ -8,7 +8,7 @@ use crate::record::window::Window;
 use crumple_estimation::minimise::levenberg_marquardt::Response;
 
 /// For each of theta the places of the parameters it moves, and how far.
-pub(crate) type Chain = Vec<Vec<(usize, f64)>>;
+pub(crate) type Derivatives = Vec<Vec<(usize, f64)>>;
 
 /// Displacement of a model minus the record, in units of the crush; the model from scaled parameters.
 pub(crate) struct Displacements<'a, F> {
@@ -16,7 +16,7 @@ pub(crate) struct Displacements<'a, F> {
     pub options: &'a SingleMassFitOptions,
     pub model: F,
     /// Derivatives of the parameters, by their places, by each of theta.
-    pub chain: fn(&[f64], &SingleMassFitOptions) -> Chain,
+    pub derivatives: fn(&[f64], &SingleMassFitOptions) -> Derivatives,
     /// Weighted conditions at dynamic crush, `(weight, multipliers)`.
     pub conditions: Option<(f64, [f64; 2])>,
 }
@@ -65,26 +65,28 @@ impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
 
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
         let Some(model) = (self.model)(theta) else { return Some(false) };
-        let chain = (self.chain)(theta, self.options);
+        let derivatives = (self.derivatives)(theta, self.options);
         let places: Vec<usize> = (1..model.kind().parameter_names().len() - 2).collect();
         let n = self.window.samples.len();
         let v0 = self.options.impact_speed_m_per_s;
         let at = Instants { first_s: self.window.first_s, dt_s: self.window.dt_s, samples: n };
-        let Ok(found) = model.sensitivity(v0, &at, &places) else { return Some(false) };
-        for (j, by) in chain.iter().enumerate() {
+        let Ok(response) = model.sensitivity(v0, &at, &places) else { return Some(false) };
+        for (j, by) in derivatives.iter().enumerate() {
             out.column_mut(j).fill(0.0);
             for (place, factor) in by {
                 let scale = factor / self.options.crush_m;
-                for (k, d) in found.derivatives[place - 1][0].displacement_m.iter().enumerate() {
+                for (k, d) in response.derivatives[place - 1][0].displacement_m.iter().enumerate() {
                     out[(k, j)] += scale * d;
                 }
             }
         }
         if let Some((weight, _)) = self.conditions {
             let at = Instants { first_s: self.options.time_of_dynamic_crush_s, dt_s: self.window.dt_s, samples: 1 };
-            let Ok(found) = model.sensitivity(v0, &at, &places) else { return Some(false) };
-            for (j, (place, factor)) in chain.iter().enumerate().flat_map(|(j, by)| by.iter().map(move |b| (j, b))) {
-                let motion = &found.derivatives[place - 1][0];
+            let Ok(response) = model.sensitivity(v0, &at, &places) else { return Some(false) };
+            for (j, (place, factor)) in
+                derivatives.iter().enumerate().flat_map(|(j, by)| by.iter().map(move |b| (j, b)))
+            {
+                let motion = &response.derivatives[place - 1][0];
                 out[(n, j)] += weight.sqrt() * factor * motion.displacement_m[0] / self.options.crush_m;
                 out[(n + 1, j)] += weight.sqrt() * factor * motion.velocity_m_per_s[0] / v0;
             }
@@ -94,7 +96,7 @@ impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
 }
 
 /// How the second model's parameters move: each with its own number, the knees of the damper in rising order.
-pub(crate) fn chain2(theta: &[f64], options: &SingleMassFitOptions) -> Chain {
+pub(crate) fn derivatives2(theta: &[f64], options: &SingleMassFitOptions) -> Derivatives {
     let (spring, damper) = options.units();
     let (crush, v0) = (options.crush_m, options.impact_speed_m_per_s);
     let mut places = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10];
@@ -107,7 +109,7 @@ pub(crate) fn chain2(theta: &[f64], options: &SingleMassFitOptions) -> Chain {
 }
 
 /// How the first model's parameters move: its coefficients are sums of parts.
-pub(crate) fn chain1(_: &[f64], options: &SingleMassFitOptions) -> Chain {
+pub(crate) fn derivatives1(_: &[f64], options: &SingleMassFitOptions) -> Derivatives {
     let (k, c) = options.units();
     vec![
         vec![(1, k), (2, k)],

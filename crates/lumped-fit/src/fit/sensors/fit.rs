@@ -44,11 +44,11 @@ pub(crate) struct Fitted {
 
 /// Fits a family to sensors; `weigh[i]` says whether the noise level of sensor i is to be found from its residuals.
 ///
-/// Descents are bounded Levenberg-Marquardt on analytic sensitivities. With several sensors whose noise is not known the
-/// fit and the noise levels (root mean square residual of each sensor, at least 1e-6 of its record) are found in turn,
-/// which is the maximum of the likelihood. Deterministic. A global minimum is likely, not proven.
+/// Descents are bounded Levenberg-Marquardt on analytic sensitivities. With several sensors whose noise is not known
+/// the fit and the noise levels (root mean square residual of each sensor, at least 1e-6 of its record) are found in
+/// turn, which is the maximum of the likelihood. Deterministic. A global minimum is likely, not proven.
 pub(crate) fn fit_sensors(
-    family: &impl Parameterisation,
+    coordinates: &impl Parameterisation,
     impact_speed_m_per_s: f64,
     mut sensors: Vec<SensorWindow>,
     weigh: &[bool],
@@ -59,22 +59,22 @@ pub(crate) fn fit_sensors(
         .iter()
         .map(|sensor| SensorWindow { window: sensor.window.thinned(SEARCH_SAMPLES), ..sensor.clone() })
         .collect();
-    let coarse = SensorProblem { family, impact_speed_m_per_s, sensors: &thin };
-    let (found, mut evaluations) = match search {
+    let coarse = SensorProblem { coordinates, impact_speed_m_per_s, sensors: &thin };
+    let (ends, mut evaluations) = match search {
         Search::Starts(count, given) => multi_start(&coarse, *count, given),
         Search::LShade(options) => global(&coarse, options, &mut remarks),
     };
-    let settings = bounds(family, 200, 1e-15);
+    let settings = bounds(coordinates, 200, 1e-15);
     let follow = |sensors: &[SensorWindow], points: Vec<Vec<f64>>| {
-        let fine = SensorProblem { family, impact_speed_m_per_s, sensors };
+        let fine = SensorProblem { coordinates, impact_speed_m_per_s, sensors };
         all(&fine, points, &settings)
     };
-    let (found, spent) = follow(&sensors, found.into_iter().map(|m| m.theta).collect());
+    let (ends, spent) = follow(&sensors, ends.into_iter().map(|m| m.theta).collect());
     evaluations += spent;
-    let mut minima = distinct(found);
+    let mut minima = distinct(ends);
     let wanted = weigh.iter().filter(|w| **w).count();
     for _ in 0..if sensors.len() > 1 && wanted > 0 { WEIGHINGS } else { 0 } {
-        let fine = SensorProblem { family, impact_speed_m_per_s, sensors: &sensors };
+        let fine = SensorProblem { coordinates, impact_speed_m_per_s, sensors: &sensors };
         let rmse = fine.rmse(&minima.first()?.theta)?;
         let mut moved = 0.0_f64;
         for ((sensor, rmse), weigh) in sensors.iter_mut().zip(rmse).zip(weigh) {
@@ -84,9 +84,9 @@ pub(crate) fn fit_sensors(
                 sensor.noise = noise;
             }
         }
-        let (found, spent) = follow(&sensors, minima.iter().map(|m| m.theta.clone()).collect());
+        let (ends, spent) = follow(&sensors, minima.iter().map(|m| m.theta.clone()).collect());
         evaluations += spent;
-        minima = distinct(found);
+        minima = distinct(ends);
         if moved < 1e-3 {
             break;
         }
@@ -99,24 +99,24 @@ fn multi_start(
     count: usize,
     given: &[Vec<f64>],
 ) -> (Vec<Optimum>, u64) {
-    let family = problem.family;
-    let axes = family.axes();
+    let coordinates = problem.coordinates;
+    let axes = coordinates.axes();
     let lower: Vec<f64> = axes.iter().map(|axis| axis.box_lower).collect();
     let upper: Vec<f64> = axes.iter().map(|axis| axis.box_upper).collect();
     let points = given.iter().cloned().chain((0..count).map(|k| start_in(k, &lower, &upper))).collect();
-    let (screened, mut evaluations) = all(problem, points, &bounds(family, SCREENING_ITERATIONS, 1e-6));
+    let (screened, mut evaluations) = all(problem, points, &bounds(coordinates, SCREENING_ITERATIONS, 1e-6));
     let hopeful: Vec<_> = distinct(screened).into_iter().take(FOLLOWED).map(|m| m.theta).collect();
-    let settings = bounds(family, 200, 1e-15);
-    let (found, spent) = all(problem, hopeful, &settings);
+    let settings = bounds(coordinates, 200, 1e-15);
+    let (ends, spent) = all(problem, hopeful, &settings);
     evaluations += spent;
-    let (minima, spent) = hop(problem, distinct(found));
+    let (minima, spent) = hop(problem, distinct(ends));
     (minima, evaluations + spent)
 }
 
 /// Leaves the best minimum along the direction the residuals know least, beyond which other minima lie, as long as that
 /// finds something better.
 fn hop(problem: &SensorProblem<'_, impl Parameterisation>, mut minima: Vec<Optimum>) -> (Vec<Optimum>, u64) {
-    let settings = bounds(problem.family, 200, 1e-15);
+    let settings = bounds(problem.coordinates, 200, 1e-15);
     let mut evaluations = 0;
     for _ in 0..ROUNDS {
         let Some(best) = minima.first() else { break };
@@ -159,7 +159,7 @@ fn global(
     options: &LShadeOptions,
     remarks: &mut Vec<String>,
 ) -> (Vec<Optimum>, u64) {
-    let axes = problem.family.axes();
+    let axes = problem.coordinates.axes();
     // The box of the starts, wider by its half on each side where the bounds allow it.
     let edge = |x: f64, other: f64| x + 0.5 * (x - other);
     let lower: Vec<f64> = axes.iter().map(|c| edge(c.box_lower, c.box_upper).max(c.lower)).collect();
@@ -167,7 +167,7 @@ fn global(
     let theta =
         |unit: &[f64]| -> Vec<f64> { (0..unit.len()).map(|i| lower[i] + unit[i] * (upper[i] - lower[i])).collect() };
     let rows = problem.rows();
-    let found = l_shade(axes.len(), options, |unit| {
+    let population = l_shade(axes.len(), options, |unit| {
         let mut residuals = vec![0.0; rows];
         if problem.residuals(&theta(unit), &mut residuals) {
             residuals.iter().map(|r| r * r).sum()
@@ -175,23 +175,24 @@ fn global(
             f64::INFINITY
         }
     });
-    let (minima, descent) = all(problem, vec![theta(&found.point)], &bounds(problem.family, 200, 1e-15));
+    let (minima, descent) = all(problem, vec![theta(&population.point)], &bounds(problem.coordinates, 200, 1e-15));
     let (minima, hops) = hop(problem, minima);
     let spent = descent + hops;
     let level = |cost: f64| (cost / rows as f64).sqrt();
     remarks.push(format!(
-        "L-SHADE in the unit box of {} logarithms: {} evaluations, seed {}, {}; the descent from its best point took the \
+        "L-SHADE in the unit box of {} logarithms: {} evaluations, seed {}, {}; the descent from its best point took \
+         the \
          weighted error from {:.3e} to {:.3e} in {} more",
         axes.len(),
-        found.evaluations,
+        population.evaluations,
         options.seed,
-        match found.stop {
+        match population.stop {
             LShadeStop::Evaluations => "all of those allowed",
             LShadeStop::Converged => "ended since all members were alike",
         },
-        level(found.cost),
+        level(population.cost),
         minima.first().map_or(f64::INFINITY, |m| level(m.cost)),
         spent
     ));
-    (minima, found.evaluations + spent)
+    (minima, population.evaluations + spent)
 }

@@ -33,7 +33,7 @@ impl SensorWindow {
 
 /// `(model - record)/noise` of every sensor, one after the other.
 pub(crate) struct SensorProblem<'a, F> {
-    pub family: &'a F,
+    pub coordinates: &'a F,
     pub impact_speed_m_per_s: f64,
     pub sensors: &'a [SensorWindow],
 }
@@ -45,13 +45,14 @@ impl<F: Parameterisation> SensorProblem<'_, F> {
         if !self.residuals(theta, &mut residuals) {
             return None;
         }
-        let mut rest = &residuals[..];
-        let of = |sensor: &SensorWindow| {
-            let (own, others) = rest.split_at(sensor.window.samples.len());
-            rest = others;
-            sensor.noise * (own.iter().map(|r| r * r).sum::<f64>() / own.len() as f64).sqrt()
+        let mut remaining = &residuals[..];
+        let rmse_of = |sensor: &SensorWindow| {
+            let (residuals_of_sensor, others) = remaining.split_at(sensor.window.samples.len());
+            remaining = others;
+            sensor.noise
+                * (residuals_of_sensor.iter().map(|r| r * r).sum::<f64>() / residuals_of_sensor.len() as f64).sqrt()
         };
-        Some(self.sensors.iter().map(of).collect())
+        Some(self.sensors.iter().map(rmse_of).collect())
     }
 }
 
@@ -61,12 +62,12 @@ impl<F: Parameterisation> Response for SensorProblem<'_, F> {
     }
 
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
-        let Some(model) = self.family.model(theta) else { return false };
+        let Some(model) = self.coordinates.model(theta) else { return false };
         let mut row = 0;
         for sensor in self.sensors {
-            let found = self.family.sensitivity(&model, self.impact_speed_m_per_s, &sensor.instants(), &[]);
-            let Ok(found) = found else { return false };
-            let Some(motion) = found.motions.get(sensor.mass) else { return false };
+            let response = self.coordinates.sensitivity(&model, self.impact_speed_m_per_s, &sensor.instants(), &[]);
+            let Ok(response) = response else { return false };
+            let Some(motion) = response.motions.get(sensor.mass) else { return false };
             for (x, s) in sensor.quantity.of(motion).iter().zip(&sensor.window.samples) {
                 out[row] = (x - s) / sensor.noise;
                 row += 1;
@@ -76,21 +77,21 @@ impl<F: Parameterisation> Response for SensorProblem<'_, F> {
     }
 
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
-        let model = self.family.model(theta)?;
-        let chain = self.family.chain(theta)?;
-        let places = places(&chain);
+        let model = self.coordinates.model(theta)?;
+        let derivatives = self.coordinates.derivatives_by_coordinate(theta)?;
+        let places = places(&derivatives);
         let mut first = 0;
         for sensor in self.sensors {
             let at = sensor.instants();
-            let found = self.family.sensitivity(&model, self.impact_speed_m_per_s, &at, &places);
-            let Ok(found) = found else { return Some(false) };
-            for (j, by) in chain.iter().enumerate() {
+            let response = self.coordinates.sensitivity(&model, self.impact_speed_m_per_s, &at, &places);
+            let Ok(response) = response else { return Some(false) };
+            for (j, by) in derivatives.iter().enumerate() {
                 for k in 0..at.samples {
                     out[(first + k, j)] = 0.0;
                 }
                 for (place, factor) in by {
                     let Ok(p) = places.binary_search(place) else { continue };
-                    let derivative = sensor.quantity.of(&found.derivatives[p][sensor.mass]);
+                    let derivative = sensor.quantity.of(&response.derivatives[p][sensor.mass]);
                     for (k, d) in derivative.iter().enumerate() {
                         out[(first + k, j)] += factor * d / sensor.noise;
                     }

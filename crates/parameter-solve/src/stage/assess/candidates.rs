@@ -1,10 +1,11 @@
 //! Follows every candidate through the measurement of the record and says how well its parameters are known.
 
-use crumple_lumped::{Elastoplastic, Model, Nonlinear1};
+use crumple_lumped::{Elastoplastic, Model, Nonlinear1, ParameterKind};
 use crumple_lumped_fit::{
-    AssessmentOptions, Candidate, FollowedEvents, FreeParameter, MassFit, Measurement, Method, Observation,
-    Propagation, RESOLUTION_M, Refined, assess, free_masses, free_parameters, largest_draw, largest_of_chain,
-    propagate, propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine, unloads_rigidly,
+    AssessmentOptions, Candidate, CandidateNote, FollowedEvents, FreeParameter, MassFit, Measurement, Method,
+    Observation, Propagation, RESOLUTION_M, Refined, assess, free_masses, free_parameters, largest_draw,
+    largest_of_chain, mass_of, propagate, propagate_closed_form, propagate_conditioned, propagate_unfiltered, refine,
+    unloads_rigidly,
 };
 use crumple_signal::{Displacement, Signal};
 use crumple_stage::records::EventsV1;
@@ -18,22 +19,21 @@ use crate::stage::assess::sensor_waves::SensorWaves;
 use crate::stage::inputs::measurement::{UNKNOWN_FILTER_M, measurement};
 use crate::stage::options::settings::StageSettings;
 
-/// A fit under side conditions gives way to the minimum where that meets them to this, of crush and its time: the filter
-/// itself moves the time of a crush that ends steeply by 0.1 ms and more.
+/// A fit under side conditions gives way to the minimum where that meets them to this, of crush and its time: the
+/// filter itself moves the time of a crush that ends steeply by 0.1 ms and more.
 const CONDITIONS: f64 = 5e-3;
 
 /// Shift of time zero from which a fit under side conditions may have its least misfit in another minimum.
 const ONE_MINIMUM_S: f64 = 2.5e-4;
 
-/// The minimum seen through the filter does not leave the search at its stiff end; springs and dampers may go on to zero.
+/// The minimum seen through the filter does not leave the search at its stiff end; springs and dampers may go on to
+/// zero.
 fn within_the_search(free: &mut [FreeParameter], model: &Model, window_s: f64) {
-    let values = model.parameters();
-    let mass_kg = values.iter().filter(|(name, _)| name.ends_with("_kg")).map(|(_, kg)| kg).sum();
-    let (stiffest, strongest) = largest_of_chain(mass_kg, window_s);
+    let (stiffest, strongest) = largest_of_chain(mass_of(model), window_s);
     for parameter in free {
-        let largest = match parameter.name {
-            name if name.ends_with("_n_s_per_m") => strongest,
-            name if name.ends_with("_n_per_m") => stiffest,
+        let largest = match parameter.kind {
+            ParameterKind::Damping => strongest,
+            ParameterKind::Stiffness => stiffest,
             _ => continue,
         };
         parameter.limit = parameter.limit.min(largest.max(parameter.value));
@@ -56,8 +56,8 @@ struct Assessor<'a> {
     crush_m: f64,
 }
 
-/// Refines the fits among `candidates` and judges all of them; double pairs that turn out equal, or worse than the record
-/// can tell, are taken out. The result goes with the candidates.
+/// Refines the fits among `candidates` and judges all of them; double pairs that turn out equal, or worse than the
+/// record can tell, are taken out. The result goes with the candidates.
 pub fn assess_all(
     candidates: &mut Vec<Candidate>,
     settings: &StageSettings,
@@ -79,7 +79,8 @@ pub fn assess_all(
     }
     if events.dynamic_crush_m.is_none() {
         out.notes().info(
-            "the vehicle does not stop within the record: its models are judged over the window they were fitted to and not to a \
+            "the vehicle does not stop within the record: its models are judged over the window they were fitted to \
+             and not to a \
              dynamic crush; what unloads is not seen",
         );
     }
@@ -103,7 +104,8 @@ pub fn assess_all(
     };
     if !known {
         out.notes().info(
-            "the filter of the record is not known here (give the artifact of crumple-filter too): models are fitted as if \
+            "the filter of the record is not known here (give the artifact of crumple-filter too): models are fitted \
+             as if \
              the displacement had none",
         );
     }
@@ -122,8 +124,8 @@ pub fn assess_all(
             (k, best.and_then(|best| scene.refine(candidate, Some(best))))
         })
         .collect();
-    for (k, found) in later {
-        refined[k] = found;
+    for (k, minimum) in later {
+        refined[k] = minimum;
     }
     let mut assessed: Vec<Option<CandidateAssessment>> = candidates
         .par_iter()
@@ -131,17 +133,17 @@ pub fn assess_all(
         .map(|(candidate, refined)| refined.as_ref().and_then(|(o, r)| scene.assess(candidate, o, r)))
         .collect();
     scene.note_what_is_left_out(candidates, &refined, &assessed, out);
-    for (candidate, found) in candidates.iter_mut().zip(&refined) {
-        if let Some((observed, refined)) = found
+    for (candidate, minimum) in candidates.iter_mut().zip(&refined) {
+        if let Some((observed, refined)) = minimum
             && scene.is_replaced_by_refined(candidate, refined)
         {
             replace_by_refined(candidate, observed, refined);
             if let Model::Elastoplastic(model) = candidate.model {
                 let chosen =
                     if model.release { "leaves the barrier at rebound" } else { "stays attached and swings on" };
-                candidate
-                    .notes
-                    .push(format!("the model {chosen}: fits the record up to rebound better than the other way"));
+                candidate.notes.push(CandidateNote::info(format!(
+                    "the model {chosen}: fits the record up to rebound better than the other way"
+                )));
             }
         }
     }
@@ -189,7 +191,8 @@ impl Assessor<'_> {
         Some(observed)
     }
 
-    /// Follows the candidate to its minimum; several sensors weighted as `weighted` has them, else by their own misfits.
+    /// Follows the candidate to its minimum; several sensors weighted as `weighted` has them, else by their own
+    /// misfits.
     fn refine(&self, candidate: &Candidate, weighted: Option<&Observation>) -> Option<(Observation, Refined)> {
         if candidate.method == Method::CoefficientMatching || candidate.is_second_of_pair() {
             return None;
@@ -211,7 +214,7 @@ impl Assessor<'_> {
             }
             refine(model, &free, observed)
         };
-        let mut found = match &candidate.model {
+        let mut minimum = match &candidate.model {
             // Whether the vehicle leaves the barrier or swings on: what fits the record better.
             Model::Elastoplastic(model) if !candidate.of_sensors() => {
                 let both = [true, false]
@@ -222,12 +225,12 @@ impl Assessor<'_> {
         }?;
         // The noise levels of several sensors are those of the misfit through the filter.
         for _ in 0..if weighted.is_none() { WEIGHINGS } else { 0 } {
-            if !weigh(&mut observed, &found) {
+            if !weigh(&mut observed, &minimum) {
                 break;
             }
-            found = refine(&found.model, &found.free, &observed)?;
+            minimum = refine(&minimum.model, &minimum.free, &observed)?;
         }
-        Some((observed, found))
+        Some((observed, minimum))
     }
 
     /// Whether the candidate is a fit that the minimum through the filter replaces.
@@ -254,7 +257,7 @@ impl Assessor<'_> {
         }
         ordered
             && crush.is_some_and(|crush| (crush / self.crush_m - 1.0).abs() <= CONDITIONS)
-            && time.is_some_and(|(found, wanted)| (found / wanted - 1.0).abs() <= CONDITIONS)
+            && time.is_some_and(|(of_model, of_record)| (of_model / of_record - 1.0).abs() <= CONDITIONS)
     }
 
     /// Whether the values judged are those of the minimum that the judgement looks from.
@@ -269,8 +272,8 @@ impl Assessor<'_> {
 
     fn assess(&self, candidate: &Candidate, observed: &Observation, refined: &Refined) -> Option<CandidateAssessment> {
         let asked = &self.settings.assessment;
-        let here = self.is_minimum(candidate, refined);
-        let options = if here { asked.options() } else { AssessmentOptions::default() };
+        let at_minimum = self.is_minimum(candidate, refined);
+        let options = if at_minimum { asked.options() } else { AssessmentOptions::default() };
         let given = (!self.is_replaced_by_refined(candidate, refined)).then_some(&candidate.model);
         let mut assessment = assess(refined, given, observed, options)?;
         assessment.interval.extend(fixed_at_bound(candidate).map(|name| (name, (None, None))));
@@ -282,10 +285,10 @@ impl Assessor<'_> {
         }
         if candidate.of_sensors()
             && self.settings.solve.mass_fit != MassFit::Known
-            && let Some(rest) = candidate.model.kind().parameter_names().iter().rfind(|name| name.ends_with("_kg"))
+            && let Some(rest) = candidate.model.kind().parameters().iter().rfind(|p| p.kind == ParameterKind::Mass)
         {
             // Without any mass that was followed there is no word on the rest of the total.
-            assessment.interval.entry(rest).or_insert((None, None));
+            assessment.interval.entry(rest.name).or_insert((None, None));
         }
         let propagation = self.propagation(candidate, observed, refined);
         let repeated = if candidate.method == Method::ClosedForm && candidate.fit.is_none() {
@@ -314,8 +317,7 @@ impl Assessor<'_> {
             return None;
         }
         let values = candidate.model.parameters();
-        let own_mass_kg = values.iter().filter(|(name, _)| name.ends_with("_kg")).map(|(_, kg)| kg).sum();
-        let mass_kg = self.mass_kg.unwrap_or(own_mass_kg);
+        let mass_kg = self.mass_kg.unwrap_or_else(|| mass_of(&candidate.model));
         let repetitions = asked.repetitions;
         let events = FollowedEvents {
             time_of_dynamic_crush_s: self.events.time_of_dynamic_crush_s.unwrap_or(0.0),
@@ -335,8 +337,8 @@ impl Assessor<'_> {
                 propagate_conditioned(model, &events, records, mass_kg, &inputs, repetitions)
             }
             (Method::DirectFit | Method::LShade, model) => {
-                let own = |p: &FreeParameter| p.described_at(values[p.name]);
-                let free: Vec<FreeParameter> = refined.free.iter().map(own).collect();
+                let described = |p: &FreeParameter| p.described_at(values[p.name]);
+                let free: Vec<FreeParameter> = refined.free.iter().map(described).collect();
                 propagate_unfiltered(model, &free, observed, mass_kg, &inputs, repetitions)
             }
             _ => None,
@@ -363,7 +365,8 @@ impl Assessor<'_> {
             .collect();
         if !flags.is_empty() && !elsewhere.is_empty() {
             out.notes().info(format!(
-                "{} left out for {}: they look from the minimum of a fit through the filter, and these values are not there",
+                "{} left out for {}: they look from the minimum of a fit through the filter, and these values are not \
+                 there",
                 flags.join(" and "),
                 elsewhere.join(", ")
             ));
@@ -376,7 +379,8 @@ impl Assessor<'_> {
                 && refined.as_ref().is_some_and(|(_, r)| self.is_conditioned(candidate, r))
             {
                 out.notes().warning(format!(
-                    "{}: its repetitions begin at its own minimum, and with time zero more than {} ms off another start of the fit can \
+                    "{}: its repetitions begin at its own minimum, and with time zero more than {} ms off another \
+                     start of the fit can \
                      win: the propagated intervals are those of one minimum, and may be too narrow",
                     candidate.id(),
                     1e3 * ONE_MINIMUM_S

@@ -45,7 +45,8 @@ impl FitKind for Candidate {
     }
 }
 
-/// Leaves out further explanations of several sensors that, seen through the filters, came to the place of an earlier one.
+/// Leaves out further explanations of several sensors that, seen through the filters, came to the place of an earlier
+/// one.
 pub fn drop_repeated(
     candidates: &mut Vec<Candidate>,
     assessed: &mut Vec<Option<CandidateAssessment>>,
@@ -53,29 +54,29 @@ pub fn drop_repeated(
 ) {
     let mut k = 0;
     while k < candidates.len() {
-        let own = candidates[k].model.parameters();
+        let parameters = candidates[k].model.parameters();
         let near = |other: &Candidate| {
             other.is_like(&candidates[k])
                 && other.model.parameters().iter().all(|(name, value)| {
-                    let size = value.abs().max(own[name].abs());
-                    (value - own[name]).abs() <= SAME * size
+                    let size = value.abs().max(parameters[name].abs());
+                    (value - parameters[name]).abs() <= SAME * size
                 })
         };
         if !candidates[k].shares_weights() || !candidates[..k].iter().any(near) {
             k += 1;
             continue;
         }
-        let left = candidates.remove(k);
+        let repeated = candidates.remove(k);
         assessed.remove(k);
-        out.notes().info(format!("{}: left out, seen through the filters it is an earlier one", left.id()));
-        for later in candidates[k..].iter_mut().filter(|later| later.is_like(&left)) {
+        out.notes().info(format!("{}: left out, seen through the filters it is an earlier one", repeated.id()));
+        for later in candidates[k..].iter_mut().filter(|later| later.is_like(&repeated)) {
             later.index -= 1;
         }
     }
 }
 
-/// Gives every double pair its dual again, best pair first; leaves out pairs that came to the same place, and those that the
-/// record tells from the best.
+/// Gives every double pair its dual again, best pair first; leaves out pairs that came to the same place, and those
+/// that the record tells from the best.
 pub fn pair_up(candidates: &mut Vec<Candidate>, assessed: &mut Vec<Option<CandidateAssessment>>, out: &mut Output) {
     let Some(first) = candidates.iter().position(Candidate::is_double) else { return };
     let count = candidates[first..].iter().take_while(|candidate| candidate.is_double()).count();
@@ -120,8 +121,8 @@ pub fn pair_up(candidates: &mut Vec<Candidate>, assessed: &mut Vec<Option<Candid
             b.model = Model::DoubleSpringMassDamper(dual);
             let scale = DualScale::new(&model);
             let mut of_b = assessment.as_ref().map(|v| v.of_dual(&scale));
-            if let (Some(fit), Some(own)) = (&mut b.fit, &a.fit) {
-                *fit = own.clone();
+            if let (Some(fit), Some(parameters)) = (&mut b.fit, &a.fit) {
+                *fit = parameters.clone();
                 fit.active_bounds.iter_mut().for_each(|name| *name = scale.of(name).0);
             }
             let mut of_a = assessment;

@@ -1,5 +1,5 @@
-//! How well each candidate's parameters are known: followed through the filter of its record, assessed, paired with its dual.
-//! May use `inputs` and `options`.
+//! How well each candidate's parameters are known: followed through the filter of its record, assessed, paired with its
+//! dual. May use `inputs` and `options`.
 
 pub mod candidate_assessment;
 pub mod candidates;

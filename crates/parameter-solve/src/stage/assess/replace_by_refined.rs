@@ -1,8 +1,8 @@
 //! What a candidate takes over from the minimum seen through the filter, and how several sensors are weighed there.
 
-use crumple_lumped::Model;
+use crumple_lumped::{Model, ParameterKind};
 use crumple_lumped_fit::{
-    Candidate, Observation, Refined, bounds_remark, errors_in_words, is_note_of_errors, note_of_errors,
+    Candidate, CandidateNote, NoteTopic, Observation, Refined, bounds_remark, errors_in_words, mass_of, note_of_errors,
 };
 
 /// Rounds of weighing sensors, and the change of a weight that is worth another one.
@@ -14,15 +14,17 @@ pub fn weigh(observed: &mut Observation, found: &Refined) -> bool {
     observed.weigh(&observed.rmse(&found.misfit_m), WORTH_ANOTHER)
 }
 
-/// A damper of a chain below this share of `M/T`, of the mass and the window of a fit, stands for none: the least that searches in
-/// logarithms reach is 1e-5 of it.
+/// A damper of a chain below this share of `M/T`, of the mass and the window of a fit, stands for none: the least that
+/// searches in logarithms reach is 1e-5 of it.
 const NO_DAMPER: f64 = 1e-4;
 
-/// Parameters that the search left on a bound, other than zero: that value is the bound's, so it is held and has no interval. A
-/// damper of a chain of masses (one of them is Kelvin's) on its lower bound is not held: zero is what it goes to.
+/// Parameters that the search left on a bound, other than zero: that value is the bound's, so it is held and has no
+/// interval. A damper of a chain of masses (one of them is Kelvin's) on its lower bound is not held: zero is what it
+/// goes to.
 pub fn fixed_at_bound(candidate: &Candidate) -> impl Iterator<Item = &'static str> {
     let values = candidate.model.parameters();
-    let mass_kg: f64 = values.iter().filter(|(name, _)| name.ends_with("_kg")).map(|(_, kg)| kg).sum();
+    let kind = candidate.model.kind();
+    let mass_kg = mass_of(&candidate.model);
     let window_s = candidate.fit.as_ref().map_or(f64::INFINITY, |fit| fit.to_s);
     let names = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
     let is_chain = matches!(
@@ -30,13 +32,14 @@ pub fn fixed_at_bound(candidate: &Candidate) -> impl Iterator<Item = &'static st
         Model::Kelvin(_) | Model::DoubleSpringMassDamper(_) | Model::TripleSpringMassDamper(_)
     );
     let least = if is_chain { NO_DAMPER * mass_kg / window_s } else { 0.0 };
-    let nothing = move |name: &str| if name.ends_with("_n_s_per_m") { least } else { 0.0 };
+    let is_damper = move |name: &str| kind.parameter(name).is_some_and(|p| p.kind == ParameterKind::Damping);
+    let nothing = move |name: &str| if is_damper(name) { least } else { 0.0 };
     names.iter().copied().filter(move |name| values.get(*name).is_some_and(|value| *value > nothing(name)))
 }
 
 /// A fit takes the values of the minimum.
 pub fn replace_by_refined(candidate: &mut Candidate, observed: &Observation, refined: &Refined) {
-    let unrefined = std::mem::replace(&mut candidate.model, refined.model);
+    candidate.model = refined.model;
     if let Some(fit) = &mut candidate.fit {
         let rmse = observed.rmse(&refined.misfit_m);
         fit.rmse = rmse.first().copied().unwrap_or(fit.rmse);
@@ -46,14 +49,13 @@ pub fn replace_by_refined(candidate: &mut Candidate, observed: &Observation, ref
             sensor.noise = noise / wave.weight;
         }
         let errors = fit.sensors.iter().map(|s| (s.rmse, s.quantity, s.channel.as_str(), format!("mass {}", s.mass)));
-        let said = note_of_errors(&errors_in_words(errors), Some("through the filter"));
-        for note in candidate.notes.iter_mut().filter(|note| is_note_of_errors(note)) {
-            note.clone_from(&said);
+        let errors = note_of_errors(&errors_in_words(errors), Some("through the filter"));
+        for note in candidate.notes.iter_mut().filter(|note| note.topic == NoteTopic::SensorErrors) {
+            note.note.text.clone_from(&errors);
         }
         fit.iterations += refined.iterations;
         fit.evaluations += refined.evaluations;
         fit.stop_reason = refined.stop_reason;
-        let before = bounds_remark(&unrefined, &fit.active_bounds);
         // What was held stays named; a zero may have been left.
         fit.active_bounds.retain(|name| refined.free.iter().all(|p| p.name != *name));
         let stopped = refined
@@ -63,8 +65,9 @@ pub fn replace_by_refined(candidate: &mut Candidate, observed: &Observation, ref
             .filter(|(_, fixed_at_bound)| **fixed_at_bound)
             .map(|(p, _)| p.name);
         fit.active_bounds.extend(stopped);
-        candidate.notes.retain(|note| Some(note) != before.as_ref());
-        candidate.notes.extend(bounds_remark(&candidate.model, &fit.active_bounds));
+        candidate.notes.retain(|note| note.topic != NoteTopic::ActiveBounds);
+        let bounds = bounds_remark(&candidate.model, &fit.active_bounds);
+        candidate.notes.extend(bounds.map(CandidateNote::active_bounds));
     }
 }
 

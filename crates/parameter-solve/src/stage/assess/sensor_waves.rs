@@ -27,11 +27,11 @@ impl SensorWaves {
         events: &EventsV1,
         mass_kg: Option<f64>,
     ) -> anyhow::Result<Self> {
-        let mut found = Self { waves: BTreeMap::new(), pulse: events.channel.clone() };
+        let mut collected = Self { waves: BTreeMap::new(), pulse: events.channel.clone() };
         for candidate in candidates.iter().filter(|candidate| candidate.of_sensors()) {
             for sensor in candidate.fit.iter().flat_map(|fit| &fit.sensors) {
-                let key = found.key(sensor);
-                if found.waves.contains_key(&key) {
+                let key = collected.key(sensor);
+                if collected.waves.contains_key(&key) {
                     continue;
                 }
                 let channel = &key.0;
@@ -47,10 +47,10 @@ impl SensorWaves {
                     FitQuantity::Acceleration => acceleration(input, channel, mass_kg.unwrap_or(1.0))?,
                 };
                 let (measured, known) = measurement(input, events, channel, &wave)?;
-                found.waves.insert(key, (wave, measured, known));
+                collected.waves.insert(key, (wave, measured, known));
             }
         }
-        Ok(found)
+        Ok(collected)
     }
 
     fn key(&self, sensor: &SensorFit) -> (String, FitQuantity) {
@@ -77,14 +77,14 @@ impl SensorWaves {
     ) -> Option<Vec<ObservedWave>> {
         let sensors = self.sensors(candidate);
         let first = sensors.first()?.noise;
-        let one = |sensor: &SensorFit| {
+        let observed_wave = |sensor: &SensorFit| {
             let (wave, measured, _) = self.waves.get(&self.key(sensor))?;
             let what = (sensor.mass.checked_sub(1), sensor.quantity);
             let mut seen = ObservedWave::new(wave, what, time_zero_s, *measured, window_s, samples).ok()?;
             seen.weight = first / sensor.noise;
             Some(seen)
         };
-        let seen: Option<Vec<ObservedWave>> = sensors.iter().map(one).collect();
+        let seen: Option<Vec<ObservedWave>> = sensors.iter().map(observed_wave).collect();
         seen.filter(|waves| waves.iter().all(|wave| wave.weight.is_finite() && wave.weight > 0.0))
     }
 }

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, Matrix4, RowVector4, Vector4};
 /// one, then state spaces without a transfer function, sums of four exponentials, and modes of four poles that belong
 /// to none of them.
 pub fn identified_models(input: &Inputs) -> anyhow::Result<Vec<Identified>> {
-    let mut found: Vec<Identified> = Vec::new();
+    let mut models: Vec<Identified> = Vec::new();
     for (id, model) in input.records::<TransferFunctionV1>("/model/")? {
         if let [leading, t, u, v, w] = model.denominator[..]
             && leading != 0.0
@@ -21,7 +21,7 @@ pub fn identified_models(input: &Inputs) -> anyhow::Result<Vec<Identified>> {
             let spread = spread(input, &id)?;
             let delay_s = model.delay_s.unwrap_or(0.0);
             let numerator = Some(model.numerator);
-            found.push(Identified { id, quartic, numerator, source, realised: None, spread, delay_s });
+            models.push(Identified { id, quartic, numerator, source, realised: None, spread, delay_s });
         }
     }
     let spaces = input.records::<StateSpaceV1>("/model/")?;
@@ -33,7 +33,7 @@ pub fn identified_models(input: &Inputs) -> anyhow::Result<Vec<Identified>> {
         }
         let Some((a, rows)) = continuous(model) else { continue };
         let realised = realised(&a, &rows, model);
-        if let Some(known) = found.iter_mut().find(|known| base_of(&known.id) == base) {
+        if let Some(known) = models.iter_mut().find(|known| base_of(&known.id) == base) {
             known.realised = realised;
             continue;
         }
@@ -41,24 +41,24 @@ pub fn identified_models(input: &Inputs) -> anyhow::Result<Vec<Identified>> {
         if let Ok(poles) = <[Complex; 4]>::try_from(poles) {
             let delay_s = model.delay_s.unwrap_or(0.0);
             let bare = Identified::of_poles(id.clone(), poles, "eigenvalues of the state matrix of");
-            found.push(Identified { realised, delay_s, ..bare });
+            models.push(Identified { realised, delay_s, ..bare });
         }
     }
     for (id, sum) in input.records::<ExponentialSumV1>("/model/")? {
         if let [a, b, c, d] = &sum.terms[..] {
             let poles = [a, b, c, d].map(|term| Complex::new(term.re_per_s, term.im_rad_per_s));
-            found.push(Identified::of_poles(id, poles, "exponents of the sum"));
+            models.push(Identified::of_poles(id, poles, "exponents of the sum"));
         }
     }
     for (id, modes) in input.records::<ModesV1>("/modes/")? {
         if let [a, b, c, d] = &modes.0[..]
-            && !found.iter().any(|model| base_of(&model.id) == id)
+            && !models.iter().any(|model| base_of(&model.id) == id)
         {
             let poles = [a, b, c, d].map(|mode| Complex::new(mode.re_per_s, mode.im_rad_per_s));
-            found.push(Identified::of_poles(id, poles, "poles of the modes of"));
+            models.push(Identified::of_poles(id, poles, "poles of the modes of"));
         }
     }
-    Ok(found)
+    Ok(models)
 }
 
 /// How well the coefficients of a transfer function are known, by the evidence that its identification left.
@@ -93,8 +93,8 @@ fn continuous(model: &StateSpaceV1) -> Option<(Matrix4<f64>, Vec<RowVector4<f64>
     Some((a, rows))
 }
 
-/// One output is the compartment's; of two the first is that of the chassis. `None` where the words of the output name no
-/// motion.
+/// One output is the compartment's; of two the first is that of the chassis. `None` where the words of the output name
+/// no motion.
 fn realised(a: &Matrix4<f64>, rows: &[RowVector4<f64>], model: &StateSpaceV1) -> Option<RealisedModel> {
     let derivative = ["displacement", "velocity", "acceleration"].iter().position(|q| model.output.starts_with(q))?;
     let (chassis, compartment) = match rows {

@@ -8,8 +8,8 @@ use crumple_stage::{Inputs, RefuseExt, Wave};
 /// Error of a displacement whose filter is not known, m: what CFC 60 does to the jump at contact.
 pub const UNKNOWN_FILTER_M: f64 = 1e-5;
 
-/// The measurement of a motion of this channel, and whether its filter is known. Time zero, start and rule are those of the events:
-/// all channels are integrated alike.
+/// The measurement of a motion of this channel, and whether its filter is known. Time zero, start and rule are those of
+/// the events: all channels are integrated alike.
 pub fn measurement(
     input: &Inputs,
     events: &EventsV1,

@@ -1,6 +1,6 @@
 //! The motion of a channel, as integrated or as filtered.
 
-use crumple_lumped_fit::{FitQuantity, Place};
+use crumple_lumped_fit::{FitQuantity, SensorPlace};
 use crumple_signal::{Acceleration, Displacement, Force, Sampled, Velocity};
 use crumple_stage::{Inputs, RefuseExt, Refused};
 
@@ -12,20 +12,20 @@ pub fn sensor_waves(
     input: &Inputs,
     pulse: &str,
     mass_kg: f64,
-) -> anyhow::Result<Vec<(Place, String, Sampled)>> {
+) -> anyhow::Result<Vec<(SensorPlace, String, Sampled)>> {
     let quantity = settings.solve.quantity;
     let mut places = settings.places.clone();
     if places.is_empty() && quantity == FitQuantity::Displacement || !settings.solve.fits_a_signal() {
         return Ok(Vec::new());
     }
-    if !places.iter().any(|(place, _)| *place == Place::Compartment) {
-        places.insert(0, (Place::Compartment, pulse.to_owned()));
+    if !places.iter().any(|(place, _)| *place == SensorPlace::Compartment) {
+        places.insert(0, (SensorPlace::Compartment, pulse.to_owned()));
     }
-    let one = |(place, channel): (Place, String)| -> anyhow::Result<(Place, String, Sampled)> {
+    let read = |(place, channel): (SensorPlace, String)| -> anyhow::Result<(SensorPlace, String, Sampled)> {
         let record = motion(input, &channel, quantity, mass_kg)?;
         Ok((place, channel, record))
     };
-    places.into_iter().map(one).collect()
+    places.into_iter().map(read).collect()
 }
 
 /// The motion of a channel.
@@ -44,22 +44,22 @@ pub fn motion(input: &Inputs, channel: &str, quantity: FitQuantity, mass_kg: f64
     })
 }
 
-/// The refusal of a sensor whose motion no input holds: where other channels were integrated it was not among them, else the
-/// artifact is missing.
+/// The refusal of a sensor whose motion no input holds: where other channels were integrated it was not among them,
+/// else the artifact is missing.
 fn not_integrated(input: &Inputs, channel: &str, what: &str) -> anyhow::Error {
     let integrated: Vec<&str> = input.waves().filter_map(|(id, _)| id.strip_suffix(&format!("/{what}"))).collect();
     if integrated.is_empty() {
         return input.missing(&format!("/wave/{channel}/{what}"));
     }
     let known = input.test().is_ok_and(|test| test.channel(channel).is_some());
-    let (found, hint) = if known {
+    let (problem, hint) = if known {
         let hint = format!("add {channel:?} to channels of [integrate], or crumple-integrate --channels all,{channel}");
         (format!("channel {channel}, which sensors names, was not integrated"), hint)
     } else {
         let hint = "sensors = [\"place=channel\"] takes ids of channels; crumple-artifact show lists them".to_owned();
         (format!("the test has no channel {channel:?}, which sensors names"), hint)
     };
-    Refused::new(found)
+    Refused::new(problem)
         .expected(format!("a channel whose {what} the inputs hold: {}", integrated.join(", ")))
         .hint(hint)
         .into()

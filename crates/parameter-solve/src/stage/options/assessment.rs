@@ -36,9 +36,9 @@ impl AssessmentSettings {
             ("--bias-uncertainty", self.bias_uncertainty_m_per_s2),
             ("--time-zero-uncertainty", self.time_zero_uncertainty_s),
         ];
-        let own = [("--profile", self.profile), ("--bootstrap", self.bootstrap > 0)];
-        let own = own.into_iter().filter(|(_, given)| *given).map(|(flag, _)| flag);
-        own.chain(inputs.into_iter().filter(|(_, value)| *value > 0.0).map(|(flag, _)| flag)).collect()
+        let switches = [("--profile", self.profile), ("--bootstrap", self.bootstrap > 0)];
+        let switches = switches.into_iter().filter(|(_, given)| *given).map(|(flag, _)| flag);
+        switches.chain(inputs.into_iter().filter(|(_, value)| *value > 0.0).map(|(flag, _)| flag)).collect()
     }
 
     /// How uncertain the inputs are.

@@ -15,7 +15,8 @@ const READERS: NumberReaders<StatedMass, Stated> = NumberReaders {
     },
     coefficient: given_or_free,
     no_damping: Stated::Fixed(0.0),
-    example: "masses = [{ name = \"engine\", mass = \"200 kg\", stiffness = \"free\", damping = { start = \"8 kN*s/m\" } }, \
+    example: "masses = [{ name = \"engine\", mass = \"200 kg\", stiffness = \"free\", damping = { start = \"8 kN*s/m\" \
+        } }, \
               { mass = \"rest\", stiffness = \"900 kN/m\" }], from the barrier on",
     knots_example: "stiffness = [[\"0 mm\", \"free\"], [\"200 mm\", \"150 kN/m\"]]",
 };

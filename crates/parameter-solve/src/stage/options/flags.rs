@@ -17,12 +17,12 @@ fn models_help() -> String {
 fn methods_help() -> String {
     let describe = |method: &Method| {
         let models: Vec<_> = method.models().collect();
-        let of = if models.len() == MODELS.len() {
+        let suffix = if models.len() == MODELS.len() {
             String::new()
         } else {
             format!(" [{}]", models.iter().map(|model| model.name()).collect::<Vec<_>>().join(", "))
         };
-        format!("{method}: {}{of}", method.about())
+        format!("{method}: {}{suffix}", method.about())
     };
     let by_default = |model: &ModelKind| {
         let methods: Vec<_> = solvers_of(*model, &[]).iter().map(|solver| solver.method.name()).collect();
@@ -72,24 +72,26 @@ pub struct Options {
 
     /// What of the motion direct-fit and l-shade fit: displacement, velocity or acceleration [default: displacement]
     ///
-    /// Displacement is smooth and carries the crush; acceleration shows stiff parts and every wiggle the model cannot follow.
+    /// Displacement is smooth and carries the crush; acceleration shows stiff parts and every wiggle the model cannot
+    /// follow.
     #[arg(long, value_name = "QUANTITY")]
     pub fit_quantity: Option<String>,
 
     /// Sensors to fit together, as place=channel: compartment=93,front=103 [default: compartment=<the pulse>]
     ///
-    /// Places: compartment (the last mass), front or engine (the mass next to the barrier), chassis (the one in front of the
-    /// compartment), m1, m2, ... A sensor in front tells the two dual double models apart. The motion of every channel
-    /// comes from crumple-integrate (--channels there).
+    /// Places: compartment (the last mass), front or engine (the mass next to the barrier), chassis (the one in front
+    /// of the compartment), m1, m2, ... A sensor in front tells the two dual double models apart. The motion of every
+    /// channel comes from crumple-integrate (--channels there).
     #[arg(long, value_name = "PLACE=CHANNEL", value_delimiter = ',')]
     pub sensors: Vec<String>,
 
-    /// Masses of the double and triple model in a fit: known, free (with the total known), or the bounds of every share,
-    /// such as 0.1..0.4 [default: known]
+    /// Masses of the double and triple model in a fit: known, free (with the total known), or the bounds of every
+    /// share, such as 0.1..0.4 [default: known]
     #[arg(long, value_name = "HOW")]
     pub fit_masses: Option<String>,
 
-    /// Triple model: masses of engine, suspension and chassis, and compartment [default: the front mass halved, the rest]
+    /// Triple model: masses of engine, suspension and chassis, and compartment [default: the front mass halved, the
+    /// rest]
     #[arg(long, value_name = "MASS", value_delimiter = ',')]
     pub triple_masses: Vec<Mass>,
 
@@ -133,8 +135,8 @@ pub struct Options {
     #[arg(long, value_name = "NUMBER")]
     pub bootstrap: Option<usize>,
 
-    /// Uncertainty of the test mass, "10 kg normal" (standard deviation, also without the word) or "10 kg uniform" (half width):
-    /// propagated to the parameters [default: 0 kg]
+    /// Uncertainty of the test mass, "10 kg normal" (standard deviation, also without the word) or "10 kg uniform"
+    /// (half width): propagated to the parameters [default: 0 kg]
     #[arg(long, value_name = "MASS")]
     pub mass_uncertainty: Option<Uncertain<Mass>>,
 
@@ -142,7 +144,8 @@ pub struct Options {
     #[arg(long, value_name = "SPEED")]
     pub speed_uncertainty: Option<Uncertain<Speed>>,
 
-    /// Uncertainty of the zero level of every accelerometer, e.g. "0.05 g uniform": propagated likewise [default: 0 m/s^2]
+    /// Uncertainty of the zero level of every accelerometer, e.g. "0.05 g uniform": propagated likewise [default: 0
+    /// m/s^2]
     #[arg(long, value_name = "ACCELERATION")]
     pub bias_uncertainty: Option<Uncertain<Acceleration>>,
 
@@ -150,8 +153,8 @@ pub struct Options {
     #[arg(long, value_name = "TIME")]
     pub time_zero_uncertainty: Option<Uncertain<Time>>,
 
-    /// Add the solutions that a paper lists, from its own printed numbers and as it typed them, labelled: tfest (both splits of
-    /// the mass; 284.6 kg for 284.4 kg in one equation) [default: none]
+    /// Add the solutions that a paper lists, from its own printed numbers and as it typed them, labelled: tfest (both
+    /// splits of the mass; 284.6 kg for 284.4 kg in one equation) [default: none]
     #[arg(long, value_name = "PAPER")]
     pub paper: Option<String>,
 

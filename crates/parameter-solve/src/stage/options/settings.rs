@@ -3,7 +3,7 @@
 use crumple_lumped::ModelKind;
 use crumple_lumped_fit::{
     DEFAULT_MODELS, FireflyOptions, FireflyUnits, FitQuantity, LShadeOptions, METHODS, MODELS, MassFit, MassSplit,
-    Method, Place, REPETITIONS, SolveSettings,
+    Method, REPETITIONS, SensorPlace, SolveSettings,
 };
 use crumple_signal::value::{Mass, Time};
 use crumple_stage::{Usage, nearest};
@@ -51,7 +51,7 @@ pub struct StageSettings {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paper: Option<&'static str>,
     #[serde(skip)]
-    pub places: Vec<(Place, String)>,
+    pub places: Vec<(SensorPlace, String)>,
     #[serde(flatten)]
     pub assessment: AssessmentSettings,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -90,24 +90,13 @@ impl TryFrom<Options> for StageSettings {
         {
             return Err(Usage::new(format!("front-mass-fraction is {fraction}, expected a number between 0 and 1")));
         }
-        let split = match (options.m1.map(Mass::si), options.m2.map(Mass::si)) {
-            (Some(m1), Some(m2)) => MassSplit::Both(m1, m2),
-            (Some(m1), None) => MassSplit::Front(m1),
-            (None, Some(m2)) => MassSplit::Rear(m2),
-            (None, None) => MassSplit::FrontFraction(fraction.unwrap_or(FRONT_MASS_FRACTION)),
-        };
+        let split = mass_split(&options);
         let units = match options.firefly_units.as_deref() {
             None | Some("unit") => FireflyUnits::Unit,
             Some("physical") => FireflyUnits::Physical,
             Some(other) => return Err(unknown("firefly-units", other, &["physical", "unit"])),
         };
-        let printed = FireflyOptions::default();
-        let firefly = FireflyOptions {
-            units,
-            generations: options.firefly_generations.unwrap_or(printed.generations),
-            seed: options.firefly_seed.unwrap_or(printed.seed),
-            ..printed
-        };
+        let firefly = firefly(&options, units);
         let l_shade = LShadeOptions {
             evaluations: options.l_shade_evaluations.unwrap_or(LShadeOptions::default().evaluations),
             seed: options.l_shade_seed.unwrap_or(LShadeOptions::default().seed),
@@ -125,17 +114,7 @@ impl TryFrom<Options> for StageSettings {
         };
         let places = options.sensors.iter().map(|text| sensor(text)).collect::<Result<Vec<_>, _>>()?;
         let mass_fit = mass_fit(options.fit_masses.as_deref())?;
-        let triple = match options.triple_masses[..] {
-            [] => None,
-            [a, b, c] => Some([a.si(), b.si(), c.si()]),
-            _ => {
-                return Err(Usage::new(format!(
-                    "triple-masses has {} masses, expected three",
-                    options.triple_masses.len()
-                ))
-                .hint("--triple-masses 150kg,200kg,900kg: engine, suspension and chassis, compartment"));
-            }
-        };
+        let triple = triple_masses(&options)?;
         let solve = SolveSettings {
             triple,
             mass_fit,
@@ -151,21 +130,7 @@ impl TryFrom<Options> for StageSettings {
             fit_starts: FIT_STARTS,
             firefly,
         };
-        let assessment = AssessmentSettings {
-            profile: options.profile.unwrap_or(false),
-            bootstrap: replicates("bootstrap", options.bootstrap.unwrap_or(0))?,
-            mass_uncertainty_kg: options.mass_uncertainty.map_or(0.0, |u| u.size.si()),
-            speed_uncertainty_m_per_s: options.speed_uncertainty.map_or(0.0, |u| u.size.si()),
-            bias_uncertainty_m_per_s2: options.bias_uncertainty.map_or(0.0, |u| u.size.si()),
-            time_zero_uncertainty_s: options.time_zero_uncertainty.map_or(0.0, |u| u.size.si()),
-            distributions: [
-                options.mass_uncertainty.map(|u| u.distribution).unwrap_or_default(),
-                options.speed_uncertainty.map(|u| u.distribution).unwrap_or_default(),
-                options.bias_uncertainty.map(|u| u.distribution).unwrap_or_default(),
-                options.time_zero_uncertainty.map(|u| u.distribution).unwrap_or_default(),
-            ],
-            repetitions: replicates("repetitions", options.repetitions.unwrap_or(REPETITIONS))?,
-        };
+        let assessment = assessment_settings(&options)?;
         Ok(Self {
             models: solve.models.iter().map(|m| m.name()).collect(),
             methods: if solve.methods.is_empty() {
@@ -203,6 +168,61 @@ impl TryFrom<Options> for StageSettings {
     }
 }
 
+/// How the mass divides, by the flags given.
+fn mass_split(options: &Options) -> MassSplit {
+    match (options.m1.map(Mass::si), options.m2.map(Mass::si)) {
+        (Some(m1), Some(m2)) => MassSplit::Both(m1, m2),
+        (Some(m1), None) => MassSplit::Front(m1),
+        (None, Some(m2)) => MassSplit::Rear(m2),
+        (None, None) => MassSplit::FrontFraction(options.front_mass_fraction.unwrap_or(FRONT_MASS_FRACTION)),
+    }
+}
+
+/// The firefly search: what is not given is as printed.
+fn firefly(options: &Options, units: FireflyUnits) -> FireflyOptions {
+    let printed = FireflyOptions::default();
+    FireflyOptions {
+        units,
+        generations: options.firefly_generations.unwrap_or(printed.generations),
+        seed: options.firefly_seed.unwrap_or(printed.seed),
+        ..printed
+    }
+}
+
+/// The three masses of the triple model, where they are given.
+fn triple_masses(options: &Options) -> Result<Option<[f64; 3]>, Usage> {
+    Ok(match options.triple_masses[..] {
+        [] => None,
+        [a, b, c] => Some([a.si(), b.si(), c.si()]),
+        _ => {
+            return Err(Usage::new(format!(
+                "triple-masses has {} masses, expected three",
+                options.triple_masses.len()
+            ))
+            .hint("--triple-masses 150kg,200kg,900kg: engine, suspension and chassis, compartment"));
+        }
+    })
+}
+
+/// What is assessed beyond the covariance, and how uncertain the inputs are.
+fn assessment_settings(options: &Options) -> Result<AssessmentSettings, Usage> {
+    Ok(AssessmentSettings {
+        profile: options.profile.unwrap_or(false),
+        bootstrap: replicates("bootstrap", options.bootstrap.unwrap_or(0))?,
+        mass_uncertainty_kg: options.mass_uncertainty.map_or(0.0, |u| u.size.si()),
+        speed_uncertainty_m_per_s: options.speed_uncertainty.map_or(0.0, |u| u.size.si()),
+        bias_uncertainty_m_per_s2: options.bias_uncertainty.map_or(0.0, |u| u.size.si()),
+        time_zero_uncertainty_s: options.time_zero_uncertainty.map_or(0.0, |u| u.size.si()),
+        distributions: [
+            options.mass_uncertainty.map(|u| u.distribution).unwrap_or_default(),
+            options.speed_uncertainty.map(|u| u.distribution).unwrap_or_default(),
+            options.bias_uncertainty.map(|u| u.distribution).unwrap_or_default(),
+            options.time_zero_uncertainty.map(|u| u.distribution).unwrap_or_default(),
+        ],
+        repetitions: replicates("repetitions", options.repetitions.unwrap_or(REPETITIONS))?,
+    })
+}
+
 fn model(name: &str) -> Result<ModelKind, Usage> {
     let choices: Vec<_> = MODELS.iter().map(|model| model.name()).collect();
     match name.parse() {
@@ -214,7 +234,7 @@ fn model(name: &str) -> Result<ModelKind, Usage> {
 }
 
 /// `front=103`.
-fn sensor(text: &str) -> Result<(Place, String), Usage> {
+fn sensor(text: &str) -> Result<(SensorPlace, String), Usage> {
     let hint = "--sensors compartment=93,front=103";
     let (place, channel) = text
         .split_once('=')
@@ -268,8 +288,8 @@ mod tests {
 
     #[test]
     fn sensors_and_masses_are_read_or_refused() {
-        assert_eq!(sensor("engine=103").unwrap(), (Place::Front, "103".to_owned()));
-        assert_eq!(sensor("m2=7").unwrap(), (Place::Mass(2), "7".to_owned()));
+        assert_eq!(sensor("engine=103").unwrap(), (SensorPlace::Front, "103".to_owned()));
+        assert_eq!(sensor("m2=7").unwrap(), (SensorPlace::Mass(2), "7".to_owned()));
         for text in ["103", "roof=103", "front=", "m0=3"] {
             assert!(sensor(text).is_err(), "{text}");
         }

@@ -1,5 +1,6 @@
 //! A candidate as the artifact and a person get it.
 
+use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_lumped_fit::Candidate;
 use crumple_stage::records::{CandidateV1, FitV1, SensorFitV1};
 
@@ -39,12 +40,13 @@ pub fn record(candidate: &Candidate, assessed: Option<&CandidateAssessment>, cha
         }),
         uncertainty: assessed
             .map(uncertainty_record)
-            .or_else(|| candidate.uncertainty.as_ref().map(|u| uncertainty_of_fit(u, &candidate.model.parameters()))),
-        notes: candidate.notes.clone(),
+            .or_else(|| candidate.uncertainty.as_ref().map(|u| uncertainty_of_fit(u, &candidate.model))),
+        notes: candidate.notes.iter().map(ToString::to_string).collect(),
     }
 }
 
-/// `kelvin/closed-form/1: stiffness 321.9 kN/m, ...` in the units of the trade, and how many of them the record leaves open.
+/// `kelvin/closed-form/1: stiffness 321.9 kN/m, ...` in the units of the trade, and how many of them the record leaves
+/// open.
 pub fn parameters_line(id: &str, candidate: &CandidateV1) -> String {
     let open = match (candidate.undetermined().len(), candidate.asked().count()) {
         (0, _) => String::new(),
@@ -54,16 +56,14 @@ pub fn parameters_line(id: &str, candidate: &CandidateV1) -> String {
         .parameters
         .iter()
         .map(|(name, value)| {
-            if let Some(name) = name.strip_suffix("_n_s_per_m") {
-                format!("{name} {:.3} kN s/m", value / 1e3)
-            } else if let Some(name) = name.strip_suffix("_n_per_m") {
-                format!("{name} {:.2} kN/m", value / 1e3)
-            } else if let Some(name) = name.strip_suffix("_m_per_s") {
-                format!("{name} {value:.3} m/s")
-            } else if let Some(name) = name.strip_suffix("_m") {
-                format!("{name} {:.1} mm", 1e3 * value)
-            } else {
-                format!("{} {value:.1} kg", name.trim_end_matches("_kg"))
+            let kind = parameter_kind(&candidate.model, name).unwrap_or(ParameterKind::Mass);
+            let symbol = kind.symbol_of(name);
+            match kind {
+                ParameterKind::Damping => format!("{symbol} {:.3} kN s/m", value / 1e3),
+                ParameterKind::Stiffness => format!("{symbol} {:.2} kN/m", value / 1e3),
+                ParameterKind::Rate => format!("{symbol} {value:.3} m/s"),
+                ParameterKind::Length => format!("{symbol} {:.1} mm", 1e3 * value),
+                ParameterKind::Mass => format!("{symbol} {value:.1} kg"),
             }
         })
         .map(|text| text.replace('_', " "))

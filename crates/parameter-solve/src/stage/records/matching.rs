@@ -5,16 +5,16 @@ use crumple_stage::records::{MatchingRootV1, MatchingSolutionV1, MatchingSweepV1
 
 /// What goes to `/matching/<model id>`.
 pub fn matching_record(matched: &Matched, source: &str) -> MatchingV1 {
-    let found = &matched.found;
+    let coefficient_match = &matched.coefficient_match;
     let mut candidates = matched.candidates.iter();
     let mut polynomial = vec![1.0];
-    polynomial.extend(found.polynomial);
+    polynomial.extend(coefficient_match.polynomial);
     MatchingV1 {
-        m1_kg: found.m1_kg,
-        m2_kg: found.m2_kg,
+        m1_kg: coefficient_match.m1_kg,
+        m2_kg: coefficient_match.m2_kg,
         polynomial,
-        largest_mass_ratio: found.largest_mass_ratio,
-        roots: found
+        largest_mass_ratio: coefficient_match.largest_mass_ratio,
+        roots: coefficient_match
             .roots
             .iter()
             .map(|root| MatchingRootV1 {
@@ -24,7 +24,7 @@ pub fn matching_record(matched: &Matched, source: &str) -> MatchingV1 {
                 certified_radius_per_s2: root.certificate.map(|c| c.radius),
             })
             .collect(),
-        solutions: found
+        solutions: coefficient_match
             .solutions
             .iter()
             .map(|s| MatchingSolutionV1 {

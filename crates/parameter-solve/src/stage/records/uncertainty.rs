@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
-use crumple_lumped_fit::{Bootstrap, Candidate, Profile, Propagation, Uncertainty, in_words};
+use crumple_lumped::{Model, Parameter, ParameterKind};
+use crumple_lumped_fit::{BlockBootstrap, Candidate, Profile, Propagation, Uncertainty, in_words};
 use crumple_stage::records::{ProfileV1, ReplicatesV1, UncertaintyV1};
 
 use crate::stage::assess::candidate_assessment::CandidateAssessment;
@@ -14,17 +15,17 @@ pub type Ends = (Option<f64>, Option<f64>);
 /// What goes to the artifact.
 pub fn uncertainty_record(assessed: &CandidateAssessment) -> UncertaintyV1 {
     let j = &assessed.assessment;
-    let own = |name: &&'static str| (*name).to_owned();
-    let finite = |values: &BTreeMap<&'static str, f64>| values.iter().map(|(k, v)| (own(k), *v)).collect();
+    let owned = |name: &&'static str| (*name).to_owned();
+    let finite = |values: &BTreeMap<&'static str, f64>| values.iter().map(|(k, v)| (owned(k), *v)).collect();
     let side =
-        |of: fn(&Ends) -> Option<f64>| j.interval.iter().map(|(name, interval)| (own(name), of(interval))).collect();
+        |of: fn(&Ends) -> Option<f64>| j.interval.iter().map(|(name, interval)| (owned(name), of(interval))).collect();
     UncertaintyV1 {
         method: linearised(assessed.through_filter),
         standard_deviation: finite(&j.standard_deviation),
         condition: j.condition,
         interval_low: side(|i| i.0),
         interval_high: side(|i| i.1),
-        order: j.parameters.iter().map(own).collect(),
+        order: j.parameters.iter().map(owned).collect(),
         correlation: j.correlation.clone(),
         rank: Some(j.rank as u32),
         weakest_direction: j.weakest_direction.clone(),
@@ -63,7 +64,7 @@ pub fn profile_record<N: Display>(profile: &Profile<N>) -> ProfileV1 {
 }
 
 /// A bootstrap, of parameters of any name.
-pub fn bootstrap_record<N: Display + Ord>(bootstrap: &Bootstrap<N>) -> ReplicatesV1 {
+pub fn bootstrap_record<N: Display + Ord>(bootstrap: &BlockBootstrap<N>) -> ReplicatesV1 {
     let ends = |of: fn(&Ends) -> Option<f64>| {
         bootstrap.interval.iter().filter_map(|(name, i)| Some((name.to_string(), of(i)?))).collect()
     };
@@ -87,7 +88,8 @@ pub fn propagation_record<N: Display + Ord>(propagation: &Propagation<N>, repeat
     }
 }
 
-/// What a person should hear at once of the candidate of this id, its parameters in these words; empty where there is nothing.
+/// What a person should hear at once of the candidate of this id, its parameters in these words; empty where there is
+/// nothing.
 pub fn summary_text<N: Display + Ord>(
     id: &str,
     profiles: &[Profile<N>],
@@ -112,13 +114,16 @@ pub fn summary_text<N: Display + Ord>(
     if parts.is_empty() { String::new() } else { format!("{id}: {}", parts.join("; ")) }
 }
 
-/// The uncertainty that a fit to several sensors or a matching brings along, with 95 % intervals from its standard deviations: log-normal, so
-/// that a spring stays positive, 1.96 relative deviations wide; open beyond a factor of `e^9`, and for what is on a bound.
-pub fn uncertainty_of_fit(uncertainty: &Uncertainty, parameters: &BTreeMap<String, f64>) -> UncertaintyV1 {
+/// The uncertainty that a fit to several sensors or a matching brings along, with 95 % intervals from its standard
+/// deviations: log-normal, so that a spring stays positive, 1.96 relative deviations wide; open beyond a factor of
+/// `e^9`, and for what is on a bound.
+pub fn uncertainty_of_fit(uncertainty: &Uncertainty, model: &Model) -> UncertaintyV1 {
+    let parameters = model.parameters();
+    let is_given = |p: &Parameter| p.of_the_test || p.kind == ParameterKind::Mass;
     let ends = |side: f64| {
         parameters
             .iter()
-            .filter(|(name, _)| !matches!(name.as_str(), "crush_m" | "v0_m_per_s") && !name.ends_with("_kg"))
+            .filter(|(name, _)| model.kind().parameter(name).is_some_and(|parameter| !is_given(parameter)))
             .map(|(name, value)| {
                 let known = uncertainty.standard_deviation.get(name.as_str()).filter(|_| *value > 0.0);
                 let half = known.map(|deviation| 1.96 * deviation / value).filter(|half| *half < 9.0);

@@ -1,8 +1,8 @@
 //! Reports of event data recorders: several tables in one text, cells in two units at once.
 //!
-//! A table is a run of rows that begin with a number, under a line of names, under lines of text of which the last is its title.
-//! `-2 [-3]` under `Velocity Change (MPH [km/h])` says one thing twice: the way of writing that is the finer one is kept, and
-//! both are compared.
+//! A table is a run of rows that begin with a number, under a line of names, under lines of text of which the last is
+//! its title. `-2 [-3]` under `Velocity Change (MPH [km/h])` says one thing twice: the way of writing that is the finer
+//! one is kept, and both are compared.
 
 use crumple_signal::Notes;
 use crumple_signal::unit::signal_unit;
@@ -20,7 +20,7 @@ const HEADING_LINES: usize = 20;
 
 /// One table of a report, ready to be read as a table of its own.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Section {
+pub struct ReportTable {
     /// The last line of text above the names; empty where there is none.
     pub title: String,
     /// All lines of text above the names.
@@ -37,8 +37,8 @@ pub struct Section {
     pub rewritten: bool,
 }
 
-impl Section {
-    /// The axis that its heading speaks of.
+impl ReportTable {
+    /// The axis that its heading names.
     pub fn axis(&self) -> Option<crumple_signal::Axis> {
         self.heading.iter().rev().find_map(|line| axis(line))
     }
@@ -56,7 +56,7 @@ struct Seen<'a> {
 }
 
 /// The tables of a report that have a line of names, in its order.
-pub fn sections(text: &[u8], file: &str) -> Result<Vec<Section>, IngestError> {
+pub fn report_tables(text: &[u8], file: &str) -> Result<Vec<ReportTable>, IngestError> {
     let mut lines = Vec::new();
     let (mut offset, mut number) = (0, 1);
     while offset < text.len() {
@@ -80,7 +80,7 @@ pub fn sections(text: &[u8], file: &str) -> Result<Vec<Section>, IngestError> {
                     .iter()
                     .map(|k| cells(lines[*k].bytes, delimiter).join(" ").trim().to_owned())
                     .collect();
-                sections.push(section(&lines, *header, at..end, delimiter, heading));
+                sections.push(report_table(&lines, *header, at..end, delimiter, heading));
             }
             words.clear();
             at = end;
@@ -93,8 +93,8 @@ pub fn sections(text: &[u8], file: &str) -> Result<Vec<Section>, IngestError> {
 }
 
 /// What the report says of its own completeness: `Complete File Recorded, No`, with the title above it.
-pub fn incomplete(text: &[u8], file: &str) -> Result<Vec<String>, IngestError> {
-    let mut found = Vec::new();
+pub fn incompleteness(text: &[u8], file: &str) -> Result<Vec<String>, IngestError> {
+    let mut lines = Vec::new();
     let (mut offset, mut number) = (0, 1);
     while offset < text.len() {
         let (line, next) = line_at(text, offset, number, file)?;
@@ -104,12 +104,12 @@ pub fn incomplete(text: &[u8], file: &str) -> Result<Vec<String>, IngestError> {
             let answer = words.rsplit(|c: char| !c.is_alphanumeric()).find(|word| !word.is_empty());
             let question_alone = words.trim_end().ends_with(')');
             if !question_alone && answer.is_some_and(|word| word.eq_ignore_ascii_case("no")) {
-                found.push(format!("line {number}: {}", words.trim()));
+                lines.push(format!("line {number}: {}", words.trim()));
             }
         }
         (offset, number) = (next, number + 1);
     }
-    Ok(found)
+    Ok(lines)
 }
 
 /// The delimiter of a row: two fields and more, of which the first is a number.
@@ -122,7 +122,7 @@ fn delimiter_of(line: &[u8]) -> Option<u8> {
 
 /// The printed text of a number, of one in two units the first.
 fn number(cell: &[u8], decimal: u8) -> Option<()> {
-    field(cell, decimal).map(|_| ()).or_else(|| twice(cell, decimal).map(|_| ()))
+    field(cell, decimal).map(|_| ()).or_else(|| two_numbers(cell, decimal).map(|_| ()))
 }
 
 fn cells(line: &[u8], delimiter: u8) -> Vec<String> {
@@ -133,7 +133,7 @@ fn cells(line: &[u8], delimiter: u8) -> Vec<String> {
 type Pair = [(Vec<u8>, f64); 2];
 
 /// `-2 [-3]` as both numbers.
-fn twice(cell: &[u8], decimal: u8) -> Option<Pair> {
+fn two_numbers(cell: &[u8], decimal: u8) -> Option<Pair> {
     let cell = unquoted(cell).strip_suffix(b"]")?;
     let open = cell.iter().position(|b| *b == b'[')?;
     let read = |part: &[u8]| {
@@ -169,13 +169,13 @@ struct Column {
     cells: Vec<Vec<u8>>,
 }
 
-fn section(
+fn report_table(
     lines: &[Seen<'_>],
     header: usize,
     rows: std::ops::Range<usize>,
     delimiter: u8,
     heading: Vec<String>,
-) -> Section {
+) -> ReportTable {
     let mut notes = Notes::new();
     let names = cells(lines[header].bytes, delimiter);
     let table: Vec<Vec<&[u8]>> =
@@ -195,19 +195,19 @@ fn section(
             continue;
         }
         let dual = dual_unit(&name);
-        let pairs: Vec<Option<_>> = column.iter().map(|cell| twice(cell, decimal)).collect();
+        let pairs: Vec<Option<_>> = column.iter().map(|cell| two_numbers(cell, decimal)).collect();
         if pairs.iter().any(Option::is_some) {
             rewritten = true;
             let numbers = rows.clone().map(|row| lines[row].number);
-            columns.push(of_two_units(&name, dual, &column, pairs, numbers, decimal, &mut notes));
+            columns.push(finer_of_two_units(&name, dual, &column, pairs, numbers, decimal, &mut notes));
             continue;
         }
         let is_number = |cell: &&[u8]| field(cell, decimal).is_some();
         let word = column.iter().position(|cell| !is_number(cell) && !is_gap(cell));
         if let Some(row) = word.filter(|_| k > 0) {
             let numbers = column.iter().any(is_number);
-            // In the pulse itself such a cell is an error of its line, which the reader of the table names; whether it is one, its own name
-            // says, or the title of the table.
+            // In the pulse itself such a cell is an error of its line, which the reader of the table names; whether it
+            // is one, its own name says, or the title of the table.
             let of_the_pulse = is_of_the_pulse(&name) || (numbers && title_of_a_pulse(&title));
             if !of_the_pulse {
                 if numbers {
@@ -242,7 +242,7 @@ fn section(
     let acceleration = columns.iter().any(|c| is_acceleration(&c.title));
     let is_pulse = change || acceleration || title_of_a_pulse(&title);
     let text = plain_text(lines, header, rows, delimiter, &columns);
-    Section { title, heading, text, is_pulse, only_a_change: change && !acceleration, notes, rewritten }
+    ReportTable { title, heading, text, is_pulse, only_a_change: change && !acceleration, notes, rewritten }
 }
 
 /// Whether a column is named as a change of velocity or an acceleration.
@@ -264,7 +264,7 @@ fn title_of_a_pulse(title: &str) -> bool {
 }
 
 /// The column in the unit in which it is printed more finely; both are compared where both units are known.
-fn of_two_units(
+fn finer_of_two_units(
     name: &str,
     dual: Option<(String, [String; 2])>,
     column: &[&[u8]],
@@ -311,7 +311,8 @@ fn of_two_units(
     }
     if let Some((_, line, cell)) = worst {
         notes.warning(format!(
-            "{apart} cells of column {name} say two different things in {} and {}, the worst {cell:?} in line {line}: {} is used",
+            "{apart} cells of column {name} say two different things in {} and {}, the worst {cell:?} in line {line}: \
+             {} is used",
             units[0], units[1], units[kept]
         ));
     }
@@ -358,8 +359,9 @@ mod tests {
 
     #[test]
     fn cells_in_two_units_are_read_in_the_finer_one_and_compared() {
-        let text = b"Longitudinal Crash Pulse (Event Record 1)\nTime (msec),\"Velocity Change (MPH [km/h])\"\n0,0 [0]\n10,-2 [-3]\n20,-4 [-9]\n";
-        let [section] = sections(text, "a.csv").unwrap().try_into().unwrap();
+        let text = b"Longitudinal Crash Pulse (Event Record 1)\nTime (msec),\"Velocity Change (MPH [km/h])\"\n0,0 \
+            [0]\n10,-2 [-3]\n20,-4 [-9]\n";
+        let [section] = report_tables(text, "a.csv").unwrap().try_into().unwrap();
         assert_eq!(section.title, "Longitudinal Crash Pulse (Event Record 1)");
         assert_eq!(section.axis(), Some(crumple_signal::Axis::X));
         assert_eq!(
@@ -367,15 +369,18 @@ mod tests {
             "\n\"Time (msec)\",\"Velocity Change (km/h)\"\n0,0\n10,-3\n20,-9\n"
         );
         // -4 mph are -6.4 km/h.
-        let said = section.notes.to_texts().join("\n");
-        assert!(said.contains("1 cells of column Velocity Change") && said.contains("\"-4 [-9]\" in line 5"), "{said}");
+        let texts = section.notes.to_texts().join("\n");
+        assert!(
+            texts.contains("1 cells of column Velocity Change") && texts.contains("\"-4 [-9]\" in line 5"),
+            "{texts}"
+        );
     }
 
     #[test]
     fn a_lone_number_has_the_decimal_mark_of_its_table() {
         let text =
             b"Longitudinal Crash Pulse\nTime (msec);Delta-V (MPH [km/h])\n0;0,0 [0,0]\n10;-1,5\n20;-2,5 [-4,0]\n";
-        let [section] = sections(text, "a.csv").unwrap().try_into().unwrap();
+        let [section] = report_tables(text, "a.csv").unwrap().try_into().unwrap();
         let text = String::from_utf8(section.text).unwrap();
         // km/h to a tenth is the finer of both; 1.5 mph are 2.414 km/h.
         assert!(text.contains("10;-2,414") && !text.contains('.'), "{text}");
@@ -384,37 +389,40 @@ mod tests {
     #[test]
     fn the_finer_unit_is_the_one_with_the_smaller_last_digit() {
         let text = b"Time (msec);Delta-V, longitudinal (MPH [km/h])\n0;0,0 [0]\n10;-1,2 [-2]\n";
-        let [section] = sections(text, "a.csv").unwrap().try_into().unwrap();
+        let [section] = report_tables(text, "a.csv").unwrap().try_into().unwrap();
         assert!(String::from_utf8_lossy(&section.text).ends_with("\"Delta-V, longitudinal (MPH)\"\n0;0,0\n10;-1,2\n"));
         assert!(section.notes.is_empty(), "{:?}", section.notes);
     }
 
     #[test]
     fn every_table_is_found_with_its_heading() {
-        let text = b"CDR Report,v21\nComplete File Recorded,No\nPre-Crash Data\nTime (sec),\"Speed (MPH [km/h])\",Brake\n-5,37 [60],Off\n-4,38 [61],On\n\nLateral Crash Pulse\nTime (msec),Delta-V (km/h)\n0,0\n10,1\n";
-        let found = sections(text, "a.csv").unwrap();
-        let titles: Vec<_> = found.iter().map(|s| (s.title.as_str(), s.is_pulse)).collect();
+        let text = b"CDR Report,v21\nComplete File Recorded,No\nPre-Crash Data\nTime (sec),\"Speed (MPH \
+            [km/h])\",Brake\n-5,37 [60],Off\n-4,38 [61],On\n\nLateral Crash Pulse\nTime (msec),Delta-V \
+            (km/h)\n0,0\n10,1\n";
+        let tables = report_tables(text, "a.csv").unwrap();
+        let titles: Vec<_> = tables.iter().map(|s| (s.title.as_str(), s.is_pulse)).collect();
         assert_eq!(titles, [("Pre-Crash Data", false), ("Lateral Crash Pulse", true)]);
-        assert!(found[0].notes.to_texts().join("").contains("not read: Brake"));
-        assert_eq!(incomplete(text, "a.csv").unwrap(), ["line 2: Complete File Recorded,No"]);
-        assert_eq!(incomplete(b"Complete File Recorded (Yes, No),Yes\n", "a.csv").unwrap(), [""; 0]);
-        assert_eq!(incomplete(b"Complete File Recorded (Yes, No)\n", "a.csv").unwrap(), [""; 0]);
+        assert!(tables[0].notes.to_texts().join("").contains("not read: Brake"));
+        assert_eq!(incompleteness(text, "a.csv").unwrap(), ["line 2: Complete File Recorded,No"]);
+        assert_eq!(incompleteness(b"Complete File Recorded (Yes, No),Yes\n", "a.csv").unwrap(), [""; 0]);
+        assert_eq!(incompleteness(b"Complete File Recorded (Yes, No)\n", "a.csv").unwrap(), [""; 0]);
     }
 
     #[test]
     fn a_pedal_is_no_acceleration_and_a_word_in_the_pulse_is_an_error_of_its_line() {
-        let text = b"Pre-Crash Data\nTime (sec),Accelerator Pedal Switch,\"Accelerator Pedal, % Full\",\"Speed, km/h\"\n-2,Off,0,60\n-1,On,9,SNA\n\n\
+        let text = b"Pre-Crash Data\nTime (sec),Accelerator Pedal Switch,\"Accelerator Pedal, % Full\",\"Speed, \
+            km/h\"\n-2,Off,0,60\n-1,On,9,SNA\n\n\
                      Longitudinal Crash Pulse\nTime (msec),Longitudinal (km/h),Status\n0,0,ok\n10,SNA,ok\n20,-4,ok\n";
-        let [before, pulse] = sections(text, "a.csv").unwrap().try_into().unwrap();
+        let [before, pulse] = report_tables(text, "a.csv").unwrap().try_into().unwrap();
         assert!(!before.is_pulse && pulse.is_pulse);
-        let said = before.notes.to_texts().join("\n");
+        let texts = before.notes.to_texts().join("\n");
         assert!(
-            said.contains("columns of words in the table \"Pre-Crash Data\" are not read: Accelerator Pedal Switch"),
-            "{said}"
+            texts.contains("columns of words in the table \"Pre-Crash Data\" are not read: Accelerator Pedal Switch"),
+            "{texts}"
         );
-        assert!(said.contains("are not read: Speed, km/h (\"SNA\" in line 4)"), "{said}");
+        assert!(texts.contains("are not read: Speed, km/h (\"SNA\" in line 4)"), "{texts}");
         assert!(String::from_utf8_lossy(&before.text).contains("-1,9\n"));
-        // The change itself stays, word and all; the column of words beside it goes.
+        // The column of the change stays, with its word; the column of words next to it goes.
         assert!(String::from_utf8_lossy(&pulse.text).ends_with("10,SNA\n20,-4\n"), "{:?}", pulse.notes);
     }
 
@@ -435,10 +443,11 @@ mod tests {
     proptest::proptest! {
         #[test]
         fn any_text_gives_an_answer(text in "[-0-9., \\[\\]();\n\ta-z\"#]{0,300}") {
-            for section in sections(text.as_bytes(), "t").unwrap() {
-                proptest::prop_assert!(section.text.iter().filter(|b| **b == b'\n').count() <= text.lines().count() + 1);
+            for section in report_tables(text.as_bytes(), "t").unwrap() {
+                let lines = section.text.iter().filter(|b| **b == b'\n').count();
+                proptest::prop_assert!(lines <= text.lines().count() + 1);
             }
-            incomplete(text.as_bytes(), "t").unwrap();
+            incompleteness(text.as_bytes(), "t").unwrap();
         }
     }
 }

@@ -1,0 +1,8 @@
+//! The channel frequency classes: coefficients, limits of the response, both passes over a record.
+//! May use `recursion`.
+
+pub mod class;
+pub mod coefficients;
+pub mod corridor;
+pub mod mode;
+pub mod zero_phase;

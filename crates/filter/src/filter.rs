@@ -1,0 +1,349 @@
+use crumple_signal::{Notes, Sampled};
+use serde::Serialize;
+
+use crate::cfc::corridor::corridor;
+use crate::samples::moving_average::moving_average;
+use crate::{
+    Butterworth, Cfc, Class, Coefficients, Design, FilterError, Mode, Phase, Report, ZeroLevel, filter_both_ways_into,
+    pre_event, run_sections, samples_added, samples_of_width, sections_extension,
+};
+
+/// How channels are filtered.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Settings {
+    /// Class to filter to; default CFC 60.
+    #[serde(rename = "cfc")]
+    pub class: Class,
+    /// Standard; default ISO 6487.
+    pub mode: Mode,
+    /// Zero level; default: the mean before the event is removed.
+    pub zero_level: ZeroLevel,
+    /// A filter in the place of the class; default: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub instead: Option<Instead>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { class: Class::Cfc(Cfc::Cfc60), mode: Mode::default(), zero_level: ZeroLevel::default(), instead: None }
+    }
+}
+
+/// A filter that takes the place of a class.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Instead {
+    /// A Butterworth filter.
+    Butterworth(Butterworth),
+    /// A centred moving average of a width, s.
+    MovingAverage(f64),
+}
+
+/// The filter that was run.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Applied {
+    /// That of a class.
+    Class {
+        /// The class.
+        cfc: Cfc,
+        /// Its difference equation, and the standard it was made after.
+        coefficients: Coefficients,
+        /// Samples mirrored at each end.
+        samples_added: usize,
+    },
+    /// A Butterworth filter.
+    Butterworth {
+        /// Its sections.
+        design: Design,
+        /// Samples mirrored at each end.
+        samples_added: usize,
+    },
+    /// A moving average.
+    MovingAverage {
+        /// Samples it goes over.
+        samples: usize,
+        /// The same, s.
+        width_s: f64,
+    },
+}
+
+impl Applied {
+    /// The class, if it is the filter of one.
+    pub fn cfc(&self) -> Option<Cfc> {
+        match self {
+            Self::Class { cfc, .. } => Some(*cfc),
+            _ => None,
+        }
+    }
+
+    /// Samples mirrored at each end.
+    pub fn samples_added(&self) -> usize {
+        match self {
+            Self::Class { samples_added, .. } | Self::Butterworth { samples_added, .. } => *samples_added,
+            Self::MovingAverage { .. } => 0,
+        }
+    }
+
+    /// The name used in artifacts.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Class { coefficients, .. } => coefficients.mode().name(),
+            Self::Butterworth { design, .. } => design.asked.pass.name(),
+            Self::MovingAverage { .. } => "moving-average",
+        }
+    }
+
+    /// How it was run.
+    pub fn phase(&self) -> Phase {
+        match self {
+            Self::Butterworth { design, .. } => design.asked.phase,
+            Self::Class { .. } | Self::MovingAverage { .. } => Phase::Zero,
+        }
+    }
+}
+
+/// A filtered channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Filtered {
+    /// The result, on the grid of the record.
+    pub samples: Sampled,
+    /// The filter; `None`: none was asked for, or the channel is already of the class or a lower one.
+    pub applied: Option<Applied>,
+    /// Zero level that was subtracted before filtering, unit of the samples.
+    pub zero_level_removed: f64,
+    /// What a reader should know.
+    pub notes: Notes,
+}
+
+/// Removes the zero level of a channel, then filters it: to a class, or by the filter that takes its place.
+///
+/// `already_cfc` is the class the channel carries. One at or below the class asked for passes through with a note:
+/// filtering again would lower its cut-off, and nothing brings lost frequencies back. Without 10 ms of pre-event data
+/// the zero level is left alone, with a warning. Refuses a sampling rate below ten times the class (SAE J211-1),
+/// notes one below twenty times, warns of a response outside the limits of the class.
+pub fn filter(samples: &Sampled, already_cfc: Option<u16>, settings: &Settings) -> Result<Filtered, FilterError> {
+    filter_reporting(samples, already_cfc, settings, &|_| ())
+}
+
+/// [`filter`] with a report of progress: a record of n samples is 2·n of work.
+pub fn filter_reporting(
+    samples: &Sampled,
+    already_cfc: Option<u16>,
+    settings: &Settings,
+    report: Report<'_>,
+) -> Result<Filtered, FilterError> {
+    let mut notes = Notes::new();
+    let zero_level_removed = zero_level(samples, settings.zero_level, &mut notes)?;
+    if let Some(instead) = settings.instead {
+        let (values, applied) = run_instead(samples, zero_level_removed, instead, &mut notes)?;
+        report(2 * samples.len() as u64);
+        let samples = Sampled::new(samples.t0_s(), samples.dt_s(), values).map_err(FilterError::Result)?;
+        return Ok(Filtered { samples, applied: Some(applied), zero_level_removed, notes });
+    }
+
+    let cfc = match (settings.class, already_cfc) {
+        (Class::Cfc(cfc), Some(already)) if already <= cfc.number() => {
+            notes.info(format!("already cfc {already}, passed through unfiltered"));
+            None
+        }
+        (Class::Cfc(cfc), _) => Some(cfc),
+        (Class::None, _) => None,
+    };
+    let Some(cfc) = cfc else {
+        report(2 * samples.len() as u64);
+        let samples = match zero_level_removed {
+            0.0 => samples.clone(),
+            zero => Sampled::new(samples.t0_s(), samples.dt_s(), samples.samples().iter().map(|x| x - zero).collect())
+                .map_err(FilterError::Result)?,
+        };
+        return Ok(Filtered { samples, applied: None, zero_level_removed, notes });
+    };
+    check_rate(samples, cfc)?;
+    let coefficients = Coefficients::new(cfc, settings.mode, samples.dt_s());
+    note_low_rate(samples, cfc, &coefficients, &mut notes);
+    for point in corridor(cfc, &coefficients).iter().filter(|point| !point.is_inside()) {
+        notes.warning(format!(
+            "response {:.2} dB at {:.1} Hz is outside the limits of cfc {cfc} ({} to {:+.1} dB)",
+            point.gain_db,
+            point.frequency_hz,
+            point.lower_db.map_or_else(|| "none".to_owned(), |lower| format!("{lower:+.1}")),
+            point.upper_db
+        ));
+    }
+    let mut output = Vec::new();
+    filter_both_ways_into(samples.samples(), zero_level_removed, &coefficients, &mut output, report)?;
+    let applied = Applied::Class { cfc, coefficients, samples_added: samples_added(samples.len(), &coefficients) };
+    let samples = Sampled::new(samples.t0_s(), samples.dt_s(), output).map_err(FilterError::Result)?;
+    Ok(Filtered { samples, applied: Some(applied), zero_level_removed, notes })
+}
+
+fn run_instead(
+    samples: &Sampled,
+    level: f64,
+    instead: Instead,
+    notes: &mut Notes,
+) -> Result<(Vec<f64>, Applied), FilterError> {
+    match instead {
+        Instead::Butterworth(asked) => {
+            let design = asked.design(samples.dt_s())?;
+            let values = run_sections(samples.samples(), level, &design);
+            if asked.phase == Phase::Causal {
+                notes.warning("the filter is causal: events come late, times and crush are not those of the vehicle");
+            }
+            let samples_added = sections_extension(samples.len(), &design);
+            Ok((values, Applied::Butterworth { design, samples_added }))
+        }
+        Instead::MovingAverage(width_s) => {
+            let width = samples_of_width(width_s, samples.dt_s());
+            if !(width_s.is_finite() && width_s > 0.0) || width > samples.len() {
+                return Err(FilterError::Width { width_s, record_s: samples.end_s() - samples.t0_s() });
+            }
+            let width_s = width as f64 * samples.dt_s();
+            notes.info(format!("moving average over {width} samples ({:.3} ms)", 1e3 * width_s));
+            let values = moving_average(samples.samples(), level, width);
+            Ok((values, Applied::MovingAverage { samples: width, width_s }))
+        }
+    }
+}
+
+fn zero_level(samples: &Sampled, rule: ZeroLevel, notes: &mut Notes) -> Result<f64, FilterError> {
+    let ZeroLevel::PreEvent(window) = rule else { return Ok(0.0) };
+    match pre_event(samples, window)? {
+        Some(found) => {
+            if found.muted > 0 {
+                notes.info(format!(
+                    "the first {} samples are exactly 0, the recorder was muted: not counted in the zero level",
+                    found.muted
+                ));
+            }
+            Ok(found.zero_level)
+        }
+        None => {
+            notes.warning(format!(
+                "zero level not removed: less than 10 ms of data between {:.1} ms and {:.1} ms",
+                1e3 * window.from_s,
+                1e3 * window.to_s
+            ));
+            Ok(0.0)
+        }
+    }
+}
+
+fn check_rate(samples: &Sampled, cfc: Cfc) -> Result<(), FilterError> {
+    let (rate_hz, needed_hz) = (samples.rate_hz(), cfc.lowest_rate_hz());
+    // An interval typed in decimals gives a rate that is off by its last digit.
+    if rate_hz < needed_hz * (1.0 - 1e-9) {
+        return Err(FilterError::Rate { rate_hz, cfc, needed_hz });
+    }
+    Ok(())
+}
+
+fn note_low_rate(samples: &Sampled, cfc: Cfc, coefficients: &Coefficients, notes: &mut Notes) {
+    let ratio = samples.rate_hz() / cfc.frequency_hz();
+    if ratio < 20.0 * (1.0 - 1e-9) {
+        notes.info(format!(
+            "sampling rate {:.0} Hz is only {ratio:.1} times cfc {cfc}: \
+             the -3 dB point lies at {:.1} Hz instead of {:.1} Hz",
+            samples.rate_hz(),
+            coefficients.half_power_frequency_hz(),
+            cfc.frequency_hz() / 0.6,
+        ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Pass;
+
+    fn record(rate_hz: f64, n: usize) -> Sampled {
+        let dt_s = 1.0 / rate_hz;
+        Sampled::new(-0.05, dt_s, (0..n).map(|k| 3.0 - (0.1 * k as f64).sin()).collect()).unwrap()
+    }
+
+    #[test]
+    fn refuses_400_hz_for_cfc_60_with_the_rate_it_needs() {
+        let error = filter(&record(400.0, 200), None, &Settings::default()).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "sampling rate 400 Hz is too low for cfc 60: at least 600 Hz (10 times the class) is needed"
+        );
+    }
+
+    #[test]
+    fn takes_exactly_ten_times_the_class_and_notes_it() {
+        let notes = filter(&record(600.0, 200), None, &Settings::default()).unwrap().notes.to_texts();
+        assert_eq!(
+            notes,
+            ["sampling rate 600 Hz is only 10.0 times cfc 60: the -3 dB point lies at 105.4 Hz instead of 100.0 Hz"]
+        );
+        assert!(filter(&record(1200.0, 200), None, &Settings::default()).unwrap().notes.is_empty());
+    }
+
+    #[test]
+    fn a_channel_of_the_class_or_below_passes_through_and_one_above_is_filtered() {
+        let raw = record(10_000.0, 2000);
+        let untouched = Settings { zero_level: ZeroLevel::None, ..Settings::default() };
+        for already in [30, 60] {
+            let result = filter(&raw, Some(already), &untouched).unwrap();
+            assert_eq!(result.samples, raw);
+            assert_eq!(result.notes.to_texts(), [format!("already cfc {already}, passed through unfiltered")]);
+        }
+        let result = filter(&raw, Some(180), &untouched).unwrap();
+        assert_eq!(result.applied.and_then(|applied| applied.cfc()), Some(Cfc::Cfc60));
+        assert_ne!(result.samples, raw);
+    }
+
+    #[test]
+    fn a_butterworth_filter_or_a_moving_average_takes_the_place_of_the_class() {
+        let raw = record(10_000.0, 2000);
+        let asked = Butterworth { pass: Pass::Low(100.0), order: 4, phase: Phase::Causal };
+        let run = |instead| filter(&raw, Some(60), &Settings { instead: Some(instead), ..Settings::default() });
+        let result = run(Instead::Butterworth(asked)).unwrap();
+        let applied = result.applied.unwrap();
+        assert_eq!((applied.name(), applied.phase(), applied.samples_added()), ("butterworth-low", Phase::Causal, 0));
+        assert!(result.notes.to_texts()[0].starts_with("warning: the filter is causal"));
+        let result = run(Instead::MovingAverage(2e-3)).unwrap();
+        assert_eq!(result.notes.to_texts(), ["moving average over 21 samples (2.100 ms)"]);
+        for width_s in [0.0, -1.0, f64::NAN, 1.0] {
+            assert!(matches!(run(Instead::MovingAverage(width_s)), Err(FilterError::Width { .. })));
+        }
+    }
+
+    #[test]
+    fn no_class_only_removes_the_zero_level() {
+        let raw = Sampled::new(-0.05, 1e-3, vec![2.5; 100]).unwrap();
+        let result = filter(&raw, None, &Settings { class: Class::None, ..Settings::default() }).unwrap();
+        assert_eq!((result.zero_level_removed, result.applied), (2.5, None));
+        assert!(result.samples.samples().iter().all(|x| *x == 0.0));
+    }
+
+    #[test]
+    fn a_record_without_pre_event_data_keeps_its_zero_level_with_a_warning() {
+        let raw = Sampled::new(0.0, 1e-4, vec![2.5; 100]).unwrap();
+        let result = filter(&raw, None, &Settings::default()).unwrap();
+        assert_eq!(result.zero_level_removed, 0.0);
+        assert_eq!(
+            result.notes.to_texts(),
+            ["warning: zero level not removed: less than 10 ms of data between -50.0 ms and -10.0 ms"]
+        );
+    }
+
+    #[test]
+    fn a_muted_start_is_left_out_of_the_zero_level_and_said() {
+        let at = |k: usize| if k < 200 { 0.0 } else { 2.5 };
+        let raw = Sampled::new(-0.05, 1e-4, (0..3500).map(at).collect()).unwrap();
+        let result = filter(&raw, None, &Settings { class: Class::None, ..Settings::default() }).unwrap();
+        assert_eq!(result.zero_level_removed, 2.5);
+        assert_eq!(
+            result.notes.to_texts(),
+            ["the first 200 samples are exactly 0, the recorder was muted: not counted in the zero level"]
+        );
+    }
+
+    #[test]
+    fn samples_near_the_largest_number_are_an_error_and_no_infinity() {
+        let raw = Sampled::new(0.0, 1e-4, vec![f64::MAX, -f64::MAX, f64::MAX, -f64::MAX, f64::MAX]).unwrap();
+        assert!(matches!(filter(&raw, None, &Settings::default()), Err(FilterError::Result(_))));
+    }
+}

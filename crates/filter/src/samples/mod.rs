@@ -1,0 +1,8 @@
+//! What is done to samples beside the filters: zero level, moving average, derivative, resampling, delay.
+//! May use nothing.
+
+pub mod delay;
+pub mod derivative;
+pub mod moving_average;
+pub mod resampling;
+pub mod zero_level;

@@ -1,0 +1,142 @@
+//! The program: reads the raw channels, filters them, writes them with the record of how.
+//! Uses the library and `crumple_stage`.
+
+mod align;
+mod channels_to_filter;
+mod derived;
+mod filtered_channel;
+mod filtering;
+mod options;
+mod record;
+mod remarks;
+
+use std::path::PathBuf;
+
+use crumple_filter::{Applied, Pass, Resampling, id_meant, ids_meant, resample};
+use crumple_signal::{Channel, QuantityKind, TestDescription};
+use crumple_stage::records::TestV1;
+use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Stage};
+
+use crate::stage::align::align;
+use crate::stage::channels_to_filter::channels_to_filter;
+use crate::stage::derived::derived;
+use crate::stage::filtered_channel::FilteredChannel;
+use crate::stage::filtering::filter_channels;
+use crate::stage::options::{Align, Options, StageSettings};
+use crate::stage::record::{pulse_line, record};
+use crate::stage::remarks::{Remarks, first_of};
+
+/// The stage.
+pub struct Filter;
+
+impl Stage for Filter {
+    const NAME: &'static str = "filter";
+    const ABOUT: &'static str = "Removes the zero level of the acceleration channels \
+         and filters them to a channel frequency class (ISO 6487, SAE J211-1).";
+    type Options = Options;
+    type Settings = StageSettings;
+    type Input = Inputs;
+
+    fn typed(options: &mut Options, is_flag: &dyn Fn(&str) -> bool) {
+        options.note_typed(is_flag);
+    }
+
+    fn resolve(options: Options) -> anyhow::Result<StageSettings> {
+        Ok(options.try_into()?)
+    }
+
+    fn load(paths: &[PathBuf], _: &StageSettings) -> anyhow::Result<Loaded<Inputs>> {
+        crumple_stage::load_artifacts(paths)
+    }
+
+    fn run(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
+        let mut test = input.test()?;
+        let mut pulse = test.pulse_channel().ok().map(|channel| channel.id.clone());
+        const HINT: &str = "crumple-artifact show lists the channels of an artifact";
+        let mut pass = ids_meant(&test, &settings.pass).refuse_with_hint(HINT)?;
+        let mut remarks = Remarks::default();
+        // A list of channels means those alone.
+        let by_default = settings.channels.is_empty();
+        let mut with_derived = test.clone();
+        let derived =
+            if by_default { derived(&settings.filter, input, &mut with_derived, &mut remarks)? } else { None };
+        if by_default {
+            // What a recorder kept says its largest change by itself.
+            let change = |channel: &&Channel| {
+                channel.quantity == QuantityKind::VelocityChange
+                    && input.wave_if(&channel.id).is_some()
+                    && !pass.contains(&channel.id)
+            };
+            let changes: Vec<String> = test.channels.iter().filter(change).map(|channel| channel.id.clone()).collect();
+            pass.extend(changes);
+        }
+        let selected = channels_to_filter(settings, &pass, input, &test, derived.is_some(), &mut remarks)?;
+        let mut channels = filter_channels(&selected, !by_default, pulse.as_deref(), &mut remarks, out)?;
+        drop(selected);
+        channels.extend(derived);
+        test = with_derived;
+        pulse = test.pulse.clone().or(pulse);
+        if let Some(asked) = &settings.align {
+            let to = id_meant(&test, &asked.to).refuse_with_hint(HINT)?;
+            align(&mut channels, &Align { to, ..*asked }, &mut remarks)?;
+        }
+        if let Some(to) = settings.resample {
+            resample_all(&mut channels, to, &mut remarks)?;
+        }
+
+        let ids: Vec<String> = channels.iter().map(|channel| channel.id.clone()).collect();
+        for channel in channels {
+            write_channel(channel, &mut test, pulse.as_deref(), out)?;
+        }
+        for id in pass.iter().filter(|id| !ids.contains(id)) {
+            let wave = input.wave(id)?;
+            out.wave(id, wave.quantity, wave.sampled.clone())?;
+            remarks.info(id, "handed on as it is");
+        }
+        if ids.len() > 1 {
+            out.summary(format!("{} channels: {}", ids.len(), first_of(&ids)));
+        }
+        out.notes().extend(remarks.into_notes());
+        out.put("/test", &TestV1::from(&test))?;
+        Ok(Outcome::Done)
+    }
+}
+
+/// Brings all channels to one sampling rate.
+fn resample_all(channels: &mut [FilteredChannel], to: Resampling, remarks: &mut Remarks) -> anyhow::Result<()> {
+    for channel in channels {
+        let from_hz = channel.filtered.samples.rate_hz();
+        channel.filtered.samples = resample(&channel.filtered.samples, to)
+            .refuse_with_hint("--resample takes a rate such as 10kHz; leave it out to keep the record's own")?;
+        channel.extra.resampled_to_hz = Some(to.rate_hz);
+        let how = to.interpolation.name();
+        remarks.info(&channel.id, format!("resampled from {from_hz:.0} Hz to {:.0} Hz ({how})", to.rate_hz));
+    }
+    Ok(())
+}
+
+/// Writes a channel with the record of how it was filtered; its class goes into the test description.
+fn write_channel(
+    FilteredChannel { id, quantity, filtered, extra, .. }: FilteredChannel,
+    test: &mut TestDescription,
+    pulse: Option<&str>,
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    let channel = test.channels.iter_mut().find(|channel| channel.id == id);
+    let cfc = channel.and_then(|channel| {
+        match filtered.applied.as_ref() {
+            Some(Applied::Class { cfc, .. }) => channel.cfc = Some(cfc.number()),
+            // A channel without its low frequencies is of no class; one smoothed further keeps its own.
+            Some(Applied::Butterworth { design, .. }) if !matches!(design.asked.pass, Pass::Low(_)) => {
+                channel.cfc = None;
+            }
+            _ => {}
+        }
+        channel.cfc
+    });
+    if pulse == Some(&id) {
+        out.summary(pulse_line(&id, cfc, &filtered));
+    }
+    out.put(&format!("/filter/{id}"), &record(&filtered, &extra))?;
+    out.wave(&id, quantity, filtered.samples)
+}

@@ -1,0 +1,40 @@
+//! Why a record cannot be integrated.
+
+use crumple_signal::SignalError;
+
+/// Why an acceleration cannot be integrated.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum IntegrateError {
+    /// The impact speed is no speed.
+    #[error("impact speed {0} m/s is negative or no number")]
+    ImpactSpeed(f64),
+    /// The mass is no mass.
+    #[error("mass {0} kg is not a positive number")]
+    Mass(f64),
+    /// The record does not cover time zero and what follows it.
+    #[error(
+        "time zero {time_zero_s} s needs two samples after it and a record that starts no later, \
+         the record runs from {first_s} s to {last_s} s"
+    )]
+    TimeZero {
+        /// Time zero on the record's axis.
+        time_zero_s: f64,
+        /// First sample.
+        first_s: f64,
+        /// Last sample.
+        last_s: f64,
+    },
+    /// The time of a known velocity is not in the motion.
+    #[error("the known velocity is stated at {time_s} s, the motion runs from {first_s} s to {last_s} s")]
+    EndCondition {
+        /// When it is stated, on the record's axis.
+        time_s: f64,
+        /// Start of the motion.
+        first_s: f64,
+        /// Its end.
+        last_s: f64,
+    },
+    /// The result is not a signal: the samples are so large that the sum overflows.
+    #[error("the integrated channel is not a finite signal")]
+    Result(#[from] SignalError),
+}

@@ -1,0 +1,7 @@
+//! Criteria of occupants: HIC, 3 ms clips, resultants, ride-down.
+//! May use `sums` and `metric`.
+
+pub mod clip;
+pub mod hic;
+pub mod resultant;
+pub mod ride_down;

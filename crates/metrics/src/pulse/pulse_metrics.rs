@@ -1,0 +1,225 @@
+use crumple_signal::{Acceleration, Displacement, Signal, Velocity};
+
+use crate::metric::definitions::{
+    ABSORBED_ENERGY, ASW, AVERAGE_STIFFNESS, CENTROID, CENTROID_MOMENT, CENTROID_RATIO, CLOSURE, DELTA_V,
+    DYNAMIC_CRUSH, EES, ESW, IMPACT_ENERGY, LOSS_RATIO, PEAK, REBOUND_DISPLACEMENT, RESTITUTION, RETURNED_ENERGY,
+    SEPARATION, TIME_OF_CRUSH, TIME_OF_PEAK, X_MEAN,
+};
+use crate::metric::grid::same_grid;
+use crate::pulse::olc::olc;
+use crate::pulse::peak::peak;
+use crate::pulse::vpi::vpi;
+use crate::{
+    CrashEvents, Definition, EventEnd, Metric, MetricsError, OlcOptions, VpiOptions, absorbed_energy,
+    acceleration_after_separation, average_square_wave, average_stiffness, centroid_time_by_moment,
+    centroid_time_from_crush, energy_equivalent_speed, equivalent_square_wave, kinetic_energy, loading_work_per_kg,
+    mean_deceleration, sliding_mean_of_velocity,
+};
+
+/// A crash as motion: what [`pulse_metrics`] looks at. The three signals share one grid.
+#[derive(Debug, Clone, Copy)]
+pub struct Pulse<'a> {
+    /// Acceleration, m/s².
+    pub acceleration: &'a Signal<Acceleration>,
+    /// Velocity, m/s.
+    pub velocity: &'a Signal<Velocity>,
+    /// Displacement, m, zero at time zero.
+    pub displacement: &'a Signal<Displacement>,
+    /// Events of this motion.
+    pub events: &'a CrashEvents,
+    /// Impact speed v0, m/s.
+    pub impact_speed_m_per_s: f64,
+    /// Test mass, kg, if known.
+    pub mass_kg: Option<f64>,
+    /// Time zero on the axis of the signals, s.
+    pub time_zero_s: f64,
+}
+
+/// The metrics of a pulse, always the same names in the same order; windows count from time zero.
+///
+/// What needs the mass or the dynamic crush and has none says so. A lowest velocity at the last sample makes delta-v,
+/// restitution and the energies of the rebound bounds, and they say so.
+pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
+    same_grid(("the acceleration", pulse.acceleration), ("the velocity", pulse.velocity))?;
+    same_grid(("the velocity", pulse.velocity), ("the displacement", pulse.displacement))?;
+    let (v0, mass, crush, rebound, zero_s) =
+        (pulse.impact_speed_m_per_s, pulse.mass_kg, pulse.events.crush, pulse.events.rebound, pulse.time_zero_s);
+    let peak = peak(pulse.acceleration);
+    let work = crush.map(|c| loading_work_per_kg(pulse.acceleration, pulse.displacement, &c)).transpose()?;
+
+    let no_crush = if v0 == 0.0 {
+        "the motion starts from rest".to_owned()
+    } else {
+        format!("the record ends at v = {:.3} m/s", pulse.events.end_velocity_m_per_s)
+    };
+    let metric = |definition: &Definition, value: Option<f64>| {
+        let reason = match crush {
+            _ if matches!(definition.unit, "J" | "N/m") && mass.is_none() => "the mass is not known",
+            None => &no_crush,
+            Some(_) => "not computable from this record",
+        };
+        Metric::of(definition, value, reason)
+    };
+    // What belongs to the loading phase, to one moment, to the stretch up to separation.
+    let loading = |m: Metric| crush.map_or(m.clone(), |c| m.over(0.0, c.time_s));
+    let bound = |m: Metric, remark: &str| match rebound {
+        Some(r) if r.still_separating => m.over(0.0, r.time_s).remarked(remark),
+        Some(r) => m.over(0.0, r.time_s),
+        None => m,
+    };
+    let at_crush = |m: Metric| crush.map_or(m.clone(), |c| m.over(c.time_s, c.time_s));
+    let (lower, upper) = ("lower bound: still separating at the end", "upper bound: still separating at the end");
+
+    let at_peak = peak.map(|p| p.time_s - zero_s);
+    let moment = |m: Metric| at_peak.map_or(m.clone(), |t| m.over(t, t));
+    let returned = rebound.zip(mass).map(|(r, m)| kinetic_energy(m, r.velocity_m_per_s));
+    let absorbed = rebound.zip(mass).map(|(r, m)| absorbed_energy(m, v0, r.velocity_m_per_s));
+    // Equal to sqrt(2·E_abs/m), which needs no mass.
+    let equivalent = rebound.map(|r| energy_equivalent_speed(1.0, absorbed_energy(1.0, v0, r.velocity_m_per_s)));
+    let recovered = metric(&REBOUND_DISPLACEMENT, crush.zip(rebound).map(|(c, r)| c.displacement_m - r.displacement_m));
+    let recovered = match crush.zip(rebound) {
+        Some((c, r)) => recovered.over(c.time_s, r.time_s),
+        None => recovered,
+    };
+    let delta_v = bound(metric(&DELTA_V, pulse.events.delta_v_m_per_s(v0)), lower);
+    let delta_v = match pulse.events.unstopped {
+        Some(unstopped) => {
+            let remark = match unstopped.end {
+                EventEnd::Quiet => "",
+                EventEnd::Record => ": lower bound, it still changes there",
+            };
+            let (name, end_ms) = (unstopped.end.name(), 1e3 * unstopped.end_s);
+            let remark = format!("the velocity never reaches zero, the event ends at {end_ms:.1} ms by {name}{remark}");
+            delta_v.over(0.0, unstopped.time_s).remarked(&remark)
+        }
+        None => delta_v,
+    };
+    let drift = match rebound {
+        Some(r) => acceleration_after_separation(pulse.velocity, zero_s + r.time_s).counted_from(zero_s),
+        None => Metric::absent(&SEPARATION, &no_crush),
+    };
+
+    Ok(vec![
+        moment(metric(&PEAK, peak.map(|p| p.acceleration_m_per_s2.abs()))),
+        moment(metric(&TIME_OF_PEAK, at_peak)),
+        at_crush(metric(&DYNAMIC_CRUSH, crush.map(|c| c.displacement_m))),
+        at_crush(metric(&TIME_OF_CRUSH, crush.map(|c| c.time_s))),
+        loading(metric(&CENTROID, crush.map(|c| centroid_time_from_crush(c.displacement_m, v0)))),
+        loading(metric(
+            &CENTROID_MOMENT,
+            crush.and_then(|c| centroid_time_by_moment(pulse.acceleration, zero_s, c.time_s)),
+        )),
+        loading(metric(&CENTROID_RATIO, crush.map(|c| centroid_time_from_crush(c.displacement_m, v0) / c.time_s))),
+        delta_v,
+        bound(metric(&RESTITUTION, pulse.events.restitution(v0)), lower),
+        recovered,
+        loading(metric(&ESW, crush.map(|c| equivalent_square_wave(v0, c.displacement_m)))),
+        loading(metric(&ASW, crush.map(|c| average_square_wave(v0, c.time_s)))),
+        loading(metric(&X_MEAN, crush.and_then(|c| mean_deceleration(pulse.velocity, zero_s, zero_s + c.time_s)))),
+        sliding_mean_of_velocity(pulse.velocity, 0.025, zero_s).counted_from(zero_s),
+        olc(pulse.velocity, pulse.displacement, v0, zero_s, OlcOptions::default())?,
+        vpi(pulse.acceleration, zero_s, VpiOptions::default()),
+        loading(metric(&AVERAGE_STIFFNESS, crush.zip(mass).map(|(c, m)| average_stiffness(m, v0, c.displacement_m)))),
+        metric(&IMPACT_ENERGY, mass.map(|m| kinetic_energy(m, v0))).over(0.0, 0.0),
+        bound(metric(&ABSORBED_ENERGY, absorbed), upper),
+        bound(metric(&RETURNED_ENERGY, returned), lower),
+        bound(metric(&LOSS_RATIO, pulse.events.restitution(v0).map(|e| 1.0 - e * e)), upper),
+        bound(metric(&EES, equivalent), upper),
+        loading(metric(&CLOSURE, work.map(|w| w / (v0 * v0 / 2.0) - 1.0))),
+        drift,
+    ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::crash_events;
+
+    fn metrics_of(mass_kg: Option<f64>, v: Vec<f64>, everywhere_m: f64) -> Vec<Metric> {
+        let grid = |samples| Signal::<Velocity>::new(0.0, 0.5, samples).unwrap();
+        let a = Signal::new(0.0, 0.5, vec![-2.0; v.len()]).unwrap();
+        let x = Signal::new(0.0, 0.5, vec![everywhere_m; v.len()]).unwrap();
+        let velocity = grid(v);
+        let events = crash_events(&velocity, &x, 0.0).unwrap();
+        pulse_metrics(&Pulse {
+            acceleration: &a,
+            velocity: &velocity,
+            displacement: &x,
+            events: &events,
+            impact_speed_m_per_s: 4.0,
+            mass_kg,
+            time_zero_s: 0.0,
+        })
+        .unwrap()
+    }
+
+    fn find<'a>(metrics: &'a [Metric], name: &str) -> &'a Metric {
+        metrics.iter().find(|m| m.name == name).unwrap()
+    }
+
+    #[test]
+    fn what_the_record_does_not_show_is_absent_with_its_reason() {
+        let metrics = metrics_of(Some(900.0), vec![4.0, 3.0, 2.0], 0.0);
+        let crush = find(&metrics, "dynamic_crush");
+        assert_eq!((crush.value, crush.definition.as_str()), (None, "absent: the record ends at v = 2.000 m/s"));
+        assert_eq!(find(&metrics, "peak_acceleration").value, Some(2.0));
+        assert_eq!(find(&metrics, "delta_v").value, None, "2 m/s a second are no impact");
+    }
+
+    #[test]
+    fn a_velocity_that_never_reaches_zero_has_its_change_and_says_where_the_event_ends() {
+        // 9 m/s in 45 ms, then free.
+        let v: Vec<f64> = (0..200).map(|k| 15.0 - 0.2 * f64::from(k).min(45.0)).collect();
+        let of = |v: Vec<f64>| {
+            let grid = |samples| Signal::<Velocity>::new(0.0, 1e-3, samples).unwrap();
+            let n = v.len();
+            let x = Signal::new(0.0, 1e-3, vec![0.1; n]).unwrap();
+            let velocity = grid(v);
+            let events = crash_events(&velocity, &x, 0.0).unwrap();
+            let acceleration = Signal::new(0.0, 1e-3, vec![-2.0; n]).unwrap();
+            let metrics = pulse_metrics(&Pulse {
+                acceleration: &acceleration,
+                velocity: &velocity,
+                displacement: &x,
+                events: &events,
+                impact_speed_m_per_s: 15.0,
+                mass_kg: None,
+                time_zero_s: 0.0,
+            });
+            find(&metrics.unwrap(), "delta_v").clone()
+        };
+        let delta_v = of(v.clone());
+        assert!((delta_v.value.unwrap() - 9.0).abs() < 1e-12, "{delta_v:?}");
+        assert!((delta_v.window.unwrap().to_s - 0.045).abs() < 1e-12, "{delta_v:?}");
+        // 0.2 m/s are lost in the millisecond from 44 ms on, less than 0.222.
+        let said = "the event ends at 64.0 ms by 20 ms with no more than 0.8 km/h (49 CFR 563)";
+        assert!(delta_v.definition.ends_with(said), "{}", delta_v.definition);
+        let cut = of(v[..40].to_vec());
+        assert!((cut.value.unwrap() - 7.8).abs() < 1e-12, "{cut:?}");
+        assert!(cut.definition.ends_with("by end of the record: lower bound, it still changes there"), "{cut:?}");
+    }
+
+    #[test]
+    fn every_value_has_a_window_and_a_motion_from_rest_says_that_it_is_one() {
+        let metrics = metrics_of(Some(900.0), (0..=80).map(|k| 4.0 - 0.1 * f64::from(k)).collect(), 0.5);
+        assert!(metrics.iter().any(|m| m.name == "rebound_displacement" && m.value.is_some()));
+        for metric in metrics {
+            assert_eq!(metric.value.is_some(), metric.window.is_some(), "{metric:?}");
+        }
+    }
+
+    #[test]
+    fn without_a_mass_energy_and_stiffness_say_so() {
+        let metrics = metrics_of(None, vec![1.0, 0.0, -1.0], 0.0);
+        for name in ["average_stiffness", "impact_energy", "energy_absorbed"] {
+            assert_eq!(find(&metrics, name).definition, "absent: the mass is not known");
+        }
+    }
+
+    #[test]
+    fn no_value_is_infinite_or_nan_where_the_crush_is_zero() {
+        let metrics = metrics_of(Some(900.0), vec![1.0, 0.0, -1.0], -0.25);
+        assert_eq!(find(&metrics, "equivalent_square_wave").value, None);
+        assert!(metrics.iter().all(|m| m.value.is_none_or(f64::is_finite)));
+    }
+}

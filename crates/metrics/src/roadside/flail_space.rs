@@ -1,0 +1,159 @@
+//! The free head or occupant in the cabin: THIV and PHD of EN 1317-1, OIV and ridedown acceleration of MASH.
+
+use crumple_signal::{Acceleration, Sampled, Signal};
+
+use crate::metric::definitions::{OIV_X, OIV_Y, ORA_X, ORA_Y, PHD, THIV};
+use crate::metric::grid::same_grid;
+use crate::sums::cumulative::{self, cumulative, in_samples};
+use crate::sums::sliding_mean::window_end;
+use crate::{Definition, Metric, MetricsError};
+
+/// Length of the mean after the impact, s.
+const MEAN_S: f64 = 0.01;
+
+/// The cabin around the head.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlailSpace {
+    /// Free distance ahead, m: 0.6.
+    pub ahead_m: f64,
+    /// Free distance to each side, m: 0.3.
+    pub aside_m: f64,
+    /// Position of the head ahead of the reference point, m.
+    pub head_x_m: f64,
+}
+
+impl Default for FlailSpace {
+    fn default() -> Self {
+        Self { ahead_m: 0.6, aside_m: 0.3, head_x_m: 0.0 }
+    }
+}
+
+/// Theoretical head impact velocity (m/s, window: the flight) and post-impact head deceleration (m/s², window: its
+/// 10 ms), times on the signals' own axis.
+///
+/// ψ = ∫ψ̇; the accelerations are turned into the ground frame and integrated by the trapezoid; the head flies on at the
+/// vehicle's first velocity, which therefore cancels and is not asked for. It hits at the first of `xb = x0 + 0.6 m`, `yb = ±0.3 m` in the cabin's axes, the
+/// moment interpolated linearly. `THIV = sqrt(Vx² + Vy²)` of the head against the cabin there, yaw included. PHD is the
+/// largest resultant of the 10 ms means of both accelerations over windows that start after the impact. Constant
+/// deceleration a without yaw: THIV = `sqrt(1.2·a)`. Absent where the head hits nothing. EN 1317-1.
+pub fn thiv_phd(
+    ax: &Signal<Acceleration>,
+    ay: &Signal<Acceleration>,
+    yaw_rate_rad_per_s: &Sampled,
+    space: FlailSpace,
+) -> Result<(Metric, Metric), MetricsError> {
+    same_grid(("the x acceleration", ax), ("the y acceleration", ay))?;
+    same_grid(("the x acceleration", ax), ("the yaw rate", yaw_rate_rad_per_s))?;
+    let yaw = cumulative(yaw_rate_rad_per_s.samples(), ax.dt_s());
+    let flight = Flight::new(ax, ay, &yaw, yaw_rate_rad_per_s.samples(), space);
+    let Some(end) = flight.end(space) else {
+        let reason = "the head reaches no surface in the record";
+        return Ok((Metric::absent(&THIV, reason), Metric::absent(&PHD, reason)));
+    };
+    let [vx, vy] = end.rates;
+    let thiv = Metric::found(&THIV, vx.hypot(vy)).over(ax.t0_s(), end.time_s);
+    let phd = largest_mean(&PHD, end.time_s, ax, &[ax, ay]);
+    Ok((thiv, phd))
+}
+
+/// Occupant impact velocities along x and y (m/s, window: the flight) and occupant ridedown accelerations along x and
+/// y (m/s², window: the 10 ms), times on the signals' own axis.
+///
+/// As [`thiv_phd`] without yaw and per axis; velocities with their sign, occupant against cabin: positive ahead
+/// when the vehicle brakes. Ridedown is the 10 ms mean of largest magnitude, with its magnitude.
+pub fn oiv_ora(
+    ax: &Signal<Acceleration>,
+    ay: &Signal<Acceleration>,
+    space: FlailSpace,
+) -> Result<[Metric; 4], MetricsError> {
+    same_grid(("the x acceleration", ax), ("the y acceleration", ay))?;
+    let zeros = vec![0.0; ax.len()];
+    let flight = Flight::new(ax, ay, &zeros, &zeros, space);
+    let Some(end) = flight.end(space) else {
+        let reason = "the occupant reaches no surface in the record";
+        return Ok([&OIV_X, &OIV_Y, &ORA_X, &ORA_Y].map(|definition| Metric::absent(definition, reason)));
+    };
+    let velocity = |definition, value| Metric::found(definition, value).over(ax.t0_s(), end.time_s);
+    Ok([
+        velocity(&OIV_X, end.rates[0]),
+        velocity(&OIV_Y, end.rates[1]),
+        largest_mean(&ORA_X, end.time_s, ax, &[ax]),
+        largest_mean(&ORA_Y, end.time_s, ax, &[ay]),
+    ])
+}
+
+/// Position and velocity of the head in the cabin's axes, sample by sample.
+struct Flight {
+    t0_s: f64,
+    dt_s: f64,
+    position: Vec<[f64; 2]>,
+    rates: Vec<[f64; 2]>,
+}
+
+struct Impact {
+    time_s: f64,
+    rates: [f64; 2],
+}
+
+impl Flight {
+    fn new(
+        ax: &Signal<Acceleration>,
+        ay: &Signal<Acceleration>,
+        yaw: &[f64],
+        yaw_rate: &[f64],
+        space: FlailSpace,
+    ) -> Self {
+        let (n, dt_s) = (ax.len(), ax.dt_s());
+        let (ax, ay, t0_s) = (ax.samples(), ay.samples(), ax.t0_s());
+        let ground_x: Vec<f64> = (0..n).map(|k| ax[k] * yaw[k].cos() - ay[k] * yaw[k].sin()).collect();
+        let ground_y: Vec<f64> = (0..n).map(|k| ax[k] * yaw[k].sin() + ay[k] * yaw[k].cos()).collect();
+        // Relative to the head, which keeps the speed: no difference of two large distances.
+        let (rate_x, rate_y) = (cumulative(&ground_x, dt_s), cumulative(&ground_y, dt_s));
+        let (dx, dy) = (cumulative::from(-space.head_x_m, &rate_x, dt_s), cumulative(&rate_y, dt_s));
+        let (mut position, mut rates) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        for k in 0..n {
+            let (sine, cosine) = yaw[k].sin_cos();
+            let (x, y) = (-dx[k], -dy[k]);
+            let (vx, vy) = (-rate_x[k], -rate_y[k]);
+            let (xb, yb) = (x * cosine + y * sine, -x * sine + y * cosine);
+            position.push([xb, yb]);
+            rates.push([vx * cosine + vy * sine + yb * yaw_rate[k], -vx * sine + vy * cosine - xb * yaw_rate[k]]);
+        }
+        Self { t0_s, dt_s, position, rates }
+    }
+
+    /// The first moment at which the head touches a surface.
+    fn end(&self, space: FlailSpace) -> Option<Impact> {
+        // Distance to the surface ahead and to both sides; negative beyond.
+        let gaps = |[x, y]: [f64; 2]| [space.head_x_m + space.ahead_m - x, space.aside_m - y, space.aside_m + y];
+        for (k, pair) in self.position.windows(2).enumerate() {
+            let (before, after) = (gaps(pair[0]), gaps(pair[1]));
+            let hit = before.iter().zip(&after).filter(|(_, after)| **after <= 0.0).map(|(b, a)| b / (b - a));
+            let Some(w) = hit.fold(None, |first: Option<f64>, w| Some(first.map_or(w, |f| f.min(w)))) else { continue };
+            let (r, s) = (self.rates[k], self.rates[k + 1]);
+            return Some(Impact {
+                time_s: self.t0_s + (k as f64 + w) * self.dt_s,
+                rates: [r[0] + w * (s[0] - r[0]), r[1] + w * (s[1] - r[1])],
+            });
+        }
+        None
+    }
+}
+
+/// Largest resultant of the 10 ms means of the given components over windows that start on a sample after `after_s`.
+fn largest_mean(definition: &Definition, after_s: f64, grid: &Sampled, components: &[&Signal<Acceleration>]) -> Metric {
+    let short = || Metric::absent(definition, "the record ends less than 10 ms after the impact");
+    let Some((whole, fraction)) = in_samples(MEAN_S, grid.dt_s()) else { return short() };
+    let sums: Vec<Vec<f64>> = components.iter().map(|a| cumulative(a.samples(), a.dt_s())).collect();
+    let mut best: Option<(f64, usize)> = None;
+    let starts = grid.len().saturating_sub(whole + usize::from(fraction > 0.0));
+    for k in grid.index_at_or_after(after_s)..starts {
+        let square = |v: &Vec<f64>| ((window_end(v, k, whole, fraction) - v[k]) / MEAN_S).powi(2);
+        let squared: f64 = sums.iter().map(square).sum();
+        if best.is_none_or(|(largest, _)| squared > largest) {
+            best = Some((squared, k));
+        }
+    }
+    let Some((squared, k)) = best else { return short() };
+    Metric::found(definition, squared.sqrt()).over(grid.time_s(k), grid.time_s(k) + MEAN_S)
+}

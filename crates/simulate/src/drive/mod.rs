@@ -1,0 +1,4 @@
+//! What moves the models, from records of the test.
+//! May use nothing.
+
+pub mod excitation;

@@ -1,0 +1,22 @@
+//! Why a candidate cannot be compared with the test.
+
+use crumple_lumped::LumpedError;
+
+/// Why a candidate cannot be compared.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SimulateError {
+    /// The model cannot be simulated.
+    #[error(transparent)]
+    Model(#[from] LumpedError),
+    /// The impact speed has no meaning.
+    #[error("impact speed is {0} m/s, expected a positive number")]
+    Speed(f64),
+    /// There is no record after time zero, or the window ends before its first samples.
+    #[error("the displacement record ends {end_s} s after time zero and the window at {to_s} s: nothing to compare")]
+    Empty {
+        /// End of the record after time zero.
+        end_s: f64,
+        /// End of the window.
+        to_s: f64,
+    },
+}

@@ -1,0 +1,230 @@
+//! The program: reads candidates and the motion of the test, simulates, writes responses and comparisons.
+//! Uses the library and `crumple_stage`.
+
+mod chain_table;
+mod drive;
+mod fitted_parameters;
+mod options;
+mod other_sensors;
+mod records;
+
+use std::path::PathBuf;
+
+use crumple_estimation::statistics::effective_samples;
+use crumple_lumped::{Model, ModelKind, SecantChain};
+use crumple_signal::{Acceleration, Displacement, Sampled, TestDescription, Velocity};
+use crumple_simulate::{
+    Excitation, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, beside_mass, information,
+    simulate_chain, simulate_driven,
+};
+use crumple_stage::records::{CandidateV1, EventsV1, TestV1};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Usage, Wave, total_mass_remark};
+use rayon::prelude::*;
+
+use crate::stage::chain_table::ChainSettings;
+use crate::stage::fitted_parameters::fitted_parameters;
+use crate::stage::options::{Options, Settings};
+use crate::stage::other_sensors::{other_sensors, was_fitted};
+use crate::stage::records::{sensor_record, summary_line, write_simulation};
+
+/// The stage.
+pub struct Simulate;
+
+impl Stage for Simulate {
+    const NAME: &'static str = "simulate";
+    const ABOUT: &'static str = "Simulates every candidate model and compares its motion with the test.";
+    type Options = Options;
+    type Settings = Settings;
+    type Input = Inputs;
+
+    fn resolve(options: Options) -> anyhow::Result<Settings> {
+        Settings::new(options)
+    }
+
+    fn load(paths: &[PathBuf], _: &Settings) -> anyhow::Result<Loaded<Inputs>> {
+        crumple_stage::load_artifacts(paths)
+    }
+
+    fn run(settings: &Settings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
+        let test = input.test()?;
+        let events: EventsV1 = input.record("/events")?;
+        let candidates: Vec<(String, CandidateV1)> = input.records("/parameters/")?;
+        if candidates.is_empty() && settings.chain.is_empty() {
+            return Err(input.missing("/parameters/"));
+        }
+        refuse_fitted_names(&settings.chain, &candidates)?;
+        let impact_speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
+            Refused::new("neither the events nor the test have an impact speed")
+                .hint("--impact-speed 35km/h at crumple-ingest")
+        })?;
+        let channel = &events.channel;
+        let displacement = input.wave(&format!("{channel}/displacement"))?.signal::<Displacement>().refuse()?;
+        let velocity =
+            input.wave_if(&format!("{channel}/velocity")).map(Wave::signal::<Velocity>).transpose().refuse()?;
+        let acceleration = input.wave_if(channel).map(Wave::signal::<Acceleration>).transpose().refuse()?;
+        let measured = Measured {
+            time_zero_s: events.time_zero_s,
+            impact_speed_m_per_s,
+            displacement: &displacement,
+            velocity: velocity.as_deref(),
+            acceleration: acceleration.as_deref(),
+            dynamic_crush_m: events.dynamic_crush_m,
+            time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
+        };
+
+        let excitation = settings.driven.excitation(input, channel)?;
+        let drive = settings.driven.words();
+        if let Some(drive) = &drive {
+            let caution = settings.driven.caution().map_or_else(String::new, |text| format!("; {text}"));
+            out.notes().warning(format!("models are moved by {drive}{caution}"));
+        }
+
+        // Where the velocity never reaches zero the comparison ends with the event.
+        let end_of_event_s = events.end_of_event_s.filter(|_| events.time_of_dynamic_crush_s.is_none());
+        let window = Window { to_s: settings.to_s.or(end_of_event_s) };
+        let results: Vec<Result<Simulation, SimulateError>> = candidates
+            .par_iter()
+            .map(|(_, candidate)| simulate_candidate(candidate, settings.stay_attached, &measured, window, &excitation))
+            .collect();
+        let chains: Vec<Result<Simulation, SimulateError>> = settings
+            .chain
+            .iter()
+            .map(|stated| {
+                let excitation = stated.driven.excitation(input, channel)?;
+                Ok(simulate_chain(&stated.chain()?, stated.speed_m_per_s, &measured, window, &excitation))
+            })
+            .collect::<anyhow::Result<_>>()?;
+
+        out.put("/test", &TestV1::from(&test))?;
+        let simulations = || results.iter().chain(&chains).flatten();
+        let comparison = ComparisonWithTest {
+            displacement: &displacement,
+            time_zero_s: events.time_zero_s,
+            // The most that any candidate's error is worth: a smooth error makes no candidate good.
+            effective_samples: simulations().filter_map(|s| effective_samples(&s.error_m)).reduce(f64::max),
+            others: other_sensors(input, &test, channel)?,
+        };
+        let mut simulated = 0;
+        for ((id, candidate), result) in candidates.iter().zip(results) {
+            simulated += comparison.write(id, candidate, result, drive.clone(), out, |simulation, sensor, dt_s| {
+                let seen = was_fitted(candidate, &sensor.channel);
+                if seen { None } else { beside(simulation, sensor, events.time_zero_s, dt_s) }
+            })?;
+        }
+        for (stated, result) in settings.chain.iter().zip(chains) {
+            let id = stated.id();
+            let candidate = write_stated(stated, &id, &test, out)?;
+            simulated +=
+                comparison.write(&id, &candidate, result, stated.words(), out, |simulation, sensor, dt_s| {
+                    let mass = if sensor.on_engine { stated.engine()? } else { simulation.masses.len() };
+                    beside_mass(simulation, sensor, mass, events.time_zero_s, dt_s)
+                })?;
+        }
+        Ok(if simulated == 0 {
+            Outcome::NoAcceptableResult("no candidate could be simulated; the notes say why".to_owned())
+        } else {
+            Outcome::Done
+        })
+    }
+}
+
+/// The model of a candidate that is a chain, stated here or fitted by parameter-solve.
+const CHAIN: &str = "chain";
+
+/// Refuses a stated chain that has the name of a fitted one.
+fn refuse_fitted_names(chains: &[ChainSettings], candidates: &[(String, CandidateV1)]) -> anyhow::Result<()> {
+    for stated in chains {
+        let fitted = format!("{CHAIN}/{}/", stated.name);
+        if candidates.iter().any(|(id, _)| id.starts_with(&fitted)) {
+            let problem = format!("[simulate.chain.{}]: parameter-solve has fitted a chain of that name", stated.name);
+            return Err(Usage::new(problem).hint("give one of them another name").into());
+        }
+    }
+    Ok(())
+}
+
+/// The response of a candidate.
+fn simulate_candidate(
+    candidate: &CandidateV1,
+    stay_attached: bool,
+    measured: &Measured<'_>,
+    window: Window,
+    excitation: &Excitation<'_>,
+) -> Result<Simulation, SimulateError> {
+    if candidate.model == CHAIN {
+        let chain = SecantChain::from_parameters(&candidate.parameters)?;
+        return simulate_chain(&chain, None, measured, window, excitation);
+    }
+    let kind: ModelKind = candidate.model.parse()?;
+    let mut model = Model::from_parameters(kind, &candidate.parameters)?;
+    if let Model::Elastoplastic(elastoplastic) = &mut model {
+        elastoplastic.release = !stay_attached;
+    }
+    simulate_driven(&model, measured, window, excitation)
+}
+
+/// Writes the record of a stated chain beside those of solved candidates.
+fn write_stated(
+    stated: &ChainSettings,
+    id: &str,
+    test: &TestDescription,
+    out: &mut Output,
+) -> anyhow::Result<CandidateV1> {
+    let chain = stated.chain()?;
+    let passive = chain.is_passive();
+    if !passive {
+        out.notes().warning(format!(
+            "{id}: a spring or damper of [simulate.chain.{}] is negative somewhere: no passive structure",
+            stated.name
+        ));
+    }
+    let mut candidate = stated.candidate(passive);
+    if let Some(text) = test.mass_kg.and_then(|kg| total_mass_remark(chain.masses_kg(), kg)) {
+        out.notes().warning(format!("{id}: {text}"));
+        candidate.notes.push(text);
+    }
+    out.put(&format!("/parameters/{id}"), &candidate)?;
+    Ok(candidate)
+}
+
+/// What every simulation of a test is compared with.
+struct ComparisonWithTest<'a> {
+    displacement: &'a Sampled,
+    time_zero_s: f64,
+    /// Independent samples of the displacement error, one number for all candidates.
+    effective_samples: Option<f64>,
+    others: Vec<OtherSensor>,
+}
+
+impl ComparisonWithTest<'_> {
+    /// Writes a simulation with its line of the summary, or notes why there is none; returns how many were written.
+    ///
+    /// `beside` compares with another sensor, at the sampling interval given last.
+    fn write(
+        &self,
+        id: &str,
+        candidate: &CandidateV1,
+        result: Result<Simulation, SimulateError>,
+        drive: Option<String>,
+        out: &mut Output,
+        beside: impl Fn(&Simulation, &OtherSensor, f64) -> Option<SensorFit>,
+    ) -> anyhow::Result<usize> {
+        let simulation = match result {
+            Ok(simulation) => simulation,
+            Err(error) => {
+                out.notes().warning(format!("{id}: not simulated, {error}"));
+                return Ok(0);
+            }
+        };
+        out.summary(summary_line(id, &simulation));
+        let mean_square = simulation.comparison.rmse_displacement_m.map(|rmse| rmse * rmse);
+        let criterion =
+            self.effective_samples.zip(mean_square).map(|(n, v)| information(v, n, fitted_parameters(candidate)));
+        let dt_s = self.displacement.dt_s();
+        let sensors =
+            self.others.iter().filter_map(|sensor| beside(&simulation, sensor, dt_s)).map(sensor_record).collect();
+        let grid = (self.displacement, self.time_zero_s);
+        write_simulation(id, candidate, simulation, (criterion, sensors, drive), grid, out)?;
+        Ok(1)
+    }
+}

@@ -1,0 +1,155 @@
+//! Simulations as they stand in the artifact.
+
+use crumple_lumped::{CrushEvents, Dynamics, Motion};
+use crumple_signal::{Notes, QuantityKind, Sampled};
+use crumple_simulate::{Information, Rating, SensorFit, Simulation};
+use crumple_stage::Output;
+use crumple_stage::records::{CandidateV1, EnergyV1, OtherSensorV1, RatingV1, SimulationV1};
+
+/// Writes the record of a simulation and the waves of every mass, spring and damper.
+///
+/// `grid` is the displacement of the test: its sampling interval and its end.
+pub fn write_simulation(
+    id: &str,
+    candidate: &CandidateV1,
+    simulation: Simulation,
+    (information, other_sensors, drive): (Option<Information>, Vec<OtherSensorV1>, Option<String>),
+    (grid, time_zero_s): (&Sampled, f64),
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    let Simulation { motion, mut events, comparison, dynamics, .. } = simulation;
+    let notes = notes_on(candidate, &mut events, dynamics.as_ref(), grid, time_zero_s);
+    let record = SimulationV1 {
+        dynamic_crush_m: events.dynamic_crush_m,
+        time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
+        rmse_displacement_m: comparison.rmse_displacement_m,
+        fit_percent: comparison.fit_displacement_percent,
+        iso18571_score: comparison.iso18571_score,
+        dynamic_crush_error_m: comparison.dynamic_crush_error_m,
+        time_of_dynamic_crush_error_s: comparison.time_of_dynamic_crush_error_s,
+        max_displacement_error_m: comparison.max_displacement_error_m,
+        fit_velocity_percent: comparison.fit_velocity_percent,
+        fit_acceleration_percent: comparison.fit_acceleration_percent,
+        from_s: comparison.from_s,
+        to_s: comparison.to_s,
+        notes: notes.to_texts(),
+        aicc: information.and_then(|i| i.aicc),
+        effective_samples: information.map(|i| i.effective_samples),
+        fitted_parameters: information.map(|i| i.parameters),
+        other_sensors,
+        drive,
+        energy: dynamics.as_ref().map_or_else(Vec::new, |d| energies(d, events.time_of_dynamic_crush_s)),
+        energy_closure: dynamics.as_ref().and_then(Dynamics::energy_closure),
+        ratings: comparison.ratings.into_iter().map(rating_record).collect(),
+    };
+    out.put(&format!("/simulation/{id}"), &record)?;
+    let mut wave = |what: &str, quantity: QuantityKind, samples: Vec<f64>| {
+        out.wave(&format!("{id}/{what}"), quantity, Sampled::new(time_zero_s, grid.dt_s(), samples)?)
+    };
+    let mut write_motion = |prefix: &str, motion: Motion| {
+        wave(&format!("{prefix}displacement"), QuantityKind::Displacement, motion.displacement_m)?;
+        wave(&format!("{prefix}velocity"), QuantityKind::Velocity, motion.velocity_m_per_s)?;
+        wave(&format!("{prefix}acceleration"), QuantityKind::Acceleration, motion.acceleration_m_per_s2)
+    };
+    write_motion("", motion)?;
+    let Some(dynamics) = dynamics else { return Ok(()) };
+    // The last mass is the compartment, written above.
+    let mut motions = dynamics.response.motions;
+    motions.pop();
+    for (k, motion) in motions.into_iter().enumerate() {
+        write_motion(&format!("m{}/", k + 1), motion)?;
+    }
+    for element in dynamics.forces {
+        wave(&format!("force/{}", element.name), QuantityKind::Force, element.force_n)?;
+    }
+    Ok(())
+}
+
+/// What a reader of the simulation should know. A crush beyond the end of the record is taken out of the events.
+fn notes_on(
+    candidate: &CandidateV1,
+    events: &mut CrushEvents,
+    dynamics: Option<&Dynamics>,
+    grid: &Sampled,
+    time_zero_s: f64,
+) -> Notes {
+    let mut notes = Notes::new();
+    let end_s = grid.end_s() - time_zero_s;
+    if let (Some(t), Some(crush)) = (events.time_of_dynamic_crush_s, events.dynamic_crush_m)
+        && t > end_s + grid.dt_s()
+    {
+        notes.warning(format!(
+            "the model stops only {:.0} ms after time zero with a crush of {:.0} mm; the record ends at {:.0} ms, so \
+             this is no dynamic crush of the test",
+            1e3 * t,
+            1e3 * crush,
+            1e3 * end_s
+        ));
+        (events.time_of_dynamic_crush_s, events.dynamic_crush_m) = (None, None);
+    } else if events.dynamic_crush_m.is_none() {
+        notes.info("the velocity of the model never reaches zero: it has no dynamic crush");
+    }
+    if !candidate.physical {
+        notes.warning("not a passive structure, a spring or damper is negative");
+    }
+    if dynamics.is_some_and(Dynamics::diverges) {
+        notes.warning("diverges, the motion grows without end: a pole is unstable");
+    }
+    notes
+}
+
+/// How a model does at a sensor that its fit did not see.
+pub fn sensor_record(fit: SensorFit) -> OtherSensorV1 {
+    OtherSensorV1 {
+        channel: fit.channel,
+        mass: fit.mass as u32,
+        rmse_displacement_m: fit.rmse_m,
+        fit_percent: fit.fit_percent,
+    }
+}
+
+fn rating_record(rating: Rating) -> RatingV1 {
+    RatingV1 {
+        name: rating.metric.name.to_owned(),
+        quantity: rating.quantity.to_owned(),
+        value: rating.metric.value,
+        definition_id: rating.metric.id.to_owned(),
+        mark: rating.mark.to_owned(),
+        from_s: rating.metric.window.map(|window| window.from_s),
+        to_s: rating.metric.window.map(|window| window.to_s),
+        note: rating.note,
+    }
+}
+
+/// Energy at the start, at the sample next to dynamic crush, and at the end.
+fn energies(dynamics: &Dynamics, time_of_crush_s: Option<f64>) -> Vec<EnergyV1> {
+    let dt_s = dynamics.response.dt_s;
+    let last = dynamics.energy.len().saturating_sub(1);
+    let crush = time_of_crush_s.map(|t| (t / dt_s).round() as usize).filter(|k| *k < last);
+    [("start", Some(0)), ("dynamic crush", crush), ("end", Some(last))]
+        .into_iter()
+        .filter_map(|(instant, k)| {
+            let energy = dynamics.energy.get(k?)?;
+            Some(EnergyV1 {
+                instant: instant.to_owned(),
+                time_s: k? as f64 * dt_s,
+                kinetic_j: energy.kinetic_j,
+                stored_j: energy.stored_j,
+                dissipated_j: energy.dissipated_j,
+                input_j: energy.input_j,
+            })
+        })
+        .collect()
+}
+
+/// The line of the summary.
+pub fn summary_line(id: &str, simulation: &Simulation) -> String {
+    let c = &simulation.comparison;
+    let crush = match (simulation.events.dynamic_crush_m, simulation.events.time_of_dynamic_crush_s) {
+        (Some(crush), Some(t)) => format!("crush {:.1} mm at {:.2} ms", 1e3 * crush, 1e3 * t),
+        _ => "never stops".to_owned(),
+    };
+    let fit = c.fit_displacement_percent.map_or_else(String::new, |fit| format!(", displacement fit {fit:.2} %"));
+    let error = c.rmse_displacement_m.map_or_else(String::new, |rmse| format!(", rms error {:.2} mm", 1e3 * rmse));
+    format!("{id}: {crush}{fit}{error}")
+}
