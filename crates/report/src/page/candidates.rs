@@ -1,9 +1,8 @@
 //! The table of candidates: parameters, what they answer with, which is best.
 
 use crate::text::escape::html;
-use crate::text::numbers::{
-    ABSENT, MILLI, NBSP, candidate_name, decimals, digits_of_interval, parameter, parameter_order, signed, significant,
-};
+use crate::text::numbers::{ABSENT, MILLI, NBSP, candidate_name, decimals, digits_of_interval, signed, significant};
+use crate::text::parameters::{parameter, parameter_order};
 use crate::{CandidateResult, Ranking, Run};
 
 use crate::page::uncertainty;
@@ -97,7 +96,8 @@ fn row(out: &mut String, candidate: &CandidateResult, ranking: &Ranking) {
             fit.stop_reason.replace('-', " ")
         ));
         if !fit.active_bounds.is_empty() {
-            let names: Vec<String> = fit.active_bounds.iter().map(|name| parameter(name, 0.0).0).collect();
+            let names: Vec<String> =
+                fit.active_bounds.iter().map(|name| parameter(&candidate.record.model, name, 0.0).0).collect();
             remarks.push(format!("On a bound of the search: {}.", names.join(", ")));
         }
     }
@@ -168,11 +168,11 @@ fn how_well_known(candidate: &CandidateResult) -> Vec<String> {
 fn parameters(candidate: &CandidateResult) -> String {
     let deviations = candidate.record.uncertainty.as_ref().map(|u| &u.standard_deviation);
     let mut parameters: Vec<(&String, &f64)> = candidate.record.parameters.iter().collect();
-    parameters.sort_by_key(|(name, _)| parameter_order(name));
+    parameters.sort_by_key(|(name, _)| parameter_order(&candidate.record.model, name));
     let lines: Vec<String> = parameters
         .into_iter()
         .map(|(name, &value)| {
-            let (symbol, shown, unit) = parameter(name, value);
+            let (symbol, shown, unit) = parameter(&candidate.record.model, name, value);
             let on_bound = candidate.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.contains(name));
             let (deviation, doubt) = match (candidate.record.doubt(name), deviations.and_then(|d| d.get(name))) {
                 (Some(doubt), _) => (String::new(), format!(" <span class=\"no\">{doubt}</span>")),
@@ -180,7 +180,10 @@ fn parameters(candidate: &CandidateResult) -> String {
                     (String::new(), " <span class=\"no\">hardly determined</span>".to_owned())
                 }
                 (None, _) if on_bound => (String::new(), " (the limit of what is physical)".to_owned()),
-                (None, Some(&d)) => (format!("{NBSP}±{NBSP}{}", significant(parameter(name, d).1, 2)), String::new()),
+                (None, Some(&d)) => (
+                    format!("{NBSP}±{NBSP}{}", significant(parameter(&candidate.record.model, name, d).1, 2)),
+                    String::new(),
+                ),
                 (None, None) => (String::new(), String::new()),
             };
             let interval = if on_bound { String::new() } else { interval(candidate, name) };
@@ -200,7 +203,9 @@ fn interval(candidate: &CandidateResult, name: &str) -> String {
     let Some(u) = &candidate.record.uncertainty else { return String::new() };
     let (Some(low), Some(high)) = (u.interval_low.get(name), u.interval_high.get(name)) else { return String::new() };
     let digits = low.zip(*high).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
-    let end = |end: &Option<f64>| end.map_or_else(|| "open".to_owned(), |x| significant(parameter(name, x).1, digits));
+    let end = |end: &Option<f64>| {
+        end.map_or_else(|| "open".to_owned(), |x| significant(parameter(&candidate.record.model, name, x).1, digits))
+    };
     match (low, high) {
         (None, None) => "; 95\u{a0}%: open".to_owned(),
         _ => format!("; 95{NBSP}%: {} to {}", end(low), end(high)),

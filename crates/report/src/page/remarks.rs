@@ -4,7 +4,8 @@ use crumple_signal::Severity;
 
 use crate::results::ranking::AS_GOOD_PERCENT;
 use crate::text::escape::html;
-use crate::text::numbers::{candidate_name, decimals, parameter};
+use crate::text::numbers::{candidate_name, decimals};
+use crate::text::parameters::parameter;
 use crate::{CandidateResult, Ranking, Run};
 
 /// Good-to-know notes of a stage that are open to view; the rest is folded. Warnings never are.
@@ -180,7 +181,7 @@ fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
     let on_bound = closest.record.fit.as_ref().map(|fit| fit.active_bounds.as_slice()).unwrap_or_default();
     let name = candidate_name(&closest.id);
     if !on_bound.is_empty() {
-        let symbols: Vec<String> = on_bound.iter().map(|name| parameter(name, 0.0).0).collect();
+        let symbols: Vec<String> = on_bound.iter().map(|name| parameter(&closest.record.model, name, 0.0).0).collect();
         return vec![format!(
             "{name} fits closest but is not called the best: {} stopped on a bound of the search, so the record does \
              not determine these values.",

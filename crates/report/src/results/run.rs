@@ -6,6 +6,7 @@ use crumple_artifact::records::{
     CandidateV1, ChannelFilterV1, EventsV1, IdentificationV1, MatchingV1, MetricV1, ModeV1, ResponseV1, SimulationV1,
     StabilizationV1, TransferFunctionV1,
 };
+use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
 
 use crate::text::numbers::candidate_name;
@@ -142,7 +143,10 @@ impl CandidateResult {
         let sees_the_front = fit.is_some_and(|fit| fit.sensors.iter().any(|sensor| sensor.mass == 1));
         let two = self.record.parameters.contains_key("m2_kg") && !self.record.parameters.contains_key("m3_kg");
         let mut asked = self.record.asked();
-        self.is_chain() && two && !sees_the_front && asked.any(|name| name.ends_with("_kg"))
+        self.is_chain()
+            && two
+            && !sees_the_front
+            && asked.any(|name| parameter_kind(&self.record.model, name) == Some(ParameterKind::Mass))
     }
 
     /// Whether the 95 % interval of a parameter that counts as determined spans more than a factor of 1000: the record

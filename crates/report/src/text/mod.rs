@@ -3,3 +3,4 @@
 
 pub mod escape;
 pub mod numbers;
+pub mod parameters;

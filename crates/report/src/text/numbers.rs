@@ -143,43 +143,6 @@ pub fn words_and_unit(text: &str) -> (&str, Option<String>) {
     (words.strip_prefix("other ").unwrap_or(words), unit)
 }
 
-/// Masses, then stiffnesses, then dampings, then the rest, each by name: the order people write them in.
-pub fn parameter_order(name: &str) -> (usize, &str) {
-    const KINDS: [&str; 3] = ["_kg", "_n_per_m", "_n_s_per_m"];
-    (KINDS.iter().position(|end| name.ends_with(end)).unwrap_or(KINDS.len()), name)
-}
-
-/// A parameter's symbol, its value for people and its unit, from its name in the record.
-///
-/// `stiffness_n_per_m` gives `("k", value/1000, "kN/m")`. A name that ends in no known unit stays as it is.
-pub fn parameter(name: &str, value: f64) -> (String, f64, &'static str) {
-    const UNITS: [(&str, f64, &str); 9] = [
-        ("_n_s_per_m", KILO, "kN·s/m"),
-        ("_n_per_m", KILO, "kN/m"),
-        ("_m_per_s", 1.0, "m/s"),
-        ("_rad_per_s", 1.0, "rad/s"),
-        ("_kg", 1.0, "kg"),
-        ("_hz", 1.0, "Hz"),
-        ("_n", KILO, "kN"),
-        ("_m", MILLI, "mm"),
-        ("_s", MILLI, "ms"),
-    ];
-    let Some((stem, factor, unit)) =
-        UNITS.iter().find_map(|(suffix, factor, unit)| Some((name.strip_suffix(suffix)?, *factor, *unit)))
-    else {
-        return (name.replace('_', " "), value, "");
-    };
-    let symbol = match stem {
-        "mass" => "m".to_owned(),
-        "stiffness" => "k".to_owned(),
-        "damping" => "c".to_owned(),
-        "loading_stiffness" => "k loading".to_owned(),
-        "unloading_stiffness" => "k unloading".to_owned(),
-        other => other.replace('_', " "),
-    };
-    (symbol, value * factor, unit)
-}
-
 /// A model's name in words: `double-spring-mass-damper` is "Double spring-mass-damper".
 pub fn model_name(name: &str) -> String {
     match name {
@@ -235,18 +198,6 @@ mod tests {
         assert_eq!(signed(1.26, 1), "+1.3");
         assert_eq!(signed(-1.26, 1), "−1.3");
         assert_eq!(signed(-0.01, 1), "0.0");
-    }
-
-    #[test]
-    fn parameters_are_in_the_units_of_the_trade() {
-        assert_eq!(parameter("stiffness_n_per_m", 322_000.0), ("k".to_owned(), 322.0, "kN/m"));
-        assert_eq!(parameter("c2_n_s_per_m", 20_000.0), ("c2".to_owned(), 20.0, "kN·s/m"));
-        assert_eq!(parameter("v_thresh_m_per_s", 2.0), ("v thresh".to_owned(), 2.0, "m/s"));
-        assert_eq!(parameter("x1_m", 0.25), ("x1".to_owned(), 250.0, "mm"));
-        assert_eq!(parameter("seed", 7.0), ("seed".to_owned(), 7.0, ""));
-        let mut names = ["c1_n_s_per_m", "k1_n_per_m", "m2_kg", "x1_m", "m1_kg"];
-        names.sort_by_key(|name| parameter_order(name));
-        assert_eq!(names, ["m1_kg", "m2_kg", "k1_n_per_m", "c1_n_s_per_m", "x1_m"]);
     }
 
     #[test]
