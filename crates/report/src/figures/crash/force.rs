@@ -145,17 +145,17 @@ fn load_cell_trace(cells: &Sampled, displacement: &Sampled, t_end: f64, hover: &
 
 fn caption(run: &Run, crush: Option<f64>, loading: &Branch, unloading: &Branch) -> String {
     let mut caption = String::new();
-    if let Some(crush) = crush {
-        if run.test.mass_kg.is_some() && run.measured.force.is_some() {
-            caption.push_str(&format!(
-                "Loading takes up {}{NBSP}kJ; a linear spring with the same work at the same crush has {}{NBSP}kN/m. ",
-                significant(KILO * loading.work(), 4),
-                significant(KILO * 2.0 * loading.work() / (crush * crush), 4)
-            ));
-            if !unloading.x.is_empty() {
-                caption
-                    .push_str(&format!("Unloading gives {}{NBSP}kJ back. ", significant(KILO * -unloading.work(), 4)));
-            }
+    if let Some(crush) = crush
+        && run.test.mass_kg.is_some()
+        && run.measured.force.is_some()
+    {
+        caption.push_str(&format!(
+            "Loading takes up {}{NBSP}kJ; a linear spring with the same work at the same crush has {}{NBSP}kN/m. ",
+            significant(KILO * loading.work(), 4),
+            significant(KILO * 2.0 * loading.work() / (crush * crush), 4)
+        ));
+        if !unloading.x.is_empty() {
+            caption.push_str(&format!("Unloading gives {}{NBSP}kJ back. ", significant(KILO * -unloading.work(), 4)));
         }
     }
     caption.push_str(if run.measured.force.is_some() {
