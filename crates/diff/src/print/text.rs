@@ -256,8 +256,8 @@ fn conclusion(report: &Comparison) -> String {
         );
         let aside = match topics().map(|topic| topic.aside.len()).sum::<usize>() {
             0 => String::new(),
-            1 => "; one text differs and is no result".to_owned(),
-            several => format!("; {several} texts differ and are no result"),
+            1 => "; one text differs and does not count".to_owned(),
+            several => format!("; {several} texts differ and do not count"),
         };
         return format!(
             "same within tolerance: {values} values in {} topics{places}{largest}{aside}",

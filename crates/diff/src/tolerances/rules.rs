@@ -52,10 +52,10 @@ fn rule(pattern: &str, line: Line) -> Result<ToleranceRule, DiffError> {
         }
     }
     if line.ignore && (line.abs.is_some() || line.rel.is_some()) {
-        return bad("ignore stands beside abs or rel, expected one or the other");
+        return bad("ignore is given together with abs or rel, expected one or the other");
     }
     if !line.ignore && line.abs.is_none() && line.rel.is_none() {
-        return bad("nothing is said, expected abs, rel or ignore = true");
+        return bad("no tolerance is given, expected abs, rel or ignore = true");
     }
     let (topic, place) = pattern.split_once('#').unwrap_or((pattern, "*"));
     let topic = if topic.is_empty() { "*" } else { topic };
@@ -75,11 +75,11 @@ mod tests {
         );
         insta::assert_snapshot!(
             problem("\"/a\" = {}"),
-            @"tolerances: \"/a\": nothing is said, expected abs, rel or ignore = true"
+            @"tolerances: \"/a\": no tolerance is given, expected abs, rel or ignore = true"
         );
         insta::assert_snapshot!(
             problem("\"/a\" = { ignore = true, abs = 1.0 }"),
-            @"tolerances: \"/a\": ignore stands beside abs or rel, expected one or the other"
+            @"tolerances: \"/a\": ignore is given together with abs or rel, expected one or the other"
         );
         assert!(problem("\"/a\" = { relative = 1.0 }").contains("unknown field `relative`"));
         assert!(problem("\"/a\" = nan").contains("TOML parse error at line 1"));

@@ -50,15 +50,15 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     out.push_str(match ranking.best {
         Some(_) => {
             "<p class=\"caption\">Ranked by the fit of the displacement; AICc stands beside it, over the same window, \
-             and decides nothing. Highlighted is the best that is physical, has no parameter left on a bound of \
+             for information. Highlighted is the best that is physical, has no parameter left on a bound of \
              its search other than zero, the limit of what is physical, no more parameters left open by the record \
              than it needs, and no more parameters. A dual gives exactly the same record on this sensor and so the \
              same figures.</p>\n"
         }
         None => {
-            "<p class=\"caption\">None is called the best: that takes a physical candidate without a parameter on a \
-             bound that explains at least half of the displacement; zero is no such bound, but the limit of what is \
-             physical.</p>\n"
+            "<p class=\"caption\">No candidate is called the best: that takes a physical candidate without a parameter \
+             on a bound that explains at least half of the displacement; zero is no such bound, but the limit of what \
+             is physical.</p>\n"
         }
     });
     if run.candidates.iter().any(|candidate| candidate.record.uncertainty.is_some()) {
@@ -130,7 +130,7 @@ fn row(out: &mut String, candidate: &CandidateResult, ranking: &Ranking) {
     ));
 }
 
-/// Rank, weakest direction and condition; the sensors that the fit did not see.
+/// Rank, weakest direction and condition; the sensors that the fit did not use.
 fn how_well_known(candidate: &CandidateResult) -> Vec<String> {
     let mut remarks = Vec::new();
     if let Some(u) = &candidate.record.uncertainty {
@@ -153,7 +153,7 @@ fn how_well_known(candidate: &CandidateResult) -> Vec<String> {
     }
     let others = simulation.other_sensors.iter().map(|other| {
         format!(
-            "Sensor {} on mass {}, which the fit did not see: {} mm root mean square{}.",
+            "Sensor {} on mass {}, which the fit did not use: {} mm root mean square{}.",
             other.channel,
             other.mass,
             decimals(MILLI * other.rmse_displacement_m, 2),

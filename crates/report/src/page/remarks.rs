@@ -159,7 +159,7 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
             _ => String::new(),
         };
         limits.push(format!(
-            "The velocity does not reach zero within the record. That is a legal answer: the vehicle was still moving \
+            "The velocity does not reach zero within the record. This is a valid result: the vehicle was still moving \
              forward when the record ended, so dynamic crush, restitution and all that builds on them are absent.{end}"
         ));
     }

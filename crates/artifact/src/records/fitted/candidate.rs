@@ -30,8 +30,9 @@ pub struct CandidateV1 {
 impl CandidateV1 {
     /// Why the value of a parameter is in doubt; `None` where it is not.
     ///
-    /// Zero on a bound is the limit of what is physical, and an answer. Elsewhere a bound is not the record's, and a standard
-    /// deviation as large as a value that is not zero, or an interval open at both ends, says that the value is one of many.
+    /// Zero on a bound is the limit of what is physical, and an answer. Elsewhere a bound is not the record's, and a
+    /// standard deviation as large as a value that is not zero, or an interval open at both ends, says that the value
+    /// is one of many.
     pub fn doubt(&self, name: &str) -> Option<&'static str> {
         let value = *self.parameters.get(name)?;
         if self.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|other| other == name)) {
@@ -82,7 +83,8 @@ pub struct FitV1 {
     pub stop_reason: String,
     /// Parameters that stopped on a bound.
     pub active_bounds: Vec<String>,
-    /// Every sensor fitted, where there is more to say than above: several sensors, or another than the pulse's displacement.
+    /// Every sensor fitted, where there is more to say than above: several sensors, or another than the pulse's
+    /// displacement.
     #[serde(default)]
     pub sensors: Vec<SensorFitV1>,
 }

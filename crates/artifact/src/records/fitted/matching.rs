@@ -26,7 +26,7 @@ pub struct MatchingV1 {
     /// What of the model was used, in words: coefficients of a transfer function, eigenvalues of a state matrix, ...
     #[serde(default)]
     pub source: Option<String>,
-    /// `c1 c2/(m1 m2)` that the start of a free motion implies, 1/s²: it tells pairs of solutions apart.
+    /// `c1 c2/(m1 m2)` that the start of a free motion implies, 1/s²: it distinguishes pairs of solutions.
     #[serde(default)]
     pub zeta_of_the_start_per_s2: Option<f64>,
     /// A state space in the coordinates of every real solution.
@@ -34,8 +34,8 @@ pub struct MatchingV1 {
     pub coordinates: Vec<PhysicalCoordinatesV1>,
 }
 
-/// An identified state space in the coordinates `(x1, x2, v1, v2)` of one solution, `M x'' + L x' + K x = 0`; matrices are lists
-/// of rows.
+/// An identified state space in the coordinates `(x1, x2, v1, v2)` of one solution, `M x'' + L x' + K x = 0`; matrices
+/// are lists of rows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PhysicalCoordinatesV1 {
     /// The candidate.

@@ -35,8 +35,8 @@ pub struct SimulationV1 {
     /// What a reader should know.
     #[serde(default)]
     pub notes: Vec<String>,
-    /// Corrected Akaike criterion of the displacement error over the window, `Ne ln V + 2p + 2p(p+1)/(Ne-p-1)`, `V` in m²;
-    /// `null` with too few independent samples for the parameters.
+    /// Corrected Akaike criterion of the displacement error over the window, `Ne ln V + 2p + 2p(p+1)/(Ne-p-1)`, `V` in
+    /// m²; `null` with too few independent samples for the parameters.
     pub aicc: Option<f64>,
     /// Independent samples `Ne` in it: the same for all candidates of a run.
     pub effective_samples: Option<f64>,

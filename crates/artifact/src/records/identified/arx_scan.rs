@@ -3,14 +3,14 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// ARX models of many structures, judged on the same equations. Topic `/scan/<output channel>`.
+/// ARX models of many structures, compared on the same equations. Topic `/scan/<output channel>`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ArxScanV1 {
     /// Channels that drive the models, separated by commas.
     pub input: String,
     /// Channel they answer with.
     pub output: String,
-    /// Equations that every model is judged by.
+    /// Number of equations that every model is compared on.
     pub samples: u64,
     /// The models, the fewest past outputs first, then the fewest inputs, then the shortest delay.
     pub models: Vec<ArxScanModelV1>,
@@ -39,7 +39,7 @@ pub struct ArxScanModelV1 {
     pub bic: Option<f64>,
     /// Minimum description length, likewise, square of the output's unit.
     pub mdl: Option<f64>,
-    /// Fit of the simulated output with the best initial state, percent; `null` for a model that grows out of all numbers.
+    /// Fit of the simulated output with the best initial state, percent; `null` for a model whose output overflows.
     pub fit_percent: Option<f64>,
     /// Why there is no model.
     pub failure: Option<String>,

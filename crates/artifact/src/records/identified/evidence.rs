@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What speaks for and against an identified model beyond its fit. Topic `/evidence/<id>`.
+/// Validation of an identified model beyond its fit. Topic `/evidence/<id>`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EvidenceV1 {
     /// Channel that drives the model; `null` for a free motion.
@@ -40,8 +40,8 @@ pub struct EvidenceV1 {
     pub final_prediction_error: Option<f64>,
     /// Autocorrelation of the simulation errors at lag one.
     pub residual_lag_one: Option<f64>,
-    /// Box-Pierce statistic over 20 lags: of the one-step prediction errors where the method has a predictor, else of the
-    /// simulation errors; the notes of `/identification/<id>` say which.
+    /// Box-Pierce statistic over 20 lags: of the one-step prediction errors where the method has a predictor, else of
+    /// the simulation errors; the notes of `/identification/<id>` say which.
     pub whiteness: Option<f64>,
     /// Its 95 % point.
     pub whiteness_limit: Option<f64>,
@@ -87,8 +87,8 @@ pub struct EvidenceV1 {
     pub validation_from_s: Option<f64>,
     /// The paper whose procedure this is, as printed: `era`, `curve-fit` or `tfest`.
     pub paper: Option<String>,
-    /// Fit of the samples kept for validation with the initial state fitted on them, percent; `validation_fit_percent` runs
-    /// on with the state that the model has at the end of the samples it was identified from.
+    /// Fit of the samples kept for validation with the initial state fitted on them, percent; `validation_fit_percent`
+    /// runs on with the state that the model has at the end of the samples it was identified from.
     pub validation_restarted_fit_percent: Option<f64>,
     /// Akaike's criterion, with the effective number of samples.
     pub aic: Option<f64>,
@@ -106,7 +106,8 @@ pub struct EvidenceV1 {
     pub parameter_deviations: Vec<f64>,
     /// Their correlations, row after row.
     pub parameter_correlations: Vec<Vec<f64>>,
-    /// Covariance of the denominator's coefficients after the leading 1, rows in their order. Empty where it is not known.
+    /// Covariance of the denominator's coefficients after the leading 1, rows in their order. Empty where it is not
+    /// known.
     pub denominator_covariance: Vec<Vec<f64>>,
 }
 

@@ -20,8 +20,8 @@ pub struct StateSpaceV1 {
     pub input: String,
     /// What it answers with, in words.
     pub output: String,
-    /// Time by which the input acts late, s, beyond what the matrices hold: the response is that of the model, moved to later times
-    /// by it. `null`: no delay.
+    /// Time by which the input acts late, s, beyond what the matrices hold: the response is that of the model, moved to
+    /// later times by it. `null`: no delay.
     pub delay_s: Option<f64>,
 }
 
@@ -36,8 +36,8 @@ pub struct TransferFunctionV1 {
     pub input: String,
     /// What it answers with, in words.
     pub output: String,
-    /// Time by which the input acts late, s, beyond what the coefficients hold: the response is that of the model, moved to later times
-    /// by it. `null`: no delay.
+    /// Time by which the input acts late, s, beyond what the coefficients hold: the response is that of the model,
+    /// moved to later times by it. `null`: no delay.
     pub delay_s: Option<f64>,
 }
 

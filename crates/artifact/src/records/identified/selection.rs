@@ -3,13 +3,13 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Models of one output side by side: which of them the record prefers, and which it cannot tell apart. Topic
+/// Models of one output compared: which of them the record prefers, and which it does not distinguish. Topic
 /// `/selection/<output channel>`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SelectionV1 {
     /// Channel that the models answer with; several separated by commas, in the topic by `+`.
     pub output: String,
-    /// Number of independent samples that all of them are judged by.
+    /// Number of independent samples that all of them are compared on.
     pub effective_samples: f64,
     /// The models, the smallest criterion first.
     pub models: Vec<SelectionModelV1>,
@@ -19,7 +19,7 @@ pub struct SelectionV1 {
     pub best_by_bic: String,
     /// Id with the best fit of the samples kept for validation, if any were.
     pub best_by_validation: Option<String>,
-    /// Ids within 2 of the smallest AICc: the record does not tell them apart. The best itself is among them.
+    /// Ids within 2 of the smallest AICc: the record does not distinguish them. The best itself is among them.
     pub near_equal: Vec<String>,
 }
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What several sensors show of every mode of one model. Topic `/shapes/<id>`.
+/// Mode shapes of one model over several sensors. Topic `/shapes/<id>`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ShapesV1 {
     /// Channels, in the order of the entries of a shape.

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Poles of models of rising order, and what they gather to. Topic `/stabilisation/<method>`.
+/// Poles of models of rising order, and the clusters they form. Topic `/stabilisation/<method>`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StabilizationV1 {
     /// Method of the models, e.g. `era`.
@@ -18,8 +18,8 @@ pub struct StabilizationV1 {
     pub nyquist_share: f64,
     /// Least modal phase collinearity of a shape; `null` with one sensor.
     pub least_collinearity: Option<f64>,
-    /// Least energy of a pole's wave in the record, over that of the strongest wave in noise like the residual; `null` where
-    /// the method does not give it.
+    /// Least energy of a pole's wave in the record, over that of the strongest wave in noise like the residual; `null`
+    /// where the method does not give it.
     pub least_strength: Option<f64>,
     /// Relative change of frequency up to which a pole is stable.
     pub frequency_change: f64,

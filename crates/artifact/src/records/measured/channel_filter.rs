@@ -15,8 +15,8 @@ pub struct ChannelFilterV1 {
     pub frequency_factor: Option<f64>,
     /// Samples added at each end before filtering.
     pub samples_added: u64,
-    /// Coefficients a0, a1, a2, b1, b2 of `y[i] = a0 x[i] + a1 x[i-1] + a2 x[i-2] + b1 y[i-1] + b2 y[i-2]`; five for each
-    /// section of a Butterworth filter, sections in the order they are run.
+    /// Coefficients a0, a1, a2, b1, b2 of `y[i] = a0 x[i] + a1 x[i-1] + a2 x[i-2] + b1 y[i-1] + b2 y[i-2]`; five for
+    /// each section of a Butterworth filter, sections in the order they are run.
     pub coefficients: Vec<f64>,
     /// Gain of both passes at the class frequency, dB.
     pub gain_at_class_db: Option<f64>,

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Where an event lies, as far as what was stated of the measurement says.
+/// Interval of an event, from the stated uncertainty of the measurement.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EventIntervalV1 {
     /// Field of [`EventsV1`] it belongs to, e.g. `dynamic_crush_m`.
@@ -46,8 +46,8 @@ pub struct EventsV1 {
     pub rebound_velocity_m_per_s: Option<f64>,
     /// Coefficient of restitution e = -rebound velocity / impact speed.
     pub coefficient_of_restitution: Option<f64>,
-    /// Change of velocity, impact speed minus rebound velocity, m/s; of a velocity that never reaches zero impact speed minus the lowest
-    /// velocity up to `end_of_event_s`.
+    /// Change of velocity, impact speed minus rebound velocity, m/s; of a velocity that never reaches zero impact speed
+    /// minus the lowest velocity up to `end_of_event_s`.
     pub delta_v_m_per_s: Option<f64>,
     /// Time of the rebound velocity, s.
     pub time_of_rebound_s: Option<f64>,
@@ -60,7 +60,8 @@ pub struct EventsV1 {
     /// Intervals of the events, where the uncertainty of the measurement was stated.
     #[serde(default)]
     pub intervals: Vec<EventIntervalV1>,
-    /// Time of the lowest velocity of an event whose velocity never reaches zero, s; elsewhere it is `time_of_rebound_s`.
+    /// Time of the lowest velocity of an event whose velocity never reaches zero, s; elsewhere it is
+    /// `time_of_rebound_s`.
     #[serde(default)]
     pub time_of_delta_v_s: Option<f64>,
     /// End of an event whose velocity never reaches zero, s; `null` where it does, or where nothing happens.

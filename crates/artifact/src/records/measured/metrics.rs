@@ -27,11 +27,11 @@ pub struct MetricV1 {
     pub from_s: Option<f64>,
     /// Its end, s from time zero; the start again for a moment.
     pub to_s: Option<f64>,
-    /// Lower end of the interval the value lies in, as far as what was stated or measured says.
+    /// Lower end of the interval of the value, from stated or measured uncertainty.
     pub low: Option<f64>,
     /// Its upper end.
     pub high: Option<f64>,
-    /// How the interval was found, e.g. `5-95 % of 400 replicates` or `range over 4 channels`; without one why there is none, where one
-    /// was to be expected.
+    /// How the interval was found, e.g. `5-95 % of 400 replicates` or `range over 4 channels`; without one why there is
+    /// none, where one was to be expected.
     pub interval_by: Option<String>,
 }

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What ingest measured on a channel before anything touched it. Topic `/quality/<channel id>`.
+/// What ingest measured on a channel before any processing. Topic `/quality/<channel id>`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct QualityV1 {
     /// Mean before the event, SI unit of the channel; `null` without enough pre-event data.
@@ -24,7 +24,8 @@ pub struct QualityV1 {
     pub maximum: f64,
     /// Longest run of equal samples at an extreme (3 or more: clipped).
     pub clipped_run: u64,
-    /// Longest run of equal samples while the signal is active after time zero (5 or more over 0.5 ms: a dropout, perhaps).
+    /// Longest run of equal samples while the signal is active after time zero (5 or more over 0.5 ms: a dropout,
+    /// perhaps).
     #[serde(default)]
     pub constant_run: Option<u64>,
     /// Start of that run, s.

@@ -10,7 +10,7 @@ pub struct DiagnosisV1 {
     pub stage: String,
     /// The reason, in words.
     pub reason: String,
-    /// The stage has a result all the same, but not what later stages work on.
+    /// The stage has a result nevertheless, but not what later stages work on.
     #[serde(default)]
     pub has_result: bool,
 }

@@ -67,8 +67,10 @@ pub fn figure(run: &Run) -> Option<Figure> {
     if traces.is_empty() {
         return None;
     }
-    caption
-        .push_str(" A wide gap speaks for the order before it; a gentle slope says that the record does not decide.");
+    caption.push_str(
+        " A wide gap supports the order before it; on a gentle slope the record does not determine \
+         the order.",
+    );
     // Whole decades where there are several. Within one or two of them 1, 2, 5 with their full number: plotly's own
     // minor digits ("2", "5") read as values.
     let mut values_axis = json!({"type": "log", "exponentformat": "power", "dtick": 1,
