@@ -1,12 +1,12 @@
 //! Motion of a chain of masses whose springs and dampers have piecewise-linear secant coefficients, by Taylor series.
 //!
 //! Element i carries `k_i(|u|) u + c_i(|w|) w`, `u` its compression and `w` the rate of it. With N masses there are 2 N
-//! coordinates, each on one piece of its coefficient; together they fix a polynomial of degree two in the state, hence a
-//! Taylor series of order [`ORDER`] by convolution. A step ends at the first knot that any coordinate meets, and at every
-//! sample of a drive, whose slope changes there.
+//! coordinates, each on one piece of its coefficient; together they fix a polynomial of degree two in the state, hence
+//! a Taylor series of order [`ORDER`] by convolution. A step ends at the first knot that any coordinate meets, and at
+//! every sample of a drive, whose slope changes there.
 //!
-//! Which pieces hold from a knot on is asked of the series: a coordinate on a knot must lie inside its piece a sixteenth
-//! of the step later, or its neighbour is taken and the series made again. A coordinate closer to a knot than
+//! Which pieces hold from a knot on is asked of the series: a coordinate on a knot must lie inside its piece a
+//! sixteenth of the step later, or its neighbour is taken and the series made again. A coordinate closer to a knot than
 //! [`ON_A_KNOT`] of the motion counts as on it, because a difference of two displacements is no better known.
 //!
 //! Stiff dampers shorten the steps to their time constant; after [`MAX_STEPS`] the motion is given up.
@@ -179,6 +179,9 @@ impl ChainMotion<'_> {
     }
 
     /// The Taylor coefficients: `x[k+1] = v[k]/(k+1)`, `v[k+1] = a[k]/(k+1)`, products by convolution.
+    ///
+    /// `x0, v0`: state of the masses and, last, of the base; `places`: the piece each coordinate is on. Some
+    /// `(2 N) ORDER²` products.
     fn expand(&self, x0: &[f64], v0: &[f64], laws: &[Vec<Region>], places: &[usize], input: Input) -> Expansion {
         let n = self.masses_kg.len();
         let mut e = Expansion {
@@ -284,6 +287,9 @@ fn longest(x: &[Series], size: f64) -> f64 {
 }
 
 /// Where a coordinate first leaves its piece: the time, the coordinate and the piece it enters.
+///
+/// `None` if every coordinate stays on its piece for `length` seconds. `near` are the tolerances of compressions and
+/// rates.
 fn first_exit(
     coordinates: &[Series],
     laws: &[Vec<Region>],

@@ -1,9 +1,9 @@
 //! One step of a nonlinear motion: Taylor series on one piece of spring and damper.
 //!
-//! `x(tau) = sum x_k tau^k`, k up to [`ORDER`], about the start of the step. With `a = -((k0 + k1 x) x + (c0 + c1 v) v)`
-//! the coefficients follow from `x_(k+1) = v_k/(k+1)` and `v_(k+1) = a_k/(k+1)`, where the squares of `x` and `v` are
-//! convolutions of the coefficients known so far (the recurrence of Parker and Sochacki). The step is as long as the two
-//! last terms stay below [`REST`] of the motion.
+//! `x(tau) = sum x_k tau^k`, k up to [`ORDER`], about the start of the step. With
+//! `a = -((k0 + k1 x) x + (c0 + c1 v) v)` the coefficients follow from `x_(k+1) = v_k/(k+1)` and `v_(k+1) = a_k/(k+1)`,
+//! where the squares of `x` and `v` are convolutions of the coefficients known so far (the recurrence of Parker and
+//! Sochacki). The step is as long as the two last terms stay below [`REST`] of the motion.
 //!
 //! Samples are evaluated by Horner's rule for several instants at once, so that the processor's vectors are full; every
 //! lane does the operations of a single evaluation in the same order, hence the same bits for every vector width.
