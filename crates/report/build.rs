@@ -1,5 +1,5 @@
-//! Takes plotly's script out of the plotly crate while building, so that the program carries that one script and nothing
-//! else of the crate: no second script (MathJax, 2 MB), and no copying and searching of 7 MB at every start.
+//! Takes plotly's script out of the plotly crate while building, so that the program carries that one script and
+//! nothing else of the crate: no second script (MathJax, 2 MB), and no copying and searching of 7 MB at every start.
 
 use std::path::PathBuf;
 use std::{env, error, fs};

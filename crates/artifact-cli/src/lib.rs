@@ -1,14 +1,20 @@
 //! What people and programs in other languages do with an artifact: look into it, check it, take it apart into plain
 //! files and put it together again.
 //!
-//! Everything here works on artifacts and texts in memory; files are the business of the binary.
+//! Everything here works on artifacts and texts in memory; files are the business of the program.
+//!
+//! rooms: checks plain | show
 
-mod check;
+mod checks;
+mod error;
 mod plain;
 mod show;
 
-pub use check::{Checked, check};
-pub use plain::{
-    PlainError, PlainProvenance, PlainRecord, PlainWave, assemble, f64_bytes, parse_lines, plain_records, plain_waves,
-};
-pub use show::{ShowOptions, Wanted, write_json, write_text};
+pub use checks::check::{Checked, check};
+pub use error::PlainError;
+pub use plain::layout::{PlainInput, PlainProvenance, PlainRecord, PlainWave};
+pub use plain::pack::{NearestSchema, assemble, parse_lines};
+pub use plain::unpack::{f64_bytes, plain_records, plain_waves};
+pub use show::json::write_json;
+pub use show::options::{ShowOptions, Wanted};
+pub use show::text::write_text;

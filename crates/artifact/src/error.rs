@@ -45,7 +45,8 @@ pub enum ReadError {
         problem: String,
     },
     /// An MCAP file of somebody else.
-    #[error("{}: an MCAP file, but not of this kind: none of its {channels} channels has a schema named crumple.*{example}", path.display())]
+    #[error("{}: an MCAP file, but not of this kind: none of its {channels} channels has a schema named \
+        crumple.*{example}", path.display())]
     Foreign {
         /// The file.
         path: PathBuf,

@@ -158,21 +158,25 @@ fn json_waves_and_bincode_records_of_other_programs_are_read() {
 #[test]
 fn foreign_newer_wrong_and_unreadable_content_is_told_apart() {
     let imu = foreign(&[("/imu", "sensor_msgs/Imu", "ros1", b"x")], &[]);
-    insta::assert_snapshot!(read(&imu).unwrap_err(), @r#"x.mcap: an MCAP file, but not of this kind: none of its 1 channels has a schema named crumple.*, e.g. topic /imu has "sensor_msgs/Imu""#);
+    insta::assert_snapshot!(read(&imu).unwrap_err(), @"x.mcap: an MCAP file, but not of this kind: none of its 1 \
+        channels has a schema named crumple.*, e.g. topic /imu has \"sensor_msgs/Imu\"");
 
     let later = foreign(&[("/events", "crumple.Events.v2", "json", b"{}")], &[]);
     let error = read(&later).unwrap().record::<EventsV1>("/events").unwrap_err();
-    insta::assert_snapshot!(error, @"x.mcap: the record type of topic /events is crumple.Events.v2, this version reads up to crumple.Events.v1");
+    insta::assert_snapshot!(error, @"x.mcap: the record type of topic /events is crumple.Events.v2, this version reads \
+        up to crumple.Events.v1");
 
     let later = foreign(
         &[("/wave/a", "crumple.WaveBlock.v2", "json", b"{}"), ("/wave/a", "crumple.WaveBlock.v2", "json", b"{}")],
         &[],
     );
-    insta::assert_snapshot!(read(&later).unwrap_err(), @"x.mcap: the record type of topic /wave/a is crumple.WaveBlock.v2, this version reads up to crumple.WaveBlock.v1");
+    insta::assert_snapshot!(read(&later).unwrap_err(), @"x.mcap: the record type of topic /wave/a is \
+        crumple.WaveBlock.v2, this version reads up to crumple.WaveBlock.v1");
 
     let format = BTreeMap::from([("format".to_owned(), "2".to_owned())]);
     let future = foreign(&[("/notes", NotesV1::SCHEMA, "json", b"{}")], &[("provenance", format)]);
-    insta::assert_snapshot!(read(&future).unwrap_err(), @"x.mcap: the artifact format is 2, this version reads up to 1");
+    insta::assert_snapshot!(read(&future).unwrap_err(), @"x.mcap: the artifact format is 2, this version reads up to \
+        1");
 
     let wrong = foreign(&[("/events", NotesV1::SCHEMA, "json", b"{}")], &[]);
     let error = read(&wrong).unwrap().record::<EventsV1>("/events").unwrap_err();
@@ -213,7 +217,8 @@ fn a_nan_is_neither_written_nor_read() {
     let block = WaveBlockV1 { t0_ns: 0, dt_s: 1.0, first: 0, samples: vec![0.0, f64::INFINITY] };
     let payload = Codec::Bincode.encode(&block).unwrap();
     let error = read(&foreign(&[("/wave/a", WaveBlockV1::SCHEMA, "bincode", &payload)], &[])).unwrap_err();
-    insta::assert_snapshot!(error, @"x.mcap: topic /wave/a: sample 1 (t = 1.000000 s) is inf, a finite number is needed");
+    insta::assert_snapshot!(error, @"x.mcap: topic /wave/a: sample 1 (t = 1.000000 s) is inf, a finite number is \
+        needed");
 }
 
 #[test]
@@ -221,9 +226,9 @@ fn what_is_read_is_told_to_the_byte() {
     let file = tempfile::NamedTempFile::new().unwrap();
     let bytes = bytes(Compression::None);
     std::fs::write(file.path(), &bytes).unwrap();
-    let mut told = 0;
-    let artifact = Artifact::open_reporting(file.path(), &mut |read| told += read).unwrap();
-    assert_eq!((told, artifact.stage()), (bytes.len() as u64, Some("filter")));
+    let mut bytes_read = 0;
+    let artifact = Artifact::open_reporting(file.path(), &mut |read| bytes_read += read).unwrap();
+    assert_eq!((bytes_read, artifact.stage()), (bytes.len() as u64, Some("filter")));
     let missing = file.path().with_extension("none");
     assert!(Artifact::open_reporting(&missing, &mut |_| panic!("nothing is there")).is_err());
 }

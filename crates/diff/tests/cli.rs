@@ -48,9 +48,9 @@ fn write_elsewhere(made: &Made, path: &Path) {
 #[test]
 fn the_same_content_is_the_same_whatever_its_compression() {
     let folder = pair(&Made { compression: Compression::Zstd, ..Made::default() });
-    let found = diff(folder.path(), &["a.mcap", "b.mcap"]);
-    assert_eq!((found.code, found.stdout.as_str()), (0, "same: equal content\n"));
-    assert_eq!(found.stderr, "");
+    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!((output.code, output.stdout.as_str()), (0, "same: equal content\n"));
+    assert_eq!(output.stderr, "");
 }
 
 #[test]
@@ -58,9 +58,9 @@ fn one_changed_sample_is_named_with_its_time_and_both_values() {
     let mut changed = Made::default();
     changed.samples[120] += 0.25;
     let folder = pair(&changed);
-    let found = diff(folder.path(), &["a.mcap", "b.mcap"]);
-    assert_eq!(found.code, 1);
-    insta::assert_snapshot!(found.stdout, @"
+    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!(output.code, 1);
+    insta::assert_snapshot!(output.stdout, @"
     /wave/93, sample 120 (t = 0.002000 s): -50.0  -49.75  (abs 0.25, rel 0.005), the only one of 200 samples
     different: 1 of 3 topics
     ");
@@ -81,9 +81,10 @@ fn last_bits_are_the_same_by_default_and_not_exactly() {
     // 2e-12 of the largest sample: thousands of last bits, a five-hundredth of the default tolerance.
     let samples = Made::default().samples.iter().map(|x| x + 1e-10).collect();
     let folder = pair(&Made { samples, peak: 445.75 * (1.0 + 1e-12), ..Made::default() });
-    let found = diff(folder.path(), &["a.mcap", "b.mcap"]);
-    assert_eq!(found.code, 0, "{}", found.stdout);
-    insta::assert_snapshot!(found.stdout, @"same within tolerance: 224 values in 3 topics, the largest relative difference is 2.0e-12 in /wave/93");
+    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!(output.code, 0, "{}", output.stdout);
+    insta::assert_snapshot!(output.stdout, @"same within tolerance: 224 values in 3 topics, the largest relative \
+        difference is 2.0e-12 in /wave/93");
     assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--exact"]).code, 1);
     assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--rel", "0", "--abs", "1e-8"]).code, 0);
     assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--rel", "1e-14"]).code, 1);
@@ -105,8 +106,8 @@ fn a_tolerance_file_widens_and_ignores_by_topic() {
     let folder = pair(&b);
     let rules = "\"/metrics#[olc].value\" = { rel = 0.01 }\n\"/notes\" = { ignore = true }\n";
     fs::write(folder.path().join("t.toml"), rules).unwrap();
-    let found = diff(folder.path(), &["a.mcap", "b.mcap", "--tolerance", "t.toml"]);
-    assert_eq!(found.code, 0, "{}{}", found.stdout, found.stderr);
+    let output = diff(folder.path(), &["a.mcap", "b.mcap", "--tolerance", "t.toml"]);
+    assert_eq!(output.code, 0, "{}{}", output.stdout, output.stderr);
     fs::write(folder.path().join("t.toml"), "\"/notes\" = { ignore = true }\n").unwrap();
     assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--tolerance", "t.toml"]).code, 1);
     fs::write(folder.path().join("t.toml"), "\"/notes\" = { ignored = true }\n").unwrap();
@@ -121,9 +122,9 @@ fn other_encodings_orders_and_chunks_of_the_same_content_are_the_same() {
     let made = Made::default();
     made.write(&folder.path().join("a.mcap"));
     write_elsewhere(&made, &folder.path().join("b.mcap"));
-    let found = diff(folder.path(), &["a.mcap", "b.mcap", "--bits"]);
-    assert_eq!(found.code, 0, "{}{}", found.stdout, found.stderr);
-    insta::assert_snapshot!(found.stdout, @"
+    let output = diff(folder.path(), &["a.mcap", "b.mcap", "--bits"]);
+    assert_eq!(output.code, 0, "{}{}", output.stdout, output.stderr);
+    insta::assert_snapshot!(output.stdout, @"
     provenance: only in a.mcap  (for information)
     same within tolerance: 224 values in 3 topics, none differs
     ");
@@ -132,15 +133,15 @@ fn other_encodings_orders_and_chunks_of_the_same_content_are_the_same() {
 #[test]
 fn another_option_is_told_and_counts_only_when_asked() {
     let folder = pair(&Made { cfc: 180, ..Made::default() });
-    let found = diff(folder.path(), &["a.mcap", "b.mcap"]);
-    assert_eq!(found.code, 0);
-    insta::assert_snapshot!(found.stdout, @"
+    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!(output.code, 0);
+    insta::assert_snapshot!(output.stdout, @"
     provenance, config.cfc: 60  180  (for information)
     same: equal content
     ");
-    let found = diff(folder.path(), &["a.mcap", "b.mcap", "--provenance"]);
-    assert_eq!(found.code, 1);
-    assert!(found.stdout.ends_with("different: provenance\n"), "{}", found.stdout);
+    let output = diff(folder.path(), &["a.mcap", "b.mcap", "--provenance"]);
+    assert_eq!(output.code, 1);
+    assert!(output.stdout.ends_with("different: provenance\n"), "{}", output.stdout);
 }
 
 #[test]
@@ -165,9 +166,9 @@ fn a_topic_on_one_side_and_an_event_only_one_side_has_are_named() {
     write("a.mcap", &events, true);
     write("b.mcap", &EventsV1 { dynamic_crush_m: None, ..events.clone() }, false);
     write("c.mcap", &EventsV1 { dynamic_crush_m: Some(0.7509), ..events }, true);
-    let found = diff(folder.path(), &["a.mcap", "b.mcap"]);
-    assert_eq!(found.code, 1);
-    insta::assert_snapshot!(found.stdout, @"
+    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!(output.code, 1);
+    insta::assert_snapshot!(output.stdout, @"
     /events, dynamic_crush_m: 0.75  null
     /metrics: only in a.mcap
     different: 2 of 2 topics
@@ -185,7 +186,7 @@ fn waveforms_of_another_quantity_differ_though_their_messages_are_equal() {
         let provenance = Provenance::new("integrate", "0.1.0", "{}".into(), Vec::new());
         builder.write(&folder.path().join(name), &provenance, Compression::None).unwrap();
     }
-    let found = diff(folder.path(), &["a.mcap", "b.mcap"]);
-    assert_eq!(found.code, 1);
-    assert!(found.stdout.starts_with("/wave/93, quantity: \"velocity\"  \"displacement\"\n"), "{}", found.stdout);
+    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!(output.code, 1);
+    assert!(output.stdout.starts_with("/wave/93, quantity: \"velocity\"  \"displacement\"\n"), "{}", output.stdout);
 }

@@ -29,12 +29,12 @@ fn damage_and_absence_are_trouble_not_difference() {
         ("none.mcap", "cannot read none.mcap"),
     ] {
         for args in [["a.mcap", file], [file, "a.mcap"]] {
-            let found = diff(folder.path(), &args);
-            assert_eq!(found.code, 2, "{file}");
-            assert!(found.stderr.starts_with("error: ") && found.stderr.contains(says), "{}", found.stderr);
-            assert!(found.stderr.contains("\n  hint: "), "{}", found.stderr);
-            assert!(found.stderr.matches("os error").count() <= 1, "the cause is told twice: {}", found.stderr);
-            assert_eq!(found.stdout, "");
+            let output = diff(folder.path(), &args);
+            assert_eq!(output.code, 2, "{file}");
+            assert!(output.stderr.starts_with("error: ") && output.stderr.contains(says), "{}", output.stderr);
+            assert!(output.stderr.contains("\n  hint: "), "{}", output.stderr);
+            assert!(output.stderr.matches("os error").count() <= 1, "the cause is told twice: {}", output.stderr);
+            assert_eq!(output.stdout, "");
         }
     }
     assert_eq!(diff(folder.path(), &["a.mcap", "."]).code, 2, "a file beside a folder");
@@ -60,8 +60,8 @@ fn runs() -> tempfile::TempDir {
 #[test]
 fn run_folders_are_compared_file_by_file() {
     let root = runs();
-    let found = diff(root.path(), &["one", "two"]);
-    assert_eq!(found.code, 0, "{}", found.stdout);
+    let output = diff(root.path(), &["one", "two"]);
+    assert_eq!(output.code, 0, "{}", output.stdout);
     let (one, two) = (root.path().join("one"), root.path().join("two"));
 
     let mut changed = Made::default();
@@ -69,22 +69,22 @@ fn run_folders_are_compared_file_by_file() {
     changed.write(&two.join("3-integrate.mcap"));
     fs::write(two.join("summary.json"), r#"{"events": {"dynamic_crush_m": 0.751}}"#).unwrap();
     fs::remove_file(two.join("2-filter.mcap")).unwrap();
-    let found = diff(root.path(), &["one", "two"]);
-    assert_eq!(found.code, 1);
-    insta::assert_snapshot!(found.stdout, @"
-    dynamic crush: 750.0 mm -> 751.0 mm
-    2-filter.mcap: only in one
-    summary.json, events.dynamic_crush_m: 0.75  0.751  (abs 0.001, rel 0.001332)
-    3-integrate.mcap: /wave/93, sample 3 (t = -0.009700 s): -42.5  0.0  (abs 42.5, rel 0.85), the only one of 200 samples
-    different: 2 of 4 topics in 3 files, 1 file on one side only
-    ");
+    let output = diff(root.path(), &["one", "two"]);
+    assert_eq!(output.code, 1);
+    insta::assert_snapshot!(output.stdout, @"
+  dynamic crush: 750.0 mm -> 751.0 mm
+  2-filter.mcap: only in one
+  summary.json, events.dynamic_crush_m: 0.75  0.751  (abs 0.001, rel 0.001332)
+  3-integrate.mcap: /wave/93, sample 3 (t = -0.009700 s): -42.5  0.0  (abs 42.5, rel 0.85), the only one of 200 samples
+  different: 2 of 4 topics in 3 files, 1 file on one side only
+  ");
 
     fs::write(two.join("3-integrate.mcap"), &fs::read(one.join("3-integrate.mcap")).unwrap()[..99]).unwrap();
     assert_eq!(diff(root.path(), &["one", "two"]).code, 2, "damage goes before difference");
     fs::create_dir(root.path().join("empty")).unwrap();
-    let found = diff(root.path(), &["one", "empty"]);
-    assert_eq!(found.code, 2);
-    assert!(found.stderr.starts_with("error: empty: no run folder"), "{}", found.stderr);
+    let output = diff(root.path(), &["one", "empty"]);
+    assert_eq!(output.code, 2);
+    assert!(output.stderr.starts_with("error: empty: no run folder"), "{}", output.stderr);
 }
 
 /// A run whose candidate has this stiffness, in an artifact and in the summary.
@@ -93,8 +93,9 @@ fn run_of(folder: &Path, stiffness_n_per_m: f64) {
     let candidate = serde_json::json!({
         "model": "kelvin", "method": "direct-fit", "physical": true, "equivalent_to": null, "uncertainty": null,
         "parameters": {"k1_n_per_m": stiffness_n_per_m, "mass_kg": 900.0}, "notes": [],
-        "fit": {"channel": "93", "quantity": "displacement", "from_s": 0.0, "to_s": 0.1, "samples": 100, "rmse": stiffness_n_per_m,
-                "iterations": 3, "evaluations": 4, "stop_reason": "cost", "active_bounds": [], "sensors": []},
+        "fit": {"channel": "93", "quantity": "displacement", "from_s": 0.0, "to_s": 0.1, "samples": 100,
+                "rmse": stiffness_n_per_m, "iterations": 3, "evaluations": 4, "stop_reason": "cost",
+                "active_bounds": [], "sensors": []},
     });
     let record: CandidateV1 = serde_json::from_value(candidate.clone()).unwrap();
     let mut builder = ArtifactBuilder::new();
@@ -117,9 +118,9 @@ fn parameters_and_metrics_come_before_the_rest_and_waveforms_are_few() {
     let root = tempfile::tempdir().unwrap();
     run_of(&root.path().join("one"), 2.0);
     run_of(&root.path().join("two"), 4.0);
-    let found = diff(root.path(), &["one", "two"]);
-    assert_eq!(found.code, 1, "{}", found.stderr);
-    insta::assert_snapshot!(found.stdout, @"
+    let output = diff(root.path(), &["one", "two"]);
+    assert_eq!(output.code, 1, "{}", output.stderr);
+    insta::assert_snapshot!(output.stdout, @"
     5-parameter-solve.mcap: /parameters/kelvin/direct-fit/1, parameters.k1_n_per_m: 2.0  4.0  (abs 2, rel 0.5)
     summary.json, metrics.olc.value: 2.0  4.0  (abs 2, rel 0.5)
     5-parameter-solve.mcap: /parameters/kelvin/direct-fit/1, fit.rmse: 2.0  4.0  (abs 2, rel 0.5)

@@ -14,27 +14,27 @@ use program::{Made, diff, pair};
 fn values_of_records_and_texts_are_named() {
     let b = Made { olc: 256.5, notes: vec!["zero level 0.02 m/s^2".into(), "more".into()], ..Made::default() };
     let folder = pair(&b);
-    let found = diff(folder.path(), &["a.mcap", "b.mcap"]);
-    assert_eq!(found.code, 1);
-    insta::assert_snapshot!(found.stdout, @r#"
+    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!(output.code, 1);
+    insta::assert_snapshot!(output.stdout, @r#"
     /metrics, [olc].value: 255.0  256.5  (abs 1.5, rel 0.005848)
     /notes, notes length: 1  2
     /notes, notes[0]: "zero level 0.01 m/s^2"  "zero level 0.02 m/s^2"  (for information)
     different: 2 of 3 topics
     "#);
     // 1.5 of 256.5 is 0.58 %: beyond what an engineer calls the same; the texts differ anyway.
-    let found = diff(folder.path(), &["a.mcap", "b.mcap", "--engineering"]);
-    assert!(found.stdout.contains("/metrics, [olc].value"), "{}", found.stdout);
+    let output = diff(folder.path(), &["a.mcap", "b.mcap", "--engineering"]);
+    assert!(output.stdout.contains("/metrics, [olc].value"), "{}", output.stdout);
 }
 
 #[test]
 fn notes_with_other_numbers_are_told_and_are_no_result() {
     let folder = pair(&Made { notes: vec!["zero level 0.02 m/s^2".into()], ..Made::default() });
-    let found = diff(folder.path(), &["a.mcap", "b.mcap"]);
-    assert_eq!(found.code, 0, "{}{}", found.stdout, found.stderr);
-    insta::assert_snapshot!(found.stdout, @r#"
+    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!(output.code, 0, "{}{}", output.stdout, output.stderr);
+    insta::assert_snapshot!(output.stdout, @r#"
     /notes, notes[0]: "zero level 0.01 m/s^2"  "zero level 0.02 m/s^2"  (for information)
-    same within tolerance: 224 values in 3 topics, none differs; one text differs and is no result
+    same within tolerance: 224 values in 3 topics, none differs; one text differs and does not count
     "#);
     let json = diff(folder.path(), &["a.mcap", "b.mcap", "--json"]);
     let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
@@ -56,12 +56,12 @@ fn the_digest_of_the_file_that_a_record_came_in_counts_as_provenance() {
         let provenance = Provenance::new("ingest", "0.1.0", "{}".into(), Vec::new());
         builder.write(&folder.path().join(name), &provenance, Compression::None).unwrap();
     }
-    let found = diff(folder.path(), &["a.mcap", "b.mcap"]);
-    assert_eq!(found.code, 0, "{}{}", found.stdout, found.stderr);
+    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!(output.code, 0, "{}{}", output.stdout, output.stderr);
     assert!(
-        found.stdout.contains("/test, source.digest: \"blake3:00\"  \"blake3:11\"  (for information)"),
+        output.stdout.contains("/test, source.digest: \"blake3:00\"  \"blake3:11\"  (for information)"),
         "{}",
-        found.stdout
+        output.stdout
     );
     assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--provenance"]).code, 1);
 }

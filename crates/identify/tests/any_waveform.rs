@@ -10,8 +10,8 @@ use crumple_artifact::Artifact;
 use crumple_artifact::records::{
     EvidenceV1, IdentificationV1, ModesV1, NotesV1, ShapesV1, StabilizationV1, StateSpaceV1,
 };
-use crumple_identify::{EraOptions, Order, era};
 use crumple_signal::{Channel, QuantityKind};
+use crumple_sysid::{EraOptions, Order, era};
 use crumple_testkit::white_noise;
 
 use program::{Wave, identify, made, written};
@@ -106,8 +106,8 @@ fn quantities_of_very_different_sizes_are_realised_together() {
         assert!(worst(&result, id) < 1e-8, "{id}: {:e}", worst(&result, id));
         let model: StateSpaceV1 = result.record(&format!("/model/{id}/discrete")).unwrap().unwrap();
         assert_eq!(model.output, "acceleration of channel a, m/s^2; displacement of channel x, m");
-        let found: IdentificationV1 = result.record(&format!("/identification/{id}")).unwrap().unwrap();
-        assert!(found.output_fits_percent.iter().all(|fit| fit.unwrap() > 99.9999), "{found:?}");
+        let identification: IdentificationV1 = result.record(&format!("/identification/{id}")).unwrap().unwrap();
+        assert!(identification.output_fits_percent.iter().all(|fit| fit.unwrap() > 99.9999), "{identification:?}");
         // Losses have units: each output has evidence of its own, of the model in its own unit.
         for (number, waves) in waves.iter().enumerate() {
             let evidence: EvidenceV1 = result.record(&format!("/evidence/{id}/{}", number + 1)).unwrap().unwrap();
@@ -168,8 +168,8 @@ fn models_of_several_outputs_have_shapes_and_standard_deviations() {
     let check = |result: &Artifact, id: &str, evidence: &str| {
         let shapes: ShapesV1 = result.record(&format!("/shapes/{id}")).unwrap().unwrap();
         assert_eq!((shapes.channels.join(","), shapes.shapes.len()), ("11,12,13".to_owned(), 2), "{id}");
-        for (found, exact) in shapes.shapes.iter().zip([[1.0, -0.5, 0.25], [0.3, 1.0, -0.8]]) {
-            for (entry, exact) in found.re.iter().zip(exact) {
+        for (estimated, exact) in shapes.shapes.iter().zip([[1.0, -0.5, 0.25], [0.3, 1.0, -0.8]]) {
+            for (entry, exact) in estimated.re.iter().zip(exact) {
                 // Noise of 1 to 2 % of the channels, averaged over hundreds of samples.
                 assert!((entry - exact).abs() < 0.03, "{id}: {shapes:?}");
             }
@@ -211,8 +211,8 @@ fn the_horizon_of_a_subspace_model_is_chosen_and_told() {
     let of = |flags: &[&str]| {
         let mut all = vec!["--methods=n4sid", "--inputs=u", "--outputs=11,12", "--orders=4"];
         all.extend(flags);
-        let found: IdentificationV1 = run(&input, &all).record("/identification/n4sid-4").unwrap().unwrap();
-        found
+        let identification: IdentificationV1 = run(&input, &all).record("/identification/n4sid-4").unwrap().unwrap();
+        identification
     };
     let chosen = of(&[]);
     let rows = chosen.hankel_rows.unwrap() / 2;
@@ -230,14 +230,14 @@ fn missing_standard_deviations_have_a_reason() {
     let input = artifact(folder.path(), &driven());
     let result = run(&input, &["--methods=okid,n4sid,cva,arx", "--inputs=u", "--outputs=11", "--orders=4"]);
     for method in ["okid", "n4sid", "cva"] {
-        let found: IdentificationV1 = result.record(&format!("/identification/{method}-4")).unwrap().unwrap();
+        let identification: IdentificationV1 = result.record(&format!("/identification/{method}-4")).unwrap().unwrap();
         assert!(
-            found.notes.iter().any(|n| n.contains("no standard deviations") && n.contains("--bootstrap")),
-            "{found:?}"
+            identification.notes.iter().any(|n| n.contains("no standard deviations") && n.contains("--bootstrap")),
+            "{identification:?}"
         );
     }
-    let found: IdentificationV1 = result.record("/identification/arx-4").unwrap().unwrap();
-    assert!(!found.notes.iter().any(|n| n.contains("no standard deviations")), "{found:?}");
+    let identification: IdentificationV1 = result.record("/identification/arx-4").unwrap().unwrap();
+    assert!(!identification.notes.iter().any(|n| n.contains("no standard deviations")), "{identification:?}");
 }
 
 #[test]
@@ -248,9 +248,12 @@ fn the_paper_s_realisations_are_those_of_its_samples() {
     let result = run(&input, &["--paper=era"]);
     for (order, samples) in [(2, 100), (2, 50), (4, 60), (4, 2501)] {
         let id = format!("era-{order}-n{samples}-paper");
-        let found: IdentificationV1 = result.record(&format!("/identification/{id}")).unwrap().unwrap();
+        let identification: IdentificationV1 = result.record(&format!("/identification/{id}")).unwrap().unwrap();
         let half = (samples as u32 - 1) / 2;
-        assert_eq!((found.samples, found.hankel_rows, found.hankel_columns), (samples as u64, Some(half), Some(half)));
+        assert_eq!(
+            (identification.samples, identification.hankel_rows, identification.hankel_columns),
+            (samples as u64, Some(half), Some(half))
+        );
         let exact =
             era(&record[..samples], EraOptions { order: Order::Given(order), ..EraOptions::new(DT_S) }).unwrap();
         let model: StateSpaceV1 = result.record(&format!("/model/{id}/discrete")).unwrap().unwrap();

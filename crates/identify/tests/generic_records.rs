@@ -47,8 +47,8 @@ fn artifact(folder: &Path) -> PathBuf {
 /// Distance of every true pole to the nearest found one, relative, the largest.
 fn worst(modes: &ModesV1) -> f64 {
     let distance = |s: Complex| {
-        let found = modes.0.iter().map(|mode| (Complex::new(mode.re_per_s, mode.im_rad_per_s) - s).norm());
-        found.fold(f64::INFINITY, f64::min) / s.norm()
+        let estimated = modes.0.iter().map(|mode| (Complex::new(mode.re_per_s, mode.im_rad_per_s) - s).norm());
+        estimated.fold(f64::INFINITY, f64::min) / s.norm()
     };
     truth().poles().unwrap().into_iter().map(distance).fold(0.0, f64::max)
 }
@@ -83,8 +83,8 @@ fn every_method_takes_several_inputs_and_outputs() {
         let complex = |m: &DMatrix<f64>| m.map(|x| Complex::new(x, 0.0));
         let resolvent = (DMatrix::identity(4, 4) * s - complex(&truth().a)).lu().solve(&complex(&truth().b)).unwrap();
         let exact = (complex(&truth().c) * resolvent)[(0, 1)];
-        let found = at(&tf.numerator) / at(&tf.denominator);
-        assert!((found - exact).norm() < 1e-5 * exact.norm(), "{id}: {found} {exact}");
+        let estimated = at(&tf.numerator) / at(&tf.denominator);
+        assert!((estimated - exact).norm() < 1e-5 * exact.norm(), "{id}: {estimated} {exact}");
     }
 }
 

@@ -50,14 +50,14 @@ fn writes_matrices_modes_and_evidence_of_every_order() {
 
     let modes: ModesV1 = result.record("/modes/era-4").unwrap().unwrap();
     let poles: Vec<(f64, f64)> = modes.0.iter().map(|m| (m.re_per_s, m.im_rad_per_s)).collect();
-    for (found, exact) in poles.iter().zip([(-15.0, 120.0), (-15.0, -120.0), (-40.0, 420.0), (-40.0, -420.0)]) {
+    for (estimated, exact) in poles.iter().zip([(-15.0, 120.0), (-15.0, -120.0), (-40.0, 420.0), (-40.0, -420.0)]) {
         // A clean record: rounding over the sampling interval.
-        assert!((found.0 - exact.0).abs() < 1e-8 && (found.1 - exact.1).abs() < 1e-8, "{poles:?}");
+        assert!((estimated.0 - exact.0).abs() < 1e-8 && (estimated.1 - exact.1).abs() < 1e-8, "{poles:?}");
     }
     let transfer: TransferFunctionV1 = result.record("/model/era-4/transfer-function").unwrap().unwrap();
     // (s^2 + 30 s + 14625)(s^2 + 80 s + 178000)
-    for (found, exact) in transfer.denominator.iter().zip([1.0, 110.0, 195_025.0, 6_510_000.0, 2_603_250_000.0]) {
-        assert!((found / exact - 1.0).abs() < 1e-8, "{:?}", transfer.denominator);
+    for (estimated, exact) in transfer.denominator.iter().zip([1.0, 110.0, 195_025.0, 6_510_000.0, 2_603_250_000.0]) {
+        assert!((estimated / exact - 1.0).abs() < 1e-8, "{:?}", transfer.denominator);
     }
     let evidence: IdentificationV1 = result.record("/identification/era-4").unwrap().unwrap();
     assert_eq!((evidence.samples, evidence.from_s, evidence.hankel_rows), (2501, 0.0, Some(1250)));

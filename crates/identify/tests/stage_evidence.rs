@@ -234,8 +234,8 @@ fn samples_kept_for_validation_are_foretold_and_models_compared() {
     let of = |id: &str| result.record::<EvidenceV1>(&format!("/evidence/{id}")).unwrap().unwrap();
     let used: IdentificationV1 = result.record("/identification/era-4").unwrap().unwrap();
     assert_eq!((used.samples, of("era-4").validation_from_s), (500, Some(0.25)));
-    // 1 % of noise on what is left of the decay, 2.9 m/s^2 of rms against 2 of noise for 8 Hz alone: the model is right,
-    // the rest is mostly noise; and 0.2 mm on displacements of 50 mm.
+    // 1 % of noise on what is left of the decay, 2.9 m/s^2 of rms against 2 of noise for 8 Hz alone: the model is
+    // right, the rest is mostly noise; and 0.2 mm on displacements of 50 mm.
     assert!(of("era-4").validation_fit_percent.unwrap() > of("era-2").validation_fit_percent.unwrap() - 1.0);
     assert!(of("tfest-2-0").validation_fit_percent.unwrap() > 97.0, "{:?}", of("tfest-2-0").validation_fit_percent);
     let selection: SelectionV1 = result.record("/selection/93").unwrap().unwrap();
@@ -300,8 +300,8 @@ fn notes_tell_the_filter_the_pulse_and_impossible_zeros() {
     // Four deviations, and what straight lines between samples leave.
     assert!((evidence.zeros_re_per_s[0] - 50.0).abs() < 4.0 * deviation + 0.1, "{:?}", evidence.zeros_re_per_s);
     let notes: NotesV1 = result.record("/notes").unwrap().unwrap();
-    let found = notes.notes.iter().find(|n| n.contains("right half plane")).unwrap();
-    assert!(found.starts_with("warning: ") && found.contains("-k2/c2"), "{found}");
+    let note = notes.notes.iter().find(|n| n.contains("right half plane")).unwrap();
+    assert!(note.starts_with("warning: ") && note.contains("-k2/c2"), "{note}");
 }
 
 #[test]
@@ -315,9 +315,13 @@ fn papers_are_followed_as_printed_and_labelled() {
         ("era-4-n60-paper", 4, 60),
         ("era-4-n801-paper", 4, 801),
     ] {
-        let found: IdentificationV1 = result.record(&format!("/identification/{id}")).unwrap().unwrap();
-        assert_eq!((found.order, found.samples), (order, samples), "{id}");
-        assert!(found.notes.iter().any(|n| n.contains("the printed -1/2 does not reproduce")), "{:?}", found.notes);
+        let identification: IdentificationV1 = result.record(&format!("/identification/{id}")).unwrap().unwrap();
+        assert_eq!((identification.order, identification.samples), (order, samples), "{id}");
+        assert!(
+            identification.notes.iter().any(|n| n.contains("the printed -1/2 does not reproduce")),
+            "{:?}",
+            identification.notes
+        );
         let evidence: EvidenceV1 = result.record(&format!("/evidence/{id}")).unwrap().unwrap();
         assert_eq!(evidence.paper.as_deref(), Some("era"));
     }

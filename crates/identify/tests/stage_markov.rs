@@ -40,10 +40,10 @@ fn poles(artifact: &Artifact, id: &str) -> Vec<(f64, f64)> {
     modes.0.iter().map(|m| (m.re_per_s, m.im_rad_per_s)).collect()
 }
 
-fn assert_poles(found: &[(f64, f64)], exact: &[(f64, f64)], tolerance: f64) {
+fn assert_poles(estimated: &[(f64, f64)], exact: &[(f64, f64)], tolerance: f64) {
     for (re, im) in exact {
-        let nearest = found.iter().map(|f| (f.0 - re).hypot(f.1 - im)).fold(f64::INFINITY, f64::min);
-        assert!(nearest < tolerance * re.hypot(*im), "{re} {im}: {found:?}");
+        let nearest = estimated.iter().map(|f| (f.0 - re).hypot(f.1 - im)).fold(f64::INFINITY, f64::min);
+        assert!(nearest < tolerance * re.hypot(*im), "{re} {im}: {estimated:?}");
     }
 }
 
@@ -80,11 +80,11 @@ fn several_channels_give_one_model_with_shapes() {
         assert_poles(&poles(&result, id), &SENSOR_POLES, tolerance);
         let shapes: ShapesV1 = result.record(&format!("/shapes/{id}")).unwrap().unwrap();
         assert_eq!((shapes.channels.len(), shapes.shapes.len()), (3, 2));
-        for (found, exact) in shapes.shapes.iter().zip([[1.0, -0.5, 0.25], [0.3, 1.0, -0.8]]) {
-            for (entry, exact) in found.re.iter().zip(exact) {
+        for (estimated, exact) in shapes.shapes.iter().zip([[1.0, -0.5, 0.25], [0.3, 1.0, -0.8]]) {
+            for (entry, exact) in estimated.re.iter().zip(exact) {
                 assert!((entry - exact).abs() < 1e-6, "{shapes:?}");
             }
-            assert!(found.phase_collinearity.unwrap() > 1.0 - 1e-6);
+            assert!(estimated.phase_collinearity.unwrap() > 1.0 - 1e-6);
         }
         assert!((shapes.modal_assurance[0][0] - 1.0).abs() < 1e-12 && shapes.modal_assurance[0][1] < 0.2);
         let identification: IdentificationV1 = result.record(&format!("/identification/{id}")).unwrap().unwrap();
@@ -112,12 +112,12 @@ fn options_of_the_realisation_reach_it() {
         flags.push("--channel=11");
         let result = run(&input, &flags);
         let id = if flags[0].ends_with("dc") { "era-dc-4" } else { "era-4" };
-        let found = poles(&result, id);
+        let estimated = poles(&result, id);
         if !flags[1].starts_with("--hankel-size") {
             // Noise of half a percent of the first mode; the second is four times weaker here.
-            assert_poles(&found, &SENSOR_POLES, 0.03);
+            assert_poles(&estimated, &SENSOR_POLES, 0.03);
         }
-        all.push(found);
+        all.push(estimated);
     }
     for (i, a) in all.iter().enumerate() {
         assert!(all[..i].iter().all(|b| b != a), "the options of run {i} change nothing");
@@ -203,9 +203,12 @@ fn okid_and_fir_write_their_models() {
     let result = run(&input, &flags);
     for id in ["okid-2", "fir-2"] {
         let model: StateSpaceV1 = result.record(&format!("/model/{id}/discrete")).unwrap().unwrap();
-        let found = nalgebra::dmatrix![model.a[0][0], model.a[0][1]; model.a[1][0], model.a[1][1]];
+        let estimated = nalgebra::dmatrix![model.a[0][0], model.a[0][1]; model.a[1][0], model.a[1][1]];
         // z^2 - 1.7 z + 0.8, in one percent of noise.
-        assert!((found.trace() - 1.7).abs() < 0.01 && (found.determinant() - 0.8).abs() < 0.01, "{id}: {found}");
+        assert!(
+            (estimated.trace() - 1.7).abs() < 0.01 && (estimated.determinant() - 0.8).abs() < 0.01,
+            "{id}: {estimated}"
+        );
         let record: IdentificationV1 = result.record(&format!("/identification/{id}")).unwrap().unwrap();
         assert!(record.fit_percent.unwrap() > 90.0, "{id}: {:?}", record.fit_percent);
         println!("{id}: {:?} {:?}", record.fit_percent, record.notes);

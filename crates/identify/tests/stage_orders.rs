@@ -40,7 +40,7 @@ fn subspace_methods_choose_the_order_of_a_known_system() {
         let result = Artifact::open(&output).unwrap();
         for method in ["n4sid", "moesp", "cva"] {
             let chosen: Option<IdentificationV1> = result.record(&format!("/identification/{method}-3")).unwrap();
-            assert!(chosen.is_some_and(|found| found.order == 3), "{share} {method}: {}", run.said);
+            assert!(chosen.is_some_and(|estimated| estimated.order == 3), "{share} {method}: {}", run.said);
             // Asked for twice, by its number and by itself: written once.
             let names = result.records().iter().filter(|r| r.topic.starts_with(&format!("/identification/{method}")));
             assert_eq!(names.count(), 1, "{share}: {}", run.said);
@@ -94,7 +94,7 @@ fn why_a_method_gives_nothing_is_told_once() {
     let run = identify(&golden.join("2-filter.mcap"), &output, &flags);
     assert_eq!(run.code, Some(0), "{}", run.said);
     let notes: NotesV1 = Artifact::open(&output).unwrap().record("/notes").unwrap().unwrap();
-    let told = notes.notes.iter().filter(|note| note.contains("misses the record by far"));
+    let told = notes.notes.iter().filter(|note| note.contains("does not follow the record"));
     assert_eq!(told.count(), 1, "{:?}", notes.notes);
 }
 

@@ -1,4 +1,5 @@
-//! The program: structures of ARX models, several outputs of output error, papers' curve fit, and fits that do not pass.
+//! The program: structures of ARX models, several outputs of output error, papers' curve fit, and fits that do not
+//! pass.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
@@ -128,7 +129,8 @@ fn output_error_of_two_inputs_and_outputs_has_common_poles_with_deviations() {
 #[test]
 fn fir_does_not_pass_a_model_that_explodes() {
     let folder = tempfile::tempdir().unwrap();
-    // An input that does not excite and an output that outlasts the taps: the deceleration of a crash and its displacement.
+    // An input that does not excite and an output that outlasts the taps: the deceleration of a crash and its
+    // displacement.
     let u: Vec<f64> = (0..2000).map(|k| -300.0 * (f64::from(k) * 0.0028).sin().max(0.0)).collect();
     let (mut v, mut x) = (15.0, 0.0);
     let y = u

@@ -1,9 +1,9 @@
-//! Time of reading two-column CSV text, beside a plain memory pass over the same bytes: the table alone (numbers, time grid, SI),
-//! the digest alone, and the whole of ingest (both, and the checks of quality).
+//! Time of reading two-column CSV text, beside a plain memory pass over the same bytes: the table alone (numbers, time
+//! grid, SI), the digest alone, and the whole of ingest (both, and the checks of quality).
 
 use std::fmt::Write;
 
-use crumple_ingest::{Bundle, Settings, ingest};
+use crumple_ingest::{Bundle, IngestSettings, ingest};
 use crumple_testkit::stopwatch::{best_ms, print_line};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         });
         // In memory, as `Bundle::open` leaves a file of up to 64 MiB.
         let bundle = Bundle::from_bytes("crash.csv", bytes.to_vec())?;
-        let settings = Settings::default();
+        let settings = IngestSettings::default();
         ingest(&bundle, &settings)?;
         let mb = bytes.len() as f64 / 1e6;
         let line = |what: &str, ms: f64| {

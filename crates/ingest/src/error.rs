@@ -98,6 +98,18 @@ pub enum IngestError {
         /// How to state it.
         hint: String,
     },
+    /// A key of the sidecar that is not known.
+    #[error("{file}: unknown key {key:?}")]
+    UnknownKey {
+        /// File name.
+        file: String,
+        /// As written.
+        key: String,
+        /// What was expected.
+        expected: String,
+        /// One thing to do.
+        hint: String,
+    },
     /// The channel asked for cannot be the pulse, or none can be chosen.
     #[error("{file}: {found}")]
     Channel {
@@ -129,6 +141,7 @@ impl IngestError {
             Self::Path { expected, .. }
             | Self::Content { expected, .. }
             | Self::NotStated { expected, .. }
+            | Self::UnknownKey { expected, .. }
             | Self::Channel { expected, .. } => Some(expected).filter(|text| !text.is_empty()).map(String::as_str),
             Self::TooLarge { limit, .. } => Some(limit),
             Self::Foreign { .. } => Some(WHAT_IS_READ),
@@ -141,6 +154,7 @@ impl IngestError {
             Self::Path { hint, .. }
             | Self::Content { hint, .. }
             | Self::NotStated { hint, .. }
+            | Self::UnknownKey { hint, .. }
             | Self::Channel { hint, .. } => hint,
             Self::Foreign { instead, .. } => instead,
             Self::TooLarge { .. } => {

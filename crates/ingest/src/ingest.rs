@@ -1,25 +1,19 @@
 //! From the files of a record to a test description, waveforms and their quality.
 
-use crumple_signal::{Channel, Notes, QuantityKind, Sampled, Source, TestDescription, part_of};
+use crumple_signal::{Channel, Notes, Source, TestDescription, part_of};
 
-use crate::bundle::{Bundle, stem};
-use crate::polarity::Polarity;
-use crate::quality::{self, Quality};
-use crate::recording::{Recording, Stated};
-use crate::{IngestError, Place, Settings, Sign, checks, details, polarity, pulse, sidecar, time_zero, twins, unused};
-
-/// A channel's samples and what was measured on them.
-#[derive(Debug, Clone)]
-pub struct Wave {
-    /// Id of the channel.
-    pub id: String,
-    /// What is measured.
-    pub quantity: QuantityKind,
-    /// Samples in SI, t = 0 at first contact.
-    pub samples: Sampled,
-    /// State as read.
-    pub quality: Quality,
-}
+use crate::checks::{channel_quality, redundant_sensors};
+use crate::files::sidecar;
+use crate::formats::reader::{Bundle, stem};
+use crate::pulse::choice;
+use crate::pulse::polarity::{self, Polarity};
+use crate::recording::content::Recording;
+use crate::recording::details::{self, Details, Stated};
+use crate::recording::read_channel::ReadChannel;
+use crate::recording::wave::Wave;
+use crate::recording::{quality, unheeded_flags};
+use crate::time::time_zero;
+use crate::{IngestError, IngestSettings, Place, Sign};
 
 /// Result of the stage.
 #[derive(Debug, Clone)]
@@ -43,93 +37,55 @@ impl Ingested {
 /// Reads a record and applies what is stated about it: `flags` beat the sidecar, which beats the record.
 ///
 /// Samples are as in the file but for the factor of their unit, and the sign if flipping is asked for.
-pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError> {
+pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError> {
     let file = bundle.name.as_str();
-    let beside = match &bundle.sidecar {
-        Some(sidecar) => sidecar::parse(&sidecar.name, &sidecar.bytes)?,
-        None => Settings::default(),
-    };
-    let choices = flags.over(&beside);
-    let mut recording = bundle.reader.read(bundle, &choices)?;
+    let stated_in_sidecar = sidecar::settings(bundle)?;
+    let choices = flags.over(&stated_in_sidecar);
+    let reader = bundle.reader;
+    let mut recording = reader.read(bundle, &choices)?;
     let mut notes = std::mem::take(&mut recording.notes);
-    let format = bundle.reader.format();
-    let why = format!("a record of the format {format} states this itself, or has no such thing");
-    unused::notes(&choices, |flag| !bundle.reader.heeds().contains(&flag), &why, &mut notes);
+    let why = format!("a record of the format {} states this itself, or has no such thing", reader.format());
+    unheeded_flags::warn_except(&choices, reader.relevant_flags(), &why, &mut notes);
     let allow_missing = choices.allow_missing.unwrap_or(false) || recording.details.no_pulse;
     // A change of velocity is named as the pulse, and has none of the checks of an acceleration.
     let (pulse, change) = if recording.details.no_pulse {
-        (None, pulse::velocity_change(file, &recording, choices.channel.as_deref(), &mut notes)?)
+        (None, choice::choose_velocity_change(file, &recording, choices.channel.as_deref(), &mut notes)?)
     } else {
-        (pulse::choose(file, &recording, choices.channel.as_deref(), allow_missing, &mut notes)?, None)
+        (choice::choose_pulse(file, &recording, choices.channel.as_deref(), allow_missing, &mut notes)?, None)
     };
 
     if let Some(pulse) = pulse {
         speed_of_the_pulse(&mut recording, pulse, &mut notes);
     }
     if let Some(sidecar) = &bundle.sidecar {
-        details::apply(&mut recording.details, &beside, &sidecar.name, &mut notes);
+        details::apply(&mut recording.details, &stated_in_sidecar, &sidecar.name, &mut notes);
     }
     details::apply(&mut recording.details, flags, "flag", &mut notes);
-    let comments = format == "csv";
-    // What a head or a chest feels has its criteria whatever the vehicle weighs and how fast it came.
-    let of_body = pulse.is_some_and(|k| part_of(&recording.channels[k].channel).is_some());
-    if of_body && !allow_missing {
-        details::require(file, &recording.details, comments, true, &mut Notes::new())?;
-        if recording.details.mass_kg.is_none() || recording.details.impact_speed_m_per_s.is_none() {
-            notes.info("mass and impact speed are not both stated: the criteria of an occupant need neither");
-        }
-    } else {
-        details::require(file, &recording.details, comments, allow_missing, &mut notes)?;
-    }
+    let is_of_occupant = pulse.is_some_and(|k| part_of(&recording.channels[k].channel).is_some());
+    let has_comments = reader.has_comments();
+    require_details(file, &recording.details, has_comments, allow_missing, is_of_occupant, &mut notes)?;
 
     set_time_zero(file, &mut recording, pulse, &mut notes)?;
     let time_zero = match &recording.details.time_zero_s {
         Some(stated) => Some(format!("stated by {}", stated.from)),
-        None => recording.contact_at_zero.then(|| format!("the format {format}")),
+        None => recording.contact_at_zero.then(|| format!("the format {}", reader.format())),
     };
-    let turned = match choices.sign.unwrap_or_default() {
-        Sign::Keep => None,
-        Sign::Flip => Some("sign of acceleration turned, as asked".to_owned()),
-        Sign::Auto => {
-            let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
-            let wave = pulse.and_then(|k| recording.channels[k].wave.as_ref());
-            let (wrong, why) = polarity::certainly_wrong(wave, speed);
-            if !wrong {
-                notes.info(why.clone());
-            }
-            wrong.then_some(why)
-        }
+    let is_turned = turn_sign(file, &mut recording, pulse, choices.sign.unwrap_or_default(), &mut notes)?;
+    let polarity = match (is_of_occupant, is_turned) {
+        (true, _) => Polarity::OfOccupant,
+        (false, true) => Polarity::Turned,
+        (false, false) => Polarity::AsRead,
     };
-    let flipped = turned.is_some();
-    if let Some(why) = turned {
-        let flipped = polarity::flip(&mut recording.channels).map_err(|error| overflow(file, &error.to_string()))?;
-        notes.info(format!("{why}: {flipped} channel{}", if flipped == 1 { "" } else { "s" }));
-    }
     let pulse_id = pulse.map(|k| recording.channels[k].channel.id.clone());
     let same_place: Vec<String> =
         recording.channels.iter().filter(|f| f.fitness.is_some()).map(|f| f.channel.id.clone()).collect();
-    let waves: Vec<Wave> = recording
-        .channels
-        .iter_mut()
-        .filter_map(|found| {
-            let samples = found.wave.take()?;
-            let quality = quality::measure(&samples, found.jitter);
-            Some(Wave { id: found.channel.id.clone(), quantity: found.channel.quantity, samples, quality })
-        })
-        .collect();
+    let waves = take_waves(&mut recording);
     let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
-    let polarity = if of_body {
-        Polarity::Unasked
-    } else if flipped {
-        Polarity::Turned
-    } else {
-        Polarity::AsRead
-    };
-    checks::notes(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
+    channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
     let pulse_id = pulse_id.or(change.map(|k| recording.channels[k].channel.id.clone()));
 
-    let channels: Vec<Channel> = recording.channels.into_iter().map(|found| found.channel).collect();
-    twins::notes(&channels, &waves, &same_place, speed, &mut notes);
+    let channels: Vec<Channel> = recording.channels.into_iter().map(|read| read.channel).collect();
+    redundant_sensors::check(&channels, &waves, &same_place, speed, &mut notes);
 
     let details = recording.details;
     let words = |stated: Option<Stated<String>>| stated.map(|s| s.value);
@@ -139,13 +95,70 @@ pub fn ingest(bundle: &Bundle, flags: &Settings) -> Result<Ingested, IngestError
         mass_kg: details.mass_kg.map(|s| s.value),
         impact_speed_m_per_s: speed,
         barrier: words(details.barrier),
-        source: Source { format: bundle.reader.format().to_owned(), name: file.to_owned(), digest: bundle.digest() },
+        source: Source { format: reader.format().to_owned(), name: file.to_owned(), digest: bundle.digest() },
         channels,
         pulse: pulse_id,
         notes: details.facts,
         time_zero,
     };
     Ok(Ingested { test, waves, notes })
+}
+
+/// Asks for mass and impact speed, unless they may be missing: because a person allows it, or because the pulse is that
+/// of an occupant, whose criteria need neither.
+fn require_details(
+    file: &str,
+    details: &Details,
+    has_comments: bool,
+    allow_missing: bool,
+    is_of_occupant: bool,
+    notes: &mut Notes,
+) -> Result<(), IngestError> {
+    if !is_of_occupant || allow_missing {
+        return details::require(file, details, has_comments, allow_missing, notes);
+    }
+    details::require(file, details, has_comments, true, &mut Notes::new())?;
+    if details.mass_kg.is_none() || details.impact_speed_m_per_s.is_none() {
+        notes.info("mass and impact speed are not both stated: the criteria of an occupant need neither");
+    }
+    Ok(())
+}
+
+/// Turns the sign of the accelerations along x where that is asked for, or certainly wrong; says whether it did.
+fn turn_sign(
+    file: &str,
+    recording: &mut Recording,
+    pulse: Option<usize>,
+    sign: Sign,
+    notes: &mut Notes,
+) -> Result<bool, IngestError> {
+    let why = match sign {
+        Sign::Keep => return Ok(false),
+        Sign::Flip => "sign of acceleration turned, as asked".to_owned(),
+        Sign::Auto => {
+            let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
+            let wave = pulse.and_then(|k| recording.channels[k].wave.as_ref());
+            let (is_wrong, why) = polarity::certainly_wrong(wave, speed);
+            if !is_wrong {
+                notes.info(why);
+                return Ok(false);
+            }
+            why
+        }
+    };
+    let count = polarity::flip(&mut recording.channels).map_err(|error| overflow(file, &error.to_string()))?;
+    notes.info(format!("{why}: {count} channel{}", if count == 1 { "" } else { "s" }));
+    Ok(true)
+}
+
+/// The channels with data, with their quality as measured.
+fn take_waves(recording: &mut Recording) -> Vec<Wave> {
+    let take = |read: &mut ReadChannel| {
+        let samples = read.wave.take()?;
+        let quality = quality::measure(&samples, read.jitter);
+        Some(Wave { id: read.channel.id.clone(), quantity: read.channel.quantity, samples, quality })
+    };
+    recording.channels.iter_mut().filter_map(take).collect()
 }
 
 /// The pulse's own initial velocity is the better statement of the impact speed than the vehicle's.
@@ -171,11 +184,11 @@ fn set_time_zero(
     match &recording.details.time_zero_s {
         Some(Stated { value, from }) => {
             if *value != 0.0 {
-                for found in &mut recording.channels {
-                    if let Some(wave) = &found.wave {
+                for read in &mut recording.channels {
+                    if let Some(wave) = &read.wave {
                         let shifted =
                             time_zero::shift(wave, *value).map_err(|error| overflow(file, &error.to_string()))?;
-                        found.wave = Some(shifted);
+                        read.wave = Some(shifted);
                     }
                 }
             }
@@ -193,37 +206,11 @@ fn set_time_zero(
         }
     }
     match pulse.and_then(|k| recording.channels[k].wave.as_ref()) {
-        Some(wave) => time_zero::require(file, wave),
+        Some(wave) => time_zero::require_contact(file, wave),
         None => Ok(()),
     }
 }
 
 fn overflow(file: &str, found: &str) -> IngestError {
     IngestError::content(Place::file(file), found, "finite numbers", "correct the record, or --time-zero")
-}
-
-impl Settings {
-    /// These settings where they say something, else those below.
-    pub fn over(&self, below: &Self) -> Self {
-        Self {
-            mass: self.mass.or(below.mass),
-            impact_speed: self.impact_speed.or(below.impact_speed),
-            channel: self.channel.clone().or_else(|| below.channel.clone()),
-            unit: self.unit.clone().or_else(|| below.unit.clone()),
-            time_unit: self.time_unit.clone().or_else(|| below.time_unit.clone()),
-            time_zero: self.time_zero.or(below.time_zero),
-            sign: self.sign.or(below.sign),
-            sample_time: self.sample_time.or(below.sample_time),
-            profile: self.profile.or(below.profile),
-            field: self.field.clone().or_else(|| below.field.clone()),
-            resample: self.resample.or(below.resample),
-            skip_to: self.skip_to.clone().or_else(|| below.skip_to.clone()),
-            vehicle_number: self.vehicle_number.or(below.vehicle_number),
-            vehicle: self.vehicle.clone().or_else(|| below.vehicle.clone()),
-            title: self.title.clone().or_else(|| below.title.clone()),
-            barrier: self.barrier.clone().or_else(|| below.barrier.clone()),
-            allow_missing: self.allow_missing.or(below.allow_missing),
-            listing: self.listing,
-        }
-    }
 }

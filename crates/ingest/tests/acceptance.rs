@@ -7,21 +7,21 @@ use std::io::{Cursor, Read as _, Write as _};
 use std::path::Path;
 use std::process::Command;
 
-use crumple_ingest::{Bundle, IngestError, Ingested, Settings, ingest, list};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ingest, list};
 use crumple_signal::{ChannelStatus, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 use zip::write::SimpleFileOptions;
 
-fn read(path: &Path, settings: &Settings) -> Result<Ingested, IngestError> {
+fn read(path: &Path, settings: &IngestSettings) -> Result<Ingested, IngestError> {
     ingest(&Bundle::open(path)?, settings)
 }
 
-fn channel(id: &str) -> Settings {
-    Settings { channel: Some(id.to_owned()), ..Settings::default() }
+fn channel(id: &str) -> IngestSettings {
+    IngestSettings { channel: Some(id.to_owned()), ..IngestSettings::default() }
 }
 
-fn lenient() -> Settings {
-    Settings { allow_missing: Some(true), ..Settings::default() }
+fn lenient() -> IngestSettings {
+    IngestSettings { allow_missing: Some(true), ..IngestSettings::default() }
 }
 
 fn notes(ingested: &Ingested) -> String {
@@ -92,9 +92,9 @@ fn item_2_the_same_from_the_zip_with_the_barrier() {
     let work = tempfile::tempdir().unwrap();
     let zip = work.path().join("v10146.zip");
     fs::write(&zip, whole_camry(&folder)).unwrap();
-    let ingested = read(&zip, &Settings::default()).unwrap();
+    let ingested = read(&zip, &IngestSettings::default()).unwrap();
     assert_eq!((ingested.test.channels.len(), ingested.waves.len()), (634, 189));
-    let unpacked = read(&folder.join("v10146.EV5"), &Settings::default()).unwrap();
+    let unpacked = read(&folder.join("v10146.EV5"), &IngestSettings::default()).unwrap();
     assert_eq!(ingested.pulse().unwrap().samples, unpacked.pulse().unwrap().samples);
     for cell in ["347", "500"] {
         assert_eq!(ingested.test.channel(cell).unwrap().status, ChannelStatus::Questionable);
@@ -127,7 +127,7 @@ fn item_10_the_accord_record_asks_for_its_unit() {
     let Some(path) = shared("data/iihs-cep1705-accord/CEP1705_ACXD.csv") else { return };
     let error = read(&path, &lenient()).unwrap_err();
     assert!(error.to_string().contains("no unit is stated") && error.hint().contains("--unit g"), "{error}");
-    let ingested = read(&path, &Settings { unit: Some("g".to_owned()), ..lenient() }).unwrap();
+    let ingested = read(&path, &IngestSettings { unit: Some("g".to_owned()), ..lenient() }).unwrap();
     let pulse = ingested.pulse().unwrap();
     assert_eq!((pulse.samples.len(), pulse.samples.t0_s(), pulse.samples.dt_s()), (6000, -0.0999, 1e-4));
     assert!(pulse.quality.time_jitter > 0.0 && pulse.quality.time_jitter < 1e-3);
@@ -149,7 +149,7 @@ fn item_11_shock_texts_keep_their_interval_and_report_clipping() {
 #[test]
 fn item_12_kilo_g_in_a_second_header_line() {
     let Some(path) = shared("data/drop-tower-csv/accel_1.csv") else { return };
-    let ingested = read(&path, &Settings { channel: Some("accel_1".to_owned()), ..lenient() }).unwrap();
+    let ingested = read(&path, &IngestSettings { channel: Some("accel_1".to_owned()), ..lenient() }).unwrap();
     // Largest value of the first drop, stated to four digits.
     assert!((ingested.pulse().unwrap().quality.maximum / (1e3 * G) - 21.41).abs() < 0.005);
     let text = notes(&ingested);
@@ -213,20 +213,21 @@ fn a_signal_file_without_its_specification_is_told_from_an_iso_channel() {
     let Some(nhtsa) = shared("data/nhtsa-v10146-camry-frontal/v10146.093") else { return };
     let error = read(&nhtsa, &lenient()).unwrap_err();
     assert!(error.hint().contains("giving its .EV5 file"), "{}", error.hint());
-    let alone = read(&nhtsa, &Settings { unit: Some("g".to_owned()), ..lenient() }).unwrap();
+    let alone = read(&nhtsa, &IngestSettings { unit: Some("g".to_owned()), ..lenient() }).unwrap();
     assert_eq!(alone.pulse().unwrap().samples.len(), 3500);
 }
 
 #[test]
 fn records_for_identification_need_neither_time_column_nor_crash() {
     let Some(folder) = shared("data/sysid") else { return };
-    let stated = |interval: &str| Settings { sample_time: Some(interval.parse().unwrap()), ..lenient() };
+    let stated = |interval: &str| IngestSettings { sample_time: Some(interval.parse().unwrap()), ..lenient() };
     let dryer = read(&folder.join("hair-dryer/dryer.dat"), &stated("0.08s")).unwrap();
     assert_eq!((dryer.waves.len(), dryer.test.pulse.as_deref()), (2, None));
     let input = &dryer.waves[0];
     assert_eq!((input.quantity, input.samples.len(), input.samples.dt_s()), (QuantityKind::Other, 1000, 0.08));
     assert_eq!(input.samples.samples()[..2], [6.41, 3.41]);
     let frame = folder.join("steel-subframe-a/steel_subframe_u1u2_y01-y06.csv");
-    let frame = read(&frame, &Settings { sample_time: Some("0.0009765625s".parse().unwrap()), ..lenient() }).unwrap();
+    let frame =
+        read(&frame, &IngestSettings { sample_time: Some("0.0009765625s".parse().unwrap()), ..lenient() }).unwrap();
     assert_eq!((frame.waves.len(), frame.waves[0].id.as_str(), frame.waves[7].samples.rate_hz()), (8, "u1", 1024.0));
 }

@@ -5,7 +5,7 @@
 use std::fs;
 use std::io::Write;
 
-use crumple_ingest::{Bundle, IngestError, Ingested, Settings, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ingest};
 use crumple_testkit::shared;
 
 fn block(bytes: &[u8]) -> Vec<u8> {
@@ -75,8 +75,11 @@ fn bag(packing: &str) -> Vec<u8> {
 }
 
 fn read(bytes: Vec<u8>) -> Result<Ingested, IngestError> {
-    let settings =
-        Settings { allow_missing: Some(true), channel: Some("acceleration_x".to_owned()), ..Settings::default() };
+    let settings = IngestSettings {
+        allow_missing: Some(true),
+        channel: Some("acceleration_x".to_owned()),
+        ..IngestSettings::default()
+    };
     ingest(&Bundle::from_bytes("a.bag", bytes)?, &settings)
 }
 
@@ -96,11 +99,11 @@ fn chunks_of_every_packing_hold_the_same_record() {
 fn a_real_bag_packed_anew_reads_alike() {
     let Some(path) = shared("data/ros-imu-bag/tilt_laser.bag") else { return };
     let bytes = fs::read(path).unwrap();
-    let settings = Settings {
+    let settings = IngestSettings {
         allow_missing: Some(true),
         channel: Some("acceleration_z".to_owned()),
         resample: Some("20Hz".parse().unwrap()),
-        ..Settings::default()
+        ..IngestSettings::default()
     };
     let read = |bytes: Vec<u8>| {
         let ingested = ingest(&Bundle::from_bytes("a.bag", bytes).unwrap(), &settings).unwrap();

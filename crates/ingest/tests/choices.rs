@@ -4,23 +4,23 @@
 
 use std::path::Path;
 
-use crumple_ingest::{Bundle, IngestError, Ingested, Profile, Settings, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, Profile, ingest};
 use crumple_signal::STANDARD_GRAVITY_M_PER_S2 as G;
 use crumple_testkit::shared;
 
-fn lenient() -> Settings {
-    Settings { allow_missing: Some(true), ..Settings::default() }
+fn lenient() -> IngestSettings {
+    IngestSettings { allow_missing: Some(true), ..IngestSettings::default() }
 }
 
-fn channel(name: &str) -> Settings {
-    Settings { channel: Some(name.to_owned()), ..lenient() }
+fn channel(name: &str) -> IngestSettings {
+    IngestSettings { channel: Some(name.to_owned()), ..lenient() }
 }
 
-fn read(name: &str, text: &str, settings: &Settings) -> Result<Ingested, IngestError> {
+fn read(name: &str, text: &str, settings: &IngestSettings) -> Result<Ingested, IngestError> {
     ingest(&Bundle::from_bytes(name, text.as_bytes().to_vec())?, settings)
 }
 
-fn open(path: &Path, settings: &Settings) -> Ingested {
+fn open(path: &Path, settings: &IngestSettings) -> Ingested {
     ingest(&Bundle::open(path).unwrap(), settings).unwrap()
 }
 
@@ -111,14 +111,14 @@ fn a_pulse_that_is_not_on_the_compartment_is_warned_about() {
     assert!(of_code("11HEADCG00H3ACXA").contains("does not stand for the passenger compartment"));
 
     let Some(ev5) = shared("data/nhtsa-v10146-camry-frontal/v10146.EV5") else { return };
-    assert_eq!(warning(&open(&ev5, &Settings::default())), "");
+    assert_eq!(warning(&open(&ev5, &IngestSettings::default())), "");
     let engine = warning(&open(&ev5, &channel("96")));
     assert!(engine.starts_with("warning: the pulse, channel 96 (bottom of engine)"), "{engine}");
 }
 
 #[test]
 fn flags_that_say_nothing_to_a_format_are_named() {
-    let all = Settings {
+    let all = IngestSettings {
         unit: Some("g".to_owned()),
         time_unit: Some("s".to_owned()),
         sample_time: Some("1ms".parse().unwrap()),
@@ -140,10 +140,10 @@ fn flags_that_say_nothing_to_a_format_are_named() {
         flags(&iso),
         ["--unit", "--time-unit", "--sample-time", "--profile", "--skip-to", "--field", "--resample"]
     );
-    let table = |header: &str, settings: Settings| flags(&read("a.csv", &table(header), &settings).unwrap());
+    let table = |header: &str, settings: IngestSettings| flags(&read("a.csv", &table(header), &settings).unwrap());
     let some = |flag: &str| match flag {
-        "--field" => Settings { field: all.field.clone(), ..lenient() },
-        "--vehicle-number" => Settings { vehicle_number: all.vehicle_number, ..lenient() },
+        "--field" => IngestSettings { field: all.field.clone(), ..lenient() },
+        "--vehicle-number" => IngestSettings { vehicle_number: all.vehicle_number, ..lenient() },
         _ => lenient(),
     };
     for flag in ["--field", "--vehicle-number"] {
@@ -151,7 +151,7 @@ fn flags_that_say_nothing_to_a_format_are_named() {
     }
     assert_eq!(table("time_s,accel_g", lenient()), [""; 0]);
     // A unit is heeded where a column lacks one, and said to be unused where all have one.
-    let unit = || Settings { unit: Some("g".to_owned()), ..lenient() };
+    let unit = || IngestSettings { unit: Some("g".to_owned()), ..lenient() };
     assert_eq!(table("time_s,accel", unit()), [""; 0]);
     assert_eq!(table("time_s,a1 (m/s^2),a2 (m/s^2)", unit()), ["--unit"]);
 
@@ -159,7 +159,8 @@ fn flags_that_say_nothing_to_a_format_are_named() {
         assert_eq!(flags(&open(&ev5, &all)).len(), 7, "all but --vehicle-number");
     }
     if let Some(tdms) = shared("data/iihs-diadem-tdms/Target Pulse.tdms") {
-        let found = flags(&open(&tdms, &Settings { channel: Some("IIWPG Acceleration".to_owned()), ..all.clone() }));
+        let found =
+            flags(&open(&tdms, &IngestSettings { channel: Some("IIWPG Acceleration".to_owned()), ..all.clone() }));
         assert_eq!(
             found,
             ["--time-unit", "--resample", "--vehicle-number", "--sample-time", "--profile", "--skip-to", "--field"]
@@ -171,7 +172,7 @@ fn flags_that_say_nothing_to_a_format_are_named() {
         assert!(found.contains(&"--vehicle-number".to_owned()), "{found:?}");
     }
     if let Some(bag) = shared("data/ros-imu-bag/tilt_laser.bag") {
-        let found = flags(&open(&bag, &Settings { channel: Some("acceleration_x".to_owned()), ..all.clone() }));
+        let found = flags(&open(&bag, &IngestSettings { channel: Some("acceleration_x".to_owned()), ..all.clone() }));
         assert!(found.len() == 7 && !found.contains(&"--resample".to_owned()), "{found:?}");
     }
 }

@@ -6,12 +6,13 @@ use std::fs;
 use std::io::{Cursor, Write};
 use std::path::Path;
 
-use crumple_ingest::{Bundle, IngestError, Ingested, Settings, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ingest};
 use crumple_signal::{ChannelStatus, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-const MME: &str = "Data format edition number  :1.6\r\nTitle                       :sled 7\r\nName of test object 1       :white car\r\n\
+const MME: &str = "Data format edition number  :1.6\r\nTitle                       :sled 7\r\n\
+    Name of test object 1       :white car\r\n\
     Mass test object 1          :1500\r\nVelocity test object 1      :50 km/h\r\n";
 const CHN: &str = "Instrumentation standard    :ISO 6487\r\nNumber of channels          :4\r\n\
     Name of channel 001         :10SECMLERE00ACXP / seat\r\nName of channel 002         :10SECMRIRE00ACXP\r\n\
@@ -59,12 +60,12 @@ fn write(folder: &Path, files: &[(&str, String)]) {
     }
 }
 
-fn read(path: &Path, settings: &Settings) -> Result<Ingested, IngestError> {
+fn read(path: &Path, settings: &IngestSettings) -> Result<Ingested, IngestError> {
     ingest(&Bundle::open(path)?, settings)
 }
 
 fn lone(content: &str) -> Result<Ingested, IngestError> {
-    let settings = Settings { allow_missing: Some(true), ..Settings::default() };
+    let settings = IngestSettings { allow_missing: Some(true), ..IngestSettings::default() };
     ingest(&Bundle::from_bytes("a.001", content.as_bytes().to_vec())?, &settings)
 }
 
@@ -96,9 +97,9 @@ fn check(ingested: &Ingested) {
 fn a_folder_whatever_the_case_of_its_names() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &files());
-    check(&read(folder.path(), &Settings::default()).unwrap());
-    check(&read(&folder.path().join("T7.MME"), &Settings::default()).unwrap());
-    check(&read(&folder.path().join("Channel/t7.CHN"), &Settings::default()).unwrap());
+    check(&read(folder.path(), &IngestSettings::default()).unwrap());
+    check(&read(&folder.path().join("T7.MME"), &IngestSettings::default()).unwrap());
+    check(&read(&folder.path().join("Channel/t7.CHN"), &IngestSettings::default()).unwrap());
 }
 
 #[test]
@@ -112,9 +113,9 @@ fn an_archive_with_one_top_folder_gives_the_same_digest_as_the_folder() {
     }
     let archive = folder.path().join("t7.zip");
     fs::write(&archive, zip.finish().unwrap().into_inner()).unwrap();
-    let zipped = read(&archive, &Settings::default()).unwrap();
+    let zipped = read(&archive, &IngestSettings::default()).unwrap();
     check(&zipped);
-    let unpacked = read(&folder.path().join("T7.MME"), &Settings::default()).unwrap();
+    let unpacked = read(&folder.path().join("T7.MME"), &IngestSettings::default()).unwrap();
     assert_eq!(zipped.test.source.digest, unpacked.test.source.digest);
 }
 
@@ -122,7 +123,7 @@ fn an_archive_with_one_top_folder_gives_the_same_digest_as_the_folder() {
 fn without_test_file_and_list_the_channels_are_read_all_the_same() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &files()[2..]);
-    let stated = Settings { allow_missing: Some(true), ..Settings::default() };
+    let stated = IngestSettings { allow_missing: Some(true), ..IngestSettings::default() };
     let ingested = read(folder.path(), &stated).unwrap();
     assert_eq!((ingested.waves.len(), ingested.test.pulse.as_deref()), (3, Some("10SECMLERE00ACXP")));
     // One channel file by itself is one channel.
@@ -135,7 +136,7 @@ fn a_code_or_a_pattern_names_the_pulse() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &files());
     let named = |channel: &str| {
-        read(folder.path(), &Settings { channel: Some(channel.to_owned()), ..Settings::default() })
+        read(folder.path(), &IngestSettings { channel: Some(channel.to_owned()), ..IngestSettings::default() })
             .map(|i| i.test.pulse.unwrap())
     };
     assert_eq!(named("1?SECMRI*X?").unwrap(), "10SECMRIRE00ACXP");
@@ -151,7 +152,7 @@ fn a_broken_channel_costs_itself_and_is_named() {
     let mut files = files();
     files[4].1 = "Channel code :10ENGN000000ACXP\nUnit :g\nSampling interval :1e-4\n1\n\u{1}\u{2}\n".to_owned();
     write(folder.path(), &files);
-    let ingested = read(folder.path(), &Settings::default()).unwrap();
+    let ingested = read(folder.path(), &IngestSettings::default()).unwrap();
     assert_eq!(ingested.waves.len(), 2);
     assert!(notes(&ingested).contains("a channel is left out: t7.003, line 5"), "{}", notes(&ingested));
 }
@@ -167,7 +168,7 @@ fn an_explicit_time_channel_gives_the_grid() {
     data = data.replace(":implicit", ":explicit\nReference channel name      :10TIRS000000TI00");
     data = data.replace("Sampling interval           :0.0001\n", "");
     write(folder.path(), &[("t.001", data), ("t.002", time)]);
-    let stated = Settings { allow_missing: Some(true), ..Settings::default() };
+    let stated = IngestSettings { allow_missing: Some(true), ..IngestSettings::default() };
     for path in [folder.path().to_owned(), folder.path().join("t.001")] {
         let ingested = read(&path, &stated).unwrap();
         let pulse = ingested.pulse().unwrap_or_else(|| panic!("{}", notes(&ingested)));
@@ -223,7 +224,8 @@ fn an_unknown_unit_is_kept_as_read_until_it_is_stated() {
     let text = channel("10SECMLERE00ACXP", "", 20.0).replace("Unit                        :g\n", "");
     let ingested = lone(&text).unwrap();
     assert_eq!((ingested.waves[0].quantity, ingested.test.pulse), (QuantityKind::Other, None));
-    let settings = Settings { allow_missing: Some(true), unit: Some("g".to_owned()), ..Settings::default() };
+    let settings =
+        IngestSettings { allow_missing: Some(true), unit: Some("g".to_owned()), ..IngestSettings::default() };
     let ingested = ingest(&Bundle::from_bytes("a.001", text.into_bytes()).unwrap(), &settings).unwrap();
     assert!((ingested.pulse().unwrap().quality.minimum + 20.0 * G).abs() < 1e-2 * G);
 }
@@ -237,7 +239,8 @@ fn header_counts_allocate_nothing() {
     files[1].1 = CHN.replace(":4\r\n", ":4000000000\r\n");
     write(folder.path(), &files);
     assert!(
-        notes(&read(folder.path(), &Settings::default()).unwrap()).contains("states 4000000000 channels and lists 4")
+        notes(&read(folder.path(), &IngestSettings::default()).unwrap())
+            .contains("states 4000000000 channels and lists 4")
     );
 }
 
@@ -270,14 +273,14 @@ fn a_test_file_without_its_edition_is_read_and_a_bare_speed_is_named() {
     let mut files = files();
     files[0].1 = files[0].1.replace("Data format edition number  :1.6\r\n", "");
     write(folder.path(), &files);
-    let ingested = read(folder.path(), &Settings::default()).unwrap();
+    let ingested = read(folder.path(), &IngestSettings::default()).unwrap();
     assert_eq!(ingested.test.mass_kg, Some(1500.0));
     let notes = ingested.notes.to_texts().join("\n");
     assert!(notes.contains("lacks the line \"Data format edition number\""), "{notes}");
 
     files[0].1 = files[0].1.replace("50 km/h", "50");
     write(folder.path(), &files);
-    let error = read(folder.path(), &Settings::default()).unwrap_err();
+    let error = read(folder.path(), &IngestSettings::default()).unwrap_err();
     assert!(error.to_string().contains("velocity test object 1 is 50 without a unit"), "{error}");
     assert!(!error.expected().unwrap().contains("header lines"), "{error:?}");
 }

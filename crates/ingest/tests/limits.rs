@@ -5,7 +5,7 @@
 use std::fs;
 use std::io::{Cursor, Write};
 
-use crumple_ingest::{Bundle, IngestError, Settings, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, ingest};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
@@ -29,7 +29,7 @@ fn open(name: &str, bytes: &[u8]) -> Result<Bundle, IngestError> {
 }
 
 fn refused(bundle: Result<Bundle, IngestError>) -> String {
-    let error = match bundle.and_then(|bundle| ingest(&bundle, &Settings::default())) {
+    let error = match bundle.and_then(|bundle| ingest(&bundle, &IngestSettings::default())) {
         Err(error) => error,
         Ok(_) => panic!("it was read"),
     };

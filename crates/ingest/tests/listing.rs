@@ -63,7 +63,8 @@ fn a_damaged_signal_file_is_listed_as_not_read_and_one_that_is_not_here_as_absen
     let folder = tempfile::tempdir().unwrap();
     let line = |curve: u32| format!("1|{curve}|AC|NA|FLLR|XG|SEC|G'S|2800||||| 57.0|-100|299|100|AM|P|FLOOR X\n");
     let ev5 = format!(
-        "----- EV5 -----\n----- TEST -----\nV5|T\n----- VEHICLE -----\n1|1\n----- INSTRUMENTATION -----\n{}{}{}----- END -----\n",
+        "----- EV5 -----\n----- TEST -----\nV5|T\n----- VEHICLE -----\n1|1\n----- INSTRUMENTATION -----\n{}{}{}\
+         ----- END -----\n",
         line(7),
         line(8),
         line(9)

@@ -2,27 +2,27 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-use crumple_ingest::{Bundle, Found, IngestError, Recording, Settings, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, ReadChannel, Recording, ingest};
 use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 use proptest::prelude::*;
 
 fn read(text: impl AsRef<[u8]>) -> Result<Recording, IngestError> {
     let bundle = Bundle::from_bytes("t.lvm", text.as_ref().to_vec())?;
-    bundle.reader.read(&bundle, &Settings::default())
+    bundle.reader.read(&bundle, &IngestSettings::default())
 }
 
 fn recording(path: &str) -> Option<Recording> {
     let bundle = Bundle::open(&shared(path)?).unwrap();
     assert_eq!(bundle.reader.format(), "lvm");
-    Some(bundle.reader.read(&bundle, &Settings::default()).unwrap())
+    Some(bundle.reader.read(&bundle, &IngestSettings::default()).unwrap())
 }
 
-fn samples(found: &Found) -> &[f64] {
+fn samples(found: &ReadChannel) -> &[f64] {
     found.wave.as_ref().unwrap().samples()
 }
 
-fn grid(found: &Found) -> (f64, f64) {
+fn grid(found: &ReadChannel) -> (f64, f64) {
     let wave = found.wave.as_ref().unwrap();
     (wave.t0_s(), wave.dt_s())
 }
@@ -50,7 +50,7 @@ fn short_has_decimal_commas_and_no_x_column() {
 #[test]
 fn test_002_has_two_accelerations_at_51_2_khz() {
     let Some(recording) = recording("data/shock-table-lvm/Test_002.lvm") else { return };
-    let accelerations: Vec<&Found> =
+    let accelerations: Vec<&ReadChannel> =
         recording.channels.iter().filter(|f| f.channel.quantity == QuantityKind::Acceleration).collect();
     assert_eq!((recording.channels.len(), accelerations.len()), (6, 2));
     for (found, minimum, maximum) in
@@ -73,13 +73,16 @@ fn test_002_has_two_accelerations_at_51_2_khz() {
 fn test_002_goes_through_with_its_channel_named() {
     let Some(path) = shared("data/shock-table-lvm/Test_002.lvm") else { return };
     let bundle = Bundle::open(&path).unwrap();
-    let error = ingest(&bundle, &Settings::default()).unwrap_err();
+    let error = ingest(&bundle, &IngestSettings::default()).unwrap_err();
     assert!(error.to_string().contains("Acceleration_0, Acceleration_1"), "{error}");
-    let settings =
-        Settings { channel: Some("Acceleration_0".to_owned()), allow_missing: Some(true), ..Settings::default() };
+    let settings = IngestSettings {
+        channel: Some("Acceleration_0".to_owned()),
+        allow_missing: Some(true),
+        ..IngestSettings::default()
+    };
     let ingested = ingest(&bundle, &settings).unwrap();
     assert_eq!((ingested.test.pulse.as_deref(), ingested.waves.len()), (Some("Acceleration_0"), 6));
-    let error = ingest(&bundle, &Settings { allow_missing: None, ..settings }).unwrap_err();
+    let error = ingest(&bundle, &IngestSettings { allow_missing: None, ..settings }).unwrap_err();
     assert_eq!(error.to_string(), "Test_002.lvm does not state the mass of the vehicle and the impact speed");
 }
 
@@ -112,12 +115,16 @@ fn channels_without_samples_are_left_out() {
     has_note(&recording, "no samples in Untitled, Untitled_1, Untitled_2, Untitled_3: left out");
 }
 
-const HEAD: &str = "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\nX_Columns\tOne\nDate\t2024/01/02\nTime\t10:00:00.0\n***End_of_Header***\t\n\t\n";
+const HEAD: &str = "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n\
+    X_Columns\tOne\nDate\t2024/01/02\nTime\t10:00:00.0\n\
+    ***End_of_Header***\t\n\t\n";
 
 fn segment(x0: f64, from: usize, n: usize) -> String {
     let rows: String = (0..n).map(|k| format!("{:.6}\t{}\n", x0 + k as f64 * 1e-3, from + k)).collect();
     format!(
-        "Channels\t1\nSamples\t{n}\nDate\t2024/01/02\nTime\t10:00:05.0\nY_Unit_Label\tg\nX_Dimension\tTime\nX0\t{x0}\nDelta_X\t0.001\n***End_of_Header***\t\nX_Value\tacc\tComment\n{rows}\n"
+        "Channels\t1\nSamples\t{n}\nDate\t2024/01/02\nTime\t10:00:05.0\nY_Unit_Label\tg\n\
+         X_Dimension\tTime\nX0\t{x0}\nDelta_X\t0.001\n***End_of_Header***\t\n\
+         X_Value\tacc\tComment\n{rows}\n"
     )
 }
 
@@ -206,10 +213,14 @@ proptest! {
             let end = if replace { (at + 5).min(bytes.len()) } else { at };
             bytes.splice(at..end, PIECES[piece].iter().copied());
         }
-        let settings = Settings { allow_missing: Some(true), channel: Some("1".to_owned()), ..Settings::default() };
-        for settings in [Settings::default(), settings] {
+        let channel = Some("1".to_owned());
+        let settings = IngestSettings { allow_missing: Some(true), channel, ..IngestSettings::default() };
+        for settings in [IngestSettings::default(), settings] {
             match Bundle::from_bytes("t.lvm", bytes.clone()).and_then(|bundle| ingest(&bundle, &settings)) {
-                Ok(found) => prop_assert!(found.waves.iter().all(|w| w.samples.samples().iter().all(|x| x.is_finite()))),
+                Ok(record) => {
+                    let mut samples = record.waves.iter().flat_map(|wave| wave.samples.samples());
+                    prop_assert!(samples.all(|x| x.is_finite()));
+                }
                 Err(error) => prop_assert!(!error.to_string().is_empty() && !error.hint().is_empty()),
             }
         }

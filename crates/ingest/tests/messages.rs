@@ -7,7 +7,7 @@ use std::fs;
 use std::io::Cursor;
 use std::process::Command;
 
-use crumple_ingest::{Bundle, IngestError, Ingested, Settings, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ingest};
 use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 use mcap::records::MessageHeader;
@@ -44,12 +44,12 @@ fn imu(cdr: bool, stamp_ns: u64, linear: [f64; 3]) -> Vec<u8> {
     if cdr { [vec![0, 1, 0, 0], body].concat() } else { body }
 }
 
-fn read(bytes: Vec<u8>, settings: &Settings) -> Result<Ingested, IngestError> {
+fn read(bytes: Vec<u8>, settings: &IngestSettings) -> Result<Ingested, IngestError> {
     ingest(&Bundle::from_bytes("a.mcap", bytes)?, settings)
 }
 
-fn settings(channel: &str) -> Settings {
-    Settings { allow_missing: Some(true), channel: Some(channel.to_owned()), ..Settings::default() }
+fn settings(channel: &str) -> IngestSettings {
+    IngestSettings { allow_missing: Some(true), channel: Some(channel.to_owned()), ..IngestSettings::default() }
 }
 
 /// 200 messages at 1 kHz from 100 s on; the times of recording are late and uneven.
@@ -79,10 +79,10 @@ fn stamps_of_the_messages_are_the_time() {
 #[test]
 fn several_axes_are_asked_about() {
     let file = mcap_file("sensor_msgs/msg/Imu", "cdr", &log(|stamp, linear| imu(true, stamp, linear)));
-    let stated = Settings {
+    let stated = IngestSettings {
         mass: Some("1t".parse().unwrap()),
         impact_speed: Some("10m/s".parse().unwrap()),
-        ..Settings::default()
+        ..IngestSettings::default()
     };
     let error = read(file, &stated).unwrap_err();
     assert!(error.to_string().contains("3 acceleration columns: imu-acceleration_x"), "{error}");
@@ -100,22 +100,22 @@ fn a_field_of_json_messages_is_named_with_its_unit() {
         .into_bytes()
     };
     let file = mcap_file("Something", "json", &log(json));
-    let error = read(file.clone(), &Settings::default()).unwrap_err();
+    let error = read(file.clone(), &IngestSettings::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
         "a.mcap: no topic with acceleration; its topics: /imu (Something, json, 200 messages)"
     );
     assert!(error.hint().contains("--field imu.acceleration.x"));
-    let named = Settings {
+    let named = IngestSettings {
         allow_missing: Some(true),
         field: Some("imu.acceleration.x".to_owned()),
         unit: Some("g".to_owned()),
-        ..Settings::default()
+        ..IngestSettings::default()
     };
     let ingested = read(file.clone(), &named).unwrap();
     let pulse = ingested.pulse().unwrap();
     assert_eq!((pulse.id.as_str(), pulse.samples.samples()[2]), ("imu-imu_acceleration_x", -2.0 * G));
-    let wrong = Settings { field: Some("imu.speed".to_owned()), ..named };
+    let wrong = IngestSettings { field: Some("imu.speed".to_owned()), ..named };
     assert!(
         read(file, &wrong).unwrap_err().to_string().contains("no JSON or protobuf message has a number at imu.speed")
     );
@@ -124,7 +124,7 @@ fn a_field_of_json_messages_is_named_with_its_unit() {
 #[test]
 fn other_encodings_are_refused_by_name() {
     let file = mcap_file("sensor_msgs/msg/Imu", "flatbuffer", &[(1, vec![1, 2, 3])]);
-    let error = read(file, &Settings::default()).unwrap_err();
+    let error = read(file, &IngestSettings::default()).unwrap_err();
     assert!(error.to_string().contains("(sensor_msgs/msg/Imu, flatbuffer, 1 messages)"), "{error}");
     assert!(error.hint().contains("encoding is not read"), "{}", error.hint());
 }
@@ -137,7 +137,7 @@ fn uneven_stamps_are_refused_and_resampled_only_on_request() {
     let error = read(file.clone(), &settings("acceleration_x")).unwrap_err();
     assert!(error.to_string().starts_with("a.mcap, topic /imu, message 101: a step of 2.0000 ms"), "{error}");
     assert_eq!(error.hint(), "resample on a uniform grid by linear interpolation: --resample 1000Hz");
-    let asked = Settings { resample: Some("1kHz".parse().unwrap()), ..settings("acceleration_x") };
+    let asked = IngestSettings { resample: Some("1kHz".parse().unwrap()), ..settings("acceleration_x") };
     let ingested = read(file, &asked).unwrap();
     let samples = ingested.pulse().unwrap().samples.samples();
     // The record is a straight line: interpolation gives it back but for rounding of the stamps (1e-9 s of 1e3 per s).
@@ -149,7 +149,7 @@ fn uneven_stamps_are_refused_and_resampled_only_on_request() {
 fn damaged_and_boastful_files_are_refused() {
     let file = mcap_file("sensor_msgs/msg/Imu", "cdr", &log(|stamp, linear| imu(true, stamp, linear)));
     for length in [9, 100, file.len() / 2, file.len() - 1] {
-        let error = read(file[..length].to_vec(), &Settings::default()).unwrap_err();
+        let error = read(file[..length].to_vec(), &IngestSettings::default()).unwrap_err();
         assert!(error.to_string().contains("the MCAP file cannot be read"), "{error}");
     }
     // A chunk record (opcode 6): times, then the size it claims.
@@ -164,7 +164,7 @@ fn damaged_and_boastful_files_are_refused() {
     huge.extend((chunk.len() as u64).to_le_bytes());
     huge.extend(&chunk);
     huge.extend(b"\x89MCAP0\r\n");
-    let error = read(huge, &Settings::default()).unwrap_err();
+    let error = read(huge, &IngestSettings::default()).unwrap_err();
     assert!(error.to_string().contains("a chunk that claims 1048576 MiB"), "{error}");
 }
 
@@ -183,7 +183,7 @@ fn an_artifact_of_a_stage_passes_through() {
     };
     run("a.csv", "1.mcap");
     run("1.mcap", "2.mcap");
-    let read = |name: &str| ingest(&Bundle::open(&path(name)).unwrap(), &Settings::default()).unwrap();
+    let read = |name: &str| ingest(&Bundle::open(&path(name)).unwrap(), &IngestSettings::default()).unwrap();
     let (first, again) = (read("a.csv"), read("2.mcap"));
     assert_eq!((again.test.pulse.as_deref(), again.test.mass_kg), (Some("accel_g"), Some(873.0)));
     assert_eq!(first.test.channels, again.test.channels);
@@ -198,10 +198,11 @@ fn the_logged_bag_gives_gravity() {
     let bundle = Bundle::open(&path).unwrap();
     let error = ingest(&bundle, &settings("acceleration_z")).unwrap_err();
     assert!(error.to_string().contains("steps from 39.7"), "{error}");
-    let asked = Settings { resample: Some("20Hz".parse().unwrap()), ..settings("acceleration_z") };
+    let asked = IngestSettings { resample: Some("20Hz".parse().unwrap()), ..settings("acceleration_z") };
     let ingested = ingest(&bundle, &asked).unwrap();
     let samples = ingested.pulse().unwrap().samples.samples();
     let mean = samples.iter().sum::<f64>() / samples.len() as f64;
-    // The mean of the raw messages is stated as 9.796; interpolation on as many instants moves it by far less than 0.01.
+    // The mean of the raw messages is stated as 9.796; interpolation on as many instants moves it by far less than
+    // 0.01.
     assert!((mean - 9.796).abs() < 0.01, "{mean}");
 }

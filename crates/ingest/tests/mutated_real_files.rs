@@ -4,7 +4,7 @@
 
 use std::fs;
 
-use crumple_ingest::{Bundle, IngestError, Settings, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, ingest};
 use crumple_testkit::shared;
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -17,8 +17,8 @@ fn changes() -> impl Strategy<Value = Vec<Change>> {
     prop::collection::vec((any::<u8>(), any::<Index>(), any::<u8>(), 0_u16..400), 1..5)
 }
 
-/// Bytes set, pieces put in, taken out or doubled, the end cut off. Half of the places are in the first 4 KiB, where the
-/// headers are.
+/// Bytes set, pieces put in, taken out or doubled, the end cut off. Half of the places are in the first 4 KiB, where
+/// the headers are.
 fn mutate(mut bytes: Vec<u8>, changes: &[Change]) -> Vec<u8> {
     const PIECES: [&[u8]; 16] = [
         b"NaN",
@@ -61,13 +61,13 @@ fn mutate(mut bytes: Vec<u8>, changes: &[Change]) -> Vec<u8> {
 
 fn check(name: &str, bundle: Result<Bundle, IngestError>) {
     // What a record lacks is not asked back, and messages are resampled, so that reading gets as far as it can.
-    let settings = Settings {
+    let settings = IngestSettings {
         allow_missing: Some(true),
         unit: Some("g".to_owned()),
         field: name.ends_with(".mcap").then(|| "clientX".to_owned()),
         sample_time: name.ends_with(".dat").then(|| "80ms".parse().unwrap()),
         resample: Some("20Hz".parse().unwrap()),
-        ..Settings::default()
+        ..IngestSettings::default()
     };
     match bundle.and_then(|bundle| ingest(&bundle, &settings)) {
         Ok(ingested) => {

@@ -7,7 +7,7 @@ use std::fs;
 use std::io::{Cursor, Write};
 use std::path::PathBuf;
 
-use crumple_ingest::{Bundle, IngestError, Ingested, Settings, Wave, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, Wave, ingest};
 use crumple_signal::{Axis, ChannelStatus, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 use zip::ZipWriter;
@@ -18,7 +18,7 @@ fn folder() -> Option<PathBuf> {
 }
 
 fn read(path: PathBuf, channel: Option<&str>) -> Result<Ingested, IngestError> {
-    let settings = Settings { channel: channel.map(str::to_owned), ..Settings::default() };
+    let settings = IngestSettings { channel: channel.map(str::to_owned), ..IngestSettings::default() };
     ingest(&Bundle::open(&path)?, &settings)
 }
 
@@ -110,7 +110,8 @@ fn channels_without_data_say_why() {
     let error = |channel| read(folder.join("v10146.EV5"), Some(channel)).unwrap_err().to_string();
     assert_eq!(
         error("45"),
-        "v10146.EV5: channel 45: not installed (DRIVER SHOULDER BELT: Not installed): it has no data, and no file is missing"
+        "v10146.EV5: channel 45: not installed (DRIVER SHOULDER BELT: Not installed): it has no data, and no file is \
+         missing"
     );
     assert!(error("2").contains("channel 2 (driver, head): its signal file, with the extension .002, is not here"));
     assert!(error("700").contains("channel 700 is not listed"));
@@ -201,7 +202,7 @@ fn a_damaged_signal_file_is_named_with_its_line() {
     let path = copy.path().join("v10146.EV5");
     let error = read(path.clone(), None).unwrap_err();
     assert!(error.to_string().contains("can be read: v10146.093, line 4"), "{error}");
-    let lines = crumple_ingest::list(&Bundle::open(&path).unwrap(), &Settings::default()).unwrap();
+    let lines = crumple_ingest::list(&Bundle::open(&path).unwrap(), &IngestSettings::default()).unwrap();
     let line = lines.iter().find(|line| line.id == "93").unwrap();
     assert!(line.comment.as_deref().unwrap().starts_with("its file is not read: v10146.093, line 4"), "{line:?}");
 }

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
-use crumple_ingest::{Bundle, IngestError, Ingested, Settings, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ingest};
 use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use mcap::Compression;
 use mcap::records::MessageHeader;
@@ -98,11 +98,11 @@ fn mcap_file(packing: Option<Compression>, description: &[u8], with_stamp: bool)
 }
 
 fn read(bytes: Vec<u8>, field: &str, unit: Option<&str>) -> Result<Ingested, IngestError> {
-    let settings = Settings {
+    let settings = IngestSettings {
         field: Some(field.to_owned()),
         unit: unit.map(str::to_owned),
         allow_missing: Some(true),
-        ..Settings::default()
+        ..IngestSettings::default()
     };
     ingest(&Bundle::from_bytes("a.mcap", bytes)?, &settings)
 }
@@ -145,7 +145,7 @@ fn a_wrong_path_is_answered_with_the_right_ones() {
 #[test]
 fn unnamed_fields_and_broken_schemas_are_refused_by_name() {
     let bytes = mcap_file(None, &description(), true);
-    let error = ingest(&Bundle::from_bytes("a.mcap", bytes).unwrap(), &Settings::default()).unwrap_err();
+    let error = ingest(&Bundle::from_bytes("a.mcap", bytes).unwrap(), &IngestSettings::default()).unwrap_err();
     assert!(error.to_string().contains("/tunnel (crash.Sensor, protobuf, 200 messages)"), "{error}");
     assert!(error.hint().contains("--field"), "{}", error.hint());
     let error = read(mcap_file(None, b"syntax = \"proto3\";", true), "linear.x", None).unwrap_err();
@@ -158,10 +158,13 @@ fn unnamed_fields_and_broken_schemas_are_refused_by_name() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Neither a damaged description nor damaged messages stop the program; they are written into an intact MCAP file, so that
-    /// no checksum is in the way.
+    /// Neither a damaged description nor damaged messages stop the program; they are written into an intact MCAP file,
+    /// so that no checksum is in the way.
     #[test]
-    fn damaged_descriptions_and_messages(changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6), which in 0..2) {
+    fn damaged_descriptions_and_messages(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        which in 0..2,
+    ) {
         let pool = DescriptorPool::decode(description().as_slice()).unwrap();
         let change = |mut bytes: Vec<u8>| {
             for (at, byte) in &changes {

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-use crumple_ingest::{Bundle, IngestError, Ingested, Profile, Settings, ingest, list};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, Profile, ingest, list};
 use crumple_signal::{Axis, QuantityKind};
 
 /// Two events with a longitudinal and a lateral table each, before them a table of the five seconds before.
@@ -28,12 +28,12 @@ fn report() -> String {
     text
 }
 
-fn read(text: &str, settings: &Settings) -> Result<Ingested, IngestError> {
+fn read(text: &str, settings: &IngestSettings) -> Result<Ingested, IngestError> {
     ingest(&Bundle::from_bytes("edr.csv", text.as_bytes().to_vec())?, settings)
 }
 
-fn edr() -> Settings {
-    Settings { profile: Some(Profile::Edr), ..Settings::default() }
+fn edr() -> IngestSettings {
+    IngestSettings { profile: Some(Profile::Edr), ..IngestSettings::default() }
 }
 
 #[test]
@@ -47,7 +47,8 @@ fn the_longitudinal_table_of_the_first_event_is_taken_and_the_others_are_named()
     assert!((wave.quality.minimum + 60.0 / 3.6).abs() < 1e-12, "{}", wave.quality.minimum);
     let notes = ingested.notes.to_texts().join("\n");
     for said in [
-        "others: Velocity_Change (Lateral Crash Pulse (Event Record 1)), Velocity_Change-3 (Longitudinal Crash Pulse (Event Record 2))",
+        "others: Velocity_Change (Lateral Crash Pulse (Event Record 1)), Velocity_Change-3 (Longitudinal Crash Pulse \
+         (Event Record 2))",
         "not read: \"Pre-Crash Data (Event Record 1)\"",
         "its file is not complete (line 2: Complete File Recorded,No)",
     ] {
@@ -59,14 +60,14 @@ fn the_longitudinal_table_of_the_first_event_is_taken_and_the_others_are_named()
 
 #[test]
 fn a_channel_or_a_title_picks_another_table() {
-    let settings = Settings { channel: Some("*Event Record 2*".to_owned()), ..edr() };
+    let settings = IngestSettings { channel: Some("*Event Record 2*".to_owned()), ..edr() };
     assert_eq!(read(&report(), &settings).unwrap().test.pulse.as_deref(), Some("Velocity_Change-3"));
-    let settings = Settings { skip_to: Some("lateral crash".to_owned()), ..edr() };
+    let settings = IngestSettings { skip_to: Some("lateral crash".to_owned()), ..edr() };
     let ingested = read(&report(), &settings).unwrap();
     assert_eq!((ingested.waves.len(), ingested.test.pulse), (1, None));
-    let error = read(&report(), &Settings { channel: Some("Velocity*".to_owned()), ..edr() }).unwrap_err();
+    let error = read(&report(), &IngestSettings { channel: Some("Velocity*".to_owned()), ..edr() }).unwrap_err();
     assert!(error.to_string().contains("means 3 channels"), "{error}");
-    let error = read(&report(), &Settings { skip_to: Some("Rollover".to_owned()), ..edr() }).unwrap_err();
+    let error = read(&report(), &IngestSettings { skip_to: Some("Rollover".to_owned()), ..edr() }).unwrap_err();
     assert_eq!(error.to_string(), "edr.csv: no line holds \"Rollover\"");
 }
 
@@ -96,9 +97,9 @@ fn units_that_disagree_are_named_with_their_line() {
 
 #[test]
 fn without_the_profile_the_refusal_names_it() {
-    let error = read(&report(), &Settings::default()).unwrap_err();
+    let error = read(&report(), &IngestSettings::default()).unwrap_err();
     assert!(error.hint().contains("--profile edr"), "{error}: {}", error.hint());
     let rows: String = (0..60).map(|k| format!("{},{}\n", 10 * k, -(k.min(50)))).collect();
-    let error = read(&format!("Time (msec),Delta-V (km/h)\n{rows}"), &Settings::default()).unwrap_err();
+    let error = read(&format!("Time (msec),Delta-V (km/h)\n{rows}"), &IngestSettings::default()).unwrap_err();
     assert!(error.hint().contains("--profile edr"), "{error}: {}", error.hint());
 }

@@ -4,7 +4,7 @@
 
 use std::io::{Cursor, Write};
 
-use crumple_ingest::{Bundle, Settings, ingest};
+use crumple_ingest::{Bundle, IngestSettings, ingest};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -79,7 +79,7 @@ fn mutate(mut bytes: Vec<u8>, changes: &[(u8, prop::sample::Index, usize)]) -> V
 }
 
 /// A result has finite samples and a pulse; a refusal has words. Reaching the end is the point.
-fn check(bundle: Result<Bundle, crumple_ingest::IngestError>, settings: &Settings) {
+fn check(bundle: Result<Bundle, crumple_ingest::IngestError>, settings: &IngestSettings) {
     match bundle.and_then(|bundle| ingest(&bundle, settings)) {
         Ok(ingested) => {
             assert!(ingested.pulse().is_none_or(|w| w.samples.len() >= 50));
@@ -89,12 +89,12 @@ fn check(bundle: Result<Bundle, crumple_ingest::IngestError>, settings: &Setting
     }
 }
 
-fn settings() -> impl Strategy<Value = Settings> {
+fn settings() -> impl Strategy<Value = IngestSettings> {
     (prop::option::of(prop::sample::select(vec!["accel_g", "93", "2", "96", "x"])), any::<bool>()).prop_map(
-        |(channel, allow)| Settings {
+        |(channel, allow)| IngestSettings {
             channel: channel.map(str::to_owned),
             allow_missing: Some(allow),
-            ..Settings::default()
+            ..IngestSettings::default()
         },
     )
 }
@@ -105,7 +105,7 @@ fn changes() -> impl Strategy<Value = Vec<(u8, prop::sample::Index, usize)>> {
 
 #[test]
 fn the_unchanged_examples_are_read() {
-    let all = Settings::default();
+    let all = IngestSettings::default();
     assert!(ingest(&Bundle::from_bytes("a.csv", table()).unwrap(), &all).is_ok());
     let mut bundle = Bundle::from_bytes("v1.EV5", EV5.as_bytes().to_vec()).unwrap();
     bundle.companions.insert("v1.093".to_owned(), curve());
@@ -161,7 +161,8 @@ proptest! {
 fn channel_file() -> Vec<u8> {
     let samples: String = (0..80).map(|k| format!("{:.4e}\n", -0.1 * f64::from(k))).collect();
     format!(
-        "Test object number          :1\nChannel code                :10SECMLERE00ACXP\nUnit                        :g\n\
+        "Test object number          :1\nChannel code                :10SECMLERE00ACXP\n\
+         Unit                        :g\n\
          Reference channel           :implicit\nSampling interval           :0.0001\n\
          Time of first sample        :-0.002\nNumber of samples           :80\n{samples}NOVALUE\n"
     )
@@ -216,14 +217,15 @@ proptest! {
 
     #[test]
     fn mutated_recordings(changes in changes(), settings in settings()) {
-        let settings = Settings { field: Some("x".to_owned()), unit: Some("g".to_owned()), ..settings };
+        let settings = IngestSettings { field: Some("x".to_owned()), unit: Some("g".to_owned()), ..settings };
         check(Bundle::from_bytes("a.mcap", mutate(mcap_file(), &changes)), &settings);
     }
 }
 
 #[test]
 fn the_unchanged_recordings_are_read() {
-    let settings = Settings { field: Some("x".to_owned()), allow_missing: Some(true), ..Settings::default() };
+    let settings =
+        IngestSettings { field: Some("x".to_owned()), allow_missing: Some(true), ..IngestSettings::default() };
     for (name, bytes, waves) in [("a.001", channel_file(), 1), ("a.bag", bag(), 6), ("a.mcap", mcap_file(), 1)] {
         assert_eq!(ingest(&Bundle::from_bytes(name, bytes).unwrap(), &settings).unwrap().waves.len(), waves, "{name}");
     }

@@ -2,14 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-use crumple_ingest::{Bundle, IngestError, Ingested, Settings, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ingest};
 use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
 fn read(text: impl Into<Vec<u8>>) -> Result<Ingested, IngestError> {
-    read_with(text, &Settings { allow_missing: Some(true), ..Settings::default() })
+    read_with(text, &IngestSettings { allow_missing: Some(true), ..IngestSettings::default() })
 }
 
-fn read_with(text: impl Into<Vec<u8>>, settings: &Settings) -> Result<Ingested, IngestError> {
+fn read_with(text: impl Into<Vec<u8>>, settings: &IngestSettings) -> Result<Ingested, IngestError> {
     ingest(&Bundle::from_bytes("a.txt", text.into())?, settings)
 }
 
@@ -36,7 +36,8 @@ fn milliseconds_without_a_unit_are_told_by_their_step_and_said() {
     let ingested = read(text.clone()).unwrap();
     check(&ingested);
     assert!(notes(&ingested).contains("taken as ms, since the steps are 0.100000; --time-unit overrides"));
-    let seconds = Settings { allow_missing: Some(true), time_unit: Some("s".to_owned()), ..Settings::default() };
+    let seconds =
+        IngestSettings { allow_missing: Some(true), time_unit: Some("s".to_owned()), ..IngestSettings::default() };
     assert_eq!(read_with(text, &seconds).unwrap().pulse().unwrap().samples.dt_s(), 0.1);
     // Steps of 100 are neither: asked.
     let odd: String = (0..100).map(|k| format!("{},{k}\n", k * 100)).collect();

@@ -5,28 +5,28 @@
 use std::fs;
 use std::path::Path;
 
-use crumple_ingest::{Bundle, IngestError, Ingested, Settings, Sign, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, Sign, ingest};
 use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 
-fn from_text(text: &str, settings: &Settings) -> Result<Ingested, IngestError> {
+fn from_text(text: &str, settings: &IngestSettings) -> Result<Ingested, IngestError> {
     ingest(&Bundle::from_bytes("crash.csv", text.as_bytes().to_vec())?, settings)
 }
 
-fn from_path(path: &Path, settings: &Settings) -> Ingested {
+fn from_path(path: &Path, settings: &IngestSettings) -> Ingested {
     ingest(&Bundle::open(path).unwrap(), settings).unwrap()
 }
 
-fn stated() -> Settings {
-    Settings {
+fn stated() -> IngestSettings {
+    IngestSettings {
         mass: Some("873kg".parse().unwrap()),
         impact_speed: Some("13.4m/s".parse().unwrap()),
-        ..Settings::default()
+        ..IngestSettings::default()
     }
 }
 
-fn identification_only() -> Settings {
-    Settings { allow_missing: Some(true), ..Settings::default() }
+fn identification_only() -> IngestSettings {
+    IngestSettings { allow_missing: Some(true), ..IngestSettings::default() }
 }
 
 /// `n` rows at 10 kHz from -20 ms, in g, quiet before t = 0 and -20 g sin after.
@@ -71,7 +71,7 @@ fn every_known_truth_record_is_read_on_its_exact_grid() {
 fn prose_in_comments_states_nothing() {
     let Some(path) = shared("reference/known-truth/kelvin-underdamped/accel.csv") else { return };
     let bundle = Bundle::open(&path).unwrap();
-    let error = ingest(&bundle, &Settings::default()).unwrap_err();
+    let error = ingest(&bundle, &IngestSettings::default()).unwrap_err();
     assert_eq!(error.to_string(), "accel.csv does not state the mass of the vehicle and the impact speed");
     let ingested = ingest(&bundle, &identification_only()).unwrap();
     assert_eq!((ingested.test.mass_kg, ingested.test.impact_speed_m_per_s), (None, None));
@@ -83,7 +83,7 @@ fn the_accord_record_without_header_asks_for_its_unit() {
     let bundle = Bundle::open(&path).unwrap();
     let error = ingest(&bundle, &identification_only()).unwrap_err();
     assert_eq!(error.to_string(), "CEP1705_ACXD.csv, column 2 (column 2): no unit is stated");
-    let settings = Settings { unit: Some("g".to_owned()), ..identification_only() };
+    let settings = IngestSettings { unit: Some("g".to_owned()), ..identification_only() };
     let ingested = ingest(&bundle, &settings).unwrap();
     let pulse = ingested.pulse().unwrap();
     assert_eq!(pulse.samples.len(), 6000);
@@ -123,7 +123,7 @@ fn kilo_g_and_surplus_names_of_the_drop_tower() {
     assert!(notes(&unnamed).contains("no channel is named as the crash pulse"));
     let error = ingest(&bundle, &stated()).unwrap_err();
     assert_eq!(error.to_string(), "accel_1.csv: 5 acceleration columns: accel_1, accel_2, accel_3, accel_4, accel_top");
-    let settings = Settings { channel: Some("accel 3".to_owned()), ..identification_only() };
+    let settings = IngestSettings { channel: Some("accel 3".to_owned()), ..identification_only() };
     let ingested = ingest(&bundle, &settings).unwrap();
     assert_eq!(ingested.test.pulse.as_deref(), Some("accel_3"));
     let text = notes(&ingested);
@@ -137,8 +137,9 @@ fn kilo_g_and_surplus_names_of_the_drop_tower() {
 
 #[test]
 fn header_comments_state_the_test() {
-    let header = "# Title: Test 7\n# vehicle: Ford Fiesta\n# mass: 873 kg\n# Impact_Speed: 36 km/h\n# barrier: pole\n# unit: g\ntime_s,accel\n";
-    let ingested = from_text(&pulse(header, 500), &Settings::default()).unwrap();
+    let header = "# Title: Test 7\n# vehicle: Ford Fiesta\n# mass: 873 kg\n# Impact_Speed: 36 km/h\n# barrier: pole\n\
+        # unit: g\ntime_s,accel\n";
+    let ingested = from_text(&pulse(header, 500), &IngestSettings::default()).unwrap();
     let test = &ingested.test;
     assert_eq!(
         (test.title.as_str(), test.vehicle.as_deref(), test.barrier.as_deref()),
@@ -157,8 +158,8 @@ fn a_sidecar_beats_comments_and_a_flag_beats_both() {
     fs::write(&path, pulse("# mass: 873 kg\n# impact speed: 36 km/h\ntime_s,accel\n", 500)).unwrap();
     fs::write(folder.path().join("crash.csv.toml"), "mass = \"900 kg\"\nunit = \"g\"\n").unwrap();
     let bundle = Bundle::open(&path).unwrap();
-    assert_eq!(ingest(&bundle, &Settings::default()).unwrap().test.mass_kg, Some(900.0));
-    let settings = Settings { mass: Some("1t".parse().unwrap()), ..Settings::default() };
+    assert_eq!(ingest(&bundle, &IngestSettings::default()).unwrap().test.mass_kg, Some(900.0));
+    let settings = IngestSettings { mass: Some("1t".parse().unwrap()), ..IngestSettings::default() };
     let ingested = ingest(&bundle, &settings).unwrap();
     assert_eq!(ingested.test.mass_kg, Some(1000.0));
     let text = notes(&ingested);
@@ -167,7 +168,7 @@ fn a_sidecar_beats_comments_and_a_flag_beats_both() {
 
 #[test]
 fn time_zero_shifts_the_axis_and_sign_turns_the_pulse() {
-    let settings = Settings { time_zero: Some("5ms".parse().unwrap()), sign: Some(Sign::Flip), ..stated() };
+    let settings = IngestSettings { time_zero: Some("5ms".parse().unwrap()), sign: Some(Sign::Flip), ..stated() };
     let text = pulse("time_s,accel_g\n", 800);
     let ingested = from_text(&text, &settings).unwrap();
     let plain = from_text(&text, &stated()).unwrap();
@@ -230,16 +231,17 @@ fn recorder_report() -> String {
     let rows: String = (0..26).map(|k| format!("{},-{}\n", 10 * k, (6 * k).min(54))).collect();
     format!(
         "CDR Report,v21\nPre-Crash Data\nTime (sec),Speed (km/h)\n-5,60\n-4,61\n\n\
-         Longitudinal Crash Pulse (Event Record 1)\nTime (msec),\"Delta-V, longitudinal (km/h)\"\n{rows}\nLateral\n0,1\n"
+         Longitudinal Crash Pulse (Event Record 1)\n\
+         Time (msec),\"Delta-V, longitudinal (km/h)\"\n{rows}\nLateral\n0,1\n"
     )
 }
 
 #[test]
 fn a_table_of_an_event_data_recorder_is_a_change_of_velocity() {
-    let settings = Settings {
+    let settings = IngestSettings {
         profile: Some(crumple_ingest::Profile::Edr),
         skip_to: Some("longitudinal crash pulse".to_owned()),
-        ..Settings::default()
+        ..IngestSettings::default()
     };
     let ingested = from_text(&recorder_report(), &settings).unwrap();
     assert_eq!((ingested.test.pulse.as_deref(), ingested.waves.len()), (Some("Delta-V_longitudinal"), 1));
@@ -248,7 +250,7 @@ fn a_table_of_an_event_data_recorder_is_a_change_of_velocity() {
     assert!((wave.quality.minimum + 15.0).abs() < 1e-12, "54 km/h are 15 m/s");
     assert!(notes(&ingested).contains("event data recorder table"));
     // Without its title the crash table is found all the same.
-    let found = from_text(&recorder_report(), &Settings { skip_to: None, ..settings.clone() }).unwrap();
+    let found = from_text(&recorder_report(), &IngestSettings { skip_to: None, ..settings.clone() }).unwrap();
     assert_eq!(found.waves[0].samples, wave.samples);
     assert!(notes(&found).contains("other tables of the report, not read: \"Pre-Crash Data\""), "{}", notes(&found));
     let error = from_text(&recorder_report().replace("(km/h)", ""), &settings).unwrap_err();
@@ -260,7 +262,7 @@ fn a_table_without_a_time_column_needs_its_interval() {
     let rows: String = (0..100).map(|k| format!("{} {}\n", (k * 37) % 11, (k * 17) % 7)).collect();
     let error = from_text(&rows, &identification_only()).unwrap_err();
     assert!(error.hint().contains("--sample-time"), "{}", error.hint());
-    let settings = Settings { sample_time: Some("2ms".parse().unwrap()), ..identification_only() };
+    let settings = IngestSettings { sample_time: Some("2ms".parse().unwrap()), ..identification_only() };
     let ingested = from_text(&rows, &settings).unwrap();
     assert_eq!((ingested.waves.len(), ingested.waves[1].samples.dt_s()), (2, 2e-3));
     let one: String = (0..100).map(|k| format!("{}\n", (k * 37) % 11)).collect();
@@ -273,8 +275,9 @@ fn a_table_without_a_time_column_needs_its_interval() {
 fn a_pattern_means_one_column_or_is_refused() {
     let rows: String = (0..100).map(|k| format!("{:.4},{k},{k}\n", f64::from(k) * 1e-4)).collect();
     let text = format!("time_s,left_g,right_g\n{rows}");
-    let named =
-        |channel: &str| from_text(&text, &Settings { channel: Some(channel.to_owned()), ..identification_only() });
+    let named = |channel: &str| {
+        from_text(&text, &IngestSettings { channel: Some(channel.to_owned()), ..identification_only() })
+    };
     assert_eq!(named("le*").unwrap().test.pulse.as_deref(), Some("left_g"));
     let error = named("*_g").unwrap_err();
     assert!(error.to_string().contains("--channel *_g means 2 columns: left_g, right_g"), "{error}");
@@ -300,7 +303,7 @@ fn columns_named_by_channel_codes_are_decoded_and_the_pulse_is_found_by_place() 
     let bare = header.replace(" (g)", "");
     let error = from_text(&(bare.clone() + &rows), &stated()).unwrap_err();
     assert!(error.to_string().contains("no unit is stated"), "{error}");
-    let settings = Settings { unit: Some("g".to_owned()), ..stated() };
+    let settings = IngestSettings { unit: Some("g".to_owned()), ..stated() };
     let ingested = from_text(&(bare + &rows), &settings).unwrap();
     assert!(ingested.test.channels.iter().all(|c| c.quantity == QuantityKind::Acceleration));
 }
@@ -308,7 +311,7 @@ fn columns_named_by_channel_codes_are_decoded_and_the_pulse_is_found_by_place() 
 #[test]
 fn a_unit_by_flag_serves_all_columns_named_as_accelerations() {
     let rows: String = (0..400).map(|k| format!("{:.4},{},{},{}\n", f64::from(k) * 1e-4, -k, -2 * k, 3 * k)).collect();
-    let settings = Settings { unit: Some("g".to_owned()), channel: Some("acc_left".to_owned()), ..stated() };
+    let settings = IngestSettings { unit: Some("g".to_owned()), channel: Some("acc_left".to_owned()), ..stated() };
     let ingested = from_text(&format!("time_s,acc_left,acc_right,force\n{rows}"), &settings).unwrap();
     let quantities: Vec<QuantityKind> = ingested.waves.iter().map(|wave| wave.quantity).collect();
     assert_eq!(quantities, [QuantityKind::Acceleration, QuantityKind::Acceleration, QuantityKind::Other]);
@@ -324,12 +327,13 @@ fn the_sign_is_turned_by_auto_only_where_it_is_certainly_wrong() {
         format!("time_s,accel_g\n{}", rows.collect::<String>())
     };
     let run = |peak: f64, speed: &str| {
-        let settings = Settings { impact_speed: Some(speed.parse().unwrap()), sign: Some(Sign::Auto), ..stated() };
+        let settings =
+            IngestSettings { impact_speed: Some(speed.parse().unwrap()), sign: Some(Sign::Auto), ..stated() };
         let ingested = from_text(&text(peak), &settings).unwrap();
         (ingested.pulse().unwrap().samples.samples()[950] < 0.0, notes(&ingested))
     };
     let (negative, said) = run(30.0, "15m/s");
-    assert!(negative && said.contains("sign turned, as --sign auto has it") && !said.contains("--sign flip"), "{said}");
+    assert!(negative && said.contains("sign turned by --sign auto") && !said.contains("--sign flip"), "{said}");
     let (negative, said) = run(-30.0, "15m/s");
     assert!(negative && said.contains("sign kept: "), "{said}");
     // A gain of a third of the speed proves nothing.
@@ -341,7 +345,7 @@ fn the_sign_is_turned_by_auto_only_where_it_is_certainly_wrong() {
 fn what_states_time_zero_travels_with_the_test() {
     let text = pulse("time_s,accel_g\n", 600);
     assert_eq!(from_text(&text, &stated()).unwrap().test.time_zero, None);
-    let settings = Settings { time_zero: Some("0s".parse().unwrap()), ..stated() };
+    let settings = IngestSettings { time_zero: Some("0s".parse().unwrap()), ..stated() };
     assert_eq!(from_text(&text, &settings).unwrap().test.time_zero.as_deref(), Some("stated by flag"));
 }
 
@@ -354,7 +358,7 @@ fn columns_of_heads_leave_the_vehicle_as_the_pulse_and_alone_they_need_no_mass_a
     assert_eq!(from_text(&both, &stated()).unwrap().test.pulse.as_deref(), Some("sill_x_g"));
     let two = format!("time_s,head_x_g,left_x_g,right_x_g\n{}", rows(3));
     assert!(from_text(&two, &stated()).is_err(), "which of both sides is asked back");
-    let heads = from_text(&format!("time_s,head_y_g,head_x_g\n{}", rows(2)), &Settings::default()).unwrap();
+    let heads = from_text(&format!("time_s,head_y_g,head_x_g\n{}", rows(2)), &IngestSettings::default()).unwrap();
     assert_eq!(heads.test.pulse.as_deref(), Some("head_x_g"));
     assert_eq!((heads.test.mass_kg, heads.test.impact_speed_m_per_s), (None, None));
     assert!(notes(&heads).contains("the criteria of an occupant need neither") && !notes(&heads).contains("--sign"));

@@ -5,19 +5,19 @@
 use std::fs;
 use std::io::{Cursor, Write};
 
-use crumple_ingest::{Bundle, Found, IngestError, Recording, Settings, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, ReadChannel, Recording, ingest};
 use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 use proptest::prelude::*;
 
-fn samples(found: &Found) -> &[f64] {
+fn samples(found: &ReadChannel) -> &[f64] {
     found.wave.as_ref().unwrap().samples()
 }
 
 fn read(tdm: impl AsRef<[u8]>, tdx: &[u8]) -> Result<Recording, IngestError> {
     let mut bundle = Bundle::from_bytes("t.TDM", tdm.as_ref().to_vec())?;
     bundle.companions.insert("t.tdx".to_owned(), tdx.to_vec());
-    bundle.reader.read(&bundle, &Settings::default())
+    bundle.reader.read(&bundle, &IngestSettings::default())
 }
 
 #[track_caller]
@@ -32,13 +32,13 @@ fn corridors_are_eight_sequences_of_500() {
     let Some(path) = shared("data/iihs-diadem-tdms/Corridors.TDM") else { return };
     let bundle = Bundle::open(&path).unwrap();
     assert_eq!(bundle.companions.keys().collect::<Vec<_>>(), ["Corridors.tdx"]);
-    let recording = bundle.reader.read(&bundle, &Settings::default()).unwrap();
+    let recording = bundle.reader.read(&bundle, &IngestSettings::default()).unwrap();
     assert_eq!(recording.channels.len(), 7);
     for found in &recording.channels {
         let wave = found.wave.as_ref().unwrap();
         assert_eq!((wave.len(), wave.t0_s(), wave.dt_s()), (500, 0.0, 1e-4));
     }
-    has_note(&recording, "Time holds times and is no channel of its own");
+    has_note(&recording, "Time holds the times of the others and is not a channel");
     let femur = &recording.channels[0];
     assert_eq!((femur.channel.id.as_str(), femur.channel.quantity), ("Corridors.Femur_Good", QuantityKind::Other));
     // Extremes as the header states them.
@@ -61,21 +61,24 @@ fn the_binary_file_is_found_in_any_case_and_missed_by_name() {
         fs::write(folder.path().join(name), &tdx).unwrap();
         fs::write(folder.path().join("other.tdx"), b"not this").unwrap();
         let bundle = Bundle::open(&path).unwrap();
-        assert_eq!(bundle.reader.read(&bundle, &Settings::default()).unwrap().channels.len(), 7, "{name}");
+        assert_eq!(bundle.reader.read(&bundle, &IngestSettings::default()).unwrap().channels.len(), 7, "{name}");
     }
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("renamed.tdm");
     fs::write(&path, &tdm).unwrap();
-    let error = Bundle::open(&path).and_then(|bundle| ingest(&bundle, &Settings::default())).unwrap_err();
+    let error = Bundle::open(&path).and_then(|bundle| ingest(&bundle, &IngestSettings::default())).unwrap_err();
     assert_eq!(error.to_string(), "renamed.tdm: a TDM header without its samples: Corridors.tdx is not beside it");
     assert!(error.hint().contains("copy Corridors.tdx into the same folder"), "{}", error.hint());
     fs::write(folder.path().join("renamed.tdx"), &tdx).unwrap();
     let bundle = Bundle::open(&path).unwrap();
-    has_note(&bundle.reader.read(&bundle, &Settings::default()).unwrap(), "names Corridors.tdx as its file of samples");
+    has_note(
+        &bundle.reader.read(&bundle, &IngestSettings::default()).unwrap(),
+        "names Corridors.tdx as its file of samples",
+    );
     fs::write(folder.path().join("renamed.tdx"), &tdx[..31_999]).unwrap();
     let bundle = Bundle::open(&path).unwrap();
     has_note(
-        &bundle.reader.read(&bundle, &Settings::default()).unwrap(),
+        &bundle.reader.read(&bundle, &IngestSettings::default()).unwrap(),
         "its block, 500 samples of 8 bytes from byte 28000 on, is not in renamed.tdx of 31999 bytes",
     );
 }
@@ -95,7 +98,7 @@ fn an_archive_may_hold_a_pair_or_one_tdms_file() {
         Bundle::open(&path)
     };
     let bundle = zip(&[("x/t.TDM", all.as_bytes()), ("x/T.TDX", &[0; 480]), ("x/readme.txt", b"words")]).unwrap();
-    assert_eq!(bundle.reader.read(&bundle, &Settings::default()).unwrap().channels.len(), 1);
+    assert_eq!(bundle.reader.read(&bundle, &IngestSettings::default()).unwrap().channels.len(), 1);
     assert_eq!(zip(&[("x/a.tdms", b"TDSm"), ("x/a.tdms_index", b"TDSh")]).unwrap().reader.format(), "tdms");
     let error = zip(&[("a.tdms", b"TDSm"), ("b.tdms", b"TDSm")]).err().unwrap();
     assert!(error.to_string().contains("2 records in one archive: a.tdms, b.tdms"), "{error}");
@@ -204,8 +207,8 @@ proptest! {
         }
         tdx.truncate(length.index(2 * tdx.len()));
         if let Ok(recording) = read(&tdm, &tdx) {
-            let finite = |found: &Found| found.wave.as_ref().is_none_or(|w| w.samples().iter().all(|x| x.is_finite()));
-            prop_assert!(recording.channels.iter().all(finite));
+            let mut waves = recording.channels.iter().filter_map(|read| read.wave.as_ref());
+            prop_assert!(waves.all(|wave| wave.samples().iter().all(|x| x.is_finite())));
         }
     }
 }

@@ -3,42 +3,30 @@
 //!
 //! Everything here is small and dense (a crash model has two to twenty states), `f64`, sequential and free of files.
 //! Time is in seconds, poles in 1/s and rad/s.
+//!
+//! rooms: responses | conversion | model | matrix
 
-mod continuous;
-mod eigen;
+mod conversion;
 mod error;
-mod exponential;
-mod first_order_hold;
-mod frequency_response;
-mod from_transfer_function;
-mod logarithm;
-mod mode;
-mod response;
-mod roots;
-mod simulate;
-mod state_space;
-mod to_transfer_function;
-mod transfer_function;
-mod tustin;
-mod zero_order_hold;
+mod matrix;
+mod model;
+mod responses;
 
-pub use continuous::{Continuous, InputHold, to_continuous};
-pub use eigen::{eigenvalues, eigenvectors, sort_poles};
+pub use conversion::continuous::{Continuous, InputHold, to_continuous};
+pub use conversion::first_order_hold::{FirstOrderHold, discretize_first_order_hold, undo_first_order_hold};
+pub use conversion::from_transfer_function::to_state_space;
+pub use conversion::to_transfer_function::to_transfer_function;
+pub use conversion::tustin::{discretize_tustin, undo_tustin};
+pub use conversion::zero_order_hold::{discretize_zero_order_hold, undo_zero_order_hold};
 pub use error::LtiError;
-pub use exponential::matrix_exponential;
-pub use first_order_hold::{FirstOrderHold, discretize_first_order_hold, undo_first_order_hold};
-pub use frequency_response::frequency_response;
-pub use from_transfer_function::to_state_space;
-pub use logarithm::matrix_logarithm;
-pub use mode::Mode;
-pub use response::{free_response, impulse_response, response, step_response};
-pub use roots::polynomial_roots;
-pub use simulate::simulate;
-pub use state_space::StateSpace;
-pub use to_transfer_function::to_transfer_function;
-pub use transfer_function::TransferFunction;
-pub use tustin::{discretize_tustin, undo_tustin};
-pub use zero_order_hold::{discretize_zero_order_hold, undo_zero_order_hold};
-
-/// A complex number, as nalgebra uses it.
-pub type Complex = nalgebra::Complex<f64>;
+pub use matrix::complex::Complex;
+pub use matrix::eigen::{eigenvalues, eigenvectors, sort_poles};
+pub use matrix::exponential::matrix_exponential;
+pub use matrix::logarithm::matrix_logarithm;
+pub use matrix::roots::polynomial_roots;
+pub use model::mode::Mode;
+pub use model::state_space::StateSpace;
+pub use model::transfer_function::TransferFunction;
+pub use responses::frequency_response::frequency_response;
+pub use responses::response::{free_response, impulse_response, response, step_response};
+pub use responses::simulate::simulate;

@@ -17,7 +17,8 @@ fn truth() -> SecantChain {
     SecantChain::new(&[250.0, 350.0, 900.0], &laws([9e5, 6e5, 1.1e6]), &laws([8e3, 2e4, 4e3])).unwrap()
 }
 
-/// What integration leaves of sensors on engine (101), chassis (102) and compartment (103), with displacements as they are.
+/// What integration leaves of sensors on engine (101), chassis (102) and compartment (103), with displacements as they
+/// are.
 fn write_integrated(path: &Path) {
     let response = truth().respond(&Drive::Impact(V0), 1e-4, 1201).unwrap();
     let events = truth().events(V0, 1.0).unwrap().pop().unwrap();
@@ -115,7 +116,7 @@ masses = [{ mass = "free", stiffness = "free" }, { mass = "free", stiffness = "f
     let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
     let notes = format!("{:?}", artifact.record::<NotesV1>("/notes").unwrap().unwrap());
     assert!(notes.contains("chain loose: the record determines 4 directions of 5 free numbers"), "{notes}");
-    assert!(notes.contains("chain loose: masses were looked for with a sensor on the last mass alone"), "{notes}");
+    assert!(notes.contains("chain loose: masses were fitted to a sensor on the last mass alone"), "{notes}");
     // No damping was stated for the first mass, the dual has some.
     assert!(notes.contains("is left out by what was given or by a bound, not by the record"), "{notes}");
     let found: CandidateV1 = artifact.record("/parameters/chain/loose/1").unwrap().unwrap();
@@ -152,7 +153,10 @@ fn a_chain_and_its_dual_are_linked_and_a_chain_of_another_weight_is_warned_of() 
 [parameter-solve]
 models = ["kelvin"]
 [parameter-solve.chain.light]
-masses = [{ mass = "300 kg", stiffness = "free", damping = "free" }, { mass = "900 kg", stiffness = "free", damping = "free" }]
+masses = [
+    { mass = "300 kg", stiffness = "free", damping = "free" },
+    { mass = "900 kg", stiffness = "free", damping = "free" },
+]
 "#;
     let output = run(folder.path(), text, &[]);
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -204,8 +208,10 @@ fn a_sensor_that_was_not_integrated_is_named_with_where_to_add_it() {
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
     let stderr = refused("m1=104");
-    let expected = "channel 104, which sensors names, was not integrated\n  expected: a channel whose displacement the inputs hold: \
-                    101, 102, 103\n  hint: add \"104\" to channels of [integrate], or crumple-integrate --channels all,104\n";
+    let expected = "channel 104, which sensors names, was not integrated\n  expected: a channel whose displacement the \
+        inputs hold: \
+                    101, 102, 103\n  hint: add \"104\" to channels of [integrate], or crumple-integrate --channels \
+                    all,104\n";
     assert!(stderr.contains(expected), "{stderr}");
     let stderr = refused("m1=frnt");
     assert!(stderr.contains("the test has no channel \"frnt\", which sensors names"), "{stderr}");

@@ -129,7 +129,7 @@ fn matched_springs_carry_the_deviations_of_the_identified_coefficients_and_a_del
         builder.put("/evidence/tfest-4-0", &evidence(covariance, deviations)).unwrap();
         write(builder, &folder.path().join("3.mcap"));
         let artifact = done(folder.path(), &[&MATCHING[..], &["--m1", "300kg", "--m2", "900kg"]].concat());
-        assert!(notes(&artifact).contains("2.000 ms late"));
+        assert!(notes(&artifact).contains("a delay of 2.000 ms"));
         candidate(&artifact, 1).unwrap()
     };
     let known = solved(covariance, deviations.clone());
@@ -171,6 +171,7 @@ fn a_vehicle_that_never_stops_is_judged_over_the_window_of_its_fits() {
     assert_eq!(propagation.method, "fit repeated with mass, impact speed, zero level and time zero drawn anew");
     let notes = notes(&solved);
     assert!(notes.contains("does not stop within the record"));
-    let bound = "warning: elastoplastic/closed-form/1: on a bound of the search, not determined by the record: unloading stiffness";
+    let bound = "warning: elastoplastic/closed-form/1: on a bound of the search, not determined by the record: \
+        unloading stiffness";
     assert!(notes.contains(bound), "{notes}");
 }

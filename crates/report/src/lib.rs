@@ -2,20 +2,17 @@
 //!
 //! A [`Run`] is everything the artifacts say, gathered by topic; [`summary`](fn@summary) is what a script reads of it,
 //! [`Page`] what a person looks at. Both are functions of the run alone. Units other than SI exist on the page only.
+//!
+//! rooms: page | figures | drawing | results | text
 
-pub mod escape;
-pub mod figure;
-pub mod figures;
-mod gather;
-pub mod page;
-pub mod people;
-mod ranking;
-mod run;
-mod summary;
-pub mod tool;
+mod drawing;
+mod figures;
+mod page;
+mod results;
+mod text;
 
-pub use gather::gather;
-pub use page::Page;
-pub use ranking::{Ranking, pairs_of_equals};
-pub use run::{Candidate, Element, Measured, Model, OtherSensor, Run, StageNote, StageRecord};
-pub use summary::{Summary, summary};
+pub use page::document::Page;
+pub use results::ranking::{Ranking, compare_ids, pairs_of_equals};
+pub use results::run::{CandidateResult, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord};
+pub use results::summary::{Summary, summary};
+pub use text::numbers;

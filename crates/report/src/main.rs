@@ -1,7 +1,7 @@
-//! `crumple-report`: see the library.
+//! `crumple-report`: writes the report and the summary of a run.
 
-use std::process::ExitCode;
+mod stage;
 
-fn main() -> ExitCode {
-    crumple_stage::tool_main(crumple_report::tool::run)
+fn main() -> std::process::ExitCode {
+    crumple_stage::tool_main(stage::run)
 }

@@ -19,14 +19,15 @@ fn browser() -> Option<PathBuf> {
     }
     let path = std::env::var_os("PATH").unwrap_or_default();
     let names = ["chromium", "chromium-browser", "google-chrome"];
-    let found =
+    let browser =
         std::env::split_paths(&path).flat_map(|folder| names.map(|name| folder.join(name))).find(|p| p.is_file());
     assert!(
-        found.is_some(),
-        "no {} in PATH: install one (apt-get install chromium), name it in CRUMPLE_BROWSER, or set CRUMPLE_NO_BROWSER=1",
+        browser.is_some(),
+        "no {} in PATH: install one (apt-get install chromium), name it in CRUMPLE_BROWSER, or set \
+         CRUMPLE_NO_BROWSER=1",
         names.join(", ")
     );
-    found
+    browser
 }
 
 /// The document after its scripts have run, and what the browser wrote to its log.
@@ -76,7 +77,8 @@ fn every_figure_is_drawn_and_the_console_is_silent() {
     assert!(root.contains("data-drawn=\"9\"") && root.contains("data-failed=\"0\""), "{root}");
     // plotly draws a figure in three layers of class main-svg.
     assert_eq!(dom.matches("class=\"main-svg\"").count(), 27);
-    // The curves are there: the raw and filtered acceleration, v and s, and four models in four panels with the test in three.
+    // The curves are there: the raw and filtered acceleration, v and s, and four models in four panels with the test in
+    // three.
     assert!(dom.matches("class=\"js-line\"").count() >= 4 + 3 + 16, "{}", dom.matches("class=\"js-line\"").count());
     assert!(dom.contains("and its dual: same record"));
 }

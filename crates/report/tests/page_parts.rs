@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{
     CandidateV1, EventIntervalV1, EventsV1, FitV1, MetricV1, ResponseV1, SensorFitV1, SimulationV1, UncertaintyV1,
 };
-use crumple_report::{Candidate, Model, OtherSensor, Page, Ranking, Run, summary};
+use crumple_report::{CandidateResult, Model, Page, Ranking, Run, SensorMotion, summary};
 use crumple_signal::{Axis, Channel, QuantityKind, Sampled};
 
 fn record<T: serde::de::DeserializeOwned>(json: serde_json::Value) -> T {
@@ -28,9 +28,9 @@ fn simulation(fit_percent: f64) -> SimulationV1 {
     }))
 }
 
-fn candidate(id: &str, parameters: &[(&str, f64)], fit_percent: f64) -> Candidate {
+fn candidate(id: &str, parameters: &[(&str, f64)], fit_percent: f64) -> CandidateResult {
     let mut parts = id.split('/');
-    Candidate {
+    CandidateResult {
         id: id.to_owned(),
         record: CandidateV1 {
             model: parts.next().unwrap().to_owned(),
@@ -89,8 +89,10 @@ fn no_model_is_the_best_of_a_record_without_a_crush_along_the_vehicle() {
 /// A run of one pulse, channel 93, with a displacement and a force.
 fn crash() -> Run {
     let events: EventsV1 = record(serde_json::json!({
-        "channel": "93", "time_zero_s": 0.0, "time_zero_rule": "given", "dynamic_crush_m": 1.0, "time_of_dynamic_crush_s": 0.1,
-        "centroid_time_s": 0.06, "rebound_velocity_m_per_s": null, "coefficient_of_restitution": null, "delta_v_m_per_s": null
+        "channel": "93", "time_zero_s": 0.0, "time_zero_rule": "given", "dynamic_crush_m": 1.0,
+        "time_of_dynamic_crush_s": 0.1,
+        "centroid_time_s": 0.06, "rebound_velocity_m_per_s": null, "coefficient_of_restitution": null,
+        "delta_v_m_per_s": null
     }));
     let mut run = Run { events: Some(events), ..Run::default() };
     run.test.mass_kg = Some(1000.0);
@@ -102,7 +104,7 @@ fn crash() -> Run {
 /// The page without plotly's script.
 fn page(run: &Run) -> String {
     let mut bytes = Vec::new();
-    Page::new(run, &Ranking::of(&run.candidates)).write_to(&mut bytes).unwrap();
+    Page::new(run, &Ranking::of_candidates(&run.candidates)).write_to(&mut bytes).unwrap();
     let html = String::from_utf8(bytes).unwrap();
     let start = html.find("/**\n* plotly.js").unwrap();
     let end = start + html[start..].find("</script>").unwrap();
@@ -135,7 +137,7 @@ fn the_card_of_the_best_says_what_the_record_does_not_determine() {
     open.record.uncertainty.as_mut().unwrap().standard_deviation.remove("k_n_per_m");
     assert_eq!((open.undetermined(), open.record.undetermined()), ((2, 3), vec!["k_n_per_m", "x_m"]));
     run.candidates.push(best);
-    let ranking = Ranking::of(&run.candidates);
+    let ranking = Ranking::of_candidates(&run.candidates);
     let json: serde_json::Value = serde_json::from_str(&summary(&run, &ranking).to_json().unwrap()).unwrap();
     assert_eq!(
         (&json["best"], &json["best_undetermined"]),
@@ -174,7 +176,8 @@ fn ratings_stand_in_one_table_with_their_marks_and_what_is_missing_says_why() {
          "from_s": null, "to_s": null, "note": "absent: sampled at 1000 Hz, the standard wants 10 kHz"},
         {"name": "cora", "quantity": "acceleration", "value": 0.8125, "definition_id": "cora", "mark": "M",
          "from_s": 0.0, "to_s": 0.1, "note": "interval: the compared window"},
-        {"name": "sprague_geers_magnitude", "quantity": "acceleration", "value": -0.0625, "definition_id": "sprague-geers-m",
+        {"name": "sprague_geers_magnitude", "quantity": "acceleration", "value": -0.0625,
+            "definition_id": "sprague-geers-m",
          "mark": "C", "from_s": 0.0, "to_s": 0.1, "note": null}
     ]));
     run.candidates.push(rated);
@@ -195,8 +198,8 @@ fn ratings_stand_in_one_table_with_their_marks_and_what_is_missing_says_why() {
 fn a_second_sensor_is_drawn_with_the_mass_that_sits_on_it() {
     let mut run = crash();
     run.other_sensors = vec![
-        OtherSensor { channel: "95".into(), velocity: Some(ramp(5.0)), displacement: ramp(5.0) },
-        OtherSensor { channel: "94".into(), velocity: None, displacement: ramp(10.0) },
+        SensorMotion { channel: "95".into(), velocity: Some(ramp(5.0)), displacement: ramp(5.0) },
+        SensorMotion { channel: "94".into(), velocity: None, displacement: ramp(10.0) },
     ];
     let sensor = |channel: &str, mass| SensorFitV1 {
         channel: channel.into(),
@@ -322,7 +325,7 @@ fn fits_that_are_equal_to_two_decimals_have_a_third_in_the_legend() {
 fn the_best_and_the_sensors_it_was_compared_with_are_shown_over_the_pulse() {
     let mut run = crash();
     run.other_sensors = ["94", "96"]
-        .map(|channel| OtherSensor { channel: channel.into(), velocity: None, displacement: ramp(9.5) })
+        .map(|channel| SensorMotion { channel: channel.into(), velocity: None, displacement: ramp(9.5) })
         .into();
     let mut best = candidate("kelvin/closed-form/1", &[("k_n_per_m", 3e5)], 99.0);
     best.simulation.as_mut().unwrap().other_sensors = record(serde_json::json!([
@@ -358,7 +361,7 @@ fn an_interval_over_more_than_three_decades_is_hardly_determined_in_words_alone(
     let page = page(&run);
     assert!(page.contains("1 of 2 parameters hardly determined by this record"), "{page}");
     assert!(page.contains("<span class=\"no\">hardly determined</span>; 95\u{a0}%: 0.0170 to 180000"), "{page}");
-    let text = summary(&run, &Ranking::of(&run.candidates)).to_json().unwrap();
+    let text = summary(&run, &Ranking::of_candidates(&run.candidates)).to_json().unwrap();
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(json["best_undetermined"], serde_json::json!([]));
     assert_eq!(json["best_hardly_determined"], serde_json::json!(["c_n_s_per_m"]));
@@ -368,9 +371,11 @@ fn an_interval_over_more_than_three_decades_is_hardly_determined_in_words_alone(
 fn a_record_that_is_no_crash_has_no_empty_cards_and_no_units_of_its_own() {
     let time_s: Vec<f64> = (0..400).map(|k| 0.2 * f64::from(k)).collect();
     let response: ResponseV1 = record(serde_json::json!({
-        "input": "other p, 1", "output": "other y, 1", "model": "discrete", "frequency_hz": [0.1, 1.0], "magnitude": [1.0, 0.5],
+        "input": "other p, 1", "output": "other y, \
+         1", "model": "discrete", "frequency_hz": [0.1, 1.0], "magnitude": [1.0, 0.5],
         "phase_rad": [0.0, -1.0], "band": null, "magnitude_lower": [], "magnitude_upper": [], "phase_lower_rad": [],
-        "phase_upper_rad": [], "impulse_of": "unit sample", "impulse": time_s.iter().map(|t| (-t).exp()).collect::<Vec<_>>(),
+        "phase_upper_rad": [], "impulse_of": "unit \
+         sample", "impulse": time_s.iter().map(|t| (-t).exp()).collect::<Vec<_>>(),
         "step": time_s.iter().map(|t| 1.0 - (-t).exp()).collect::<Vec<_>>(), "time_s": time_s,
         "zeros_re_per_s": [], "zeros_im_rad_per_s": []
     }));
@@ -415,7 +420,8 @@ fn criteria_of_occupants_stand_open_with_their_place_and_in_the_summary() {
     let (open, folded) = open.split_once("<details><summary>Metrics of 1 other channel").unwrap();
     assert!(open.contains("driver, head (1+2)") && open.contains("(lower bound)") && !open.contains("390"), "{open}");
     assert!(!folded.split("</details>").next().unwrap().contains("hic15"));
-    let json: serde_json::Value = serde_json::from_str(&summary(&run, &Ranking::of(&[])).to_json().unwrap()).unwrap();
+    let json: serde_json::Value =
+        serde_json::from_str(&summary(&run, &Ranking::of_candidates(&[])).to_json().unwrap()).unwrap();
     let other = &json["other_metrics"][0];
     assert_eq!((&other["name"], &other["channel"]), (&"hic15".into(), &"1+2".into()));
     assert_eq!((&other["location"], &other["value"]), (&"driver, head".into(), &412.0.into()));
@@ -426,9 +432,12 @@ fn criteria_of_occupants_stand_open_with_their_place_and_in_the_summary() {
 fn a_vehicle_that_does_not_stop_has_its_change_of_velocity_with_the_end_of_its_event() {
     let mut run = crash();
     run.events = Some(record(serde_json::json!({
-        "channel": "93", "time_zero_s": 0.0, "time_zero_rule": "file", "dynamic_crush_m": null, "time_of_dynamic_crush_s": null,
-        "centroid_time_s": null, "rebound_velocity_m_per_s": null, "coefficient_of_restitution": null, "delta_v_m_per_s": 10.0,
-        "time_of_delta_v_s": 0.144, "end_of_event_s": 0.1513, "end_of_event_rule": "20 ms with no more than 0.8 km/h (49 CFR 563)",
+        "channel": "93", "time_zero_s": 0.0, "time_zero_rule": "file", "dynamic_crush_m": null,
+        "time_of_dynamic_crush_s": null,
+        "centroid_time_s": null, "rebound_velocity_m_per_s": null, "coefficient_of_restitution": null,
+        "delta_v_m_per_s": 10.0,
+        "time_of_delta_v_s": 0.144, "end_of_event_s": 0.1513, "end_of_event_rule": "20 ms with no more than 0.8 km/h \
+         (49 CFR 563)",
         "without_interval": [{"name": "delta_v_m_per_s", "reason": "no interval: 3 of 400 replicates do not have it"}]
     })));
     let page = page(&run);

@@ -90,14 +90,14 @@ fn the_page_loads_nothing_and_the_test_cannot_break_it() {
     let inputs = sample::write_artifacts(folder.path(), true);
     report(folder.path(), &inputs, &[]);
     let html = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
-    let own = own_part(&html);
+    let page = own_part(&html);
     for reference in ["http:", "https:", "//cdn", "<link", " src=", " href=", "@import", "url("] {
-        assert!(!own.contains(reference), "{reference}");
+        assert!(!page.contains(reference), "{reference}");
     }
-    assert!(own.contains("default-src 'none'"));
-    assert!(!own.contains("<script>window.broken"), "the title has opened a script");
-    assert!(own.contains("Frontal &lt;b&gt;impact&lt;/b&gt; &amp; &quot;pole&quot;"));
-    assert!(!own.contains("sled <1>") && own.contains("sled &lt;1&gt;"));
+    assert!(page.contains("default-src 'none'"));
+    assert!(!page.contains("<script>window.broken"), "the title has opened a script");
+    assert!(page.contains("Frontal &lt;b&gt;impact&lt;/b&gt; &amp; &quot;pole&quot;"));
+    assert!(!page.contains("sled <1>") && page.contains("sled &lt;1&gt;"));
     // As many scripts are closed as opened: nine figures, plotly, the drawing.
     assert_eq!((html.matches("<script").count(), html.matches("</script>").count()), (11, 11));
 }

@@ -5,8 +5,6 @@ use std::process::ExitCode;
 
 use crumple_artifact::ReadError;
 
-use crate::inputs::MissingTopic;
-
 /// What the process tells its caller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExitStatus {
@@ -99,6 +97,34 @@ impl fmt::Display for Usage {
 }
 
 impl std::error::Error for Usage {}
+
+/// A topic that a stage needs is in none of its inputs.
+///
+/// Where an earlier stage had no acceptable result, this is no fault of the input: the stage has none either.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("topic {topic} is in none of the inputs: {given}")]
+pub struct MissingTopic {
+    topic: String,
+    given: String,
+    writer: &'static str,
+}
+
+impl MissingTopic {
+    /// A topic, the inputs that lack it, and the binary that writes it.
+    pub(crate) fn new(topic: &str, given: String, writer: &'static str) -> Self {
+        Self { topic: topic.to_owned(), given, writer }
+    }
+
+    /// The binary that writes the topic.
+    pub(crate) fn writer(&self) -> &'static str {
+        self.writer
+    }
+
+    /// One thing to do: the binary that writes the topic.
+    pub(crate) fn hint(&self) -> String {
+        format!("give the artifact of {} too", self.writer)
+    }
+}
 
 /// Turns a library's error into a refusal of the input.
 pub trait RefuseExt<T> {

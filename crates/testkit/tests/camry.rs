@@ -1,4 +1,5 @@
-//! The public frontal test NHTSA 10146 with every model family: the compartment alone, and the compartment with the engine.
+//! The public frontal test NHTSA 10146 with every model family: the compartment alone, and the compartment with the
+//! engine.
 
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
@@ -64,8 +65,8 @@ fn check_all(summary: &Value) {
     let error = number(best, &["simulation", "dynamic_crush_error_m"]);
     assert!(error.abs() <= 0.01 * crush, "{}: {error} of {crush}", summary["best"]);
     assert!(number(best, &["simulation", "max_displacement_error_m"]) <= 0.01 * crush, "{best}");
-    // Cross-validation on the other crossmember accelerometers, which no fit saw. They lie up to 2.4 % apart themselves.
-    // The engine (95) is another body.
+    // Cross-validation on the other crossmember accelerometers, which no fit saw. They lie up to 2.4 % apart
+    // themselves. The engine (95) is another body.
     let others =
         best["simulation"]["other_sensors"].as_array().unwrap().iter().filter(|other| other["channel"] != "95");
     let others: Vec<&Value> = others.collect();

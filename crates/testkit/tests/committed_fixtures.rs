@@ -47,7 +47,8 @@ fn committed_files_are_the_generators() {
             match (numbers(found), numbers(wanted)) {
                 (Some((t, a)), Some((u, b))) => {
                     let _: (f64, f64) = (t, a);
-                    // Rounding is that of the largest terms, some 30 g, also where the acceleration passes through zero.
+                    // Rounding is that of the largest terms, some 30 g, also where the acceleration passes through
+                    // zero.
                     assert!(t == u && close(a, b, 1.0), "{} line {}: {found} {wanted}", fixture.name, line + 1);
                 }
                 _ => assert_eq!(found, wanted, "{} line {}", fixture.name, line + 1),

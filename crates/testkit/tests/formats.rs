@@ -69,8 +69,9 @@ fn crush() -> (f64, f64) {
     (t, (SPEED_M_PER_S - at) * t + at * LENGTH_S / PI * (PI * t / LENGTH_S).sin())
 }
 
-/// The trapezoidal rule errs in the velocity by dt^2/12 max|a''| t = 1e-8/12 * 2.4e5 * 0.08 = 1.6e-5 m/s at most, so by 6e-7 m in the
-/// displacement, and by 1e-7 s in the time, where the deceleration is 150 m/s^2 and more. Samples are printed to 1e-6 g.
+/// The trapezoidal rule errs in the velocity by dt^2/12 max|a''| t = 1e-8/12 * 2.4e5 * 0.08 = 1.6e-5 m/s at most, so by
+/// 6e-7 m in the displacement, and by 1e-7 s in the time, where the deceleration is 150 m/s^2 and more. Samples are
+/// printed to 1e-6 g.
 fn assert_crush(artifact: &Path) {
     let events: EventsV1 = Artifact::open(artifact).unwrap().record("/events").unwrap().unwrap();
     let (t, c) = crush();
@@ -116,12 +117,13 @@ fn a_real_shock_record_of_labview_goes_through() {
     assert!((v.samples()[v.len() - 1] - v.samples()[0] - sum).abs() < 1e-9);
 }
 
-/// An ISO-MME test of 600 channels: six accelerometers on the structure, 94 on dummies, 500 cells of a barrier that together
-/// carry the force of 1500 kg.
+/// An ISO-MME test of 600 channels: six accelerometers on the structure, 94 on dummies, 500 cells of a barrier that
+/// together carry the force of 1500 kg.
 fn iso_mme(folder: &Path) -> PathBuf {
     let top = folder.join("T600");
     fs::create_dir_all(top.join("Channel")).unwrap();
-    let mme = "Data format edition number  :1.6\r\nTitle                       :six hundred\r\nMass test object 1          :1500 kg\r\n\
+    let mme = "Data format edition number  :1.6\r\nTitle                       :six hundred\r\nMass test object \
+        1          :1500 kg\r\n\
         Velocity test object 1      :14 m/s\r\n";
     fs::write(top.join("T600.mme"), mme).unwrap();
     let mut codes: Vec<(String, f64, &str)> = Vec::new();
@@ -137,7 +139,8 @@ fn iso_mme(folder: &Path) -> PathBuf {
     }
     for (k, (code, factor, unit)) in codes.iter().enumerate() {
         let mut text = format!(
-            "Test object number          :1\r\nChannel code                :{code}\r\nUnit                        :{unit}\r\n\
+            "Test object number          :1\r\nChannel code                :{code}\r\nUnit                        \
+             :{unit}\r\n\
              Reference channel           :implicit\r\nSampling interval           :0.0001\r\n\
              Time of first sample        :-0.05\r\nNumber of samples           :2500\r\n"
         );

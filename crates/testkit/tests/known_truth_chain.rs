@@ -41,8 +41,8 @@ fn candidates(record: &Path, truth: &Value, model: &str) -> Vec<Value> {
     lines.filter(|l| l["topic"].as_str().unwrap().starts_with("/parameters/")).map(|l| l["data"].clone()).collect()
 }
 
-/// The parameters under the names of the artifact; the last knot of a nonlinear spring at the measured crush, where a fit has
-/// it, on the same line.
+/// The parameters under the names of the artifact; the last knot of a nonlinear spring at the measured crush, where a
+/// fit has it, on the same line.
 fn wanted(truth: &Value, model: &str, found: &Value) -> Vec<(&'static str, f64)> {
     let p = &truth["parameters"];
     let n = |key: &str| p[key].as_f64().unwrap();

@@ -65,7 +65,8 @@ fn the_default_pipeline_finds_the_model_that_made_each_fixture() {
         let summary = summary_of(&[], folder.path(), &fixture(name), &[]);
         let best = summary["best"].as_str().unwrap();
         let best = candidate(&summary, best);
-        // A double mass contains the single one as a limit, so it may fit a Kelvin record as well; the fit must be near 100 %.
+        // A double mass contains the single one as a limit, so it may fit a Kelvin record as well; the fit must be near
+        // 100 %.
         assert!(number(best, &["simulation", "fit_percent"]) > 99.0, "{name}: {best}");
         let of_model: Vec<_> =
             summary["candidates"].as_array().unwrap().iter().filter(|c| c["model"] == model).collect();
@@ -84,8 +85,8 @@ fn both_duals_of_a_double_mass_are_reported_and_linked() {
     let truth = truth("double");
     let sets = [&truth["parameters"], &truth["equivalent_parameters"]];
     for found in [first, second] {
-        // The displacement is integrated by the trapezoidal rule, relative error about 1e-6; stiffness and damping of the
-        // stiffer spring are some hundred times less certain than the displacement they are fitted to.
+        // The displacement is integrated by the trapezoidal rule, relative error about 1e-6; stiffness and damping of
+        // the stiffer spring are some hundred times less certain than the displacement they are fitted to.
         let near = |set: &&serde_json::Value| {
             ["k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m"].iter().all(|name| {
                 let (a, b) = (number(found, &["parameters", name]), number(set, &[name]));

@@ -1,7 +1,7 @@
 //! Order statistics of small samples.
 //!
-//! Intervals of a bootstrap or a propagation are quantiles of its repetitions: with `n` of them a share `p` is uncertain by about
-//! `sqrt(p (1 - p)/n)`.
+//! Intervals of a bootstrap or a propagation are quantiles of its repetitions: with `n` of them a share `p` is
+//! uncertain by about `sqrt(p (1 - p)/n)`.
 
 /// The value below which a share of the sorted values lies, linear between order statistics (type 7 of Hyndman & Fan,
 /// 1996); `None` without values. A share beyond 0 and 1 is taken for these.

@@ -1,6 +1,6 @@
 //! What names and properties say of a channel.
 
-use crumple_ingest::{Bundle, Settings, ingest};
+use crumple_ingest::{Bundle, IngestSettings, ingest};
 use crumple_signal::{Axis, ChannelStatus, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
 use crate::writer::{NEW_LIST, RAW, Value, Writer, accelerometer, pulse, read, samples, segment, waveform};
@@ -47,7 +47,7 @@ pub fn nhtsa() -> Vec<u8> {
 
 #[test]
 fn nhtsa_properties_give_mass_speed_and_the_pulse() {
-    let ingested = ingest(&Bundle::from_bytes("v10146.tdms", nhtsa()).unwrap(), &Settings::default()).unwrap();
+    let ingested = ingest(&Bundle::from_bytes("v10146.tdms", nhtsa()).unwrap(), &IngestSettings::default()).unwrap();
     let test = &ingested.test;
     assert_eq!((test.mass_kg, test.impact_speed_m_per_s), (Some(1719.0), Some(57.09 / 3.6)));
     assert_eq!(test.title, "NCAP - 2018 TOYOTA CAMRY");

@@ -1,6 +1,6 @@
 //! The real files.
 
-use crumple_ingest::{Bundle, Settings};
+use crumple_ingest::{Bundle, IngestSettings};
 use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 
@@ -69,7 +69,8 @@ fn daqmx_raw_data_are_read_as_volts() {
         assert_eq!((wave.len(), wave.dt_s()), (2000, 1.999_999_999_999_999_8e-5));
         assert_eq!(found.channel.quantity, QuantityKind::Voltage);
     }
-    // By an independent script, from the 16-bit values, slope 0.0003051850947599719 and intercept 0: samples 0, 1, 1999.
+    // By an independent script, from the 16-bit values, slope 0.0003051850947599719 and intercept 0: samples 0, 1,
+    // 1999.
     for (k, expected) in [
         (0, [-0.184_026_612_140_263_06, 0.148_014_770_958_586_4, 0.000_915_555_284_279_915_8]),
         (6, [5.043_183_690_908_536, 4.558_549_760_429_701, 5.074_922_940_763_573]),
@@ -80,7 +81,7 @@ fn daqmx_raw_data_are_read_as_volts() {
 
 #[test]
 fn without_an_acceleration_the_channels_are_there_and_no_pulse_is_guessed() {
-    let Some(result) = open("data/nptdms-fixtures/raw1.tdms", &Settings::default()) else { return };
+    let Some(result) = open("data/nptdms-fixtures/raw1.tdms", &IngestSettings::default()) else { return };
     let error = result.unwrap_err();
     assert!(error.to_string().starts_with("raw1.tdms: no acceleration"), "{error}");
 }

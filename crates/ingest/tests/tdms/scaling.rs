@@ -1,6 +1,6 @@
 //! DAQmx raw data and linear scales.
 
-use crumple_ingest::Settings;
+use crumple_ingest::IngestSettings;
 
 use crate::writer::{INTERLEAVED, NEW_LIST, RAW, Value, Writer, has_note, read, read_with, samples, segment, waveform};
 
@@ -37,7 +37,7 @@ fn daqmx_rows_are_scaled_and_other_scales_named() {
     let expected: Vec<f64> = (0..60).map(|k| 0.5 * f64::from(k) + 3.0).collect();
     assert_eq!(samples(&recording.channels[0]), expected);
     has_note(&recording, "left out: t.tdms, column g.b: its scale 1 is of kind Thermocouple, only Linear is applied");
-    let settings = Settings { channel: Some("b".to_owned()), ..Settings::default() };
+    let settings = IngestSettings { channel: Some("b".to_owned()), ..IngestSettings::default() };
     assert!(read_with(file, &settings).unwrap_err().to_string().contains("Thermocouple"));
 }
 

@@ -1,6 +1,6 @@
 //! Where the time comes from: steps, a sibling channel, times of the day.
 
-use crumple_ingest::Settings;
+use crumple_ingest::IngestSettings;
 
 use crate::writer::{
     BIG, NEW_LIST, RAW, Value, Writer, accelerometer, has_note, pulse, read, read_with, samples, segment,
@@ -23,10 +23,10 @@ fn a_sibling_channel_of_times_gives_the_grid() {
         assert_eq!((recording.channels.len(), wave.len(), wave.t0_s(), wave.dt_s()), (1, length, -0.01, 1e-4));
         has_note(&recording, "no unit of time is stated for Time: taken as s");
         if n != m {
-            has_note(&recording, &format!("has {n} samples, g.acc {m}: the shorter counts"));
+            has_note(&recording, &format!("has {n} samples, g.acc {m}: the shorter length is used"));
         }
     }
-    let settings = Settings { time_unit: Some("ms".to_owned()), ..Settings::default() };
+    let settings = IngestSettings { time_unit: Some("ms".to_owned()), ..IngestSettings::default() };
     let recording = read_with(with_times(600, 600, 0.1), &settings).unwrap();
     assert_eq!(recording.channels[0].wave.as_ref().unwrap().dt_s(), 1e-4);
 }

@@ -1,6 +1,6 @@
 //! Files built byte by byte, and what is read from them.
 
-use crumple_ingest::{Bundle, Found, IngestError, Ingested, Recording, Settings, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ReadChannel, Recording, ingest};
 use crumple_testkit::shared;
 
 pub const NEW_LIST: u32 = 4 | 2;
@@ -140,15 +140,15 @@ pub fn simple(n: usize, big: bool) -> Vec<u8> {
 }
 
 pub fn read(bytes: Vec<u8>) -> Result<Recording, IngestError> {
-    read_with(bytes, &Settings::default())
+    read_with(bytes, &IngestSettings::default())
 }
 
-pub fn read_with(bytes: Vec<u8>, settings: &Settings) -> Result<Recording, IngestError> {
+pub fn read_with(bytes: Vec<u8>, settings: &IngestSettings) -> Result<Recording, IngestError> {
     let bundle = Bundle::from_bytes("t.tdms", bytes)?;
     bundle.reader.read(&bundle, settings)
 }
 
-pub fn samples(found: &Found) -> &[f64] {
+pub fn samples(found: &ReadChannel) -> &[f64] {
     found.wave.as_ref().unwrap().samples()
 }
 
@@ -158,16 +158,16 @@ pub fn has_note(recording: &Recording, words: &str) {
     assert!(notes.iter().any(|note| note.contains(words)), "{words:?} is not in {notes:#?}");
 }
 
-pub fn lenient() -> Settings {
-    Settings { allow_missing: Some(true), ..Settings::default() }
+pub fn lenient() -> IngestSettings {
+    IngestSettings { allow_missing: Some(true), ..IngestSettings::default() }
 }
 
-pub fn open(path: &str, settings: &Settings) -> Option<Result<Ingested, IngestError>> {
+pub fn open(path: &str, settings: &IngestSettings) -> Option<Result<Ingested, IngestError>> {
     let path = shared(path)?;
     Some(Bundle::open(&path).and_then(|bundle| ingest(&bundle, settings)))
 }
 
 pub fn recording(path: &str) -> Option<Recording> {
     let bundle = Bundle::open(&shared(path)?).unwrap();
-    Some(bundle.reader.read(&bundle, &Settings::default()).unwrap())
+    Some(bundle.reader.read(&bundle, &IngestSettings::default()).unwrap())
 }

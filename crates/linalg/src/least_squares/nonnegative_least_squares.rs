@@ -1,7 +1,8 @@
 //! Non-negative least squares from the normal equations, for starting values.
 //!
-//! Springs and dampers are not negative: where a regression on measured motion would make one so, it belongs at zero and the
-//! others change. Half the digits are lost in the normal equations; what follows is a fit that starts from here.
+//! Springs and dampers are not negative: where a regression on measured motion would make one so, it belongs at zero
+//! and the others change. Half the digits are lost in the normal equations; what follows is a fit that starts from
+//! here.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -2,7 +2,7 @@
 
 use crumple_lti::{Complex, Mode};
 use crumple_lumped::{CoefficientMatching, Kelvin, MatchedSolution, Reading};
-use crumple_parameter_solve::{
+use crumple_lumped_fit::{
     KelvinBranch, MaxwellExponents, elastoplastic_from_events, kelvin_from_events, maxwell_from_exponents,
 };
 use crumple_testkit::reference_signals::{list, number, text};

@@ -1,12 +1,11 @@
 //! The table of candidates: parameters, what they answer with, which is best.
 
-use crate::escape::html;
-use crate::people::{
-    ABSENT, MILLI, NBSP, candidate_name, decimals, digits_of_interval, parameter, parameter_order, signed, significant,
-};
-use crate::{Candidate, Ranking, Run};
+use crate::text::escape::html;
+use crate::text::numbers::{ABSENT, MILLI, NBSP, candidate_name, decimals, digits_of_interval, signed, significant};
+use crate::text::parameters::{parameter, parameter_order};
+use crate::{CandidateResult, Ranking, Run};
 
-use super::uncertainty;
+use crate::page::uncertainty;
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     if run.candidates.is_empty() {
@@ -16,14 +15,20 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         "<section>\n<h2>Candidates: physical parameters</h2>\n<div class=\"scroll\"><table class=\"candidates\">\n\
          <thead><tr><th scope=\"col\">Rank</th><th scope=\"col\">Model and method</th><th scope=\"col\">Parameters</th>\
          <th scope=\"col\"><abbr title=\"No parameter is negative: a passive structure.\">Physical</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"100 (1 − |x − x̂| / |x − mean x|) of the displacement over the compared window.\">Fit, %</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Root mean square displacement error over the compared window.\">RMSE, mm</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Corrected Akaike criterion of the displacement error over the same window, at the same number of independent samples for all: lower is better, it charges for every parameter.\">AICc</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Dynamic crush of the model minus that of the test.\">ΔC, mm</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Time of dynamic crush of the model minus that of the test.\">Δt<sub>m</sub>, ms</abbr></th>\
+         <th scope=\"col\" class=\"n\"><abbr title=\"100 (1 − |x − x̂| / |x − mean x|) of the displacement over the \
+         compared window.\">Fit, %</abbr></th>\
+         <th scope=\"col\" class=\"n\"><abbr title=\"Root mean square displacement error over the compared \
+         window.\">RMSE, mm</abbr></th>\
+         <th scope=\"col\" class=\"n\"><abbr title=\"Corrected Akaike criterion of the displacement error over the \
+         same window, at the same number of independent samples for all: lower is better, it charges for every \
+         parameter.\">AICc</abbr></th>\
+         <th scope=\"col\" class=\"n\"><abbr title=\"Dynamic crush of the model minus that of the test.\">ΔC, \
+         mm</abbr></th>\
+         <th scope=\"col\" class=\"n\"><abbr title=\"Time of dynamic crush of the model minus that of the \
+         test.\">Δt<sub>m</sub>, ms</abbr></th>\
          </tr></thead>\n<tbody>\n",
     );
-    let mut rows: Vec<&Candidate> = run.candidates.iter().collect();
+    let mut rows: Vec<&CandidateResult> = run.candidates.iter().collect();
     rows.sort_by_key(|candidate| ranking.place(&candidate.id).unwrap_or(usize::MAX));
     for candidate in rows {
         row(out, candidate, ranking);
@@ -35,7 +40,8 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         });
         let fit = supported.simulation.as_ref().and_then(|s| s.fit_percent);
         out.push_str(&format!(
-            "<p class=\"caption\">Of the solutions of coefficient matching the simulation supports {}{dual}: fit {} %{}.</p>\n",
+            "<p class=\"caption\">Of the solutions of coefficient matching the simulation supports {}{dual}: fit {} \
+             %{}.</p>\n",
             html(&candidate_name(&supported.id)),
             fit.map_or_else(|| ABSENT.to_owned(), |fit| decimals(fit, 2)),
             if supported.record.physical { "" } else { "; it is not a passive structure" },
@@ -43,27 +49,32 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     out.push_str(match ranking.best {
         Some(_) => {
-            "<p class=\"caption\">Ranked by the fit of the displacement; AICc stands beside it, over the same window, and decides nothing. Highlighted is the best that is physical, has no parameter left on a bound of \
-             its search other than zero, the limit of what is physical, no more parameters left open by the record than it needs, and no more parameters. A dual gives exactly the same record on this sensor and so the same figures.</p>\n"
+            "<p class=\"caption\">Ranked by the fit of the displacement; AICc stands beside it, over the same window, \
+             for information. Highlighted is the best that is physical, has no parameter left on a bound of \
+             its search other than zero, the limit of what is physical, no more parameters left open by the record \
+             than it needs, and no more parameters. A dual gives exactly the same record on this sensor and so the \
+             same figures.</p>\n"
         }
         None => {
-            "<p class=\"caption\">None is called the best: that takes a physical candidate without a parameter on a bound that explains at least half of \
-             the displacement; zero is no such bound, but the limit of what is physical.</p>\n"
+            "<p class=\"caption\">No candidate is called the best: that takes a physical candidate without a parameter \
+             on a bound that explains at least half of the displacement; zero is no such bound, but the limit of what \
+             is physical.</p>\n"
         }
     });
     if run.candidates.iter().any(|candidate| candidate.record.uncertainty.is_some()) {
         out.push_str(
-            "<p class=\"caption\">± is one standard deviation, from the misfit and the sensitivities at the fit; “95 %” is the interval that holds \
-             the value in 95 of 100 such records, “open” where the record does not bound it. It is far wider than two standard deviations where the \
-             misfit is worth few independent samples (see the remarks), and not symmetric. Profile, bootstrap and uncertain inputs, where asked for, \
-             are among a candidate's remarks.</p>\n",
+            "<p class=\"caption\">± is one standard deviation, from the misfit and the sensitivities at the fit; “95 \
+             %” is the interval that holds the value in 95 of 100 such records, “open” where the record does not bound \
+             it. It is far wider than two standard deviations where the misfit is worth few independent samples (see \
+             the remarks), and not symmetric. Profile, bootstrap and uncertain inputs, where asked for, are among a \
+             candidate's remarks.</p>\n",
         );
     }
     out.push_str("</section>\n");
 }
 
-fn row(out: &mut String, candidate: &Candidate, ranking: &Ranking) {
-    let Candidate { id, record, simulation, .. } = candidate;
+fn row(out: &mut String, candidate: &CandidateResult, ranking: &Ranking) {
+    let CandidateResult { id, record, simulation, .. } = candidate;
     let best = ranking.best.as_deref() == Some(id);
     let place = ranking.place(id).map_or_else(|| ABSENT.to_owned(), |place| place.to_string());
     let mut about = format!("<strong>{}</strong><br><code>{}</code>", html(&candidate_name(id)), html(id));
@@ -85,7 +96,8 @@ fn row(out: &mut String, candidate: &Candidate, ranking: &Ranking) {
             fit.stop_reason.replace('-', " ")
         ));
         if !fit.active_bounds.is_empty() {
-            let names: Vec<String> = fit.active_bounds.iter().map(|name| parameter(name, 0.0).0).collect();
+            let names: Vec<String> =
+                fit.active_bounds.iter().map(|name| parameter(&candidate.record.model, name, 0.0).0).collect();
             remarks.push(format!("On a bound of the search: {}.", names.join(", ")));
         }
     }
@@ -104,7 +116,8 @@ fn row(out: &mut String, candidate: &Candidate, ranking: &Ranking) {
     let simulation = simulation.as_ref();
     out.push_str(&format!(
         "<tr{}><td class=\"rank\">{}{place}</td><td>{about}</td><td class=\"parameters\">{}</td><td>{}</td>\
-         <td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
+         <td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td \
+         class=\"n\">{}</td></tr>\n",
         if best { " class=\"best\"" } else { "" },
         if best { "<span class=\"star\" title=\"best physical candidate\">★</span> " } else { "" },
         parameters(candidate),
@@ -117,14 +130,14 @@ fn row(out: &mut String, candidate: &Candidate, ranking: &Ranking) {
     ));
 }
 
-/// Rank, weakest direction and condition; the sensors that the fit did not see.
-fn how_well_known(candidate: &Candidate) -> Vec<String> {
+/// Rank, weakest direction and condition; the sensors that the fit did not use.
+fn how_well_known(candidate: &CandidateResult) -> Vec<String> {
     let mut remarks = Vec::new();
     if let Some(u) = &candidate.record.uncertainty {
         if let Some(rank) = u.rank {
             remarks.push(format!(
-                "Independent directions in the parameters that the waves respond to: {rank} of {}; how well each parameter is known, \
-                 its interval says.",
+                "Independent directions in the parameters that the waves respond to: {rank} of {}; how well each \
+                 parameter is known, its interval says.",
                 u.order.len()
             ));
         }
@@ -135,12 +148,12 @@ fn how_well_known(candidate: &Candidate) -> Vec<String> {
     }
     let Some(simulation) = &candidate.simulation else { return remarks };
     if let (Some(p), Some(samples)) = (simulation.fitted_parameters, simulation.effective_samples) {
-        let of = if simulation.aicc.is_some() { "" } else { ": too few for an AICc" };
-        remarks.push(format!("{p} parameters, {} independent samples in the window{of}.", significant(samples, 3)));
+        let few = if simulation.aicc.is_some() { "" } else { ": too few for an AICc" };
+        remarks.push(format!("{p} parameters, {} independent samples in the window{few}.", significant(samples, 3)));
     }
     let others = simulation.other_sensors.iter().map(|other| {
         format!(
-            "Sensor {} on mass {}, which the fit did not see: {} mm root mean square{}.",
+            "Sensor {} on mass {}, which the fit did not use: {} mm root mean square{}.",
             other.channel,
             other.mass,
             decimals(MILLI * other.rmse_displacement_m, 2),
@@ -152,14 +165,14 @@ fn how_well_known(candidate: &Candidate) -> Vec<String> {
 }
 
 /// `k = 321.9 ± 0.4 kN/m, 95 %: 321.1 to 322.7`, one parameter a line.
-fn parameters(candidate: &Candidate) -> String {
+fn parameters(candidate: &CandidateResult) -> String {
     let deviations = candidate.record.uncertainty.as_ref().map(|u| &u.standard_deviation);
     let mut parameters: Vec<(&String, &f64)> = candidate.record.parameters.iter().collect();
-    parameters.sort_by_key(|(name, _)| parameter_order(name));
+    parameters.sort_by_key(|(name, _)| parameter_order(&candidate.record.model, name));
     let lines: Vec<String> = parameters
         .into_iter()
         .map(|(name, &value)| {
-            let (symbol, shown, unit) = parameter(name, value);
+            let (symbol, shown, unit) = parameter(&candidate.record.model, name, value);
             let on_bound = candidate.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.contains(name));
             let (deviation, doubt) = match (candidate.record.doubt(name), deviations.and_then(|d| d.get(name))) {
                 (Some(doubt), _) => (String::new(), format!(" <span class=\"no\">{doubt}</span>")),
@@ -167,7 +180,10 @@ fn parameters(candidate: &Candidate) -> String {
                     (String::new(), " <span class=\"no\">hardly determined</span>".to_owned())
                 }
                 (None, _) if on_bound => (String::new(), " (the limit of what is physical)".to_owned()),
-                (None, Some(&d)) => (format!("{NBSP}±{NBSP}{}", significant(parameter(name, d).1, 2)), String::new()),
+                (None, Some(&d)) => (
+                    format!("{NBSP}±{NBSP}{}", significant(parameter(&candidate.record.model, name, d).1, 2)),
+                    String::new(),
+                ),
                 (None, None) => (String::new(), String::new()),
             };
             let interval = if on_bound { String::new() } else { interval(candidate, name) };
@@ -183,11 +199,13 @@ fn parameters(candidate: &Candidate) -> String {
 }
 
 /// `, 95 %: 310 to 330`; an end that the record does not bound is "open".
-fn interval(candidate: &Candidate, name: &str) -> String {
+fn interval(candidate: &CandidateResult, name: &str) -> String {
     let Some(u) = &candidate.record.uncertainty else { return String::new() };
     let (Some(low), Some(high)) = (u.interval_low.get(name), u.interval_high.get(name)) else { return String::new() };
     let digits = low.zip(*high).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
-    let end = |end: &Option<f64>| end.map_or_else(|| "open".to_owned(), |x| significant(parameter(name, x).1, digits));
+    let end = |end: &Option<f64>| {
+        end.map_or_else(|| "open".to_owned(), |x| significant(parameter(&candidate.record.model, name, x).1, digits))
+    };
     match (low, high) {
         (None, None) => "; 95\u{a0}%: open".to_owned(),
         _ => format!("; 95{NBSP}%: {} to {}", end(low), end(high)),

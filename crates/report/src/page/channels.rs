@@ -3,8 +3,8 @@
 use crumple_signal::Channel;
 
 use crate::Run;
-use crate::escape::html;
-use crate::people::ABSENT;
+use crate::text::escape::html;
+use crate::text::numbers::ABSENT;
 
 /// With more channels than this the list is folded: a full-scale test has hundreds.
 const OPEN_LIST: usize = 12;
@@ -35,8 +35,10 @@ pub(super) fn write(out: &mut String, run: &Run) {
         out.push_str(&format!("<details><summary>Show all {} channels</summary>\n", channels.len()));
     }
     out.push_str(
-        "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">Id</th><th scope=\"col\">Location</th><th scope=\"col\">Axis</th>\
-         <th scope=\"col\">Quantity</th><th scope=\"col\">CFC</th><th scope=\"col\">Status</th><th scope=\"col\">Remark</th></tr></thead>\n<tbody>\n",
+        "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">Id</th><th scope=\"col\">Location</th><th \
+         scope=\"col\">Axis</th>\
+         <th scope=\"col\">Quantity</th><th scope=\"col\">CFC</th><th scope=\"col\">Status</th><th \
+         scope=\"col\">Remark</th></tr></thead>\n<tbody>\n",
     );
     for channel in channels {
         row(out, channel, taken == Some(channel.id.as_str()));

@@ -1,7 +1,7 @@
 //! Where the energy of every model is at dynamic crush.
 
-use crate::escape::html;
-use crate::people::{KILO, MILLI, candidate_name, decimals};
+use crate::text::escape::html;
+use crate::text::numbers::{KILO, MILLI, candidate_name, decimals};
 use crate::{Ranking, Run};
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
@@ -21,17 +21,19 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     rows.sort_by_key(|(candidate, ..)| ranking.place(&candidate.id).unwrap_or(usize::MAX));
     out.push_str(
-        "<section>\n<h2>Energy of the models</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">Model</th>\
+        "<section>\n<h2>Energy of the models</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th \
+         scope=\"col\">Model</th>\
          <th scope=\"col\">Instant</th><th scope=\"col\" class=\"n\">Time, ms</th>\
          <th scope=\"col\" class=\"n\">Brought in, kJ</th><th scope=\"col\" class=\"n\">Kinetic, kJ</th>\
          <th scope=\"col\" class=\"n\">In springs, kJ</th><th scope=\"col\" class=\"n\">Dissipated, kJ</th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Largest gap of the balance over the whole response, relative to its \
-         largest term.\">Closure</abbr></th></tr></thead>\n<tbody>\n",
+         <th scope=\"col\" class=\"n\"><abbr title=\"Largest gap of the balance over the whole response, relative to \
+         its largest term.\">Closure</abbr></th></tr></thead>\n<tbody>\n",
     );
     for (candidate, energy, closure) in rows {
         let kilojoule = |joule: f64| decimals(KILO * joule, 2);
         out.push_str(&format!(
-            "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
+            "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td \
+             class=\"n\">{}</td>\
              <td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
             html(&candidate_name(&candidate.id)),
             html(&energy.instant),
@@ -44,8 +46,9 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         ));
     }
     out.push_str(
-        "</tbody>\n</table></div>\n<p class=\"caption\">Heat and work are integrated apart from the motion, so the closure checks motion, forces \
-         and law together. Plastic work of the elastoplastic model counts as dissipated.</p>\n</section>\n",
+        "</tbody>\n</table></div>\n<p class=\"caption\">Heat and work are integrated apart from the motion, so the \
+         closure checks motion, forces and law together. Plastic work of the elastoplastic model counts as \
+         dissipated.</p>\n</section>\n",
     );
 }
 

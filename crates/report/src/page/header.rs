@@ -1,7 +1,7 @@
 //! Title, what was tested, and the key figures.
 
-use crate::escape::html;
-use crate::people::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP, at_most, decimals, range};
+use crate::text::escape::html;
+use crate::text::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP, at_most, decimals, range};
 use crate::{Ranking, Run};
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
@@ -78,11 +78,11 @@ fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
     let mut cards = String::new();
     // The interval of an event, as its uncertain measurement gives it, stands under the figure.
     let interval = |field: &str, si: &str| {
-        let found = events?.intervals.iter().find(|interval| interval.name == field)?;
-        let words = range(found.low, found.high, si);
+        let interval = events?.intervals.iter().find(|interval| interval.name == field)?;
+        let words = range(interval.low, interval.high, si);
         // `5-95 %` of `5-95 % of 400 replicates`; the rest on pointing at it.
-        let kind = found.interval_by.split(" of ").next().unwrap_or_default();
-        Some(format!("<p title=\"{}\">{} ({})</p>", html(&found.interval_by), html(&words), html(kind)))
+        let kind = interval.interval_by.split(" of ").next().unwrap_or_default();
+        Some(format!("<p title=\"{}\">{} ({})</p>", html(&interval.interval_by), html(&words), html(kind)))
     };
     let mut card = |name: &str,
                     value: Option<f64>,

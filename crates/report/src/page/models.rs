@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use crumple_artifact::records::ModeV1;
 
-use crate::escape::html;
-use crate::people::{ABSENT, decimals, significant, times};
+use crate::text::escape::html;
+use crate::text::numbers::{ABSENT, decimals, significant, times};
 use crate::{Model, Run};
 
 /// Pole rows of a model that are open to view; the rest is folded.
@@ -62,9 +62,12 @@ fn write_model(out: &mut String, model: &Model) {
     out.push_str(
         "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" class=\"n\">Pole, 1/s</th>\
          <th scope=\"col\" class=\"n\"><abbr title=\"Modulus of the pole over 2π.\">Natural frequency, Hz</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"−Re over the modulus; negative: unstable.\">Damping ratio, %</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Modal amplitude coherence, 0 to 1: how well the mode follows its own decay.\">Coherence</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Mode singular value relative to the largest: the mode's share of the response.\">Share</abbr></th>\
+         <th scope=\"col\" class=\"n\"><abbr title=\"−Re over the modulus; negative: unstable.\">Damping ratio, \
+         %</abbr></th>\
+         <th scope=\"col\" class=\"n\"><abbr title=\"Modal amplitude coherence, 0 to 1: how well the mode follows its \
+         own decay.\">Coherence</abbr></th>\
+         <th scope=\"col\" class=\"n\"><abbr title=\"Mode singular value relative to the largest: the mode's share of \
+         the response.\">Share</abbr></th>\
          </tr></thead>\n<tbody>\n",
     );
     for mode in lines {
@@ -72,7 +75,8 @@ fn write_model(out: &mut String, model: &Model) {
         let number =
             |value: Option<f64>, factor: f64| value.map_or_else(|| ABSENT.to_owned(), |v| significant(factor * v, 4));
         out.push_str(&format!(
-            "<tr><td class=\"n\">{}{unstable}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
+            "<tr><td class=\"n\">{}{unstable}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td \
+             class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
             pole(mode),
             significant(mode.natural_frequency_rad_per_s / TAU, 4),
             number(mode.damping_ratio, 100.0),

@@ -3,8 +3,8 @@
 use crumple_artifact::records::{EventsV1, MetricV1};
 
 use crate::Run;
-use crate::escape::html;
-use crate::people::{ABSENT, range, value};
+use crate::text::escape::html;
+use crate::text::numbers::{ABSENT, range, value};
 
 /// Metrics that stand in the table of events already.
 const AMONG_EVENTS: [&str; 5] =
@@ -46,22 +46,26 @@ pub(super) fn write(out: &mut String, run: &Run) {
             .collect();
         out.push_str("<div>\n<h3>Metrics</h3>\n");
         table(out, &rows);
-        out.push_str("<p class=\"caption\">Point at a name for its definition, or the reason why a value is absent; point at an interval for how it was found.</p>\n</div>\n");
+        out.push_str(
+            "<p class=\"caption\">Point at a name for its definition, or the reason why a value is absent; \
+            point at an interval for how it was found.</p>\n</div>\n",
+        );
     }
     out.push_str("</div>\n");
-    of_their_own(out, run);
+    unlike_pulse(out, run);
     other_channels(out, run);
     out.push_str("</section>\n");
 }
 
 /// Metrics that only other channels have, open to view: occupants, barrier, recorder.
-fn of_their_own(out: &mut String, run: &Run) {
+fn unlike_pulse(out: &mut String, run: &Run) {
     let rows: Vec<&MetricV1> = run.metrics_of_others().collect();
     if rows.is_empty() {
         return;
     }
     out.push_str(
-        "<h3>Occupants, barrier and recorder</h3>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">Place</th>\
+        "<h3>Occupants, barrier and recorder</h3>\n<div class=\"scroll\"><table>\n<thead><tr><th \
+         scope=\"col\">Place</th>\
          <th scope=\"col\">Metric</th><th scope=\"col\" class=\"n\">Value</th></tr></thead>\n<tbody>\n",
     );
     for metric in rows {
@@ -95,10 +99,10 @@ fn other_channels(out: &mut String, run: &Run) {
     let Some(pulse) = run.channel_id() else { return };
     let mut channels = vec![pulse];
     let mut names: Vec<(&str, &MetricV1)> = Vec::new();
-    let of_their_own: Vec<&MetricV1> = run.metrics_of_others().collect();
+    let unlike_pulse: Vec<&MetricV1> = run.metrics_of_others().collect();
     let listed = |metric: &&MetricV1| {
-        let own = of_their_own.iter().any(|other| std::ptr::eq(*other, *metric));
-        metric.channel != pulse && !metric.channel.is_empty() && !own
+        let is_other = unlike_pulse.iter().any(|other| std::ptr::eq(*other, *metric));
+        metric.channel != pulse && !metric.channel.is_empty() && !is_other
     };
     for metric in run.metrics.iter().filter(listed) {
         if !channels.contains(&metric.channel.as_str()) {
@@ -116,7 +120,8 @@ fn other_channels(out: &mut String, run: &Run) {
     channels.sort_by_key(|id| is_range(id));
     let others = channels.iter().filter(|id| !is_range(id)).count() - 1;
     out.push_str(&format!(
-        "<details><summary>Metrics of {others} other channel{}, beside the pulse's</summary>\n<div class=\"scroll\"><table>\n\
+        "<details><summary>Metrics of {others} other channel{}, beside the pulse's</summary>\n<div \
+         class=\"scroll\"><table>\n\
          <thead><tr><th scope=\"col\">Metric</th>",
         if others == 1 { "" } else { "s" }
     ));
@@ -137,8 +142,8 @@ fn other_channels(out: &mut String, run: &Run) {
             html(&name.replace('_', " "))
         ));
         for id in &channels {
-            let found = run.metrics.iter().find(|m| m.name == name && m.channel == *id);
-            let shown = found.and_then(|m| match is_range(id) {
+            let metric = run.metrics.iter().find(|m| m.name == name && m.channel == *id);
+            let shown = metric.and_then(|m| match is_range(id) {
                 true => Some(range(m.low?, m.high?, &m.unit)),
                 false => Some(value(m.value?, &m.unit)),
             });
@@ -202,14 +207,14 @@ fn table(out: &mut String, rows: &[Row]) {
 
 fn event_rows(e: &EventsV1) -> Vec<Row<'_>> {
     let row = |field: &str, name: &str, value, unit, definition: &str| {
-        let found = e.intervals.iter().find(|interval| interval.name == field);
+        let interval = e.intervals.iter().find(|interval| interval.name == field);
         Row {
             name: name.to_owned(),
             value,
             unit,
             definition: definition.to_owned(),
-            interval: found.map(|interval| (interval.low, interval.high)),
-            interval_by: found.map(|interval| interval.interval_by.as_str()).or_else(|| {
+            interval: interval.map(|interval| (interval.low, interval.high)),
+            interval_by: interval.map(|interval| interval.interval_by.as_str()).or_else(|| {
                 let without = e.without_interval.iter().find(|without| without.name == field);
                 without.map(|without| without.reason.as_str())
             }),
@@ -217,7 +222,8 @@ fn event_rows(e: &EventsV1) -> Vec<Row<'_>> {
     };
     let change = match (&e.end_of_event_rule, e.end_of_event_s) {
         (Some(rule), Some(end_s)) => format!(
-            "Impact speed minus the lowest velocity up to the end of the event at {} ({rule}); the velocity does not reach zero.",
+            "Impact speed minus the lowest velocity up to the end of the event at {} ({rule}); the velocity does not \
+             reach zero.",
             value(end_s, "s")
         ),
         _ => "Impact speed minus rebound velocity.".to_owned(),

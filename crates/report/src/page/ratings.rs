@@ -2,9 +2,9 @@
 
 use crumple_artifact::records::{RatingV1, SimulationV1};
 
-use crate::escape::html;
-use crate::people::{ABSENT, candidate_name, decimals, signed, times};
-use crate::{Candidate, Ranking, Run};
+use crate::text::escape::html;
+use crate::text::numbers::{ABSENT, candidate_name, decimals, signed, times};
+use crate::{CandidateResult, Ranking, Run};
 
 /// A column: its quantity, the definition's key, heading, and what to say of it.
 const COLUMNS: [(&str, &str, &str, &str); 9] = [
@@ -25,7 +25,7 @@ const COLUMNS: [(&str, &str, &str, &str); 9] = [
 ];
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
-    let mut rows: Vec<(&Candidate, &SimulationV1)> = run
+    let mut rows: Vec<(&CandidateResult, &SimulationV1)> = run
         .candidates
         .iter()
         .filter_map(|candidate| Some((candidate, candidate.simulation.as_ref().filter(|s| !s.ratings.is_empty())?)))
@@ -34,12 +34,14 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         return;
     }
     rows.sort_by_key(|(candidate, _)| ranking.place(&candidate.id).unwrap_or(usize::MAX));
-    let of = |quantity: &str| COLUMNS.iter().filter(|column| column.0 == quantity).count() + 1;
+    let columns_of = |quantity: &str| COLUMNS.iter().filter(|column| column.0 == quantity).count() + 1;
     out.push_str(&format!(
-        "<section>\n<h2>Ratings: model against test</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" rowspan=\"2\">Model</th>\
-         <th scope=\"colgroup\" colspan=\"{}\">Acceleration</th><th scope=\"colgroup\" colspan=\"{}\">Displacement</th></tr>\n<tr>",
-        of("acceleration"),
-        of("displacement")
+        "<section>\n<h2>Ratings: model against test</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" \
+         rowspan=\"2\">Model</th>\
+         <th scope=\"colgroup\" colspan=\"{}\">Acceleration</th><th scope=\"colgroup\" \
+         colspan=\"{}\">Displacement</th></tr>\n<tr>",
+        columns_of("acceleration"),
+        columns_of("displacement")
     ));
     let fit = "<th scope=\"col\" class=\"n\"><abbr title=\"100 (1 − |y − ŷ| / |y − mean y|).\">Fit, %</abbr></th>";
     for (index, (quantity, id, heading, what)) in COLUMNS.iter().enumerate() {
@@ -66,11 +68,11 @@ fn find<'a>(simulation: &'a SimulationV1, quantity: &str, id: &str) -> Option<&'
 }
 
 /// The letter of the first candidate that has the rating: a definition has one mark.
-fn mark<'a>(rows: &[(&Candidate, &'a SimulationV1)], quantity: &str, id: &str) -> Option<&'a str> {
+fn mark<'a>(rows: &[(&CandidateResult, &'a SimulationV1)], quantity: &str, id: &str) -> Option<&'a str> {
     rows.iter().find_map(|(_, simulation)| find(simulation, quantity, id)).map(|rating| rating.mark.as_str())
 }
 
-fn row(out: &mut String, candidate: &Candidate, simulation: &SimulationV1, ranking: &Ranking) {
+fn row(out: &mut String, candidate: &CandidateResult, simulation: &SimulationV1, ranking: &Ranking) {
     let best = ranking.best.as_deref() == Some(&candidate.id);
     out.push_str(&format!(
         "<tr{}><td>{}</td>",
@@ -106,7 +108,7 @@ fn row(out: &mut String, candidate: &Candidate, simulation: &SimulationV1, ranki
 }
 
 /// The window and what CORA's published formulas leave to the one who computes them.
-fn caption(out: &mut String, rows: &[(&Candidate, &SimulationV1)]) {
+fn caption(out: &mut String, rows: &[(&CandidateResult, &SimulationV1)]) {
     let (from_s, to_s) = rows.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), (_, simulation)| {
         (simulation.from_s.min(from), simulation.to_s.max(to))
     });
@@ -115,8 +117,9 @@ fn caption(out: &mut String, rows: &[(&Candidate, &SimulationV1)]) {
         Some(format!(" CORA (mark {}) has {}.", html(&rating.mark), html(rating.note.as_deref()?)))
     });
     out.push_str(&format!(
-        "<p class=\"caption\">Over {} after time zero. ISO/TS 18571 and CORA: 1 is equal; M, P, C (Sprague-Geers) and Theil's U1: 0 is equal. Roadside practice \
-         accepts |M| and P up to 0.4.{} Marks: C checked, S after a secondary source, M from memory, U uncertain.</p>\n",
+        "<p class=\"caption\">Over {} after time zero. ISO/TS 18571 and CORA: 1 is equal; M, P, C (Sprague-Geers) and \
+         Theil's U1: 0 is equal. Roadside practice accepts |M| and P up to 0.4.{} Marks: C checked, S after a \
+         secondary source, M from memory, U uncertain.</p>\n",
         times(from_s, to_s),
         cora.unwrap_or_default()
     ));

@@ -2,10 +2,11 @@
 
 use crumple_signal::Severity;
 
-use crate::escape::html;
-use crate::people::{candidate_name, decimals, parameter};
-use crate::ranking::AS_GOOD_PERCENT;
-use crate::{Candidate, Ranking, Run};
+use crate::results::ranking::AS_GOOD_PERCENT;
+use crate::text::escape::html;
+use crate::text::numbers::{candidate_name, decimals};
+use crate::text::parameters::parameter;
+use crate::{CandidateResult, Ranking, Run};
 
 /// Good-to-know notes of a stage that are open to view; the rest is folded. Warnings never are.
 const OPEN_NOTES: usize = 12;
@@ -37,7 +38,8 @@ pub(super) fn write_warnings(out: &mut String, run: &Run) {
     }
     let word = if warnings.len() == 1 { "warning" } else { "warnings" };
     out.push_str(&format!(
-        "<section class=\"warnings\">\n<details{}><summary>{} {word}</summary>\n<ul class=\"notes\">\n{}</ul>\n</details>\n</section>\n",
+        "<section class=\"warnings\">\n<details{}><summary>{} {word}</summary>\n<ul \
+         class=\"notes\">\n{}</ul>\n</details>\n</section>\n",
         if warnings.len() <= OPEN_WARNINGS { " open" } else { "" },
         warnings.len(),
         warnings.concat()
@@ -88,15 +90,16 @@ pub(super) fn write_notes(out: &mut String, run: &Run) {
 pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     let mut limits = Vec::new();
     // A fit that saw a second sensor has decided between the two.
-    let one_sensor = |c: &Candidate| c.other_channels().next().is_none();
+    let one_sensor = |c: &CandidateResult| c.other_channels().next().is_none();
     if run
         .candidates
         .iter()
         .any(|c| one_sensor(c) && (c.record.model == "double-spring-mass-damper" || c.record.equivalent_to.is_some()))
     {
         limits.push(
-            "One compartment accelerometer cannot tell a double-mass parameter set from its dual: both give exactly the same \
-             record, so the fit cannot choose between them. A second sensor on the front, on the engine or the firewall, decides."
+            "One compartment accelerometer cannot tell a double-mass parameter set from its dual: both give exactly \
+             the same record, so the fit cannot choose between them. A second sensor on the front, on the engine or \
+             the firewall, decides."
                 .to_owned(),
         );
     }
@@ -104,8 +107,8 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     let window = run.candidates.iter().find_map(|c| c.simulation.as_ref()).map(|s| (s.from_s, s.to_s));
     if run.is_generic() {
         limits.push(
-            "A model describes the record it was fitted to, over the amplitudes and frequencies that its input excited; what it foretells \
-             elsewhere is extrapolation."
+            "A model describes the record it was fitted to, over the amplitudes and frequencies that its input \
+             excited; what it foretells elsewhere is extrapolation."
                 .to_owned(),
         );
     } else if !run.candidates.is_empty() || !run.models.is_empty() {
@@ -115,7 +118,8 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
                 .to_owned();
         if let Some((from, to)) = window {
             text.push_str(&format!(
-                " Models are compared with the test from {} to {} ms after time zero; what they do later is extrapolation.",
+                " Models are compared with the test from {} to {} ms after time zero; what they do later is \
+                 extrapolation.",
                 decimals(1e3 * from, 1),
                 decimals(1e3 * to, 1)
             ));
@@ -123,7 +127,7 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
         limits.push(text);
     }
     let others: std::collections::BTreeSet<&str> =
-        run.candidates.iter().flat_map(Candidate::other_channels).map(|(channel, _)| channel).collect();
+        run.candidates.iter().flat_map(CandidateResult::other_channels).map(|(channel, _)| channel).collect();
     let who = if others.is_empty() {
         "Everything here is read from one sensor".to_owned()
     } else {
@@ -132,9 +136,9 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     };
     if !run.is_generic() {
         limits.push(format!(
-            "{who}, with the vehicle taken for a body that moves as one. Crush is the \
-         displacement of that sensor, double-integrated: an error of its zero level grows with the square of time. It is \
-         dynamic crush; the crush that remains after the test cannot be had from an accelerometer."
+            "{who}, with the vehicle taken for a body that moves as one. Crush is the displacement of that sensor, \
+         double-integrated: an error of its zero level grows with the square of time. It is dynamic crush; the crush \
+         that remains after the test cannot be had from an accelerometer."
         ));
     }
     if let Some(ratio) = run.events.as_ref().and_then(|e| Some(e.centroid_time_s? / e.time_of_dynamic_crush_s?))
@@ -155,7 +159,7 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
             _ => String::new(),
         };
         limits.push(format!(
-            "The velocity does not reach zero within the record. That is a legal answer: the vehicle was still moving \
+            "The velocity does not reach zero within the record. This is a valid result: the vehicle was still moving \
              forward when the record ended, so dynamic crush, restitution and all that builds on them are absent.{end}"
         ));
     }
@@ -170,35 +174,35 @@ fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
     if let Some(reason) = ranking.no_best.as_deref().filter(|_| !ranking.order.is_empty()) {
         return vec![format!("No model is called the best: {reason}.")];
     }
-    let fit = |candidate: &Candidate| candidate.simulation.as_ref().and_then(|s| s.fit_percent);
+    let fit = |candidate: &CandidateResult| candidate.simulation.as_ref().and_then(|s| s.fit_percent);
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
     let closest = ranking.order.iter().filter_map(|id| run.candidate(id)).find(|c| c.record.physical);
     let Some(closest) = closest.filter(|c| best.is_none_or(|best| fit(c) > fit(best))) else { return Vec::new() };
     let on_bound = closest.record.fit.as_ref().map(|fit| fit.active_bounds.as_slice()).unwrap_or_default();
     let name = candidate_name(&closest.id);
     if !on_bound.is_empty() {
-        let symbols: Vec<String> = on_bound.iter().map(|name| parameter(name, 0.0).0).collect();
+        let symbols: Vec<String> = on_bound.iter().map(|name| parameter(&closest.record.model, name, 0.0).0).collect();
         return vec![format!(
-            "{name} fits closest but is not called the best: {} stopped on a bound of the search, so the record does not \
-             determine these values.",
+            "{name} fits closest but is not called the best: {} stopped on a bound of the search, so the record does \
+             not determine these values.",
             symbols.join(", ")
         )];
     }
-    let open = Candidate::left_open;
+    let open = CandidateResult::left_open;
     match best {
         Some(best) if closest.divides_by_formula() && !best.divides_by_formula() => vec![format!(
-            "{name} fits no more than {AS_GOOD_PERCENT} percentage points better and its masses were looked for with a sensor on the \
-             last one alone, which does not decide their division."
+            "{name} fits no more than {AS_GOOD_PERCENT} percentage points better and its masses were looked for with a \
+             sensor on the last one alone, which does not decide their division."
         )],
         Some(best) if open(closest) > open(best) => vec![format!(
-            "{name} fits no more than {AS_GOOD_PERCENT} percentage points better, and this record leaves {} of its parameters \
-             undetermined instead of {}.",
+            "{name} fits no more than {AS_GOOD_PERCENT} percentage points better, and this record leaves {} of its \
+             parameters undetermined instead of {}.",
             open(closest),
             open(best)
         )],
         Some(best) if closest.record.parameters.len() > best.record.parameters.len() => vec![format!(
-            "{name} fits no more than {AS_GOOD_PERCENT} percentage points better with {} parameters instead of {}: this record \
-             gives no reason for the larger model.",
+            "{name} fits no more than {AS_GOOD_PERCENT} percentage points better with {} parameters instead of {}: \
+             this record gives no reason for the larger model.",
             closest.record.parameters.len(),
             best.record.parameters.len()
         )],
@@ -221,7 +225,8 @@ pub(super) fn write_provenance(out: &mut String, run: &Run) {
     }
     if !run.provenance.is_empty() {
         out.push_str(
-            "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">Stage</th><th scope=\"col\">Version</th><th scope=\"col\">Content</th>\
+            "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">Stage</th><th scope=\"col\">Version</th><th \
+             scope=\"col\">Content</th>\
              <th scope=\"col\">Made from</th><th scope=\"col\">Settings</th></tr></thead>\n<tbody>\n",
         );
         for record in &run.provenance {
@@ -249,7 +254,8 @@ pub(super) fn write_provenance(out: &mut String, run: &Run) {
         out.push_str("</tbody>\n</table></div>\n");
     }
     out.push_str(&format!(
-        "<p class=\"caption\">Made by crumple-report {}. Full numbers are in summary.json and in the artifacts.</p>\n</section>\n",
+        "<p class=\"caption\">Made by crumple-report {}. Full numbers are in summary.json and in the \
+         artifacts.</p>\n</section>\n",
         env!("CARGO_PKG_VERSION")
     ));
 }

@@ -1,3 +1,5 @@
+//! The filter class of a channel code: its last character.
+
 use std::fmt;
 
 /// What the last character says of the filter the data went through.

@@ -1,3 +1,5 @@
+//! Patterns with `?` and `*`.
+
 /// Whether `text` fits `pattern`: `?` is one character, `*` any number, all others themselves in any case.
 pub fn wildcard(pattern: &str, text: &str) -> bool {
     let pattern: Vec<char> = pattern.to_lowercase().chars().collect();

@@ -1,0 +1,164 @@
+//! The program: commands and their options, files in and out, exit code.
+//! Uses the library and crumple-stage.
+
+mod folder;
+
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::Context;
+use crumple_artifact::{Artifact, Compression, ReadError};
+use crumple_artifact_cli::{ShowOptions, Wanted, check, write_json, write_text};
+use crumple_stage::{ExitStatus, Refused, say, tool_main};
+
+/// Looks into artifacts (the *.mcap files of a run), checks them, takes them apart into plain files and puts them
+/// together again.
+#[derive(Debug, clap::Parser)]
+#[command(
+    name = "crumple-artifact",
+    version,
+    after_help = "Exit codes: 0 done, 1 unforeseen failure, 2 usage, 3 a file was refused."
+)]
+struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Command {
+    /// Prints what an artifact holds: where it came from, its records as JSON, its waveforms as a line each.
+    Show {
+        /// The artifact.
+        file: PathBuf,
+        /// Only topics that match, e.g. "/parameters/*"; `*` is any text, `?` one character. May be repeated.
+        #[arg(long, value_name = "PATTERN")]
+        topic: Vec<String>,
+        /// Print the samples of waveforms too, time in s and value in the SI unit.
+        #[arg(long)]
+        samples: bool,
+        /// Print one JSON object a line: topic, schema, data. With --samples each waveform is one, too.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Reads artifacts whole and says whether they are sound: checksums, digest, every record and sample.
+    Check {
+        /// The artifacts.
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+    },
+    /// Writes an artifact as plain files: records.ndjson, waves.ndjson with raw little-endian f64 files,
+    /// provenance.json.
+    Unpack {
+        /// The artifact.
+        file: PathBuf,
+        /// Folder to write; must not exist or be empty.
+        folder: PathBuf,
+        /// Write into a folder that holds something.
+        #[arg(long)]
+        force: bool,
+        /// No summary.
+        #[arg(short, long)]
+        quiet: bool,
+    },
+    /// Makes an artifact of plain files as `unpack` writes them, or of one file of records as `--json` prints them.
+    Pack {
+        /// The folder, or an .ndjson file of records.
+        source: PathBuf,
+        /// Artifact to write.
+        file: PathBuf,
+        /// Compress with Zstandard; the content and its digest stay the same.
+        #[arg(long)]
+        zstd: bool,
+        /// No summary.
+        #[arg(short, long)]
+        quiet: bool,
+    },
+}
+
+/// Parses the command line and runs the command.
+pub fn main() -> ExitCode {
+    tool_main(|args: Args| match args.command {
+        Command::Show { file, topic, samples, json } => {
+            show(&file, &ShowOptions { topics: Wanted(topic), samples }, json)
+        }
+        Command::Check { files } => check_files(&files),
+        Command::Unpack { file, folder, force, quiet } => unpack(&file, &folder, force, quiet),
+        Command::Pack { source, file, zstd, quiet } => pack(&source, &file, zstd, quiet),
+    })
+}
+
+fn open(path: &Path) -> Result<Artifact, Refused> {
+    Artifact::open(path).map_err(Refused::from)
+}
+
+fn show(path: &Path, options: &ShowOptions, json: bool) -> anyhow::Result<ExitStatus> {
+    let artifact = open(path)?;
+    to_stdout(|out| if json { write_json(&artifact, options, out) } else { write_text(&artifact, options, out) })?;
+    Ok(ExitStatus::Done)
+}
+
+fn to_stdout(write: impl FnOnce(&mut dyn Write) -> Result<io::Result<()>, ReadError>) -> anyhow::Result<()> {
+    let mut out = BufWriter::new(io::stdout().lock());
+    match write(&mut out).map_err(Refused::from)?.and_then(|()| out.flush()) {
+        // A reader that has seen enough closes the pipe.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        other => other.context("cannot write to stdout"),
+    }
+}
+
+fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
+    let mut status = ExitStatus::Done;
+    for path in paths {
+        let faults = match Artifact::open(path) {
+            Err(error) => vec![error.to_string()],
+            Ok(artifact) => match check(&artifact) {
+                Err(faults) => faults,
+                Ok(ok) => {
+                    let foreign = match ok.foreign {
+                        0 => String::new(),
+                        n => format!(" ({n} of other projects, not decoded)"),
+                    };
+                    let line = format!(
+                        "{}: ok: {} records{foreign}, {} waves, {} samples, digest {}",
+                        path.display(),
+                        ok.records,
+                        ok.waves,
+                        ok.samples,
+                        ok.digest
+                    );
+                    to_stdout(|out| Ok(writeln!(out, "{line}")))?;
+                    continue;
+                }
+            },
+        };
+        status = ExitStatus::Refused;
+        let name = path.display().to_string();
+        for fault in faults {
+            // Errors of the reader name the file themselves.
+            let fault = if fault.contains(&name) { fault } else { format!("{name}: {fault}") };
+            say(format_args!("error: {fault}"));
+        }
+    }
+    Ok(status)
+}
+
+fn unpack(path: &Path, target: &Path, force: bool, quiet: bool) -> anyhow::Result<ExitStatus> {
+    let artifact = open(path)?;
+    folder::write(&artifact, target, force)?;
+    if !quiet {
+        let (records, waves) = (artifact.records().len(), artifact.waves().len());
+        say(format_args!("{records} records, {waves} waves -> {}", target.display()));
+    }
+    Ok(ExitStatus::Done)
+}
+
+fn pack(source: &Path, path: &Path, zstd: bool, quiet: bool) -> anyhow::Result<ExitStatus> {
+    let (builder, provenance) = folder::read(source)?;
+    let compression = if zstd { Compression::Zstd } else { Compression::None };
+    let digest = builder.write(path, &provenance, compression)?;
+    if !quiet {
+        say(format_args!("{} -> {}, digest {digest}", source.display(), path.display()));
+    }
+    Ok(ExitStatus::Done)
+}

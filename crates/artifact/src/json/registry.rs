@@ -1,0 +1,144 @@
+//! Records known by name only: by their schema name, as met in a file or on a line of text.
+
+use serde::Serialize;
+
+use crate::records::{Record, SCHEMAS, TypeVisitor, with_type};
+use crate::{Artifact, ArtifactBuilder, RawRecord, ReadError, WriteError};
+
+/// How JSON is laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JsonForm {
+    /// On one line, as in NDJSON.
+    Line,
+    /// Indented.
+    Pretty,
+}
+
+impl JsonForm {
+    /// The JSON text of a value, its fields in the order of the type.
+    pub fn text<T: Serialize + ?Sized>(self, value: &T) -> Result<String, String> {
+        match self {
+            Self::Line => serde_json::to_string(value),
+            Self::Pretty => serde_json::to_string_pretty(value),
+        }
+        .map_err(|error| error.to_string())
+    }
+}
+
+impl Artifact {
+    /// A record as JSON text, whatever its encoding on disk, decoded as the type that its schema names.
+    ///
+    /// Fields that the type does not know are dropped, as every stage drops them. `None`: the schema is of another
+    /// project. Errors: the message does not decode or holds a number that is not finite; a version of the type
+    /// later than this program's.
+    pub fn json_text(&self, raw: &RawRecord, form: JsonForm) -> Result<Option<String>, ReadError> {
+        if let Some(text) = with_type(&raw.schema, ToJson { artifact: self, raw, form }) {
+            return text.map(Some);
+        }
+        match SCHEMAS.iter().find(|known| same_name(known, &raw.schema)) {
+            Some(known) => Err(ReadError::Newer {
+                path: self.path().to_owned(),
+                what: format!("the record type of topic {}", raw.topic),
+                found: raw.schema.clone(),
+                known: (*known).to_owned(),
+            }),
+            None => Ok(None),
+        }
+    }
+}
+
+/// Whether two schema names differ at most in their version.
+fn same_name(a: &str, b: &str) -> bool {
+    let name = |schema: &str| schema.rsplit_once(".v").map(|(name, _)| name.to_owned());
+    name(a).is_some() && name(a) == name(b)
+}
+
+struct ToJson<'a> {
+    artifact: &'a Artifact,
+    raw: &'a RawRecord,
+    form: JsonForm,
+}
+
+impl TypeVisitor for ToJson<'_> {
+    type Output = Result<String, ReadError>;
+
+    fn visit<R: Record>(self) -> Self::Output {
+        let record: R = self.artifact.decode(self.raw)?;
+        self.form.text(&record).map_err(|problem| ReadError::Message {
+            path: self.artifact.path().to_owned(),
+            topic: self.raw.topic.clone(),
+            problem,
+        })
+    }
+}
+
+/// Adds a record given as JSON to an artifact, checked against the type that the schema names.
+///
+/// Errors: the schema is not one of [`SCHEMAS`]; the value does not decode; and those of [`ArtifactBuilder::put`].
+pub fn put_json(
+    builder: &mut ArtifactBuilder,
+    topic: &str,
+    schema: &str,
+    data: serde_json::Value,
+) -> Result<(), WriteError> {
+    let unknown = || WriteError::Encode {
+        topic: topic.to_owned(),
+        problem: format!("schema {schema:?} is unknown, expected one of {}", SCHEMAS.join(", ")),
+    };
+    with_type(schema, FromJson { builder, topic, data }).ok_or_else(unknown)?
+}
+
+struct FromJson<'a> {
+    builder: &'a mut ArtifactBuilder,
+    topic: &'a str,
+    data: serde_json::Value,
+}
+
+impl TypeVisitor for FromJson<'_> {
+    type Output = Result<(), WriteError>;
+
+    fn visit<R: Record>(self) -> Self::Output {
+        let record: R = serde_json::from_value(self.data).map_err(|error| WriteError::Encode {
+            topic: self.topic.to_owned(),
+            problem: format!("not a {}: {error}", R::SCHEMA),
+        })?;
+        self.builder.put(self.topic, &record)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+    use std::path::Path;
+
+    use super::*;
+    use crate::{Compression, Provenance};
+
+    #[test]
+    fn a_record_goes_in_as_json_and_comes_out_as_json() {
+        let mut builder = ArtifactBuilder::new();
+        let data = serde_json::json!({"reason": "no zero", "stage": "integrate"});
+        put_json(&mut builder, "/diagnosis", "crumple.Diagnosis.v1", data).unwrap();
+        let mut file = Cursor::new(Vec::new());
+        builder.write_to(&mut file, &Provenance::new("x", "1", "{}".into(), Vec::new()), Compression::None).unwrap();
+        let artifact = Artifact::read(Path::new("x.mcap"), file.get_ref().as_slice()).unwrap();
+        let text = artifact.json_text(&artifact.records()[0], JsonForm::Line).unwrap().unwrap();
+        assert_eq!(
+            text, r#"{"stage":"integrate","reason":"no zero","has_result":false}"#,
+            "fields in the order of the type"
+        );
+        let later = RawRecord { schema: "crumple.Diagnosis.v2".into(), ..artifact.records()[0].clone() };
+        assert!(matches!(artifact.json_text(&later, JsonForm::Line), Err(ReadError::Newer { .. })));
+        let other = RawRecord { schema: "sensor_msgs/Imu".into(), ..artifact.records()[0].clone() };
+        assert!(artifact.json_text(&other, JsonForm::Line).unwrap().is_none());
+    }
+
+    #[test]
+    fn unknown_schemas_and_wrong_values_are_refused() {
+        let mut builder = ArtifactBuilder::new();
+        let error = put_json(&mut builder, "/x", "crumple.Nonsense.v1", serde_json::Value::Null).unwrap_err();
+        assert!(error.to_string().starts_with("record /x: schema \"crumple.Nonsense.v1\" is unknown"), "{error}");
+        let error = put_json(&mut builder, "/notes", "crumple.Notes.v1", serde_json::json!({"stage": 1})).unwrap_err();
+        assert!(error.to_string().starts_with("record /notes: not a crumple.Notes.v1: invalid type"), "{error}");
+    }
+}

@@ -1,0 +1,11 @@
+//! How an artifact is laid out: encodings, schemas, digest, provenance, times, blocks of waveforms.
+//! Uses records.
+
+pub mod codec;
+pub mod digest;
+pub mod finite;
+pub mod names;
+pub mod provenance;
+pub mod schema;
+pub mod time_origin;
+pub mod wave;

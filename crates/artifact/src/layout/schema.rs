@@ -1,0 +1,135 @@
+//! JSON Schemas that viewers can read.
+//!
+//! Viewers of MCAP files parse a small subset of JSON Schema and drop a topic whose schema has a reference, a union
+//! with null or nested arrays at its root. So the complete schema stands under `$defs/<Type>`, where validators find it
+//! through `allOf` and viewers do not look, and the root's `properties` hold what viewers can show.
+
+use serde_json::{Map, Value, json};
+
+use crate::records::Record;
+
+/// The JSON Schema of a record type: complete for validators, safe for viewers.
+///
+/// A record that is an array at its root (`Metrics`, `Modes`) keeps its plain schema: viewers show objects only.
+pub fn viewer_safe_schema<R: Record>() -> Value {
+    let mut full = schemars::schema_for!(R).to_value();
+    let mut definitions = Map::new();
+    if let Some(object) = full.as_object_mut() {
+        object.remove("$schema");
+        if let Some(Value::Object(inner)) = object.remove("$defs") {
+            definitions.extend(inner);
+        }
+    }
+    let name = R::SCHEMA.split('.').nth(1).unwrap_or(R::SCHEMA).to_owned();
+    let is_object = full.get("type").and_then(Value::as_str) == Some("object");
+    let description = full.get("description").cloned().unwrap_or_default();
+    let properties = viewer_properties(&full, &definitions, 0);
+    definitions.insert(name.clone(), full);
+    let mut root = json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": R::SCHEMA,
+        "description": description,
+        "$defs": definitions,
+        "allOf": [{ "$ref": format!("#/$defs/{name}") }],
+    });
+    if is_object {
+        root["type"] = json!("object");
+        root["properties"] = Value::Object(properties);
+    } else {
+        root["type"] = json!("array");
+    }
+    root
+}
+
+/// The part of an object's properties that viewers understand.
+fn viewer_properties(schema: &Value, definitions: &Map<String, Value>, depth: usize) -> Map<String, Value> {
+    let Some(properties) = schema.get("properties").and_then(Value::as_object) else { return Map::new() };
+    properties.iter().filter_map(|(key, value)| Some((key.clone(), viewer_value(value, definitions, depth)?))).collect()
+}
+
+/// A property without references and nulls; `None` where that is not possible.
+fn viewer_value(schema: &Value, definitions: &Map<String, Value>, depth: usize) -> Option<Value> {
+    // Records nest three deep at most; the limit ends a recursive type.
+    if depth > 4 {
+        return None;
+    }
+    if let Some(reference) = schema.get("$ref").and_then(Value::as_str) {
+        return viewer_value(definitions.get(reference.strip_prefix("#/$defs/")?)?, definitions, depth + 1);
+    }
+    if let Some(choices) = schema.get("anyOf").and_then(Value::as_array) {
+        let mut others = choices.iter().filter(|c| c.get("type").and_then(Value::as_str) != Some("null"));
+        let only = others.next()?;
+        return if others.next().is_none() { viewer_value(only, definitions, depth + 1) } else { None };
+    }
+    let kind = match schema.get("type")? {
+        Value::String(kind) => kind.as_str(),
+        Value::Array(kinds) => {
+            let mut others = kinds.iter().filter_map(Value::as_str).filter(|k| *k != "null");
+            let only = others.next()?;
+            if others.next().is_some() {
+                return None;
+            }
+            only
+        }
+        _ => return None,
+    };
+    match kind {
+        "boolean" | "string" | "number" | "integer" => Some(json!({ "type": kind })),
+        "array" => {
+            let items = viewer_value(schema.get("items")?, definitions, depth + 1)?;
+            (items["type"] != "array").then(|| json!({ "type": "array", "items": items }))
+        }
+        "object" => {
+            let properties = viewer_properties(schema, definitions, depth + 1);
+            // A map with free keys has no properties to show.
+            (!properties.is_empty()).then(|| json!({ "type": "object", "properties": properties }))
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::records::{CandidateV1, ModesV1, StateSpaceV1, TestV1};
+
+    /// The subset that a viewer's parser takes: object at the root; below it scalars, objects and arrays of those.
+    fn viewer_takes(schema: &Value) -> Result<(), String> {
+        let kind = schema.get("type").and_then(Value::as_str).ok_or(format!("no plain type in {schema}"))?;
+        match kind {
+            "boolean" | "string" | "number" | "integer" => Ok(()),
+            "object" => schema["properties"].as_object().ok_or("no properties")?.values().try_for_each(viewer_takes),
+            "array" if schema["items"]["type"] == "array" => Err("nested array".into()),
+            "array" => viewer_takes(&schema["items"]),
+            other => Err(format!("type {other}")),
+        }
+    }
+
+    #[test]
+    fn viewers_can_parse_the_schemas_of_objects() {
+        for schema in
+            [viewer_safe_schema::<TestV1>(), viewer_safe_schema::<CandidateV1>(), viewer_safe_schema::<StateSpaceV1>()]
+        {
+            viewer_takes(&schema).unwrap();
+        }
+    }
+
+    #[test]
+    fn options_references_and_lists_stay_visible() {
+        let schema = viewer_safe_schema::<TestV1>();
+        assert_eq!(schema["properties"]["mass_kg"], json!({ "type": "number" }));
+        assert_eq!(schema["properties"]["channels"]["items"]["properties"]["cfc"], json!({ "type": "integer" }));
+        assert_eq!(schema["properties"]["source"]["properties"]["name"], json!({ "type": "string" }));
+        // a matrix is left out for viewers and stands in the full schema
+        let model = viewer_safe_schema::<StateSpaceV1>();
+        assert!(model["properties"].get("a").is_none());
+        assert!(model["$defs"]["StateSpace"]["properties"]["a"].is_object());
+    }
+
+    #[test]
+    fn an_array_record_keeps_a_schema_that_validators_accept() {
+        let schema = viewer_safe_schema::<ModesV1>();
+        assert_eq!(schema["type"], "array");
+        assert_eq!(schema["$defs"]["Modes"]["items"]["$ref"], "#/$defs/ModeV1");
+    }
+}

@@ -1,0 +1,5 @@
+//! Reads an artifact and checks everything in it.
+//! Uses layout and records.
+
+pub mod chunk;
+pub mod reader;

@@ -1,0 +1,173 @@
+//! Record: physical parameters, the fit they come from and their uncertainty.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// One set of physical parameters. Topic `/parameters/<model>/<method>/<index>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CandidateV1 {
+    /// Model: `kelvin`, `elastoplastic`, `maxwell`, `double-spring-mass-damper`, ...
+    pub model: String,
+    /// Method that found it, e.g. `closed-form`.
+    pub method: String,
+    /// Parameters by name with unit, e.g. `stiffness_n_per_m`.
+    pub parameters: BTreeMap<String, f64>,
+    /// Whether every parameter is positive and so a passive structure.
+    pub physical: bool,
+    /// Id of a candidate that gives exactly the same record on this sensor.
+    pub equivalent_to: Option<String>,
+    /// How it was fitted; `null` for a closed form.
+    pub fit: Option<FitV1>,
+    /// How well the parameters are determined.
+    pub uncertainty: Option<UncertaintyV1>,
+    /// Reductions and assumptions, in words.
+    #[serde(default)]
+    pub notes: Vec<String>,
+}
+
+impl CandidateV1 {
+    /// Why the value of a parameter is in doubt; `None` where it is not.
+    ///
+    /// Zero on a bound is the limit of what is physical, and an answer. Elsewhere a bound is not the record's, and a
+    /// standard deviation as large as a value that is not zero, or an interval open at both ends, says that the value
+    /// is one of many.
+    pub fn doubt(&self, name: &str) -> Option<&'static str> {
+        let value = *self.parameters.get(name)?;
+        if self.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|other| other == name)) {
+            return (value != 0.0).then_some("on a bound");
+        }
+        let known = self.uncertainty.as_ref()?;
+        let open = [&known.interval_low, &known.interval_high].iter().all(|end| end.get(name) == Some(&None));
+        let loose = value != 0.0 && known.standard_deviation.get(name).is_some_and(|d| *d >= value.abs());
+        (open || loose).then_some("not determined")
+    }
+
+    /// Parameters that were asked of the record: those of which a deviation, an interval or a bound is known.
+    pub fn asked(&self) -> impl Iterator<Item = &str> {
+        self.parameters.keys().map(String::as_str).filter(|name| {
+            let judged =
+                |u: &UncertaintyV1| u.standard_deviation.contains_key(*name) || u.interval_low.contains_key(*name);
+            let held = |fit: &FitV1| fit.active_bounds.iter().any(|bound| bound == name);
+            self.uncertainty.as_ref().is_some_and(judged) || self.fit.as_ref().is_some_and(held)
+        })
+    }
+
+    /// Names of the parameters that the record does not determine.
+    pub fn undetermined(&self) -> Vec<&str> {
+        self.asked().filter(|name| self.doubt(name).is_some()).collect()
+    }
+}
+
+/// A fit by iteration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FitV1 {
+    /// Channel fitted.
+    pub channel: String,
+    /// Quantity fitted, e.g. `displacement`.
+    pub quantity: String,
+    /// Window, s from time zero: start.
+    pub from_s: f64,
+    /// Window: end.
+    pub to_s: f64,
+    /// Samples fitted.
+    pub samples: u64,
+    /// Root mean square error over the window, unit of the quantity.
+    pub rmse: f64,
+    /// Iterations of the best start.
+    pub iterations: u32,
+    /// Model evaluations of all starts.
+    pub evaluations: u64,
+    /// Why the best start stopped, e.g. `gradient-converged`.
+    pub stop_reason: String,
+    /// Parameters that stopped on a bound.
+    pub active_bounds: Vec<String>,
+    /// Every sensor fitted, where there is more to say than above: several sensors, or another than the pulse's
+    /// displacement.
+    #[serde(default)]
+    pub sensors: Vec<SensorFitV1>,
+}
+
+/// One sensor of a fit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SensorFitV1 {
+    /// Its channel.
+    pub channel: String,
+    /// Number of the mass it sits on, from 1 at the barrier.
+    pub mass: u32,
+    /// Quantity fitted, e.g. `velocity`.
+    pub quantity: String,
+    /// Root mean square error over the window, unit of the quantity.
+    pub rmse: f64,
+    /// Noise level that its residuals were divided by, unit of the quantity.
+    pub noise: f64,
+}
+
+/// Uncertainty of parameters.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct UncertaintyV1 {
+    /// How it was found, e.g. `linearised`.
+    pub method: String,
+    /// Standard deviation by parameter.
+    pub standard_deviation: BTreeMap<String, f64>,
+    /// Condition number of the scaled sensitivity matrix.
+    pub condition: Option<f64>,
+    /// Lower end of the 95 % interval by parameter; `null`: open, the record does not bound it.
+    #[serde(default)]
+    pub interval_low: BTreeMap<String, Option<f64>>,
+    /// Upper end of the 95 % interval by parameter; `null`: open.
+    #[serde(default)]
+    pub interval_high: BTreeMap<String, Option<f64>>,
+    /// Parameters in the order of the correlation matrix.
+    #[serde(default)]
+    pub order: Vec<String>,
+    /// Correlation of the estimates, rows as `order`.
+    #[serde(default)]
+    pub correlation: Vec<Vec<f64>>,
+    /// Directions in the space of the parameters that the record determines at all.
+    pub rank: Option<u32>,
+    /// The direction determined least, in words.
+    pub weakest_direction: Option<String>,
+    /// Independent samples that the misfit is worth.
+    pub effective_samples: Option<f64>,
+    /// Profile likelihood by parameter, where asked for.
+    #[serde(default)]
+    pub profile: Vec<ProfileV1>,
+    /// Block bootstrap, where asked for.
+    pub bootstrap: Option<ReplicatesV1>,
+    /// Effect of uncertain mass, speed, zero level and time zero, where stated.
+    pub propagation: Option<ReplicatesV1>,
+}
+
+/// The likelihood of one parameter while all others follow.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ProfileV1 {
+    /// Parameter.
+    pub parameter: String,
+    /// Lower end of the 95 % interval; `null`: open.
+    pub low: Option<f64>,
+    /// Upper end; `null`: open.
+    pub high: Option<f64>,
+    /// Whether both ends exist.
+    pub identifiable: bool,
+    /// Values of the parameter, rising.
+    pub values: Vec<f64>,
+    /// Rise of `2 ln L` above its least at each.
+    pub rise: Vec<f64>,
+}
+
+/// Intervals read from repetitions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ReplicatesV1 {
+    /// What was repeated, in words.
+    pub method: String,
+    /// Repetitions that led to a result.
+    pub replicates: u64,
+    /// Share of the results between the ends, e.g. 0.95.
+    pub coverage: f64,
+    /// Lower end by parameter.
+    pub low: BTreeMap<String, f64>,
+    /// Upper end by parameter.
+    pub high: BTreeMap<String, f64>,
+}

@@ -1,0 +1,16 @@
+//! Records of ingest, filter and integrate: the test, waveforms, filters, quality, events, metrics.
+//! Uses error only.
+
+mod channel_filter;
+mod events;
+mod metrics;
+mod quality;
+mod test;
+mod wave;
+
+pub use channel_filter::{ChannelFilterV1, CorridorPointV1};
+pub use events::{EventIntervalV1, EventsV1, MissingIntervalV1};
+pub use metrics::{MetricV1, MetricsV1};
+pub use quality::QualityV1;
+pub use test::{ChannelV1, SourceV1, TestV1};
+pub use wave::WaveBlockV1;

@@ -1,0 +1,31 @@
+//! The records that stages exchange, as they stand on disk.
+//!
+//! A type here is a contract with other programs: its JSON field names are never changed, only its version is.
+//! What code works with is the domain type it converts to and from. Rules that keep every type readable in both
+//! encodings: no tagged enums, no `flatten`, no skipped fields, no free-form values; unknown is `null` (`Option`);
+//! numbers are finite.
+//!
+//! This room uses nothing of the crate but its errors.
+
+mod fitted;
+mod identified;
+mod measured;
+mod record;
+mod run;
+
+pub use fitted::{
+    CandidateV1, EnergyV1, FitV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, OtherSensorV1,
+    PhysicalCoordinatesV1, ProfileV1, RatingV1, ReplicatesV1, SensorFitV1, SimulationV1, UncertaintyV1,
+};
+pub use identified::{
+    ArxScanModelV1, ArxScanV1, EvidenceV1, ExponentialSumV1, ExponentialTermV1, IdentificationV1, ModeV1, ModesV1,
+    ResponseV1, SelectionModelV1, SelectionV1, ShapeV1, ShapesV1, SpreadV1, StabilizationClusterV1,
+    StabilizationPoleV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
+};
+pub use measured::{
+    ChannelFilterV1, ChannelV1, CorridorPointV1, EventIntervalV1, EventsV1, MetricV1, MetricsV1, MissingIntervalV1,
+    QualityV1, SourceV1, TestV1, WaveBlockV1,
+};
+pub use record::{Record, SCHEMAS};
+pub(crate) use record::{TypeVisitor, with_type};
+pub use run::{DiagnosisV1, NotesV1};

@@ -1,0 +1,64 @@
+//! Which types may stand in an artifact, and their schema names.
+
+use schemars::JsonSchema;
+use serde::{Serialize, de::DeserializeOwned};
+
+use super::{
+    ArxScanV1, CandidateV1, ChannelFilterV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1, IdentificationV1,
+    MatchingV1, MetricsV1, ModesV1, NotesV1, QualityV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1,
+    StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1, WaveBlockV1,
+};
+
+/// A type that may stand in an artifact.
+pub trait Record: Serialize + DeserializeOwned + JsonSchema {
+    /// Schema name and version, e.g. `crumple.Events.v1`.
+    const SCHEMA: &'static str;
+}
+
+/// Does something with a record type that is known by its schema name only.
+pub(crate) trait TypeVisitor {
+    type Output;
+    fn visit<R: Record>(self) -> Self::Output;
+}
+
+macro_rules! record {
+    ($($type:ty => $schema:literal),* $(,)?) => {
+        $(impl Record for $type { const SCHEMA: &'static str = $schema; })*
+
+        /// Schema names of all record types, sorted by name.
+        pub const SCHEMAS: &[&str] = &[$($schema),*];
+
+        /// Shows a visitor the type behind a schema name; `None` if the name is not in [`SCHEMAS`].
+        pub(crate) fn with_type<V: TypeVisitor>(schema: &str, visitor: V) -> Option<V::Output> {
+            match schema {
+                $($schema => Some(visitor.visit::<$type>()),)*
+                _ => None,
+            }
+        }
+    };
+}
+
+record! {
+    ArxScanV1 => "crumple.ArxScan.v1",
+    CandidateV1 => "crumple.Candidate.v1",
+    ChannelFilterV1 => "crumple.ChannelFilter.v1",
+    DiagnosisV1 => "crumple.Diagnosis.v1",
+    EventsV1 => "crumple.Events.v1",
+    EvidenceV1 => "crumple.Evidence.v1",
+    ShapesV1 => "crumple.Shapes.v1",
+    ExponentialSumV1 => "crumple.ExponentialSum.v1",
+    IdentificationV1 => "crumple.Identification.v1",
+    MatchingV1 => "crumple.Matching.v1",
+    MetricsV1 => "crumple.Metrics.v1",
+    ModesV1 => "crumple.Modes.v1",
+    NotesV1 => "crumple.Notes.v1",
+    QualityV1 => "crumple.Quality.v1",
+    ResponseV1 => "crumple.Response.v1",
+    SelectionV1 => "crumple.Selection.v1",
+    SimulationV1 => "crumple.Simulation.v1",
+    StabilizationV1 => "crumple.Stabilization.v1",
+    StateSpaceV1 => "crumple.StateSpace.v1",
+    TestV1 => "crumple.Test.v1",
+    TransferFunctionV1 => "crumple.TransferFunction.v1",
+    WaveBlockV1 => "crumple.WaveBlock.v1",
+}

@@ -1,0 +1,10 @@
+//! Methods with sampled models between waveforms: n4sid, moesp, cva, arx, output-error, okid, fir.
+//! May use records, waves, options.
+
+pub mod arx;
+pub mod dispatch;
+pub mod okid_fir;
+pub mod output_error;
+pub mod run;
+pub mod subspace;
+pub mod subspace_order;

@@ -1,0 +1,276 @@
+//! The methods `era` and `era-dc`: records taken for impulse responses.
+
+use crumple_signal::QuantityKind;
+use crumple_stage::{Outcome, Output, RefuseExt};
+use crumple_sysid::{
+    Era, EraDc, EraDcOptions, EraError, EraOptions, MarkovParameters, Order, OrderPoles, Realization, caveats,
+    era_order_scan_of,
+};
+
+use crate::stage::options::hankel::HankelSettings;
+use crate::stage::options::paper;
+use crate::stage::options::settings::Settings;
+use crate::stage::records::realization::{RealizationTask, put_realization};
+use crate::stage::records::results::Results;
+use crate::stage::records::stabilization;
+use crate::stage::waves::input_output::{WindowedWave, filter_edges, waves};
+use crate::stage::waves::scaled::ScaledWaves;
+use crate::stage::waves::source::Source;
+use crate::stage::waves::window::channel;
+
+/// What models of all orders are for and from.
+struct EraRun<'a> {
+    method: &'a str,
+    settings: &'a Settings,
+    /// The channels, sampled together.
+    waves: &'a [WindowedWave],
+    treated_as: &'static str,
+    /// Those of a paper, whose models are named so.
+    remarks: &'a [&'a str],
+}
+
+/// Models of every order asked for, or those of the paper.
+pub fn run(method: &str, source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+    let settings = source.settings;
+    let channels = match &settings.hankel {
+        Some(hankel) if !hankel.channels.is_empty() => hankel.channels.clone(),
+        _ => vec![channel(source, "name the waveform with --outputs")?.to_owned()],
+    };
+    let names = channels.join(", ");
+    let waves = sampled_together(channels, source)?;
+    let free = settings.hankel.as_ref().is_some_and(|hankel| hankel.free_decay_share.is_some());
+    let treated_as = if free { "free-decay" } else { "impulse-response" };
+    if !free {
+        let pulse = waves.iter().any(|wave| wave.quantity == QuantityKind::Acceleration);
+        results.out.notes().info(format!(
+            "{method}: the record of {names} is taken for an impulse response{}",
+            if pulse {
+                "; of a crash pulse the strongest poles are often those of its filter and of its shape, not of the car"
+            } else {
+                ""
+            }
+        ));
+    }
+    let task = EraRun { method, settings, waves: &waves, treated_as, remarks: &[] };
+    if settings.paper.is_some() {
+        return run_paper(&task, results);
+    }
+    if let Some(wanted) = &settings.stabilisation {
+        match order_scan(&task) {
+            Ok(models) => {
+                stabilization::put_diagram(method, &names, &models, waves[0].sampled.dt_s(), wanted, results.out)?;
+            }
+            Err(error) => results.out.notes().warning(format!("{method}: no stabilisation diagram: {error}")),
+        }
+    }
+    let orders: Vec<Order> = settings.orders.iter().map(|order| order.0).collect();
+    realize_all(&task, &orders, &mut Vec::new(), results)
+}
+
+/// The window of every waveform. Errors: not sampled together.
+fn sampled_together(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<WindowedWave>> {
+    let waves = waves(ids, source)?;
+    for next in &waves[1..] {
+        let hint = "name channels of one time base with --channels, or a window that all have";
+        waves[0].require_same_times(next, hint)?;
+    }
+    Ok(waves)
+}
+
+/// Poles of all orders, for the stabilisation diagram.
+fn order_scan(task: &EraRun<'_>) -> Result<Vec<OrderPoles>, EraError> {
+    let EraRun { method, settings, waves, .. } = *task;
+    let records = ScaledWaves::new(waves);
+    let highest = settings.max_order;
+    if method == "era" {
+        return era_order_scan_of(records.markov()?, highest, settings.rows, settings.columns);
+    }
+    let orders = [Order::Given(highest)];
+    let era = decompose(method, settings, records.slices(), waves[0].sampled.dt_s(), &orders)?;
+    let several = waves.len() > 1;
+    // What one order does not allow, no higher one does.
+    let models = (2..=highest).step_by(2).map_while(|order| era.realize(Order::Given(order)).ok());
+    Ok(models
+        .map(|model| OrderPoles {
+            order: model.order(),
+            poles: model.modes.iter().map(|mode| mode.discrete_pole).collect(),
+            shapes: if several {
+                model.mode_shapes.into_iter().map(Option::unwrap_or_default).collect()
+            } else {
+                Vec::new()
+            },
+            strengths: Vec::new(),
+        })
+        .collect())
+}
+
+/// The realisations of the paper: each order from its own number of samples, as far as the record has them.
+fn run_paper(task: &EraRun<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+    let remarks = paper::remarks("era");
+    remarks.iter().for_each(|remark| results.out.notes().info(*remark));
+    let mut outcome = Outcome::Done;
+    // A window shorter than the samples of two runs makes one of them.
+    let mut written = Vec::new();
+    for (order, samples) in paper::ERA_RUNS {
+        let shorter: Vec<WindowedWave> = task
+            .waves
+            .iter()
+            .map(|wave| WindowedWave {
+                id: wave.id.clone(),
+                quantity: wave.quantity,
+                sampled: wave.sampled.slice(0, samples),
+                kept: Vec::new(),
+                edges: wave.edges.clone(),
+            })
+            .collect();
+        let available = shorter[0].sampled.len();
+        if available < samples {
+            results.out.notes().info(format!("paper era: the window has {available} samples, not {samples}"));
+        }
+        match realize_all(&EraRun { waves: &shorter, remarks, ..*task }, &[order], &mut written, results)? {
+            Outcome::Done => {}
+            other => outcome = other,
+        }
+    }
+    Ok(outcome)
+}
+
+/// Models of several orders from one decomposition; `written` are orders and samples of those that are there already.
+fn realize_all(
+    task: &EraRun<'_>,
+    orders: &[Order],
+    written: &mut Vec<(usize, usize)>,
+    results: &mut Results<'_>,
+) -> anyhow::Result<Outcome> {
+    let EraRun { method, settings, waves, treated_as, remarks } = *task;
+    let dt_s = waves[0].sampled.dt_s();
+    let records = ScaledWaves::new(waves);
+    let decomposed = match decompose(method, settings, records.slices(), dt_s, orders) {
+        Err(error @ EraError::Silent { .. }) => {
+            let names: Vec<&str> = waves.iter().map(|wave| wave.id.as_str()).collect();
+            return Ok(Outcome::NoAcceptableResult(format!("channel {}: {error}", names.join(", "))));
+        }
+        result => {
+            result.refuse_with_hint("widen the window (--from, --to, --samples), or lower --rows and --columns")?
+        }
+    };
+    let before = written.len();
+    let mut first_failure = None;
+    for &order in orders {
+        let model = match realize(&decomposed, order, results.out) {
+            Ok(model) => records.unscaled(model),
+            Err(error) => {
+                results.out.notes().warning(error.to_string());
+                first_failure.get_or_insert(error);
+                continue;
+            }
+        };
+        let made = (model.order(), waves[0].sampled.len());
+        if written.contains(&made) {
+            continue;
+        }
+        written.push(made);
+        let realized_order = Order::Given(model.order());
+        // A Hankel matrix sized by the order asked for stays as it was.
+        let sizing_order = if matches!(decomposed, Decomposed::Sized(_)) { order } else { realized_order };
+        let refit = |y: &[Vec<f64>]| {
+            let divided = records.divided(y);
+            let slices = divided.iter().map(Vec::as_slice).collect();
+            Some(records.unscaled(
+                decompose(method, settings, slices, dt_s, &[sizing_order]).ok()?.realize(realized_order).ok()?,
+            ))
+        };
+        let realization = RealizationTask {
+            method,
+            waves,
+            treated_as,
+            bootstrap: settings.bootstrap.as_ref(),
+            paper: !remarks.is_empty(),
+            refit: &refit,
+        };
+        let mut notes = caveats(&realization.id(model.order()), &model, filter_edges(waves));
+        results.out.notes().extend(notes.clone());
+        remarks.iter().for_each(|remark| notes.info(*remark));
+        put_realization(&model, &realization, &notes, results)?;
+    }
+    if let Some(error) = first_failure.filter(|_| written.len() == before) {
+        return Err(error).refuse_with_hint("lower --orders, or widen the window (--from, --to, --samples)");
+    }
+    Ok(Outcome::Done)
+}
+
+/// What models of all orders follow from.
+enum Decomposed<'a> {
+    /// One decomposition of the record.
+    Whole(Era<'a>),
+    /// One of its correlations.
+    Correlations(EraDc<'a>),
+    /// One for every order, by the size of it.
+    Sized(Vec<(Order, Era<'a>)>),
+}
+
+impl Decomposed<'_> {
+    fn realize(&self, order: Order) -> Result<Realization, EraError> {
+        match self {
+            Self::Whole(era) => era.realize(order),
+            Self::Correlations(era) => era.realize(order),
+            Self::Sized(all) => {
+                let sized = all.iter().find(|(sized_for, _)| *sized_for == order).or(all.first());
+                sized.map_or(Err(EraError::OrderZero), |(_, era)| era.realize(order))
+            }
+        }
+    }
+}
+
+fn decompose<'a>(
+    method: &str,
+    settings: &Settings,
+    samples: Vec<&'a [f64]>,
+    dt_s: f64,
+    orders: &[Order],
+) -> Result<Decomposed<'a>, EraError> {
+    let hankel = settings.hankel.as_ref();
+    let options = EraOptions {
+        max_order: settings.max_order,
+        rows: settings.rows,
+        columns: settings.columns,
+        shift: hankel.map(HankelSettings::form).unwrap_or_default(),
+        ..EraOptions::new(dt_s)
+    };
+    let markov = MarkovParameters::new(samples, 1)?;
+    match hankel {
+        Some(hankel) if method == "era-dc" => {
+            let options = EraDcOptions { era: options, offset: hankel.offset, lag_blocks: hankel.lag_blocks };
+            Ok(Decomposed::Correlations(EraDc::from_markov(markov, options, orders)?))
+        }
+        Some(hankel) if hankel.twice_the_order => {
+            let mut all = Vec::with_capacity(orders.len());
+            for &order in orders {
+                let options = match order {
+                    Order::Given(n) => options.twice_the_order(n),
+                    Order::Automatic => options.twice_the_order(settings.max_order),
+                };
+                all.push((order, Era::from_markov(markov.clone(), options, &[order])?));
+            }
+            Ok(Decomposed::Sized(all))
+        }
+        _ => Ok(Decomposed::Whole(Era::from_markov(markov, options, orders)?)),
+    }
+}
+
+/// The model of one order. Where the record has less in it, the model of the highest order that it has, with a note.
+fn realize(era: &Decomposed<'_>, order: Order, out: &mut Output) -> Result<Realization, EraError> {
+    match era.realize(order) {
+        Err(error @ EraError::OrderAboveRank { rank, .. }) if rank > 0 => {
+            out.notes().info(format!("{error}: order {rank} is used, which follows the record to rounding"));
+            match era {
+                Decomposed::Sized(all) => {
+                    let sized = all.iter().find(|(sized_for, _)| *sized_for == order);
+                    sized.map_or(Err(error), |(_, era)| era.realize(Order::Given(rank)))
+                }
+                _ => era.realize(Order::Given(rank)),
+            }
+        }
+        result => result,
+    }
+}

@@ -1,0 +1,252 @@
+//! The method `exponentials`: a record as a sum of exponentials.
+
+use crumple_lti::{Complex, Mode};
+use crumple_signal::{Notes, QuantityKind, Severity};
+use crumple_stage::records::{EvidenceV1, ExponentialSumV1, ExponentialTermV1};
+use crumple_stage::{Inputs, Outcome, RefuseExt, Refused};
+use crumple_sysid::{ExponentialOptions, ExponentialSumFit, ExponentialTerm, Sample, Stop, exponential_sum};
+
+use crate::stage::options::input_output::{CONDITIONS, InputOutputSettings};
+use crate::stage::options::paper;
+use crate::stage::options::settings::Settings;
+use crate::stage::records::acceptance::note_on_fit;
+use crate::stage::records::evidence::{
+    fit_in_words, identification, modes, notes_on_modes, simulation_evidence, validate, validation_summary,
+};
+use crate::stage::records::responses::{put_spreads, spread};
+use crate::stage::records::results::Results;
+use crate::stage::waves::input_output::{WindowedWave, output};
+use crate::stage::waves::source::Source;
+
+/// What one sum is fitted with.
+struct SumTask {
+    id: String,
+    options: ExponentialOptions,
+    /// Notes that come before all others.
+    remarks: Vec<String>,
+    paper: Option<String>,
+}
+
+/// One sum; of the paper's curve fit a second one beside it, as the stage goes by itself.
+pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+    let Some(input_output) = &source.settings.input_output else { return Ok(Outcome::Done) };
+    let answer = output(source, input_output)?;
+    let id = format!("exponentials-{}", input_output.terms);
+    let options = |real: bool, start: Vec<f64>| ExponentialOptions {
+        real,
+        start,
+        stop: Stop { max_iterations: input_output.most_iterations(), ..Stop::default() },
+        ..ExponentialOptions::new(input_output.terms)
+    };
+    let Some(paper) = source.settings.paper.clone().filter(|paper| paper::has_curve_fit(paper)) else {
+        let start = conditions(input_output.conditions, input_output, &answer, source.inputs)?;
+        let task = SumTask { id, options: options(input_output.real, start), remarks: Vec::new(), paper: None };
+        return fit_sum(&task, source.settings, &answer, results);
+    };
+    let printed = SumTask {
+        id: format!("{id}-paper"),
+        options: options(true, Vec::new()),
+        remarks: paper::CURVE_FIT_REMARKS.map(str::to_owned).to_vec(),
+        paper: Some(paper),
+    };
+    // Contact: the position and the velocity of the record, as far as they are known.
+    let held = if velocity(input_output, &answer, source.inputs)?.is_some() { 2 } else { 1 };
+    let start = conditions(held, input_output, &answer, source.inputs)?;
+    let remark = format!(
+        "beside the paper's curve fit: the sum may oscillate, and holds {} of the record at the start",
+        CONDITIONS[..held].join(" and ")
+    );
+    let by_stage = SumTask { id, options: options(false, start), remarks: vec![remark], paper: None };
+    let outcomes = [printed, by_stage].map(|task| fit_sum(&task, source.settings, &answer, results));
+    // The second stands even where the first has no terms.
+    let mut all = outcomes.into_iter().collect::<anyhow::Result<Vec<Outcome>>>()?.into_iter();
+    let first = all.next().unwrap_or(Outcome::Done);
+    Ok(if all.any(|outcome| matches!(outcome, Outcome::Done)) { Outcome::Done } else { first })
+}
+
+/// Value and derivatives at the first sample, as many as asked for.
+fn conditions(
+    count: usize,
+    input_output: &InputOutputSettings,
+    answer: &WindowedWave,
+    inputs: &Inputs,
+) -> anyhow::Result<Vec<f64>> {
+    let mut start = Vec::new();
+    if count > 0 {
+        start.push(answer.sampled.samples()[0]);
+    }
+    if count > 1 {
+        start.push(velocity(input_output, answer, inputs)?.ok_or_else(|| {
+            Refused::new(format!("the velocity of {} at the start of the window is not known", answer.id)).hint(
+                "give --start-velocity, leave \"velocity\" out of --conditions, or take a displacement as the \
+                    first of --outputs",
+            )
+        })?);
+    }
+    if count > 2 {
+        start.push(input_output.start_acceleration_m_per_s2.unwrap_or(0.0));
+    }
+    let given = input_output.start_velocity_m_per_s.is_some() || input_output.start_acceleration_m_per_s2.is_some();
+    if given && answer.quantity != QuantityKind::Displacement {
+        return Err(Refused::new(format!(
+            "the conditions at the start are those of a displacement, {} is a {}",
+            answer.id,
+            answer.quantity.name()
+        ))
+        .hint("take a displacement as the first of --outputs, or leave out --start-velocity and --start-acceleration")
+        .into());
+    }
+    Ok(start)
+}
+
+/// The velocity at the first sample: as given, else that of the record, if it is there.
+fn velocity(input_output: &InputOutputSettings, answer: &WindowedWave, inputs: &Inputs) -> anyhow::Result<Option<f64>> {
+    if input_output.start_velocity_m_per_s.is_some() {
+        return Ok(input_output.start_velocity_m_per_s);
+    }
+    let Some(base) = answer.id.strip_suffix("/displacement") else { return Ok(None) };
+    Ok(inputs.wave_if(&format!("{base}/velocity")).and_then(|wave| wave.sampled.at(answer.sampled.t0_s())))
+}
+
+/// Fits one sum and writes its records.
+fn fit_sum(
+    task: &SumTask,
+    settings: &Settings,
+    answer: &WindowedWave,
+    results: &mut Results<'_>,
+) -> anyhow::Result<Outcome> {
+    let SumTask { id, options, .. } = task;
+    let record = answer.sampled.samples();
+    let fit = exponential_sum(record, answer.sampled.dt_s(), options)
+        .refuse_with_hint("widen the window (--from, --to), lower --terms, or name another of --outputs")?;
+    let mut notes = fit_notes(task, &fit, answer);
+    for note in notes.iter().filter(|note| note.severity == Severity::Warning) {
+        results.out.notes().push(note.clone());
+    }
+    let poles: Vec<Complex> = fit.terms.iter().map(|term| term.exponent).collect();
+    let mut remarks = notes_on_modes(id, &poles, &[answer]);
+    remarks.info(format!("{id}: the record is taken for a free decay from its first sample on: nothing may drive it"));
+    let terms = fit
+        .terms
+        .iter()
+        .map(|term| ExponentialTermV1 {
+            re_amplitude: term.amplitude.re,
+            im_amplitude: term.amplitude.im,
+            re_per_s: term.exponent.re,
+            im_rad_per_s: term.exponent.im,
+        })
+        .collect::<Vec<_>>();
+    if terms.iter().any(|t| !(t.re_amplitude.is_finite() && t.im_amplitude.is_finite())) {
+        return Ok(Outcome::NoAcceptableResult(format!(
+            "{id}: exponents coincide exactly, so that the sum has a term t exp(st), which the record cannot hold"
+        )));
+    }
+    results.out.put(&format!("/model/{id}"), &ExponentialSumV1 { terms, output: answer.describe() })?;
+    results
+        .out
+        .put(&format!("/modes/{id}"), &modes(fit.terms.iter().map(|term| (Mode::continuous(term.exponent), None))))?;
+    let mut evidence = simulation_evidence(None, answer, &fit.simulated, fit.criteria.parameters);
+    let again = ExponentialOptions { random_starts: 0, given: vec![poles.clone()], ..options.clone() };
+    let bootstrap = spread(
+        settings.bootstrap.as_ref(),
+        (id, &Sample { poles, ..Sample::default() }),
+        (record, &fit.simulated),
+        fit.criteria.parameters,
+        &mut remarks,
+        |y| {
+            let fit = exponential_sum(y, answer.sampled.dt_s(), &again).ok()?;
+            Some(Sample { poles: fit.terms.iter().map(|term| term.exponent).collect(), ..Sample::default() })
+        },
+    );
+    if let Some(bootstrap) = &bootstrap {
+        put_spreads(bootstrap, &mut evidence);
+    }
+    note_on_fit(id, fit.fit.and_then(|fit| fit.fit_percent), &mut remarks);
+    notes.extend(remarks.clone());
+    results.out.notes().extend(remarks);
+    let all = answer.sampled.len() + answer.kept.len();
+    let curve: Vec<f64> = (0..all).map(|k| value_at(&fit, k as f64 * answer.sampled.dt_s())).collect();
+    validate(answer, &curve, &mut evidence);
+    let record = identification("exponentials", options.terms, "free-decay", answer, &fit.simulated, notes.to_texts());
+    fill_evidence(task, &fit, &mut evidence);
+    let percent = fit_in_words(record.fit_percent);
+    results.out.put(&format!("/identification/{id}"), &record)?;
+    results.out.put(&format!("/evidence/{id}"), &evidence)?;
+    results.comparison.enter(id, answer.sampled.len(), std::slice::from_ref(&evidence));
+    results.out.summary(format!(
+        "{id}: {percent} of {} samples, {} after {} iterations{}",
+        answer.sampled.len(),
+        fit.termination.name(),
+        fit.iterations,
+        validation_summary(std::slice::from_ref(&evidence))
+    ));
+    Ok(Outcome::Done)
+}
+
+/// Notes on a fitted sum: those of its task, where time counts from, and how well its terms are determined.
+fn fit_notes(task: &SumTask, fit: &ExponentialSumFit, answer: &WindowedWave) -> Notes {
+    let mut notes = Notes::new();
+    task.remarks.iter().for_each(|remark| notes.info(remark));
+    notes.info(format!("time of the exponents runs from the first sample, {} s", answer.sampled.t0_s()));
+    if task.paper.is_some() {
+        let sum = |part: fn(&ExponentialTerm) -> Complex| fit.terms.iter().map(part).sum::<Complex>().re;
+        notes.info(format!(
+            "at its start the sum is {:.6e}, its slope {:.6e}",
+            sum(|term| term.amplitude),
+            sum(|term| term.amplitude * term.exponent)
+        ));
+    }
+    if fit.condition > 1e8 {
+        notes.warning(format!(
+            "{}: condition number {:.1e}: the curve is well determined, its single terms are not; rely on crush, \
+             time and energy only",
+            task.id, fit.condition
+        ));
+    }
+    notes
+}
+
+/// Fills in what the fit tells of itself: conditions at the start, deviations, how the search ended.
+fn fill_evidence(task: &SumTask, fit: &ExponentialSumFit, evidence: &mut EvidenceV1) {
+    let SumTask { options, paper, .. } = task;
+    if !options.start.is_empty() {
+        let values: Vec<String> =
+            CONDITIONS.iter().zip(&options.start).map(|(name, x)| format!("{name} {x:.6e}")).collect();
+        evidence.initial_conditions = format!("held: {}", values.join(", "));
+    }
+    evidence.paper = paper.clone();
+    evidence.frequency_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.0)).collect();
+    evidence.damping_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
+    put_correlations(fit, evidence);
+    evidence.stop_reason = Some(fit.termination.name().to_owned());
+    evidence.iterations = u32::try_from(fit.iterations).ok();
+    evidence.evaluations = Some(fit.evaluations as u64);
+    evidence.losses = fit.losses.clone();
+    evidence.condition = Some(fit.condition).filter(|c| c.is_finite());
+}
+
+/// Names, values, standard deviations and correlations of amplitudes and exponents; without a covariance the reason
+/// why.
+fn put_correlations(fit: &ExponentialSumFit, evidence: &mut EvidenceV1) {
+    let Some(covariance) = &fit.covariance else {
+        evidence.no_deviations = Some("the sensitivities of the record do not determine the terms".to_owned());
+        return;
+    };
+    let numbers = fit.numbers();
+    let deviations: Vec<f64> = covariance.diagonal().iter().map(|x| x.max(0.0).sqrt()).collect();
+    let correlation = |i: usize, k: usize| match deviations[i] * deviations[k] {
+        _ if i == k => 1.0,
+        // What does not vary varies with nothing.
+        0.0 => 0.0,
+        product => (covariance[(i, k)] / product).clamp(-1.0, 1.0),
+    };
+    evidence.parameter_correlations =
+        (0..numbers.len()).map(|i| (0..numbers.len()).map(|k| correlation(i, k)).collect()).collect();
+    (evidence.parameter_names, evidence.parameter_values) = numbers.into_iter().unzip();
+    evidence.parameter_deviations = deviations;
+}
+
+/// The sum at a time after the first sample.
+fn value_at(fit: &ExponentialSumFit, time_s: f64) -> f64 {
+    fit.terms.iter().map(|term| (term.amplitude * (term.exponent * time_s).exp()).re).sum()
+}

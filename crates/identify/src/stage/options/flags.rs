@@ -1,0 +1,213 @@
+//! The stage's options, as flags and as keys of the pipeline file.
+
+use crumple_signal::value::{Acceleration, Speed, Time};
+use crumple_stage::{Usage, nearest};
+use serde::{Deserialize, Serialize};
+
+use crate::stage::options::arx_structure::{ArxRanges, ArxStructure};
+use crate::stage::options::order::OrderOption;
+
+/// Flags of `crumple-identify`, keys of `[identify]`.
+#[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+#[allow(rustdoc::invalid_html_tags, reason = "comments of fields are the help texts of their flags")]
+pub struct Options {
+    /// Identification methods, separated by commas. From free motion: era (eigensystem realization), era-dc (the same
+    /// on correlations of the record), exponentials. From an input and an output: tfest (continuous transfer function),
+    /// okid (observer, then era), fir (impulse response, then era), n4sid, moesp, cva, arx, output-error. Default: era.
+    #[arg(long, value_delimiter = ',')]
+    pub methods: Vec<String>,
+    /// Numbers of states to try, separated by commas, and "auto": by the largest gap between singular values (era,
+    /// era-dc), by the BIC of the simulation (n4sid, moesp, cva). Two states are one damped oscillation. Default: 4.
+    #[arg(long, value_delimiter = ',')]
+    pub orders: Vec<OrderOption>,
+    /// Highest order that "auto" considers. Default: 20.
+    #[arg(long)]
+    pub max_order: Option<u32>,
+    /// Rows of the Hankel matrix. Default: half of the record.
+    #[arg(long)]
+    pub rows: Option<u32>,
+    /// Columns of the Hankel matrix. Default: half of the record.
+    #[arg(long)]
+    pub columns: Option<u32>,
+    /// Number of samples to use, from the start of the window. Default: all.
+    #[arg(long)]
+    pub samples: Option<u32>,
+    /// Waveform to identify from, of any quantity. Default: the crash pulse.
+    #[arg(long)]
+    pub channel: Option<String>,
+    /// Waveforms whose free motion is identified together by era and era-dc, separated by commas: one model with a
+    /// shape of every mode. Default: those of --outputs, else one channel.
+    #[arg(long, value_delimiter = ',')]
+    pub channels: Vec<String>,
+    /// Start where the contact force has ended: "separation" (the time of the rebound velocity) or a share of the peak
+    /// of the crash pulse that it stays under from then on, e.g. 5%. Default: the start of the window.
+    #[arg(long)]
+    pub free_decay: Option<String>,
+    /// Size of the Hankel matrix of era: half (of the record) or twice-order (rows and columns). Default: half.
+    #[arg(long)]
+    pub hankel_size: Option<String>,
+    /// How era, era-dc and fir find the state matrix: hankel, least-squares or total-least-squares. Default: hankel.
+    #[arg(long)]
+    pub shift_form: Option<String>,
+    /// Lag of the first correlation of era-dc, samples; from --rows on none has white noise in it. Default: 0.
+    #[arg(long)]
+    pub offset: Option<u32>,
+    /// Correlations that era-dc stacks beyond the first, each way. Default: 10.
+    #[arg(long)]
+    pub lag_blocks: Option<u32>,
+    /// Past samples that the observer of okid sees. Default: chosen by --lag-criterion.
+    #[arg(long)]
+    pub lags: Option<u32>,
+    /// Criterion for the number of lags: aicc or bic. Default: aicc.
+    #[arg(long)]
+    pub lag_criterion: Option<String>,
+    /// What okid chooses its states from: system, or joint (system and observer gain, as published). Default:
+    /// system.
+    #[arg(long)]
+    pub okid_states: Option<String>,
+    /// Samples of the impulse response of fir, at most a third of the record unless it starts from rest (--initial
+    /// zero). Default: 100.
+    #[arg(long)]
+    pub taps: Option<u32>,
+    /// What fir expects of the impulse response: tc (dies out, neighbours alike), dc (the same, with a likeness of its
+    /// own) or none. Default: tc.
+    #[arg(long)]
+    pub kernel: Option<String>,
+    /// Waveform that drives the system, for methods with an input: --inputs of a single one.
+    #[arg(long, conflicts_with = "input_channels")]
+    pub input_channel: Option<String>,
+    /// Waveform it answers with: --outputs of a single one.
+    #[arg(long, conflicts_with = "output_channels")]
+    pub output_channel: Option<String>,
+    /// Waveforms that drive the system, separated by commas, of any quantity; "none": it moves freely (subspace
+    /// methods). Default: the crash pulse (deceleration).
+    #[arg(long = "inputs", alias = "input-channels", value_delimiter = ',')]
+    pub input_channels: Vec<String>,
+    /// Waveforms it answers with, e.g. 93/velocity; "exponentials" takes the first. Default: displacement of the crash
+    /// pulse (era and era-dc: the crash pulse).
+    #[arg(long = "outputs", alias = "output-channels", value_delimiter = ',')]
+    pub output_channels: Vec<String>,
+    /// Number of poles of a transfer function. Default: 4.
+    #[arg(long)]
+    pub poles: Option<u32>,
+    /// Number of its zeros. Default: 1.
+    #[arg(long)]
+    pub zeros: Option<u32>,
+    /// Input between its samples: first-order (straight lines) or zero-order (steps). Default: first-order.
+    #[arg(long)]
+    pub hold: Option<String>,
+    /// Motion at the start of the window: estimate, zero, or auto (estimated if an F-test at 5 % says so). Default:
+    /// estimate.
+    #[arg(long)]
+    pub initial: Option<String>,
+    /// Keep poles of transfer functions from growing; sums of exponentials never grow. Default: false.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    pub stable: Option<bool>,
+    /// Ways to starting points of a transfer function: svf, gpmf, iv, n4sid, integrators, exponentials, random.
+    /// Default: all.
+    #[arg(long, value_delimiter = ',')]
+    pub starts: Vec<String>,
+    /// Iterations from each start at most. Several, separated by commas: tfest gives one model each, those of fewer
+    /// iterations with "after-<n>" in their names; other methods take the largest. Default: 200.
+    #[arg(long, value_delimiter = ',')]
+    #[serde(deserialize_with = "one_or_several")]
+    pub max_iterations: Vec<u32>,
+    /// Samples by which the input acts late. Default: 0.
+    #[arg(long)]
+    pub delay: Option<u32>,
+    /// Remove the mean over the samples identified from, from inputs and outputs of methods with both (also from the
+    /// samples kept by --validate-from). Default: false.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    pub remove_mean: Option<bool>,
+    /// Number of exponential terms; a damped wave counts as two. Default: 4.
+    #[arg(long)]
+    pub terms: Option<u32>,
+    /// Real exponents only. Default: false.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    pub real: Option<bool>,
+    /// What a sum of exponentials must have at the start of the window: position (that of the record), velocity (that
+    /// of the record, or --start-velocity), acceleration (zero, or --start-acceleration). Each needs the ones before.
+    /// Default: none.
+    #[arg(long, value_delimiter = ',')]
+    pub conditions: Vec<String>,
+    /// Velocity for --conditions position,velocity, e.g. 35km/h. Default: that of the record.
+    #[arg(long, allow_hyphen_values = true)]
+    pub start_velocity: Option<Speed>,
+    /// Acceleration for --conditions position,velocity,acceleration, e.g. -3g. Default: zero.
+    #[arg(long, allow_hyphen_values = true)]
+    pub start_acceleration: Option<Acceleration>,
+    /// Models of arx by numbers of past outputs, of inputs, and samples before an input acts, e.g. 2,2,3; several
+    /// separated by semicolons, 2,2,3;4,4,1. Instead of --orders, which means n,n+1,0.
+    #[arg(long, value_delimiter = ';')]
+    pub arx_orders: Vec<ArxStructure>,
+    /// Try arx models of ranges of these numbers on the same samples, write the table of their criteria, and take the
+    /// one with the smallest BIC of its one-step prediction. Default: no scan; without ranges 1-4,1-4,0-6.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "1-4,1-4,0-6")]
+    pub arx_scan: Option<ArxRanges>,
+    /// Block rows of the subspace methods, their horizon. Default: of twice the order (10 at least) and once and twice
+    /// the lags that a regression on the past needs by BIC (40 at most), the one whose model simulates the record best.
+    #[arg(long)]
+    pub block_rows: Option<u32>,
+    /// The subspace methods find poles from every n-th sample behind a low-pass filter; 1: from all. Default: as many
+    /// as the bandwidth of the waveforms leaves unneeded, 1 with --block-rows.
+    #[arg(long)]
+    pub thin: Option<u32>,
+    /// Draw a stabilisation diagram: the poles of all orders up to --max-order of methods that choose an order (era,
+    /// n4sid, moesp, cva), and which of them stay. Default: false.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    pub stabilisation: Option<bool>,
+    /// Largest damping ratio of a pole that counts there. Default: 2; 0.3 is usual for structures.
+    #[arg(long)]
+    pub highest_damping: Option<f64>,
+    /// Fits to records with new noise, for standard deviations and 5 to 95 % intervals of frequencies, damping, zeros
+    /// and frequency responses; 200 are usual. Default: 0, none.
+    #[arg(long)]
+    pub bootstrap: Option<u32>,
+    /// How that noise is drawn from the residuals: blocks, or autoregression. Default: blocks.
+    #[arg(long)]
+    pub bootstrap_noise: Option<String>,
+    /// Seed of that noise. Default: 1.
+    #[arg(long)]
+    pub bootstrap_seed: Option<u32>,
+    /// Identify from the samples before this time only, and tell how well the model foretells the rest, e.g. 100ms: run
+    /// on from its own state, and with the initial state fitted to the rest.
+    /// Default: no validation.
+    #[arg(long)]
+    pub validate_from: Option<Time>,
+    /// Follow the procedure of a paper as printed, labelled so: era (crash pulse as an impulse response, 2 states from
+    /// 100 and from 50 samples, 4 from 60 and from 2501), curve-fit (of the same paper: 4 real exponentials) or tfest
+    /// (4 poles, 1 zero, 20 iterations, at rest before the record). It sets --methods and what belongs to the
+    /// procedure. Default: none.
+    #[arg(long)]
+    pub paper: Option<String>,
+    /// Start of the window, e.g. 5ms. Default: time zero, 0 s.
+    #[arg(long, allow_hyphen_values = true)]
+    pub from: Option<Time>,
+    /// End of the window, e.g. 120ms. Default: end of the record.
+    #[arg(long, allow_hyphen_values = true)]
+    pub to: Option<Time>,
+}
+
+/// A number, or a list of numbers.
+fn one_or_several<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<u32>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Written {
+        One(u32),
+        Several(Vec<u32>),
+    }
+    Ok(match Written::deserialize(deserializer)? {
+        Written::One(number) => vec![number],
+        Written::Several(numbers) => numbers,
+    })
+}
+
+/// An error that suggests the nearest name.
+pub fn unknown(what: &str, name: &str, choices: &[&str]) -> Usage {
+    let hint = match nearest(name, choices.iter().copied()) {
+        Some(near) => format!("did you mean {near:?}?"),
+        None => format!("there are: {}", choices.join(", ")),
+    };
+    Usage::new(format!("unknown {what} {name:?}")).hint(hint)
+}

@@ -1,0 +1,301 @@
+//! Evidence common to the methods beside `era`, as records.
+
+use crumple_lti::{Complex, Mode};
+use crumple_signal::{Notes, QuantityKind};
+use crumple_stage::Output;
+use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeV1, ModesV1, TransferFunctionV1};
+use crumple_sysid::{
+    InformationCriteria, ResidualTests, SearchOutcome, autoregressive_effective_samples, fit_measures, mode_notes,
+    residual_tests,
+};
+
+use crate::stage::waves::input_output::{Record, WindowedWave, filter_edges};
+
+/// Poles within this of zero, times the length of the record, are integrators.
+pub const INTEGRATOR: f64 = 0.5;
+
+/// Lags of the whiteness test.
+const LAGS: usize = 20;
+
+/// Evidence from the simulated output: criteria, residual tests; everything else is still unknown.
+pub fn simulation_evidence(
+    input: Option<&WindowedWave>,
+    output: &WindowedWave,
+    simulated: &[f64],
+    parameters: usize,
+) -> EvidenceV1 {
+    let residual: Vec<f64> = output.sampled.samples().iter().zip(simulated).map(|(y, yh)| y - yh).collect();
+    let finite = |x: f64| x.is_finite().then_some(x);
+    let loss = finite(residual.iter().map(|e| e * e).sum::<f64>() / residual.len().max(1) as f64);
+    let effective = autoregressive_effective_samples(&residual);
+    let criteria = loss.map(|loss| InformationCriteria::new(loss, effective, parameters));
+    let tests = residual_tests(&residual, input.map(|wave| wave.sampled.samples()), LAGS);
+    EvidenceV1 {
+        input: input.map(|wave| wave.id.clone()),
+        output: output.id.clone(),
+        hold: None,
+        initial_conditions: "estimated".to_owned(),
+        start: None,
+        stop_reason: None,
+        iterations: None,
+        evaluations: None,
+        losses: Vec::new(),
+        loss,
+        prediction_fit_percent: None,
+        parameters: parameters as u64,
+        effective_samples: finite(effective),
+        aicc: criteria.and_then(|c| finite(c.aicc)),
+        bic: criteria.and_then(|c| finite(c.bic)),
+        final_prediction_error: criteria.and_then(|c| finite(c.fpe)),
+        residual_lag_one: tests.map(|t| t.lag_one),
+        whiteness: tests.map(|t| t.whiteness),
+        whiteness_limit: tests.map(|t| t.whiteness_limit),
+        input_correlation: tests.and_then(|t| t.input_correlation),
+        condition: None,
+        numerator_deviations: Vec::new(),
+        denominator_deviations: Vec::new(),
+        frequency_deviations: Vec::new(),
+        damping_deviations: Vec::new(),
+        zeros_re_per_s: Vec::new(),
+        zeros_im_rad_per_s: Vec::new(),
+        singular_value_errors: Vec::new(),
+        zero_re_deviations: Vec::new(),
+        zero_im_deviations: Vec::new(),
+        bootstrap_replicates: None,
+        bootstrap_failed: None,
+        bootstrap_noise: None,
+        frequency_spreads: Vec::new(),
+        damping_spreads: Vec::new(),
+        zero_re_spreads: Vec::new(),
+        zero_im_spreads: Vec::new(),
+        validation_fit_percent: None,
+        validation_from_s: None,
+        paper: None,
+        validation_restarted_fit_percent: None,
+        aic: criteria.and_then(|c| finite(c.aic)),
+        minimum_description_length: criteria.and_then(|c| finite(c.mdl)),
+        vaf_percent: fit_measures(output.sampled.samples(), simulated).and_then(|fit| fit.vaf_percent),
+        no_deviations: None,
+        parameter_names: Vec::new(),
+        parameter_values: Vec::new(),
+        parameter_deviations: Vec::new(),
+        parameter_correlations: Vec::new(),
+        denominator_covariance: Vec::new(),
+    }
+}
+
+/// Tests of one-step prediction errors from sample `from` on, against every input: the largest correlation counts.
+pub fn prediction_tests(inputs: &[Vec<f64>], errors: &[f64], from: usize) -> Option<ResidualTests> {
+    let errors = errors.get(from..)?;
+    let mut tests = residual_tests(errors, None, LAGS)?;
+    tests.input_correlation =
+        inputs.iter().filter_map(|u| residual_tests(errors, u.get(from..), LAGS)?.input_correlation).reduce(f64::max);
+    Some(tests)
+}
+
+/// Puts the fit of the kept samples into the evidence: `simulated` are all samples by the model.
+/// Nothing without kept ones.
+pub fn validate(output: &WindowedWave, simulated: &[f64], output_evidence: &mut EvidenceV1) {
+    output_evidence.validation_from_s = output.kept_from_s();
+    if !output.kept.is_empty() && simulated.len() == output.sampled.len() + output.kept.len() {
+        let fit = fit_measures(&output.kept, &simulated[output.sampled.len()..]);
+        output_evidence.validation_fit_percent = fit.and_then(|fit| fit.fit_percent);
+    }
+}
+
+/// The same for every output of a record.
+pub fn validate_all(record: &Record, simulated: &[Vec<f64>], evidence: &mut [EvidenceV1]) {
+    for ((answer, simulated), output_evidence) in record.outputs.iter().zip(simulated).zip(evidence) {
+        validate(answer, simulated, output_evidence);
+    }
+}
+
+/// Notes on single modes of a model between waveforms: growth, sampling, and the edge of the filter they went through.
+///
+/// From an acceleration to a displacement two poles at zero are no modes: noise parts them by the root of what it does
+/// to a single one, and one of them then seems to grow. A note says what they are instead.
+pub fn notes_on_modes(id: &str, poles: &[Complex], waves: &[&WindowedWave]) -> Notes {
+    let dt_s = waves.first().map(|wave| wave.sampled.dt_s());
+    let duration_s = waves.first().map_or(0.0, |wave| wave.sampled.dt_s() * wave.sampled.len() as f64);
+    let quantities: Vec<QuantityKind> = waves.iter().map(|wave| wave.quantity).collect();
+    let of_motion = quantities == [QuantityKind::Displacement, QuantityKind::Acceleration];
+    let (slow, others): (Vec<Complex>, Vec<Complex>) = poles.iter().partition(|s| s.norm() * duration_s < INTEGRATOR);
+    let twice = of_motion && slow.len() >= 2;
+    let modes = if twice { &others } else { poles };
+    let modes: Vec<Mode> = modes.iter().copied().map(Mode::continuous).collect();
+    let mut notes = mode_notes(id, &modes, (dt_s, duration_s), filter_edges(waves.iter().copied()));
+    if twice {
+        notes.warning(format!(
+            "{id}: two poles lie at zero: the model integrates the acceleration twice, which is true of any body and \
+             says nothing about this car"
+        ));
+    }
+    notes
+}
+
+/// `; 98.30 % of the samples after it`, where samples were kept; of several outputs the smallest.
+pub fn validation_summary(evidence: &[EvidenceV1]) -> String {
+    let least = |measure: fn(&EvidenceV1) -> Option<f64>| evidence.iter().filter_map(measure).reduce(f64::min);
+    let restarted = least(|output_evidence| output_evidence.validation_restarted_fit_percent)
+        .map_or(String::new(), |fit| format!(" ({fit:.2} % with the state fitted to them)"));
+    match least(|output_evidence| output_evidence.validation_fit_percent) {
+        Some(fit) => format!("; {fit:.2} % of the samples after it{restarted}"),
+        None => String::new(),
+    }
+}
+
+/// How a model was identified.
+pub fn identification(
+    method: &str,
+    order: usize,
+    treated_as: &str,
+    output: &WindowedWave,
+    simulated: &[f64],
+    notes: Vec<String>,
+) -> IdentificationV1 {
+    let fit = fit_measures(output.sampled.samples(), simulated);
+    IdentificationV1 {
+        method: method.to_owned(),
+        order: u32::try_from(order).unwrap_or(u32::MAX),
+        channel: output.id.clone(),
+        treated_as: treated_as.to_owned(),
+        from_s: output.sampled.t0_s(),
+        to_s: output.sampled.end_s(),
+        samples: output.sampled.len() as u64,
+        hankel_rows: None,
+        hankel_columns: None,
+        singular_values: Vec::new(),
+        fit_percent: fit.and_then(|fit| fit.fit_percent),
+        rmse: fit.map(|fit| fit.rmse),
+        notes,
+        output_fits_percent: Vec::new(),
+        delay_s: None,
+    }
+}
+
+/// The same of a model with any number of inputs and outputs, and evidence for each output: one record for one output,
+/// else one a number.
+pub fn identification_with_evidence(
+    method: &str,
+    order: usize,
+    record: &Record,
+    simulated: &[Vec<f64>],
+    parameters: usize,
+    notes: Vec<String>,
+) -> (IdentificationV1, Vec<EvidenceV1>) {
+    let treated_as = if record.inputs.is_empty() { "free-decay" } else { "input-output" };
+    let mut whole = identification(method, order, treated_as, &record.outputs[0], &simulated[0], notes);
+    whole.delay_s = record.delay_s;
+    let names = |waves: &[WindowedWave]| waves.iter().map(|wave| wave.id.clone()).collect::<Vec<_>>().join(", ");
+    if record.outputs.len() > 1 {
+        whole.channel = names(&record.outputs);
+        whole.rmse = None;
+        whole.output_fits_percent = record
+            .outputs
+            .iter()
+            .zip(simulated)
+            .map(|(answer, yh)| fit_measures(answer.sampled.samples(), yh).and_then(|fit| fit.fit_percent))
+            .collect();
+        let worst = |a: f64, b: &Option<f64>| b.map(|b| a.min(b));
+        whole.fit_percent = whole.output_fits_percent.iter().try_fold(f64::INFINITY, worst);
+    }
+    let evidence = record
+        .outputs
+        .iter()
+        .zip(simulated)
+        .map(|(answer, yh)| {
+            let mut output_evidence = simulation_evidence(record.inputs.first(), answer, yh, parameters);
+            for other in record.inputs.iter().skip(1) {
+                let correlation = simulation_evidence(Some(other), answer, yh, parameters).input_correlation;
+                output_evidence.input_correlation =
+                    output_evidence.input_correlation.zip(correlation).map(|(a, b)| a.max(b));
+            }
+            output_evidence.input = (!record.inputs.is_empty()).then(|| names(&record.inputs));
+            output_evidence
+        })
+        .collect();
+    (whole, evidence)
+}
+
+/// Writes the evidence of every output: `/evidence/<id>`, of several outputs `/evidence/<id>/<number>`.
+pub fn put_evidence(id: &str, evidence: &[EvidenceV1], out: &mut Output) -> anyhow::Result<()> {
+    if let [only] = evidence {
+        return out.put(&format!("/evidence/{id}"), only);
+    }
+    for (number, output_evidence) in evidence.iter().enumerate() {
+        out.put(&format!("/evidence/{id}/{}", number + 1), output_evidence)?;
+    }
+    Ok(())
+}
+
+/// Writes the transfer functions of a continuous model, `/model/<id>/transfer-function`, of several inputs or outputs
+/// `/model/<id>/<output>-<input>/transfer-function`; `entry` gives numerator and denominator by output and input.
+pub fn put_transfer_functions(
+    id: &str,
+    record: &Record,
+    mut entry: impl FnMut(usize, usize) -> (Vec<f64>, Vec<f64>),
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    for (i, answer) in record.outputs.iter().enumerate() {
+        for (j, drive) in record.inputs.iter().enumerate() {
+            let (numerator, denominator) = entry(i, j);
+            let place = if record.single() { String::new() } else { format!("{}-{}/", i + 1, j + 1) };
+            out.put(
+                &format!("/model/{id}/{place}transfer-function"),
+                &TransferFunctionV1 {
+                    numerator,
+                    denominator,
+                    input: drive.describe(),
+                    output: answer.describe(),
+                    delay_s: record.delay_s,
+                },
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// Modes of continuous poles, with their discrete counterparts where the model is sampled.
+pub fn modes(modes: impl Iterator<Item = (Mode, Option<Complex>)>) -> ModesV1 {
+    ModesV1(
+        modes
+            .map(|(mode, discrete)| ModeV1 {
+                // Adding zero takes the sign from a zero.
+                re_per_s: mode.pole.re + 0.0,
+                im_rad_per_s: mode.pole.im + 0.0,
+                natural_frequency_rad_per_s: mode.natural_frequency_rad_per_s,
+                damping_ratio: mode.damping_ratio,
+                modal_amplitude_coherence: None,
+                mode_singular_value: None,
+                discrete_re: discrete.map(|z| z.re),
+                discrete_im: discrete.map(|z| z.im),
+            })
+            .collect(),
+    )
+}
+
+/// `99.76 %`, or that there is no such figure.
+pub fn fit_in_words(fit: Option<f64>) -> String {
+    fit.map_or("no defined fit".to_owned(), |fit| format!("fit {fit:.2} %"))
+}
+
+/// Puts a search into the evidence of one output: `hold` as declared, `paper` whose procedure it is.
+pub fn put_search(search: &SearchOutcome, hold: &str, paper: Option<&str>, output_evidence: &mut EvidenceV1) {
+    output_evidence.hold = Some(hold.to_owned());
+    output_evidence.initial_conditions = if search.initial_estimated { "estimated" } else { "zero" }.to_owned();
+    output_evidence.start = Some(search.start.name().to_owned());
+    output_evidence.stop_reason = Some(search.termination.name().to_owned());
+    output_evidence.iterations = u32::try_from(search.iterations).ok();
+    output_evidence.evaluations = Some(search.evaluations as u64);
+    output_evidence.losses = search.losses.clone();
+    output_evidence.condition = Some(search.condition).filter(|c| c.is_finite());
+    output_evidence.denominator_deviations = if_determined(&search.denominator_deviations);
+    output_evidence.frequency_deviations = search.mode_deviations.iter().map(|d| d.map(|d| d.0)).collect();
+    output_evidence.damping_deviations = search.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
+    output_evidence.paper = paper.map(str::to_owned);
+}
+
+/// Deviations, or none where they are not determined.
+pub fn if_determined(deviations: &[f64]) -> Vec<f64> {
+    if deviations.iter().all(|x| x.is_finite()) { deviations.to_vec() } else { Vec::new() }
+}

@@ -1,0 +1,307 @@
+//! A realised model (ERA, ERA/DC) as the records of the artifact.
+
+use crumple_lti::{Complex, LtiError, Mode, StateSpace, to_transfer_function};
+use crumple_signal::{Notes, Sampled};
+use crumple_stage::records::{
+    EvidenceV1, IdentificationV1, ModeV1, ModesV1, ShapeV1, ShapesV1, StateSpaceV1, TransferFunctionV1,
+};
+use crumple_sysid::{Decomposition, Realization, Sample, markov_parameters, modal_assurance, phase_collinearity};
+use nalgebra::DMatrix;
+
+use crate::stage::options::evidence::BootstrapSettings;
+use crate::stage::records::acceptance::note_on_fit;
+use crate::stage::records::evidence::{put_evidence, simulation_evidence, validate, validation_summary};
+use crate::stage::records::responses::{Band, ModelResponses, note_limits, put_spreads, spread_of_outputs, zeros_of};
+use crate::stage::records::results::Results;
+use crate::stage::waves::input_output::{WindowedWave, filter_edges};
+
+/// What a reader of the model must know of its input.
+const INPUT: &str = "unit impulse (the record taken as Markov parameters)";
+
+/// What realised models come from.
+pub struct RealizationTask<'a> {
+    /// `era` or `era-dc`.
+    pub method: &'a str,
+    /// The channels, sampled together, at least one.
+    pub waves: &'a [WindowedWave],
+    /// What the samples are taken for.
+    pub treated_as: &'static str,
+    /// Bootstrap, if asked for.
+    pub bootstrap: Option<&'a BootstrapSettings>,
+    /// Whether this is the procedure of the paper, which the id then says with the number of samples.
+    pub paper: bool,
+    /// The same estimate from other samples of every channel.
+    pub refit: &'a (dyn Fn(&[Vec<f64>]) -> Option<Realization> + Sync),
+}
+
+impl RealizationTask<'_> {
+    fn names(&self) -> Vec<&str> {
+        self.waves.iter().map(|wave| wave.id.as_str()).collect()
+    }
+
+    /// `acceleration of channels 11, 12, m/s^2`; of several quantities one after the other.
+    fn describe(&self) -> String {
+        let plural = if self.single() { "" } else { "s" };
+        let describe = |wave: &WindowedWave, plural: &str, names: &str| {
+            format!("{} of channel{plural} {names}, {}", wave.quantity.name(), wave.quantity.si_unit())
+        };
+        if self.one_quantity() {
+            return describe(&self.waves[0], plural, &self.names().join(", "));
+        }
+        self.waves.iter().map(|wave| describe(wave, "", &wave.id)).collect::<Vec<_>>().join("; ")
+    }
+
+    fn one_quantity(&self) -> bool {
+        self.waves.iter().all(|wave| wave.quantity == self.waves[0].quantity)
+    }
+
+    fn single(&self) -> bool {
+        self.waves.len() == 1
+    }
+
+    fn samples(&self) -> usize {
+        self.waves[0].sampled.len()
+    }
+
+    /// `<method>-<order>`; of the paper's procedure with the number of samples.
+    pub fn id(&self, order: usize) -> String {
+        let paper = if self.paper { format!("-n{}-paper", self.samples()) } else { String::new() };
+        format!("{}-{order}{paper}", self.method)
+    }
+}
+
+/// Writes the records of one model under its id, `<method>-<order>`, and a summary line.
+pub fn put_realization(
+    model: &Realization,
+    task: &RealizationTask<'_>,
+    notes: &Notes,
+    results: &mut Results<'_>,
+) -> anyhow::Result<()> {
+    let (order, samples, single) = (model.order(), task.samples(), task.single());
+    let id = task.id(order);
+    let output = task.describe();
+    let mut notes = notes.clone();
+    results.out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output, None))?;
+    if let Ok(continuous) = &model.continuous {
+        results.out.put(&format!("/model/{id}/continuous"), &state_space(continuous, INPUT, &output, None))?;
+        match transfer_function(continuous, &output) {
+            _ if !single => {}
+            Ok(record) => results.out.put(&format!("/model/{id}/transfer-function"), &record)?,
+            Err(error) => notes.info(format!("no transfer function: {error}")),
+        }
+    }
+    results.out.put(&format!("/modes/{id}"), &modes(model))?;
+    if !single {
+        let poles: Vec<_> = model.modes.iter().map(|mode| (mode.discrete_pole, mode.mode)).collect();
+        results.out.put(&format!("/shapes/{id}"), &shapes(&poles, &model.mode_shapes, task.waves))?;
+    }
+    if let Decomposition::Lanczos { steps } = model.decomposition {
+        let converged = model
+            .singular_value_errors
+            .iter()
+            .take_while(|error| **error <= 1e-9 * model.singular_values.first().copied().unwrap_or(0.0))
+            .count();
+        notes.info(format!(
+            "the {} leading singular values are listed after {steps} Lanczos steps: {converged} converged, the others \
+             within 3 %",
+            model.singular_values.len()
+        ));
+    }
+    let whole = markov_parameters(&model.discrete, samples + task.waves[0].kept.len());
+    let parameters = (task.waves.len() + 1) * order + task.waves.len();
+    let response: Vec<Vec<f64>> = whole.iter().map(|y| y[..samples].to_vec()).collect();
+    let mut evidence = evidence_of_outputs(task, &whole, parameters)?;
+    for output_evidence in &mut evidence {
+        output_evidence.singular_value_errors = model.singular_value_errors.clone();
+        output_evidence.paper = task.paper.then(|| "era".to_owned());
+        output_evidence.validation_from_s = task.waves[0].kept_from_s();
+    }
+
+    let mut remarks = Notes::new();
+    note_limits(&id, (1, task.waves.len()), None, &mut remarks);
+    note_on_fit(&id, model.fit_percent, &mut remarks);
+    let wave = &task.waves[0];
+    let responses = responses_of(model, wave);
+    let grid = if single { responses.grid_hz() } else { Vec::new() };
+    let measured: Vec<Vec<f64>> = task.waves.iter().map(|wave| wave.sampled.samples().to_vec()).collect();
+    let nominal = (&id[..], &responses.sample(&grid));
+    let bootstrap = spread_of_outputs(task.bootstrap, nominal, (&measured, &response), parameters, &mut remarks, |y| {
+        Some(sample_of(&(task.refit)(y)?, wave, &grid))
+    });
+    if let Some(bootstrap) = &bootstrap {
+        evidence.iter_mut().for_each(|output_evidence| put_spreads(bootstrap, output_evidence));
+    }
+    let band = bootstrap.as_ref().map(Band::from_bootstrap);
+    if let Some(record) = responses.response(INPUT, &output, band.as_ref()).filter(|_| single) {
+        results.out.put(&format!("/response/{id}"), &record)?;
+    }
+    notes.extend(remarks.clone());
+    results.out.notes().extend(remarks);
+    results.out.put(&format!("/identification/{id}"), &identification(model, task, notes.to_texts()))?;
+    put_evidence(&id, &evidence, results.out)?;
+    results.comparison.enter(&id, samples, &evidence);
+    results.out.summary(format!("{}{}", summary(&id, model, samples), validation_summary(&evidence)));
+    Ok(())
+}
+
+/// Evidence from the response over all samples: one record for channels of one quantity, whose residuals stand one
+/// after the other, else one for each.
+fn evidence_of_outputs(
+    task: &RealizationTask<'_>,
+    whole: &[Vec<f64>],
+    parameters: usize,
+) -> anyhow::Result<Vec<EvidenceV1>> {
+    let samples = task.samples();
+    let evidence_of = |wave: &WindowedWave, response: &[f64], kept: &[f64]| {
+        let mut output_evidence = simulation_evidence(None, wave, response, parameters);
+        validate(wave, &[response, kept].concat(), &mut output_evidence);
+        output_evidence
+    };
+    if !task.one_quantity() {
+        return Ok(task
+            .waves
+            .iter()
+            .zip(whole)
+            .map(|(wave, y)| evidence_of(wave, &y[..samples], &y[samples..]))
+            .collect());
+    }
+    let part = |from: usize, to: usize| whole.iter().flat_map(|y| &y[from..to]).copied().collect::<Vec<f64>>();
+    let kept = task.waves[0].kept.len();
+    Ok(vec![evidence_of(&joined(task.waves)?, &part(0, samples), &part(samples, samples + kept))])
+}
+
+/// All channels as one, one after the other.
+fn joined(waves: &[WindowedWave]) -> anyhow::Result<WindowedWave> {
+    let first = &waves[0].sampled;
+    let samples = waves.iter().flat_map(|wave| wave.sampled.samples()).copied().collect();
+    Ok(WindowedWave {
+        id: waves.iter().map(|wave| wave.id.as_str()).collect::<Vec<_>>().join(", "),
+        quantity: waves[0].quantity,
+        sampled: Sampled::new(first.t0_s(), first.dt_s(), samples)?,
+        kept: waves.iter().flat_map(|wave| &wave.kept).copied().collect(),
+        edges: filter_edges(waves).to_vec(),
+    })
+}
+
+fn responses_of<'a>(model: &'a Realization, wave: &WindowedWave) -> ModelResponses<'a> {
+    let continuous = model.continuous.as_ref().ok();
+    ModelResponses {
+        continuous,
+        discrete: Some(&model.discrete),
+        poles: model.modes.iter().filter_map(|m| m.mode).map(|mode| mode.pole).collect(),
+        zeros: continuous.map(zeros_of).unwrap_or_default(),
+        dt_s: wave.sampled.dt_s(),
+        samples: wave.sampled.len(),
+        delay: 0,
+    }
+}
+
+fn sample_of(model: &Realization, wave: &WindowedWave, grid_hz: &[f64]) -> Sample {
+    responses_of(model, wave).sample(grid_hz)
+}
+
+pub fn state_space(model: &StateSpace, input: &str, output: &str, delay_s: Option<f64>) -> StateSpaceV1 {
+    StateSpaceV1 {
+        a: rows(&model.a),
+        b: rows(&model.b),
+        c: rows(&model.c),
+        d: rows(&model.d),
+        sample_time_s: model.sample_time_s.unwrap_or(0.0),
+        input: input.to_owned(),
+        output: output.to_owned(),
+        delay_s,
+    }
+}
+
+fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
+}
+
+fn transfer_function(model: &StateSpace, output: &str) -> Result<TransferFunctionV1, LtiError> {
+    let tf = to_transfer_function(model)?;
+    Ok(TransferFunctionV1 {
+        numerator: tf.numerator().to_vec(),
+        denominator: tf.denominator().to_vec(),
+        input: INPUT.to_owned(),
+        output: output.to_owned(),
+        delay_s: None,
+    })
+}
+
+/// One entry a pole; a pole at `z = 0` has no continuous counterpart and no entry (a note tells of it).
+fn modes(model: &Realization) -> ModesV1 {
+    let entries = model.modes.iter().filter_map(|identified| {
+        let mode = identified.mode?;
+        Some(ModeV1 {
+            // Adding zero takes the sign from a zero.
+            re_per_s: mode.pole.re + 0.0,
+            im_rad_per_s: mode.pole.im + 0.0,
+            natural_frequency_rad_per_s: mode.natural_frequency_rad_per_s,
+            damping_ratio: mode.damping_ratio,
+            modal_amplitude_coherence: identified.modal_amplitude_coherence,
+            mode_singular_value: identified.mode_singular_value,
+            discrete_re: Some(identified.discrete_pole.re),
+            discrete_im: Some(identified.discrete_pole.im),
+        })
+    });
+    ModesV1(entries.collect())
+}
+
+/// Shapes of the modes, conjugates once, and how alike they are.
+pub fn shapes(poles: &[(Complex, Option<Mode>)], shapes: &[Option<Vec<Complex>>], waves: &[WindowedWave]) -> ShapesV1 {
+    let modes = poles.iter().zip(shapes).filter(|((z, _), _)| z.im >= 0.0);
+    let known: Vec<_> = modes.filter_map(|((_, mode), shape)| Some(((*mode)?, shape.as_ref()?))).collect();
+    let modal_assurance =
+        known.iter().map(|(_, p)| known.iter().map(|(_, q)| modal_assurance(p, q).unwrap_or(0.0)).collect()).collect();
+    let shapes = known.iter().map(|(mode, shape)| ShapeV1 {
+        re_per_s: mode.pole.re,
+        im_rad_per_s: mode.pole.im,
+        re: shape.iter().map(|x| x.re).collect(),
+        im: shape.iter().map(|x| x.im).collect(),
+        phase_collinearity: phase_collinearity(shape),
+    });
+    ShapesV1 { channels: waves.iter().map(|wave| wave.id.clone()).collect(), shapes: shapes.collect(), modal_assurance }
+}
+
+fn identification(model: &Realization, task: &RealizationTask<'_>, notes: Vec<String>) -> IdentificationV1 {
+    let sampled = &task.waves[0].sampled;
+    let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    IdentificationV1 {
+        method: task.method.to_owned(),
+        order: size(model.order()),
+        channel: task.names().join(", "),
+        treated_as: task.treated_as.to_owned(),
+        from_s: sampled.t0_s(),
+        to_s: sampled.end_s(),
+        samples: sampled.len() as u64,
+        hankel_rows: Some(size(model.rows)),
+        hankel_columns: Some(size(model.columns)),
+        singular_values: model.singular_values.clone(),
+        fit_percent: model.fit_percent,
+        rmse: model.rmse,
+        notes,
+        output_fits_percent: if task.single() { Vec::new() } else { model.sequence_fits_percent.clone() },
+        delay_s: None,
+    }
+}
+
+/// `era-4: fit 81.4 % of 2501 samples; 5.31 Hz (damping 0.481), 13.2 Hz (damping 0.112)`.
+fn summary(id: &str, model: &Realization, samples: usize) -> String {
+    let fit = model.fit_percent.map_or("no defined fit".to_owned(), |fit| format!("fit {fit:.1} %"));
+    let modes: Vec<String> = model
+        .modes
+        .iter()
+        .filter_map(|identified| identified.mode)
+        .filter(|mode| mode.pole.im >= 0.0)
+        .map(|mode| {
+            if mode.pole.im == 0.0 {
+                let re = if mode.pole.re.abs() < 5e-5 { 0.0 } else { mode.pole.re };
+                format!("real pole {re:.4} 1/s")
+            } else {
+                let damping = mode.damping_ratio.unwrap_or(0.0);
+                format!("{:.3} Hz (damping ratio {damping:.3})", mode.natural_frequency_hz())
+            }
+        })
+        .collect();
+    format!("{id}: {fit} of {samples} samples; {}", modes.join(", "))
+}

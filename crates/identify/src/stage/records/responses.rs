@@ -1,0 +1,340 @@
+//! Responses of a model to look at (frequency, impulse, step), and their spread over the fits of a bootstrap.
+
+use std::f64::consts::{PI, TAU};
+
+use crumple_lti::{
+    Complex, StateSpace, discretize_zero_order_hold, free_response, frequency_response, impulse_response,
+    step_response, to_transfer_function,
+};
+use crumple_signal::Notes;
+use crumple_stage::records::{EvidenceV1, ResponseV1, SpreadV1};
+use crumple_sysid::{
+    BootstrapOptions, ResidualBootstrap, Sample, Spread, bootstrap, bootstrap_equation_errors, bootstrap_outputs,
+};
+
+use crate::stage::options::evidence::BootstrapSettings;
+
+/// Points of a frequency response beside those at resonances, and at most so many of a response in time.
+const FREQUENCIES: usize = 160;
+const TIMES: usize = 400;
+
+/// Orders above this have no zeros worth printing: coefficients of the polynomial have lost their digits.
+const ZEROS_UP_TO: usize = 10;
+
+/// Natural frequencies that vary more than this over the replicates do not belong to a mode of the record.
+const DROPPED_ABOVE: f64 = 0.02;
+
+/// Standard deviations from the middle to the edges of a band from 5 to 95 %.
+const NORMAL_95: f64 = 1.644_853_6;
+
+/// What the responses of a model are computed from, whatever method gave it.
+pub struct ModelResponses<'a> {
+    /// Continuous form, if there is one.
+    pub continuous: Option<&'a StateSpace>,
+    /// Sampled form, if that is what was identified.
+    pub discrete: Option<&'a StateSpace>,
+    /// Continuous poles in the order of the record of modes.
+    pub poles: Vec<Complex>,
+    /// Zeros of the continuous form.
+    pub zeros: Vec<Complex>,
+    /// Sampling interval of the record, s.
+    pub dt_s: f64,
+    /// Its samples.
+    pub samples: usize,
+    /// Samples by which the input acts late, which neither form holds.
+    pub delay: usize,
+}
+
+/// A band around a frequency response: lower and upper modulus and phase change (rad) at every point.
+pub struct Band {
+    /// Where it comes from.
+    pub origin: String,
+    /// Points of the grid.
+    pub points: Vec<Option<[f64; 4]>>,
+}
+
+impl Band {
+    /// From relative deviations of the modulus and deviations of the phase.
+    pub fn from_deviations(magnitude: &[f64], deviations: &[Option<(f64, f64)>]) -> Self {
+        let points = magnitude.iter().zip(deviations).map(|(m, deviation)| {
+            let (relative, phase) = (*deviation)?;
+            let factor = (NORMAL_95 * relative).exp();
+            // A phase known to half a turn is not known.
+            let turn = (NORMAL_95 * phase).min(PI);
+            let point = [m / factor, m * factor, -turn, turn];
+            point.iter().all(|x| x.is_finite()).then_some(point)
+        });
+        Self { origin: "covariance, 5 to 95 %".to_owned(), points: points.collect() }
+    }
+
+    /// From the replicates.
+    pub fn from_bootstrap(bootstrap: &ResidualBootstrap) -> Self {
+        let points = bootstrap.band.iter().map(|point| {
+            let p = (*point)?;
+            Some([p.magnitude.0, p.magnitude.1, p.phase_change_rad.0, p.phase_change_rad.1])
+        });
+        Self {
+            origin: format!("bootstrap of {} replicates, 5 to 95 %", bootstrap.replicates),
+            points: points.collect(),
+        }
+    }
+}
+
+/// Zeros of a continuous model, as far as its transfer function can be trusted.
+pub fn zeros_of(model: &StateSpace) -> Vec<Complex> {
+    if model.order() > ZEROS_UP_TO {
+        return Vec::new();
+    }
+    to_transfer_function(model).and_then(|tf| tf.zeros()).unwrap_or_default()
+}
+
+impl ModelResponses<'_> {
+    /// The model whose frequency response is shown: the continuous one where there is one.
+    fn displayed(&self) -> Option<&StateSpace> {
+        self.continuous.or(self.discrete)
+    }
+
+    /// Frequencies, Hz: from a decade below the slowest mode (at most ten records long) to a decade above the fastest,
+    /// at most half the sampling rate.
+    pub fn grid_hz(&self) -> Vec<f64> {
+        let (duration, nyquist) = (self.samples as f64 * self.dt_s, 0.5 / self.dt_s);
+        let moduli: Vec<f64> = self.poles.iter().map(|s| s.norm() / TAU).filter(|f| *f * duration > 0.01).collect();
+        let slowest = moduli.iter().copied().fold(f64::INFINITY, f64::min).min(nyquist);
+        let fastest = moduli.iter().copied().fold(0.0, f64::max);
+        let low = (slowest / 10.0).max(0.1 / duration);
+        let high = if fastest > 0.0 { (fastest * 10.0).min(nyquist) } else { nyquist };
+        let (low, high) = if low < high { (low, high) } else { (0.1 / duration, nyquist) };
+        let even = (0..FREQUENCIES).map(|k| low * (high / low).powf(k as f64 / (FREQUENCIES - 1) as f64));
+        // A weakly damped resonance is narrower than the grid: its peak and flanks are looked at too.
+        let resonances = self.poles.iter().filter(|s| s.im > 0.0).flat_map(|s| {
+            let width = s.re.abs() / TAU;
+            [-3.0, -1.0, -0.3, 0.0, 0.3, 1.0, 3.0].map(|k| s.im / TAU + k * width)
+        });
+        let mut grid: Vec<f64> = even.chain(resonances.filter(|f| (low..=high).contains(f))).collect();
+        grid.sort_by(f64::total_cmp);
+        grid.dedup();
+        grid
+    }
+
+    /// What a replicate is compared by; the delay, the same for all, is left out.
+    pub fn sample(&self, grid_hz: &[f64]) -> Sample {
+        let rad_per_s: Vec<f64> = grid_hz.iter().map(|f| TAU * f).collect();
+        let response =
+            self.displayed().and_then(|model| frequency_response(model, &rad_per_s).ok()).unwrap_or_default();
+        Sample { poles: self.poles.clone(), zeros: self.zeros.clone(), response }
+    }
+
+    /// The record of responses; `None` for a model without an input, or one that is not finite where it should be
+    /// drawn.
+    pub fn response(&self, input: &str, output: &str, band: Option<&Band>) -> Option<ResponseV1> {
+        let grid = self.grid_hz();
+        let values = self.sample(&grid).response;
+        if values.is_empty() || values.iter().any(|h| !(h.norm().is_finite() && h.norm() > 0.0)) {
+            return None;
+        }
+        let mut phase_rad = Vec::with_capacity(values.len());
+        let mut last = 0.0;
+        for h in &values {
+            let phase = h.arg();
+            last = phase - TAU * ((phase - last) / TAU).round();
+            phase_rad.push(last);
+        }
+        // A delay turns the phase in proportion to the frequency; unwrapped without it, no step exceeds half a turn.
+        let delay_s = self.delay as f64 * self.dt_s;
+        phase_rad.iter_mut().zip(&grid).for_each(|(phase, hz)| *phase -= TAU * hz * delay_s);
+        let edge = |k: usize| -> Vec<Option<f64>> {
+            let points = band.map(|band| &band.points[..]).unwrap_or_default();
+            let moved =
+                |(at, point): (usize, &Option<[f64; 4]>)| Some((*point)?[k] + if k > 1 { phase_rad[at] } else { 0.0 });
+            points.iter().enumerate().map(moved).collect()
+        };
+        let (magnitude_lower, magnitude_upper) = (edge(0), edge(1));
+        let (phase_lower_rad, phase_upper_rad) = (edge(2), edge(3));
+        let (time_s, impulse, step) = self.time_responses()?;
+        Some(ResponseV1 {
+            input: input.to_owned(),
+            output: output.to_owned(),
+            model: if self.continuous.is_some() { "continuous" } else { "discrete" }.to_owned(),
+            magnitude: values.iter().map(|h| h.norm()).collect(),
+            frequency_hz: grid,
+            band: band.map(|band| band.origin.clone()),
+            magnitude_lower,
+            magnitude_upper,
+            phase_lower_rad,
+            phase_upper_rad,
+            phase_rad,
+            impulse_of: if self.discrete.is_some() { "unit sample" } else { "unit impulse" }.to_owned(),
+            time_s,
+            impulse,
+            step,
+            zeros_re_per_s: self.zeros.iter().map(|z| z.re).collect(),
+            zeros_im_rad_per_s: self.zeros.iter().map(|z| z.im).collect(),
+        })
+    }
+
+    /// Every so many samples of a response that begins after the delay.
+    fn delayed(&self, response: Vec<f64>, stride: usize) -> Vec<f64> {
+        let silence = std::iter::repeat_n(0.0, self.delay.min(response.len()));
+        silence.chain(response).take(self.samples).step_by(stride).collect()
+    }
+
+    /// Times, impulse and step response, every so many samples, late by the delay.
+    fn time_responses(&self) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
+        let stride = self.samples.div_ceil(TIMES).max(1);
+        let (impulse, step): (Vec<f64>, Vec<f64>) = if let Some(model) = self.discrete {
+            (
+                self.delayed(impulse_response(model, self.samples).ok()?, stride),
+                self.delayed(step_response(model, self.samples).ok()?, stride),
+            )
+        } else if self.delay > 0 {
+            // A late step falls between thinned times: all samples are computed first.
+            let model = self.continuous?;
+            let held = discretize_zero_order_hold(model, self.dt_s).ok()?;
+            let start = model.b.column(0).into_owned();
+            (
+                self.delayed(free_response(&held, &start, self.samples).ok()?, stride),
+                self.delayed(step_response(&held, self.samples).ok()?, stride),
+            )
+        } else {
+            // At the thinned times a held model is exact: its step is a step, its impulse a state.
+            let model = self.continuous?;
+            let held = discretize_zero_order_hold(model, self.dt_s * stride as f64).ok()?;
+            let count = self.samples.div_ceil(stride);
+            let start = model.b.column(0).into_owned();
+            (free_response(&held, &start, count).ok()?, step_response(&held, count).ok()?)
+        };
+        // A growing model may leave the range of numbers: it is shown as far as it stays.
+        let end = impulse.iter().zip(&step).position(|(a, b)| !(a.is_finite() && b.is_finite())).unwrap_or(step.len());
+        let time_s = (0..end).map(|k| (k * stride) as f64 * self.dt_s).collect();
+        Some((time_s, impulse[..end].to_vec(), step[..end].to_vec()))
+    }
+}
+
+/// The equation of a regression: what the bootstrap draws from.
+pub struct Equation {
+    /// One-step prediction errors.
+    pub errors: Vec<f64>,
+    /// Coefficients that were fitted.
+    pub coefficients: usize,
+    /// The output with other errors.
+    pub record: WithErrors,
+}
+
+/// An output from equation errors.
+pub type WithErrors = Box<dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync>;
+
+/// Notes what is not written for a model of several inputs or outputs; `bootstrap` where that is among it.
+pub fn note_limits(
+    id: &str,
+    (inputs, outputs): (usize, usize),
+    bootstrap: Option<&BootstrapSettings>,
+    notes: &mut Notes,
+) {
+    if inputs > 1 || outputs > 1 {
+        notes.info(format!("{id}: responses are written for models of one input and one output only"));
+    }
+    if bootstrap.is_some() && outputs > 1 {
+        notes.warning(format!("{id}: no bootstrap: it is made for models of one output"));
+    }
+}
+
+/// Fits again as often as asked for; `None` without a bootstrap or where too few fits succeeded (a note tells).
+pub fn spread(
+    settings: Option<&BootstrapSettings>,
+    (id, sample): (&str, &Sample),
+    (record, simulated): (&[f64], &[f64]),
+    parameters: usize,
+    notes: &mut Notes,
+    refit: impl Fn(&[f64]) -> Option<Sample> + Sync,
+) -> Option<ResidualBootstrap> {
+    let residual: Vec<f64> = record.iter().zip(simulated).map(|(y, yh)| y - yh).collect();
+    run_bootstrap(settings, (id, sample), notes, |options| {
+        bootstrap(sample, simulated, &residual, parameters, options, refit)
+    })
+}
+
+/// The same of a model with any number of outputs, by record and simulation of each.
+pub fn spread_of_outputs(
+    settings: Option<&BootstrapSettings>,
+    (id, sample): (&str, &Sample),
+    (record, simulated): (&[Vec<f64>], &[Vec<f64>]),
+    parameters: usize,
+    notes: &mut Notes,
+    refit: impl Fn(&[Vec<f64>]) -> Option<Sample> + Sync,
+) -> Option<ResidualBootstrap> {
+    let residual = |(y, yh): (&Vec<f64>, &Vec<f64>)| y.iter().zip(yh).map(|(y, yh)| y - yh).collect();
+    let residuals: Vec<Vec<f64>> = record.iter().zip(simulated).map(residual).collect();
+    run_bootstrap(settings, (id, sample), notes, |options| {
+        bootstrap_outputs(sample, simulated, &residuals, parameters, options, refit)
+    })
+}
+
+/// The same of a regression, by its equation errors.
+pub fn spread_of_equation(
+    settings: Option<&BootstrapSettings>,
+    (id, sample): (&str, &Sample),
+    equation: &Equation,
+    notes: &mut Notes,
+    refit: impl Fn(&[f64]) -> Option<Sample> + Sync,
+) -> Option<ResidualBootstrap> {
+    let Equation { errors, coefficients, record } = equation;
+    run_bootstrap(settings, (id, sample), notes, |options| {
+        bootstrap_equation_errors(sample, errors, *coefficients, options, record, refit)
+    })
+}
+
+/// Runs a bootstrap as the settings say and notes what came of it.
+fn run_bootstrap(
+    settings: Option<&BootstrapSettings>,
+    (id, sample): (&str, &Sample),
+    notes: &mut Notes,
+    draw: impl FnOnce(BootstrapOptions) -> Option<ResidualBootstrap>,
+) -> Option<ResidualBootstrap> {
+    let settings = settings?;
+    let bootstrap = draw(BootstrapOptions {
+        replicates: settings.replicates,
+        seed: settings.seed.into(),
+        resampling: settings.resampling(),
+    });
+    match &bootstrap {
+        Some(bootstrap) => note_scatter(id, sample, bootstrap, notes),
+        None => notes.warning(format!("{id}: fewer than half of the bootstrap fits led to a model: no spread")),
+    }
+    bootstrap
+}
+
+/// Notes on poles that scatter over the replicates, or are missing from most of them.
+fn note_scatter(id: &str, sample: &Sample, bootstrap: &ResidualBootstrap, notes: &mut Notes) {
+    for (s, spread) in sample.poles.iter().zip(&bootstrap.frequency).filter(|(s, _)| s.im >= 0.0 && s.norm() > 0.0) {
+        let Some(spread) = spread else {
+            notes
+                .warning(format!("{id}: the pole {:.4} {:+.4}i 1/s is not found again in most replicates", s.re, s.im));
+            continue;
+        };
+        let variation = spread.deviation / s.norm();
+        if variation > DROPPED_ABOVE {
+            notes.info(format!(
+                "{id}: the natural frequency {:.4} Hz varies by {:.1} % over {} replicates: above 2 % a pole is not \
+                 counted as a mode of the record",
+                s.norm() / TAU,
+                100.0 * variation,
+                bootstrap.replicates
+            ));
+        }
+    }
+}
+
+/// Puts the spreads into the evidence.
+pub fn put_spreads(bootstrap: &ResidualBootstrap, output_evidence: &mut EvidenceV1) {
+    let record = |spreads: &[Option<Spread>]| {
+        let spread_record = |s: &Spread| SpreadV1 { deviation: s.deviation, lower: s.lower, upper: s.upper };
+        spreads.iter().map(|spread| spread.as_ref().map(spread_record)).collect::<Vec<_>>()
+    };
+    output_evidence.bootstrap_replicates = u32::try_from(bootstrap.replicates).ok();
+    output_evidence.bootstrap_failed = u32::try_from(bootstrap.failed).ok();
+    output_evidence.bootstrap_noise = Some(bootstrap.noise.clone());
+    output_evidence.frequency_spreads = record(&bootstrap.frequency);
+    output_evidence.damping_spreads = record(&bootstrap.damping);
+    output_evidence.zero_re_spreads = record(&bootstrap.zero_re);
+    output_evidence.zero_im_spreads = record(&bootstrap.zero_im);
+}

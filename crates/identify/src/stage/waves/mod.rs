@@ -1,0 +1,7 @@
+//! The waveforms of a run: which ones, which window of them, how they are scaled.
+//! May use options.
+
+pub mod input_output;
+pub mod scaled;
+pub mod source;
+pub mod window;

@@ -1,0 +1,241 @@
+//! A record from the disk: the main file, the files beside it that belong to it, the sidecar.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::io::{self, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use crate::error::WHAT_IS_READ;
+use crate::files::zip;
+use crate::formats::iso_mme::IsoMme;
+use crate::formats::iso_mme::file_names::{is_channel_folder, is_channel_name};
+use crate::formats::reader::{Bundle, FILE_LIMIT, LargeFile, NamedBytes, Reader, ShowProgress, check_total, stem};
+use crate::formats::registry::recognise;
+use crate::{IngestError, Place};
+
+/// Tables above this are read piece by piece, bytes.
+const STREAM_ABOVE: u64 = 64 << 20;
+/// Start of such a table that is looked at for its layout, bytes.
+const HEAD_OF_LARGE: u64 = 16 << 20;
+/// Largest table, bytes.
+const LARGE_LIMIT: u64 = 64 << 30;
+
+impl Bundle {
+    /// Reads a file, a folder with one NHTSA or ISO-MME test, or a zip archive of either.
+    pub fn open(path: &Path) -> Result<Self, IngestError> {
+        Self::open_with_progress(path, |_, _| Box::new(|_| ()))
+    }
+
+    /// The same, showing how far it has come.
+    pub fn open_with_progress(path: &Path, show: ShowProgress) -> Result<Self, IngestError> {
+        let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
+        let main_path = if metadata.is_dir() { main_file_of(path)? } else { path.to_owned() };
+        let length = fs::metadata(&main_path).map_err(|error| unreadable(&main_path, &error))?.len();
+        if length > STREAM_ABOVE
+            && let Some(mut bundle) = Self::open_large(&main_path, length, show)?
+        {
+            bundle.sidecar = sidecar_of(&main_path, show)?;
+            return Ok(bundle);
+        }
+        let bytes = read(&main_path, show)?;
+        let name = file_name(if metadata.is_dir() { path } else { &main_path });
+        let mut bundle = if zip::is_zip(&bytes) {
+            zip::open(&name, &bytes)?
+        } else {
+            let mut bundle = Self::from_bytes(&file_name(&main_path), bytes)?;
+            bundle.name = name;
+            bundle.read_companions(&main_path, show)?;
+            bundle
+        };
+        bundle.sidecar = sidecar_of(&main_path, show)?;
+        Ok(bundle)
+    }
+
+    /// A long table: its start in memory, the rest read when it is parsed. `None` for another format.
+    fn open_large(path: &Path, length: u64, show: ShowProgress) -> Result<Option<Self>, IngestError> {
+        let start = head(path, HEAD_OF_LARGE)?;
+        if zip::is_zip(&start) || !recognise(&file_name(path), &start)?.streams(&start) {
+            return Ok(None);
+        }
+        if length > LARGE_LIMIT {
+            return Err(IngestError::TooLarge {
+                place: Place::file(&path.display().to_string()),
+                found: format!("{} GiB", length >> 30),
+                limit: format!("tables up to {} GiB", LARGE_LIMIT >> 30),
+            });
+        }
+        let mut hasher = blake3::Hasher::new();
+        let file = fs::File::open(path).map_err(|error| unreadable(path, &error))?;
+        let watched = Watched { inner: file, done: show(format!("digest of {}", file_name(path)), length) };
+        hasher.update_reader(watched).map_err(|error| unreadable(path, &error))?;
+        let mut bundle = Self::from_bytes(&file_name(path), start)?;
+        let digest = format!("blake3:{}", hasher.finalize().to_hex());
+        bundle.large = Some(LargeFile::new(path.to_owned(), length, digest, open_from));
+        bundle.show_progress = show;
+        Ok(Some(bundle))
+    }
+
+    fn read_companions(&mut self, main_path: &Path, show: ShowProgress) -> Result<(), IngestError> {
+        let may_have =
+            |ending: &str| self.reader.companion(&self.main.name, &format!("{}.{ending}", stem(&self.main.name)));
+        if !["001", "tdx"].into_iter().any(may_have) {
+            return Ok(());
+        }
+        let folder = main_path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut folders = vec![folder.to_owned()];
+        if self.reader.spans_folders() {
+            folders.extend(channel_folder(folder)?);
+            folders.extend(folder.parent().filter(|_| is_channel_folder(&file_name(folder))).map(Path::to_owned));
+        }
+        let mut total = 0;
+        for folder in folders {
+            for path in entries(&folder)? {
+                let name = file_name(&path);
+                let known = name == self.main.name || self.companions.contains_key(&name);
+                if self.reader.companion(&self.main.name, &name) && !known && path.is_file() {
+                    let bytes = read(&path, show)?;
+                    total += bytes.len() as u64;
+                    check_total(&self.name, total)?;
+                    self.companions.insert(name, bytes);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A reader that tells how many bytes were read.
+struct Watched<R> {
+    inner: R,
+    done: Box<dyn FnMut(u64)>,
+}
+
+impl<R: Read> Read for Watched<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.inner.read(buffer)?;
+        (self.done)(count as u64);
+        Ok(count)
+    }
+}
+
+/// The file from `offset` on.
+fn open_from(path: &Path, offset: u64) -> io::Result<Box<dyn Read>> {
+    let mut file = fs::File::open(path)?;
+    file.seek(SeekFrom::Start(offset))?;
+    Ok(Box::new(file))
+}
+
+fn file_name(path: &Path) -> String {
+    // `..` and `.` have no name of their own.
+    let name = path
+        .file_name()
+        .map(OsStr::to_os_string)
+        .or_else(|| path.canonicalize().ok().and_then(|full| full.file_name().map(OsStr::to_os_string)));
+    name.map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+}
+
+fn read(path: &Path, show: ShowProgress) -> Result<Vec<u8>, IngestError> {
+    let length = fs::metadata(path).map_err(|error| unreadable(path, &error))?.len();
+    if length > FILE_LIMIT {
+        return Err(IngestError::TooLarge {
+            place: Place::file(&path.display().to_string()),
+            found: format!("{} MiB", length >> 20),
+            limit: format!("files up to {} MiB", FILE_LIMIT >> 20),
+        });
+    }
+    let read = || -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
+        let done = show(format!("reading {}", file_name(path)), length);
+        Watched { inner: fs::File::open(path)?, done }.read_to_end(&mut bytes)?;
+        Ok(bytes)
+    };
+    read().map_err(|error| unreadable(path, &error))
+}
+
+fn entries(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
+    let list = fs::read_dir(folder).map_err(|error| unreadable(folder, &error))?;
+    let mut paths: Vec<PathBuf> = list.filter_map(Result::ok).map(|entry| entry.path()).collect();
+    paths.sort();
+    Ok(paths)
+}
+
+fn channel_folder(folder: &Path) -> Result<Option<PathBuf>, IngestError> {
+    Ok(entries(folder)?.into_iter().find(|path| is_channel_folder(&file_name(path)) && path.is_dir()))
+}
+
+/// The file that stands for a folder: its one EV5 file; else the test file, the channel list or the first channel file
+/// of an ISO-MME test; else what its only subfolder has.
+fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
+    let all = entries(folder)?;
+    let mut places = all.clone();
+    if let Some(channel) = channel_folder(folder)? {
+        places.extend(entries(&channel)?);
+    }
+    for extension in ["ev5", "mme", "chn"] {
+        let is_it =
+            |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension)) && path.is_file();
+        let candidates: Vec<&PathBuf> = places.iter().filter(is_it).collect();
+        match candidates.as_slice() {
+            [one] => return Ok((*one).clone()),
+            [] => {}
+            several => {
+                return Err(IngestError::Path {
+                    path: folder.display().to_string(),
+                    found: format!(
+                        "a folder with {} .{} files: {}",
+                        several.len(),
+                        extension.to_uppercase(),
+                        several.iter().take(10).map(|p| file_name(p)).collect::<Vec<_>>().join(", ")
+                    ),
+                    expected: "the folder of one test".to_owned(),
+                    hint: format!("give the .{} file of the test", extension.to_uppercase()),
+                });
+            }
+        }
+    }
+    for path in places.iter().filter(|path| is_channel_name(&file_name(path)) && path.is_file()) {
+        if IsoMme.recognises(&head(path, 8192)?) {
+            return Ok(path.clone());
+        }
+    }
+    match all.as_slice() {
+        [only] if only.is_dir() => main_file_of(only),
+        _ => Err(IngestError::Path {
+            path: folder.display().to_string(),
+            found: format!("a folder without an .EV5 file or an ISO-MME test ({} other entries)", all.len()),
+            expected: "the folder of one test, or a file".to_owned(),
+            hint: "give the file itself, such as crash.csv".to_owned(),
+        }),
+    }
+}
+
+fn head(path: &Path, length: u64) -> Result<Vec<u8>, IngestError> {
+    let mut bytes = Vec::new();
+    let file = fs::File::open(path).map_err(|error| unreadable(path, &error))?;
+    file.take(length).read_to_end(&mut bytes).map_err(|error| unreadable(path, &error))?;
+    Ok(bytes)
+}
+
+fn sidecar_of(main_path: &Path, show: ShowProgress) -> Result<Option<NamedBytes>, IngestError> {
+    let mut name = main_path.as_os_str().to_owned();
+    name.push(".toml");
+    let path = PathBuf::from(name);
+    if !path.is_file() {
+        return Ok(None);
+    }
+    Ok(Some(NamedBytes { name: file_name(&path), bytes: read(&path, show)? }))
+}
+
+fn unreadable(path: &Path, error: &io::Error) -> IngestError {
+    let (found, hint) = match error.kind() {
+        io::ErrorKind::NotFound => ("no such file or folder".to_owned(), "check the path"),
+        io::ErrorKind::PermissionDenied => ("no permission to read it".to_owned(), "check the file's permissions"),
+        _ => (error.to_string(), "check the path and the disk"),
+    };
+    IngestError::Path {
+        path: path.display().to_string(),
+        found,
+        expected: format!("{WHAT_IS_READ}, or the folder of a test"),
+        hint: hint.to_owned(),
+    }
+}

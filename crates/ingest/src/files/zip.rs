@@ -1,0 +1,232 @@
+//! Zip archives: one NHTSA or ISO-MME test, or one table, in any folder of the archive.
+
+use std::io::{Cursor, Read};
+
+use zip::ZipArchive;
+
+use crate::formats::iso_mme::IsoMme;
+use crate::formats::iso_mme::file_names::{is_channel_folder, is_channel_name};
+use crate::formats::reader::{Bundle, FILE_LIMIT, Reader, check_total, stem};
+use crate::{IngestError, Place};
+
+/// Most entries that are looked through.
+const ENTRY_LIMIT: usize = 20_000;
+/// Endings of names that may be tables; the content decides.
+const TABLES: [&str; 6] = ["csv", "tsv", "txt", "dat", "asc", "prn"];
+
+/// Endings of LabVIEW and DIAdem files.
+const MEASUREMENTS: [&str; 3] = ["tdms", "tdm", "lvm"];
+
+/// Whether these are the first bytes of a zip archive (an empty one included).
+pub fn is_zip(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06")
+}
+
+/// An entry: index in the archive, folder, name.
+struct Entry {
+    index: usize,
+    folder: String,
+    name: String,
+}
+
+impl Entry {
+    fn extension(&self) -> String {
+        self.name.rsplit_once('.').map_or_else(String::new, |(_, e)| e.to_ascii_lowercase())
+    }
+}
+
+/// Reads the one record in an archive. Names are compared only, nothing is unpacked to disk.
+pub fn open(file: &str, bytes: &[u8]) -> Result<Bundle, IngestError> {
+    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(file, &error.to_string()))?;
+    if zip.len() > ENTRY_LIMIT {
+        return Err(IngestError::TooLarge {
+            place: Place::file(file),
+            found: format!("{} entries", zip.len()),
+            limit: format!("archives of one test, at most {ENTRY_LIMIT} files"),
+        });
+    }
+    let entries = list_entries(&zip);
+    refuse_documents(file, &entries)?;
+    let mut total = 0;
+    let main = match channel_file(file, &mut zip, &entries)? {
+        Some(entry) => entry,
+        None => main_entry(file, &entries)?,
+    };
+    let main_bytes = inflate(file, &mut zip, main, &mut total)?;
+    let mut bundle = Bundle::from_bytes(&main.name, main_bytes)?;
+    file.clone_into(&mut bundle.name);
+    let is_companion = |entry: &&Entry| {
+        let beside = entry.folder == main.folder
+            || (bundle.reader.spans_folders() && are_of_one_test(&main.folder, &entry.folder));
+        let known = entry.index == main.index || bundle.companions.contains_key(&entry.name);
+        beside && !known && bundle.reader.companion(&main.name, &entry.name)
+    };
+    let companions: Vec<&Entry> = entries.iter().filter(is_companion).collect();
+    // By the sizes that the archive claims, before any is unpacked; that none holds more than it claims is checked
+    // there.
+    let mut claimed = total;
+    for entry in &companions {
+        let size = zip.by_index_raw(entry.index).map_or(0, |raw| raw.size());
+        claimed = claimed.saturating_add(size);
+        check_total(file, claimed)?;
+    }
+    for entry in companions {
+        if !bundle.companions.contains_key(&entry.name) {
+            let bytes = inflate(file, &mut zip, entry, &mut total)?;
+            bundle.companions.insert(entry.name.clone(), bytes);
+        }
+    }
+    Ok(bundle)
+}
+
+/// Whether one folder is the folder `Channel` of the other.
+fn are_of_one_test(a: &str, b: &str) -> bool {
+    let channel_of = |inner: &str, outer: &str| {
+        let (parent, name) = inner.rsplit_once('/').unwrap_or(("", inner));
+        is_channel_folder(name) && parent == outer
+    };
+    channel_of(a, b) || channel_of(b, a)
+}
+
+/// The first channel file, where the archive has neither a description of a test nor tables but ISO-MME channel files.
+fn channel_file<'a>(
+    file: &str,
+    zip: &mut ZipArchive<Cursor<&[u8]>>,
+    entries: &'a [Entry],
+) -> Result<Option<&'a Entry>, IngestError> {
+    let described = |e: &Entry| matches!(e.extension().as_str(), "ev5" | "mme" | "chn");
+    if entries.iter().any(described) {
+        return Ok(None);
+    }
+    let Some(first) = entries.iter().find(|e| is_channel_name(&e.name)) else { return Ok(None) };
+    let bytes = inflate(file, zip, first, &mut 0)?;
+    Ok(IsoMme.recognises(&bytes[..bytes.len().min(8192)]).then_some(first))
+}
+
+fn list_entries(zip: &ZipArchive<Cursor<&[u8]>>) -> Vec<Entry> {
+    let mut entries = Vec::new();
+    for index in 0..zip.len() {
+        let Some(Ok(path)) = zip.name_for_index(index) else { continue };
+        let path = path.replace('\\', "/");
+        let (folder, name) = path.rsplit_once('/').unwrap_or(("", &path));
+        let junk = name.is_empty() || name.starts_with('.') || folder.split('/').any(|part| part == "__MACOSX");
+        if !junk {
+            entries.push(Entry { index, folder: folder.to_owned(), name: name.to_owned() });
+        }
+    }
+    entries.sort_by(|a, b| (&a.folder, &a.name).cmp(&(&b.folder, &b.name)));
+    entries
+}
+
+/// Office documents are zip archives, too.
+fn refuse_documents(file: &str, entries: &[Entry]) -> Result<(), IngestError> {
+    let holds = |folder: &str, name: &str| entries.iter().any(|e| e.folder == folder && e.name.starts_with(name));
+    let ends = |extension: &str| entries.iter().any(|e| e.extension() == extension);
+    let csv = "save the sheet with the record as CSV (time and acceleration columns with their units in the header)";
+    let (what, instead) = if holds("xl", "workbook") {
+        ("an Excel workbook (xlsx)", csv)
+    } else if holds("word", "document") {
+        ("a Word document", csv)
+    } else if holds("", "content.xml") && holds("", "mimetype") {
+        ("an OpenDocument file", csv)
+    } else {
+        return Ok(());
+    };
+    if ends("ev5") {
+        return Ok(());
+    }
+    Err(IngestError::Foreign { file: file.to_owned(), what: what.to_owned(), instead: instead.to_owned() })
+}
+
+/// The EV5 file, else the only table, else the only file.
+fn main_entry<'a>(file: &str, entries: &'a [Entry]) -> Result<&'a Entry, IngestError> {
+    let with = |accept: &dyn Fn(&Entry) -> bool| entries.iter().filter(|e| accept(e)).collect::<Vec<&Entry>>();
+    let ev5 = with(&|e| e.extension() == "ev5");
+    let mme = with(&|e| e.extension() == "mme");
+    let chn = with(&|e| e.extension() == "chn");
+    let tables = with(&|e| TABLES.contains(&e.extension().as_str()) && !e.name.to_lowercase().contains("readme"));
+    let measurements = with(&|e| MEASUREMENTS.contains(&e.extension().as_str()));
+    for candidates in [&ev5, &mme, &chn, &measurements, &tables] {
+        match candidates.as_slice() {
+            [] => {}
+            [one] => return Ok(one),
+            several => {
+                let names: Vec<&str> = several.iter().take(10).map(|e| e.name.as_str()).collect();
+                return Err(IngestError::Path {
+                    path: file.to_owned(),
+                    found: format!("{} records in one archive: {}", several.len(), names.join(", ")),
+                    expected: "an archive with one .EV5 file, one ISO-MME test or one table".to_owned(),
+                    hint: "unpack it and give the one you mean".to_owned(),
+                });
+            }
+        }
+    }
+    match entries {
+        [one] => return Ok(one),
+        [] => return Err(damaged(file, "the archive is empty")),
+        _ => {}
+    }
+    if let Some(inner) = entries.iter().find(|e| e.extension() == "zip") {
+        return Err(IngestError::Path {
+            path: file.to_owned(),
+            found: format!("an archive inside the archive: {}", inner.name),
+            expected: "an archive with one .EV5 file, one ISO-MME test or one table".to_owned(),
+            hint: format!("unpack it and give {}", inner.name),
+        });
+    }
+    let curves = entries.iter().filter(|e| e.extension().bytes().all(|b| b.is_ascii_digit()) && e.name.contains('.'));
+    let (curves, example) = (curves.clone().count(), curves.map(|e| stem(&e.name)).next());
+    Err(match example {
+        Some(stem) => IngestError::Path {
+            path: file.to_owned(),
+            found: format!("{curves} signal files but no .EV5 file"),
+            expected: format!("{stem}.EV5 in the same folder of the archive"),
+            hint: "take the whole \"EV5 ASCII X-Y\" archive of the test".to_owned(),
+        },
+        None => IngestError::Path {
+            path: file.to_owned(),
+            found: format!("{} files, none of them an .EV5 file or a table", entries.len()),
+            expected: "an archive with one .EV5 file, one ISO-MME test or one table".to_owned(),
+            hint: "unpack it and give the record itself".to_owned(),
+        },
+    })
+}
+
+/// One entry, up to [`FILE_LIMIT`]: a small archive may claim to hold terabytes.
+fn inflate(
+    file: &str,
+    zip: &mut ZipArchive<Cursor<&[u8]>>,
+    entry: &Entry,
+    total: &mut u64,
+) -> Result<Vec<u8>, IngestError> {
+    let reader = zip.by_index(entry.index).map_err(|error| damaged(file, &format!("{}: {error}", entry.name)))?;
+    let limit = FILE_LIMIT.min(1 << 28);
+    let claimed = reader.size();
+    let mut bytes = Vec::new();
+    if claimed <= limit {
+        bytes.reserve(usize::try_from(claimed.min(1 << 24)).unwrap_or(0));
+        reader
+            .take(limit + 1)
+            .read_to_end(&mut bytes)
+            .map_err(|error| damaged(file, &format!("{}: {error}", entry.name)))?;
+    }
+    if claimed.max(bytes.len() as u64) > limit {
+        return Err(IngestError::TooLarge {
+            place: Place::file(&format!("{file}: {}", entry.name)),
+            found: format!("more than {} MiB when unpacked", limit >> 20),
+            limit: format!("entries up to {} MiB", limit >> 20),
+        });
+    }
+    *total += bytes.len() as u64;
+    check_total(file, *total)?;
+    Ok(bytes)
+}
+
+fn damaged(file: &str, found: &str) -> IngestError {
+    IngestError::content(
+        Place::file(file),
+        format!("the zip archive cannot be read: {found}"),
+        "a complete, unencrypted archive (stored or deflated)",
+        "download it again, or unpack it and give the record itself",
+    )
+}

@@ -1,0 +1,69 @@
+//! Details of a test from the records of its specification.
+
+use crate::formats::ev5::records::{Barrier, Test, Vehicle};
+use crate::recording::details::{Details, Stated};
+
+/// Facts of the test from its records.
+pub fn details(test: &Test, barrier: Option<&Barrier>, vehicle: &Vehicle) -> Details {
+    let stated = |value: String, from: &str| Stated { value, from: from.to_owned() };
+    let speed = vehicle.speed_km_per_h.map(|v| (v, "VEHSPD")).or_else(|| {
+        // The closing speed is the vehicle's own only if the other object stands still.
+        test.closing_speed_km_per_h.filter(|_| test.configuration.as_deref() == Some("VTB")).map(|v| (v, "CLSSPD"))
+    });
+    Details {
+        title: test.title.clone().map(|t| stated(t, "TITLE")),
+        vehicle: vehicle_words(test, vehicle).map(|v| stated(v, "TITLE")),
+        barrier: barrier.and_then(Barrier::words).map(|b| stated(b, "BARRIER")),
+        mass_kg: vehicle.test_mass_kg.map(|value| Stated { value, from: "VEHTWT".to_owned() }),
+        impact_speed_m_per_s: speed.map(|(v, from)| Stated { value: v / 3.6, from: from.to_owned() }),
+        time_zero_s: None,
+        speed_not_taken: None,
+        no_pulse: false,
+        facts: facts(test, vehicle),
+    }
+}
+
+/// `2018 TOYOTA CAMRY LE 4-DOOR SEDAN`: the title from the model year on; make and model are codes.
+fn vehicle_words(test: &Test, vehicle: &Vehicle) -> Option<String> {
+    let year = vehicle.year.as_deref()?;
+    let from_title = test.title.as_deref().and_then(|title| {
+        let words = &title[title.find(year)?..];
+        let words = words.split(" INTO ").next().unwrap_or(words).trim();
+        (words.len() > year.len()).then(|| words.to_owned())
+    });
+    from_title.or_else(|| {
+        let [make, model] = &vehicle.make_and_model;
+        Some(format!("{year}, make code {}, model code {}", make.as_deref()?, model.as_deref()?))
+    })
+}
+
+fn facts(test: &Test, vehicle: &Vehicle) -> Vec<String> {
+    let mut facts = Vec::new();
+    if let Some(crush) = vehicle.static_crush_mm {
+        let profile: Vec<String> = vehicle.crush_profile_mm.iter().map(f64::to_string).collect();
+        let profile = if vehicle.crush_profile_mm.iter().any(|x| *x != 0.0) {
+            format!("; profile across the front {} mm", profile.join(", "))
+        } else {
+            String::new()
+        };
+        facts.push(format!("static crush {crush} mm at most (measured after the test){profile}"));
+    }
+    if let Some(laboratory) = &test.laboratory {
+        let date = test.date.as_deref().map_or_else(String::new, |d| format!(", {d}"));
+        let reference = test.reference.as_deref().map_or_else(String::new, |r| format!(", reference {r}"));
+        facts.push(format!("tested by {laboratory}{date}{reference}"));
+    }
+    if let Some(configuration) = &test.configuration {
+        let words = match configuration.as_str() {
+            "VTB" => "vehicle to barrier",
+            "VTV" => "vehicle to vehicle",
+            "ITV" => "impactor to vehicle",
+            other => other,
+        };
+        let angle = test.impact_angle_deg.map_or_else(String::new, |a| format!(", impact angle {a} deg"));
+        let offset = test.offset_mm.filter(|o| *o != 0.0).map_or_else(String::new, |o| format!(", offset {o} mm"));
+        facts.push(format!("configuration: {words}{angle}{offset}"));
+    }
+    facts.extend(vehicle.comment.iter().chain(&test.comment).cloned());
+    facts
+}

@@ -1,0 +1,394 @@
+//! Channels from stamped messages: `sensor_msgs/Imu` of ROS 1 and ROS 2, and numbers named in JSON and protobuf
+//! messages.
+//!
+//! A logger's messages come at uneven times. The stamp in the message is taken, not the time of recording; stamps that
+//! do not form a uniform grid are refused, unless resampling is asked for (`--resample`, linear interpolation).
+
+use std::collections::BTreeMap;
+
+use crumple_signal::value::Frequency;
+use crumple_signal::{Axis, Channel, Notes, QuantityKind, Sampled};
+
+use crate::recording::content::{PulseRule, Recording};
+use crate::recording::details::Details;
+use crate::recording::read_channel::{Fitness, ReadChannel};
+use crate::time::grid::{self, Grid, GridError};
+use crate::time::resampling::{LinearInterpolation, jitter, resample};
+use crate::{IngestError, IngestSettings, Place};
+
+/// What a message of one topic gives: its stamp, and the values of its components.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StampedSample {
+    /// Stamp in ns since the epoch.
+    pub stamp_ns: i64,
+    /// Values of the first components of the track; the others are not measured.
+    pub values: Vec<f64>,
+}
+
+/// A measured quantity of a topic: name for the id, what it is, its axis, factor to SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Component {
+    /// `acceleration_x`, or the path of a JSON field.
+    pub name: String,
+    /// What is measured.
+    pub quantity: QuantityKind,
+    /// Axis of the sensor.
+    pub axis: Option<Axis>,
+    /// Factor to SI.
+    pub factor: f64,
+}
+
+/// Samples of one topic.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Track {
+    /// Components in the order of the values.
+    pub components: Vec<Component>,
+    /// In the order of the file.
+    pub samples: Vec<StampedSample>,
+}
+
+/// A topic as listed in a refusal.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Topic {
+    /// Message type.
+    pub kind: String,
+    /// Message encoding.
+    pub encoding: String,
+    /// Number of messages.
+    pub count: u64,
+}
+
+/// The six components of an IMU message.
+pub fn imu_components() -> Vec<Component> {
+    let axes = [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];
+    let components_along_axes = |what: &str, quantity| {
+        axes.map(|(letter, axis)| Component {
+            name: format!("{what}_{letter}"),
+            quantity,
+            axis: Some(axis),
+            factor: 1.0,
+        })
+    };
+    [
+        components_along_axes("acceleration", QuantityKind::Acceleration),
+        components_along_axes("angular_velocity", QuantityKind::AngularVelocity),
+    ]
+    .concat()
+}
+
+/// Whether a type name is that of an IMU message: `sensor_msgs/Imu`, `sensor_msgs/msg/Imu`,
+/// `sensor_msgs::msg::dds_::Imu_`.
+pub fn is_imu(kind: &str) -> bool {
+    let parts: Vec<&str> = kind.split(['/', ':', '.']).filter(|p| !p.is_empty()).collect();
+    parts.first() == Some(&"sensor_msgs") && matches!(parts.last(), Some(&("Imu" | "Imu_")))
+}
+
+/// Little-endian numbers of a serialized message.
+struct Bytes<'a> {
+    data: &'a [u8],
+    at: usize,
+    /// Numbers of eight bytes are aligned to eight (CDR), or packed (ROS 1).
+    aligned: bool,
+}
+
+impl Bytes<'_> {
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        if self.aligned {
+            self.at = self.at.next_multiple_of(N);
+        }
+        let bytes = self.data.get(self.at..self.at.checked_add(N)?)?.try_into().ok()?;
+        self.at += N;
+        Some(bytes)
+    }
+
+    fn u32(&mut self) -> Option<u32> {
+        self.take().map(u32::from_le_bytes)
+    }
+
+    fn text(&mut self) -> Option<()> {
+        let length = self.u32()? as usize;
+        self.at = self.at.checked_add(length)?;
+        (self.at <= self.data.len()).then_some(())
+    }
+
+    fn numbers<const N: usize>(&mut self) -> Option<[f64; N]> {
+        let mut numbers = [0.0; N];
+        for number in &mut numbers {
+            *number = f64::from_le_bytes(self.take()?);
+        }
+        Some(numbers)
+    }
+}
+
+/// Decodes `sensor_msgs/Imu` in CDR (`cdr`) or as ROS 1 writes it. Linear acceleration in m/s^2 with gravity, angular
+/// velocity in rad/s; a field whose first covariance is -1 is absent: without acceleration there is no sample, without
+/// angular velocity it has three values.
+pub fn imu(data: &[u8], cdr: bool) -> Option<StampedSample> {
+    let data = if cdr {
+        // Encapsulation: 0x0001 is CDR little-endian.
+        data.strip_prefix(&[0, 1]).and_then(|rest| rest.get(2..))?
+    } else {
+        data
+    };
+    let mut bytes = Bytes { data, at: 0, aligned: cdr };
+    if !cdr {
+        bytes.u32()?; // header.seq
+    }
+    let (seconds, nanoseconds) = (bytes.u32()?, bytes.u32()?);
+    bytes.text()?;
+    bytes.numbers::<4>()?; // orientation
+    bytes.numbers::<9>()?;
+    let angular = bytes.numbers::<3>()?;
+    let angular_covariance = bytes.numbers::<9>()?;
+    let linear = bytes.numbers::<3>()?;
+    let linear_covariance = bytes.numbers::<9>()?;
+    if linear_covariance[0] == -1.0 {
+        return None;
+    }
+    let angular = if angular_covariance[0] == -1.0 { Vec::new() } else { angular.to_vec() };
+    Some(StampedSample {
+        stamp_ns: i64::from(seconds) * 1_000_000_000 + i64::from(nanoseconds),
+        values: [linear.to_vec(), angular].concat(),
+    })
+}
+
+/// The number at a path such as `imu.acceleration.x` or `samples.0`.
+pub fn json_number(message: &serde_json::Value, path: &str) -> Option<f64> {
+    let mut at = message;
+    for part in path.split('.') {
+        at = match at {
+            serde_json::Value::Array(items) => items.get(part.parse::<usize>().ok()?)?,
+            other => other.get(part)?,
+        };
+    }
+    at.as_f64()
+}
+
+/// `timestamp` (Foxglove's types), `header.stamp` or `stamp` with `sec` and `nsec` or `nanosec`, in ns.
+pub fn json_stamp_ns(message: &serde_json::Value) -> Option<i64> {
+    let of_header = || message.get("header").and_then(|h| h.get("stamp"));
+    let stamp =
+        message.get("timestamp").filter(|s| s.is_object()).or_else(of_header).or_else(|| message.get("stamp"))?;
+    let part = |names: &[&str]| names.iter().find_map(|name| stamp.get(name)?.as_i64());
+    part(&["sec", "secs"])?.checked_mul(1_000_000_000)?.checked_add(part(&["nsec", "nanosec", "nsecs"])?)
+}
+
+/// `no topic with acceleration`: what topics there are instead.
+pub fn refuse(file: &str, topics: &BTreeMap<String, Topic>, found: &str, hint: &str) -> IngestError {
+    let list: Vec<String> = topics
+        .iter()
+        .take(30)
+        .map(|(name, topic)| {
+            let kind = if topic.kind.is_empty() { "no type" } else { &topic.kind };
+            format!("{name} ({kind}, {}, {} messages)", topic.encoding, topic.count)
+        })
+        .collect();
+    let more = topics.len().saturating_sub(list.len());
+    let tail = if more > 0 { format!(" and {more} more") } else { String::new() };
+    let list = if list.is_empty() { "none".to_owned() } else { list.join(", ") };
+    IngestError::content(
+        Place::file(file),
+        format!("{found}; its topics: {list}{tail}"),
+        "a topic of sensor_msgs/Imu, or a field of JSON or protobuf messages named by --field",
+        hint,
+    )
+}
+
+/// Channels of all tracks, t = 0 at the earliest stamp.
+pub fn recording(
+    file: &str,
+    tracks: &BTreeMap<String, Track>,
+    settings: &IngestSettings,
+    mut notes: Notes,
+) -> Result<Recording, IngestError> {
+    let start_ns = tracks.values().filter_map(|t| t.samples.first()).map(|s| s.stamp_ns).min().unwrap_or(0);
+    notes.info(format!(
+        "t = 0 is the first message, at {}.{:09} s of its clock; --time-zero states first contact",
+        start_ns.div_euclid(1_000_000_000),
+        start_ns.rem_euclid(1_000_000_000)
+    ));
+    let mut channels = Vec::new();
+    for (topic, track) in tracks {
+        channels.extend(track_channels(file, topic, track, start_ns, settings, &mut notes)?);
+    }
+    if channels.iter().any(|f| f.channel.quantity == QuantityKind::Acceleration) {
+        notes.info("accelerations of an IMU hold gravity, and are along the axes of the sensor, not of the vehicle");
+    }
+    Ok(Recording {
+        details: Details::default(),
+        channels,
+        pulse_rule: PulseRule::OnlyOne,
+        contact_at_zero: false,
+        notes,
+    })
+}
+
+/// The uniform grid of a track's samples.
+struct TrackGrid {
+    grid: Grid,
+    /// How the samples are brought to it; `None` where they lie on it.
+    interpolation: Option<LinearInterpolation>,
+    /// A remark for its channels.
+    comment: Option<String>,
+}
+
+/// An error about message `index` of a topic.
+fn message_error(file: &str, topic: &str, index: usize, found: String, hint: &str) -> IngestError {
+    let place = Place::file(&format!("{file}, topic {topic}, message {}", index + 1));
+    IngestError::content(place, found, "stamps at equal steps", hint)
+}
+
+/// The grid of stamps: as they are, or the one of `--resample`. Errors: stamps that do not increase, or are uneven and
+/// no rate is asked for.
+fn track_grid(
+    file: &str,
+    topic: &str,
+    times: &[f64],
+    settings: &IngestSettings,
+    notes: &mut Notes,
+) -> Result<TrackGrid, IngestError> {
+    let error_at = |index, found, hint: &str| Err(message_error(file, topic, index, found, hint));
+    match (grid::fit(times, 1e-9), settings.resample) {
+        (Ok(grid), None) => Ok(TrackGrid { grid, interpolation: None, comment: None }),
+        (Err(GridError::Repeated { index } | GridError::Backwards { index }), _) => {
+            error_at(index, "its stamp does not come after the one before".to_owned(), "remove the repeated messages")
+        }
+        (Err(GridError::Uneven { dt_s, .. }), None) if settings.listing => {
+            let jitter = jitter(times);
+            Ok(TrackGrid {
+                grid: Grid { t0_s: times[0], dt_s, jitter },
+                interpolation: resample(times, Frequency::from_si(1.0 / dt_s).si()),
+                comment: Some(format!("uneven stamps, up to {jitter:.2} steps off a uniform grid: needs --resample")),
+            })
+        }
+        (Err(GridError::Uneven { index, step_s, dt_s }), None) => {
+            let steps = times.windows(2).map(|p| p[1] - p[0]);
+            let (low, high) = steps.fold((f64::INFINITY, 0.0_f64), |(l, h), s| (l.min(s), h.max(s)));
+            let found = format!(
+                "a step of {:.4} ms, where the median is {:.4} ms (steps from {:.4} to {:.4} ms)",
+                step_s * 1e3,
+                dt_s * 1e3,
+                low * 1e3,
+                high * 1e3
+            );
+            let hint = format!(
+                "resample on a uniform grid by linear interpolation: --resample {}Hz",
+                (1.0 / dt_s).round().max(1.0)
+            );
+            error_at(index, found, &hint)
+        }
+        (_, Some(rate)) => {
+            let Some(interpolation) = resample(times, rate.si()) else {
+                let found = format!("--resample {rate} gives no usable number of samples");
+                return error_at(0, found, "give a rate near that of the messages");
+            };
+            notes.warning(format!(
+                "topic {topic}: {} messages are resampled to {rate} by linear interpolation, as asked: {} samples",
+                times.len(),
+                interpolation.len()
+            ));
+            let grid = Grid { t0_s: times[0], dt_s: 1.0 / rate.si(), jitter: jitter(times) };
+            Ok(TrackGrid { grid, interpolation: Some(interpolation), comment: None })
+        }
+    }
+}
+
+/// The channels of one topic: one for each component that every message has.
+fn track_channels(
+    file: &str,
+    topic: &str,
+    track: &Track,
+    start_ns: i64,
+    settings: &IngestSettings,
+    notes: &mut Notes,
+) -> Result<Vec<ReadChannel>, IngestError> {
+    let times: Vec<f64> = track.samples.iter().map(|s| s.stamp_ns.wrapping_sub(start_ns) as f64 / 1e9).collect();
+    if times.len() < 2 {
+        let found = format!("{} messages with data", times.len());
+        return Err(message_error(file, topic, 0, found, "give a longer recording"));
+    }
+    let TrackGrid { grid, interpolation, comment } = track_grid(file, topic, &times, settings, notes)?;
+    let stem: String = topic.trim_matches('/').chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
+    // What one message lacks is no channel.
+    let measured = track.samples.iter().map(|s| s.values.len()).min().unwrap_or(0);
+    track
+        .components
+        .iter()
+        .take(measured)
+        .enumerate()
+        .map(|(c, component)| {
+            let read = |k: usize| track.samples[k].values[c] * component.factor;
+            let samples: Vec<f64> = match &interpolation {
+                None => (0..track.samples.len()).map(read).collect(),
+                Some(interpolation) => interpolation.apply(track.samples.len(), read),
+            };
+            let wave = Sampled::new(grid.t0_s, grid.dt_s, samples).map_err(|error| {
+                message_error(file, topic, 0, format!("{}: {error}", component.name), "cut the recording before it")
+            })?;
+            let name: String =
+                component.name.chars().map(|c| if c.is_alphanumeric() || c == '_' { c } else { '_' }).collect();
+            let mut channel = Channel::new(format!("{stem}-{name}"), component.quantity);
+            channel.location = format!("sensor of topic {topic}");
+            channel.axis = component.axis;
+            channel.comment = comment.clone();
+            let fitness = (component.quantity == QuantityKind::Acceleration).then_some(Fitness {
+                redundant: false,
+                place: 0,
+                why: "the only acceleration",
+            });
+            let aliases = vec![component.name.clone(), format!("{topic}:{}", component.name)];
+            Ok(ReadChannel { wave: Some(wave), jitter: grid.jitter, fitness, aliases, ..ReadChannel::new(channel) })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+
+    /// An IMU message as ROS 2 writes it.
+    pub fn cdr_imu(stamp_ns: i64, frame: &str, linear: [f64; 3]) -> Vec<u8> {
+        let mut body = Vec::new();
+        body.extend_from_slice(&((stamp_ns / 1_000_000_000) as u32).to_le_bytes());
+        body.extend_from_slice(&((stamp_ns % 1_000_000_000) as u32).to_le_bytes());
+        body.extend_from_slice(&(frame.len() as u32 + 1).to_le_bytes());
+        body.extend_from_slice(frame.as_bytes());
+        body.push(0);
+        body.resize(body.len().next_multiple_of(8), 0);
+        let numbers = [vec![0.0; 13], vec![0.1, 0.2, 0.3], vec![0.0; 9], linear.to_vec(), vec![0.0; 9]].concat();
+        body.extend(numbers.iter().flat_map(|x: &f64| x.to_le_bytes()));
+        [vec![0, 1, 0, 0], body].concat()
+    }
+
+    #[test]
+    fn imu_messages_are_decoded_whatever_the_length_of_the_frame() {
+        for frame in ["", "imu", "imu_link", "a_long_frame_name"] {
+            let sample = imu(&cdr_imu(12_345_678_901, frame, [1.0, -2.0, 9.8]), true).unwrap();
+            assert_eq!(sample.stamp_ns, 12_345_678_901);
+            assert_eq!(sample.values, [1.0, -2.0, 9.8, 0.1, 0.2, 0.3]);
+        }
+        assert_eq!(imu(&cdr_imu(0, "imu", [0.0; 3])[..200], true), None);
+        assert_eq!(imu(&[], true), None);
+        assert_eq!(imu(&[0xFF; 400], false), None);
+    }
+
+    #[test]
+    fn type_names_of_both_generations() {
+        for kind in ["sensor_msgs/Imu", "sensor_msgs/msg/Imu", "sensor_msgs::msg::dds_::Imu_"] {
+            assert!(is_imu(kind), "{kind}");
+        }
+        assert!(!is_imu("sensor_msgs/LaserScan") && !is_imu("Imu") && !is_imu(""));
+    }
+
+    #[test]
+    fn paths_and_stamps_of_json() {
+        let message: serde_json::Value = serde_json::from_str(
+            r#"{"header":{"stamp":{"sec":3,"nanosec":5}},"imu":{"acceleration":{"x":-1.5},"all":[1,2]},"t":"x"}"#,
+        )
+        .unwrap();
+        assert_eq!(json_number(&message, "imu.acceleration.x"), Some(-1.5));
+        assert_eq!(json_number(&message, "imu.all.1"), Some(2.0));
+        assert_eq!((json_number(&message, "imu.none"), json_number(&message, "t")), (None, None));
+        assert_eq!(json_stamp_ns(&message), Some(3_000_000_005));
+    }
+}

@@ -1,0 +1,149 @@
+//! What a reader is and what it sees: the bytes of one record.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::recording::content::Recording;
+use crate::{IngestError, IngestSettings, Place};
+
+/// Largest file that is read, bytes.
+pub const FILE_LIMIT: u64 = 1 << 30;
+/// Most memory the files of one record may take, bytes.
+pub const TOTAL_LIMIT: u64 = 2 << 30;
+
+/// A format that is read. To add one: a file with a type that implements this, and a line in
+/// [`READERS`](super::registry::READERS).
+pub trait Reader: Sync {
+    /// Name in artifacts: `csv`, `nhtsa-ev5`.
+    fn format(&self) -> &'static str;
+
+    /// Whether a file that starts with `head` (up to 8192 bytes) is of this format.
+    fn recognises(&self, head: &[u8]) -> bool;
+
+    /// Whether the file `name` beside the main file `main` belongs to the same record.
+    fn companion(&self, _main: &str, _name: &str) -> bool {
+        false
+    }
+
+    /// Whether files of the record may also lie in the folder `Channel` beside the main file, or in its parent.
+    fn spans_folders(&self) -> bool {
+        false
+    }
+
+    /// Whether a file that starts with `head` can be read piece by piece, when it is too long for memory.
+    fn streams(&self, _head: &[u8]) -> bool {
+        false
+    }
+
+    /// Flags about the form of a file that have an effect here, by their names, `--unit`; others given are warned
+    /// about.
+    fn relevant_flags(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// Whether mass and impact speed can be stated in comment lines of the file.
+    fn has_comments(&self) -> bool {
+        false
+    }
+
+    /// Reads the record. Sees bytes only; the same bytes and settings give the same recording.
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError>;
+}
+
+/// A file's name without folder, and its content.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NamedBytes {
+    /// Name without folder.
+    pub name: String,
+    /// Content.
+    pub bytes: Vec<u8>,
+}
+
+/// Everything that is read of one record. What is made of it depends on these bytes and on nothing else.
+pub struct Bundle {
+    /// Name of the file or folder the user gave, without its parents.
+    pub name: String,
+    /// The file with the record, or its description.
+    pub main: NamedBytes,
+    /// Files beside it that belong to it, by name.
+    pub companions: BTreeMap<String, Vec<u8>>,
+    /// `<input>.toml` beside the input.
+    pub sidecar: Option<NamedBytes>,
+    /// The reader of the main file's format.
+    pub reader: &'static dyn Reader,
+    /// A table too long to be held in memory as text: `main` has its start only.
+    pub large: Option<LargeFile>,
+    /// Shows how far the reading of a large file has come.
+    pub show_progress: ShowProgress,
+}
+
+/// Shows how far work has come. Called with what is done and the bytes there are to it; what it returns is called with
+/// the bytes of each piece done.
+pub type ShowProgress = fn(what: String, total: u64) -> Box<dyn FnMut(u64)>;
+
+/// Opens a file from an offset on.
+pub type OpenFrom = fn(path: &Path, offset: u64) -> io::Result<Box<dyn io::Read>>;
+
+/// A table that is read piece by piece.
+#[derive(Debug, Clone)]
+pub struct LargeFile {
+    /// Its length, bytes.
+    pub length: u64,
+    path: PathBuf,
+    open_from: OpenFrom,
+    digest: String,
+}
+
+impl LargeFile {
+    /// A file at `path` with its length in bytes and its digest, opened by `open_from`.
+    pub fn new(path: PathBuf, length: u64, digest: String, open_from: OpenFrom) -> Self {
+        Self { length, path, open_from, digest }
+    }
+
+    /// Its bytes from an offset on.
+    pub fn from_offset(&self, offset: u64) -> io::Result<Box<dyn io::Read>> {
+        (self.open_from)(&self.path, offset)
+    }
+}
+
+impl Bundle {
+    /// `blake3:<hex>` of the record. One file: of its bytes. Several: of each file's name, a zero byte, its length
+    /// (u64, little-endian) and its bytes, the main file first, the others by name. The sidecar is not part of it.
+    pub fn digest(&self) -> String {
+        if let Some(large) = &self.large {
+            return large.digest.clone();
+        }
+        let mut hasher = blake3::Hasher::new();
+        if self.companions.is_empty() {
+            hasher.update(&self.main.bytes);
+        } else {
+            let main = (self.main.name.as_str(), &self.main.bytes);
+            let others = self.companions.iter().map(|(name, bytes)| (name.as_str(), bytes));
+            for (name, bytes) in std::iter::once(main).chain(others) {
+                hasher.update(name.as_bytes());
+                hasher.update(&[0]);
+                hasher.update(&(bytes.len() as u64).to_le_bytes());
+                hasher.update(bytes);
+            }
+        }
+        format!("blake3:{}", hasher.finalize().to_hex())
+    }
+}
+
+/// Refuses more than [`TOTAL_LIMIT`].
+pub fn check_total(name: &str, total: u64) -> Result<(), IngestError> {
+    if total <= TOTAL_LIMIT {
+        return Ok(());
+    }
+    Err(IngestError::TooLarge {
+        place: Place::file(name),
+        found: format!("the files of the record take more than {} MiB", TOTAL_LIMIT >> 20),
+        limit: format!("at most {} MiB for one test", TOTAL_LIMIT >> 20),
+    })
+}
+
+/// A file's name without its last extension.
+pub fn stem(name: &str) -> &str {
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+}

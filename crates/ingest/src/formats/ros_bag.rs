@@ -1,0 +1,254 @@
+//! ROS 1 bags, version 2.0; chunks plain, or packed by bz2 or lz4.
+//!
+//! After the line `#ROSBAG V2.0`, records: header length, header fields `name=value`, data length, data. A chunk's data
+//! are records; a connection names topic and type of the messages that carry its number.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::Read;
+
+use crumple_signal::Notes;
+
+use crate::formats::messages::{self, Topic, Track, imu_components, is_imu};
+use crate::formats::reader::{Bundle, Reader, check_total};
+use crate::recording::content::Recording;
+use crate::{IngestError, IngestSettings, Place};
+
+const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
+const MESSAGE: u8 = 2;
+const CHUNK: u8 = 5;
+const CONNECTION: u8 = 7;
+/// Largest chunk that is unpacked, bytes. `rosbag record` makes them of 768 KiB.
+const CHUNK_LIMIT: u64 = 1 << 28;
+
+/// Reader of ROS 1 bags.
+pub struct RosBag;
+
+impl Reader for RosBag {
+    fn format(&self) -> &'static str {
+        "ros1-bag"
+    }
+
+    fn recognises(&self, head: &[u8]) -> bool {
+        head.starts_with(b"#ROSBAG V")
+    }
+
+    fn relevant_flags(&self) -> &'static [&'static str] {
+        &["--resample"]
+    }
+
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
+        let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
+        let Some(body) = bytes.strip_prefix(MAGIC) else {
+            return Err(refuse(
+                file,
+                At::File(0),
+                "a bag of another version than 2.0",
+                "rewrite it: rosbag migrate, or rosbag record",
+            ));
+        };
+        let mut bag = Bag::default();
+        bag.records(file, body, At::File(MAGIC.len()))?;
+        let mut topics: BTreeMap<String, Topic> = bag
+            .connections
+            .values()
+            .map(|c| (c.topic.clone(), Topic { kind: c.kind.clone(), encoding: "ros1".to_owned(), count: 0 }))
+            .collect();
+        for connection in bag.connections.values() {
+            if let Some(topic) = topics.get_mut(&connection.topic) {
+                topic.count += connection.messages;
+            }
+        }
+        bag.tracks.retain(|_, track| !track.samples.is_empty());
+        if bag.tracks.is_empty() {
+            let hint = "export the acceleration as CSV: rostopic echo -b FILE -p TOPIC";
+            return Err(messages::refuse(file, &topics, "no topic with acceleration", hint));
+        }
+        messages::recording(file, &bag.tracks, settings, Notes::new())
+    }
+}
+
+#[derive(Default)]
+struct Connection {
+    topic: String,
+    kind: String,
+    messages: u64,
+}
+
+#[derive(Default)]
+struct Bag {
+    connections: BTreeMap<u32, Connection>,
+    tracks: BTreeMap<String, Track>,
+    /// Bytes of all chunks so far, unpacked.
+    unpacked: u64,
+}
+
+/// Where a record starts.
+#[derive(Debug, Clone, Copy)]
+enum At {
+    /// Byte of the file.
+    File(usize),
+    /// A chunk that was packed: its byte in the file, and the byte in what it holds.
+    Chunk(usize, usize),
+}
+
+impl At {
+    fn further(self, bytes: usize) -> Self {
+        match self {
+            Self::File(at) => Self::File(at + bytes),
+            Self::Chunk(chunk, at) => Self::Chunk(chunk, at + bytes),
+        }
+    }
+}
+
+fn refuse(file: &str, at: At, found: impl Into<String>, hint: &str) -> IngestError {
+    let found: String = found.into();
+    let place = match at {
+        At::File(byte) => format!("byte {byte}"),
+        At::Chunk(chunk, byte) => format!("byte {byte} of the unpacked chunk at byte {chunk}"),
+    };
+    IngestError::content(
+        Place::file(file),
+        format!("{found} ({place})"),
+        "a ROS 1 bag, version 2.0, its chunks plain or packed by bz2 or lz4",
+        hint,
+    )
+}
+
+/// The records of a chunk, by what its header says of their packing and their length.
+fn unpack<'a>(
+    file: &str,
+    start: usize,
+    header: &BTreeMap<&[u8], &[u8]>,
+    data: &'a [u8],
+) -> Result<Cow<'a, [u8]>, IngestError> {
+    let compression = words(header, b"compression");
+    let packed: Box<dyn Read + 'a> = match compression.as_str() {
+        "none" | "" => return Ok(Cow::Borrowed(data)),
+        "bz2" => Box::new(bzip2::read::BzDecoder::new(data)),
+        "lz4" => match lz4::Decoder::new(data) {
+            Ok(decoder) => Box::new(decoder),
+            Err(error) => {
+                return Err(refuse(file, At::File(start), format!("a chunk that lz4 cannot unpack: {error}"), CUT));
+            }
+        },
+        other => {
+            let found = format!("a chunk compressed by {other:?}");
+            return Err(refuse(file, At::File(start), found, "unpack it first: rosbag decompress FILE"));
+        }
+    };
+    let size = u64::from(number(header, b"size").unwrap_or(0));
+    if size > CHUNK_LIMIT {
+        return Err(IngestError::TooLarge {
+            place: Place::file(file),
+            found: format!("a chunk that claims {} MiB when unpacked (byte {start})", size >> 20),
+            limit: format!("chunks up to {} MiB", CHUNK_LIMIT >> 20),
+        });
+    }
+    // Nothing is reserved from a claim, and no more is unpacked than claimed.
+    let mut bytes = Vec::new();
+    packed.take(size + 1).read_to_end(&mut bytes).map_err(|error| {
+        refuse(file, At::File(start), format!("a chunk that {compression} cannot unpack: {error}"), CUT)
+    })?;
+    if bytes.len() as u64 != size {
+        let than = if bytes.len() as u64 > size { "more than".to_owned() } else { format!("{} of", bytes.len()) };
+        return Err(refuse(
+            file,
+            At::File(start),
+            format!("a chunk that unpacks to {than} the {size} bytes it claims"),
+            CUT,
+        ));
+    }
+    Ok(Cow::Owned(bytes))
+}
+
+/// What to do with a damaged bag.
+const CUT: &str = "the file may be cut short or damaged: rosbag reindex, or copy it again";
+
+/// A length and as many bytes.
+fn block(bytes: &[u8], at: usize) -> Option<(&[u8], usize)> {
+    let length = u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?) as usize;
+    let end = (at + 4).checked_add(length)?;
+    Some((bytes.get(at + 4..end)?, end))
+}
+
+/// The fields of a record header.
+fn fields(header: &[u8]) -> BTreeMap<&[u8], &[u8]> {
+    let mut fields = BTreeMap::new();
+    let mut at = 0;
+    while let Some((field, next)) = block(header, at) {
+        if let Some(equals) = field.iter().position(|b| *b == b'=') {
+            fields.insert(&field[..equals], &field[equals + 1..]);
+        }
+        at = next;
+    }
+    fields
+}
+
+fn number(fields: &BTreeMap<&[u8], &[u8]>, name: &[u8]) -> Option<u32> {
+    fields.get(name).and_then(|v| Some(u32::from_le_bytes((*v).try_into().ok()?)))
+}
+
+fn words(fields: &BTreeMap<&[u8], &[u8]>, name: &[u8]) -> String {
+    fields.get(name).map_or_else(String::new, |v| String::from_utf8_lossy(v).into_owned())
+}
+
+impl Bag {
+    /// Reads all records of the file or of a chunk, which starts at `base`.
+    fn records(&mut self, file: &str, bytes: &[u8], base: At) -> Result<(), IngestError> {
+        let mut at = 0;
+        while at < bytes.len() {
+            let start = base.further(at);
+            let (header, next) = block(bytes, at).ok_or_else(|| refuse(file, start, "a record is cut short", CUT))?;
+            let (data, next) = block(bytes, next).ok_or_else(|| refuse(file, start, "a record is cut short", CUT))?;
+            at = next;
+            let fields = fields(header);
+            match fields.get(&b"op"[..]).and_then(|op| op.first()) {
+                Some(&CHUNK) => {
+                    let At::File(byte) = start else { return Err(refuse(file, start, "a chunk inside a chunk", CUT)) };
+                    let records = unpack(file, byte, &fields, data)?;
+                    self.unpacked += records.len() as u64;
+                    check_total(file, self.unpacked)?;
+                    self.records(file, &records, At::Chunk(byte, 0))?;
+                }
+                Some(&CONNECTION) => self.connection(&fields, data),
+                Some(&MESSAGE) => self.message(file, start, &fields, data)?,
+                Some(_) => {}
+                None => return Err(refuse(file, start, "a record without its kind", CUT)),
+            }
+        }
+        Ok(())
+    }
+
+    fn connection(&mut self, header: &BTreeMap<&[u8], &[u8]>, data: &[u8]) {
+        let Some(id) = number(header, b"conn") else { return };
+        let about = fields(data);
+        let connection = self.connections.entry(id).or_default();
+        connection.topic = words(header, b"topic");
+        connection.kind = words(&about, b"type");
+    }
+
+    fn message(
+        &mut self,
+        file: &str,
+        start: At,
+        header: &BTreeMap<&[u8], &[u8]>,
+        data: &[u8],
+    ) -> Result<(), IngestError> {
+        let connection = number(header, b"conn").and_then(|id| self.connections.get_mut(&id));
+        let Some(connection) = connection else {
+            return Err(refuse(file, start, "a message of a connection that is not described before it", CUT));
+        };
+        connection.messages += 1;
+        if is_imu(&connection.kind)
+            && let Some(sample) = messages::imu(data, false)
+        {
+            let track = self
+                .tracks
+                .entry(connection.topic.clone())
+                .or_insert_with(|| Track { components: imu_components(), samples: Vec::new() });
+            track.samples.push(sample);
+        }
+        Ok(())
+    }
+}

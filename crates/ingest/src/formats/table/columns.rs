@@ -1,0 +1,343 @@
+//! Columns of a table as channels: quantity, unit, identity.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crumple_signal::iso13499::wildcard;
+use crumple_signal::unit::{Dimension, choices, factor};
+use crumple_signal::{Channel, Notes, QuantityKind, Sampled, SignalError};
+
+use crate::formats::iso13499;
+use crate::formats::table::header::{Column, TableHeader};
+use crate::formats::table::rows::Rows;
+use crate::formats::table::time_axis::TimeAxis;
+use crate::formats::text::column_names::{Unit, axis, cfc, names_acceleration, names_velocity_change};
+use crate::recording::channel_selection::is_pattern;
+use crate::recording::details::Stated;
+use crate::recording::read_channel::{Fitness, ReadChannel};
+use crate::recording::unheeded_flags;
+use crate::{IngestError, IngestSettings, Place, Profile};
+
+const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
+
+/// Turns every column but the time into a channel in SI.
+pub fn channels(
+    file: &str,
+    header: &TableHeader,
+    rows: Rows,
+    time: &TimeAxis,
+    settings: &IngestSettings,
+    comment: Option<&Stated<String>>,
+    notes: &mut Notes,
+) -> Result<Vec<ReadChannel>, IngestError> {
+    let data: Vec<usize> = (0..header.columns.len()).filter(|k| *k != time.column).collect();
+    let ids = ids(header, &data);
+    same_titles(header, &data, &ids, notes);
+    let edr = settings.profile == Some(Profile::Edr);
+    let selected = settings.channel.as_deref().map(|wanted| select(file, wanted, header, &data, &ids)).transpose()?;
+    let stated = match (&settings.unit, comment) {
+        (Some(symbol), _) => Some((symbol.as_str(), "--unit or the sidecar", true)),
+        (None, Some(stated)) => Some((stated.value.as_str(), stated.from.as_str(), false)),
+        (None, None) => None,
+    };
+    let stated =
+        stated.map(|(symbol, from, forced)| stated_unit(file, symbol, from, edr).map(|f| (f, forced))).transpose()?;
+
+    let kinds = kinds(header, &data, selected, stated, edr, notes);
+    if let Some((factor, true)) = stated
+        && !kinds.iter().any(|(kind, f)| *kind != QuantityKind::Other && *f == factor)
+    {
+        unheeded_flags::warn(
+            "--unit",
+            "the columns state units of their own; --channel names the one that is meant",
+            notes,
+        );
+    }
+    // A record of other quantities is welcome where mass and speed may be missing; a sole column without a unit, or one
+    // named as acceleration, is asked about all the same.
+    let sole = data.len() == 1 && settings.sample_time.is_none();
+    let others_are_welcome = settings.allow_missing.unwrap_or(false)
+        && selected.is_none()
+        && !sole
+        && !data.iter().any(|k| header.named && names_acceleration(&header.columns[*k].title));
+    if settings.listing {
+        // Nothing is asked back for a list.
+    } else if edr {
+        check_for_velocity(file, header, &data, &kinds)?;
+    } else if !others_are_welcome {
+        check_for_acceleration(file, header, &data, &kinds, selected)?;
+    }
+
+    let lines = rows.lines;
+    let mut columns = rows.columns;
+    let mut channels = Vec::with_capacity(data.len());
+    for ((&k, id), &(quantity, factor)) in data.iter().zip(ids).zip(&kinds) {
+        let mut samples = std::mem::take(&mut columns[k]);
+        samples.iter_mut().for_each(|x| *x *= factor);
+        let wave = Sampled::new(time.grid.t0_s, time.grid.dt_s, samples).map_err(|error| {
+            let place = match error {
+                SignalError::NotFinite { index, .. } => Place::line(file, lines.of_row(index)),
+                _ => Place::file(file),
+            };
+            let column = format!("{} ({})", k + 1, header.columns[k].title);
+            IngestError::content(place.in_column(column), error.to_string(), "finite numbers", "correct the row")
+        })?;
+        let Column { name, title, .. } = &header.columns[k];
+        let acceleration = quantity == QuantityKind::Acceleration;
+        let mut channel = Channel::new(id, quantity);
+        channel.axis = axis(title);
+        channel.cfc = cfc(title).filter(|_| acceleration);
+        iso13499::describe_by_name(&mut channel, name, notes);
+        channels.push(ReadChannel {
+            wave: Some(wave),
+            jitter: time.grid.jitter,
+            fitness: acceleration.then_some(Fitness {
+                redundant: false,
+                place: 0,
+                why: "the only acceleration column",
+            }),
+            aliases: vec![name.clone(), title.clone(), (k + 1).to_string()],
+            ..ReadChannel::new(channel)
+        });
+    }
+    Ok(channels)
+}
+
+/// Quantity and factor to SI of every data column; [`QuantityKind::Other`] and 1 where no unit is known.
+fn kinds(
+    header: &TableHeader,
+    data: &[usize],
+    selected: Option<usize>,
+    stated: Option<(f64, bool)>,
+    edr: bool,
+    notes: &mut Notes,
+) -> Vec<(QuantityKind, f64)> {
+    let accelerations =
+        data.iter().filter(|k| matches!(header.columns[**k].unit, Unit::Signal(QuantityKind::Acceleration, _))).count();
+    let mut kinds = Vec::new();
+    let mut unknown = Vec::new();
+    for &k in data {
+        let Column { title, unit, .. } = &header.columns[k];
+        // The flag is for the column asked for, and for all that are named as accelerations.
+        let is_target =
+            header.named && names_acceleration(title) || selected.map_or(data.len() == 1 || !header.named, |s| s == k);
+        let kind = match (unit, stated) {
+            (Unit::Signal(QuantityKind::Acceleration, f), Some((over, true)))
+                if *f != over && (selected == Some(k) || accelerations == 1) =>
+            {
+                notes.warning(format!(
+                    "the header of column {title} says its unit is {f} m/s^2, the flag or sidecar says {over} m/s^2: \
+                     that is used"
+                ));
+                (QuantityKind::Acceleration, over)
+            }
+            (Unit::Signal(QuantityKind::Velocity, f), _) if edr => (QuantityKind::VelocityChange, *f),
+            (Unit::Signal(kind, f), _) => (*kind, *f),
+            (_, Some((f, _))) if edr && (data.len() == 1 || names_velocity_change(title)) => {
+                (QuantityKind::VelocityChange, f)
+            }
+            (_, Some((f, _))) if !edr && is_target => (QuantityKind::Acceleration, f),
+            _ => {
+                unknown.push(title.as_str());
+                (QuantityKind::Other, 1.0)
+            }
+        };
+        kinds.push(kind);
+    }
+    if !unknown.is_empty() {
+        notes.info(format!("no unit is known for {}: kept as read, quantity other", unknown.join(", ")));
+    }
+    kinds
+}
+
+/// An acceleration there must be, and the column asked for must be one.
+fn check_for_acceleration(
+    file: &str,
+    header: &TableHeader,
+    data: &[usize],
+    kinds: &[(QuantityKind, f64)],
+    selected: Option<usize>,
+) -> Result<(), IngestError> {
+    let no_unit = |k: usize| {
+        let Column { title, unit, .. } = &header.columns[k];
+        let place = Place::file(file).in_column(format!("{} ({title})", k + 1));
+        let found = match unit {
+            Unit::Unknown(symbol) => format!("unit {symbol:?} is not known"),
+            _ => "no unit is stated".to_owned(),
+        };
+        let is_curve =
+            file.rsplit_once('.').is_some_and(|(_, e)| e.len() == 3 && e.bytes().all(|b| b.is_ascii_digit()));
+        let hint = if is_curve {
+            "a signal file of an NHTSA test is read by giving its .EV5 file; else add --unit g"
+        } else if selected.is_none()
+            && data.len() > 1
+            && !data.iter().any(|k| names_acceleration(&header.columns[*k].title))
+        {
+            "if it is a crash, add --unit g or --unit m/s^2, whichever it is; inputs and outputs that are no crash \
+             need none: \
+             --allow-missing, and then crumple-identify --methods n4sid --inputs COLUMN --outputs COLUMN"
+        } else {
+            "add --unit g or --unit m/s^2, whichever it is: a unit is never guessed from the numbers"
+        };
+        IngestError::content(place, found, format!("a unit of acceleration: {}", choices(ACCELERATION)), hint)
+    };
+    if let Some(selected) = selected {
+        let kind = data.iter().zip(kinds).find(|(k, _)| **k == selected).map(|(_, kind)| kind.0);
+        return match kind {
+            Some(QuantityKind::Other) => Err(no_unit(selected)),
+            _ => Ok(()),
+        };
+    }
+    if kinds.iter().any(|(kind, _)| *kind == QuantityKind::Acceleration) {
+        return Ok(());
+    }
+    let unknown: Vec<usize> =
+        data.iter().zip(kinds).filter(|(_, kind)| kind.0 == QuantityKind::Other).map(|(k, _)| *k).collect();
+    match unknown.iter().find(|k| names_acceleration(&header.columns[**k].title)).or(unknown.first()) {
+        Some(k) => Err(no_unit(*k)),
+        None => Err(IngestError::channel(
+            file,
+            format!("no column is an acceleration: {}", titles(header, data)),
+            "an acceleration column",
+            "export the acceleration of the vehicle, too",
+        )),
+    }
+}
+
+/// An event data recorder's table has a change of velocity.
+fn check_for_velocity(
+    file: &str,
+    header: &TableHeader,
+    data: &[usize],
+    kinds: &[(QuantityKind, f64)],
+) -> Result<(), IngestError> {
+    if kinds.iter().any(|(kind, _)| matches!(kind, QuantityKind::VelocityChange | QuantityKind::Acceleration)) {
+        return Ok(());
+    }
+    Err(IngestError::channel(
+        file,
+        format!("no column is a change of velocity with its unit: {}", titles(header, data)),
+        "a column such as \"Delta-V (km/h)\"",
+        "add --unit km/h or --unit mph, and --skip-to with the title of the crash table if there are several",
+    ))
+}
+
+fn stated_unit(file: &str, symbol: &str, from: &str, edr: bool) -> Result<f64, IngestError> {
+    let (dimension, what, hint) = if edr {
+        (Dimension::Signal(QuantityKind::Velocity), "speed", "use --unit km/h or --unit mph")
+    } else {
+        (ACCELERATION, "acceleration", "use --unit g or --unit m/s^2")
+    };
+    factor(symbol, dimension).ok_or_else(|| {
+        IngestError::content(
+            Place::file(file),
+            format!("{symbol:?}, stated by {from}, is no unit of {what}"),
+            format!("one of {}", choices(dimension)),
+            hint,
+        )
+    })
+}
+
+/// The column a person means by its id, its name with or without unit, or its number from 1.
+fn select(
+    file: &str,
+    wanted: &str,
+    header: &TableHeader,
+    data: &[usize],
+    ids: &[String],
+) -> Result<usize, IngestError> {
+    let wanted = wanted.trim();
+    let matches = |k: usize, id: &str, fold: bool| {
+        let same = |name: &str| if fold { name.to_lowercase() == wanted.to_lowercase() } else { name == wanted };
+        same(id) || same(&header.columns[k].name) || same(&header.columns[k].title)
+    };
+    let all = |fold: bool| -> Vec<usize> {
+        data.iter().zip(ids).filter(|(k, id)| matches(**k, id, fold)).map(|(k, _)| *k).collect()
+    };
+    let named = Some(all(false)).filter(|exact| !exact.is_empty()).unwrap_or_else(|| all(true));
+    if let [first, _, ..] = named.as_slice() {
+        let numbers: Vec<String> = named.iter().map(|k| (k + 1).to_string()).collect();
+        return Err(IngestError::channel(
+            file,
+            format!("columns {} are all named {wanted:?}", numbers.join(", ")),
+            "one column as the crash pulse",
+            format!("give its number, such as --channel {}", first + 1),
+        ));
+    }
+    let by_number = || wanted.parse::<usize>().ok().and_then(|n| n.checked_sub(1)).filter(|k| data.contains(k));
+    if is_pattern(wanted) && named.is_empty() {
+        let fits: Vec<usize> = data
+            .iter()
+            .zip(ids)
+            .filter(|(k, id)| {
+                let Column { name, title, .. } = &header.columns[**k];
+                [id.as_str(), name, title].into_iter().any(|text| wildcard(wanted, text))
+            })
+            .map(|(k, _)| *k)
+            .collect();
+        if let [first, _, ..] = fits.as_slice() {
+            return Err(IngestError::channel(
+                file,
+                format!("--channel {wanted} means {} columns: {}", fits.len(), titles(header, &fits)),
+                "one column as the crash pulse",
+                format!("give the name of one, such as --channel {:?}", header.columns[*first].title),
+            ));
+        }
+        if let [one] = fits.as_slice() {
+            return Ok(*one);
+        }
+    }
+    named.first().copied().or_else(by_number).ok_or_else(|| {
+        IngestError::channel(
+            file,
+            format!("no column {wanted:?}"),
+            format!("one of {}", titles(header, data)),
+            "give --channel a name from the header, or the number of the column",
+        )
+    })
+}
+
+fn titles(header: &TableHeader, data: &[usize]) -> String {
+    let titles: Vec<&str> = data.iter().take(20).map(|k| header.columns[*k].title.as_str()).collect();
+    let more = data.len() - titles.len();
+    if more == 0 { titles.join(", ") } else { format!("{} and {more} more", titles.join(", ")) }
+}
+
+/// Notes which ids columns of the same title get.
+fn same_titles(header: &TableHeader, data: &[usize], ids: &[String], notes: &mut Notes) {
+    let mut by_title: BTreeMap<&str, Vec<(usize, &str)>> = BTreeMap::new();
+    for (k, id) in data.iter().zip(ids) {
+        by_title.entry(header.columns[*k].title.as_str()).or_default().push((k + 1, id));
+    }
+    for (title, columns) in by_title.into_iter().filter(|(_, columns)| columns.len() > 1) {
+        let list: Vec<String> = columns.iter().map(|(number, id)| format!("column {number} is {id}")).collect();
+        notes.warning(format!("{} columns have the title {title:?}: {}", columns.len(), list.join(", ")));
+    }
+}
+
+/// Names fit for topics and file names, each once: letters, digits, `_`, `-` and `.`; anything else becomes `_`.
+fn ids(header: &TableHeader, data: &[usize]) -> Vec<String> {
+    let mut taken = BTreeSet::new();
+    data.iter()
+        .map(|k| {
+            let mut base = String::new();
+            for c in header.columns[*k].name.chars().take(80) {
+                if c.is_alphanumeric() || matches!(c, '_' | '-' | '.') {
+                    base.push(c);
+                } else if !base.is_empty() && !base.ends_with('_') {
+                    base.push('_');
+                }
+            }
+            let base = match base.trim_end_matches(['_', '.']).trim_start_matches('.') {
+                "" => format!("column_{}", k + 1),
+                base => base.to_owned(),
+            };
+            let mut id = base.clone();
+            let mut copy = 2;
+            while !taken.insert(id.clone()) {
+                id = format!("{base}-{copy}");
+                copy += 1;
+            }
+            id
+        })
+        .collect()
+}

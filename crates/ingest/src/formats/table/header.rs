@@ -1,0 +1,205 @@
+//! Column names and units from the header lines of a table.
+
+use crumple_signal::unit;
+
+use crate::formats::table::layout::{Delimiter, Layout};
+use crate::formats::text::column_names::{Unit, is_kg, is_time_name, names_acceleration, signal, split_unit, symbol};
+use crate::formats::text::lines::{Line, decode};
+use crate::formats::text::numbers::unquoted;
+
+/// Name and stated unit of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// The name in the header without its unit in brackets; `column 3` where there is none.
+    pub name: String,
+    /// The name in the header, whole.
+    pub title: String,
+    /// The stated unit.
+    pub unit: Unit,
+}
+
+/// What the header lines say.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableHeader {
+    /// One for each column of numbers.
+    pub columns: Vec<Column>,
+    /// Names are given at all.
+    pub named: bool,
+    /// More names than columns: how many there are.
+    pub surplus_names: Option<usize>,
+    /// `kg` was read as kilo-g in these columns.
+    pub kilo_g: Vec<usize>,
+    /// Header lines that are neither names nor units.
+    pub ignored_lines: Vec<usize>,
+}
+
+/// Reads names and units from the lines before the rows.
+pub fn read(layout: &Layout) -> TableHeader {
+    let count = layout.columns;
+    let mut lines: Vec<(usize, Vec<String>)> =
+        layout.header.iter().map(|line| (line.number, cells(line, layout.delimiter, count))).collect();
+    if lines.is_empty()
+        && let Some(comment) = layout.comments.last()
+    {
+        // Many programs write the names as the last comment.
+        let names = cells(comment, layout.delimiter, count);
+        if names.len() >= count && names.iter().any(|name| is_time_name(name)) && comment.number < layout.first_line {
+            lines.push((comment.number, names));
+        }
+    }
+    let has_units = match lines.as_slice() {
+        [.., (_, above), (_, last)] => is_unit_line(last) && !is_header_below_a_title(last, above, count),
+        _ => false,
+    };
+    let units = has_units.then(|| lines.pop()).flatten();
+    let names = lines.pop();
+    let named = names.is_some();
+    let names = names.map(|(_, cells)| cells).unwrap_or_default();
+    // A delimiter at the end of every line is no column.
+    let stated = names.iter().rposition(|name| !name.trim().is_empty()).map_or(0, |last| last + 1);
+    let surplus_names = (stated > count).then_some(stated);
+    let mut kilo_g = Vec::new();
+    let columns = (0..count)
+        .map(|k| {
+            let title =
+                names.get(k).filter(|name| !name.is_empty()).cloned().unwrap_or_else(|| format!("column {}", k + 1));
+            let (name, mut unit) = split_unit(&title);
+            if let Some(cell) = units.as_ref().and_then(|(_, cells)| cells.get(k)) {
+                let stated = unit_cell(cell, &title);
+                if !matches!(stated, Unit::Unstated) {
+                    unit = stated;
+                }
+            }
+            let about = format!("{title} {}", units.as_ref().and_then(|(_, c)| c.get(k)).map_or("", String::as_str));
+            if matches!(&unit, Unit::Unknown(symbol) if is_kg(symbol)) && names_acceleration(&about) {
+                kilo_g.push(k);
+                unit = signal("kilo-g");
+            }
+            Column { name, title, unit }
+        })
+        .collect();
+    TableHeader {
+        columns,
+        named,
+        surplus_names,
+        kilo_g,
+        ignored_lines: lines.iter().map(|(number, _)| *number).collect(),
+    }
+}
+
+/// The cells of a header line. Its delimiter may differ from that of the rows (`# time(s), <tab> acceleration(g)` over
+/// blanks): then the one that gives as many cells as there are columns is taken.
+fn cells(line: &Line, delimiter: Delimiter, count: usize) -> Vec<String> {
+    let clean = |fields: Vec<&[u8]>| -> Vec<String> { fields.into_iter().map(|f| decode(unquoted(f))).collect() };
+    let cells_by_delimiter = clean(delimiter.split(line.bytes));
+    if cells_by_delimiter.len() >= 2 && delimiter != Delimiter::Blanks {
+        return cells_by_delimiter;
+    }
+    [b',', b';', b'\t']
+        .into_iter()
+        .map(|byte| clean(Delimiter::Byte(byte).split(line.bytes)).into_iter().filter(|c| !c.is_empty()).collect())
+        .find(|cells: &Vec<String>| cells.len() == count)
+        .unwrap_or(cells_by_delimiter)
+}
+
+/// Whether the last line before the rows has the names, and the line above it is a title: as many cells as there are
+/// columns, each with a name and a unit or one of them named for time, and no such names above.
+fn is_header_below_a_title(last: &[String], above: &[String], count: usize) -> bool {
+    let filled = last.iter().rposition(|cell| !cell.is_empty()).map_or(0, |end| end + 1);
+    let above_is_names = above.len() >= count && above.iter().any(|cell| is_time_name(cell));
+    let has_both = |cell: &String| {
+        let (name, unit) = split_unit(cell);
+        name != *cell && matches!(unit, Unit::Time(_) | Unit::Signal(..))
+    };
+    filled == count && !above_is_names && (last.iter().all(has_both) || last.iter().any(|cell| is_time_name(cell)))
+}
+
+/// A line under the names is one of units if some cell is a unit and no cell is a bare name.
+fn is_unit_line(cells: &[String]) -> bool {
+    let kinds: Vec<Unit> = cells.iter().map(|cell| unit_cell(cell, "")).collect();
+    kinds.iter().any(|unit| matches!(unit, Unit::Time(_) | Unit::Signal(..)))
+        && cells.iter().zip(&kinds).all(|(cell, unit)| {
+            !matches!(unit, Unit::Unstated) || matches!(cell.as_str(), "" | "-" | "1") || !is_time_name(cell)
+        })
+}
+
+/// A cell of the units line: `g`, `[m/s^2]`, `time - seconds (computed after test)`.
+fn unit_cell(cell: &str, title: &str) -> Unit {
+    let cell = cell.trim();
+    let whole = symbol(unit::without_brackets(cell), title);
+    if !matches!(whole, Unit::Unstated | Unit::Unknown(_)) {
+        return whole;
+    }
+    if let Some((name, rest)) = cell.split_once(" - ") {
+        let rest = rest.split('(').next().unwrap_or(rest).trim();
+        return symbol(rest, name);
+    }
+    let (_, unit) = split_unit(cell);
+    match unit {
+        Unit::Unstated if is_kg(cell) => Unit::Unknown(cell.to_owned()),
+        unit => unit,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::table::layout::sniff;
+    use crumple_signal::QuantityKind;
+
+    const G: Unit = Unit::Signal(QuantityKind::Acceleration, 9.806_65);
+
+    fn header(text: &str) -> TableHeader {
+        read(&sniff(text.as_bytes(), "t.csv", 2).unwrap())
+    }
+
+    fn units(text: &str) -> Vec<Unit> {
+        header(text).columns.into_iter().map(|c| c.unit).collect()
+    }
+
+    #[test]
+    fn a_second_line_may_hold_the_units() {
+        assert_eq!(units("t,a\ns,g\n0,1\n1,2\n"), [Unit::Time(1.0), G]);
+        assert_eq!(units("t;a\n[ms];m/(s*s)\n0;1\n1;2\n")[1], Unit::Signal(QuantityKind::Acceleration, 1.0));
+        assert_eq!(units("t;a\n[ms];[g]\n0;1\n1;2\n"), [Unit::Time(1e-3), G]);
+    }
+
+    #[test]
+    fn a_title_above_the_names_is_no_header() {
+        let rows = "0,0;1,5;50,0\n0,1;2,5;49,9\n0,2;2,5;49,8\n";
+        let header = header(&format!(
+            "Versuch Nr. 12; Müller\nZeit [ms];Längsbeschleunigung B-Säule [g];Geschwindigkeit (km/h)\n{rows}"
+        ));
+        let names: Vec<&str> = header.columns.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names, ["Zeit", "Längsbeschleunigung B-Säule", "Geschwindigkeit"]);
+        assert_eq!(header.columns[1].unit, G);
+        assert_eq!(header.ignored_lines, [1]);
+        // Names without units of their own, a title of as many words, and units below names.
+        assert_eq!(self::header(&format!("Test 5\nZeit;a [g];v [km/h]\n{rows}")).columns[0].name, "Zeit");
+        assert_eq!(self::header(&format!("Test;5;x\nt [ms];a [g];v [km/h]\n{rows}")).columns[1].name, "a");
+        assert_eq!(self::header(&format!("t;a;v\n[ms];[g];[km/h]\n{rows}")).columns[1].name, "a");
+        assert_eq!(self::header(&format!("Titel\nt;a;v\nms;g;km/h\n{rows}")).columns[1].name, "a");
+    }
+
+    #[test]
+    fn kg_in_a_deceleration_column_is_kilo_g() {
+        let text = "time, accel 1, accel 2\ntime - seconds (computed), deacceleration - kg\n0,1\n1,2\n2,3\n";
+        let header = header(text);
+        assert_eq!(header.columns[1].unit, Unit::Signal(QuantityKind::Acceleration, 9806.65));
+        assert_eq!((header.kilo_g, header.surplus_names), (vec![1], Some(3)));
+        let header = self::header("time_s,accel_g,\n0,1,\n1,2,\n2,3,\n");
+        assert_eq!((header.columns.len(), header.surplus_names), (2, None), "a delimiter at the end is no name");
+        assert_eq!(units("t_s,decel_kg\n0,1\n1,2\n")[1], Unit::Signal(QuantityKind::Acceleration, 9806.65));
+        assert_eq!(units("t_s,Acc [kg]\n0,1\n1,2\n")[1], Unit::Signal(QuantityKind::Acceleration, 9806.65));
+        assert_eq!(units("t_s,load [kg]\n0,1\n1,2\n")[1], Unit::Unknown("kg".to_owned()));
+    }
+
+    #[test]
+    fn a_comment_may_hold_the_names_with_another_delimiter() {
+        let header = header("# time(s), \t \t acceleration(g)\n0.0 1.5\n0.1 2.5\n");
+        assert_eq!(header.columns[1].name, "acceleration");
+        assert_eq!((&header.columns[0].unit, &header.columns[1].unit), (&Unit::Time(1.0), &G));
+        // A fact is no header.
+        assert!(!read(&sniff(b"# impact speed: 35 km/h\n0.0 1.5\n0.1 2.5\n", "t", 2).unwrap()).named);
+    }
+}

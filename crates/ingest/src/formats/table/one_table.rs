@@ -1,0 +1,112 @@
+//! One table: its channels, the facts of its comments, what is noted about it.
+
+use crumple_signal::Notes;
+
+use crate::formats::reader::Bundle;
+use crate::formats::table::{columns, header, layout, rows, time_axis};
+use crate::formats::text::lines::decode;
+use crate::recording::content::MINIMUM_SAMPLES;
+use crate::recording::details::{Details, from_comments};
+use crate::recording::read_channel::ReadChannel;
+use crate::recording::unheeded_flags;
+use crate::{IngestError, IngestSettings, Place, Profile};
+
+/// Bytes read at a time of a long table.
+const PIECE: usize = 8 << 20;
+/// Event data recorders keep 25 to 35 samples.
+const MINIMUM_EDR_SAMPLES: usize = 5;
+
+/// What one table says.
+pub struct OneTable {
+    /// Its columns but that of the time.
+    pub channels: Vec<ReadChannel>,
+    /// Facts of its comments.
+    pub details: Details,
+    /// Remarks.
+    pub notes: Notes,
+}
+
+/// What lines of text above the names of a table are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TextAbove {
+    /// Not used, which is noted.
+    Unused,
+    /// The heading of a table in a report.
+    Heading,
+}
+
+/// Reads one table. `text` is that of `bytes` without its mark; a long table goes on in the file of the bundle.
+pub fn one_table(
+    file: &str,
+    bytes: &[u8],
+    text: &[u8],
+    bundle: &Bundle,
+    settings: &IngestSettings,
+    text_above: TextAbove,
+) -> Result<OneTable, IngestError> {
+    let edr = settings.profile == Some(Profile::Edr);
+    let least_columns = if settings.sample_time.is_some() { 1 } else { 2 };
+    let layout = layout::sniff(text, file, least_columns)?;
+    let header = header::read(&layout);
+    let comments: Vec<(usize, String)> = layout.comments.iter().map(|line| (line.number, decode(line.bytes))).collect();
+    let facts = from_comments(file, comments.iter().map(|(line, text)| (*line, text.as_str())))?;
+    let name = |k: usize| header.columns[k].title.clone();
+    let mut rows = match &bundle.large {
+        None => rows::read(text, &layout, file, name)?,
+        Some(large) => {
+            let skipped = bytes.len() - text.len() + layout.first_row;
+            let source = large.from_offset(skipped as u64).map_err(|error| {
+                IngestError::content(
+                    Place::file(file),
+                    error.to_string(),
+                    "a readable file",
+                    "check the disk and try again",
+                )
+            })?;
+            let length = usize::try_from(large.length).unwrap_or(usize::MAX).saturating_sub(skipped);
+            let head = &text[layout.first_row..];
+            let advance = (bundle.show_progress)(format!("reading {}", bundle.name), large.length);
+            rows::read_stream(rows::Pieces { source, length, head, piece: PIECE }, &layout, file, name, advance)?
+        }
+    };
+    let samples = rows.lines.len();
+    let least = if edr { MINIMUM_EDR_SAMPLES } else { MINIMUM_SAMPLES };
+    if samples < least {
+        return Err(IngestError::content(
+            Place::file(file),
+            format!("{samples} samples"),
+            format!("at least {least} samples, one in a row"),
+            "give the whole record: some tens of milliseconds before and after contact, sampled at 1 kHz or more",
+        ));
+    }
+    let mut notes = Notes::new();
+    header_notes(file, &header, text_above, &mut notes);
+    notes.extend(facts.notes);
+    let time = match settings.sample_time {
+        Some(interval) => {
+            if settings.time_unit.is_some() {
+                unheeded_flags::warn("--time-unit", "--sample-time states the interval with its unit", &mut notes);
+            }
+            time_axis::stated(file, &header, interval.si())?
+        }
+        None => time_axis::find(file, &header, &mut rows, settings, facts.time_unit.as_ref(), &mut notes)?,
+    };
+    let channels = columns::channels(file, &header, rows, &time, settings, facts.unit.as_ref(), &mut notes)?;
+    Ok(OneTable { channels, details: facts.details, notes })
+}
+
+fn header_notes(file: &str, header: &header::TableHeader, text_above: TextAbove, notes: &mut Notes) {
+    if let Some(names) = header.surplus_names {
+        notes.warning(format!(
+            "{names} names in the header of {file}, but {} columns: the first names are used",
+            header.columns.len()
+        ));
+    }
+    if !header.kilo_g.is_empty() {
+        notes.info("unit kg in a column of acceleration is read as kilo-g, 9806.65 m/s^2");
+    }
+    if let Some(line) = header.ignored_lines.first().filter(|_| text_above == TextAbove::Unused) {
+        let count = header.ignored_lines.len();
+        notes.info(format!("{count} lines of text above the header of {file} are not used, the first is line {line}"));
+    }
+}

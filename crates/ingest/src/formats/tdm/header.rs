@@ -1,0 +1,168 @@
+//! The XML of a TDM file: blocks of the binary file, groups, channels, and how they refer to each other.
+
+use std::collections::{BTreeMap, HashMap};
+
+use roxmltree::{Document, Node, ParsingOptions};
+
+use crate::formats::tdms::metadata::Type;
+
+/// Most elements and texts in a header; a channel takes about a hundred.
+const NODE_LIMIT: u32 = 5_000_000;
+
+/// Where the samples of a sequence lie in the binary file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Block {
+    /// Offset of the first, bytes.
+    pub offset: u64,
+    /// How many there are.
+    pub length: u64,
+    /// What they are.
+    pub kind: Type,
+}
+
+/// A channel.
+#[derive(Debug, Clone)]
+pub struct TdmChannel {
+    /// Name of its group.
+    pub group: String,
+    /// Its name.
+    pub name: String,
+    /// `unit_string`, `description`, and the instance attributes.
+    pub attributes: BTreeMap<String, String>,
+    /// Where its samples are, or why they are not to be had.
+    pub block: Result<Block, String>,
+}
+
+/// What the header says.
+#[derive(Debug, Clone)]
+pub struct TdmHeader {
+    /// Name of the binary file as the header has it.
+    pub url: String,
+    /// The binary file has the high byte first.
+    pub big_endian: bool,
+    /// Name, title and attributes of the file.
+    pub root: BTreeMap<String, String>,
+    /// The channels.
+    pub channels: Vec<TdmChannel>,
+}
+
+type NodeIndex<'a, 'i> = HashMap<&'a str, Node<'a, 'i>>;
+
+/// Reads the header; an error says what was found.
+pub fn parse(text: &str) -> Result<TdmHeader, String> {
+    let options = ParsingOptions { allow_dtd: false, nodes_limit: NODE_LIMIT, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(text, options).map_err(|error| error.to_string())?;
+    let named = |name: &'static str| document.descendants().filter(move |node| node.has_tag_name(name));
+    let mut files = named("file");
+    let file = files.next().ok_or("no file of samples is named")?;
+    if files.next().is_some() {
+        return Err("several files of samples are named, one is read".to_owned());
+    }
+    let url = file.attribute("url").ok_or("the file of samples has no url")?.to_owned();
+    let big_endian = match file.attribute("byteOrder") {
+        Some("littleEndian") | None => false,
+        Some("bigEndian") => true,
+        Some(other) => return Err(format!("byte order {other:?}, littleEndian and bigEndian are known")),
+    };
+    // Later elements do not replace earlier ones of the same id.
+    let mut by_id = NodeIndex::new();
+    for node in document.descendants() {
+        if let Some(id) = node.attribute("id") {
+            by_id.entry(id).or_insert(node);
+        }
+    }
+    let root = named("tdm_root").next().map(attributes).unwrap_or_default();
+    let mut group_of: HashMap<&str, String> = HashMap::new();
+    for group in named("tdm_channelgroup") {
+        for id in child_text(group, "channels").map(references).unwrap_or_default() {
+            group_of.insert(id, child_text(group, "name").unwrap_or_default().to_owned());
+        }
+    }
+    let channels = named("tdm_channel")
+        .map(|channel| {
+            let id = channel.attribute("id").unwrap_or_default();
+            let group = group_of.get(id).cloned().or_else(|| group_by_reference(channel, &by_id)).unwrap_or_default();
+            let name = child_text(channel, "name").unwrap_or_default().to_owned();
+            TdmChannel { group, name, attributes: attributes(channel), block: block(channel, &by_id) }
+        })
+        .collect();
+    Ok(TdmHeader { url, big_endian, root, channels })
+}
+
+fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+    node.children().find(|child| child.has_tag_name(name))
+}
+
+fn child_text<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
+    child(node, name)?.text().map(str::trim).filter(|text| !text.is_empty())
+}
+
+/// `#xpointer(id("usi1") id("usi2"))`: the ids.
+fn references(text: &str) -> Vec<&str> {
+    text.split("id(\"").skip(1).filter_map(|part| part.split('"').next()).collect()
+}
+
+fn referred<'a, 'i>(node: Node<'a, 'i>, name: &str, by_id: &NodeIndex<'a, 'i>) -> Option<Node<'a, 'i>> {
+    by_id.get(references(child_text(node, name)?).first()?).copied()
+}
+
+fn group_by_reference(channel: Node, by_id: &NodeIndex) -> Option<String> {
+    let id = *references(child_text(channel, "group")?).first()?;
+    child_text(*by_id.get(id)?, "name").map(str::to_owned)
+}
+
+/// The plain children and the instance attributes, by name.
+fn attributes(node: Node) -> BTreeMap<String, String> {
+    let mut all = BTreeMap::new();
+    for child in node.children().filter(Node::is_element) {
+        let name = child.tag_name().name();
+        if name != "instance_attributes" {
+            if let Some(text) = child.text().map(str::trim).filter(|text| !text.is_empty() && !text.starts_with('#')) {
+                all.insert(name.to_owned(), text.to_owned());
+            }
+            continue;
+        }
+        for attribute in child.children().filter(Node::is_element) {
+            // A text stands one level deeper, in <s>.
+            let text = attribute.descendants().filter_map(|part| part.text()).map(str::trim).find(|t| !t.is_empty());
+            if let (Some(name), Some(text)) = (attribute.attribute("name"), text) {
+                all.insert(name.to_owned(), text.to_owned());
+            }
+        }
+    }
+    all
+}
+
+/// From a channel by its local column and its sequence to the block.
+fn block<'a, 'i>(channel: Node<'a, 'i>, by_id: &NodeIndex<'a, 'i>) -> Result<Block, String> {
+    let column = referred(channel, "local_columns", by_id).ok_or("no local column belongs to it")?;
+    match child_text(column, "sequence_representation") {
+        Some("explicit") | None => {}
+        Some(other) => return Err(format!("its samples are represented as {other}, only explicit is read")),
+    }
+    let sequence = referred(column, "values", by_id).ok_or("its local column has no values")?;
+    let values = child(sequence, "values").ok_or("its sequence has no values")?;
+    let id = values.attribute("external").ok_or("its samples stand in the header, not in the .tdx file")?;
+    let block = by_id.get(id).ok_or_else(|| format!("its block {id} is not listed"))?;
+    if !block.has_tag_name("block") {
+        return Err(format!("its block is a {}, only plain blocks are read", block.tag_name().name()));
+    }
+    let number = |name: &str| {
+        let text = block.attribute(name).unwrap_or_default();
+        text.trim().parse::<u64>().map_err(|_| format!("{name} of its block is {text:?}, no count"))
+    };
+    let kind = match block.attribute("valueType").unwrap_or_default() {
+        "eFloat64Usi" => Type::Double,
+        "eFloat32Usi" => Type::Single,
+        "eInt8Usi" => Type::Int(1),
+        "eInt16Usi" => Type::Int(2),
+        "eInt32Usi" => Type::Int(4),
+        "eInt64Usi" => Type::Int(8),
+        "eUInt8Usi" => Type::Unsigned(1),
+        "eUInt16Usi" => Type::Unsigned(2),
+        "eUInt32Usi" => Type::Unsigned(4),
+        "eUInt64Usi" => Type::Unsigned(8),
+        other => return Err(format!("its samples are of type {other}, only real numbers are read")),
+    };
+    Ok(Block { offset: number("byteOffset")?, length: number("length")?, kind })
+}

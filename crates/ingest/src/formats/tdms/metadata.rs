@@ -1,0 +1,323 @@
+//! What a segment says of its objects: paths, properties, and how their samples lie in the raw data.
+
+use std::collections::BTreeMap;
+
+use crate::formats::tdms::bytes::{Broken, Cursor};
+
+/// A property's value.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Property {
+    /// A text.
+    Text(String),
+    /// A number or a truth value (0, 1).
+    Number(f64),
+    /// A time, seconds since 1904-01-01 UTC.
+    Time(f64),
+    /// Something that is not used.
+    Other,
+}
+
+/// Properties by name.
+pub type Properties = BTreeMap<String, Property>;
+
+/// Type of samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Type {
+    /// Signed integer of so many bytes.
+    Int(usize),
+    /// Unsigned integer of so many bytes; a truth value is one of one byte.
+    Unsigned(usize),
+    /// IEEE number of 4 bytes.
+    Single,
+    /// IEEE number of 8 bytes.
+    Double,
+    /// 16 bytes of time: fraction of a second, seconds since 1904.
+    Time,
+    /// Texts.
+    Text,
+    /// Known and not a real number: what it is, and its bytes.
+    Unread(&'static str, usize),
+}
+
+impl Type {
+    fn from_code(code: u32) -> Option<Self> {
+        Some(match code {
+            1..=4 => Self::Int(1 << (code - 1)),
+            5..=8 => Self::Unsigned(1 << (code - 5)),
+            9 | 0x19 => Self::Single,
+            0xA | 0x1A => Self::Double,
+            0xB | 0x1B => Self::Unread("extended-precision numbers", 16),
+            0x20 => Self::Text,
+            0x21 => Self::Unsigned(1),
+            0x44 => Self::Time,
+            0x0008_000C => Self::Unread("complex numbers", 8),
+            0x0010_000D => Self::Unread("complex numbers", 16),
+            _ => return None,
+        })
+    }
+
+    /// Type codes of DAQmx scalers are numbered differently.
+    fn from_daqmx_code(code: u32) -> Option<Self> {
+        (code < 6)
+            .then(|| if code.is_multiple_of(2) { Self::Unsigned(1 << (code / 2)) } else { Self::Int(1 << (code / 2)) })
+    }
+
+    /// Bytes of one sample; texts have no fixed size.
+    pub fn size(self) -> usize {
+        match self {
+            Self::Int(size) | Self::Unsigned(size) | Self::Unread(_, size) => size,
+            Self::Single => 4,
+            Self::Double => 8,
+            Self::Time => 16,
+            Self::Text => 0,
+        }
+    }
+}
+
+/// How the samples of one object lie in each chunk of raw data.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RawIndex {
+    /// `count` samples of a type, `bytes` bytes in all.
+    Plain {
+        /// Their type.
+        kind: Type,
+        /// How many a chunk has.
+        count: u64,
+        /// What they take.
+        bytes: u64,
+    },
+    /// Raw values of a data-acquisition card: `count` rows of `widths[buffer]` bytes, the sample at an offset in each.
+    Daqmx {
+        /// Rows of a chunk.
+        count: u64,
+        /// Where the sample stands in its row; `None` with the reason if it is no plain number.
+        scaler: Result<Scaler, &'static str>,
+        /// Bytes of a row in each buffer.
+        widths: Vec<u32>,
+    },
+}
+
+impl RawIndex {
+    /// A chunk has nothing of it.
+    pub fn is_empty(&self) -> bool {
+        self.count() == 0 || matches!(self, Self::Plain { bytes: 0, .. })
+    }
+
+    /// Samples in a chunk.
+    pub fn count(&self) -> u64 {
+        match self {
+            Self::Plain { count, .. } | Self::Daqmx { count, .. } => *count,
+        }
+    }
+}
+
+/// Place of a DAQmx sample in a row of its buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Scaler {
+    /// Its type.
+    pub kind: Type,
+    /// Which buffer.
+    pub buffer: usize,
+    /// Offset in the row, bytes.
+    pub offset: usize,
+}
+
+/// What the entry of an object says of raw data in this segment.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SegmentData {
+    /// There is none.
+    None,
+    /// As in the last segment that described it.
+    AsBefore,
+    /// As described here.
+    New(RawIndex),
+}
+
+/// An object's entry in the metadata of a segment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// `/'group'/'channel'`.
+    pub path: String,
+    /// Its raw data.
+    pub raw: SegmentData,
+    /// New or changed properties.
+    pub properties: Vec<(String, Property)>,
+}
+
+/// Reads one entry.
+pub fn entry(cursor: &mut Cursor) -> Result<Entry, Broken> {
+    let path = cursor.text()?;
+    let raw = raw(cursor)?;
+    let count = cursor.u32()?;
+    let mut properties = Vec::new();
+    for _ in 0..count {
+        let name = cursor.text()?;
+        properties.push((name, property(cursor)?));
+    }
+    Ok(Entry { path, raw, properties })
+}
+
+fn raw(cursor: &mut Cursor) -> Result<SegmentData, Broken> {
+    let at = cursor.at();
+    match cursor.u32()? {
+        0xFFFF_FFFF => Ok(SegmentData::None),
+        0 => Ok(SegmentData::AsBefore),
+        0x1269 => daqmx(cursor, false).map(SegmentData::New),
+        // NI writes the second; the first is met in files, too.
+        0x126A | 0x1369 => daqmx(cursor, true).map(SegmentData::New),
+        20 | 28 => {
+            let type_at = cursor.at();
+            let code = cursor.u32()?;
+            let Some(kind) = Type::from_code(code) else {
+                return Cursor::broken(type_at, format!("samples of an unknown type, code {code:#x}"));
+            };
+            dimension(cursor)?;
+            let count = cursor.u64()?;
+            let bytes = if kind == Type::Text {
+                Some(cursor.u64()?)
+            } else {
+                u64::try_from(kind.size()).ok().and_then(|size| size.checked_mul(count))
+            };
+            match bytes {
+                Some(bytes) => Ok(SegmentData::New(RawIndex::Plain { kind, count, bytes })),
+                None => Cursor::broken(type_at, format!("an impossible count of samples, {count}")),
+            }
+        }
+        other => Cursor::broken(at, format!("a description of raw data of unknown length {other:#x}")),
+    }
+}
+
+fn dimension(cursor: &mut Cursor) -> Result<(), Broken> {
+    let at = cursor.at();
+    match cursor.u32()? {
+        1 => Ok(()),
+        other => Cursor::broken(at, format!("an array of {other} dimensions, 1 is the only valid one")),
+    }
+}
+
+fn daqmx(cursor: &mut Cursor, digital: bool) -> Result<RawIndex, Broken> {
+    cursor.u32()?;
+    dimension(cursor)?;
+    let count = cursor.u64()?;
+    let scalers = cursor.u32()?;
+    let mut scaler = Err("no DAQmx scaler is listed");
+    for k in 0..scalers {
+        let code = cursor.u32()?;
+        let (buffer, offset) = (cursor.u32()? as usize, cursor.u32()? as usize);
+        if digital {
+            cursor.u8()?;
+        } else {
+            cursor.u32()?;
+        }
+        cursor.u32()?;
+        scaler = match (digital, k, Type::from_daqmx_code(code)) {
+            (true, ..) => Err("digital lines of DAQmx are not read"),
+            (_, 0, Some(kind)) => Ok(Scaler { kind, buffer, offset }),
+            (_, 0, None) => Err("raw DAQmx samples of an unknown type"),
+            _ => Err("several DAQmx scalers for one channel are not read"),
+        };
+    }
+    let mut widths = Vec::new();
+    for _ in 0..cursor.u32()? {
+        widths.push(cursor.u32()?);
+    }
+    Ok(RawIndex::Daqmx { count, scaler, widths })
+}
+
+fn property(cursor: &mut Cursor) -> Result<Property, Broken> {
+    let at = cursor.at();
+    let code = cursor.u32()?;
+    let number = Property::Number;
+    Ok(match code {
+        0 => Property::Other,
+        1 => number(f64::from(cursor.u8()?.cast_signed())),
+        2 => number(f64::from(cursor.u16()?.cast_signed())),
+        3 => number(f64::from(cursor.u32()?.cast_signed())),
+        4 => number(cursor.u64()?.cast_signed() as f64),
+        5 | 0x21 => number(f64::from(cursor.u8()?)),
+        6 => number(f64::from(cursor.u16()?)),
+        7 => number(f64::from(cursor.u32()?)),
+        8 => number(cursor.u64()? as f64),
+        9 | 0x19 => number(f64::from(f32::from_bits(cursor.u32()?))),
+        0xA | 0x1A => number(f64::from_bits(cursor.u64()?)),
+        0x20 => Property::Text(cursor.text()?),
+        0x44 => {
+            let (fraction, seconds) = time(cursor)?;
+            Property::Time(seconds as f64 + fraction)
+        }
+        0xB | 0x1B | 0x0010_000D => {
+            cursor.take(16)?;
+            Property::Other
+        }
+        0x0008_000C => {
+            cursor.take(8)?;
+            Property::Other
+        }
+        other => return Cursor::broken(at, format!("a property of an unknown type, code {other:#x}")),
+    })
+}
+
+/// Fraction of a second, and whole seconds since 1904-01-01 UTC. The whole 16 bytes change their order with the byte
+/// order.
+pub fn time(cursor: &mut Cursor) -> Result<(f64, i64), Broken> {
+    const PER_S: f64 = 18_446_744_073_709_551_616.0;
+    let big_endian = cursor.is_big_endian();
+    let (first, second) = (cursor.u64()?, cursor.u64()?);
+    let (fraction, seconds) = if big_endian { (second, first) } else { (first, second) };
+    Ok((fraction as f64 / PER_S, seconds.cast_signed()))
+}
+
+/// The names in a path: none for the root, one for a group, two for a channel. `''` stands for a quote.
+pub fn names(path: &str) -> Option<Vec<String>> {
+    let mut names = Vec::new();
+    let mut rest = path.strip_prefix('/')?;
+    while !rest.is_empty() {
+        rest = rest.strip_prefix('\'')?;
+        let mut name = String::new();
+        loop {
+            let quote = rest.find('\'')?;
+            name.push_str(&rest[..quote]);
+            rest = &rest[quote + 1..];
+            match rest.strip_prefix('\'') {
+                Some(after) => {
+                    name.push('\'');
+                    rest = after;
+                }
+                None => break,
+            }
+        }
+        names.push(name);
+        match rest.strip_prefix('/') {
+            Some(after) if !after.is_empty() => rest = after,
+            None if rest.is_empty() => {}
+            _ => return None,
+        }
+    }
+    Some(names)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_hold_any_sign() {
+        let split = |path: &str| names(path);
+        assert_eq!(split("/"), Some(vec![]));
+        assert_eq!(split("/'a'"), Some(vec!["a".to_owned()]));
+        assert_eq!(split("/'a/b'/'DeltaV (m\\s)'"), Some(vec!["a/b".to_owned(), "DeltaV (m\\s)".to_owned()]));
+        assert_eq!(split("/'it''s'/''''"), Some(vec!["it's".to_owned(), "'".to_owned()]));
+        for broken in ["", "a", "/a", "/'a", "/'a'/", "/'a'b"] {
+            assert_eq!(split(broken), None, "{broken}");
+        }
+    }
+
+    #[test]
+    fn codes_are_types() {
+        assert_eq!(Type::from_code(3), Some(Type::Int(4)));
+        assert_eq!(Type::from_code(6), Some(Type::Unsigned(2)));
+        assert_eq!(Type::from_daqmx_code(3), Some(Type::Int(2)));
+        assert_eq!(Type::from_daqmx_code(4), Some(Type::Unsigned(4)));
+        assert_eq!((Type::from_code(0x99), Type::from_daqmx_code(6)), (None, None));
+    }
+}

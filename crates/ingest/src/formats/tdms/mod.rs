@@ -1,0 +1,212 @@
+//! TDMS, the binary files of LabVIEW and DIAdem: segments of metadata and raw data, channels in groups.
+//! May use waveform, diadem, iso13499, records and sensors of ev5 and what formats may use.
+//!
+//! Read after NI's description of the format: contiguous and interleaved data, both byte orders, inherited object
+//! lists, DAQmx raw data, linear scaling, aborted recordings.
+
+mod bytes;
+pub(crate) mod metadata;
+mod nhtsa;
+pub(crate) mod samples;
+mod scaling;
+mod segments;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crumple_signal::Notes;
+
+use crate::formats::reader::{Bundle, Reader};
+use crate::formats::waveform::channel::Waveform;
+use crate::formats::waveform::conversion;
+use crate::formats::{diadem, iso13499};
+use crate::recording::content::{PulseRule, Recording};
+use crate::recording::read_channel::ReadChannel;
+use crate::{IngestError, IngestSettings, Place};
+use metadata::{Properties, Property, names};
+use segments::{Content, Object, SegmentError};
+
+/// Reader of TDMS files.
+pub struct Tdms;
+
+impl Reader for Tdms {
+    fn format(&self) -> &'static str {
+        "tdms"
+    }
+
+    fn recognises(&self, head: &[u8]) -> bool {
+        head.starts_with(b"TDSm")
+    }
+
+    fn relevant_flags(&self) -> &'static [&'static str] {
+        &["--unit", "--time-unit", "--vehicle-number", "--resample"]
+    }
+
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
+        read(&bundle.main.name, &bundle.main.bytes, settings)
+    }
+}
+
+/// Reads a file from its bytes. `file` names it in messages.
+pub fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recording, IngestError> {
+    let Content { objects, warnings } = segments::read(bytes).map_err(|error| refuse(file, error))?;
+    let mut notes = Notes::new();
+    warnings.iter().take(12).for_each(|warning| notes.warning(warning.clone()));
+
+    let layers = Layers::from_objects(&objects);
+    let vehicle = settings.vehicle_number.unwrap_or(1);
+    let all: Vec<&Properties> = objects.iter().map(|object| &object.properties).collect();
+    let details = if layers.channels.iter().any(|(k, ..)| nhtsa::curve(&objects[*k].properties).is_some()) {
+        nhtsa::test(&all, vehicle)
+    } else {
+        None
+    };
+    let is_nhtsa = details.is_some();
+    let details = details.unwrap_or_else(|| diadem::details(&layers.root_texts()));
+    start_times(&layers, &objects, &mut notes);
+
+    let mut objects = objects;
+    let mut records = Vec::with_capacity(layers.channels.len());
+    let mut waveforms = Vec::with_capacity(layers.channels.len());
+    for (k, group, name) in &layers.channels {
+        let object = std::mem::take(&mut objects[*k]);
+        let scales = scaling::chain(&[&object.properties, layers.group(group), &layers.root], object.is_daqmx);
+        records.push(nhtsa::curve(&object.properties).filter(|_| is_nhtsa));
+        waveforms.push(waveform(object, group, name, scales));
+    }
+    let channels = conversion::to_channels(file, waveforms, settings, &mut notes)?;
+    let mut channels: Vec<ReadChannel> = channels
+        .into_iter()
+        .map(|(k, mut read)| {
+            if let Some(curve) = &records[k] {
+                nhtsa::describe(&mut read, curve, vehicle, &mut notes);
+            }
+            read
+        })
+        .collect();
+    let pulse_rule =
+        if is_nhtsa { PulseRule::Fittest } else { iso13499::pulse_rule(&mut channels, settings, &mut notes) };
+    Ok(Recording { details, channels, pulse_rule, contact_at_zero: is_nhtsa, notes })
+}
+
+/// Properties by the level at which they stand.
+struct Layers {
+    root: Properties,
+    groups: BTreeMap<String, Properties>,
+    /// Index of the object, group and name.
+    channels: Vec<(usize, String, String)>,
+    none: Properties,
+}
+
+impl Layers {
+    fn from_objects(objects: &[Object]) -> Self {
+        let mut layers =
+            Self { root: Properties::new(), groups: BTreeMap::new(), channels: Vec::new(), none: Properties::new() };
+        for (k, object) in objects.iter().enumerate() {
+            match names(&object.path).as_deref() {
+                Some([]) => layers.root = object.properties.clone(),
+                Some([group]) => drop(layers.groups.insert(group.clone(), object.properties.clone())),
+                Some([group, channel]) => layers.channels.push((k, group.clone(), channel.clone())),
+                // Written by other programs, perhaps: the path is a name.
+                _ => layers.channels.push((k, String::new(), object.path.clone())),
+            }
+        }
+        layers
+    }
+
+    fn group(&self, name: &str) -> &Properties {
+        self.groups.get(name).unwrap_or(&self.none)
+    }
+
+    fn root_texts(&self) -> BTreeMap<String, String> {
+        self.root
+            .iter()
+            .filter_map(|(name, value)| match value {
+                Property::Text(text) => Some((name.clone(), text.clone())),
+                Property::Number(x) => Some((name.clone(), x.to_string())),
+                _ => None,
+            })
+            .collect()
+    }
+}
+
+fn text<'a>(properties: &'a Properties, name: &str) -> &'a str {
+    match properties.get(name) {
+        Some(Property::Text(text)) => text.trim(),
+        _ => "",
+    }
+}
+
+fn number(properties: &Properties, name: &str) -> Option<f64> {
+    match properties.get(name) {
+        Some(Property::Number(x)) if x.is_finite() => Some(*x),
+        _ => None,
+    }
+}
+
+/// A channel with its time and its values, scaled.
+fn waveform(object: Object, group: &str, name: &str, scales: Result<Vec<scaling::Linear>, String>) -> Waveform {
+    let properties = &object.properties;
+    let mut waveform = Waveform::new(group, name);
+    waveform.unit = [text(properties, "unit_string"), text(properties, "NI_UnitDescription")]
+        .into_iter()
+        .find(|unit| !unit.is_empty())
+        .map(str::to_owned)
+        .or_else(|| nhtsa::unit(properties))
+        .unwrap_or_default();
+    waveform.comment = Some(text(properties, "description").to_owned()).filter(|text| !text.is_empty());
+    let interval = number(properties, "wf_increment").filter(|dt| *dt > 0.0);
+    let start = number(properties, "wf_start_offset").unwrap_or(0.0);
+    let steps = interval.map(|dt| (start, dt));
+    waveform.set_steps(steps, text(properties, "wf_xname"), text(properties, "wf_xunit_string"));
+    let mut values = object.values;
+    // Times of the day become times since the first.
+    if let (Some(_), Some(first)) = (object.epoch_s, values.first().copied()) {
+        values.iter_mut().for_each(|t| *t -= first);
+        "s".clone_into(&mut waveform.unit);
+    }
+    waveform.values = match (object.unread, scales) {
+        (Some(what), _) => Err(format!("its samples are not read: {what}")),
+        (None, Err(reason)) => Err(reason),
+        (None, Ok(scales)) => {
+            for scale in scales {
+                values.iter_mut().for_each(|x| *x = scale.slope * *x + scale.intercept);
+            }
+            Ok(values)
+        }
+    };
+    waveform
+}
+
+/// Channels may have started at different times of the day; they are not aligned.
+fn start_times(layers: &Layers, objects: &[Object], notes: &mut Notes) {
+    // Years before 1910 stand for no date.
+    let starts: BTreeSet<u64> = layers
+        .channels
+        .iter()
+        .filter_map(|(k, ..)| match objects[*k].properties.get("wf_start_time") {
+            Some(Property::Time(s)) if *s > 2e8 && !objects[*k].values.is_empty() => Some((s * 1e6) as u64),
+            _ => None,
+        })
+        .collect();
+    if let (Some(first), Some(last)) = (starts.first(), starts.last())
+        && first != last
+    {
+        notes.warning(format!(
+            "channels start at times of the day up to {:.6} s apart (wf_start_time): they are not aligned, each keeps \
+             its own offset",
+            (last - first) as f64 / 1e6
+        ));
+    }
+}
+
+fn refuse(file: &str, error: SegmentError) -> IngestError {
+    match error {
+        SegmentError::Broken(broken) => IngestError::content(
+            Place::file(file),
+            format!("at byte {}: {}", broken.at, broken.found),
+            "a TDMS file as LabVIEW or DIAdem writes it",
+            "the file may be cut short or damaged: copy or download it again",
+        ),
+        SegmentError::TooLarge(found, limit) => IngestError::TooLarge { place: Place::file(file), found, limit },
+    }
+}

@@ -1,0 +1,377 @@
+//! The segments of a file, one after the other: metadata, then raw data in chunks.
+//!
+//! A segment without a list of objects of its own has that of the segment before it, in the same order. A recording
+//! that was aborted has a last segment without a length, or one that runs past the end of the file: it is read as far
+//! as it goes.
+
+use std::collections::BTreeMap;
+
+use crate::formats::tdms::bytes::{Broken, Cursor};
+use crate::formats::tdms::metadata::{Properties, RawIndex, SegmentData, Type, entry};
+use crate::formats::tdms::samples;
+
+/// Most objects in a file.
+const OBJECT_LIMIT: usize = 100_000;
+/// Most samples in a file, all channels together: 2 GiB in memory.
+const SAMPLE_LIMIT: u64 = 1 << 28;
+/// Most objects looked at in all segments together. A segment costs its number of objects, so that a small file could
+/// keep a reader busy for days.
+const WORK_LIMIT: u64 = 1 << 30;
+
+const METADATA: u32 = 1 << 1;
+const NEW_LIST: u32 = 1 << 2;
+const RAW_DATA: u32 = 1 << 3;
+const INTERLEAVED: u32 = 1 << 5;
+const BIG_ENDIAN: u32 = 1 << 6;
+
+/// An object of the file: the file itself, a group or a channel.
+#[derive(Debug, Clone, Default)]
+pub struct Object {
+    /// `/'group'/'channel'`.
+    pub path: String,
+    /// Its properties, the latest of each name.
+    pub properties: Properties,
+    /// How its samples lie in a chunk, as last described.
+    index: Option<RawIndex>,
+    /// Its samples, not scaled.
+    pub values: Vec<f64>,
+    /// Samples are raw values of a card.
+    pub is_daqmx: bool,
+    /// Samples are times; they count from this second since 1904.
+    pub epoch_s: Option<i64>,
+    /// Why samples that the file has are not among the values.
+    pub unread: Option<&'static str>,
+}
+
+/// Objects in the order in which they first appear, and remarks.
+#[derive(Debug, Clone, Default)]
+pub struct Content {
+    /// The objects.
+    pub objects: Vec<Object>,
+    /// Oddities that did not stop the reading.
+    pub warnings: Vec<String>,
+}
+
+/// Why a file is not read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SegmentError {
+    /// Not the format.
+    Broken(Broken),
+    /// A limit is exceeded: what was found, the limit.
+    TooLarge(String, String),
+}
+
+impl From<Broken> for SegmentError {
+    fn from(broken: Broken) -> Self {
+        Self::Broken(broken)
+    }
+}
+
+/// State between segments.
+#[derive(Debug, Default)]
+struct Walk {
+    content: Content,
+    by_path: BTreeMap<String, usize>,
+    /// Objects of the current list, and whether they have raw data.
+    list: Vec<(usize, bool)>,
+    /// Place of an object in the list.
+    place: BTreeMap<usize, usize>,
+    samples: u64,
+    work: u64,
+}
+
+/// Reads all segments.
+pub fn read(bytes: &[u8]) -> Result<Content, SegmentError> {
+    let mut walk = Walk::default();
+    let mut at = 0;
+    while at < bytes.len() {
+        let left = bytes.len() - at;
+        if left < 28 && at > 0 {
+            walk.content.warnings.push(format!("the file ends with {left} bytes that are no whole segment"));
+            break;
+        }
+        at = walk.segment(bytes, at)?;
+    }
+    Ok(walk.content)
+}
+
+impl Walk {
+    /// Reads the segment at `at` and says where the next one is.
+    fn segment(&mut self, bytes: &[u8], at: usize) -> Result<usize, SegmentError> {
+        let mut cursor = Cursor::new(bytes, at, false);
+        let mark = cursor.take(4)?;
+        if mark != b"TDSm" {
+            return Ok(Cursor::broken(at, "no segment starts here (no TDSm)")?);
+        }
+        let toc = cursor.u32()?;
+        let big_endian = toc & BIG_ENDIAN != 0;
+        let mut cursor = Cursor::new(bytes, cursor.at(), big_endian);
+        let version = cursor.u32()?;
+        if !matches!(version, 4712 | 4713) {
+            return Ok(Cursor::broken(at + 8, format!("version {version} of TDMS, 4712 and 4713 are known"))?);
+        }
+        let (length, raw_offset) = (cursor.u64()?, cursor.u64()?);
+        let body = cursor.at();
+        let end = usize::try_from(length).ok().and_then(|length| body.checked_add(length));
+        let whole = end.filter(|end| length != u64::MAX && *end <= bytes.len());
+        let end = whole.unwrap_or(bytes.len());
+        if whole.is_none() {
+            let what = if length == u64::MAX { "has no length" } else { "is longer than the file" };
+            self.content.warnings.push(format!(
+                "the segment at byte {at} {what}: the recording was aborted, it is read as far as it goes"
+            ));
+        }
+        let mut metadata_end = body;
+        if toc & METADATA != 0 {
+            let mut metadata = Cursor::new(&bytes[..end], body, big_endian);
+            match self.metadata(&mut metadata, toc & NEW_LIST != 0) {
+                Ok(()) => metadata_end = metadata.at(),
+                // The first segment must say something at least.
+                Err(SegmentError::Broken(_)) if whole.is_none() && at > 0 => return Ok(bytes.len()),
+                Err(error) => return Err(error),
+            }
+        }
+        if toc & RAW_DATA != 0 {
+            let stated = usize::try_from(raw_offset).ok().and_then(|offset| body.checked_add(offset));
+            let start = match stated.filter(|start| *start <= end) {
+                Some(start) => start,
+                None if whole.is_none() => metadata_end,
+                None => {
+                    return Ok(Cursor::broken(
+                        at + 20,
+                        format!("raw data from byte {raw_offset} of a shorter segment"),
+                    )?);
+                }
+            };
+            self.raw_data(&bytes[start..end], start, toc & INTERLEAVED != 0, big_endian)?;
+        }
+        Ok(end)
+    }
+
+    fn metadata(&mut self, cursor: &mut Cursor, new_list: bool) -> Result<(), SegmentError> {
+        if new_list {
+            self.list.clear();
+            self.place.clear();
+        }
+        for _ in 0..cursor.u32()? {
+            let at = cursor.at();
+            let entry = entry(cursor)?;
+            let index = match self.by_path.get(&entry.path) {
+                Some(index) => *index,
+                None => {
+                    let index = self.content.objects.len();
+                    if index == OBJECT_LIMIT {
+                        return Err(SegmentError::TooLarge(
+                            format!("more than {OBJECT_LIMIT} objects"),
+                            format!("at most {OBJECT_LIMIT} groups and channels"),
+                        ));
+                    }
+                    self.content.objects.push(Object { path: entry.path.clone(), ..Object::default() });
+                    self.by_path.insert(entry.path, index);
+                    index
+                }
+            };
+            let object = &mut self.content.objects[index];
+            object.properties.extend(entry.properties);
+            let has_data = match entry.raw {
+                SegmentData::None => false,
+                SegmentData::AsBefore if object.index.is_none() => {
+                    return Ok(Cursor::broken(
+                        at,
+                        format!("raw data of {} as before, but there was none", object.path),
+                    )?);
+                }
+                SegmentData::AsBefore => true,
+                SegmentData::New(index) => {
+                    object.index = Some(index);
+                    true
+                }
+            };
+            if let Some(place) = self.place.get(&index) {
+                self.list[*place].1 = has_data;
+            } else {
+                self.place.insert(index, self.list.len());
+                self.list.push((index, has_data));
+            }
+        }
+        Ok(())
+    }
+
+    fn raw_data(&mut self, raw: &[u8], start: usize, interleaved: bool, big_endian: bool) -> Result<(), SegmentError> {
+        self.work(self.list.len())?;
+        let objects = &self.content.objects;
+        let active: Vec<(usize, RawIndex)> = self
+            .list
+            .iter()
+            .filter(|(_, has_data)| *has_data)
+            .filter_map(|(k, _)| Some((*k, objects[*k].index.as_ref().filter(|index| !index.is_empty())?.clone())))
+            .collect();
+        let buffers = |index: &RawIndex| if let RawIndex::Daqmx { widths, .. } = index { widths.len() } else { 0 };
+        self.work(active.iter().map(|(_, index)| buffers(index)).sum())?;
+        if raw.is_empty() || active.is_empty() {
+            return Ok(());
+        }
+        let rest = if active.iter().any(|(_, index)| matches!(index, RawIndex::Daqmx { .. })) {
+            self.daqmx(&active, raw, start, big_endian)?
+        } else if interleaved {
+            self.interleaved(&active, raw, start, big_endian)?
+        } else {
+            self.contiguous(&active, raw, big_endian)?
+        };
+        if rest {
+            self.content.warnings.push(format!("the raw data from byte {start} on end in the middle of a chunk"));
+        }
+        Ok(())
+    }
+
+    /// Takes note of `steps` that are not paid for by bytes of the file.
+    fn work(&mut self, steps: usize) -> Result<(), SegmentError> {
+        self.work = self.work.saturating_add(steps as u64 + 1);
+        if self.work <= WORK_LIMIT {
+            return Ok(());
+        }
+        Err(SegmentError::TooLarge(
+            "very many segments with very many channels".to_owned(),
+            "files as a recorder writes them".to_owned(),
+        ))
+    }
+
+    /// Takes note of `count` more samples, before there is memory for them.
+    fn count(&mut self, count: u64) -> Result<(), SegmentError> {
+        self.samples = self.samples.saturating_add(count);
+        if self.samples <= SAMPLE_LIMIT {
+            return Ok(());
+        }
+        Err(SegmentError::TooLarge(
+            format!("more than {} million samples", SAMPLE_LIMIT / 1_000_000),
+            format!("at most {SAMPLE_LIMIT} samples in all channels together"),
+        ))
+    }
+
+    fn push(&mut self, object: usize, kind: Type, big_endian: bool, raw: samples::Strided) -> Result<(), SegmentError> {
+        if let Type::Unread(what, _) = kind {
+            self.content.objects[object].unread = Some(what);
+            return Ok(());
+        }
+        self.count(raw.count as u64)?;
+        let object = &mut self.content.objects[object];
+        if kind == Type::Time {
+            samples::times(raw, big_endian, &mut object.epoch_s, &mut object.values);
+        } else {
+            samples::numbers(raw, kind, big_endian, &mut object.values);
+        }
+        Ok(())
+    }
+
+    /// Chunks of all samples of one channel, then of the next. True if the last chunk is not whole.
+    fn contiguous(&mut self, active: &[(usize, RawIndex)], raw: &[u8], big_endian: bool) -> Result<bool, SegmentError> {
+        let mut rest = raw;
+        loop {
+            let before = rest.len();
+            for (object, index) in active {
+                let RawIndex::Plain { kind, bytes, .. } = index else { continue };
+                let wanted = usize::try_from(*bytes).unwrap_or(usize::MAX);
+                let (mine, after) = rest.split_at(wanted.min(rest.len()));
+                rest = after;
+                if *kind == Type::Text {
+                    self.content.objects[*object].unread = Some("texts");
+                } else {
+                    let strided = samples::Strided { raw: mine, stride: kind.size(), count: mine.len() / kind.size() };
+                    self.push(*object, *kind, big_endian, strided)?;
+                }
+                if mine.len() < wanted {
+                    return Ok(true);
+                }
+            }
+            // Texts of no bytes alone would go on for ever.
+            if rest.is_empty() || rest.len() == before {
+                return Ok(!rest.is_empty());
+            }
+        }
+    }
+
+    /// Rows of one sample of each channel. True if the last row is not whole.
+    fn interleaved(
+        &mut self,
+        active: &[(usize, RawIndex)],
+        raw: &[u8],
+        start: usize,
+        big_endian: bool,
+    ) -> Result<bool, SegmentError> {
+        let mut stride = 0;
+        for (object, index) in active {
+            let RawIndex::Plain { kind, count, .. } = index else { continue };
+            if *kind == Type::Text || *count != active[0].1.count() {
+                let path = &self.content.objects[*object].path;
+                let found = format!("interleaved channels must have equal counts and numbers only, {path} has not");
+                return Ok(Cursor::broken(start, found)?);
+            }
+            stride += kind.size();
+        }
+        let rows = raw.len() / stride;
+        let mut offset = 0;
+        for (object, index) in active {
+            let RawIndex::Plain { kind, .. } = index else { continue };
+            let strided = samples::Strided { raw: raw.get(offset..).unwrap_or_default(), stride, count: rows };
+            self.push(*object, *kind, big_endian, strided)?;
+            offset += kind.size();
+        }
+        Ok(rows * stride < raw.len())
+    }
+
+    /// Rows of a card's buffers, one buffer after the other in each chunk. True if the last chunk is not whole.
+    fn daqmx(
+        &mut self,
+        active: &[(usize, RawIndex)],
+        raw: &[u8],
+        start: usize,
+        big_endian: bool,
+    ) -> Result<bool, SegmentError> {
+        let mixed =
+            || Cursor::broken(start, "DAQmx channels that do not share their buffers and counts, or with others");
+        let RawIndex::Daqmx { count: rows, widths, .. } = &active[0].1 else { return Ok(mixed()?) };
+        let alike = |index: &RawIndex| match index {
+            RawIndex::Daqmx { count, widths: others, .. } => count == rows && others == widths,
+            RawIndex::Plain { .. } => false,
+        };
+        if !active.iter().all(|(_, index)| alike(index)) {
+            return Ok(mixed()?);
+        }
+        let widths: Vec<usize> = widths.iter().map(|w| *w as usize).collect();
+        if widths.contains(&0) || widths.is_empty() {
+            return Ok(Cursor::broken(start, "a DAQmx buffer of no width")?);
+        }
+        let rows = usize::try_from(*rows).unwrap_or(usize::MAX);
+        let mut rest = raw;
+        let mut whole = true;
+        while !rest.is_empty() && whole {
+            for (buffer, width) in widths.iter().enumerate() {
+                let here = rows.min(rest.len() / width);
+                whole &= here == rows;
+                let (mine, after) = rest.split_at(here * width);
+                rest = after;
+                self.work(active.len())?;
+                for (object, index) in active {
+                    let RawIndex::Daqmx { scaler, .. } = index else { continue };
+                    self.content.objects[*object].is_daqmx = true;
+                    match scaler {
+                        Err(reason) => self.content.objects[*object].unread = Some(reason),
+                        Ok(scaler) if scaler.buffer >= widths.len() => {
+                            self.content.objects[*object].unread = Some("a DAQmx buffer that is not there");
+                        }
+                        Ok(scaler) if scaler.buffer == buffer => {
+                            if scaler.offset.checked_add(scaler.kind.size()).is_none_or(|end| end > *width) {
+                                return Ok(Cursor::broken(start, "a DAQmx sample outside its row")?);
+                            }
+                            let raw = mine.get(scaler.offset..).unwrap_or_default();
+                            let strided = samples::Strided { raw, stride: *width, count: here };
+                            self.push(*object, scaler.kind, big_endian, strided)?;
+                        }
+                        Ok(_) => {}
+                    }
+                }
+            }
+        }
+        Ok(!whole)
+    }
+}

@@ -1,0 +1,164 @@
+//! Named waveforms as channels in SI, and what is noted about them.
+
+use crumple_signal::{Channel, Notes, QuantityKind, Sampled};
+
+use crate::formats::iso13499;
+use crate::formats::text::column_names::{self, Unit};
+use crate::formats::waveform::channel::{Waveform, list};
+use crate::formats::waveform::clock::Clocks;
+use crate::formats::waveform::label::{self, Label};
+use crate::formats::waveform::{identity, units};
+use crate::recording::read_channel::{Fitness, ReadChannel};
+use crate::recording::unheeded_flags;
+use crate::{IngestError, IngestSettings, Place};
+
+/// What is noted once for many channels.
+#[derive(Debug, Default)]
+struct Remarks {
+    /// Missing samples at the end, by channel.
+    trimmed: Vec<(usize, String)>,
+    /// Channels without samples.
+    empty: Vec<String>,
+    /// Channels without a known unit.
+    no_unit: Vec<String>,
+    /// Channels that cannot be read.
+    left_out: Vec<IngestError>,
+}
+
+/// Makes channels in SI of waveforms; each comes with the index of its waveform.
+///
+/// A channel of times and one without samples are no channels of the record. One that cannot be read is left out with a
+/// warning, unless it is asked for or nothing remains.
+pub fn to_channels(
+    file: &str,
+    mut waveforms: Vec<Waveform>,
+    settings: &IngestSettings,
+    notes: &mut Notes,
+) -> Result<Vec<(usize, ReadChannel)>, IngestError> {
+    let labels: Vec<Label> = waveforms.iter().map(|w| label::label(&w.name, &w.unit)).collect();
+    let ids = identity::ids(&waveforms, &labels);
+    let aliases = identity::aliases(&waveforms, &labels);
+    let wanted = settings.channel.as_deref().and_then(|wanted| identity::find(wanted, &ids, &aliases));
+    let mut remarks = Remarks::default();
+    for (waveform, id) in waveforms.iter_mut().zip(&ids) {
+        if let Ok(values) = &mut waveform.values {
+            let missing = values.iter().rev().take_while(|x| x.is_nan()).count();
+            values.truncate(values.len() - missing);
+            if missing > 0 {
+                remarks.trimmed.push((missing, id.clone()));
+            }
+        }
+    }
+    let mut clocks = Clocks::find(file, &waveforms, &labels, settings, notes);
+    let own_steps = |(k, w): (usize, &Waveform)| clocks.is_clock(k) || w.steps.is_some();
+    if settings.time_unit.is_some() && waveforms.iter().enumerate().all(own_steps) {
+        unheeded_flags::warn("--time-unit", "every channel states its step in seconds", notes);
+    }
+    let kinds = units::quantities(file, &waveforms, &labels, &clocks, wanted, settings, notes)?;
+
+    let mut channels = Vec::new();
+    for (k, waveform) in waveforms.into_iter().enumerate() {
+        let (id, aliases, label, (quantity, factor)) = (&ids[k], &aliases[k], &labels[k], kinds[k]);
+        let is_wanted = wanted == Some(k);
+        if clocks.is_clock(k) {
+            continue;
+        }
+        if matches!(&waveform.values, Ok(values) if values.is_empty()) && !is_wanted {
+            remarks.empty.push(id.clone());
+            continue;
+        }
+        let read = samples(file, id, waveform, factor, &mut clocks);
+        let (wave, jitter, comment) = match read {
+            Ok(read) => read,
+            Err(error) if is_wanted => return Err(error),
+            Err(error) => {
+                remarks.left_out.push(error);
+                continue;
+            }
+        };
+        if quantity == QuantityKind::Other && !matches!(label.unit, Unit::Time(_)) {
+            remarks.no_unit.push(id.clone());
+        }
+        let acceleration = quantity == QuantityKind::Acceleration;
+        let mut channel = Channel::new(id.clone(), quantity);
+        channel.axis = column_names::axis(&label.title);
+        channel.cfc = column_names::cfc(&label.title).filter(|_| acceleration);
+        iso13499::describe_by_name(&mut channel, &label.name, notes);
+        channel.comment = comment;
+        let fitness =
+            acceleration.then_some(Fitness { redundant: false, place: 0, why: "the only acceleration channel" });
+        let aliases = aliases.clone();
+        channels.push((k, ReadChannel { wave: Some(wave), jitter, fitness, aliases, ..ReadChannel::new(channel) }));
+    }
+    if channels.is_empty() {
+        return Err(remarks.left_out.into_iter().next().unwrap_or_else(|| {
+            IngestError::content(
+                Place::file(file),
+                "no channel has samples",
+                "at least one channel of numbers",
+                "check that the recording was saved, not its description only",
+            )
+        }));
+    }
+    if settings.resample.is_some() && !clocks.resamples() {
+        let why = "every channel states a uniform step; crumple-filter --resample brings channels to another rate";
+        unheeded_flags::warn("--resample", why, notes);
+    }
+    clocks.notes(notes);
+    remarks.notes(notes);
+    Ok(channels)
+}
+
+type Read = (Sampled, f64, Option<String>);
+
+fn samples(file: &str, id: &str, waveform: Waveform, factor: f64, clocks: &mut Clocks) -> Result<Read, IngestError> {
+    let refuse = |found: String, expected: &str, hint: &str| {
+        Err(IngestError::content(Place::file(file).in_column(id), found, expected, hint))
+    };
+    let mut values = match waveform.values {
+        Ok(values) => values,
+        Err(found) => return refuse(found, "numbers", "export the channel as CSV, or as plain numbers of this format"),
+    };
+    if values.is_empty() {
+        return refuse("no samples".to_owned(), "samples", "choose another channel by --channel");
+    }
+    if let Some(found) = waveform.not_time {
+        return refuse(found, "steps of time", "export the channel over time");
+    }
+    let grid = clocks.grid(file, id, &waveform.group, waveform.steps, &mut values)?;
+    if let Some(k) = values.iter().position(|x| !x.is_finite()) {
+        let what = if values[k].is_nan() { "missing (NaN)" } else { "infinite" };
+        return refuse(
+            format!("sample {k} of {} is {what}", values.len()),
+            "finite numbers; only missing samples at the end are cut off",
+            "cut the record before the gap, or fill it in the program that made it: gaps are not filled here",
+        );
+    }
+    values.iter_mut().for_each(|x| *x *= factor);
+    match Sampled::new(grid.t0_s, grid.dt_s, values) {
+        Ok(wave) => Ok((wave, grid.jitter, waveform.comment)),
+        Err(error) => refuse(error.to_string(), "finite numbers on a uniform grid", "export the channel again"),
+    }
+}
+
+impl Remarks {
+    fn notes(mut self, notes: &mut Notes) {
+        self.trimmed.sort_by_key(|(count, _)| *count);
+        for same in self.trimmed.chunk_by(|a, b| a.0 == b.0) {
+            let ids: Vec<&str> = same.iter().map(|(_, id)| id.as_str()).collect();
+            notes.warning(format!("{} missing samples (NaN) cut off at the end of {}", same[0].0, list(&ids)));
+        }
+        if !self.empty.is_empty() {
+            notes.info(format!("no samples in {}: left out", list(&self.empty)));
+        }
+        if !self.no_unit.is_empty() {
+            notes.info(format!("no unit is known for {}: kept as read, quantity other", list(&self.no_unit)));
+        }
+        for error in self.left_out.iter().take(12) {
+            notes.warning(format!("left out: {error}"));
+        }
+        if self.left_out.len() > 12 {
+            notes.warning(format!("{} more channels are left out", self.left_out.len() - 12));
+        }
+    }
+}

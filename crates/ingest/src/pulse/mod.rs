@@ -1,0 +1,7 @@
+//! Which channel is the crash pulse: rank of its place, choice, doubts, polarity.
+//! May use recording.
+
+pub mod choice;
+pub mod compartment;
+pub mod place_rank;
+pub mod polarity;

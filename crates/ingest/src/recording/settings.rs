@@ -1,0 +1,144 @@
+//! What a person may state about a record: the same names as flags, pipeline keys and sidecar keys.
+
+use crumple_signal::value::{Frequency, Mass, Speed, Time};
+use serde::{Deserialize, Serialize};
+
+/// What to do with the polarity of acceleration channels.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sign {
+    /// As in the file.
+    #[default]
+    Keep,
+    /// Multiplied by -1.
+    Flip,
+    /// Multiplied by -1 where the pulse is certain to be of the wrong sign, as in the file otherwise.
+    Auto,
+}
+
+/// A kind of table with rules of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Profile {
+    /// Event data recorder: columns of velocity are the change of velocity since the start of the event.
+    Edr,
+}
+
+/// Facts about the record and choices of its reader. What is given here beats the sidecar file, which beats the
+/// record itself.
+#[derive(Debug, Clone, Default, PartialEq, clap::Args, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct IngestSettings {
+    /// Test mass of the vehicle, with its unit: 873kg, 1.2t, 2000lb.
+    #[arg(long, value_name = "MASS")]
+    pub mass: Option<Mass>,
+    /// Speed just before contact, with its unit: 35km/h, 13.4m/s, 30mph.
+    #[arg(long, value_name = "SPEED")]
+    pub impact_speed: Option<Speed>,
+    /// Channel to take as the crash pulse: a column name or number of a table, a curve number of an NHTSA test, a
+    /// channel code, or a pattern that means one channel: '1?VEHC*X?', 'FLLR*'. With --list: the channels to print.
+    /// Default: the only acceleration column; for an NHTSA test the rear-seat crossmember or the next best place along
+    /// x.
+    #[arg(long, value_name = "CHANNEL")]
+    pub channel: Option<String>,
+    /// Unit of acceleration columns that state none: g, m/s^2, mg, kilo-g, ft/s^2, mm/s^2.
+    #[arg(long, value_name = "UNIT")]
+    pub unit: Option<String>,
+    /// Unit of the time column: s, ms, us. Default: from the header, else inferred from the sampling interval, with
+    /// a note.
+    #[arg(long, value_name = "UNIT")]
+    pub time_unit: Option<String>,
+    /// Time of first contact on the file's own time axis, with its unit: 0s, 12ms. The axis is shifted so that this is
+    /// t = 0. Default: the file's t = 0.
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub time_zero: Option<Time>,
+    /// Polarity of acceleration along x: keep; flip where the file has deceleration positive; auto flips only where the
+    /// pulse gains 0.6 to 1.6 times the impact speed in 150 ms, with a note. Default: keep.
+    #[arg(long, value_enum, value_name = "SIGN")]
+    pub sign: Option<Sign>,
+    /// Sampling interval of a table without a time column, with its unit: 0.08s, 100us. The first row is at 0 s.
+    #[arg(long, value_name = "TIME")]
+    pub sample_time: Option<Time>,
+    /// Kind of table: edr for the tables of event data recorders (CDR reports), whose velocity columns are changes of
+    /// velocity.
+    #[arg(long, value_enum, value_name = "PROFILE")]
+    pub profile: Option<Profile>,
+    /// Words of the line above the table that is meant, in a text with several: "Longitudinal Crash Pulse".
+    #[arg(long, value_name = "TEXT")]
+    pub skip_to: Option<String>,
+    /// Number to take from the JSON or protobuf messages of an MCAP file, by its path; several by commas; a topic and a
+    /// colon may stand in front: imu.acceleration.x. Its unit is that of --unit.
+    #[arg(long, value_name = "PATH")]
+    pub field: Option<String>,
+    /// Rate to which messages, or rows of a table with uneven times, are resampled by linear interpolation, with its
+    /// unit: 10kHz. Default: uneven times are refused.
+    #[arg(long, value_name = "RATE")]
+    pub resample: Option<Frequency>,
+    /// Vehicle whose structure carries the pulse in an NHTSA test with two: 1 or 2. Default: 1.
+    #[arg(long, value_name = "NUMBER")]
+    pub vehicle_number: Option<u32>,
+    /// Vehicle, in words.
+    #[arg(long, value_name = "TEXT")]
+    pub vehicle: Option<String>,
+    /// Title of the test. Default: the file's, else the file name.
+    #[arg(long, value_name = "TEXT")]
+    pub title: Option<String>,
+    /// Barrier, in words.
+    #[arg(long, value_name = "TEXT")]
+    pub barrier: Option<String>,
+    /// Go on without test mass or impact speed: enough to filter and to identify a linear model, not for crush, force
+    /// or physical parameters. Default: false.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL")]
+    pub allow_missing: Option<bool>,
+    /// Only the table of channels is wanted: nothing is asked back. Not an option of its own.
+    #[arg(skip)]
+    #[serde(skip)]
+    pub listing: bool,
+}
+
+impl IngestSettings {
+    /// These settings where they say something, else those below.
+    pub fn over(&self, below: &Self) -> Self {
+        Self {
+            mass: self.mass.or(below.mass),
+            impact_speed: self.impact_speed.or(below.impact_speed),
+            channel: self.channel.clone().or_else(|| below.channel.clone()),
+            unit: self.unit.clone().or_else(|| below.unit.clone()),
+            time_unit: self.time_unit.clone().or_else(|| below.time_unit.clone()),
+            time_zero: self.time_zero.or(below.time_zero),
+            sign: self.sign.or(below.sign),
+            sample_time: self.sample_time.or(below.sample_time),
+            profile: self.profile.or(below.profile),
+            field: self.field.clone().or_else(|| below.field.clone()),
+            resample: self.resample.or(below.resample),
+            skip_to: self.skip_to.clone().or_else(|| below.skip_to.clone()),
+            vehicle_number: self.vehicle_number.or(below.vehicle_number),
+            vehicle: self.vehicle.clone().or_else(|| below.vehicle.clone()),
+            title: self.title.clone().or_else(|| below.title.clone()),
+            barrier: self.barrier.clone().or_else(|| below.barrier.clone()),
+            allow_missing: self.allow_missing.or(below.allow_missing),
+            listing: self.listing,
+        }
+    }
+
+    /// The names a sidecar may use.
+    pub const KEYS: [&'static str; 17] = [
+        "mass",
+        "impact_speed",
+        "channel",
+        "unit",
+        "time_unit",
+        "time_zero",
+        "sign",
+        "sample_time",
+        "profile",
+        "skip_to",
+        "field",
+        "resample",
+        "vehicle_number",
+        "vehicle",
+        "title",
+        "barrier",
+        "allow_missing",
+    ];
+}

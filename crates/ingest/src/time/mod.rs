@@ -1,0 +1,7 @@
+//! The time axis: uniform grid, resampling, unit, time zero.
+//! May use no other room.
+
+pub mod grid;
+pub mod resampling;
+pub mod time_unit;
+pub mod time_zero;

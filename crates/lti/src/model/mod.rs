@@ -1,0 +1,6 @@
+//! Linear models: state space, transfer function, and the modes of a pole.
+//! Uses matrix.
+
+pub mod mode;
+pub mod state_space;
+pub mod transfer_function;

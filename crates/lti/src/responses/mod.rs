@@ -1,0 +1,6 @@
+//! What a model answers: in time to an input or an initial state, and over frequency.
+//! Uses model; its tests use conversion.
+
+pub mod frequency_response;
+pub mod response;
+pub mod simulate;

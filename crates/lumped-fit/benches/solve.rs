@@ -1,0 +1,70 @@
+//! Time of one coefficient match and of the default fits.
+//!
+//! `cargo bench -p crumple-lumped-fit --bench solve`
+
+#![allow(clippy::unwrap_used, reason = "a benchmark that cannot run has no figure")]
+
+use std::hint::black_box;
+
+use crumple_lumped::{CoefficientMatching, Model, Reading};
+use crumple_lumped_fit::{
+    FireflyOptions, FireflyUnits, SingleMassFitOptions, firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2,
+};
+use crumple_signal::Signal;
+use crumple_testkit::stopwatch::best_us;
+use crumple_testkit::table_5;
+
+/// Shortest of repeated runs, µs: what else runs on the machine only adds.
+fn time(name: &str, aim: &str, run: impl FnMut()) {
+    println!("{name:62} {:12.2} µs   aim {aim}", best_us(run));
+}
+
+fn main() {
+    let record = vec![1.0_f64; 1501];
+    time("memory pass: 1,501 samples copied", "-", || {
+        black_box(record.clone());
+    });
+    let civic = [35.7, 6024.0, 185_000.0, 414_600.0];
+    time("coefficient matching, all six solutions, certified", "10", || {
+        black_box(CoefficientMatching::new(black_box(civic), 284.4, 1137.6, Reading::Binary).unwrap().solve());
+    });
+    time("  the same, numbers read as decimals", "10", || {
+        black_box(CoefficientMatching::new(black_box(civic), 284.4, 1137.6, Reading::Decimal).unwrap().solve());
+    });
+    let truth = Model::Nonlinear2(table_5());
+    let response = truth.respond(9.7222, 1e-4, 1501).unwrap();
+    let x = Signal::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap();
+    let options = SingleMassFitOptions {
+        mass_kg: 873.0,
+        impact_speed_m_per_s: 9.7222,
+        crush_m: 0.5063,
+        time_of_dynamic_crush_s: 0.07516,
+        time_zero_s: 0.0,
+        from_s: 0.0,
+        to_s: None,
+        samples: 250,
+    };
+    time("nonlinear II, all ten parameters to 1e-6, default method", "200000", || {
+        black_box(fit_nonlinear2(&x, &options).unwrap());
+    });
+    time("nonlinear I with side constraints, a record it does not meet", "-", || {
+        black_box(fit_nonlinear1(&x, &options, true).unwrap());
+    });
+    time("maxwell", "-", || {
+        black_box(fit_maxwell(&x, &options).unwrap());
+    });
+    // Errors over 20 seeds, 20,000 evaluations each.
+    for (name, units) in [("as printed", FireflyUnits::Physical), ("in the unit box", FireflyUnits::Unit)] {
+        let mut errors: Vec<f64> = (1..=20)
+            .map(|seed| {
+                let search = FireflyOptions { units, seed, ..FireflyOptions::default() };
+                let options = SingleMassFitOptions { samples: 60, ..options };
+                1e3 * firefly_nonlinear2(&x, &options, &search).unwrap().fit.rmse
+            })
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        println!("firefly {name}: median {:.2} mm, {:.2} to {:.2} mm over 20 seeds", errors[10], errors[0], errors[19]);
+    }
+    let (_, fit, _) = fit_nonlinear2(&x, &options).unwrap();
+    println!("default method: {:.1e} mm, {} evaluations", 1e3 * fit.rmse, fit.evaluations);
+}

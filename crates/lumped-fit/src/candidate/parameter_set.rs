@@ -1,0 +1,157 @@
+//! A parameter set with the record of how it was fitted.
+//!
+//! A [`Candidate`] is one answer for one model by one method. A record can have several: dual models, other minima,
+//! other roots of a polynomial. They are numbered by `index`, and none is left out because another fits as well.
+
+use std::collections::BTreeMap;
+
+use crumple_estimation::minimise::StopReason;
+use crumple_lumped::Model;
+
+use crate::candidate::note::CandidateNote;
+use crate::candidate::parameter_words::all_in_words;
+use crate::record::window::Window;
+use crate::{FitQuantity, Method, SensorFit};
+use crumple_estimation::minimise::levenberg_marquardt::Optimum;
+
+/// One set of parameters, with how it was found and what was assumed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// The model with its parameters.
+    pub model: Model,
+    /// How they were found.
+    pub method: Method,
+    /// Place among the solutions of this model and method, from 1.
+    pub index: usize,
+    /// Index of another solution of the same model and method that gives exactly the same record.
+    pub equivalent_to: Option<usize>,
+    /// How it was fitted; `None` for a closed form.
+    pub fit: Option<Fit>,
+    /// How well the parameters are determined; `None` where no residual is left over.
+    pub uncertainty: Option<Uncertainty>,
+    /// Reductions and assumptions, in words.
+    pub notes: Vec<CandidateNote>,
+}
+
+impl Candidate {
+    /// `<model>/<method>/<index>`.
+    pub fn id(&self) -> String {
+        self.id_of(self.index)
+    }
+
+    /// Id of the candidate it is equivalent to.
+    pub fn equivalent_id(&self) -> Option<String> {
+        self.equivalent_to.map(|index| self.id_of(index))
+    }
+
+    fn id_of(&self, index: usize) -> String {
+        format!("{}/{}/{index}", self.model.kind(), self.method)
+    }
+}
+
+/// Record of a fit by iteration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    /// Window, s after time zero.
+    pub from_s: f64,
+    /// End of the window: time of the last sample used.
+    pub to_s: f64,
+    /// Samples used.
+    pub samples: usize,
+    /// What was fitted.
+    pub quantity: FitQuantity,
+    /// Root mean square error over them, unit of the quantity; of several sensors that of the first.
+    pub rmse: f64,
+    /// Iterations of the descent that ended here, on the thinned and on the whole window.
+    pub iterations: u32,
+    /// Model evaluations of all starts.
+    pub evaluations: u64,
+    /// Why the best start stopped.
+    pub stop_reason: StopReason,
+    /// Names of the parameters that stopped on a bound.
+    pub active_bounds: Vec<&'static str>,
+    /// How far each sensor was missed; none where the compartment's displacement alone was fitted.
+    pub sensors: Vec<SensorFit>,
+}
+
+impl Fit {
+    /// The record of a fit to the displacement of the compartment.
+    ///
+    /// `best.cost` is the sum of squared residuals over the samples of `window`, in squared units of `crush_m`; the
+    /// error in the record is `sqrt(cost/n) crush_m`, m. `names` are the fitted parameters in the order of the
+    /// coordinates of `best`.
+    pub(crate) fn of_displacement(
+        best: &Optimum,
+        window: &Window,
+        evaluations: u64,
+        names: &[&'static str],
+        crush_m: f64,
+    ) -> Self {
+        Self {
+            from_s: window.first_s,
+            to_s: window.last_s(),
+            samples: window.samples.len(),
+            quantity: FitQuantity::Displacement,
+            rmse: (best.cost / window.samples.len() as f64).sqrt() * crush_m,
+            iterations: best.iterations,
+            evaluations,
+            stop_reason: best.stop,
+            active_bounds: names
+                .iter()
+                .zip(&best.on_bound)
+                .filter(|(_, on_bound)| **on_bound)
+                .map(|(name, _)| *name)
+                .collect(),
+            sensors: Vec::new(),
+        }
+    }
+}
+
+/// Standard deviations to first order, made from the fit alone. Not what the artifact holds where an assessment
+/// follows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uncertainty {
+    /// What it was made from, in words.
+    pub method: &'static str,
+    /// Standard deviation by parameter, in its unit; a parameter on a bound has none.
+    pub standard_deviation: BTreeMap<&'static str, f64>,
+    /// Condition number of the sensitivity matrix, columns scaled to one length.
+    pub condition: f64,
+    /// Lag-1 autocorrelation of the residuals that entered; `None` where none did.
+    pub residual_autocorrelation: Option<f64>,
+}
+
+/// The note on parameters that stopped on a bound; `None` where none did.
+///
+/// Zero is the limit of what is physical, and an answer: a damper of zero is a spring alone. Any other bound is that
+/// of the search: the value is the bound's and nothing of the record.
+pub fn bounds_remark(model: &Model, active_bounds: &[&'static str]) -> Option<String> {
+    let values = model.parameters();
+    let (zero, other): (Vec<&str>, Vec<&str>) =
+        active_bounds.iter().partition(|name| values.get(**name).is_some_and(|value| *value == 0.0));
+    let zero = (!zero.is_empty()).then(|| format!("zero, the smallest value possible: {}", all_in_words(model, zero)));
+    let other = (!other.is_empty())
+        .then(|| format!("on a bound, not determined by the record: {}", all_in_words(model, other)));
+    match (zero, other) {
+        (Some(zero), Some(other)) => Some(format!("{zero}; {other}")),
+        (zero, other) => zero.or(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crumple_lumped::Kelvin;
+
+    use super::*;
+
+    #[test]
+    fn zero_is_an_answer_and_another_bound_is_not() {
+        let model = Model::Kelvin(Kelvin { mass_kg: 1.0, stiffness_n_per_m: 2.0, damping_n_s_per_m: 0.0 });
+        let said = |names: &[&'static str]| bounds_remark(&model, names);
+        assert_eq!(said(&[]), None);
+        assert_eq!(said(&["damping_n_s_per_m"]).as_deref(), Some("zero, the smallest value possible: damping"));
+        let both = said(&["stiffness_n_per_m", "damping_n_s_per_m"]);
+        let text = "zero, the smallest value possible: damping; on a bound, not determined by the record: stiffness";
+        assert_eq!(both.as_deref(), Some(text));
+    }
+}

@@ -1,0 +1,205 @@
+//! Chains of masses fitted to the motion of one or several sensors.
+//!
+//! In three steps: a search from many starts on the motion itself, the noise levels of the sensors and the minimum in
+//! turn, and, where all filters are known, the same with each wave sampled, filtered and integrated like its record.
+//! What is left of equal minima and duals is reported with covariance and duals.
+
+use crumple_estimation::minimise::StopReason;
+use crumple_lumped::SecantChain;
+
+use crate::chain::coordinates::{ChainCoordinates, StatedChain};
+use crate::chain::covariance::{LinearisedUncertainty, linearised};
+use crate::chain::dual::{ChainDual, DualOf, dual_of, sees_the_last_only};
+use crate::chain::problem::{ChainProblem, windows};
+use crate::fit::descents::{all, bounds, distinct};
+use crate::fit::sensors::fit::{Search, fit_sensors};
+use crate::free::parameterisation::Parameterisation;
+use crate::{Observation, SolveError};
+use crumple_estimation::minimise::levenberg_marquardt::{Optimum, derivatives};
+
+/// Sets that are reported at most, each with its dual, and how near their errors must be to the best.
+const REPORTED: usize = 3;
+/// Sets whose weighted errors are within this factor of the best are reported: the record does not tell them apart.
+const AS_GOOD: f64 = 1.01;
+/// Rounds of weighing sensors seen through their filters, and the change of a weight that is worth another.
+const WEIGHINGS: usize = 8;
+/// Relative change of a weight for which the sensors are weighed once more.
+const WORTH_ANOTHER: f64 = 1e-3;
+/// Coordinates of the logarithms that differ by less are those of one set.
+const SAME: f64 = 0.01;
+
+/// One way to meet the record with the chain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChainSolution {
+    /// The chain.
+    pub chain: SecantChain,
+    /// Names of what was free, as in [`SecantChain::parameters`]; a mass that is the rest comes last.
+    pub free: Vec<String>,
+    /// Those that stopped on a bound.
+    pub on_bound: Vec<String>,
+    /// Root mean square error of every wave, in its unit, and the level its residuals were divided by.
+    pub rmse: Vec<f64>,
+    /// See there.
+    pub noise: Vec<f64>,
+    /// Samples compared.
+    pub samples: usize,
+    /// Iterations of the descent that ended here.
+    pub iterations: u32,
+    /// Model evaluations of all starts.
+    pub evaluations: u64,
+    /// Why it stopped.
+    pub stop_reason: StopReason,
+    /// Covariance and intervals of the free numbers; `None` where nothing is determined.
+    pub linearised: Option<LinearisedUncertainty>,
+    /// The chain with the same masses and the same motion of the last one; `None` where a wave tells the two apart, or
+    /// there is none.
+    pub dual: Option<ChainDual>,
+    /// Whether masses were fitted and no wave is of another mass than the last: their division is then in the
+    /// record by a formula, and in practice not.
+    pub division_undecided: bool,
+    /// The logarithms of what was free.
+    pub(crate) theta: Vec<f64>,
+}
+
+/// Fits the free numbers of a chain to waves, each of a mass by its index from the barrier on (`None`: the last).
+///
+/// Weighted least squares of the logarithms within bounds, by Levenberg-Marquardt: on analytic sensitivities, or on
+/// differences where a coefficient has knots; from the stated start and from Halton points, at least six for each
+/// free number. The weight of a wave is that of its noise level, `1/s_w`, `s_w` the root mean square residual of the
+/// wave, found in turn with the fit.
+///
+/// `through_filter`: whether the measurement of every wave is known. Then the minima are followed to those of the
+/// misfit after sampling, filter and integration; else the motion itself is compared.
+///
+/// Solutions come best first, each with its dual next to it, the softer first spring first. At most three sets within
+/// 1 % of the least weighted error are reported. Deterministic for any number of threads. A global minimum is likely,
+/// not proven.
+///
+/// Errors: a chain without meaning, a wave of a mass that the chain does not have, no start with a finite response.
+pub fn fit_chain(
+    stated: &StatedChain,
+    observed: &Observation,
+    through_filter: bool,
+    starts: usize,
+) -> Result<Vec<ChainSolution>, SolveError> {
+    let masses = stated.elements.len();
+    let length_s = observed.waves.iter().map(|w| w.time_s(w.samples.len() - 1)).fold(0.0, f64::max);
+    if length_s <= 0.0 {
+        return Err(SolveError::Value { name: "number of waves", value: 0.0, expected: "one or more" });
+    }
+    let coordinates = ChainCoordinates::new(stated, length_s)?;
+    let index = |mass: Option<usize>| mass.unwrap_or(masses - 1);
+    if let Some(strange) = observed.waves.iter().map(|wave| index(wave.mass)).find(|mass| *mass >= masses) {
+        return Err(SolveError::Value {
+            name: "number of a mass with a sensor",
+            value: (strange + 1) as f64,
+            expected: "a mass of the chain",
+        });
+    }
+    let mut waves = observed.clone();
+    let mut seen = windows(&waves, masses, waves.scale_m());
+    for (sensor, wave) in seen.iter_mut().zip(&waves.waves) {
+        sensor.noise = wave.size().max(f64::MIN_POSITIVE);
+    }
+    let starts = starts.max(6 * coordinates.names.len());
+    let search = Search::Starts(starts, vec![coordinates.start.clone()]);
+    let weigh = vec![true; seen.len()];
+    let fitted = fit_sensors(&coordinates, observed.impact_speed_m_per_s, seen, &weigh, &search)
+        .ok_or(SolveError::NoFit { starts })?;
+    for (wave, sensor) in waves.waves.iter_mut().zip(&fitted.sensors) {
+        wave.weight = fitted.sensors[0].noise / sensor.noise;
+    }
+    let (mut minima, mut evaluations) = (fitted.minima, fitted.evaluations);
+    if through_filter {
+        for _ in 0..WEIGHINGS {
+            let problem = ChainProblem::new(&coordinates, &waves, true);
+            let points = minima.iter().map(|m| m.theta.clone()).collect();
+            let (next, spent) = all(&problem, points, &bounds(&coordinates, 200, 1e-12));
+            evaluations += spent;
+            minima = distinct(next);
+            let Some(best) = minima.first() else { break };
+            let levels = problem.levels(&best.theta).unwrap_or_default();
+            if !waves.weigh(&levels, WORTH_ANOTHER) {
+                break;
+            }
+        }
+    } else {
+        waves = waves.unfiltered();
+    }
+    let best = minima.first().ok_or(SolveError::NoFit { starts })?.cost;
+    minima.retain(|minimum| minimum.cost.sqrt() <= AS_GOOD * best.sqrt());
+    let problem = ChainProblem::new(&coordinates, &waves, through_filter);
+    let mut solutions: Vec<ChainSolution> = Vec::new();
+    let mut sets = 0;
+    for minimum in &minima {
+        let known = solutions.iter().any(|f| f.theta.iter().zip(&minimum.theta).all(|(a, b)| (a - b).abs() < SAME));
+        if known || sets == REPORTED {
+            continue;
+        }
+        let Some(mut primal) = solution(&problem, minimum, evaluations) else { continue };
+        sets += 1;
+        let place = solutions.len() + 1;
+        let dual =
+            sees_the_last_only(&waves, masses).then(|| dual_of(&coordinates, &primal.chain, &primal.theta)).flatten();
+        let other = match dual {
+            Some(DualOf::At(theta)) => {
+                // What the search stopped at is the bound of the minimum: that of the other place in its dual.
+                let on_bound = coordinates.exchanged(&minimum.on_bound);
+                solution(&problem, &Optimum { theta, on_bound, ..minimum.clone() }, evaluations)
+            }
+            Some(DualOf::Outside(chain)) => {
+                primal.dual = Some(ChainDual::NotAsStated(chain));
+                None
+            }
+            None => None,
+        };
+        match other {
+            // The one with the softer first spring comes first, whichever was found first.
+            Some(mut other) => {
+                if other.first_spring() < primal.first_spring() {
+                    std::mem::swap(&mut primal, &mut other);
+                }
+                primal.dual = Some(ChainDual::Solution(place + 1));
+                other.dual = Some(ChainDual::Solution(place));
+                solutions.extend([primal, other]);
+            }
+            None => solutions.push(primal),
+        }
+    }
+    Ok(solutions)
+}
+
+impl ChainSolution {
+    /// Stiffness of the spring next to the barrier at no compression, N/m: orders a solution and its dual.
+    fn first_spring(&self) -> f64 {
+        self.chain.springs().first().map_or(0.0, |spring| spring.at(0.0))
+    }
+}
+
+/// A minimum with errors of every wave, noise levels and linearised uncertainty; `None` where the response there is
+/// not finite.
+fn solution(problem: &ChainProblem<'_>, minimum: &Optimum, evaluations: u64) -> Option<ChainSolution> {
+    let (coordinates, waves) = (problem.coordinates, problem.waves);
+    let chain = coordinates.model(&minimum.theta)?;
+    let misfit = problem.misfit(&minimum.theta)?;
+    let rmse = waves.rmse(&misfit);
+    let sensitivities = derivatives(problem, &minimum.theta, &problem.bounds())? * problem.unit;
+    let on_bound = coordinates.names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
+    let first = waves.noise_levels(&rmse).first().copied().unwrap_or(0.0);
+    let free_masses = (0..coordinates.names.len()).any(|i| coordinates.is_mass(i));
+    Some(ChainSolution {
+        chain,
+        free: coordinates.all_names(),
+        on_bound: on_bound.map(|(name, _)| name.clone()).collect(),
+        noise: waves.waves.iter().map(|wave| first / wave.weight).collect(),
+        rmse,
+        samples: misfit.len(),
+        iterations: minimum.iterations,
+        evaluations,
+        stop_reason: minimum.stop,
+        linearised: linearised(coordinates, waves, minimum, &misfit, &sensitivities),
+        dual: None,
+        division_undecided: free_masses && coordinates.masses() > 1 && sees_the_last_only(waves, coordinates.masses()),
+        theta: minimum.theta.clone(),
+    })
+}

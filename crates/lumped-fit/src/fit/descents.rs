@@ -1,0 +1,49 @@
+//! Descents from several points at once: their bounds, their ends in order, and which ends are distinct.
+
+use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
+use rayon::prelude::*;
+
+use crate::free::parameterisation::Parameterisation;
+
+/// Minima that a fit may report; twice as many are kept for further steps.
+const REPORTED: usize = 3;
+/// Two ends whose coordinates all differ by less than this are one minimum. Coordinates are logarithms or shares, so
+/// this is 1 %.
+const APART: f64 = 0.01;
+
+/// Bounds of a descent in the coordinates of a model. `cost_tolerance`: relative decrease of the cost below which it
+/// ends.
+pub(crate) fn bounds(coordinates: &impl Parameterisation, max_iterations: u32, cost_tolerance: f64) -> Bounds {
+    let axes = coordinates.axes();
+    Bounds {
+        lower: axes.iter().map(|axis| axis.lower).collect(),
+        upper: axes.iter().map(|axis| axis.upper).collect(),
+        max_iterations,
+        cost_tolerance,
+    }
+}
+
+/// Descends from every point, in parallel: the ends, least cost first, and the evaluations spent by all of them.
+///
+/// A point without a finite response has no end. Ends of equal cost keep the order of their points, so the result
+/// does not depend on the number of threads.
+pub(crate) fn all(problem: &impl Response, points: Vec<Vec<f64>>, bounds: &Bounds) -> (Vec<Optimum>, u64) {
+    let ends: Vec<_> = points.par_iter().map(|point| descend(problem, point, bounds)).collect();
+    let mut ends: Vec<Optimum> = ends.into_iter().flatten().collect();
+    let evaluations = ends.iter().map(|m| m.evaluations).sum();
+    ends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    (ends, evaluations)
+}
+
+/// The ends that are not at the place of a better one; `sorted` by cost, and so is the result.
+pub(crate) fn distinct(sorted: Vec<Optimum>) -> Vec<Optimum> {
+    let mut kept: Vec<Optimum> = Vec::new();
+    for minimum in sorted {
+        let same = |other: &Optimum| minimum.theta.iter().zip(&other.theta).all(|(a, b)| (a - b).abs() < APART);
+        if !kept.iter().any(same) {
+            kept.push(minimum);
+        }
+    }
+    kept.truncate(2 * REPORTED);
+    kept
+}

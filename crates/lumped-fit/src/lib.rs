@@ -1,0 +1,99 @@
+//! Fits the physical parameters of lumped models to a crash record and says how well they are determined.
+//!
+//! - From the events of a crash (`t_m`, `C`, restitution): Kelvin and elastoplastic model, by closed forms.
+//! - From the displacement, velocity or acceleration of one or several sensors: every model, by bounded least squares
+//!   or L-SHADE; the nonlinear models also as their papers do, by an interior point and by a firefly search; chains
+//!   of any number of masses as stated.
+//! - From an identified transfer function, state space, set of modes or sum of exponentials: the double model by
+//!   coefficient matching (every solution), the Maxwell model from three exponents, and the curve fit of the ERA
+//!   paper for reproduction.
+//!
+//! Every candidate says how it was found and what was assumed, how well its parameters are determined (covariance,
+//! profile, bootstrap, propagation of uncertain inputs), and which other candidate gives the same record. Where a
+//! model has no solution the notes say why: that is an answer, not an error.
+//!
+//! A fit is made in two steps. [`solve`] searches for minima, mostly without the filter of the record, from many
+//! starts. [`refine`] moves each of them to the minimum of the misfit seen through the measurement of the record
+//! (sampling, filter, integration), and [`assess`] works there: these are the values and intervals that the stage
+//! writes. A chain that is stated goes through [`fit_chain`] and [`assess_chain`] alike.
+//!
+//! The library knows no files, no command line and no clock; the same input gives the same bits on any number of
+//! threads.
+//!
+//! rooms: solvers | papers chain | matching uncertainty | fit | closed_form free candidate | record
+//!
+//! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model;
+//! transfer-function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two
+//! nonlinear models; each function names its own.
+
+mod candidate;
+mod chain;
+mod closed_form;
+mod error;
+mod fit;
+mod free;
+mod matching;
+mod papers;
+mod record;
+mod solvers;
+mod uncertainty;
+
+pub use candidate::method::{METHODS, Method};
+pub use candidate::note::{CandidateNote, NoteTopic};
+pub use candidate::parameter_set::{Candidate, Fit, Uncertainty, bounds_remark};
+pub use candidate::parameter_words::{all_in_words, in_words};
+pub use chain::assessment::{ChainAssessment, ChainAssessmentOptions, assess_chain};
+pub use chain::coordinates::{Stated, StatedChain, StatedElement, StatedMass};
+pub use chain::covariance::LinearisedUncertainty;
+pub use chain::dual::ChainDual;
+pub use chain::fit::{ChainSolution, fit_chain};
+pub use closed_form::elastoplastic::{
+    RIGID_RESTITUTION, elastoplastic_from_events, elastoplastic_of_record, unloads_rigidly,
+};
+pub use closed_form::kelvin::{KelvinBranch, KelvinSolution, centroid_to_crush_time_ratio, kelvin_from_events};
+pub use closed_form::maxwell::{MaxwellExponents, maxwell_constants, maxwell_from_exponents};
+pub use crumple_estimation::minimise::StopReason;
+pub use crumple_estimation::minimise::l_shade::LShadeOptions;
+pub use crumple_estimation::statistics::{Covariance, covariance};
+pub use crumple_signal::Distribution;
+pub use error::SolveError;
+pub use fit::double::pair::{DoubleFit, DoubleFitOptions, fit_double};
+pub use fit::elastoplastic_fit::fit_elastoplastic_loading;
+pub use fit::maxwell_fit::{fit_maxwell, undetermined_by_the_record};
+pub use fit::nonlinear::nonlinear1::fit_nonlinear1;
+pub use fit::nonlinear::nonlinear2::fit_nonlinear2;
+pub use fit::nonlinear::problem::conditions_at_crush;
+pub use fit::options::SingleMassFitOptions;
+pub use fit::refine::{Refined, refine};
+pub use free::free_parameter::{FreeParameter, free_masses, free_parameters, mass_of};
+pub use free::mass_split::{MassSplit, masses, triple_masses};
+pub use free::model_coordinates::MassFit;
+pub use free::search_bounds::largest_of_chain;
+pub use matching::coefficient_matching::{Identified, Matched, Quartic, match_identified};
+pub use matching::coefficient_spread::CoefficientSpread;
+pub use papers::era_amplitude_ratios::{front_from_amplitudes, rear_from_amplitudes};
+pub use papers::era_curve_fit::curve_fit_of_the_paper;
+pub use papers::firefly::{FireflyOptions, FireflyResult, FireflyUnits, firefly_nonlinear2};
+pub use papers::maxwell_sum::maxwell_from_sum;
+pub use papers::nonlinear1_interior_point::interior_point_nonlinear1;
+pub use papers::tfest::match_as_the_paper_typed;
+pub use record::fit_quantity::FitQuantity;
+pub use record::measurement::{IntegrationRule, Measurement, TwoPassFilter};
+pub use record::observation::{Observation, ObservedWave, RESOLUTION_M};
+pub use record::sensor::{Sensor, SensorFit, SensorPlace, errors_in_words, note_of_errors};
+pub use record::test_data::TestData;
+pub use solvers::settings::SolveSettings;
+pub use solvers::solve::solve;
+pub use solvers::table::{DEFAULT_MODELS, MODELS, SOLVERS, Solver, solvers_of};
+pub use solvers::task::Needs;
+pub use uncertainty::assessment::{Assessment, AssessmentOptions, Intervals, assess, undetermined};
+pub use uncertainty::block_bootstrap::{BlockBootstrap, REPLICATES, bootstrap};
+pub use uncertainty::closed_form_propagation::{FollowedEvents, propagate_closed_form};
+pub use uncertainty::conditioned_propagation::propagate_conditioned;
+pub use uncertainty::dual_scale::DualScale;
+pub use uncertainty::identifiability::weakest_direction;
+pub use uncertainty::profile_likelihood::{Profile, RISE_95, profile};
+pub use uncertainty::propagation::{
+    InputUncertainty, Propagation, REPETITIONS, Repetition, largest_draw, perturbed, propagate, propagate_unfiltered,
+    repeat, repetition,
+};

@@ -1,0 +1,265 @@
+//! Waves of a test as measured, and the misfit of a model to them.
+//!
+//! A model is sampled, filtered and integrated as each wave was ([`Measurement`]) before it is compared, so the
+//! misfit holds what the model does not describe and not what the measurement did. Residuals of wave i are weighted
+//! with `w_i = s_1/s_i`, the noise level of the first wave over its own, which puts all of them into the unit of the
+//! first.
+
+use std::sync::Arc;
+
+use crumple_lumped::Model;
+use crumple_signal::{Displacement, Sampled, Signal};
+
+use crate::{FitQuantity, Measurement, SolveError};
+
+/// A wave of a test and the samples of it that are compared.
+#[derive(Debug, Clone)]
+pub struct ObservedWave {
+    /// Index of its mass from the barrier on; `None`: the compartment.
+    pub mass: Option<usize>,
+    /// What it says.
+    pub quantity: FitQuantity,
+    /// How it was measured.
+    pub measurement: Measurement,
+    /// First index of the window, on the grid of the measurement.
+    pub first: usize,
+    /// Distance of the samples compared.
+    pub stride: usize,
+    /// The wave at `first`, `first + stride`, ..., in its unit.
+    pub samples: Vec<f64>,
+    /// What the wave is known to at best, in its unit, see [`RESOLUTION_M`].
+    pub resolution: f64,
+    /// Factor of its misfit beside that of the first wave: noise level of the first over its own; 1 for the first.
+    pub weight: f64,
+    /// The wave as it was measured, window or not: where another time zero finds the motion at contact.
+    pub(crate) record: Arc<WholeWave>,
+}
+
+/// A wave on its own time axis, window or not.
+#[derive(Debug, PartialEq)]
+pub(crate) struct WholeWave {
+    /// Time of the first sample, s after contact.
+    first_s: f64,
+    /// Sampling interval, s.
+    dt_s: f64,
+    /// All samples, in the unit of the wave.
+    samples: Vec<f64>,
+}
+
+impl WholeWave {
+    /// Value and slope `t_s` after contact, from the parabola through the three nearest samples: off by `dt^3/16` and
+    /// `dt^2/4` times the largest third derivative. `None` before the first sample; the last parabola goes on after the
+    /// last.
+    pub fn at(&self, t_s: f64) -> Option<(f64, f64)> {
+        let place = (t_s - self.first_s) / self.dt_s;
+        let last = self.samples.len().checked_sub(3)?;
+        if !(place >= -1e-6 && place.is_finite()) {
+            return None;
+        }
+        let k = ((place - 0.5).floor().max(0.0) as usize).min(last);
+        let [a, b, c] = [self.samples[k], self.samples[k + 1], self.samples[k + 2]];
+        let s = place - (k + 1) as f64;
+        let (slope, bend) = (0.5 * (c - a), c - 2.0 * b + a);
+        Some((b + s * slope + 0.5 * s * s * bend, (slope + s * bend) / self.dt_s))
+    }
+
+    /// Samples `first`, `first + stride`, ... up to `last`, counted on the grid of `measurement`; the first index there
+    /// is one of.
+    pub fn picked(&self, measurement: &Measurement, first: f64, last: usize, stride: usize) -> (usize, Vec<f64>) {
+        let offset = ((self.first_s - measurement.first_s) / measurement.dt_s).round().max(0.0) as usize;
+        let first = (first.max(0.0) as usize).max(offset);
+        let end = (last + 1).saturating_sub(offset).min(self.samples.len());
+        (first, self.samples[(first - offset).min(end)..end].iter().copied().step_by(stride).collect())
+    }
+}
+
+/// The waves of a test that a model is compared with.
+///
+/// Misfits of several waves stand one after the other, each times its weight: all in the unit of the first wave.
+/// Fields called `_m` are in that unit; it is a metre for a displacement.
+#[derive(Debug, Clone)]
+pub struct Observation {
+    /// Speed at contact, m/s.
+    pub impact_speed_m_per_s: f64,
+    /// The waves; at least one.
+    pub waves: Vec<ObservedWave>,
+}
+
+/// Root mean square error that no displacement is assumed to be free of, m.
+///
+/// The measurement is repeated on the model without error; what remains are digits and what no filter record tells,
+/// such as anti-aliasing and the phase of the sampling. A tenth of a micrometre is the distance of 1e-8 s at contact
+/// speed. Errors of the sensor itself are not in it: those are propagated.
+pub const RESOLUTION_M: f64 = 1e-7;
+/// The crush of which that is a share: velocities and accelerations are assumed to be known to the same share of
+/// their largest value.
+const USUAL_CRUSH_M: f64 = 0.5;
+
+/// Least noise level of a wave, as a share of its root mean square.
+const LEAST_LEVEL: f64 = 1e-6;
+
+/// Fewest samples of a wave that are compared.
+pub(crate) const FEWEST: usize = 12;
+
+impl ObservedWave {
+    /// At most `limit` samples from `from_s` to `to_s` after contact. `wave` is on the grid of the measurement, as far
+    /// as it goes. Weight 1. Errors: a window that leaves the record, or fewer than 12 samples.
+    pub fn new(
+        wave: &Sampled,
+        (mass, quantity): (Option<usize>, FitQuantity),
+        time_zero_s: f64,
+        measurement: Measurement,
+        (from_s, to_s): (f64, f64),
+        limit: usize,
+    ) -> Result<Self, SolveError> {
+        let dt = measurement.dt_s;
+        let index = |t: f64| (t - measurement.first_s) / dt;
+        // The record may start later than the acceleration: integrated from contact.
+        let offset = index(wave.t0_s() - time_zero_s).round().max(0.0) as usize;
+        let first = (index(from_s) - 1e-6).ceil().max(0.0) as usize;
+        let last_s = wave.end_s() - time_zero_s;
+        let error = SolveError::Window { from_s, to_s, first_s: wave.t0_s() - time_zero_s, last_s };
+        if !(from_s.is_finite() && to_s.is_finite() && from_s < to_s && to_s <= last_s + 1e-6 * dt) {
+            return Err(error);
+        }
+        let last = (index(to_s) + 1e-6).floor().max(0.0) as usize;
+        let first = first.max(offset);
+        if last < first {
+            return Err(error);
+        }
+        let count = last - first + 1;
+        if count < FEWEST {
+            return Err(SolveError::TooFewSamples { samples: count, from_s, to_s, needed: FEWEST });
+        }
+        let stride = count.div_ceil(limit.max(FEWEST));
+        let all = wave.samples();
+        let end = (last + 1 - offset).min(all.len());
+        let samples: Vec<f64> = all[(first - offset).min(end)..end].iter().copied().step_by(stride).collect();
+        let resolution = match quantity {
+            FitQuantity::Displacement => RESOLUTION_M,
+            _ => RESOLUTION_M / USUAL_CRUSH_M * largest(&samples),
+        };
+        let first_s = wave.t0_s() - time_zero_s;
+        let record = Arc::new(WholeWave { first_s, dt_s: wave.dt_s(), samples: all.to_vec() });
+        Ok(Self { mass, quantity, measurement, first, stride, samples, resolution, weight: 1.0, record })
+    }
+
+    /// Index of the last sample on the grid of the measurement.
+    pub fn last(&self) -> usize {
+        self.first + self.stride * (self.samples.len() - 1)
+    }
+
+    /// Time of a sample that is compared, s after contact.
+    pub fn time_s(&self, index: usize) -> f64 {
+        self.measurement.time_s(self.first + index * self.stride)
+    }
+
+    /// Root mean square of the samples.
+    pub fn size(&self) -> f64 {
+        (self.samples.iter().map(|x| x * x).sum::<f64>() / self.samples.len() as f64).sqrt()
+    }
+}
+
+/// Largest magnitude, never zero.
+fn largest(samples: &[f64]) -> f64 {
+    samples.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(x.abs()))
+}
+
+impl Observation {
+    /// At most `limit` samples from `from_s` to `to_s` after contact. `displacement` is on the grid of the measurement,
+    /// as far as it goes. Errors: a window that leaves the record, or fewer than 12 samples.
+    pub fn new(
+        displacement: &Signal<Displacement>,
+        time_zero_s: f64,
+        measurement: Measurement,
+        impact_speed_m_per_s: f64,
+        window_s: (f64, f64),
+        limit: usize,
+    ) -> Result<Self, SolveError> {
+        let what = (None, FitQuantity::Displacement);
+        let wave = ObservedWave::new(displacement, what, time_zero_s, measurement, window_s, limit)?;
+        Ok(Self { impact_speed_m_per_s, waves: vec![wave] })
+    }
+
+    /// Samples of all waves.
+    pub fn rows(&self) -> usize {
+        self.waves.iter().map(|wave| wave.samples.len()).sum()
+    }
+
+    /// `w (model - record)` at every sample of every wave, in the unit of the first; `None` without a finite
+    /// response.
+    pub fn misfit(&self, model: &Model) -> Option<Vec<f64>> {
+        let mut misfit = Vec::with_capacity(self.rows());
+        for wave in &self.waves {
+            let v0 = self.impact_speed_m_per_s;
+            let x = wave.measurement.motion(model, wave.mass, wave.quantity, v0, wave.last()).ok()?;
+            let picked = x.get(wave.first..)?.iter().step_by(wave.stride);
+            misfit.extend(picked.zip(&wave.samples).map(|(model, record)| (model - record) * wave.weight));
+        }
+        (misfit.len() == self.rows() && misfit.iter().all(|r| r.is_finite())).then_some(misfit)
+    }
+
+    /// The part of each wave in rows that stand one wave after the other.
+    pub fn split<'a>(&self, rows: &'a [f64]) -> Vec<&'a [f64]> {
+        let mut remaining = rows;
+        let rows_of = |wave: &ObservedWave| {
+            let (of_wave, others) = remaining.split_at(wave.samples.len().min(remaining.len()));
+            remaining = others;
+            of_wave
+        };
+        self.waves.iter().map(rows_of).collect()
+    }
+
+    /// Root mean square misfit of every wave, in its unit.
+    pub fn rmse(&self, misfit: &[f64]) -> Vec<f64> {
+        let rmse_of = |(misfit_of_wave, wave): (&[f64], &ObservedWave)| {
+            (misfit_of_wave.iter().map(|r| r * r).sum::<f64>() / misfit_of_wave.len() as f64).sqrt() / wave.weight
+        };
+        self.split(misfit).into_iter().zip(&self.waves).map(rmse_of).collect()
+    }
+
+    /// Samples and weighted resolution of every wave.
+    pub(crate) fn blocks(&self) -> Vec<(usize, f64)> {
+        self.waves.iter().map(|wave| (wave.samples.len(), wave.weight * wave.resolution)).collect()
+    }
+
+    /// Sum of squares of the resolution at every sample, in squared units of [`Self::scale_m`]: a misfit below it is
+    /// no misfit.
+    pub(crate) fn unresolved(&self) -> f64 {
+        let unit = self.scale_m();
+        self.blocks().iter().map(|(n, resolution)| *n as f64 * (resolution / unit).powi(2)).sum()
+    }
+
+    /// Largest value of the first wave, the unit of the residuals in a fit.
+    pub fn scale_m(&self) -> f64 {
+        self.waves.first().map_or(f64::MIN_POSITIVE, |wave| largest(&wave.samples))
+    }
+
+    /// The same record as if it was not filtered and integrated from contact: what fits without a filter compare.
+    #[must_use]
+    pub fn unfiltered(mut self) -> Self {
+        for wave in &mut self.waves {
+            wave.measurement = Measurement { filter: None, from_contact: true, ..wave.measurement };
+        }
+        self
+    }
+
+    /// The noise level of each wave, in its unit: its root mean square misfit, at least a millionth of the wave.
+    pub fn noise_levels(&self, rmse: &[f64]) -> Vec<f64> {
+        let level_of = |(wave, rmse): (&ObservedWave, &f64)| rmse.max(LEAST_LEVEL * wave.size()).max(f64::MIN_POSITIVE);
+        self.waves.iter().zip(rmse).map(level_of).collect()
+    }
+
+    /// Weighs the waves by the noise levels that follow from their root mean square misfits. Whether a weight changed
+    /// by more than the share `worth` of itself.
+    pub fn weigh(&mut self, rmse: &[f64], worth: f64) -> bool {
+        let levels = self.noise_levels(rmse);
+        let mut moved = false;
+        for (wave, level) in self.waves.iter_mut().zip(&levels).skip(1) {
+            let weight = levels[0] / level;
+            moved |= (weight / wave.weight).ln().abs() > worth;
+            wave.weight = weight;
+        }
+        moved
+    }
+}

@@ -1,0 +1,13 @@
+//! The table of solvers, the functions of its rows, and the call that runs all that settings ask for.
+//! May use every other room.
+
+pub mod closed_forms;
+pub mod double;
+pub mod extent;
+pub mod sensor_report;
+pub mod sensors;
+pub mod settings;
+pub mod single_mass;
+pub mod solve;
+pub mod table;
+pub mod task;

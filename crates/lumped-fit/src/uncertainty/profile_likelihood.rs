@@ -1,0 +1,206 @@
+//! Profile likelihood: how far one parameter can move while all others are fitted again.
+
+use rayon::prelude::*;
+
+use crate::fit::observed_problem::Problem;
+use crate::fit::refine::{Refined, follow};
+use crate::free::free_parameter::FreeParameter;
+use crate::record::observation::Observation;
+
+/// Rise of `2 ln L` that ends a 95 % interval of one parameter: chi-square with one degree of freedom.
+pub const RISE_95: f64 = 3.841_459;
+/// Grid points on each side at most.
+const POINTS: usize = 24;
+/// The first step as a share of the half-width that the linearisation expects.
+const FIRST_SHARE: f64 = 0.25;
+/// Factor from one step to the next.
+const GROWTH: f64 = 1.35;
+/// Smallest and largest first step in a coordinate of size one.
+const STEPS: (f64, f64) = (1e-6, 0.25);
+/// Bisections between the last point inside and the first outside: 1/64 of a grid step.
+const BISECTIONS: usize = 6;
+
+/// The profile of one parameter; parameters are named by `N`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile<N = &'static str> {
+    /// Name with unit.
+    pub parameter: N,
+    /// Lower end of the 95 % interval; `None`: open, the record does not bound it from below.
+    pub low: Option<f64>,
+    /// Upper end; `None`: open.
+    pub high: Option<f64>,
+    /// Value and rise of `2 ln L` at every grid point, by rising value.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl<N> Profile<N> {
+    /// Whether the record bounds the parameter on both sides.
+    pub fn identifiable(&self) -> bool {
+        self.low.is_some() && self.high.is_some()
+    }
+}
+
+/// Sets each free parameter to values away from the minimum, fits all others again from the neighbouring value, and
+/// ends the interval where the likelihood has fallen by `2 d(ln L) = Ne ln(S/S_min) = 3.84`: chi-square, one degree
+/// of freedom, 95 %.
+///
+/// `S` is the sum of squared residuals plus that of the resolution, `Ne` the effective number of samples, at least
+/// one more than there are parameters. Up to 24 values on each side with growing steps, then six bisections. A side
+/// that does not rise so far, or ends at a bound of the search, is open: the parameter is not identifiable. Where
+/// zero is reached first, zero is the end.
+///
+/// `expected`: half-width of the linear interval of each coordinate, where there is one; it sets the first step.
+pub fn profile(
+    refined: &Refined,
+    observed: &Observation,
+    expected: &[Option<f64>],
+    effective_samples: f64,
+) -> Vec<Profile> {
+    let free = &refined.free;
+    let names: Vec<&'static str> = free.iter().map(|p| p.name).collect();
+    let bounds: Vec<(f64, f64)> = free.iter().map(FreeParameter::bounds).collect();
+    let refit = |fixed: usize, coordinate: f64, start: &[f64]| -> Option<(Vec<f64>, f64)> {
+        let mut values = refined.model.parameters();
+        *values.get_mut(free[fixed].name)? = free[fixed].at(coordinate);
+        let template = crate::fit::observed_problem::with_parameters(&refined.model, &values)?;
+        let others: Vec<FreeParameter> = (0..free.len()).filter(|&i| i != fixed).map(|i| free[i]).collect();
+        let problem = Problem::new(template, others, observed);
+        if start.is_empty() {
+            let cost = observed.misfit(&template)?.iter().map(|r| (r / problem.unit_m).powi(2)).sum();
+            return Some((Vec::new(), cost));
+        }
+        let refitted = follow(&problem, start)?;
+        Some((refitted.theta, refitted.cost))
+    };
+    Minimum {
+        names: &names,
+        at: &Problem::new(refined.model, free.clone(), observed).start(),
+        bounds: &bounds,
+        value: &|i, coordinate| free[i].at(coordinate),
+        ends_at_zero: &|i| !free[i].logarithmic,
+        refit: &refit,
+        misfit: &refined.misfit_m,
+        observed,
+        expected,
+        effective_samples,
+    }
+    .profiles()
+}
+
+/// Fits the other parameters with one fixed: which one, its coordinate, start coordinates of the others. Gives the
+/// coordinates of the minimum and its sum of squares, in squared units of [`Observation::scale_m`].
+pub(crate) type Refit<'a> = &'a (dyn Fn(usize, f64, &[f64]) -> Option<(Vec<f64>, f64)> + Sync);
+
+/// A minimum whose parameters can be fixed one at a time.
+pub(crate) struct Minimum<'a, N> {
+    /// Names of the parameters, in the order of the coordinates.
+    pub names: &'a [N],
+    /// Coordinates of the minimum.
+    pub at: &'a [f64],
+    /// Smallest and largest coordinates.
+    pub bounds: &'a [(f64, f64)],
+    /// The value of a parameter at a coordinate.
+    pub value: &'a (dyn Fn(usize, f64) -> f64 + Sync),
+    /// Whether a coordinate of zero is a value of zero, which ends an interval.
+    pub ends_at_zero: &'a (dyn Fn(usize) -> bool + Sync),
+    /// How the others are fitted again.
+    pub refit: Refit<'a>,
+    /// Weighted misfit at the minimum, in the unit of the first wave.
+    pub misfit: &'a [f64],
+    /// What the misfit is of: its resolution and unit.
+    pub observed: &'a Observation,
+    /// As in [`profile`].
+    pub expected: &'a [Option<f64>],
+    /// Independent samples that the misfit is worth.
+    pub effective_samples: f64,
+}
+
+impl<N: Clone + Send + Sync> Minimum<'_, N> {
+    /// The profile of every parameter, see [`profile`].
+    pub fn profiles(&self) -> Vec<Profile<N>> {
+        (0..self.at.len())
+            .into_par_iter()
+            .map(|i| {
+                let side = Side::new(self, i);
+                let (low, mut points) = side.walk(-1.0);
+                let (high, above) = side.walk(1.0);
+                points.reverse();
+                points.push(((self.value)(i, self.at[i]), 0.0));
+                points.extend(above);
+                Profile { parameter: self.names[i].clone(), low, high, points }
+            })
+            .collect()
+    }
+}
+
+/// What both sides of the profile of one parameter share.
+struct Side<'a, N> {
+    /// The minimum, and which of its parameters is fixed.
+    of: &'a Minimum<'a, N>,
+    fixed: usize,
+    effective_samples: f64,
+    /// Sum of squares at the minimum with that of the resolution, in squared units of the problem.
+    least: f64,
+    /// Sum of squares of the resolution, in the same unit.
+    floor: f64,
+    /// First step of the coordinate.
+    first_step: f64,
+}
+
+impl<'a, N> Side<'a, N> {
+    fn new(of: &'a Minimum<'a, N>, fixed: usize) -> Self {
+        let unit = of.observed.scale_m();
+        let floor = of.observed.unresolved();
+        let least = of.misfit.iter().map(|r| (r / unit).powi(2)).sum::<f64>() + floor;
+        let expected = of.expected.get(fixed).copied().flatten();
+        let first_step = (FIRST_SHARE * expected.unwrap_or(1.0)).clamp(STEPS.0, STEPS.1);
+        let effective_samples = of.effective_samples.max(of.at.len() as f64 + 1.0);
+        Self { of, fixed, effective_samples, least, floor, first_step }
+    }
+
+    /// The rise of `2 ln L` with the parameter at `coordinate`, and the coordinates of the others there.
+    fn rise(&self, coordinate: f64, start: &[f64]) -> Option<(Vec<f64>, f64)> {
+        let (theta, cost) = (self.of.refit)(self.fixed, coordinate, start)?;
+        let rise = self.effective_samples * ((cost + self.floor) / self.least).ln();
+        rise.is_finite().then_some((theta, rise))
+    }
+
+    /// One side, `direction` -1 or 1: the end of the interval and the points on the way.
+    fn walk(&self, direction: f64) -> (Option<f64>, Vec<(f64, f64)>) {
+        let value = |coordinate: f64| (self.of.value)(self.fixed, coordinate);
+        let (lower, upper) = self.of.bounds[self.fixed];
+        let mut theta: Vec<f64> =
+            self.of.at.iter().enumerate().filter(|(i, _)| *i != self.fixed).map(|(_, x)| *x).collect();
+        let mut inside = self.of.at[self.fixed];
+        let mut step = self.first_step;
+        let mut points = Vec::new();
+        let zero = |coordinate: f64| {
+            (direction < 0.0 && (self.of.ends_at_zero)(self.fixed) && coordinate <= 0.0).then_some(0.0)
+        };
+        for _ in 0..POINTS {
+            let next = (inside + direction * step).clamp(lower, upper);
+            if next == inside {
+                return (zero(inside), points);
+            }
+            let Some((refitted, rise)) = self.rise(next, &theta) else { return (None, points) };
+            points.push((value(next), rise));
+            if rise > RISE_95 {
+                let (mut good, mut bad) = (inside, next);
+                for _ in 0..BISECTIONS {
+                    let middle = 0.5 * (good + bad);
+                    match self.rise(middle, &theta) {
+                        Some((refitted, rise)) if rise <= RISE_95 => {
+                            good = middle;
+                            theta = refitted;
+                        }
+                        _ => bad = middle,
+                    }
+                }
+                return (Some(value(0.5 * (good + bad))), points);
+            }
+            (theta, inside) = (refitted, next);
+            step *= GROWTH;
+        }
+        (None, points)
+    }
+}

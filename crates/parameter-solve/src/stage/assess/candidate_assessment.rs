@@ -1,0 +1,26 @@
+//! The assessment of one candidate, with the propagation of uncertain inputs.
+
+use crumple_lumped_fit::{Assessment, DualScale, Propagation};
+
+/// How well the parameters of one candidate are determined, and how that was found.
+#[derive(Debug, Clone)]
+pub struct CandidateAssessment {
+    pub assessment: Assessment,
+    pub propagation: Option<Propagation>,
+    /// What the propagation repeated: a fit or a closed form.
+    pub repeated: &'static str,
+    /// Whether the model was followed through the filter of the record.
+    pub through_filter: bool,
+}
+
+impl CandidateAssessment {
+    /// The same assessment for the dual of the model.
+    pub fn of_dual(&self, dual: &DualScale) -> Self {
+        Self {
+            assessment: self.assessment.of_dual(dual),
+            propagation: self.propagation.as_ref().map(|p| dual.propagation(p)),
+            repeated: self.repeated,
+            through_filter: self.through_filter,
+        }
+    }
+}

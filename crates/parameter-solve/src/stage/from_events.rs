@@ -1,0 +1,105 @@
+//! Candidates from the crash events and the motion of a test.
+
+use crumple_lumped_fit::{Candidate, MassSplit, Sensor, TestData, solve};
+use crumple_signal::{Displacement, TestDescription};
+use crumple_stage::records::EventsV1;
+use crumple_stage::{Inputs, Output, RefuseExt, Refused, Wave};
+
+use crate::stage::inputs::motions::sensor_waves;
+use crate::stage::options::settings::StageSettings;
+
+/// More of the way at constant speed than this part, and the record shows a vehicle that speeds up; a drifting zero
+/// level of 0.1 g adds 1 % of 10 m/s in 100 ms.
+const SPEEDS_UP: f64 = 1.05;
+
+/// Whether the vehicle, which never stops, is at the end of its record beyond where its impact speed alone would have
+/// taken it.
+pub fn speeds_up(input: &Inputs, events: &EventsV1) -> anyhow::Result<bool> {
+    let wave = input.wave_if(&format!("{}/displacement", events.channel));
+    let Some(displacement) = wave.map(Wave::signal::<Displacement>).transpose().refuse()? else { return Ok(false) };
+    let (Some(speed), Some(end_m)) = (events.impact_speed_m_per_s, displacement.samples().last()) else {
+        return Ok(false);
+    };
+    let alone_m = speed * (displacement.end_s() - events.time_zero_s);
+    Ok(events.dynamic_crush_m.is_none() && alone_m > 0.0 && *end_m > SPEEDS_UP * alone_m)
+}
+
+/// The settings with the end of the event as the end of the window, where the velocity never reaches zero and no end is
+/// stated.
+pub fn up_to_the_end_of_the_event(
+    settings: &StageSettings,
+    events: &EventsV1,
+    out: &mut Output,
+) -> Option<StageSettings> {
+    let open = settings.solve.fit_to_s.is_none() && events.time_of_dynamic_crush_s.is_none();
+    let end_s = events.end_of_event_s.filter(|end_s| open && *end_s > settings.solve.fit_from_s)?;
+    out.notes().info(format!(
+        "the velocity never reaches zero: fitted up to the end of the event at {:.1} ms ({}); --fit-to states another",
+        1e3 * end_s,
+        events.end_of_event_rule.as_deref().unwrap_or("rule not stated")
+    ));
+    let mut settings = settings.clone();
+    settings.solve.fit_to_s = Some(end_s);
+    Some(settings)
+}
+
+/// Candidates from the events and the displacement.
+pub fn from_events(
+    settings: &StageSettings,
+    input: &Inputs,
+    test: &TestDescription,
+    events: &EventsV1,
+    out: &mut Output,
+) -> anyhow::Result<Vec<Candidate>> {
+    let mass_kg = match (settings.mass_kg, test.mass_kg, settings.solve.split) {
+        (Some(given), Some(tested), _) => {
+            out.notes().info(format!("mass {given} kg given by flag instead of the test's {tested} kg"));
+            given
+        }
+        (Some(mass), ..) | (None, Some(mass), _) => mass,
+        (None, None, MassSplit::Both(m1, m2)) => {
+            out.notes().info(format!("the test has no mass; taken as m1 + m2 = {} kg", m1 + m2));
+            m1 + m2
+        }
+        (None, None, _) => return Err(Refused::new("the test has no mass").hint("--mass 873kg").into()),
+    };
+    let impact_speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
+        Refused::new("neither the events nor the test have an impact speed")
+            .hint("--impact-speed 35km/h at crumple-ingest")
+    })?;
+    let id = format!("{}/displacement", events.channel);
+    let wave = if settings.solve.fits_a_signal() { Some(input.wave(&id)?) } else { input.wave_if(&id) };
+    let displacement = wave
+        .map(Wave::signal::<Displacement>)
+        .transpose()
+        .refuse_with_hint("crumple-integrate writes the displacement of the pulse")?;
+    let waves = sensor_waves(settings, input, &events.channel, mass_kg)?;
+    let sensors: Vec<Sensor<'_>> = waves
+        .iter()
+        .map(|(place, channel, record)| Sensor {
+            channel,
+            place: *place,
+            quantity: settings.solve.quantity,
+            record,
+            noise: None,
+        })
+        .collect();
+    let test_data = TestData {
+        mass_kg,
+        impact_speed_m_per_s,
+        time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
+        dynamic_crush_m: events.dynamic_crush_m,
+        coefficient_of_restitution: restitution(events),
+        time_zero_s: events.time_zero_s,
+        time_of_rebound_s: events.time_of_rebound_s,
+        displacement: displacement.as_ref(),
+        sensors: &sensors,
+    };
+    solve(&test_data, &settings.solve, out.notes()).refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")
+}
+
+/// The coefficient of restitution; zero where its interval holds zero.
+fn restitution(events: &EventsV1) -> Option<f64> {
+    let holds_zero = events.intervals.iter().any(|i| i.name == "coefficient_of_restitution" && i.low <= 0.0);
+    events.coefficient_of_restitution.map(|e| if holds_zero { 0.0 } else { e })
+}

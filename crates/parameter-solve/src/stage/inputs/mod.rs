@@ -1,0 +1,7 @@
+//! What the artifacts hold, as the library takes it: measurements, motions, identified models, exponential sums.
+//! May use `options`.
+
+pub mod identified_models;
+pub mod masses;
+pub mod measurement;
+pub mod motions;

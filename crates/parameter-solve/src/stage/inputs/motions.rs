@@ -1,0 +1,83 @@
+//! The motion of a channel, as integrated or as filtered.
+
+use crumple_lumped_fit::{FitQuantity, SensorPlace};
+use crumple_signal::{Acceleration, Displacement, Force, Sampled, Velocity};
+use crumple_stage::{Inputs, RefuseExt, Refused};
+
+use crate::stage::options::settings::StageSettings;
+
+/// The motions to fit together; none where it is the displacement of the pulse alone.
+pub fn sensor_waves(
+    settings: &StageSettings,
+    input: &Inputs,
+    pulse: &str,
+    mass_kg: f64,
+) -> anyhow::Result<Vec<(SensorPlace, String, Sampled)>> {
+    let quantity = settings.solve.quantity;
+    let mut places = settings.places.clone();
+    if places.is_empty() && quantity == FitQuantity::Displacement || !settings.solve.fits_a_signal() {
+        return Ok(Vec::new());
+    }
+    if !places.iter().any(|(place, _)| *place == SensorPlace::Compartment) {
+        places.insert(0, (SensorPlace::Compartment, pulse.to_owned()));
+    }
+    let read = |(place, channel): (SensorPlace, String)| -> anyhow::Result<(SensorPlace, String, Sampled)> {
+        let record = motion(input, &channel, quantity, mass_kg)?;
+        Ok((place, channel, record))
+    };
+    places.into_iter().map(read).collect()
+}
+
+/// The motion of a channel.
+pub fn motion(input: &Inputs, channel: &str, quantity: FitQuantity, mass_kg: f64) -> anyhow::Result<Sampled> {
+    let hint = "crumple-integrate writes the motion of the pulse and of the channels named with --channels there";
+    let wave = |what: &str| {
+        let id = format!("{channel}/{what}");
+        input.wave_if(&id).map_or_else(|| Err(not_integrated(input, channel, what)), Ok)
+    };
+    Ok(match quantity {
+        FitQuantity::Displacement => {
+            wave("displacement")?.signal::<Displacement>().refuse_with_hint(hint)?.into_sampled()
+        }
+        FitQuantity::Velocity => wave("velocity")?.signal::<Velocity>().refuse_with_hint(hint)?.into_sampled(),
+        FitQuantity::Acceleration => acceleration(input, channel, mass_kg)?,
+    })
+}
+
+/// The refusal of a sensor whose motion no input holds: where other channels were integrated it was not among them,
+/// else the artifact is missing.
+fn not_integrated(input: &Inputs, channel: &str, what: &str) -> anyhow::Error {
+    let integrated: Vec<&str> = input.waves().filter_map(|(id, _)| id.strip_suffix(&format!("/{what}"))).collect();
+    if integrated.is_empty() {
+        return input.missing(&format!("/wave/{channel}/{what}"));
+    }
+    let known = input.test().is_ok_and(|test| test.channel(channel).is_some());
+    let (problem, hint) = if known {
+        let hint = format!("add {channel:?} to channels of [integrate], or crumple-integrate --channels all,{channel}");
+        (format!("channel {channel}, which sensors names, was not integrated"), hint)
+    } else {
+        let hint = "sensors = [\"place=channel\"] takes ids of channels; crumple-artifact show lists them".to_owned();
+        (format!("the test has no channel {channel:?}, which sensors names"), hint)
+    };
+    Refused::new(problem)
+        .expected(format!("a channel whose {what} the inputs hold: {}", integrated.join(", ")))
+        .hint(hint)
+        .into()
+}
+
+/// The acceleration of a channel from the filter's artifact, else from the force that integrate made of it.
+pub fn acceleration(input: &Inputs, channel: &str, mass_kg: f64) -> anyhow::Result<Sampled> {
+    if let Some(wave) = input.wave_if(channel) {
+        let hint = "name an accelerometer with --sensors";
+        return Ok(wave.signal::<Acceleration>().refuse_with_hint(hint)?.into_sampled());
+    }
+    let tested = input.test()?.mass_kg.unwrap_or(mass_kg);
+    let Some(force) = input.wave_if(&format!("{channel}/force")) else {
+        return Err(Refused::new(format!("none of the inputs holds the acceleration of channel {channel}"))
+            .hint("give the artifact of crumple-filter too")
+            .into());
+    };
+    let force = force.signal::<Force>().refuse()?;
+    let samples = force.samples().iter().map(|f| -f / tested).collect();
+    Ok(Sampled::new(force.t0_s(), force.dt_s(), samples)?)
+}

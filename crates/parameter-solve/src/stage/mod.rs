@@ -1,0 +1,193 @@
+//! Reads the events and the motion, solves, assesses, writes the candidates.
+//!
+//! rooms: mod | chains from_events from_exponentials from_models | records | assess | inputs | options
+
+mod assess;
+mod chains;
+mod from_events;
+mod from_exponentials;
+mod from_models;
+mod inputs;
+mod options;
+mod records;
+
+use std::path::PathBuf;
+
+use crumple_lumped_fit::{Candidate, MassSplit, Method, all_in_words, match_as_the_paper_typed};
+use crumple_signal::TestDescription;
+use crumple_stage::records::{EventsV1, TestV1};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, Stage};
+
+use crate::stage::assess::candidate_assessment::CandidateAssessment;
+use crate::stage::assess::candidates::assess_all;
+use crate::stage::assess::replace_by_refined::fixed_at_bound;
+use crate::stage::chains::fit_chains;
+use crate::stage::from_events::{from_events, speeds_up, up_to_the_end_of_the_event};
+use crate::stage::from_exponentials::{from_exponentials, maxwell_candidates};
+use crate::stage::from_models::from_models;
+use crate::stage::options::chain_table::FittedChain;
+use crate::stage::options::flags::Options;
+use crate::stage::options::settings::StageSettings;
+use crate::stage::records::candidate::{parameters_line, record};
+use crate::stage::records::matching::matching_record;
+use crate::stage::records::uncertainty::summary_line;
+
+/// The stage.
+pub struct ParameterSolve;
+
+impl Stage for ParameterSolve {
+    const NAME: &'static str = "parameter-solve";
+    const ABOUT: &'static str =
+        "Finds the springs and dampers of lumped crash models from the crash events and the displacement of a test.";
+    type Options = Options;
+    type Settings = StageSettings;
+    type Input = Inputs;
+
+    fn resolve(mut options: Options) -> anyhow::Result<StageSettings> {
+        let chains = std::mem::take(&mut options.chain);
+        let mut settings: StageSettings = options.try_into()?;
+        settings.chain = chains.iter().map(|(name, table)| FittedChain::read(name, table)).collect::<Result<_, _>>()?;
+        Ok(settings)
+    }
+
+    fn load(paths: &[PathBuf], _: &StageSettings) -> anyhow::Result<Loaded<Inputs>> {
+        crumple_stage::load_artifacts(paths)
+    }
+
+    fn run(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
+        let events = input.record_if::<EventsV1>("/events")?;
+        let windowed = events.and_then(|events| up_to_the_end_of_the_event(settings, &events, out));
+        let settings = windowed.as_ref().unwrap_or(settings);
+        let mut candidates = Vec::new();
+        let mut assessments = Vec::new();
+        let mut channel = String::new();
+        let mut test = None;
+        if settings.solve.needs_events() {
+            let events: EventsV1 = input.record("/events")?;
+            let described = input.test()?;
+            if let Some(reason) = unsolvable(settings, input, &events, &described)? {
+                out.put("/test", &TestV1::from(&described))?;
+                return Ok(Outcome::NoAcceptableResult(reason));
+            }
+            candidates = from_events(settings, input, &described, &events, out)?;
+            let mass_kg = settings.mass_kg.or(described.mass_kg);
+            assessments = assess_all(&mut candidates, settings, input, &events, mass_kg, out)?;
+            channel = events.channel;
+            test = Some(described);
+        } else if input.record_if::<TestV1>("/test")?.is_some() {
+            test = Some(input.test()?);
+        }
+        if let Some(test) = &test {
+            out.put("/test", &TestV1::from(test))?;
+        }
+        let mass_kg = settings.mass_kg.or(test.as_ref().and_then(|test| test.mass_kg));
+        candidates.extend(of_identified_models(settings, input, mass_kg, out)?);
+        // Those of identified models come last and have none.
+        assessments.resize(candidates.len(), None);
+        warn_of_flags_without_effect(settings, &candidates, &assessments, out);
+        warn_of_bounds(&candidates, out);
+        for (candidate, assessed) in candidates.iter().zip(&assessments) {
+            let record = record(candidate, assessed.as_ref(), &channel);
+            out.put(&format!("/parameters/{}", candidate.id()), &record)?;
+            out.summary(parameters_line(&candidate.id(), &record));
+            if let Some(text) =
+                assessed.as_ref().map(|assessed| summary_line(assessed, candidate)).filter(|text| !text.is_empty())
+            {
+                out.summary(text);
+            }
+        }
+        let chains = fit_chains(settings, input, out)?;
+        for (id, chain) in &chains {
+            out.put(&format!("/parameters/{id}"), chain)?;
+            out.summary(parameters_line(id, chain));
+        }
+        Ok(if candidates.is_empty() && chains.is_empty() {
+            Outcome::NoAcceptableResult("no model could be solved for; the notes say why".to_owned())
+        } else {
+            Outcome::Done
+        })
+    }
+}
+
+/// Why nothing can be solved for in this test, if so. No fault of the artifact: the report shall still be made.
+fn unsolvable(
+    settings: &StageSettings,
+    input: &Inputs,
+    events: &EventsV1,
+    test: &TestDescription,
+) -> anyhow::Result<Option<String>> {
+    if settings.mass_kg.or(test.mass_kg).is_none() && !matches!(settings.solve.split, MassSplit::Both(..)) {
+        // Ingest was told to go on without a mass.
+        return Ok(Some(
+            "the test has no mass, which turns frequencies into N/m: --mass 873kg here or at crumple-ingest, or \
+             '# mass: 873 kg' in the header of the record"
+                .to_owned(),
+        ));
+    }
+    Ok(speeds_up(input, events)?.then(|| {
+        "the vehicle moves further than its impact speed alone would carry it, which no spring or damper can do: check \
+         the sign of the pulse (crumple-ingest --sign flip) and its unit"
+            .to_owned()
+    }))
+}
+
+/// Candidates that need no motion: by coefficient matching, from the paper's printed polynomial, from sums of
+/// exponentials.
+fn of_identified_models(
+    settings: &StageSettings,
+    input: &Inputs,
+    mass_kg: Option<f64>,
+    out: &mut Output,
+) -> anyhow::Result<Vec<Candidate>> {
+    let mut candidates = Vec::new();
+    if settings.solve.uses(Method::CoefficientMatching) {
+        candidates.extend(from_models(settings, input, mass_kg, out)?);
+    }
+    if settings.paper.is_some() {
+        let first = candidates.len() + 1;
+        let ids = ["one-fifth-in-front", "four-fifths-in-front"];
+        for (id, matched) in ids.into_iter().zip(match_as_the_paper_typed(first, out.notes())?) {
+            let source = "printed denominator of the transfer-function paper";
+            out.put(&format!("/matching/tfest-paper/{id}"), &matching_record(&matched, source))?;
+            candidates.extend(matched.candidates);
+        }
+    }
+    if settings.solve.uses(Method::CurveFit) {
+        candidates.extend(from_exponentials(settings, input, mass_kg, out)?);
+    }
+    candidates.extend(maxwell_candidates(settings, input, mass_kg, out)?);
+    Ok(candidates)
+}
+
+/// Warns of flags on uncertainty that candidates without an assessment do not heed.
+fn warn_of_flags_without_effect(
+    settings: &StageSettings,
+    candidates: &[Candidate],
+    assessments: &[Option<CandidateAssessment>],
+    out: &mut Output,
+) {
+    let flags = settings.assessment.flags();
+    let unassessed = candidates.iter().zip(assessments).filter(|(_, assessed)| assessed.is_none());
+    let unassessed: Vec<String> = unassessed.map(|(candidate, _)| candidate.id()).collect();
+    if !flags.is_empty() && !unassessed.is_empty() {
+        out.notes().warning(format!(
+            "{} without effect on {}: only candidates from the events and the motion of the pulse are assessed",
+            flags.join(", "),
+            unassessed.join(", ")
+        ));
+    }
+}
+
+/// Warns of parameters that stopped on a bound of the search, once for a pair of duals: both stand on the same bounds.
+fn warn_of_bounds(candidates: &[Candidate], out: &mut Output) {
+    for candidate in candidates {
+        let dual = candidate.equivalent_to.is_some_and(|other| other < candidate.index);
+        let words = all_in_words(&candidate.model, fixed_at_bound(candidate));
+        if !dual && !words.is_empty() {
+            out.notes().warning(format!(
+                "{}: on a bound of the search, not determined by the record: {words}",
+                candidate.id()
+            ));
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Flags and pipeline keys of the stage.
+
+#![allow(rustdoc::invalid_html_tags, reason = "help texts are read on a terminal, where <name> stands for a value")]
+
+use crumple_lumped::ModelKind;
+use crumple_lumped_fit::{DEFAULT_MODELS, METHODS, MODELS, Method, solvers_of};
+use crumple_signal::Uncertain;
+use crumple_signal::value::{Acceleration, Mass, Speed, Time};
+use serde::{Deserialize, Serialize};
+
+/// `--models`, from the table of solvers.
+fn models_help() -> String {
+    let names = |models: &[ModelKind]| models.iter().map(|model| model.name()).collect::<Vec<_>>().join(", ");
+    let left_out: Vec<_> = MODELS.iter().copied().filter(|model| !DEFAULT_MODELS.contains(model)).collect();
+    format!("Models to solve for: {} [default: all but {}]", names(&MODELS), names(&left_out))
+}
+
+/// `--method`, from the table of solvers.
+fn methods_help() -> String {
+    let describe = |method: &Method| {
+        let models: Vec<_> = method.models().collect();
+        let suffix = if models.len() == MODELS.len() {
+            String::new()
+        } else {
+            format!(" [{}]", models.iter().map(|model| model.name()).collect::<Vec<_>>().join(", "))
+        };
+        format!("{method}: {}{suffix}", method.about())
+    };
+    let by_default = |model: &ModelKind| {
+        let methods: Vec<_> = solvers_of(*model, &[]).iter().map(|solver| solver.method.name()).collect();
+        format!("{model} {}", methods.join(", "))
+    };
+    format!(
+        "Methods. {} [default: {}]",
+        METHODS.iter().map(describe).collect::<Vec<_>>().join("; "),
+        MODELS.iter().map(by_default).collect::<Vec<_>>().join("; ")
+    )
+}
+
+/// Flags and keys; what is not given has the default named in its text.
+#[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Options {
+    // The texts of these two come from the table of solvers.
+    #[allow(missing_docs, reason = "the help text is made from the table")]
+    #[arg(long, value_name = "NAME", value_delimiter = ',', help = models_help())]
+    pub models: Vec<String>,
+
+    #[allow(missing_docs, reason = "the help text is made from the table")]
+    #[arg(long, value_name = "NAME", value_delimiter = ',', help = methods_help())]
+    pub method: Vec<String>,
+
+    /// Firefly search: units of distance, physical (as printed) or unit (every variable over its range) [default: unit]
+    ///
+    /// In physical units the attraction of two fireflies underflows to zero, and each walks at random.
+    #[arg(long, value_name = "UNITS")]
+    pub firefly_units: Option<String>,
+
+    /// Firefly search: generations of 40 fireflies [default: 500]
+    #[arg(long, value_name = "NUMBER")]
+    pub firefly_generations: Option<usize>,
+
+    /// Firefly search: seed of its random numbers [default: 1]
+    #[arg(long, value_name = "NUMBER")]
+    pub firefly_seed: Option<u64>,
+
+    /// L-SHADE search: evaluations after which the descent takes over [default: 20000]
+    #[arg(long, value_name = "NUMBER")]
+    pub l_shade_evaluations: Option<u64>,
+
+    /// L-SHADE search: seed of its random numbers [default: 1]
+    #[arg(long, value_name = "NUMBER")]
+    pub l_shade_seed: Option<u64>,
+
+    /// What of the motion direct-fit and l-shade fit: displacement, velocity or acceleration [default: displacement]
+    ///
+    /// Displacement is smooth and carries the crush; acceleration shows stiff parts and every wiggle the model cannot
+    /// follow.
+    #[arg(long, value_name = "QUANTITY")]
+    pub fit_quantity: Option<String>,
+
+    /// Sensors to fit together, as place=channel: compartment=93,front=103 [default: compartment=<the pulse>]
+    ///
+    /// Places: compartment (the last mass), front or engine (the mass next to the barrier), chassis (the one in front
+    /// of the compartment), m1, m2, ... A sensor in front tells the two dual double models apart. The motion of every
+    /// channel comes from crumple-integrate (--channels there).
+    #[arg(long, value_name = "PLACE=CHANNEL", value_delimiter = ',')]
+    pub sensors: Vec<String>,
+
+    /// Masses of the double and triple model in a fit: known, free (with the total known), or the bounds of every
+    /// share, such as 0.1..0.4 [default: known]
+    #[arg(long, value_name = "HOW")]
+    pub fit_masses: Option<String>,
+
+    /// Triple model: masses of engine, suspension and chassis, and compartment [default: the front mass halved, the
+    /// rest]
+    #[arg(long, value_name = "MASS", value_delimiter = ',')]
+    pub triple_masses: Vec<Mass>,
+
+    /// Fit the elastoplastic model as one that stays attached after rebound and swings on [default: false]
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL")]
+    pub stay_attached: Option<bool>,
+
+    /// Mass of the vehicle, with its unit, instead of the test's
+    #[arg(long, value_name = "MASS")]
+    pub mass: Option<Mass>,
+
+    /// Double model: mass of the chassis and front structure, next to the barrier [default: from the fraction]
+    #[arg(long, value_name = "MASS")]
+    pub m1: Option<Mass>,
+
+    /// Double model: mass of the passenger compartment [default: the rest]
+    #[arg(long, value_name = "MASS")]
+    pub m2: Option<Mass>,
+
+    /// Double model: share of the mass in front of the compartment, between 0 and 1 [default: 0.25, an assumption]
+    ///
+    /// One accelerometer in the compartment does not tell how the mass divides, and the parameters depend on it.
+    #[arg(long, value_name = "SHARE")]
+    pub front_mass_fraction: Option<f64>,
+
+    /// Start of the fit window after time zero [default: 0 s]
+    #[arg(long, value_name = "TIME")]
+    pub fit_from: Option<Time>,
+
+    /// End of the fit window after time zero [default: time of dynamic crush, or the end of a record without one]
+    #[arg(long, value_name = "TIME")]
+    pub fit_to: Option<Time>,
+
+    /// Follow the likelihood of every parameter while all others are fitted again: 95 % intervals that need not be
+    /// symmetric, and open ends where the record does not bound a parameter [default: false]
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL")]
+    pub profile: Option<bool>,
+
+    /// Repeat every fit with the misfit shuffled in blocks, so many times, for 95 % intervals without a formula; 200 is
+    /// usual [default: 0]
+    #[arg(long, value_name = "NUMBER")]
+    pub bootstrap: Option<usize>,
+
+    /// Uncertainty of the test mass, "10 kg normal" (standard deviation, also without the word) or "10 kg uniform"
+    /// (half width): propagated to the parameters [default: 0 kg]
+    #[arg(long, value_name = "MASS")]
+    pub mass_uncertainty: Option<Uncertain<Mass>>,
+
+    /// Uncertainty of the impact speed, e.g. "0.1 km/h uniform": propagated to crush and parameters [default: 0 m/s]
+    #[arg(long, value_name = "SPEED")]
+    pub speed_uncertainty: Option<Uncertain<Speed>>,
+
+    /// Uncertainty of the zero level of every accelerometer, e.g. "0.05 g uniform": propagated likewise [default: 0
+    /// m/s^2]
+    #[arg(long, value_name = "ACCELERATION")]
+    pub bias_uncertainty: Option<Uncertain<Acceleration>>,
+
+    /// Uncertainty of time zero, e.g. "0.5 ms uniform": propagated likewise [default: 0 s]
+    #[arg(long, value_name = "TIME")]
+    pub time_zero_uncertainty: Option<Uncertain<Time>>,
+
+    /// Add the solutions that a paper lists, from its own printed numbers and as it typed them, labelled: tfest (both
+    /// splits of the mass; 284.6 kg for 284.4 kg in one equation) [default: none]
+    #[arg(long, value_name = "PAPER")]
+    pub paper: Option<String>,
+
+    /// Repetitions of the propagation of these uncertainties [default: 200]
+    #[arg(long, value_name = "NUMBER")]
+    pub repetitions: Option<usize>,
+
+    /// Chains of masses to be fitted, stated in the pipeline file: `[parameter-solve.chain.<name>]`.
+    #[arg(skip)]
+    pub chain: toml::Table,
+}

@@ -1,0 +1,6 @@
+//! What figures are made of: traces, axes, colours, views, which curves are shown at first.
+//! Uses results and text.
+
+pub mod figure;
+pub mod shown_at_first;
+pub mod time_view;

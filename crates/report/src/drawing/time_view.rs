@@ -1,0 +1,16 @@
+//! The part of a record that a time axis shows first.
+
+use crate::Run;
+
+/// First view of a time axis, ms: from a little before time zero to three times the time of crush, within the record.
+///
+/// Without a time of crush the whole record.
+pub fn time_view_ms(run: &Run) -> Option<[f64; 2]> {
+    let acceleration = run.acceleration().or(run.measured.displacement.as_ref())?;
+    let (start, end) = (1e3 * acceleration.t0_s(), 1e3 * acceleration.end_s());
+    let view = match run.time_of_crush_s() {
+        Some(t_m) if t_m > 0.0 => [start.max(-0.3 * 1e3 * t_m), end.min(3.0 * 1e3 * t_m)],
+        _ => [start, end],
+    };
+    (view[1] > view[0]).then_some(view)
+}

@@ -1,0 +1,252 @@
+//! Frequency response of the identified transfer functions.
+
+use std::f64::consts::{PI, TAU};
+
+use crumple_artifact::records::TransferFunctionV1;
+use serde_json::{Value, json};
+
+use crate::drawing::figure::{Figure, axis, base_layout, colour, compact, room_above, set, short, with};
+use crate::text::escape::html;
+use crate::text::numbers::{significant, words_and_unit};
+use crate::{Model, Run};
+
+const POINTS: usize = 400;
+const HEIGHT_PX: u32 = 500;
+/// Rows that the names of natural frequencies are spread over.
+const NAME_ROWS: u32 = 3;
+
+/// Magnitude and phase of one model, with the words of its ends and its band.
+struct Curve {
+    frequencies_hz: Vec<f64>,
+    magnitude_db: Vec<f64>,
+    phase_deg: Vec<f64>,
+    input: String,
+    output: String,
+    /// Where the band comes from; its edges are lower and upper magnitude (dB), lower and upper phase (degrees).
+    band: Option<String>,
+    edges: [Vec<Option<f64>>; 4],
+}
+
+/// Magnitude and phase of every model with a response or a transfer function; `None` where there is none.
+pub fn figure(run: &Run) -> Option<Figure> {
+    let nyquist_hz = run.acceleration().map(|a| a.rate_hz() / 2.0);
+    let moduli: Vec<f64> = run
+        .models
+        .iter()
+        .filter(|model| model.response.is_some() || model.transfer_function.is_some())
+        .flat_map(|model| &model.modes)
+        .map(|mode| mode.natural_frequency_rad_per_s / TAU)
+        .filter(|f| *f > 1e-3)
+        .collect();
+    let span = span_hz(&moduli, nyquist_hz);
+    let models: Vec<(&Model, Curve)> =
+        run.models.iter().filter_map(|model| Some((model, curve(model, span)?))).collect();
+    let (_, first) = models.first()?;
+    let shown = models.iter().flat_map(|(_, curve)| &curve.frequencies_hz);
+    let (low, high) = shown.fold((f64::INFINITY, 0.0_f64), |(l, h), &f| (l.min(f), h.max(f)));
+
+    let (mut traces, mut shapes, mut labels) = (Vec::new(), Vec::new(), Vec::new());
+    for (place, (model, curve)) in models.iter().enumerate() {
+        let colour = colour::SERIES[place % colour::SERIES.len()];
+        let line = json!({"color": colour, "width": 2, "dash": colour::DASHES[place % colour::DASHES.len()]});
+        let x = compact_log(&curve.frequencies_hz);
+        for (edges, axis) in [(&curve.edges[..2], "y"), (&curve.edges[2..], "y2")] {
+            if let Some(band) = band(&curve.frequencies_hz, &edges[0], &edges[1]) {
+                traces.push(with(
+                    band,
+                    json!({"yaxis": axis, "legendgroup": model.id, "fillcolor": colour, "opacity": 0.22}),
+                ));
+            }
+        }
+        traces.push(
+            json!({"type": "scatter", "mode": "lines", "x": x.clone(), "y": compact(curve.magnitude_db.iter().copied()),
+            "name": html(&model.id), "legendgroup": model.id, "line": line, "hovertemplate": "%{y:.2f} dB"}),
+        );
+        traces.push(json!({"type": "scatter", "mode": "lines", "x": x, "y": compact(curve.phase_deg.iter().copied()),
+            "yaxis": "y2", "name": html(&model.id), "legendgroup": model.id, "showlegend": false, "line": line,
+            "hovertemplate": "%{y:.1f}°"}));
+        // One label a resonance: a conjugate pair is one, an aperiodic pole none.
+        for mode in model.modes.iter().filter(|mode| mode.im_rad_per_s > 0.0) {
+            let f = mode.natural_frequency_rad_per_s / TAU;
+            if !(low..=high).contains(&f) {
+                continue;
+            }
+            shapes.push(json!({"type": "line", "x0": short(f), "x1": short(f), "y0": 0, "y1": 1, "yref": "paper",
+                               "line": {"color": colour::GUIDE, "width": 1.2, "dash": "dot"}, "layer": "below"}));
+            let damping = mode.damping_ratio.map_or_else(String::new, |z| format!(", ζ {}", significant(z, 3)));
+            // A label on a logarithmic axis stands at the logarithm. Neighbours take turns in height.
+            let level = labels.len() as u32 % NAME_ROWS;
+            labels.push(
+                json!({"x": short(f.log10()), "y": 1, "yref": "paper", "xanchor": "center", "yanchor": "bottom",
+                "yshift": 1 + 16 * level, "showarrow": false, "text": format!("{} Hz{damping}", significant(f, 3)),
+                "font": {"size": 12, "color": colour::MUTED}}),
+            );
+        }
+    }
+    let ((in_words, _), (out_words, out_unit)) = (words_and_unit(&first.input), words_and_unit(&first.output));
+    let mut caption = format!(
+        "From {} to {}{}. Phase is unwrapped; natural frequencies of oscillating poles are marked.",
+        words(in_words, "the input"),
+        words(out_words, "the output"),
+        if out_unit.is_some() { ", SI units" } else { "" }
+    );
+    for (model, band) in models.iter().filter_map(|(model, curve)| Some((model, curve.band.as_ref()?))) {
+        caption.push_str(&format!(" Band of {}: {band}.", model.id));
+    }
+    let labels_drawn = labels.len();
+    let mut layout = base_layout();
+    set(
+        &mut layout,
+        json!({
+            "hovermode": "x unified", "hoversubplots": "axis",
+            "xaxis": axis("frequency, Hz", json!({"type": "log", "anchor": "y2", "hoverformat": ".3~f",
+                "range": [short(low.log10()), short(high.log10())], "dtick": 1, "minor": {"showgrid": true,
+                "gridcolor": "#f1f3f5"}})),
+            "yaxis": axis("magnitude, dB", json!({"domain": [0.44, 1.0]})),
+            "yaxis2": axis("phase, °", json!({"domain": [0.0, 0.38]})),
+            "shapes": shapes, "annotations": labels,
+        }),
+    );
+    room_above(&mut layout, HEIGHT_PX, (labels_drawn as u32).clamp(1, NAME_ROWS), 1);
+    Some(Figure {
+        id: "bode",
+        title: "Frequency response",
+        caption,
+        height_px: HEIGHT_PX,
+        half_width: false,
+        traces,
+        layout,
+    })
+}
+
+fn curve(model: &Model, (low, high): (f64, f64)) -> Option<Curve> {
+    let degrees = |x: f64| x * 180.0 / PI;
+    if let Some(r) = &model.response {
+        let decibel = |edge: &[Option<f64>]| edge.iter().map(|x| x.filter(|x| *x > 0.0).map(decibel)).collect();
+        let turned = |edge: &[Option<f64>]| edge.iter().map(|x| x.map(degrees)).collect();
+        return Some(Curve {
+            frequencies_hz: r.frequency_hz.clone(),
+            magnitude_db: r.magnitude.iter().copied().map(self::decibel).collect(),
+            phase_deg: r.phase_rad.iter().copied().map(degrees).collect(),
+            input: r.input.clone(),
+            output: r.output.clone(),
+            band: r.band.clone(),
+            edges: [
+                decibel(&r.magnitude_lower),
+                decibel(&r.magnitude_upper),
+                turned(&r.phase_lower_rad),
+                turned(&r.phase_upper_rad),
+            ],
+        });
+    }
+    let tf = model.transfer_function.as_ref().filter(|tf| !tf.numerator.is_empty() && !tf.denominator.is_empty())?;
+    let frequencies_hz: Vec<f64> =
+        (0..POINTS).map(|k| low * (high / low).powf(k as f64 / (POINTS - 1) as f64)).collect();
+    let (magnitude_db, phase_deg) = response(tf, &frequencies_hz);
+    let (input, output) = (tf.input.clone(), tf.output.clone());
+    Some(Curve { frequencies_hz, magnitude_db, phase_deg, input, output, band: None, edges: Default::default() })
+}
+
+fn decibel(x: f64) -> f64 {
+    20.0 * x.log10()
+}
+
+/// The area between two edges, where both are known; `None` where they nowhere are.
+fn band(frequencies_hz: &[f64], lower: &[Option<f64>], upper: &[Option<f64>]) -> Option<Value> {
+    let known: Vec<(f64, f64, f64)> =
+        frequencies_hz.iter().zip(lower.iter().zip(upper)).filter_map(|(f, (l, u))| Some((*f, (*l)?, (*u)?))).collect();
+    if known.is_empty() {
+        return None;
+    }
+    // Along the upper edge and back along the lower.
+    let x: Vec<f64> = known.iter().chain(known.iter().rev()).map(|point| point.0).collect();
+    let y: Vec<f64> = known.iter().map(|point| point.2).chain(known.iter().rev().map(|point| point.1)).collect();
+    Some(json!({"type": "scatter", "mode": "lines", "fill": "toself", "x": compact_log(&x),
+            "y": compact(y.iter().copied()),
+        "line": {"width": 0}, "hoverinfo": "skip", "showlegend": false}))
+}
+
+fn words<'a>(text: &'a str, otherwise: &'a str) -> &'a str {
+    if text.trim().is_empty() { otherwise } else { text.trim() }
+}
+
+/// A decade below the lowest and above the highest natural frequency, up to half the sampling rate.
+fn span_hz(natural_hz: &[f64], nyquist_hz: Option<f64>) -> (f64, f64) {
+    let (low, high) = natural_hz.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), &f| (l.min(f), h.max(f)));
+    let (low, high) = if high > 0.0 { (low / 10.0, high * 10.0) } else { (0.1, 1000.0) };
+    let high = nyquist_hz.map_or(high, |nyquist| high.min(nyquist));
+    if high > low { (low, high) } else { (low, 10.0 * low) }
+}
+
+/// Magnitude in dB and unwrapped phase in degrees.
+fn response(tf: &TransferFunctionV1, frequencies_hz: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let mut magnitude_db = Vec::with_capacity(frequencies_hz.len());
+    let mut phase_deg = Vec::with_capacity(frequencies_hz.len());
+    let mut last = 0.0;
+    for &f in frequencies_hz {
+        let (num_re, num_im) = at_i_omega(&tf.numerator, TAU * f);
+        let (den_re, den_im) = at_i_omega(&tf.denominator, TAU * f);
+        magnitude_db.push(20.0 * (num_re.hypot(num_im) / den_re.hypot(den_im)).log10());
+        let mut phase = num_im.atan2(num_re) - den_im.atan2(den_re);
+        // The first point is taken to (−π, π], each other to the turn nearest to the one before.
+        phase -= TAU * ((phase - last) / TAU).round();
+        last = phase;
+        phase_deg.push(phase * 180.0 / PI);
+    }
+    (magnitude_db, phase_deg)
+}
+
+/// A polynomial, highest power first, at `iω` by Horner's rule.
+fn at_i_omega(coefficients: &[f64], omega: f64) -> (f64, f64) {
+    coefficients.iter().fold((0.0, 0.0), |(re, im), c| (c - omega * im, omega * re))
+}
+
+/// Frequencies on a logarithmic grid: digits relative to each value, not to the span.
+fn compact_log(frequencies: &[f64]) -> Value {
+    frequencies.iter().map(|f| format!("{f:.5e}").parse::<f64>().unwrap_or(*f)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_damped_oscillator_at_its_natural_frequency_is_a_quarter_turn_behind() {
+        // 1/(s² + 2ζω s + ω²) at iω is 1/(2ζω² i).
+        let (omega, zeta) = (TAU * 5.0, 0.2);
+        let tf = TransferFunctionV1 {
+            numerator: vec![1.0],
+            denominator: vec![1.0, 2.0 * zeta * omega, omega * omega],
+            input: String::new(),
+            output: String::new(),
+            delay_s: None,
+        };
+        let (magnitude_db, phase_deg) = response(&tf, &[5.0]);
+        let expected = -20.0 * (2.0 * zeta * omega * omega).log10();
+        // 1e-9: rounding of a handful of operations, far below what a plot shows.
+        assert!((magnitude_db[0] - expected).abs() < 1e-9);
+        assert!((phase_deg[0] + 90.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn phase_runs_on_beyond_half_a_turn() {
+        // Three equal lags: −270° far above their corner.
+        let tf = TransferFunctionV1 {
+            numerator: vec![1.0],
+            denominator: vec![1.0, 3.0, 3.0, 1.0],
+            input: String::new(),
+            output: String::new(),
+            delay_s: None,
+        };
+        let frequencies: Vec<f64> = (0..200).map(|k| 1e-3 * 10_f64.powf(f64::from(k) / 33.0)).collect();
+        let (_, phase_deg) = response(&tf, &frequencies);
+        // The lags are arctan(ω): within 3·180/(π·ω) degrees of −270 at the last frequency, ω ≈ 6.7e3.
+        assert!((phase_deg[199] + 270.0).abs() < 0.03, "{}", phase_deg[199]);
+    }
+
+    #[test]
+    fn the_span_stays_below_half_the_sampling_rate() {
+        assert_eq!(span_hz(&[4.0, 400.0], Some(2000.0)), (0.4, 2000.0));
+        assert_eq!(span_hz(&[], None), (0.1, 1000.0));
+    }
+}

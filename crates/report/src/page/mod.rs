@@ -1,0 +1,13 @@
+//! The page as HTML: its frame and its sections.
+//! Uses figures, drawing, results and text.
+
+pub mod candidates;
+pub mod channels;
+pub mod document;
+pub mod energy;
+pub mod header;
+pub mod models;
+pub mod numbers;
+pub mod ratings;
+pub mod remarks;
+pub mod uncertainty;

@@ -1,0 +1,7 @@
+//! Everything the artifacts of a run say: its types, the ranking of candidates, the summary.
+//! Uses text.
+
+pub mod mass_divisions;
+pub mod ranking;
+pub mod run;
+pub mod summary;

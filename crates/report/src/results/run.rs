@@ -1,0 +1,289 @@
+//! What a report is made from, wherever it was read.
+
+use std::collections::BTreeMap;
+
+use crumple_artifact::records::{
+    CandidateV1, ChannelFilterV1, EventsV1, IdentificationV1, MatchingV1, MetricV1, ModeV1, ResponseV1, SimulationV1,
+    StabilizationV1, TransferFunctionV1,
+};
+use crumple_lumped::{ParameterKind, parameter_kind};
+use crumple_signal::{Channel, Note, Sampled, TestDescription};
+
+use crate::text::numbers::candidate_name;
+
+/// A 95 % interval whose ends are further apart than this factor leaves a parameter hardly determined.
+const HARDLY_DETERMINED: f64 = 1e3;
+
+/// Everything that is known about a run. Parts whose stage has not run are empty.
+#[derive(Debug, Clone, Default)]
+pub struct Run {
+    /// Name of the pipeline, e.g. `default` or `papers/civic`, if it has one.
+    pub pipeline: Option<String>,
+    /// The test.
+    pub test: TestDescription,
+    /// The waves of the channel the crash was read from.
+    pub measured: MeasuredWaves,
+    /// Other sensors whose motion is at hand, in the order of their ids.
+    pub other_sensors: Vec<SensorMotion>,
+    /// How that channel was filtered.
+    pub filter: Option<ChannelFilterV1>,
+    /// The events of the crash.
+    pub events: Option<EventsV1>,
+    /// Crash metrics, in the order of the artifact.
+    pub metrics: Vec<MetricV1>,
+    /// Identified models by id.
+    pub models: Vec<Model>,
+    /// Stabilisation diagrams, by method.
+    pub stabilizations: Vec<StabilizationV1>,
+    /// What coefficient matching found, by the id of the identified model.
+    pub matchings: Vec<(String, MatchingV1)>,
+    /// Candidates in id order: by model, method and the number at the end.
+    pub candidates: Vec<CandidateResult>,
+    /// Number of responses in the simulate stage's artifact; `None`: there is no such artifact.
+    pub responses: Option<usize>,
+    /// What the stages remarked, in stage order, each text once.
+    pub notes: Vec<StageNote>,
+    /// Where the artifacts came from, in stage order.
+    pub provenance: Vec<StageRecord>,
+    /// Why a stage has a result but not what later ones work on: nothing was to be simulated.
+    pub without: Option<String>,
+    /// What is not in the report, and which stage would supply it.
+    pub missing: Vec<String>,
+}
+
+/// The waves of the pulse channel, SI, on the record's time axis.
+#[derive(Debug, Clone, Default)]
+pub struct MeasuredWaves {
+    /// Acceleration as read.
+    pub raw: Option<Sampled>,
+    /// Acceleration as filtered.
+    pub filtered: Option<Sampled>,
+    /// Velocity.
+    pub velocity: Option<Sampled>,
+    /// Displacement: the crush.
+    pub displacement: Option<Sampled>,
+    /// Force on the barrier, positive in compression: the test mass times the deceleration.
+    pub force: Option<Sampled>,
+    /// Force on the barrier as its load cells measured it, positive in compression.
+    pub barrier_force: Option<Sampled>,
+}
+
+/// The motion that another sensor on the vehicle saw.
+#[derive(Debug, Clone)]
+pub struct SensorMotion {
+    /// Its channel.
+    pub channel: String,
+    /// Velocity, where there is one.
+    pub velocity: Option<Sampled>,
+    /// Displacement.
+    pub displacement: Sampled,
+}
+
+/// One identified model.
+#[derive(Debug, Clone, Default)]
+pub struct Model {
+    /// Id, e.g. `era-4`.
+    pub id: String,
+    /// How it was identified.
+    pub identification: Option<IdentificationV1>,
+    /// Its continuous transfer function.
+    pub transfer_function: Option<TransferFunctionV1>,
+    /// Its modes, one entry a pole.
+    pub modes: Vec<ModeV1>,
+    /// Its responses in frequency and time.
+    pub response: Option<ResponseV1>,
+}
+
+/// One set of physical parameters and what it answers with.
+#[derive(Debug, Clone)]
+pub struct CandidateResult {
+    /// `<model>/<method>/<index>`.
+    pub id: String,
+    /// The parameters.
+    pub record: CandidateV1,
+    /// The comparison with the test; `None`: it was not simulated.
+    pub simulation: Option<SimulationV1>,
+    /// Displacement of the compartment.
+    pub displacement: Option<Sampled>,
+    /// Velocity of the compartment.
+    pub velocity: Option<Sampled>,
+    /// Acceleration of the compartment.
+    pub acceleration: Option<Sampled>,
+    /// Its springs and dampers at work, from the barrier on.
+    pub elements: Vec<Element>,
+    /// Displacement and velocity of its masses but the compartment, from the barrier on.
+    pub masses: Vec<(Sampled, Option<Sampled>)>,
+}
+
+impl CandidateResult {
+    /// Whether it is a chain that a person stated.
+    pub fn is_chain(&self) -> bool {
+        self.record.model == "chain"
+    }
+
+    /// Channels it was fitted to beside the pulse, with the mass that each sits on, from 1 at the barrier.
+    pub fn other_channels(&self) -> impl Iterator<Item = (&str, u32)> {
+        let fit = self.record.fit.as_ref();
+        let sensors = fit.map(|fit| fit.sensors.as_slice()).unwrap_or_default();
+        let pulse = fit.map(|fit| fit.channel.as_str());
+        sensors.iter().filter(move |s| Some(s.channel.as_str()) != pulse).map(|s| (s.channel.as_str(), s.mass))
+    }
+
+    /// Its name, with that of the candidate that gives exactly the same record.
+    pub fn name_with_dual(&self) -> String {
+        let other = self.record.equivalent_to.as_deref();
+        let other = other.map_or_else(String::new, |other| format!(" or its dual {}", candidate_name(other)));
+        format!("{}{other}", candidate_name(&self.id))
+    }
+
+    /// Whether it is a chain of two whose masses were looked for by a sensor on the last one alone: their division
+    /// follows from a formula and, with any noise, not from the record.
+    pub fn divides_by_formula(&self) -> bool {
+        let fit = self.record.fit.as_ref();
+        let sees_the_front = fit.is_some_and(|fit| fit.sensors.iter().any(|sensor| sensor.mass == 1));
+        let two = self.record.parameters.contains_key("m2_kg") && !self.record.parameters.contains_key("m3_kg");
+        let mut asked = self.record.asked();
+        self.is_chain()
+            && two
+            && !sees_the_front
+            && asked.any(|name| parameter_kind(&self.record.model, name) == Some(ParameterKind::Mass))
+    }
+
+    /// Whether the 95 % interval of a parameter that counts as determined spans more than a factor of 1000: the record
+    /// says little more than its sign. Words only; what picks the best does not look at it.
+    pub fn is_hardly_determined(&self, name: &str) -> bool {
+        let Some(known) = self.record.uncertainty.as_ref().filter(|_| self.record.doubt(name).is_none()) else {
+            return false;
+        };
+        let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied().flatten();
+        let ends = end(&known.interval_low).zip(end(&known.interval_high));
+        ends.is_some_and(|(low, high)| {
+            low * high > 0.0 && high.abs().max(low.abs()) > HARDLY_DETERMINED * high.abs().min(low.abs())
+        })
+    }
+
+    /// Names of the parameters that this record hardly determines.
+    pub fn hardly_determined_parameters(&self) -> Vec<&str> {
+        self.record.asked().filter(|name| self.is_hardly_determined(name)).collect()
+    }
+
+    /// `2 of 6 parameters not or hardly determined by this record`; `None` where it determines all that were asked of
+    /// it.
+    pub fn undetermined_in_words(&self) -> Option<String> {
+        let (open, of) = self.undetermined();
+        let hardly = self.hardly_determined_parameters().len();
+        let how = match (open, hardly) {
+            (0, 0) => return None,
+            (_, 0) => "not",
+            (0, _) => "hardly",
+            _ => "not or hardly",
+        };
+        Some(format!("{} of {of} parameters {how} determined by this record", open + hardly))
+    }
+
+    /// How many of the parameters this record does not determine, and of how many that were asked of it.
+    pub fn undetermined(&self) -> (usize, usize) {
+        (self.record.undetermined().len(), self.record.asked().count())
+    }
+
+    /// Parameters that may be anything as far as is known: those that the record does not determine, and all of a
+    /// candidate of which nobody says how well it is known. A chain that a person stated was not asked of the record
+    /// and leaves none open.
+    pub fn left_open(&self) -> usize {
+        let stated = self.is_chain() && self.record.fit.is_none();
+        if self.record.uncertainty.is_none() && !stated { self.record.parameters.len() } else { self.undetermined().0 }
+    }
+}
+
+/// A spring or damper at work.
+#[derive(Debug, Clone)]
+pub struct Element {
+    /// `k`, `c`, `k2`, ...
+    pub name: String,
+    /// Its force, N, positive in compression.
+    pub force: Sampled,
+    /// How far the masses at its ends have come together, m.
+    pub deflection: Vec<f64>,
+}
+
+/// A remark and the stage that made it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StageNote {
+    /// The stage, e.g. `ingest`.
+    pub stage: String,
+    /// The remark.
+    pub note: Note,
+}
+
+/// One artifact's origin.
+#[derive(Debug, Clone, Default)]
+pub struct StageRecord {
+    /// The stage that wrote it.
+    pub stage: String,
+    /// The stage's version.
+    pub version: String,
+    /// Digest of the artifact's content.
+    pub digest: String,
+    /// Its settings as canonical JSON.
+    pub settings: String,
+    /// Kind and digest of each of its inputs.
+    pub inputs: Vec<(String, String)>,
+}
+
+impl Run {
+    /// Id of the channel the crash was read from: what the events name, else the test's pulse.
+    pub fn channel_id(&self) -> Option<&str> {
+        match &self.events {
+            Some(events) => Some(&events.channel),
+            None => self.test.pulse_channel().ok().map(|channel| channel.id.as_str()),
+        }
+    }
+
+    /// That channel's description.
+    pub fn channel(&self) -> Option<&Channel> {
+        self.test.channel(self.channel_id()?)
+    }
+
+    /// The acceleration the analysis worked on: filtered where there is such a wave, else as read.
+    pub fn acceleration(&self) -> Option<&Sampled> {
+        self.measured.filtered.as_ref().or(self.measured.raw.as_ref())
+    }
+
+    /// Time of dynamic crush, s, if the record shows it.
+    pub fn time_of_crush_s(&self) -> Option<f64> {
+        self.events.as_ref()?.time_of_dynamic_crush_s
+    }
+
+    /// The metric of this name; one of the pulse channel goes before one of another channel.
+    pub fn metric(&self, name: &str) -> Option<&MetricV1> {
+        let of_name = || self.metrics.iter().filter(|metric| metric.name == name);
+        of_name().find(|metric| Some(metric.channel.as_str()) == self.channel_id()).or_else(|| of_name().next())
+    }
+
+    /// Metrics of channels that the pulse has none of: criteria of occupants, the barrier, the tables of a recorder.
+    pub fn metrics_of_others(&self) -> impl Iterator<Item = &MetricV1> {
+        let pulse = self.channel_id();
+        self.metrics.iter().filter(move |metric| {
+            let of_pulse = |other: &MetricV1| Some(other.channel.as_str()) == pulse;
+            pulse.is_some()
+                && !metric.channel.is_empty()
+                && !of_pulse(metric)
+                && !self.metrics.iter().any(|other| of_pulse(other) && other.name == metric.name)
+        })
+    }
+
+    /// Whether the models are of inputs and outputs and nothing speaks of a crash.
+    pub fn is_generic(&self) -> bool {
+        self.channel_id().is_none() && self.candidates.is_empty() && !self.models.is_empty()
+    }
+
+    /// The candidate of this id.
+    pub fn candidate(&self, id: &str) -> Option<&CandidateResult> {
+        self.candidates.iter().find(|candidate| candidate.id == id)
+    }
+
+    /// Whether candidates were to be simulated and not one of them came through.
+    pub fn no_candidate_simulated(&self) -> bool {
+        self.responses == Some(0)
+    }
+}

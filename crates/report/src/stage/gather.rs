@@ -1,0 +1,295 @@
+//! Gathers a run from artifacts: by topic, not by position.
+
+use std::collections::BTreeMap;
+
+use crumple_artifact::Artifact;
+use crumple_artifact::records::{
+    CandidateV1, ChannelFilterV1, DiagnosisV1, IdentificationV1, MetricsV1, ModesV1, NotesV1, ResponseV1, SimulationV1,
+    StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1,
+};
+use crumple_report::{
+    CandidateResult, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord, compare_ids,
+};
+use crumple_signal::{Note, Sampled, Severity, TestDescription};
+use crumple_stage::{Inputs, RefuseExt, Refused};
+
+/// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
+///
+/// Refuses artifacts whose records do not decode, and inputs that hold nothing a report could show.
+pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
+    let mut run = Run::default();
+    match inputs.record_if::<TestV1>("/test")? {
+        Some(test) => run.test = TestDescription::try_from(test).refuse_with_hint("see docs/format.md, type Test")?,
+        None => run.missing.push("the test description (crumple-ingest writes it)".to_owned()),
+    }
+    run.events = inputs.record_if("/events")?;
+    // The page counts every time from time zero; the artifacts keep the record's own axis.
+    let time_zero_s = run.events.as_ref().map_or(0.0, |events| events.time_zero_s);
+    run.metrics = inputs.record_if::<MetricsV1>("/metrics")?.map(|metrics| metrics.0).unwrap_or_default();
+    if let Some(id) = run.channel_id().map(str::to_owned) {
+        run.filter = inputs.record_if::<ChannelFilterV1>(&format!("/filter/{id}"))?;
+        run.measured = measured(inputs, &id, time_zero_s);
+        run.other_sensors = other_sensors(inputs, &run.test, &id, time_zero_s);
+    }
+    run.models = models(inputs)?;
+    let stabilizations = inputs.records::<StabilizationV1>("/stabilisation/")?;
+    run.stabilizations = stabilizations.into_iter().map(|(_, record)| record).collect();
+    run.matchings = inputs.records("/matching/")?;
+    let simulations: BTreeMap<String, SimulationV1> = inputs.records("/simulation/")?.into_iter().collect();
+    let stage_ran = inputs.artifacts().iter().any(|artifact| artifact.stage() == Some("simulate"));
+    run.responses = (stage_ran || !simulations.is_empty()).then_some(simulations.len());
+    run.candidates = candidates(inputs, &simulations, time_zero_s)?;
+    run.provenance = inputs.artifacts().iter().map(stage_record).collect();
+    collect_notes(inputs, &mut run)?;
+    let without_parameters = simulations.keys().filter(|id| run.candidate(id).is_none()).count();
+    name_what_is_missing(&mut run, without_parameters);
+
+    let nothing = run.measured.raw.is_none()
+        && run.measured.filtered.is_none()
+        && run.measured.displacement.is_none()
+        && run.events.is_none()
+        && run.test.channels.is_empty()
+        && run.models.is_empty()
+        && run.candidates.is_empty();
+    if nothing {
+        return Err(Refused::new("the inputs hold no test, wave, event, model or candidate")
+            .expected("artifacts of the pipeline's stages")
+            .hint("look into them with crumple-artifact show")
+            .into());
+    }
+    Ok(run)
+}
+
+/// The pulse channel's waves. Which acceleration is raw and which filtered follows from the stage that wrote it; where
+/// an artifact does not name a known stage, the later of two is the filtered one, and a lone one with a filter record.
+fn measured(inputs: &Inputs, id: &str, time_zero_s: f64) -> MeasuredWaves {
+    let filter_topic = format!("/filter/{id}");
+    let (mut raw, mut filtered) = (None, None);
+    for artifact in inputs.artifacts() {
+        let Some(wave) = artifact.waves().get(id) else { continue };
+        let known = match artifact.stage() {
+            Some("ingest") => Some(false),
+            Some("filter") => Some(true),
+            _ => None,
+        };
+        let is_filtered = known
+            .unwrap_or_else(|| raw.is_some() || artifact.records().iter().any(|record| record.topic == filter_topic));
+        *(if is_filtered { &mut filtered } else { &mut raw }) = Some(after(&wave.sampled, time_zero_s));
+    }
+    let of_motion = |what: &str| inputs.wave_if(&format!("{id}/{what}")).map(|wave| after(&wave.sampled, time_zero_s));
+    MeasuredWaves {
+        raw,
+        filtered,
+        velocity: of_motion("velocity"),
+        displacement: of_motion("displacement"),
+        force: of_motion("force"),
+        barrier_force: inputs.wave_if("barrier/force").map(|wave| after(&wave.sampled, time_zero_s)),
+    }
+}
+
+/// Channels of the test beside the pulse that were integrated.
+fn other_sensors(inputs: &Inputs, test: &TestDescription, pulse: &str, time_zero_s: f64) -> Vec<SensorMotion> {
+    let wave = |id: String| inputs.wave_if(&id).map(|wave| after(&wave.sampled, time_zero_s));
+    let others = test.channels.iter().filter(|channel| channel.id != pulse);
+    others
+        .filter_map(|channel| {
+            Some(SensorMotion {
+                channel: channel.id.clone(),
+                velocity: wave(format!("{}/velocity", channel.id)),
+                displacement: wave(format!("{}/displacement", channel.id))?,
+            })
+        })
+        .collect()
+}
+
+fn models(inputs: &Inputs) -> anyhow::Result<Vec<Model>> {
+    let mut models: BTreeMap<String, Model> = BTreeMap::new();
+    let mut with_model = |id: &str, put: &mut dyn FnMut(&mut Model)| {
+        let model = models.entry(id.to_owned()).or_insert_with(|| Model { id: id.to_owned(), ..Model::default() });
+        put(model);
+    };
+    for (id, identification) in inputs.records::<IdentificationV1>("/identification/")? {
+        with_model(&id, &mut |model| model.identification = Some(identification.clone()));
+    }
+    for (id, modes) in inputs.records::<ModesV1>("/modes/")? {
+        with_model(&id, &mut |model| model.modes.clone_from(&modes.0));
+    }
+    for (id, response) in inputs.records::<ResponseV1>("/response/")? {
+        with_model(&id, &mut |model| model.response = Some(response.clone()));
+    }
+    for (topic, tf) in inputs.records::<TransferFunctionV1>("/model/")? {
+        let id = topic.strip_suffix("/transfer-function").unwrap_or(&topic);
+        with_model(id, &mut |model| model.transfer_function = Some(tf.clone()));
+    }
+    for (topic, _) in inputs.records::<StateSpaceV1>("/model/")? {
+        let id = topic.strip_suffix("/continuous").or_else(|| topic.strip_suffix("/discrete")).unwrap_or(&topic);
+        with_model(id, &mut |_| {});
+    }
+    Ok(models.into_values().collect())
+}
+
+/// The signal with its times counted from `time_zero_s`.
+fn after(signal: &Sampled, time_zero_s: f64) -> Sampled {
+    let shifted = Sampled::new(signal.t0_s() - time_zero_s, signal.dt_s(), signal.samples().to_vec());
+    // Both times are finite, so their difference is; only an overflow could object.
+    shifted.unwrap_or_else(|_| signal.clone())
+}
+
+fn candidates(
+    inputs: &Inputs,
+    simulations: &BTreeMap<String, SimulationV1>,
+    time_zero_s: f64,
+) -> anyhow::Result<Vec<CandidateResult>> {
+    let wave = |id: &str, what: &str| -> Option<Sampled> {
+        inputs.wave_if(&format!("{id}/{what}")).map(|wave| after(&wave.sampled, time_zero_s))
+    };
+    let mut candidates: Vec<CandidateResult> = inputs
+        .records::<CandidateV1>("/parameters/")?
+        .into_iter()
+        .map(|(id, record)| CandidateResult {
+            simulation: simulations.get(&id).cloned(),
+            displacement: wave(&id, "displacement"),
+            velocity: wave(&id, "velocity"),
+            acceleration: wave(&id, "acceleration"),
+            elements: elements(inputs, &id, time_zero_s),
+            masses: (1..)
+                .map_while(|i| Some((wave(&id, &format!("m{i}/displacement"))?, wave(&id, &format!("m{i}/velocity")))))
+                .collect(),
+            id,
+            record,
+        })
+        .collect();
+    candidates.sort_by(|a, b| compare_ids(&a.id, &b.id));
+    Ok(candidates)
+}
+
+/// Forces below `<id>/force/` with the deflection that belongs to each.
+fn elements(inputs: &Inputs, id: &str, time_zero_s: f64) -> Vec<Element> {
+    let prefix = format!("{id}/force/");
+    let samples = |what: String| inputs.wave_if(&format!("{id}/{what}")).map(|wave| wave.sampled.samples());
+    // Of mass i from 1; the last mass is the compartment, which has no number.
+    let of_mass = |i: usize| samples(format!("m{i}/displacement")).or_else(|| samples("displacement".to_owned()));
+    let mut elements: Vec<Element> = inputs
+        .waves()
+        .filter_map(|(wave_id, wave)| {
+            let name = wave_id.strip_prefix(&prefix)?;
+            let place = name.trim_start_matches(|c: char| c.is_ascii_alphabetic()).parse().unwrap_or(1);
+            let behind = of_mass(place)?;
+            let deflection = match place.checked_sub(1).filter(|front| *front > 0).map(of_mass) {
+                Some(front) => behind.iter().zip(front?).map(|(x, y)| x - y).collect(),
+                None => behind.to_vec(),
+            };
+            (deflection.len() == wave.sampled.len()).then(|| Element {
+                name: name.to_owned(),
+                force: after(&wave.sampled, time_zero_s),
+                deflection,
+            })
+        })
+        .collect();
+    let order = |e: &Element| (e.name.trim_start_matches(['k', 'c']).to_owned(), e.name.starts_with('c'));
+    elements.sort_by_key(order);
+    elements
+}
+
+fn stage_record(artifact: &Artifact) -> StageRecord {
+    let provenance = artifact.provenance();
+    StageRecord {
+        stage: artifact.stage().unwrap_or("not stated").to_owned(),
+        version: provenance.map(|p| p.stage_version.clone()).unwrap_or_default(),
+        digest: artifact.digest().to_owned(),
+        settings: provenance.map(|p| p.config_json.clone()).unwrap_or_default(),
+        inputs: provenance
+            .map(|p| p.inputs.iter().map(|input| (input.kind.clone(), input.digest.clone())).collect())
+            .unwrap_or_default(),
+    }
+}
+
+/// Notes in stage order, each text of a stage once. What the reader of the file remarked counts as ingest's.
+fn collect_notes(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
+    let mut notes: Vec<StageNote> = Vec::new();
+    let mut add = |stage: &str, note: Note| {
+        let note = StageNote { stage: stage.to_owned(), note };
+        if !notes.iter().any(|other| other.stage == note.stage && other.note.text == note.note.text) {
+            notes.push(note);
+        }
+    };
+    let file_remarks: Vec<Note> = run.test.notes.iter().map(|text| Note::parse(text)).collect();
+    let mut remarks_are_in = false;
+    for artifact in inputs.artifacts() {
+        if let Some(record) = artifact.record::<NotesV1>("/notes").map_err(Refused::from)? {
+            for text in &record.notes {
+                add(&record.stage, Note::parse(text));
+            }
+        }
+        if artifact.stage() == Some("ingest") {
+            file_remarks.iter().for_each(|note| add("ingest", note.clone()));
+            remarks_are_in = true;
+        }
+        if let Some(diagnosis) = artifact.record::<DiagnosisV1>("/diagnosis").map_err(Refused::from)? {
+            let text = if diagnosis.has_result {
+                run.without = Some(diagnosis.reason.clone());
+                diagnosis.reason.clone()
+            } else {
+                format!("no acceptable result: {}", diagnosis.reason)
+            };
+            add(&diagnosis.stage, Note { severity: Severity::Warning, text });
+        }
+    }
+    if !remarks_are_in {
+        // The test travels along: its remarks are known without ingest's artifact, and come first all the same.
+        let mut first: Vec<StageNote> =
+            file_remarks.into_iter().map(|note| StageNote { stage: "ingest".to_owned(), note }).collect();
+        first.extend(notes);
+        notes = first;
+    }
+    run.notes = notes;
+    Ok(())
+}
+
+fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
+    let mut missing = std::mem::take(&mut run.missing);
+    if run.is_generic() {
+        missing.push(
+            "what belongs to a crash (motion, events, physical parameters): the test names no crash pulse \
+             (crumple-ingest --channel does)"
+                .to_owned(),
+        );
+        run.missing = missing;
+        return;
+    }
+    let mut add = |absent: bool, what: &str| {
+        if absent {
+            missing.push(what.to_owned());
+        }
+    };
+    add(
+        run.channel_id().is_none(),
+        "the crash pulse: the test names none of its channels (crumple-ingest --channel does)",
+    );
+    add(run.measured.raw.is_none(), "acceleration as read (crumple-ingest writes it)");
+    add(run.measured.filtered.is_none(), "filtered acceleration (crumple-filter writes it)");
+    add(
+        run.events.is_none() && run.metrics.is_empty(),
+        "crash events, velocity, displacement and metrics (crumple-integrate writes them)",
+    );
+    add(
+        run.events.is_none() && !run.metrics.is_empty(),
+        "crash events, velocity and displacement: no motion of a vehicle was integrated, the notes say why",
+    );
+    add(
+        run.events.is_some() && run.measured.displacement.is_none(),
+        "velocity and displacement (crumple-integrate writes them)",
+    );
+    add(run.models.is_empty(), "identified models (crumple-identify writes them)");
+    add(run.candidates.is_empty(), "physical parameters (crumple-parameter-solve writes them)");
+    add(
+        run.responses.is_none() && !run.candidates.is_empty(),
+        "responses of the candidates, so there is no ranking and no best (crumple-simulate writes them)",
+    );
+    if without_parameters > 0 {
+        missing.push(format!(
+            "the parameters of {without_parameters} simulated candidates (crumple-parameter-solve writes them)"
+        ));
+    }
+    run.missing = missing;
+}

@@ -1,0 +1,6 @@
+//! Numbers and names as people write them, and text made safe for HTML.
+//! Uses no other room.
+
+pub mod escape;
+pub mod numbers;
+pub mod parameters;

@@ -1,0 +1,225 @@
+//! Numbers as crash engineers write them: g, km/h, mm, ms, kN.
+
+use crumple_signal::STANDARD_GRAVITY_M_PER_S2;
+
+/// What stands where a record does not show a value.
+pub const ABSENT: &str = "–";
+/// A space that does not break the line, between a number and its unit.
+pub const NBSP: char = '\u{a0}';
+/// m/s² in g.
+pub const G_PER_M_PER_S2: f64 = 1.0 / STANDARD_GRAVITY_M_PER_S2;
+/// m/s in km/h.
+pub const KM_PER_H_PER_M_PER_S: f64 = 3.6;
+/// m in mm, s in ms.
+pub const MILLI: f64 = 1e3;
+/// N in kN, J in kJ, N/m in kN/m.
+pub const KILO: f64 = 1e-3;
+
+/// A number with so many significant digits, without an exponent between 1e-3 and 1e6, with a true minus sign.
+///
+/// Integers keep all their digits: 1719, not 1720, whatever the number of digits asked for.
+pub fn significant(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return ABSENT.to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let digits = digits.max(1);
+    let scientific = format!("{value:.*e}", digits - 1);
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let text = if (-3..6).contains(&exponent) {
+        let decimals = i32::try_from(digits).ok().and_then(|d| usize::try_from(d - 1 - exponent).ok()).unwrap_or(0);
+        format!("{value:.decimals$}")
+    } else {
+        format!("{mantissa}·10{}", superscript(exponent))
+    };
+    minus(&text)
+}
+
+/// Digits that an interval deserves: two of the distance between its ends, so that they differ in print, and at least
+/// so many of the larger end.
+pub fn digits_of_interval(low: f64, high: f64, at_least: usize) -> usize {
+    /// No end is known to more.
+    const MOST: usize = 9;
+    let size = low.abs().max(high.abs());
+    let orders = (size / (high - low).abs()).log10().ceil();
+    // Not finite where the ends are equal or not numbers, and then there is nothing to tell apart.
+    if orders.is_finite() && orders > 0.0 {
+        (orders as usize + 1).clamp(at_least, MOST.max(at_least))
+    } else {
+        at_least
+    }
+}
+
+/// A number with so many decimals and a true minus sign.
+pub fn decimals(value: f64, decimals: usize) -> String {
+    if !value.is_finite() {
+        return ABSENT.to_owned();
+    }
+    let text = format!("{value:.decimals$}");
+    // "-0.0" says nothing that "0.0" does not.
+    if text.starts_with('-') && !text.contains(|c: char| c.is_ascii_digit() && c != '0') {
+        return text[1..].to_owned();
+    }
+    minus(&text)
+}
+
+/// A signed deviation: `+12.3`, `−4.5`.
+pub fn signed(value: f64, places: usize) -> String {
+    let text = decimals(value, places);
+    if value > 0.0 && text.contains(|c: char| c.is_ascii_digit() && c != '0') { format!("+{text}") } else { text }
+}
+
+fn minus(text: &str) -> String {
+    text.replacen('-', "−", 1)
+}
+
+fn superscript(exponent: i32) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let digit = |c: char| c.to_digit(10).map_or('⁻', |d| DIGITS[d as usize]);
+    exponent.to_string().chars().map(digit).collect()
+}
+
+/// Up to so many decimals, without trailing zeros: 873 and 14.25, not 873.00.
+pub fn at_most(value: f64, places: usize) -> String {
+    let text = decimals(value, places);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// The unit people use for an SI unit, and the factor to it.
+///
+/// A unit that is not known stays as it is.
+pub fn unit(si: &str) -> (f64, &str) {
+    match si {
+        "m/s^2" => (G_PER_M_PER_S2, "g"),
+        "m/s" => (KM_PER_H_PER_M_PER_S, "km/h"),
+        "m" => (MILLI, "mm"),
+        "s" => (MILLI, "ms"),
+        "N" => (KILO, "kN"),
+        "N/m" => (KILO, "kN/m"),
+        "N*s/m" | "N s/m" => (KILO, "kN·s/m"),
+        "J" => (KILO, "kJ"),
+        "m^2/s^2" => (1.0, "J/kg"),
+        "1" | "" => (1.0, ""),
+        other => (1.0, other),
+    }
+}
+
+/// A value in SI with four significant digits in the unit people use.
+pub fn value(value: f64, si: &str) -> String {
+    let (factor, unit) = unit(si);
+    let number = significant(value * factor, 4);
+    if unit.is_empty() { number } else { format!("{number}{NBSP}{unit}") }
+}
+
+/// Two values in SI in the unit people use: `741.2 to 759.3 mm`.
+pub fn range(low: f64, high: f64, si: &str) -> String {
+    let (factor, unit) = unit(si);
+    let digits = digits_of_interval(low, high, 4);
+    let (low, high) = (significant(low * factor, digits), significant(high * factor, digits));
+    if unit.is_empty() { format!("{low} to {high}") } else { format!("{low} to {high}{NBSP}{unit}") }
+}
+
+/// A longer stretch of time than this is told in s, a shorter one in ms.
+pub const LONG_S: f64 = 2.0;
+
+/// `0.0 to 120.0 ms`, or in s where that is the fitting unit.
+pub fn times(from_s: f64, to_s: f64) -> String {
+    let (factor, unit) = if to_s - from_s > LONG_S { (1.0, "s") } else { (MILLI, "ms") };
+    format!("{} to {} {unit}", decimals(factor * from_s, 1), decimals(factor * to_s, 1))
+}
+
+/// An input or output as identify names it (`acceleration of channel 93, m/s^2`): the words and the unit, if it has
+/// one.
+pub fn words_and_unit(text: &str) -> (&str, Option<String>) {
+    let text = text.trim();
+    let (words, unit) = match text.rsplit_once(", ") {
+        Some((words, unit)) => (words, Some(unit)),
+        None => (text, None),
+    };
+    let unit = unit.filter(|unit| !["", "1"].contains(unit)).map(|unit| unit.replace("^2", "²").replace('*', "·"));
+    (words.strip_prefix("other ").unwrap_or(words), unit)
+}
+
+/// A model's name in words: `double-spring-mass-damper` is "Double spring-mass-damper".
+pub fn model_name(name: &str) -> String {
+    match name {
+        "double-spring-mass-damper" => "Double spring-mass-damper".to_owned(),
+        "triple-spring-mass-damper" => "Triple spring-mass-damper".to_owned(),
+        other => {
+            let words = other.replace('-', " ");
+            let mut letters = words.chars();
+            letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+        }
+    }
+}
+
+/// A candidate id in words: `kelvin/closed-form/1` is "Kelvin, closed form 1".
+pub fn candidate_name(id: &str) -> String {
+    let mut parts = id.splitn(3, '/');
+    match (parts.next(), parts.next(), parts.next()) {
+        (Some(model), Some(method), Some(index)) => {
+            format!("{}, {} {index}", model_name(model), method.replace('-', " "))
+        }
+        _ => id.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn significant_digits_are_kept_and_integers_are_whole() {
+        assert_eq!(significant(321_912.4 * KILO, 4), "321.9");
+        assert_eq!(significant(1719.0, 4), "1719");
+        assert_eq!(significant(-0.074_312, 4), "−0.07431");
+        assert_eq!(significant(9.999_96, 4), "10.00");
+        assert_eq!(significant(1.234e-7, 3), "1.23·10⁻⁷");
+        assert_eq!(significant(f64::NAN, 3), ABSENT);
+    }
+
+    #[test]
+    fn ends_of_a_narrow_interval_differ_in_print() {
+        let shown = |low, high| {
+            let digits = digits_of_interval(low, high, 3);
+            (significant(low, digits), significant(high, digits))
+        };
+        assert_eq!(shown(899.72, 900.28), ("899.72".to_owned(), "900.28".to_owned()));
+        assert_eq!(shown(495.2, 889.1), ("495".to_owned(), "889".to_owned()));
+        assert_eq!(shown(3.0, 3.0), ("3.00".to_owned(), "3.00".to_owned()));
+        assert_eq!(digits_of_interval(f64::NAN, 1.0, 3), 3);
+    }
+
+    #[test]
+    fn a_deviation_has_its_sign_and_zero_has_none() {
+        assert_eq!(signed(1.26, 1), "+1.3");
+        assert_eq!(signed(-1.26, 1), "−1.3");
+        assert_eq!(signed(-0.01, 1), "0.0");
+    }
+
+    #[test]
+    fn a_quantity_that_is_not_known_has_no_unit() {
+        assert_eq!(words_and_unit("other column_2, 1"), ("column_2", None));
+        let (words, unit) = words_and_unit("acceleration of channel 93, m/s^2");
+        assert_eq!((words, unit.as_deref()), ("acceleration of channel 93", Some("m/s²")));
+    }
+
+    #[test]
+    fn a_long_record_is_told_in_seconds() {
+        assert_eq!(times(0.0, 0.0741), "0.0 to 74.1 ms");
+        assert_eq!(times(0.0, 79.92), "0.0 to 79.9 s");
+    }
+
+    #[test]
+    fn a_velocity_is_in_km_per_h_and_an_unknown_unit_stays() {
+        assert_eq!(value(10.0, "m/s"), "36.00\u{a0}km/h");
+        assert_eq!(value(0.5, "1"), "0.5000");
+        assert_eq!(range(0.7412, 0.7593, "m"), "741.2 to 759.3\u{a0}mm");
+        assert_eq!(range(0.5, 0.75, "1"), "0.5000 to 0.7500");
+        assert_eq!(range(0.75, 0.75, "1"), "0.7500 to 0.7500");
+        assert_eq!(value(2.0, "furlong"), "2.000\u{a0}furlong");
+    }
+}

@@ -1,0 +1,70 @@
+//! The command line of `crumple-run`.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use crumple_stage::Usage;
+
+use crate::command::pipeline::Pipeline;
+use crate::command::stages::Stages;
+
+/// Runs the stages of a pipeline on a record, one after another, into one run folder.
+///
+/// The recipe `run` of the justfile calls it. Every stage is a shell command; it is started as
+/// `COMMAND INPUT... --pipeline FILE -o OUTPUT`, its inputs and outputs in the run folder. A stage whose result is up
+/// to date leaves it alone; all that was made from an old result is removed before a new one appears.
+#[derive(Debug, clap::Parser)]
+#[command(
+    name = "crumple-run",
+    version,
+    after_help = "One run at a time works in a folder; a second one waits and says for which.\n\
+                  Exit codes: 0 done, 1 a stage failed unforeseen, 2 usage, 3 record refused, 4 no acceptable result \
+                  (the report shows the diagnosis)."
+)]
+pub struct Options {
+    #[command(flatten)]
+    pub(crate) stages: Stages,
+
+    /// Folder with `pipelines/` and `runs/`.
+    #[arg(long, value_name = "FOLDER", default_value = ".")]
+    pub(crate) project: PathBuf,
+
+    /// Pipeline: a file below `pipelines/` without its ending, or the path of a file elsewhere.
+    #[arg(long, value_name = "NAME|FILE", default_value = "default", allow_hyphen_values = true)]
+    pub(crate) pipeline: String,
+
+    /// Run folder [default: runs/NAME-OF-RECORD/NAME-OF-PIPELINE in the project].
+    #[arg(long, value_name = "FOLDER", allow_hyphen_values = true)]
+    pub(crate) out: Option<OsString>,
+
+    /// Flags for every stage, as one would type them.
+    #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
+    pub(crate) flags: String,
+
+    /// The record, and flags of the stage that reads it.
+    #[arg(last = true, required = true, value_name = "RECORD")]
+    pub(crate) record: Vec<OsString>,
+}
+
+impl Options {
+    /// The run folder: what `--out` says, else one below `runs/` by the names of record and pipeline.
+    pub(crate) fn folder(&self, pipeline: &Pipeline) -> anyhow::Result<PathBuf> {
+        let out = self.out.as_deref().filter(|out| !out.is_empty()).map(Path::new);
+        if let Some(out) = out {
+            // Stages must not take it for a flag.
+            let looks_like_a_flag = out.as_os_str().as_encoded_bytes().starts_with(b"-");
+            return Ok(if looks_like_a_flag { Path::new(".").join(out) } else { out.to_owned() });
+        }
+        let stem = self.record.first().and_then(|record| Path::new(record).file_stem());
+        let stem =
+            stem.context(Usage::new("the record has no file name").hint("say where to: just out=DIR run RECORD"))?;
+        Ok(self.project.join("runs").join(stem).join(&pipeline.name))
+    }
+
+    /// Whether the flags after the record ask what the first stage prints about itself or the record.
+    pub(crate) fn asks_for_information(&self) -> bool {
+        const INFORMATION: [&str; 5] = ["-h", "--help", "-V", "--version", "--list"];
+        self.record.iter().skip(1).any(|flag| INFORMATION.iter().any(|known| flag == known))
+    }
+}

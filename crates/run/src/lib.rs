@@ -1,0 +1,16 @@
+//! Runs the stages of a pipeline one after another into one folder: the program behind `just run`.
+//!
+//! The stages know nothing of each other and this program knows nothing of what they compute. It knows the commands it
+//! was given, and it keeps the promises of a run folder: one run at a time, no results of two records side by side at
+//! any moment, nothing lost by a run that fails, and a plain word where a program ends as no stage may.
+//!
+//! rooms: messages | steps | folder | command
+
+mod command;
+mod folder;
+mod messages;
+mod run;
+mod steps;
+
+pub use command::options::Options;
+pub use run::run;

@@ -1,0 +1,6 @@
+//! What is said to people beside what the stages say themselves.
+//! May use `command`, `steps`.
+
+pub mod replaced_record;
+pub mod stage_failed;
+pub mod whose_flag;

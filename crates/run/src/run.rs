@@ -1,0 +1,129 @@
+//! A run: all stages, one after another, into one folder.
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use crumple_stage::{ExitStatus, Usage, say};
+
+use crate::command::options::Options;
+use crate::command::pipeline::Pipeline;
+use crate::command::program::{Program, own_program};
+use crate::command::stages::Stage;
+use crate::folder::lock::{LockedFolder, is_at};
+use crate::folder::sweep::{folder_of_new_results, sweep};
+use crate::messages::replaced_record::say_what_is_replaced;
+use crate::messages::stage_failed::say_what_failed;
+use crate::messages::whose_flag::say_whose_flags;
+use crate::steps::ending::Ending;
+use crate::steps::start::{arguments, run_in_shell};
+use crate::steps::take_over::take_over;
+
+/// Runs all stages. Exit code 4 of a stage (no acceptable result, diagnosis written) does not stop the run: the report
+/// shows the diagnosis, and the last stage decides. Any other failure does.
+pub fn run(options: Options) -> anyhow::Result<ExitStatus> {
+    let stages = &options.stages.0;
+    let (Some(record), Some(first)) = (options.record.first(), stages.first()) else {
+        return Err(Usage::new("a record and a stage are needed").into());
+    };
+    if record.as_encoded_bytes().starts_with(b"-") {
+        return Err(Usage::new("the record comes first: just run RECORD [flags of crumple-ingest]").into());
+    }
+    if options.asks_for_information() {
+        return Ok(match Ending::of(run_in_shell(&first.command, &options.record, "")?) {
+            Ending::WithResult(status) | Ending::Failed(status) => status,
+            Ending::Unforeseen(_) => ExitStatus::Failure,
+        });
+    }
+    let programs = stages.iter().map(program_of).collect::<anyhow::Result<Vec<_>>>()?;
+    let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
+    let folder = LockedFolder::lock(&options.folder(&pipeline)?)?;
+    sweep(folder.path(), options.stages.outputs())
+        .with_context(|| format!("cannot remove what an earlier run left in {}", folder.path().display()))?;
+
+    let run = Run { options: &options, pipeline, folder };
+    let mut status = ExitStatus::Done;
+    for (number, (stage, program)) in stages.iter().zip(&programs).enumerate() {
+        let before = File::open(run.folder.path().join(stage.output())).ok().filter(|_| number == 0);
+        match run.stage(number, stage, program)? {
+            Ending::WithResult(so_far) => status = so_far,
+            Ending::Failed(failure) => {
+                if number == 0 && failure == ExitStatus::Usage {
+                    say_whose_flags(&options.record[1..], stages);
+                }
+                return Ok(run.failed(failure));
+            }
+            Ending::Unforeseen(failure) => {
+                say_what_failed(stage, failure, run.folder.path());
+                return Ok(run.failed(ExitStatus::Failure));
+            }
+        }
+        let output = run.folder.path().join(stage.output());
+        if let Some(before) = before.filter(|before| !is_at(before, &output)) {
+            say_what_is_replaced(before, &output, run.folder.path());
+        }
+    }
+    Ok(status)
+}
+
+/// A run on its way.
+struct Run<'a> {
+    options: &'a Options,
+    pipeline: Pipeline,
+    folder: LockedFolder,
+}
+
+impl Run<'_> {
+    /// Runs one stage. Where it ends with a result, this stands in the run folder.
+    fn stage(&self, number: usize, stage: &Stage, program: &Program) -> anyhow::Result<Ending> {
+        let is_own = program.is(&own_program(stage.name()));
+        let folder = self.folder.path();
+        let dependents: Vec<PathBuf> = self.options.stages.dependents(number).map(|name| folder.join(name)).collect();
+        if is_own {
+            let output = folder.join(stage.output());
+            let mut arguments = self.arguments(stage, &output);
+            for dependent in dependents {
+                arguments.extend(["--dependent".into(), dependent.into()]);
+            }
+            let status = run_in_shell(&stage.command, &arguments, &self.options.flags)?;
+            return Ok(Ending::of(status).checked(&output, stage.writes_an_artifact()));
+        }
+        let new = folder_of_new_results(folder);
+        fs::create_dir(&new).with_context(|| format!("cannot make {}", new.display()))?;
+        let output = new.join(stage.output());
+        let status = run_in_shell(&stage.command, &self.arguments(stage, &output), &self.options.flags)?;
+        let ending = Ending::of(status).checked(&output, stage.writes_an_artifact());
+        if matches!(ending, Ending::WithResult(_)) {
+            take_over(&new, folder, &stage.outputs, &dependents)
+                .with_context(|| format!("the result of {} cannot be moved to {}", stage.name(), folder.display()))?;
+        }
+        fs::remove_dir_all(&new).with_context(|| format!("cannot remove {}", new.display()))?;
+        Ok(ending)
+    }
+
+    fn arguments(&self, stage: &Stage, output: &Path) -> Vec<OsString> {
+        let pipeline = self.pipeline.file.as_os_str();
+        arguments(stage, &self.folder, &self.options.record, pipeline, output.into())
+    }
+
+    /// The exit status of a run that failed; a report from before is named as that.
+    fn failed(&self, status: ExitStatus) -> ExitStatus {
+        let report = self.options.stages.0.last().map(|stage| self.folder.path().join(stage.output()));
+        if report.is_some_and(|report| report.exists()) {
+            say(format_args!("note: the report in {} is that of an earlier run", self.folder.path().display()));
+        }
+        status
+    }
+}
+
+/// The program of a stage; one that does not exist is noticed before anything runs.
+fn program_of(stage: &Stage) -> anyhow::Result<Program> {
+    match Program::of(&stage.command) {
+        Program::Missing(name) => {
+            let problem = format!("{name}: no such program; nothing was run");
+            Err(Usage::new(problem).hint(format!("it is the command of the stage {}", stage.name())).into())
+        }
+        program => Ok(program),
+    }
+}

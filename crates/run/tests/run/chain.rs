@@ -1,0 +1,150 @@
+//! A chain of seven stages that copy a record, and what a run folder holds after it.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use tempfile::TempDir;
+
+/// What a finished run leaves.
+pub const RESULTS: [&str; 8] = [
+    "1-ingest.mcap",
+    "2-filter.mcap",
+    "3-integrate.mcap",
+    "4-identify.mcap",
+    "5-parameter-solve.mcap",
+    "6-simulate.mcap",
+    "report.html",
+    "summary.json",
+];
+
+/// Whether the stages pass for those of the project, which write into the run folder themselves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stages {
+    /// Programs of the project: `crumple-<stage>` beside `crumple-run`.
+    Own,
+    /// Programs from elsewhere.
+    Foreign,
+}
+
+/// The chain, two records and a run folder.
+pub struct Chain {
+    root: TempDir,
+    program: PathBuf,
+    commands: Vec<String>,
+}
+
+impl Chain {
+    pub fn new(stages: Stages) -> Self {
+        // Beside the program, so that it can be linked.
+        let root = tempfile::Builder::new().prefix("run '$x ").tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/run/fake-stage.sh");
+        let program = root.path().join("crumple-run");
+        fs::hard_link(env!("CARGO_BIN_EXE_crumple-run"), &program).unwrap();
+        let names = RESULTS[..7].iter().map(|output| output.trim_end_matches(".mcap").trim_end_matches(".html"));
+        let commands = names.map(|name| {
+            let own =
+                root.path().join(format!("crumple-{}", name.trim_start_matches(|c: char| !c.is_ascii_lowercase())));
+            std::os::unix::fs::symlink(&script, &own).unwrap();
+            match stages {
+                Stages::Own => quoted(&own),
+                Stages::Foreign => format!("sh {}", quoted(&script)),
+            }
+        });
+        let commands = commands.collect();
+        for record in ["a", "b"] {
+            fs::write(
+                root.path().join(record),
+                format!("\u{89}MCAP {record}").chars().map(|c| c as u8).collect::<Vec<_>>(),
+            )
+            .unwrap();
+        }
+        Self { root, program, commands }
+    }
+
+    /// The same with another command for the stage of this output.
+    pub fn with(mut self, output: &str, command: &str) -> Self {
+        self.set(output, command);
+        self
+    }
+
+    pub fn set(&mut self, output: &str, command: &str) {
+        let number = RESULTS.iter().position(|name| *name == output).unwrap();
+        self.commands[number] = command.to_owned();
+    }
+
+    pub fn command(&self, output: &str) -> &str {
+        &self.commands[RESULTS.iter().position(|name| *name == output).unwrap()]
+    }
+
+    /// The record `a` or `b`.
+    pub fn record(&self, name: &str) -> PathBuf {
+        self.root.path().join(name)
+    }
+
+    pub fn folder(&self) -> PathBuf {
+        self.root.path().join("out folder")
+    }
+
+    /// A run of a record into the folder, in a process group of its own.
+    pub fn run(&self, record: &str) -> Command {
+        self.run_into(&self.folder(), &self.record(record))
+    }
+
+    pub fn run_into(&self, folder: &Path, record: &Path) -> Command {
+        let mut command = Command::new(&self.program);
+        command.process_group(0).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command.arg("--project").arg(self.root.path()).arg("--out").arg(folder);
+        for (number, stage) in self.commands.iter().enumerate() {
+            command.args(["--stage", stage]);
+            match number {
+                0 => command.arg("RECORD"),
+                6 => command.args(&RESULTS[..6]),
+                _ => command.args(&RESULTS[..number]),
+            };
+            command.args(["-o", RESULTS[number]]);
+        }
+        command.arg("summary.json").arg("--").arg(record);
+        command
+    }
+
+    /// Content of every file in the folder by name, temporary files too.
+    pub fn contents(&self) -> BTreeMap<String, String> {
+        let entries = fs::read_dir(self.folder()).unwrap().map(|entry| entry.unwrap().path());
+        let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
+        let content =
+            |path: &Path| fs::read(path).map_or_else(|_| "folder".into(), |b| String::from_utf8_lossy(&b).into());
+        entries.map(|path| (name(&path), content(&path))).collect()
+    }
+
+    pub fn names(&self) -> Vec<String> {
+        self.contents().into_keys().collect()
+    }
+
+    /// The folder holds a whole run of this record and nothing else.
+    pub fn assert_whole(&self, record: &str) {
+        let contents = self.contents();
+        assert_eq!(contents.keys().map(String::as_str).collect::<Vec<_>>(), RESULTS);
+        assert!(contents.values().all(|content| content.ends_with(record)), "not all of {record}: {contents:?}");
+    }
+
+    /// No result stands beside one of another record.
+    pub fn assert_unmixed(&self, moment: &str) {
+        let contents = self.contents();
+        let mut results = RESULTS.iter().filter_map(|name| contents.get(*name));
+        let first = results.next();
+        assert!(results.all(|content| Some(content) == first), "{moment}: {contents:?}");
+    }
+}
+
+/// A word for a shell.
+pub fn quoted(path: &Path) -> String {
+    format!("'{}'", path.to_str().unwrap().replace('\'', r"'\''"))
+}
+
+/// What a process said on stderr.
+pub fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}

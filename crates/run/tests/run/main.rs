@@ -1,0 +1,9 @@
+//! `crumple-run` with stages that only copy: what it promises holds whatever the stages compute.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod chain;
+mod endings;
+mod folders;
+mod killed;
+mod together;

@@ -1,0 +1,77 @@
+//! Two runs into one folder.
+
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command};
+use std::thread::sleep;
+use std::time::Duration;
+
+use crate::chain::{Chain, Stages, said};
+
+/// A run whose identify waits before it works.
+fn slow(seconds: u32) -> Chain {
+    let chain = Chain::new(Stages::Foreign);
+    let command = format!("sh -c 'sleep {seconds} && exec \"$@\"' x {}", chain.command("4-identify.mcap"));
+    chain.with("4-identify.mcap", &command)
+}
+
+/// Until the run is in its fourth stage.
+fn wait_for_identify(chain: &Chain) {
+    while !chain.folder().join("3-integrate.mcap").exists() || !chain.folder().join(".new").exists() {
+        sleep(Duration::from_millis(5));
+    }
+}
+
+/// The first line that a run says.
+fn first_line(run: &mut Child) -> String {
+    let mut line = String::new();
+    BufReader::new(run.stderr.take().unwrap()).read_line(&mut line).unwrap();
+    line
+}
+
+#[test]
+fn ten_pairs_of_simultaneous_runs_end_well_and_unmixed() {
+    for pair in 0..10 {
+        let chain = Chain::new(if pair % 2 == 0 { Stages::Own } else { Stages::Foreign });
+        let [a, b] = ["a", "b"].map(|record| chain.run(record).spawn().unwrap());
+        for run in [a, b] {
+            let output = run.wait_with_output().unwrap();
+            assert!(output.status.success(), "pair {pair}: {}", said(&output));
+        }
+        let last = if chain.contents()["report.html"].ends_with('a') { "a" } else { "b" };
+        chain.assert_whole(last);
+    }
+}
+
+#[test]
+fn the_second_run_says_for_whom_it_waits_and_goes_on_after_it() {
+    let chain = slow(1);
+    let mut first = chain.run("a").spawn().unwrap();
+    wait_for_identify(&chain);
+    let second = chain.run("b").output().unwrap();
+    assert!(second.status.success(), "{}", said(&second));
+    let expected = format!("waiting for process {}, which runs {}", first.id(), chain.record("a").display());
+    assert!(said(&second).starts_with(&expected), "{}", said(&second));
+    assert!(first.wait().unwrap().success(), "the first was not disturbed");
+    chain.assert_whole("b");
+}
+
+#[test]
+fn a_lock_dies_with_its_last_holder() {
+    let chain = slow(600);
+    let mut first = chain.run("a").spawn().unwrap();
+    wait_for_identify(&chain);
+    first.kill().unwrap();
+    first.wait().unwrap();
+    // The stage of the killed run still works: nobody else may write.
+    let fast = Chain::new(Stages::Foreign);
+    let mut second = fast.run_into(&chain.folder(), &chain.record("b")).spawn().unwrap();
+    let line = first_line(&mut second);
+    assert!(
+        line.starts_with("waiting for process ") && line.contains("left over from a run that was killed"),
+        "{line}"
+    );
+    let group = format!("kill -KILL -{}", first.id());
+    assert!(Command::new("sh").args(["-c", &group]).status().unwrap().success());
+    assert!(second.wait().unwrap().success());
+    chain.assert_whole("b");
+}

@@ -1,0 +1,96 @@
+//! Uncertainties as a person states them: a value with its unit, and a distribution.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+use crate::units::unit::UnitError;
+
+/// How the error of an input is distributed about zero.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Distribution {
+    /// Normal; the size is the standard deviation.
+    #[default]
+    Normal,
+    /// Equally likely everywhere within limits; the size is the half width.
+    Uniform,
+}
+
+impl Distribution {
+    /// The name used in options and notes.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Normal => "normal",
+            Self::Uniform => "uniform",
+        }
+    }
+}
+
+/// `0.05 g uniform` is a half width, `0.1 km/h normal` and `0.1 km/h` are standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Uncertain<V> {
+    /// Standard deviation or half width, with its unit.
+    pub size: V,
+    /// Which of the two.
+    pub distribution: Distribution,
+}
+
+impl<V: FromStr<Err = UnitError>> FromStr for Uncertain<V> {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let named = [Distribution::Normal, Distribution::Uniform]
+            .into_iter()
+            .find_map(|distribution| Some((text.trim().strip_suffix(distribution.name())?, distribution)));
+        let (size, distribution) = named.unwrap_or((text, Distribution::default()));
+        let size = size.trim();
+        if size.starts_with('-') {
+            return Err(format!("{text:?} is negative, expected a standard deviation or a half width"));
+        }
+        Ok(Self { size: size.parse().map_err(|error: UnitError| error.to_string())?, distribution })
+    }
+}
+
+impl<V: fmt::Display> fmt::Display for Uncertain<V> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.size, self.distribution.name())
+    }
+}
+
+impl<V: fmt::Display> Serialize for Uncertain<V> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de, V: FromStr<Err = UnitError>> Deserialize<'de> for Uncertain<V> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(de::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::value::{Mass, Share, Speed};
+
+    #[test]
+    fn a_value_is_a_standard_deviation_unless_it_is_called_uniform() {
+        let read = |text: &str| text.parse::<Uncertain<Mass>>().map(|u| (u.size.si(), u.distribution));
+        assert_eq!(read("10 kg"), Ok((10.0, Distribution::Normal)));
+        assert_eq!(read("10kg normal"), Ok((10.0, Distribution::Normal)));
+        assert_eq!(read("10kg uniform"), Ok((10.0, Distribution::Uniform)));
+        assert!(read("-1 kg").unwrap_err().contains("is negative"));
+        assert!("0.1 km/h triangular".parse::<Uncertain<Speed>>().is_err() && read("10").is_err());
+    }
+
+    #[test]
+    fn a_value_and_its_distribution_are_written_as_they_are_read() {
+        let typed: Uncertain<Share> = "0.7 % uniform".parse().unwrap();
+        assert_eq!(typed.to_string().parse(), Ok(typed));
+        assert_eq!(typed.to_string(), format!("{} share uniform", 0.7 * 1e-2));
+        assert!("1".parse::<Uncertain<Share>>().unwrap_err().contains("has no unit: write a share, e.g. 1 %"));
+    }
+}

@@ -1,0 +1,367 @@
+//! Units people write, and their factors to SI.
+//!
+//! Used where values come in (files, flags, pipeline tables) and go out to people (summaries, the report).
+
+use crate::{QuantityKind, STANDARD_GRAVITY_M_PER_S2};
+
+/// What a unit measures, beyond the quantities of signals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Dimension {
+    /// A quantity that signals have.
+    Signal(QuantityKind),
+    /// Mass; SI unit kg.
+    Mass,
+    /// Time; SI unit s.
+    Time,
+    /// Frequency; unit Hz.
+    Frequency,
+    /// Share of a whole; unit 1.
+    Share,
+    /// Force over displacement; SI unit N/m.
+    Stiffness,
+    /// Force over speed; SI unit N·s/m.
+    Damping,
+}
+
+impl Dimension {
+    /// Symbol of the SI unit, for messages; a share is asked for in percent.
+    pub fn si_unit(self) -> &'static str {
+        match self {
+            Self::Signal(kind) => kind.si_unit(),
+            Self::Mass => "kg",
+            Self::Time => "s",
+            Self::Frequency => "Hz",
+            Self::Share => "%",
+            Self::Stiffness => "N/m",
+            Self::Damping => "N*s/m",
+        }
+    }
+
+    /// What it is called in a message.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Signal(QuantityKind::Velocity) => "speed",
+            Self::Signal(QuantityKind::Displacement) => "length",
+            Self::Signal(kind) => kind.name(),
+            Self::Mass => "mass",
+            Self::Time => "time",
+            Self::Frequency => "frequency",
+            Self::Share => "share",
+            Self::Stiffness => "stiffness",
+            Self::Damping => "damping",
+        }
+    }
+}
+
+const MILE_M: f64 = 1609.344;
+const INCH_M: f64 = 0.0254;
+const FOOT_M: f64 = 0.3048;
+const POUND_KG: f64 = 0.453_592_37;
+const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
+
+use Dimension::{Damping, Frequency, Mass, Share, Signal, Stiffness, Time};
+use QuantityKind as Q;
+
+/// `(spellings, dimension, factor to SI)`. The first spelling is the usual one.
+/// Spellings are compared without blanks; letters keep their case where two units differ by it.
+const UNITS: &[(&[&str], Dimension, f64)] = &[
+    (
+        &["m/s^2", "m/s2", "m/s²", "m/s/s", "m/(s*s)", "m/(s^2)", "m/sec^2", "meters/sec^2", "m.s-2", "ms-2"],
+        Signal(Q::Acceleration),
+        1.0,
+    ),
+    (&["g", "G", "g's", "G'S", "gs", "Gs", "g0", "gn", "grav"], Signal(Q::Acceleration), STANDARD_GRAVITY_M_PER_S2),
+    (&["mg"], Signal(Q::Acceleration), 1e-3 * STANDARD_GRAVITY_M_PER_S2),
+    (&["kilo-g", "kG", "kilog"], Signal(Q::Acceleration), 1e3 * STANDARD_GRAVITY_M_PER_S2),
+    (&["mm/s^2", "mm/s2", "mm/s²"], Signal(Q::Acceleration), 1e-3),
+    (&["ft/s^2", "ft/s2", "ft/s²"], Signal(Q::Acceleration), FOOT_M),
+    (&["m/s", "m\\s", "mps", "m/sec"], Signal(Q::Velocity), 1.0),
+    (&["km/h", "km\\h", "kph", "kmh", "kmph", "KMH"], Signal(Q::Velocity), 1.0 / 3.6),
+    (&["mph", "MPH", "mi/h"], Signal(Q::Velocity), MILE_M / 3600.0),
+    (&["mm/s"], Signal(Q::Velocity), 1e-3),
+    (&["ft/s"], Signal(Q::Velocity), FOOT_M),
+    (&["m", "metre", "meter", "metres", "meters"], Signal(Q::Displacement), 1.0),
+    (&["cm"], Signal(Q::Displacement), 1e-2),
+    (&["mm", "MM"], Signal(Q::Displacement), 1e-3),
+    (&["um", "µm", "μm"], Signal(Q::Displacement), 1e-6),
+    (&["in", "inch", "\""], Signal(Q::Displacement), INCH_M),
+    (&["ft"], Signal(Q::Displacement), FOOT_M),
+    (&["N", "NWT"], Signal(Q::Force), 1.0),
+    (&["kN", "KN"], Signal(Q::Force), 1e3),
+    (&["lbf"], Signal(Q::Force), POUND_KG * STANDARD_GRAVITY_M_PER_S2),
+    (&["N*m", "Nm", "N.m", "N·m", "NWM"], Signal(Q::Moment), 1.0),
+    (&["kN*m", "kNm"], Signal(Q::Moment), 1e3),
+    (&["rad"], Signal(Q::Angle), 1.0),
+    (&["deg", "DEG", "°", "degree", "degrees"], Signal(Q::Angle), DEGREE_RAD),
+    (&["rad/s"], Signal(Q::AngularVelocity), 1.0),
+    (&["deg/s", "DPS", "dps", "°/s"], Signal(Q::AngularVelocity), DEGREE_RAD),
+    (&["rad/s^2", "rad/s2", "RP2"], Signal(Q::AngularAcceleration), 1.0),
+    (&["deg/s^2", "deg/s2", "DP2"], Signal(Q::AngularAcceleration), DEGREE_RAD),
+    (&["Pa", "PAS"], Signal(Q::Pressure), 1.0),
+    (&["kPa", "KPA"], Signal(Q::Pressure), 1e3),
+    (&["bar"], Signal(Q::Pressure), 1e5),
+    (&["V", "VOL", "volt", "volts"], Signal(Q::Voltage), 1.0),
+    (&["mV"], Signal(Q::Voltage), 1e-3),
+    (&["kg"], Mass, 1.0),
+    (&["t", "tonne", "tonnes"], Mass, 1e3),
+    (&["lb", "lbs", "lbm"], Mass, POUND_KG),
+    (&["s", "sec", "SEC", "seconds", "second"], Time, 1.0),
+    (&["ms", "MS", "msec", "milliseconds"], Time, 1e-3),
+    (&["us", "µs", "μs", "usec"], Time, 1e-6),
+    (&["Hz", "hz", "1/s"], Frequency, 1.0),
+    (&["kHz"], Frequency, 1e3),
+    (&["%", "percent"], Share, 1e-2),
+    (&["share"], Share, 1.0),
+    (&["kN/m"], Stiffness, 1e3),
+    (&["N/m"], Stiffness, 1.0),
+    (&["N/mm"], Stiffness, 1e3),
+    (&["kN/mm", "MN/m"], Stiffness, 1e6),
+    (&["lbf/in"], Stiffness, POUND_KG * STANDARD_GRAVITY_M_PER_S2 / INCH_M),
+    (&["kN*s/m", "kN·s/m", "kNs/m", "kN.s/m", "kN/(m/s)"], Damping, 1e3),
+    (&["N*s/m", "N·s/m", "Ns/m", "N.s/m", "N/(m/s)"], Damping, 1.0),
+    (&["N*s/mm", "N·s/mm", "Ns/mm", "N.s/mm"], Damping, 1e3),
+    (&["lbf*s/in"], Damping, POUND_KG * STANDARD_GRAVITY_M_PER_S2 / INCH_M),
+];
+
+fn squeeze(text: &str) -> String {
+    text.chars().filter(|c| !c.is_whitespace()).collect()
+}
+
+/// The factor that takes a value in `symbol` to SI, if `symbol` is a unit of `dimension`.
+///
+/// ```
+/// use crumple_signal::{unit::{factor, Dimension}, QuantityKind};
+/// assert_eq!(factor("g", Dimension::Signal(QuantityKind::Acceleration)), Some(9.80665));
+/// assert_eq!(factor("g", Dimension::Mass), None);
+/// ```
+pub fn factor(symbol: &str, dimension: Dimension) -> Option<f64> {
+    let symbol = squeeze(symbol);
+    UNITS
+        .iter()
+        .find(|(spellings, d, _)| *d == dimension && spellings.contains(&symbol.as_str()))
+        .map(|(_, _, factor)| *factor)
+}
+
+/// A symbol without the brackets around it: `[g]` is `g`, `(m/s^2` is `m/s^2`; `m/(s*s)` stays, its bracket belongs to
+/// the unit.
+pub fn without_brackets(symbol: &str) -> &str {
+    let mut symbol = symbol.trim();
+    loop {
+        let opens = symbol.starts_with(['[', '(', '{']);
+        let closes = symbol.ends_with([']', ')', '}']);
+        let depth = |text: &str| {
+            text.chars().fold(0_i32, |depth, c| match c {
+                '[' | '(' | '{' => depth + 1,
+                ']' | ')' | '}' => depth - 1,
+                _ => depth,
+            })
+        };
+        // Brackets are one byte long.
+        symbol = if opens && closes && opening_bracket(symbol) == Some(0) {
+            symbol[1..symbol.len() - 1].trim()
+        } else if opens && depth(symbol) > 0 {
+            symbol[1..].trim()
+        } else if closes && depth(symbol) < 0 {
+            symbol[..symbol.len() - 1].trim()
+        } else {
+            return symbol;
+        };
+    }
+}
+
+/// Where the bracket stands that the last character of a text closes; `None` if it closes none.
+///
+/// ```
+/// use crumple_signal::unit::opening_bracket;
+/// assert_eq!(opening_bracket("Acc (m/(s*s))"), Some(4));
+/// assert_eq!(opening_bracket("Acc"), None);
+/// ```
+pub fn opening_bracket(text: &str) -> Option<usize> {
+    let close = text.chars().next_back()?;
+    let open = match close {
+        ']' => '[',
+        ')' => '(',
+        '}' => '{',
+        _ => return None,
+    };
+    let mut depth = 0_usize;
+    for (at, c) in text.char_indices().rev() {
+        if c == close {
+            depth += 1;
+        } else if c == open {
+            depth -= 1;
+            if depth == 0 {
+                return Some(at);
+            }
+        }
+    }
+    None
+}
+
+/// The signal quantity and factor of a unit found in a file, e.g. `G'S` or `km/h`.
+pub fn signal_unit(symbol: &str) -> Option<(QuantityKind, f64)> {
+    let symbol = squeeze(symbol);
+    UNITS.iter().find_map(|(spellings, dimension, factor)| match dimension {
+        Signal(kind) if spellings.contains(&symbol.as_str()) => Some((*kind, *factor)),
+        _ => None,
+    })
+}
+
+/// The usual spellings of a dimension's units, for messages: `kg, t, lb`.
+pub fn choices(dimension: Dimension) -> String {
+    let names: Vec<&str> = UNITS.iter().filter(|(_, d, _)| *d == dimension).map(|(s, _, _)| s[0]).collect();
+    names.join(", ")
+}
+
+/// Why a typed value cannot be taken.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum UnitError {
+    /// A number without a unit.
+    #[error("{text:?} has no unit: write a {dimension}, e.g. {text} {example} (units: {choices})")]
+    Bare {
+        /// What was typed.
+        text: String,
+        /// What is needed.
+        dimension: &'static str,
+        /// The SI unit.
+        example: &'static str,
+        /// All known units.
+        choices: String,
+    },
+    /// The unit is unknown or measures something else.
+    #[error("{unit:?} in {text:?} is not a unit of {dimension} (units: {choices})")]
+    Unit {
+        /// What was typed.
+        text: String,
+        /// Its unit part.
+        unit: String,
+        /// What is needed.
+        dimension: &'static str,
+        /// All known units.
+        choices: String,
+    },
+    /// No number in front.
+    #[error("{text:?} does not start with a finite number")]
+    Number {
+        /// What was typed.
+        text: String,
+    },
+}
+
+/// Reads a value with its unit, such as `35 km/h`, `873kg`, `0s`, and returns it in SI.
+///
+/// A bare number is refused, `0` included: [`UnitError::Bare`].
+pub fn parse_value(text: &str, dimension: Dimension) -> Result<f64, UnitError> {
+    let trimmed = text.trim();
+    // The number ends before the first letter that is not part of an exponent.
+    let mut end = 0;
+    let bytes = trimmed.as_bytes();
+    while end < bytes.len() {
+        let c = bytes[end];
+        let exponent = matches!(c, b'e' | b'E')
+            && end > 0
+            && bytes.get(end + 1).is_some_and(|n| {
+                n.is_ascii_digit() || (matches!(n, b'+' | b'-') && bytes.get(end + 2).is_some_and(u8::is_ascii_digit))
+            });
+        let sign_in_exponent = matches!(c, b'+' | b'-') && end > 0 && matches!(bytes[end - 1], b'e' | b'E');
+        if c.is_ascii_digit() || c == b'.' || exponent || sign_in_exponent || (matches!(c, b'+' | b'-') && end == 0) {
+            end += 1;
+        } else {
+            break;
+        }
+    }
+    let (number, unit) = (&trimmed[..end], trimmed[end..].trim());
+    let number: f64 = match number.parse::<f64>() {
+        Ok(x) if x.is_finite() => x,
+        _ => return Err(UnitError::Number { text: text.to_owned() }),
+    };
+    if unit.is_empty() {
+        return Err(UnitError::Bare {
+            text: trimmed.to_owned(),
+            dimension: dimension.name(),
+            example: dimension.si_unit(),
+            choices: choices(dimension),
+        });
+    }
+    match factor(unit, dimension) {
+        Some(factor) => Ok(number * factor),
+        None => Err(UnitError::Unit {
+            text: trimmed.to_owned(),
+            unit: unit.to_owned(),
+            dimension: dimension.name(),
+            choices: choices(dimension),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SPEED: Dimension = Signal(Q::Velocity);
+
+    #[test]
+    fn reads_values_with_and_without_a_blank() {
+        assert_eq!(parse_value("873kg", Mass), Ok(873.0));
+        assert_eq!(parse_value(" 1.5e3 kg ", Mass), Ok(1500.0));
+        assert_eq!(parse_value("36km/h", SPEED), Ok(10.0));
+        assert_eq!(parse_value("-20 ms", Time), Ok(-0.02));
+        assert_eq!(parse_value("30 mph", SPEED), Ok(13.4112));
+    }
+
+    #[test]
+    fn springs_and_dampers_are_typed_in_the_units_of_the_trade() {
+        assert_eq!(parse_value("350 kN/m", Stiffness), Ok(350e3));
+        assert_eq!(parse_value("350N/mm", Stiffness), Ok(350e3));
+        assert_eq!(parse_value("20 kN s/m", Damping), Ok(20e3));
+        assert_eq!(parse_value("8 N*s/mm", Damping), Ok(8e3));
+        assert!(matches!(parse_value("20 kN/m", Damping), Err(UnitError::Unit { .. })));
+    }
+
+    #[test]
+    fn brackets_around_a_symbol_go_and_its_own_stay() {
+        for (written, symbol) in [
+            ("[g]", "g"),
+            (" ( m/s^2 ) ", "m/s^2"),
+            ("m/(s*s)", "m/(s*s)"),
+            ("(m/(s*s))", "m/(s*s)"),
+            ("[m/(s^2)]", "m/(s^2)"),
+            ("[g", "g"),
+            ("g)", "g"),
+            ("(a)/(b)", "(a)/(b)"),
+            ("[]", ""),
+            ("", ""),
+        ] {
+            assert_eq!(without_brackets(written), symbol, "{written}");
+        }
+        assert_eq!(opening_bracket("a) b)"), None);
+    }
+
+    #[test]
+    fn asks_back_for_a_missing_unit() {
+        let error = parse_value("35", SPEED).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "\"35\" has no unit: write a speed, e.g. 35 m/s (units: m/s, km/h, mph, mm/s, ft/s)"
+        );
+    }
+
+    #[test]
+    fn refuses_the_wrong_dimension_and_no_number() {
+        assert!(matches!(parse_value("35 kg", SPEED), Err(UnitError::Unit { .. })));
+        assert!(matches!(parse_value("kg", Mass), Err(UnitError::Number { .. })));
+        assert!(matches!(parse_value("nan kg", Mass), Err(UnitError::Number { .. })));
+    }
+
+    #[test]
+    fn a_spelling_names_one_unit_per_dimension() {
+        for (i, (spellings, dimension, _)) in UNITS.iter().enumerate() {
+            for (other, other_dimension, _) in &UNITS[i + 1..] {
+                assert!(
+                    dimension != other_dimension || !spellings.iter().any(|s| other.contains(s)),
+                    "{spellings:?} and {other:?}"
+                );
+            }
+        }
+    }
+}

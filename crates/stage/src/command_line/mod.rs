@@ -1,0 +1,5 @@
+//! Flags that all stages have, and the table of a pipeline file under them.
+//! May use `names`.
+
+pub mod args;
+pub mod pipeline;

@@ -1,0 +1,5 @@
+//! Names of the stages and what they write; the name nearest to a mistyped one.
+//! May use no other room.
+
+pub mod nearest;
+pub mod stages;

@@ -1,0 +1,230 @@
+//! The life of a stage process.
+
+use std::fmt::Debug;
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::Context;
+use clap::CommandFactory;
+use crumple_artifact::records::{DiagnosisV1, NotesV1};
+use crumple_artifact::{Artifact, Provenance};
+use crumple_signal::{Note, Severity};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::artifacts::inputs::{Loaded, open};
+use crate::artifacts::output::Output;
+use crate::command_line::args::{Cli, SharedFlags};
+use crate::command_line::pipeline::{canonical_json, is_flag, merge};
+use crate::error::{ExitStatus, MissingTopic, Usage, find_in_chain};
+use crate::process::tool::{finish, parse};
+use crate::terminal::progress::be_quiet;
+use crate::terminal::say::say;
+
+/// How a computation ended that did not fail.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Outcome {
+    /// There is a result.
+    Done,
+    /// There is none that can be accepted; what was found and the reason are written. Exit code 4.
+    NoAcceptableResult(String),
+}
+
+/// One step of the pipeline.
+pub trait Stage {
+    /// Name of the stage: its pipeline table, its name in provenance; the binary is `crumple-<NAME>`.
+    const NAME: &'static str;
+    /// One line for `--help`.
+    const ABOUT: &'static str;
+    /// Flags and pipeline keys: one struct whose fields are all optional.
+    type Options: clap::Args + Serialize + DeserializeOwned + Default + Debug;
+    /// Options with every default filled in. Goes into the provenance: only what changes the result belongs here.
+    type Settings: Serialize;
+    /// What the stage works on.
+    type Input;
+
+    /// Learns which options were typed as flags, for a stage where that says more than the same value in a pipeline
+    /// file.
+    fn typed(_options: &mut Self::Options, _is_flag: &dyn Fn(&str) -> bool) {}
+    /// Fills in the defaults and checks what can be checked without data.
+    fn resolve(options: Self::Options) -> anyhow::Result<Self::Settings>;
+    /// Reads the inputs.
+    fn load(paths: &[PathBuf], settings: &Self::Settings) -> anyhow::Result<Loaded<Self::Input>>;
+    /// Computes.
+    fn run(settings: &Self::Settings, input: &Self::Input, out: &mut Output) -> anyhow::Result<Outcome>;
+}
+
+/// The `main` of a stage binary.
+pub fn main<S: Stage>() -> ExitCode {
+    let command = Cli::<S::Options>::command()
+        .bin_name(format!("crumple-{}", S::NAME))
+        .display_name(format!("crumple-{}", S::NAME))
+        .version(env!("CARGO_PKG_VERSION"))
+        .about(S::ABOUT)
+        .after_help(
+            "Values typed by a person carry their unit: 873kg, 35km/h, 0s.\n\
+             Exit codes: 0 done, 1 unforeseen failure, 2 usage, 3 input refused, 4 no acceptable result \
+             (its diagnosis is written).",
+        );
+    let parsed = parse::<Cli<S::Options>>(command);
+    finish(parsed.map_err(Ok).and_then(|(cli, matches)| {
+        merge(S::NAME, cli.common.pipeline.as_deref(), &cli.options, &matches)
+            .and_then(|mut options| {
+                S::typed(&mut options, &|key| is_flag(&matches, key));
+                execute::<S>(&cli.common, options)
+            })
+            .map_err(Err)
+    }))
+}
+
+fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Result<ExitStatus> {
+    if common.quiet {
+        be_quiet();
+    }
+    let settings = S::resolve(options)?;
+    refuse_to_overwrite(&common.output, &common.inputs)?;
+    let Loaded { input, digests, diagnosed } = S::load(&common.inputs, &settings)?;
+    let provenance = Provenance::new(S::NAME, env!("CARGO_PKG_VERSION"), canonical_json(&settings)?, digests);
+    if !common.force
+        && let Some(existing) = up_to_date(&common.output, &provenance)
+    {
+        if !common.quiet {
+            say(format_args!("{:<16} up to date: {}", S::NAME, common.output.display()));
+            let notes = existing.record::<NotesV1>("/notes").ok().flatten().map_or(Vec::new(), |record| record.notes);
+            print_notes(S::NAME, notes.iter().map(|text| Note::parse(text)), &common.output);
+        }
+        if common.json {
+            print_records(
+                existing.records().iter().map(|r| (r.topic.as_str(), r.schema.as_str(), r.payload.as_slice())),
+            );
+        }
+        return Ok(match existing.record::<DiagnosisV1>("/diagnosis").ok().flatten() {
+            Some(diagnosis) if diagnosis.has_result => ExitStatus::Done,
+            Some(diagnosis) => no_acceptable_result(S::NAME, &diagnosis.reason),
+            None => ExitStatus::Done,
+        });
+    }
+
+    let mut out = Output::new();
+    let outcome = match S::run(&settings, &input, &mut out) {
+        Ok(outcome) => outcome,
+        Err(error) => match find_in_chain::<MissingTopic>(&error).and_then(|missing| diagnosed.reason_for(missing)) {
+            // An earlier stage has said why there is nothing to work on: so this one has no acceptable result either.
+            Some(reason) => {
+                out = Output::new();
+                if let Some(test) = &diagnosed.test {
+                    out.put("/test", test)?;
+                }
+                Outcome::NoAcceptableResult(reason)
+            }
+            None => return Err(name_the_inputs(error, &common.inputs)),
+        },
+    };
+    let diagnosis = match &outcome {
+        Outcome::NoAcceptableResult(reason) => Some((reason.clone(), false)),
+        Outcome::Done => out.without.clone().map(|reason| (reason, true)),
+    };
+    if let Some((reason, has_result)) = diagnosis {
+        out.put("/diagnosis", &DiagnosisV1 { stage: S::NAME.to_owned(), reason, has_result })?;
+    }
+    if !out.notes.is_empty() {
+        let notes = out.notes.to_texts();
+        out.put("/notes", &NotesV1 { stage: S::NAME.to_owned(), notes })?;
+    }
+    let mut progress = out.progress("writing", out.builder.samples());
+    out.builder
+        .write_replacing(&common.output, &common.dependents, &provenance, common.compress.into(), &mut |samples| {
+            progress.advance(samples);
+        })
+        .with_context(|| format!("the result of {} is lost", S::NAME))?;
+    drop(progress);
+    if !common.quiet {
+        for line in &out.summary {
+            say(format_args!("{:<16} {line}", S::NAME));
+        }
+        print_notes(S::NAME, out.notes.iter().cloned(), &common.output);
+    }
+    if common.json {
+        print_records(out.builder.records());
+    }
+    Ok(match outcome {
+        Outcome::Done => ExitStatus::Done,
+        Outcome::NoAcceptableResult(reason) => no_acceptable_result(S::NAME, &reason),
+    })
+}
+
+/// An output that is an input, or something else than an artifact, would be lost.
+fn refuse_to_overwrite(output: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> {
+    let Ok(existing) = output.canonicalize() else { return Ok(()) };
+    let problem = if inputs.iter().any(|input| input.canonicalize().is_ok_and(|path| path == existing)) {
+        "is an input too"
+    } else if !existing.is_file() {
+        "exists and is no regular file"
+    } else if !is_artifact_or_empty(&existing)? {
+        "exists and is no artifact"
+    } else {
+        return Ok(());
+    };
+    Err(Usage::new(format!("the output {} {problem}", output.display())).hint("give -o another name").into())
+}
+
+fn is_artifact_or_empty(path: &Path) -> anyhow::Result<bool> {
+    let mut start = Vec::new();
+    let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
+    file.take(5).read_to_end(&mut start).with_context(|| format!("cannot read {}", path.display()))?;
+    Ok(start.is_empty() || start == b"\x89MCAP")
+}
+
+/// Adds the inputs' names to an error that does not name any of them.
+fn name_the_inputs(error: anyhow::Error, inputs: &[PathBuf]) -> anyhow::Error {
+    let text = format!("{error:#}");
+    let named = inputs.iter().filter_map(|path| path.file_name()).any(|name| text.contains(&*name.to_string_lossy()));
+    if named {
+        return error;
+    }
+    let names: Vec<String> = inputs.iter().map(|path| path.display().to_string()).collect();
+    error.context(format!("cannot work on {}", names.join(", ")))
+}
+
+/// The existing output, if it is intact and came from the same stage, settings and inputs.
+fn up_to_date(output: &Path, provenance: &Provenance) -> Option<Artifact> {
+    if !output.exists() {
+        return None;
+    }
+    open(output).ok().filter(|artifact| artifact.provenance() == Some(provenance))
+}
+
+fn no_acceptable_result(stage: &str, reason: &str) -> ExitStatus {
+    say(format_args!("{stage:<16} no acceptable result: {reason}"));
+    ExitStatus::NoAcceptableResult
+}
+
+/// Warnings in full, the number of the other notes.
+fn print_notes(stage: &str, notes: impl Iterator<Item = Note>, output: &Path) {
+    let (warnings, others): (Vec<Note>, Vec<Note>) = notes.partition(|note| note.severity == Severity::Warning);
+    for warning in warnings {
+        say(format_args!("{stage:<16} {warning}"));
+    }
+    match others.len() {
+        0 => {}
+        1 => say(format_args!("{stage:<16} 1 note: crumple-artifact show {}", output.display())),
+        more => say(format_args!("{stage:<16} {more} notes: crumple-artifact show {}", output.display())),
+    }
+}
+
+/// One JSON object a line: topic, schema, data.
+fn print_records<'a>(records: impl Iterator<Item = (&'a str, &'a str, &'a [u8])>) {
+    let mut stdout = std::io::stdout().lock();
+    for (topic, schema, payload) in records {
+        // The payload is JSON already; a record that is not (a foreign encoding) is left to crumple-artifact show.
+        let Ok(data) = std::str::from_utf8(payload) else { continue };
+        let topic = serde_json::Value::from(topic);
+        let schema = serde_json::Value::from(schema);
+        // A reader that has seen enough closes the pipe; that is not an error.
+        if writeln!(stdout, "{{\"topic\":{topic},\"schema\":{schema},\"data\":{data}}}").is_err() {
+            return;
+        }
+    }
+}

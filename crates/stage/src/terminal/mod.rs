@@ -1,0 +1,5 @@
+//! Lines and progress on stderr.
+//! May use no other room.
+
+pub mod progress;
+pub mod say;

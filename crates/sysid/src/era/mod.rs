@@ -1,0 +1,7 @@
+//! The eigensystem realization algorithm, plain and on data correlations: a model from Markov parameters.
+//! May use hankel, simulation, modes, data, error.
+
+pub(crate) mod era;
+pub(crate) mod era_dc;
+pub(crate) mod realization;
+pub(crate) mod shift_form;

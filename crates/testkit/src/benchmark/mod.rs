@@ -1,0 +1,4 @@
+//! What the benchmark programs measure with.
+//! Uses no other room.
+
+pub mod stopwatch;

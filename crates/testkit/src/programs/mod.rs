@@ -1,0 +1,5 @@
+//! Starts the programs as a user does: the whole pipeline through `just`, or one stage on prepared inputs.
+//! May use `places`.
+
+pub mod pipeline;
+pub mod program;
