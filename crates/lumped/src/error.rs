@@ -73,6 +73,7 @@ pub(crate) fn finite(name: &'static str, value: f64) -> Result<(), LumpedError> 
     if value.is_finite() { Ok(()) } else { Err(LumpedError::Value { name, value, expected: "a finite number" }) }
 }
 
+/// Refuses NaN, infinities, zero and what is negative.
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), LumpedError> {
     if value.is_finite() && value > 0.0 {
         Ok(())

@@ -71,8 +71,8 @@ pub fn id_meant(test: &TestDescription, wanted: &str) -> Result<String, Selectio
 ///
 /// With `asked`, exactly those ([`ids_meant`]), whatever they measure. Without: every acceleration channel with data
 /// that is not marked failed and whose location does not begin with an occupant or the barrier ("driver, head"; an
-/// unknown location counts as structure); the pulse in any case; the heads and chests of occupants, along all axes,
-/// because criteria are made of them ([`is_of_body`]); and the load cells of the barrier ([`is_barrier_force`]), failed
+/// unknown location counts as structure); the pulse in any case; the accelerometers in heads and chests of occupants,
+/// along all axes, because criteria are made of them; and the load cells of the barrier ([`is_barrier_force`]), failed
 /// ones too, because whoever sums them has to name what is left out.
 pub fn select<'a>(test: &'a TestDescription, asked: &[String]) -> Result<Vec<&'a Channel>, SelectionError> {
     let asked = ids_meant(test, asked)?;

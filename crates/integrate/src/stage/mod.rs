@@ -145,7 +145,7 @@ fn integrate_others(
         let unnamed = !settings.channels.iter().any(|name| test.channels_meant(name).iter().any(|c| c.id == other.id));
         if unnamed && unplaced(other) && !others.agrees(&motion) {
             out.notes().warning(format!(
-                "channel {} does not move as the pulse does, and nothing says where it sits: not held against the \
+                "channel {} does not move as the pulse does, and nothing says where it sits: not compared with the \
                  vehicle (if it is of the compartment, name it: crumple-integrate --channels all,{})",
                 other.id, other.id
             ));

@@ -1,4 +1,7 @@
 //! First zero of one quantity of a linear system, from the exact solution.
+//!
+//! The double model has four exponentials of different speeds in one quantity; no closed form gives the first zero of
+//! their sum. The search is by exact steps, so that only the bracketing can miss anything, never the motion.
 
 use crumple_lti::Complex;
 use nalgebra::{Matrix4, RowVector4, Vector4};

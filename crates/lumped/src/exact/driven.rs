@@ -1,4 +1,10 @@
 //! A linear system under a drive: exact steps, exact heat, exact work.
+//!
+//! A chain, a Maxwell model or any other linear system `z' = A z` gets four more states: position and velocity of the
+//! barrier, the input `u` of the drive and its slope. Between samples the drive is a straight line, so `u' = slope` and
+//! `slope' = 0` make the whole a free system with one matrix exponential for a step. Heat and work are integrals of
+//! quadratic forms of the state and come from a block exponential of twice the size: Van Loan, "Computing integrals
+//! involving the matrix exponential", IEEE Trans. Automatic Control 23(3), 1978.
 
 use crumple_lti::matrix_exponential;
 use nalgebra::DMatrix;
@@ -90,16 +96,19 @@ struct Rows {
 }
 
 impl Rows {
+    /// Copies the entries of a square matrix, row after row.
     fn of_matrix(m: &DMatrix<f64>) -> Self {
         Self { size: m.nrows(), entries: m.transpose().as_slice().to_vec() }
     }
 
+    /// `out = M z`.
     fn times(&self, z: &[f64], out: &mut [f64]) {
         for (row, y) in self.entries.chunks_exact(self.size).zip(out) {
             *y = row.iter().zip(z).map(|(a, b)| a * b).sum();
         }
     }
 
+    /// `z' M z`; `scratch` has room for `M z`.
     fn form(&self, z: &[f64], scratch: &mut [f64]) -> f64 {
         self.times(z, scratch);
         scratch.iter().zip(z).map(|(a, b)| a * b).sum()

@@ -1,4 +1,8 @@
 //! Where a distance that is positive first meets zero.
+//!
+//! Events (a knot, a change of sign, the end of contact) are zeros of a distance along a motion whose value and rate
+//! are both known in closed form or as a series. Newton's method needs a few evaluations there; the bracket keeps it
+//! from leaving the step.
 
 /// Steps below this share of the instant may be rounding.
 const STALLED: f64 = 1e-10;
@@ -8,6 +12,8 @@ const STALLED: f64 = 1e-10;
 /// `distance` gives value and rate. A Newton step that leaves the bracket, or that a rate of zero makes no number, is
 /// replaced by the middle; ends when a step is two roundings of the instant, when small steps no longer shrink, which
 /// is the rounding of the distance, or after 60.
+///
+/// `low` and `high` in s; the result lies between them, right to two roundings for a distance known to rounding.
 pub(crate) fn falling_zero(mut low: f64, mut high: f64, distance: impl Fn(f64) -> (f64, f64)) -> f64 {
     let mut tau = 0.5 * (low + high);
     let mut before = f64::INFINITY;

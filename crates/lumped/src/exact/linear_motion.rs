@@ -1,4 +1,13 @@
 //! Linear motions of any number of masses with their derivatives by the parameters.
+//!
+//! Every motion here is `z' = A z` from a start, marched by `phi = exp(A dt)` from sample to sample. A derivative by a
+//! parameter p, `s = dz/dp`, obeys `s' = A s + (dA/dp) z`, so it is marched by the same step and the derivative of it:
+//! `s(t + dt) = phi s(t) + (dphi/dp) z(t)`. Both `phi` and `dphi/dp` come from one pass of scaling, Taylor series and
+//! squaring, each operation differentiated by the product rule: no finite differences, and no step error that depends
+//! on the sampling interval.
+//!
+//! Error: that of the exponential, about `1e-16 2^s` with `s = log2(2 |A| dt)` squarings, and one rounding a sample.
+//! Cost of a sample with P parameters and N states: `(2 P + 1) N²` products for the step and as many for the rates.
 
 use nalgebra::allocator::Allocator;
 use nalgebra::{Const, DefaultAllocator, Dim, Dyn, OMatrix, OVector, U1};
@@ -14,6 +23,9 @@ type Square<D> = OMatrix<f64, D, D>;
 ///
 /// Unbalanced, the exponential of a car (stiffness over mass near 1e3/s²) loses three digits. Sizes of the usual models
 /// are known to the compiler: a fit marches millions of steps of a few products.
+///
+/// `tau_s` is the time unit, `a` the matrix in it, `da` its derivatives by the parameters asked for, `start` the state
+/// at contact. Positions of the masses come first, then their velocities times `tau_s`.
 struct LinearMotion<D: Dim>
 where
     DefaultAllocator: Allocator<D, D> + Allocator<D>,
@@ -26,6 +38,9 @@ where
 }
 
 /// Masses in a row that meet the barrier at `v0`; parameters are the places in `masses, springs, dampers`.
+///
+/// Places count masses, then springs, then dampers, each from the barrier on. Chains of one, two and three masses have
+/// their size as a constant; longer ones run the same code with a size known at run time.
 pub(crate) fn chain(
     [masses_kg, springs, dampers]: [&[f64]; 3],
     parameters: &[usize],
@@ -48,6 +63,9 @@ pub(crate) fn maxwell(values: [f64; 3], parameters: &[usize], v0: f64, at: &Inst
 }
 
 /// Time unit of these rates, 1/s².
+///
+/// The square root of the largest ratio of stiffness to mass is the fastest natural frequency to within a factor of
+/// two; its reciprocal brings positions and scaled velocities to one size. One second where nothing is stiff.
 fn time_unit(rates: impl Iterator<Item = f64>) -> f64 {
     let fastest = rates.map(f64::abs).fold(0.0, f64::max);
     if fastest > 0.0 && fastest.is_finite() { fastest.sqrt().recip() } else { 1.0 }
@@ -163,6 +181,9 @@ where
     }
 
     /// Marches over the instants; a sensitivity goes `s(t+dt) = phi s + dphi z`.
+    ///
+    /// The first instant is reached by one step of its own; rates come from `A z` and `A s + dA z`, not from
+    /// differences.
     fn sensitivity(&self, at: &Instants) -> Sensitivity {
         let parameters = self.da.len();
         let zero_state = || OVector::<f64, D>::zeros_generic(self.a.shape_generic().0, U1);

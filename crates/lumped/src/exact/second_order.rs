@@ -1,4 +1,8 @@
 //! The kernel of `y'' + 2a y' + b y = 0`, which the single-mass models share.
+//!
+//! Kelvin solves it for the displacement, with `2a = c/m` and `b = k/m`; Maxwell for the velocity, with `2a = k/c` and
+//! `b = k/m`. Critical damping lies inside the range of both, so all forms pass through it without a difference of two
+//! large numbers.
 
 /// `y'' + 2·half_damping·y' + stiffness·y = 0`: coefficients in 1/s and 1/s², any sign.
 #[derive(Debug, Clone, Copy)]

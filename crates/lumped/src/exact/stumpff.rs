@@ -1,4 +1,8 @@
 //! The integrals of a cosine, which the exact step of an undamped spring is made of.
+//!
+//! With `y'' + w² y = a + b t` the step is `y(t) = y0 S_0 + v0 S_1 + a S_2 + b S_3`: a forced oscillator without a
+//! division by `w`, so that a spring of no stiffness (an open contact) is no special case. Three more integrals give
+//! the integral of `y` and those of it, which the work of a drive needs.
 
 /// `S_n(t)`, n = 0 .. 7: `S_0 = cos w t`, `S_1 = sin(w t)/w`, and each the integral of the one before from 0.
 ///

@@ -93,6 +93,7 @@ impl DoubleSpringMassDamper {
         Ok(polynomial_roots(&self.characteristic_polynomial())?)
     }
 
+    /// All masses at the impact speed, m/s, nothing displaced.
     pub(crate) fn start(impact_speed_m_per_s: f64) -> Vector4<f64> {
         Vector4::new(0.0, 0.0, impact_speed_m_per_s, impact_speed_m_per_s)
     }

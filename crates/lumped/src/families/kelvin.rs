@@ -26,6 +26,7 @@ impl Kelvin {
         finite("damping_n_s_per_m", self.damping_n_s_per_m)
     }
 
+    /// `x'' + (c/m) x' + (k/m) x = 0`.
     fn equation(&self) -> SecondOrder {
         SecondOrder {
             half_damping: 0.5 * self.damping_n_s_per_m / self.mass_kg,

@@ -28,6 +28,7 @@ impl Maxwell {
         positive("damping_n_s_per_m", self.damping_n_s_per_m)
     }
 
+    /// `v'' + (k/c) v' + (k/m) v = 0`.
     fn equation(&self) -> SecondOrder {
         SecondOrder {
             half_damping: 0.5 * self.stiffness_n_per_m / self.damping_n_s_per_m,

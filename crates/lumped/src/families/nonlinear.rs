@@ -107,6 +107,7 @@ macro_rules! responses {
 responses!(Nonlinear1);
 responses!(Nonlinear2);
 
+/// Spring through two knots, damper through three.
 impl Nonlinear1 {
     /// Refuses a mass that is not positive, knots that do not rise, values that are not finite.
     pub fn check(&self) -> Result<(), LumpedError> {

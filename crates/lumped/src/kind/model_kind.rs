@@ -1,4 +1,6 @@
 //! The families of models.
+//!
+//! The names are part of the file format: candidates, pipelines and summaries carry them.
 
 use std::fmt;
 

@@ -1,4 +1,7 @@
 //! What the parameters of the families are: masses, springs, dampers and the places of knots, each with its unit.
+//!
+//! A stage that needs to know whether a number is a mass asks here ([`ModelKind::parameter`]) and never the end of a
+//! name.
 
 use crate::kind::model_kind::ModelKind;
 
@@ -153,6 +156,8 @@ const fn names<const N: usize>(parameters: &[Parameter; N]) -> [&'static str; N]
 
 impl ModelKind {
     /// Its parameters, masses first: the order in which solvers and derivatives count them.
+    ///
+    /// A name occurs once; the last knots of the nonlinear models come last.
     pub const fn parameters(self) -> &'static [Parameter] {
         match self {
             Self::Kelvin | Self::Maxwell => &SPRING_AND_DAMPER,

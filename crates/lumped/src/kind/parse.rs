@@ -1,4 +1,6 @@
 //! A family by its name in candidate ids and pipeline files.
+//!
+//! Letters and hyphens exactly as [`ModelKind::name`] has them. Errors: any other text, with all names in the message.
 
 use std::str::FromStr;
 

@@ -1,4 +1,14 @@
 //! Springs and dampers of the double model from its characteristic polynomial: every solution.
+//!
+//! The characteristic polynomial of the double model, `s^4 + t s^3 + u s^2 + v s + w`, has with the masses m1, m2:
+//! - `t = (m1 c2 + m2 (c1 + c2))/(m1 m2)`
+//! - `u = (m1 k2 + m2 (k1 + k2) + c1 c2)/(m1 m2)`
+//! - `v = (c1 k2 + c2 k1)/(m1 m2)`
+//! - `w = k1 k2/(m1 m2)`
+//!
+//! Four equations for `k1, k2, c1, c2`, with six solutions counted with multiplicity ([`CoefficientMatching::solve`]).
+//! An identified model gives the polynomial through its four poles; which of the solutions is the vehicle, poles cannot
+//! say.
 
 use nalgebra::Matrix4;
 
@@ -289,6 +299,8 @@ impl CoefficientMatching {
         }
     }
 
+    /// Half sums and differences: `c1/m1 = (t + r1)/2`, `c2/mr = (t - r1)/2`, the same of the springs with `u - zeta`
+    /// and `r0`. `unit` is the unit of time, 1/s, that `t, rest, r1, r0` are in.
     fn solution(&self, [t, rest, r1, r0]: [ComplexDd; 4], reduced: Dd, unit: f64) -> MatchedSolution {
         let half = |sum: ComplexDd, a: ComplexDd, b: ComplexDd, scale: Dd| {
             denoise(sum, a.norm() + b.norm()).scale(scale * Dd::of(0.5))
@@ -316,6 +328,9 @@ impl CoefficientMatching {
     }
 
     /// Mismatch of the four equations for rounded parameters, in double length.
+    ///
+    /// `max |sum of the terms|/(sum of their moduli)` over the four equations: some `1e-16` for parameters rounded to
+    /// f64.
     fn residual(&self, parameters: [Complex; 4]) -> f64 {
         let [k1, k2, c1, c2] = parameters.map(|z| ComplexDd { re: Dd::of(z.re), im: Dd::of(z.im) });
         let [m1, m2] = [self.m1, self.m2].map(ComplexDd::real);
@@ -343,6 +358,7 @@ impl CoefficientMatching {
     }
 }
 
+/// Sets to zero the real or imaginary part that is rounding of numbers of this size, so that a real solution is real.
 fn denoise(x: ComplexDd, size: f64) -> ComplexDd {
     let clean = |part: Dd| if part.hi.abs() <= NOISE * size { Dd::ZERO } else { part };
     ComplexDd { re: clean(x.re), im: clean(x.im) }

@@ -1,4 +1,8 @@
 //! Roots of a real cubic with their multiplicities, in double-double arithmetic.
+//!
+//! Cardano's formula subtracts cube roots that may be equal, and Newton's method crawls at a multiple root. Here one
+//! root that is always well apart from the others is found first, by Newton's method in double length from a closed
+//! form in f64; the other two follow from it and the discriminant.
 
 use crate::matching::double_double::{ComplexDd, Dd};
 
@@ -58,6 +62,9 @@ pub(crate) fn cubic_roots(a: Dd, b: Dd, c: Dd) -> Vec<CubicRoot> {
 }
 
 /// The root of largest modulus (three real ones) or the only real one, in f64.
+///
+/// Cosine form for three real roots, Cardano's with the two summands of one sign for a single one: right to some
+/// `1e-15`, which Newton's method doubles and doubles again.
 fn start(p: f64, q: f64, discriminant: f64) -> f64 {
     if discriminant > 0.0 {
         let radius = (-p / 3.0).sqrt();
@@ -70,6 +77,7 @@ fn start(p: f64, q: f64, discriminant: f64) -> f64 {
     if u == 0.0 { 0.0 } else { u - p / (3.0 * u) }
 }
 
+/// `y³ + p y + q = 0`. Ends when a step is below `1e-30` of the root, where the slope vanishes, or after 80 steps.
 fn newton(p: Dd, q: Dd, start: f64) -> Dd {
     let mut y = Dd::of(start);
     // From an f64 start two steps are enough; next to a triple root each gains one bit only.

@@ -53,6 +53,8 @@ struct Scaled {
 }
 
 impl RealisedModel {
+    /// `rate` is the geometric mean of the four moduli of the poles, `|det A|^(1/4)`: in its units all of `A` is of one
+    /// size. Errors: entries that are not finite, a pole at zero.
     fn scaled(&self) -> Result<Scaled, LumpedError> {
         for x in self.a.iter().chain(self.compartment.iter()).chain(self.chassis.iter().flat_map(|c| c.iter())) {
             finite("entry of the state space", *x)?;
@@ -174,6 +176,7 @@ impl RealisedModel {
     }
 }
 
+/// `A` of the double model in time units of `1/rate`, with velocities in those units too.
 fn scaled_state_matrix(model: &DoubleSpringMassDamper, rate: f64) -> Matrix4<f64> {
     let mut p = model.state_matrix();
     for i in 2..4 {
@@ -185,6 +188,7 @@ fn scaled_state_matrix(model: &DoubleSpringMassDamper, rate: f64) -> Matrix4<f64
     p
 }
 
+/// Ratio of the largest to the smallest singular value. Errors: a matrix without an inverse.
 fn condition(t: &Matrix4<f64>) -> Result<f64, LumpedError> {
     let svd = jacobi_svd(&DMatrix::from_column_slice(4, 4, t.as_slice()));
     let condition = svd.map_or(f64::NAN, |svd| svd.values[0] / svd.values[3]);

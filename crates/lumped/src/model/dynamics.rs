@@ -1,4 +1,15 @@
 //! Everything a model does: the motion of every mass, the force in every spring and damper, and where the energy is.
+//!
+//! The response of a model (`lumped_model.rs`) is its motion alone; here come the force in every element and the
+//! balance of energy, which is a check of the motion: kinetic + stored + dissipated = brought in. Heat and work are
+//! integrated by themselves, never taken as what is left over.
+//!
+//! - Kelvin, double, triple: as a [`Chain`], quadratic forms integrated exactly over a step.
+//! - Maxwell: three states of its own, the same walk ([`Driven`]).
+//! - Nonlinear models: spring work in closed form over the pieces, heat term by term on the Taylor series; under a
+//!   force or a moving barrier as a [`SecantChain`] of one mass.
+//! - Elastoplastic: stored `F²/(2 k_P)`, what it would give back on the unloading line; the rest of the work on the
+//!   spring counts as dissipated at once.
 
 use nalgebra::DMatrix;
 
@@ -73,6 +84,9 @@ impl Model {
     }
 
     /// The model as a chain of masses, where it is one.
+    ///
+    /// Kelvin is a chain of one mass. `None` for the families that are none: their force is no sum of a constant spring
+    /// and a constant damper in parallel. Errors: parameters without meaning.
     pub fn chain(&self) -> Result<Option<Chain>, LumpedError> {
         Ok(match self {
             Self::Kelvin(m) => Some(kelvin_chain(m)?),
@@ -83,10 +97,12 @@ impl Model {
     }
 }
 
+/// A chain of one mass.
 fn kelvin_chain(m: &Kelvin) -> Result<Chain, LumpedError> {
     Chain::new(&[m.mass_kg], &[m.stiffness_n_per_m], &[m.damping_n_s_per_m])
 }
 
+/// A chain of two masses.
 fn double_chain(m: &DoubleSpringMassDamper) -> Result<Chain, LumpedError> {
     Chain::new(&[m.m1_kg, m.m2_kg], &[m.k1_n_per_m, m.k2_n_per_m], &[m.c1_n_s_per_m, m.c2_n_s_per_m])
 }
@@ -107,6 +123,7 @@ fn driven_secant(
     })
 }
 
+/// The dynamics of a chain, with errors in the name of the model it stands for.
 fn chained(model: ModelKind, chain: &Chain, drive: &Drive, dt_s: f64, samples: usize) -> Result<Dynamics, LumpedError> {
     let response = chain.respond(drive, dt_s, samples).map_err(|error| match error {
         LumpedError::Diverges { time_s, .. } => LumpedError::Diverges { model, time_s },
@@ -158,6 +175,7 @@ fn maxwell(m: &Maxwell, drive: &Drive, dt_s: f64, samples: usize) -> Result<Dyna
     Ok(Dynamics { response: Response { dt_s, masses_kg: vec![mass], motions: vec![motion] }, forces, energy })
 }
 
+/// Forces and energies of a nonlinear model after an impact, from its response.
 fn secant(law: &SecantMotion, speed: f64, dt_s: f64, response: Response) -> Result<Dynamics, LumpedError> {
     let motion = response.compartment();
     let heat = law.dissipated(speed, dt_s, motion.displacement_m.len())?;

@@ -1,4 +1,7 @@
 //! A model of any family and its response to an impact.
+//!
+//! [`Model`] is the one type that candidates, fits and simulations hold: whatever the family, it checks its parameters,
+//! knows its masses and events and responds to an impact. What a family is made of is in `families/`.
 
 use crate::error::positive;
 use crate::exact::exact_step::exact_step;
@@ -111,6 +114,7 @@ impl Model {
     }
 }
 
+/// A closed form at `k dt`, k = 0 .. `samples`.
 fn sample(dt_s: f64, samples: usize, state: impl Fn(f64) -> crate::State) -> Motion {
     let mut motion = Motion::with_capacity(samples);
     for k in 0..samples {
@@ -119,6 +123,8 @@ fn sample(dt_s: f64, samples: usize, state: impl Fn(f64) -> crate::State) -> Mot
     motion
 }
 
+/// The motion of chassis and compartment: `z((k + 1) dt) = exp(A dt) z(k dt)`, accelerations from the rows of `A`. One
+/// rounding a sample, which grows to about `samples 1e-16` of the largest motion.
 fn march(model: &DoubleSpringMassDamper, v0: f64, dt_s: f64, samples: usize) -> Vec<Motion> {
     let a = model.state_matrix();
     let phi = exact_step(&a, dt_s);

@@ -1,4 +1,7 @@
 //! Parameters by name, as candidates carry them.
+//!
+//! On disk and in fits a model is a map from names to numbers in SI, and every name ends with its unit. This is where
+//! the maps become models and back; what each name stands for is in `kind/parameter.rs`.
 
 use std::collections::BTreeMap;
 
@@ -92,6 +95,8 @@ impl Model {
     }
 
     /// The values of its parameters, in the order of [`ModelKind::parameters`].
+    ///
+    /// Whether the elastoplastic model lets go is no parameter: it is a choice of whoever simulates it.
     fn values(&self) -> Vec<f64> {
         match self {
             Self::Kelvin(m) => vec![m.mass_kg, m.stiffness_n_per_m, m.damping_n_s_per_m],
@@ -131,6 +136,8 @@ impl Model {
     }
 
     /// The parameters by name.
+    ///
+    /// The same names and numbers that [`from_parameters`](Self::from_parameters) takes.
     pub fn parameters(&self) -> BTreeMap<String, f64> {
         self.kind().parameter_names().iter().map(|name| (*name).to_owned()).zip(self.values()).collect()
     }

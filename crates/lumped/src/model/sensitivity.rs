@@ -1,4 +1,8 @@
 //! Motions at chosen instants with their derivatives by the parameters, for fits.
+//!
+//! A fit by least squares needs the derivative of every sample by every parameter. Each family has its own way to them,
+//! all analytic; a test compares each with central differences. Parameters are counted as in
+//! [`ModelKind::parameters`](crate::ModelKind::parameters).
 
 use crate::exact::linear_motion::{chain, maxwell};
 use crate::families::elastoplastic::sensitivity::elastoplastic;

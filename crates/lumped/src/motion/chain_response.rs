@@ -1,4 +1,7 @@
 //! Motion, forces and energies of masses in a row, as their solvers write them.
+//!
+//! Lists have one entry a sample; the outer lists of motions have one a mass, those of forces one an element, from the
+//! barrier on.
 
 use crate::motion::dynamics::{Dynamics, ElementForce, Energy};
 use crate::motion::mass_motion::{Motion, Response};

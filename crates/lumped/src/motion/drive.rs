@@ -1,4 +1,7 @@
 //! What moves a model: an impact, a force, the motion of the barrier.
+//!
+//! Samples of a drive are linear between each other, as a recorder's are read everywhere in this program; a response to
+//! them is exact. A drive that is shorter than the response is zero afterwards.
 
 /// What moves a model.
 #[derive(Debug, Clone, PartialEq)]

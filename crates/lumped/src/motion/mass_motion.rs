@@ -23,6 +23,7 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// No samples yet, room for this many.
     pub(crate) fn with_capacity(samples: usize) -> Self {
         Self {
             displacement_m: Vec::with_capacity(samples),
@@ -31,6 +32,7 @@ impl Motion {
         }
     }
 
+    /// This many samples, all zero: to be filled in any order.
     pub(crate) fn zeros(samples: usize) -> Self {
         Self {
             displacement_m: vec![0.0; samples],
@@ -39,6 +41,7 @@ impl Motion {
         }
     }
 
+    /// Appends one sample.
     pub(crate) fn push(&mut self, state: State) {
         self.displacement_m.push(state.displacement_m);
         self.velocity_m_per_s.push(state.velocity_m_per_s);

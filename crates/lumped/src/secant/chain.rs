@@ -1,4 +1,15 @@
 //! Motion of a chain of masses whose springs and dampers have piecewise-linear secant coefficients, by Taylor series.
+//!
+//! Element i carries `k_i(|u|) u + c_i(|w|) w`, `u` its compression and `w` the rate of it. With N masses there are 2 N
+//! coordinates, each on one piece of its coefficient; together they fix a polynomial of degree two in the state, hence
+//! a Taylor series of order [`ORDER`] by convolution. A step ends at the first knot that any coordinate meets, and at
+//! every sample of a drive, whose slope changes there.
+//!
+//! Which pieces hold from a knot on is asked of the series: a coordinate on a knot must lie inside its piece a
+//! sixteenth of the step later, or its neighbour is taken and the series made again. A coordinate closer to a knot than
+//! [`ON_A_KNOT`] of the motion counts as on it, because a difference of two displacements is no better known.
+//!
+//! Stiff dampers shorten the steps to their time constant; after [`MAX_STEPS`] the motion is given up.
 
 use crate::exact::falling_zero::falling_zero;
 use crate::secant::piecewise_linear::{PiecewiseLinear, Region};
@@ -17,6 +28,7 @@ const ON_A_KNOT: f64 = 1e-13;
 /// Below this many metres nothing moves.
 const NOTHING_M: f64 = 1e-12;
 
+/// Taylor coefficients about the start of a step, lowest order first, SI units per `s^k`.
 pub(crate) type Series = [f64; ORDER + 1];
 
 /// Masses with the pieces of each spring (over its compression) and damper (over its rate).
@@ -45,6 +57,7 @@ struct Input {
     slope: f64,
 }
 
+/// Series of one step: displacements and velocities of the masses and the base, and what follows from them.
 struct Expansion {
     x: Vec<Series>,
     v: Vec<Series>,
@@ -69,6 +82,7 @@ pub(crate) fn integral(series: &Series, tau: f64) -> f64 {
     (0..=ORDER).rev().fold(0.0, |sum, k| sum * tau + series[k] / (k + 1) as f64) * tau
 }
 
+/// Coefficient `k` of the product of two series.
 fn product(a: &Series, b: &Series, k: usize) -> f64 {
     (0..=k).map(|i| a[i] * b[k - i]).sum()
 }
@@ -165,6 +179,9 @@ impl ChainMotion<'_> {
     }
 
     /// The Taylor coefficients: `x[k+1] = v[k]/(k+1)`, `v[k+1] = a[k]/(k+1)`, products by convolution.
+    ///
+    /// `x0, v0`: state of the masses and, last, of the base; `places`: the piece each coordinate is on. Some
+    /// `(2 N) ORDER²` products.
     fn expand(&self, x0: &[f64], v0: &[f64], laws: &[Vec<Region>], places: &[usize], input: Input) -> Expansion {
         let n = self.masses_kg.len();
         let mut e = Expansion {
@@ -255,6 +272,7 @@ fn tolerances(x: &[f64], v: &[f64], step_s: f64) -> [f64; 2] {
     [ON_A_KNOT * (x + v * step_s), ON_A_KNOT * (v + NOTHING_M / step_s)]
 }
 
+/// Largest modulus.
 fn largest(q: &[f64]) -> f64 {
     q.iter().fold(0.0, |m, q| m.max(q.abs()))
 }
@@ -269,6 +287,9 @@ fn longest(x: &[Series], size: f64) -> f64 {
 }
 
 /// Where a coordinate first leaves its piece: the time, the coordinate and the piece it enters.
+///
+/// `None` if every coordinate stays on its piece for `length` seconds. `near` are the tolerances of compressions and
+/// rates.
 fn first_exit(
     coordinates: &[Series],
     laws: &[Vec<Region>],

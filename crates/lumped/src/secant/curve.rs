@@ -1,4 +1,7 @@
 //! Coefficients that are linear between at most four knots, for one mass, without allocation.
+//!
+//! A coefficient is `constant + slope x` on each piece between two knots, and constant beyond the last one. The first
+//! knot is zero; arguments are moduli of a displacement or a speed, so never negative.
 
 /// A coefficient that is linear between knots and constant outside: up to four knots, the first at zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +47,9 @@ impl Curve {
     }
 
     /// Derivative of constant and slope of a piece, given by its index, by a value or the place of a knot.
+    ///
+    /// `index` is [`Piece::index`]. A value at a knot tilts the two pieces that meet there, the place of a knot moves
+    /// the meeting point along them; all other pieces stay, with derivative zero.
     pub fn change_of_piece(&self, index: usize, by: Knot) -> (f64, f64) {
         if index >= self.len {
             return (if index == self.len && by == Knot::Value(self.len - 1) { 1.0 } else { 0.0 }, 0.0);

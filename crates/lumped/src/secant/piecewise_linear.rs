@@ -1,4 +1,7 @@
 //! A coefficient as a person states it: values at knots.
+//!
+//! What a pipeline file states and a fit of a chain varies: any number of knots, unlike [`Curve`](super::curve::Curve),
+//! which has four at most and no memory of its own.
 
 use crate::LumpedError;
 use crate::error::finite;
@@ -109,6 +112,9 @@ impl PiecewiseLinear {
 }
 
 /// Where one straight line holds.
+///
+/// The coefficient is `constant + slope q` for `low <= q <= high`, `q` with its sign: the regions of one coefficient
+/// tile the axis from minus to plus infinity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Region {
     pub constant: f64,

@@ -1,4 +1,13 @@
 //! Derivatives of the nonlinear motions: the variational equation along the Taylor series of the motion.
+//!
+//! A small change `y` of the motion by a parameter p obeys `y'' = -(k0 + 2 k1 x) y - (c0 + 2 c1 v) y' - f`, where `f`
+//! is what p changes in the force of the piece at the motion itself. Over a step of the motion all factors are known
+//! series, so `y` gets its own series by the same recurrence, on the same steps. At a border of two pieces the force is
+//! continuous, therefore so are `y` and `y'`: a parameter that moves a knot changes the law on either side of it and
+//! adds no jump.
+//!
+//! Several parameters are expanded side by side ([`ABREAST`]). The derivatives are those of the motion as computed,
+//! right to rounding; an acceleration has a kink at a knot, where one of its two one-sided derivatives is given.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -78,6 +87,7 @@ struct Products {
 }
 
 impl Products {
+    /// `xx_k = sum x_i x_(k-i)`, and the same of the velocity.
     #[inline(always)]
     fn of_step(step: &Step) -> Self {
         let mut products = Self { xx: [0.0; ORDER + 1], vv: [0.0; ORDER + 1] };
@@ -123,6 +133,10 @@ impl Products {
 impl SecantMotion {
     /// What a parameter changes in the law of a step. Places: mass, values of the spring, its inner knots, values of
     /// the damper, its inner knots, last knot of the spring, last knot of the damper.
+    ///
+    /// The law is per unit of mass, `k/m` and `c/m`: a derivative by the mass is `-1/m` of all four numbers. A value or
+    /// the place of a knot changes constant and slope of the pieces that end there ([`Curve::change_of_piece`]) and
+    /// nothing else.
     fn change_of_law(&self, step: &Step, place: usize) -> Law {
         let (springs, dampers) = (self.spring.len(), self.damper.len());
         let per_mass = 1.0 / self.mass_kg;
@@ -160,6 +174,9 @@ impl SecantMotion {
     }
 
     /// Motion and derivatives at the instants; places as in the parameter names of the nonlinear models.
+    ///
+    /// `parameters` are places in the order of [`ModelKind::parameters`](crate::ModelKind::parameters); the derivatives
+    /// come in the order asked for, one motion each, per SI unit of the parameter. Errors: as the motion.
     pub fn sensitivity(
         &self,
         impact_speed_m_per_s: f64,

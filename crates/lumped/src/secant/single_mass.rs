@@ -1,4 +1,19 @@
 //! Exact-to-rounding motion of one mass on a secant spring and a damper with piecewise-linear coefficients.
+//!
+//! The force is `k(|x|) x + c(|v|) v` with both coefficients linear between knots. On one piece of each it is a
+//! polynomial of degree two in `x` and `v`, and the Taylor series of the motion follows term by term. The axis of `x`
+//! and that of `v` are cut into pieces by the knots and by zero, where `|x|` has its kink; [`SecantMotion::walk`] goes
+//! from one cut to the next.
+//!
+//! What a step costs: some 20² products for the series, an estimate of how far it holds, and, only where the motion can
+//! reach a cut within the step at all, a search for the instant. A pulse of 250 ms takes some tens of steps, whatever
+//! the sampling interval: samples are read off the series.
+//!
+//! Three things a step has to get right:
+//! - *On a cut* the rate decides which piece is entered; where the rate vanishes too, both are tried on the series
+//!   itself a little later ([`INSIDE`]).
+//! - *Out and back within a step*: the distance to each cut is looked at on eight points of the step.
+//! - *At rest for good* (velocity and acceleration below [`REST`] of the start): the rest of the record is one step.
 
 use pulp::Arch;
 
@@ -28,6 +43,9 @@ impl SecantMotion {
     /// Inside one piece of both coefficients the equation is a polynomial of degree two, so its Taylor coefficients
     /// follow by recurrence and a step of order 20 is as long as its rest allows. A step ends where `|x|` or `|v|`
     /// meets a knot or `v` or `x` changes sign, found by Newton's method on the series; so no step contains a kink.
+    ///
+    /// Errors: a state that is not finite, or more than 20,000 steps, both as [`LumpedError::Diverges`] with the time
+    /// reached.
     pub fn walk(
         &self,
         impact_speed_m_per_s: f64,
@@ -90,6 +108,9 @@ impl SecantMotion {
 
     /// The step from a state, on the pieces the motion enters. On a knot the rate says which; where it vanishes or
     /// deceives, the series itself: a sixteenth of the step on, the state must lie inside.
+    ///
+    /// Returns the step with the length over which its series holds, the same length, the pieces of spring and damper,
+    /// and the signs of displacement and velocity on them.
     fn piecewise(&self, t: f64, x: f64, v: f64, a: f64, end_s: f64) -> (Step, f64, Piece, Piece, f64, f64) {
         let sx = if x == 0.0 { v.signum() } else { x.signum() };
         let sv = if v == 0.0 { a.signum() } else { v.signum() };
@@ -138,11 +159,15 @@ impl SecantMotion {
         }
     }
 
+    /// `-(k(|x|) x + c(|v|) v)/m`, m/s².
     fn acceleration(&self, x: f64, v: f64) -> f64 {
         -(self.spring.value(x.abs()) * x + self.damper.value(v.abs()) * v) / self.mass_kg
     }
 
     /// The motion at `k dt`, k = 0 .. `samples`.
+    ///
+    /// Every sample is a value of the series of the step it lies in: about `1e-15` of the largest motion a step.
+    /// Errors: as [`walk`](Self::walk).
     pub fn motion(&self, impact_speed_m_per_s: f64, dt_s: f64, samples: usize) -> Result<Motion, LumpedError> {
         let mut motion = Motion::zeros(samples);
         let arch = Arch::new();
@@ -168,6 +193,9 @@ impl SecantMotion {
     }
 
     /// The displacement at `first_s + k dt_s`, for a fit.
+    ///
+    /// Half the work of [`motion`](Self::motion) a sample, and no allocation. `out` is filled from its start; where the
+    /// motion cannot be followed to its end, an error says up to when.
     pub fn displacement(
         &self,
         impact_speed_m_per_s: f64,
@@ -218,6 +246,9 @@ impl SecantMotion {
     }
 
     /// First zero of velocity, and of acceleration after it.
+    ///
+    /// A step ends where the velocity changes its sign, so dynamic crush is the end of a step; rebound is found by
+    /// bisection inside one, to rounding. Nothing after two seconds is looked for.
     pub fn events(&self, impact_speed_m_per_s: f64) -> Result<CrushEvents, LumpedError> {
         let mut events = CrushEvents::default();
         let mut rate = 1.0;
@@ -250,6 +281,10 @@ impl SecantMotion {
 }
 
 /// Where the step first meets a border of its pieces: a knot of either coefficient, or a change of sign.
+///
+/// Most steps end the check at the first comparison: the sum of the moduli of the series bounds how far displacement
+/// and velocity can go. Otherwise the distance to each end of a piece is positive inside and falls through zero at the
+/// border, where [`falling_zero`] closes in on it.
 fn border(step: &Step, length: f64, spring: &Piece, damper: &Piece, sx: f64, sv: f64) -> f64 {
     let mut first = length;
     // Farthest that displacement and velocity can go in the step: most steps meet no border, and this tells at once.

@@ -1,4 +1,12 @@
 //! One step of a nonlinear motion: Taylor series on one piece of spring and damper.
+//!
+//! `x(tau) = sum x_k tau^k`, k up to [`ORDER`], about the start of the step. With
+//! `a = -((k0 + k1 x) x + (c0 + c1 v) v)` the coefficients follow from `x_(k+1) = v_k/(k+1)` and `v_(k+1) = a_k/(k+1)`,
+//! where the squares of `x` and `v` are convolutions of the coefficients known so far (the recurrence of Parker and
+//! Sochacki). The step is as long as the two last terms stay below [`REST`] of the motion.
+//!
+//! Samples are evaluated by Horner's rule for several instants at once, so that the processor's vectors are full; every
+//! lane does the operations of a single evaluation in the same order, hence the same bits for every vector width.
 
 use pulp::{Simd, WithSimd};
 
@@ -53,6 +61,8 @@ impl Step {
 
 impl Step {
     /// Series of the damper's power per unit of mass, `(c0 + c1 sv v) v²`.
+    ///
+    /// Times the mass and integrated term by term it is the heat of the damper.
     pub fn power(&self) -> [f64; ORDER + 1] {
         let product = |a: &[f64; ORDER + 1], b: &[f64; ORDER + 1]| -> [f64; ORDER + 1] {
             std::array::from_fn(|k| (0..=k).map(|i| a[i] * b[k - i]).sum())
@@ -164,6 +174,7 @@ pub(crate) fn put<const L: usize>(wave: &mut [f64], values: &[f64; L]) {
 }
 
 impl Law {
+    /// `-((k0 + k1 x) x + (c0 + c1 v) v)`, m/s².
     #[inline(always)]
     pub fn acceleration(&self, x: f64, v: f64) -> f64 {
         -((self.k0 + self.k1 * x) * x + (self.c0 + self.c1 * v) * v)
@@ -172,6 +183,8 @@ impl Law {
 
 impl Law {
     /// Series of displacement and velocity: `x[k+1] = v[k]/(k+1)`, `v[k+1] = a[k]/(k+1)`, products by convolution.
+    ///
+    /// `x0` in m, `v0` in m/s; the result in m/s^k and m/s^(k+1). Some `ORDER²` products.
     pub fn series(&self, x0: f64, v0: f64) -> ([f64; ORDER + 1], [f64; ORDER + 1]) {
         let mut x = [0.0; ORDER + 1];
         let mut v = [0.0; ORDER + 1];
@@ -198,6 +211,9 @@ impl Law {
 }
 
 /// The step after which the last terms of the velocity's series are `REST` of the motion.
+///
+/// `tau` with `|x_k| tau^k = REST` times the size of the motion for the last and the last but one k: two, because the
+/// coefficients of an even or odd function vanish in turn. Never below a nanosecond.
 pub(crate) fn longest(x: &[f64; ORDER + 1]) -> f64 {
     let size = x[0].abs().max(x[1].abs() * 1e-3).max(1e-12);
     let bound = |k: usize| (size * REST / x[k].abs().max(f64::MIN_POSITIVE)).powf(1.0 / k as f64);

@@ -1,4 +1,8 @@
 //! The shift of largest correlation between two curves.
+//!
+//! ISO/TS 18571 and CORA shift one curve against the other and keep the shift of largest correlation. By definition
+//! that is a sum of products for every shift, N² in all; a transform gives all sums at once but with rounding that may
+//! exchange two near shifts. Here the transform only narrows the choice, the definition decides.
 
 use realfft::RealFftPlanner;
 
@@ -71,6 +75,7 @@ pub(crate) fn correlation(x: &[f64], y: &[f64], kind: Correlation) -> Option<f64
     value.is_finite().then_some(value)
 }
 
+/// Mean of the samples; NaN without any.
 fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len() as f64
 }

@@ -135,6 +135,7 @@ impl Corridor {
     }
 }
 
+/// Linear between the points of a polyline; its end values beyond them.
 fn interpolated(line: &[(f64, f64)], t: f64) -> f64 {
     let next = line.partition_point(|point| point.0 < t).clamp(1, line.len().max(2) - 1);
     let Some((&(t1, x1), &(t2, x2))) = line.get(next - 1).zip(line.get(next)) else { return line[0].1 };

@@ -73,6 +73,7 @@ fn above(p: f64, q: f64, level: f64) -> Option<(f64, f64)> {
     }
 }
 
+/// Time at or above the level, in sampling intervals, crossings interpolated linearly.
 fn total_time(a: &[f64], level: f64) -> f64 {
     a.windows(2).filter_map(|pair| above(pair[0], pair[1], level)).map(|(from, to)| to - from).sum()
 }

@@ -1,4 +1,7 @@
 //! The occupant load criterion.
+//!
+//! The occupant flies free over 65 mm and is then brought to the speed of the vehicle at a constant deceleration over
+//! 235 mm of restraint: that deceleration is the criterion.
 
 use crumple_signal::{Displacement, Signal, Velocity};
 

@@ -1,4 +1,8 @@
 //! All metrics of a crash pulse, in the order in which they are written.
+//!
+//! The order of the list is that of the artifact, so it is part of the file format. Every metric carries the window it
+//! belongs to: the loading phase, one moment, the stretch up to separation. One that the record does not show is absent
+//! with its reason.
 
 use crumple_signal::{Acceleration, Displacement, Signal, Velocity};
 

@@ -1,4 +1,7 @@
 //! The vehicle pulse index: an occupant on a belt with slack, moved by the pulse.
+//!
+//! The index is the largest belt force over the occupant's mass: what a pulse does to somebody restrained, in one
+//! number.
 
 use crumple_signal::{Acceleration, Signal};
 
@@ -101,6 +104,7 @@ struct Segment {
 }
 
 impl Segment {
+    /// Whether the belt carries load: the slack is used up, or is just now.
     fn on_belt(&self) -> bool {
         self.u > 0.0 || (self.u == 0.0 && (self.rate > 0.0 || (self.rate == 0.0 && self.a < 0.0)))
     }

@@ -72,6 +72,7 @@ pub fn asi(
     Ok(Metric::with_value(definition, largest).over(at_s, at_s))
 }
 
+/// ASI of 1998: means over 50 ms, the record continued by half a second of zeros on either side.
 fn moving_average(signals: [&Signal<Acceleration>; 3], limits: AsiLimits) -> Metric {
     let (dt, t0_s) = (signals[0].dt_s(), signals[0].t0_s());
     let padding = in_samples(PADDING_S, dt).map_or(0, |(whole, _)| whole);

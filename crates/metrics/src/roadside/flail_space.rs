@@ -1,4 +1,8 @@
 //! The free head or occupant in the cabin: THIV and PHD of EN 1317-1, OIV and ridedown acceleration of MASH.
+//!
+//! The occupant is a free point at the vehicle's speed in a box 0.6 m ahead and 0.3 m to either side ([`FlailSpace`]):
+//! the speed at which it meets a wall is the impact velocity (OIV, THIV), the largest 10 ms mean afterwards the
+//! ride-down acceleration (ORA, PHD). OIV takes the axes one by one, THIV the plane with the yaw of the vehicle.
 
 use crumple_signal::{Acceleration, Sampled, Signal};
 

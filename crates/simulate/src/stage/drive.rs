@@ -69,8 +69,8 @@ impl Driven {
     /// back as a force [`Driven::words`] say all.
     pub fn caution(&self) -> Option<&'static str> {
         matches!(self.drive, "force" | "base").then_some(
-            "fits and errors still compare with the test as recorded: they judge and rank no model unless the test was \
-             moved so too, and under a displacement fit of 50 % no model is called the best",
+            "fits and errors still compare with the test as recorded: they assess and rank no model unless the test \
+             was driven in the same way, and under a displacement fit of 50 % no model is called the best",
         )
     }
 

@@ -12,10 +12,10 @@ masses = [
 [simulate.chain.soft]
 speed = "36 km/h"
 masses = [
-  { name = "subframe", mass = "90 kg", stiffness = [["0 mm", "900 kN/m"], ["200 mm", "150 kN/m"]], damping = "3 \
-      kN*s/m" },
-  { name = "engine", mass = "201 kg", stiffness = "600 kN/m", damping = [["0 m/s", "9 kN*s/m"], ["18 km/h", "2 \
-      kN*s/m"]] },
+  { name = "subframe", mass = "90 kg", stiffness = [["0 mm", "900 kN/m"],
+    ["200 mm", "150 kN/m"]], damping = "3 kN*s/m" },
+  { name = "engine", mass = "201 kg", stiffness = "600 kN/m", damping = [["0 m/s", "9 kN*s/m"],
+    ["18 km/h", "2 kN*s/m"]] },
   { mass = "582 kg", stiffness = "500 kN/m" },
 ]
 "#;

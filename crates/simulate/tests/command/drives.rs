@@ -144,6 +144,6 @@ fn a_drive_wave_that_filtering_dropped_is_answered_with_how_to_hand_it_on() {
     let output = run_with(folder.path(), &[second, "--drive", "force", "--drive-wave", "wall_force"]);
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(0), "{stderr}");
-    // A fit beside a test that was moved otherwise is no verdict.
-    assert!(stderr.contains("they judge and rank no model unless the test was moved so too"), "{stderr}");
+    // A fit beside a test that was driven otherwise assesses no model.
+    assert!(stderr.contains("they assess and rank no model unless the test was driven in the same way"), "{stderr}");
 }

@@ -1,4 +1,4 @@
-//! Further accelerometers held against the pulse: how far apart, and the spread of every metric.
+//! Other accelerometers compared with the pulse: how far apart they are, and the spread of every metric.
 
 use crumple_metrics::{ChannelMotion, LARGEST_CRUSH_GAP, Metric, agreement, definitions, over_channels};
 use crumple_signal::{Channel, Notes, STANDARD_GRAVITY_M_PER_S2};
@@ -23,7 +23,7 @@ impl<'a> ChannelAgreement<'a> {
         Self { channel, pulse, time_zero_s, others: Vec::new() }
     }
 
-    /// Says how far a further channel is from the pulse, and takes it into the spread if both are of the compartment.
+    /// Notes how far another channel is from the pulse, and takes it into the spread if both are of the compartment.
     pub fn compare(&mut self, other: &Channel, of: &Integrated, notes: &mut Notes) {
         let Some(outside) = [self.channel, other].into_iter().find(|channel| !is_of_compartment(channel)) else {
             self.others.push((other.id.clone(), of.metrics.clone()));
@@ -35,7 +35,7 @@ impl<'a> ChannelAgreement<'a> {
         ));
     }
 
-    /// Whether a further channel shows the motion of the pulse: its crush within 5 %, on a grid that can be compared.
+    /// Whether another channel shows the motion of the pulse: its crush within 5 %, on a grid that can be compared.
     pub fn agrees(&self, of: &Integrated) -> bool {
         let Some(crush) = self.pulse.events.crush else { return true };
         agreement(motion(self.pulse), motion(of), self.time_zero_s + crush.time_s)

@@ -5,7 +5,7 @@ use crumple_stage::Refused;
 
 use crate::stage::options::settings::StageSettings;
 
-/// Impact speeds of test and channel further apart than this are worth a word, m/s.
+/// Impact speeds of test and channel that differ by more than this get a warning, m/s.
 const SPEED_GAP_M_PER_S: f64 = 0.05;
 
 /// The speed of the flag, else of the test; never the channel's own, which is only held against it.

@@ -1,4 +1,7 @@
 //! Linear chains of masses: poles, motion, forces and energy, events, derivatives.
+//!
+//! `M x'' + C x' + K x = f` with tridiagonal `C` and `K`: element i couples mass i to the one in front of it. State
+//! `(x, v, y, y', u, u')`: positions, velocities, position and velocity of the barrier, the input and its slope.
 
 use crumple_lti::{Complex, matrix_exponential, polynomial_roots};
 use nalgebra::{DMatrix, DVector};
@@ -77,11 +80,16 @@ impl Chain {
     }
 
     /// Poles, 1/s, as `polynomial_roots` sorts them.
+    ///
+    /// Two for each mass. Errors: parameters so extreme that the roots of the characteristic polynomial are not found.
     pub fn poles(&self) -> Result<Vec<Complex>, LumpedError> {
         Ok(polynomial_roots(&self.characteristic_polynomial())?)
     }
 
     /// `A` over `(x, v, y, y', u, u')`: masses, base and the drive, which is linear within a step.
+    ///
+    /// `2 N + 4` rows for N masses, SI units. The input enters the row of the driven mass, over its mass, or the
+    /// acceleration of the barrier; after an impact its four states stay zero.
     fn matrix(&self, drive: &Drive) -> DMatrix<f64> {
         let n = self.masses_kg.len();
         let (base, input) = (2 * n, 2 * n + 2);
@@ -159,6 +167,7 @@ impl Chain {
         Ok(response)
     }
 
+    /// Kinetic and stored energy of a state, J; heat and work are integrated along the way.
     fn energy(&self, z: &[f64]) -> Energy {
         let n = self.masses_kg.len();
         let front = |i: usize| if i == 0 { z[2 * n] } else { z[i - 1] };
@@ -170,6 +179,8 @@ impl Chain {
     }
 
     /// `z' Q z` is the power of the dampers.
+    ///
+    /// The sum of `c_i (v_i - v_(i-1))²`, W.
     fn heat_form(&self) -> DMatrix<f64> {
         let n = self.masses_kg.len();
         let mut q = DMatrix::zeros(2 * n + 4, 2 * n + 4);
@@ -185,6 +196,8 @@ impl Chain {
     }
 
     /// `z' Q z` is the power that comes in.
+    ///
+    /// Force times the velocity of its mass, or the force of the barrier times its velocity, W.
     fn work_form(&self, drive: &Drive, a: &DMatrix<f64>) -> DMatrix<f64> {
         let n = self.masses_kg.len();
         let mut q = DMatrix::zeros(2 * n + 4, 2 * n + 4);

@@ -1,4 +1,8 @@
 //! Chains of masses by the names of their parameters, as candidates carry them.
+//!
+//! Every mass i has `m<i>_kg`; the spring in front of it is `k<i>_n_per_m`, or with knots j = 1, 2, ... values
+//! `k<i>_knot<j>_n_per_m` at compressions `k<i>_knot<j>_m`; the damper likewise `c<i>_...` over rates in m/s. A knot at
+//! zero has no place in the names: it is always there. Written and read back, a chain is the same to the bit.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,6 +19,7 @@ const SPRING: Spelling = Spelling { symbol: 'k', value: ParameterKind::Stiffness
 const DAMPER: Spelling = Spelling { symbol: 'c', value: ParameterKind::Damping, place: ParameterKind::Rate };
 
 impl Spelling {
+    /// Adds the names of this coefficient of element `number`, from 1 at the barrier.
     fn write(&self, number: usize, law: &PiecewiseLinear, out: &mut BTreeMap<String, f64>) {
         let symbol = format!("{}{number}", self.symbol);
         let (unit, unit_of_place) = (self.value.unit_in_name(), self.place.unit_in_name());

@@ -1,4 +1,7 @@
 //! A chain of masses with piecewise-linear springs and dampers.
+//!
+//! The interface of these chains: building, responding, events. How the motion is followed from knot to knot is in
+//! `secant/chain.rs`; a chain whose coefficients are all constant is handed to the linear one, which has no steps.
 
 use crate::error::{finite, positive, row_of_masses};
 use crate::secant::chain::{ChainMotion, ChainStep, Series, horner, integral};
@@ -87,6 +90,8 @@ impl SecantChain {
         ChainMotion { masses_kg: &self.masses_kg, springs: &self.springs, dampers: &self.dampers }
     }
 
+    /// Forces are read off the coefficients at each sample, not off the series: a sum that closes exactly with the
+    /// motion of the masses. Heat and work are summed over whole steps, plus the part of the step up to the sample.
     fn by_series(&self, drive: &Drive, dt_s: f64, samples: usize) -> Result<ChainResponse, LumpedError> {
         let n = self.masses_kg.len();
         positive("dt_s", dt_s)?;
@@ -166,6 +171,9 @@ impl SecantChain {
     }
 
     /// Adds sample `k` of the drive, `tau` after the start of the step.
+    ///
+    /// `energy` comes with heat and work; kinetic and stored energy are added. The drive is taken at the sample itself,
+    /// so that an acceleration has the force of its own instant.
     fn sample(
         &self,
         step: &ChainStep,
@@ -242,6 +250,7 @@ impl SecantChain {
     }
 }
 
+/// Series of the derivative; its highest coefficient is not known and taken as zero.
 fn derivative(series: &Series) -> Series {
     std::array::from_fn(|k| if k < ORDER { (k + 1) as f64 * series[k + 1] } else { 0.0 })
 }

@@ -1,4 +1,7 @@
 //! The elastoplastic model after an impact, in closed form.
+//!
+//! One loading and one unloading, each a piece of a cosine. What happens when a force continues or a barrier moves is
+//! in `driven.rs`.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -31,6 +34,7 @@ impl Elastoplastic {
         positive("unloading_stiffness_n_per_m", self.unloading_stiffness_n_per_m)
     }
 
+    /// Angular frequencies of loading and unloading, `sqrt(k_E/m)` and `sqrt(k_P/m)`, rad/s.
     fn frequencies(&self) -> (f64, f64) {
         (
             (self.loading_stiffness_n_per_m / self.mass_kg).sqrt(),

@@ -1,4 +1,8 @@
 //! The elastoplastic model under a force or on a moving barrier, event by event.
+//!
+//! A small machine of three branches ([`Branch`]) and two numbers, the permanent set and the depth of the unloading
+//! line. On a branch the motion is that of a forced oscillator, in closed form ([`cosine_integrals`]); the machine only
+//! has to find the instants at which the branch changes.
 
 use crate::error::{finite, positive};
 use crate::exact::falling_zero::falling_zero;
@@ -42,6 +46,8 @@ struct Push {
 }
 
 /// `y` after `tau`, and its rate: `y'' + w² y = push`.
+///
+/// `s` are the integrals of the cosine for `w²` and `tau`, see [`cosine_integrals`]; `push` per unit of mass.
 fn moved(y: f64, v: f64, w2: f64, push: Push, s: &[f64; 7]) -> (f64, f64) {
     (
         y * s[0] + v * s[1] + push.value * s[2] + push.slope * s[3],
@@ -153,6 +159,7 @@ impl Elastoplastic {
         Ok(Dynamics { response: Response { dt_s, masses_kg: vec![mass], motions: vec![motion] }, forces, energy })
     }
 
+    /// N/m; zero where nothing touches.
     fn stiffness(&self, branch: Branch) -> f64 {
         match branch {
             Branch::Loading => self.loading_stiffness_n_per_m,
@@ -161,6 +168,7 @@ impl Elastoplastic {
         }
     }
 
+    /// The error of a motion that cannot be followed beyond this time.
     fn lost(&self, time_s: f64) -> LumpedError {
         LumpedError::Diverges { model: ModelKind::Elastoplastic, time_s }
     }

@@ -1,4 +1,10 @@
 //! Derivatives of the elastoplastic motion: its closed form, differentiated.
+//!
+//! The motion depends on mass and stiffnesses through two frequencies only, `w = sqrt(k_E/m)` of loading and
+//! `q = sqrt(k_P/m)` of unloading. Its derivatives by them are written out for loading, unloading and free flight, and
+//! the chain rule gives those by the parameters: `dw/dm = -w/(2 m)`, `dw/dk_E = w/(2 k_E)`, `dq/dm = -q/(2 m)`,
+//! `dq/dk_P = q/(2 k_P)`. The instant of dynamic crush `t_m = pi/(2 w)` moves with `w`, which the derivatives of the
+//! unloading contain. Right to rounding; at `t_m` itself the acceleration has a kink and the side of loading is given.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -33,6 +39,8 @@ pub(crate) fn elastoplastic(model: &Elastoplastic, v0: f64, at: &Instants, param
 }
 
 /// Derivatives of the state by the frequencies of loading and unloading.
+///
+/// Per rad/s. `t` after contact, s; with `release` the flight after the contact opens at zero force.
 fn by_frequencies(release: bool, v0: f64, w: f64, q: f64, t: f64) -> (State, State) {
     let state = |x, v, a| State { displacement_m: x, velocity_m_per_s: v, acceleration_m_per_s2: a };
     let t_m = FRAC_PI_2 / w;

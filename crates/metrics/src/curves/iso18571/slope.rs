@@ -21,6 +21,7 @@ pub(super) fn error(t: &[f64], c: &[f64], dt_s: f64) -> Option<f64> {
     error.is_finite().then_some(error)
 }
 
+/// Central differences, one-sided at both ends, unit of x per s.
 fn derivative(x: &[f64], dt_s: f64) -> Vec<f64> {
     let n = x.len();
     let mut out = Vec::with_capacity(n);
@@ -30,6 +31,7 @@ fn derivative(x: &[f64], dt_s: f64) -> Vec<f64> {
     out
 }
 
+/// Centred running mean over [`WIDTH`] samples, fewer near the ends.
 fn smoothed(x: &[f64]) -> Vec<f64> {
     let n = x.len();
     let mean = |k: usize| {

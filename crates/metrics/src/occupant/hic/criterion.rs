@@ -29,6 +29,7 @@ pub fn hic_all_pairs(resultant: &Signal<Acceleration>, window_s: f64) -> Metric 
     worst_window(resultant, window_s, search::all_pairs)
 }
 
+/// The criterion with the window in which it is reached, by a search over pairs of samples.
 fn worst_window(resultant: &Signal<Acceleration>, window_s: f64, search: fn(&[f64], usize) -> search::Best) -> Metric {
     let definition = definition(window_s);
     let (a, dt) = (resultant.samples(), resultant.dt_s());

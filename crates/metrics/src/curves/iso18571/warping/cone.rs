@@ -1,4 +1,7 @@
 //! All cells between a front and a cell that can reach it, and the way back through them.
+//!
+//! From one cell back over L diagonals only cells of a triangle can be on the path: L²/2 costs, kept all at once, so
+//! that the path is read off them without computing anything twice.
 
 use pulp::{Simd, WithSimd};
 
@@ -21,6 +24,7 @@ pub(super) struct Cone {
 }
 
 impl Cone {
+    /// Fills the triangle from the costs of the front on.
     pub(super) fn new(warping: &Warping, front: &Front, end: (usize, usize)) -> Self {
         let length = end.0 + end.1 - front.k;
         // From diagonal k - 1 up to `length + 1` steps lead upwards in i; one more column stays infinite.

@@ -1,4 +1,7 @@
 //! Two neighbouring diagonals, and how they move on.
+//!
+//! An anti-diagonal k holds the cells (i, k - i). Cells of diagonal `k + 1` need those of `k` and `k - 1` alone, so two
+//! diagonals are all that has to be kept to go on from.
 
 use crate::curves::iso18571::warping::band::Warping;
 use crate::curves::iso18571::warping::sweep::{Buffers, Tile};
@@ -45,6 +48,7 @@ struct Moving {
 }
 
 impl Moving {
+    /// Room for all i up to `highest_i`; infinite where the front has no cell.
     fn new(front: &Front, highest_i: usize) -> Self {
         let base = front.first;
         let length = (highest_i + 1).saturating_sub(base);
@@ -58,6 +62,7 @@ impl Moving {
         Self { k: front.k, base, before, last, alive: (base, front.end().min(base + length)) }
     }
 
+    /// Place of cell i in both lists.
     fn index(&self, i: usize) -> usize {
         i + 1 - self.base
     }
@@ -79,6 +84,7 @@ impl Moving {
         self.alive = (low, high);
     }
 
+    /// A copy of what is alive, to start from again.
     fn front(&self) -> Front {
         let (first, end) = self.alive;
         let cells = self.index(first)..self.index(end);

@@ -1,4 +1,8 @@
 //! Several diagonals of a stretch of i at once, in memory that stays in the cache.
+//!
+//! A tile is some hundred diagonals of a thousand cells: its working memory fits the first cache, and each diagonal is
+//! one loop without dependencies between its cells. Tiles of a row hand on the costs at their border through
+//! [`Buffers`].
 
 use pulp::{Simd, WithSimd};
 
@@ -14,6 +18,7 @@ pub(super) struct Buffers {
 }
 
 impl Buffers {
+    /// Empty; filled by [`start_row`](Self::start_row).
     pub(super) fn new() -> Self {
         Self { column: Vec::new(), diagonals: std::array::from_fn(|_| vec![0.0; Tile::WIDTH + 1]) }
     }
