@@ -5,10 +5,12 @@ use crumple_signal::SignalError;
 use crate::butterworth::pass::HIGHEST_ORDER;
 use crate::cfc::class::Cfc;
 
-/// Why a channel cannot be filtered.
+/// Why a channel cannot be filtered, resampled or aligned. In each case the result would be wrong or does not exist, so
+/// no option lets it pass.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FilterError {
-    /// The sampling rate is below ten times the class.
+    /// The sampling rate is below ten times the class, which SAE J211-1 asks for (six times the -3 dB frequency). The
+    /// bilinear transform has then moved the -3 dB point by more than 5 %, from 1.667·CFC to above 1.751·CFC.
     #[error(
         "sampling rate {} Hz is too low for cfc {cfc}: at least {needed_hz} Hz (10 times the class) is needed",
         short(*rate_hz)
@@ -21,7 +23,8 @@ pub enum FilterError {
         /// The lowest rate for it.
         needed_hz: f64,
     },
-    /// Too few samples for the ends.
+    /// Too few samples for the ends: each pass starts from the mean of ten samples, and four samples with the three
+    /// that can be mirrored at each end are the fewest that make ten.
     #[error("{samples} samples are too few for a channel frequency class filter, at least 4 are needed")]
     TooShort {
         /// How many there are.
@@ -60,7 +63,7 @@ pub enum FilterError {
         /// Upper end.
         high_hz: f64,
     },
-    /// A moving average without a width, or longer than the record.
+    /// A moving average whose width is not a positive number, or that is longer than the record.
     #[error("a moving average over {width_s} s does not fit a record of {record_s:.4} s")]
     Width {
         /// What was asked for.
@@ -68,7 +71,8 @@ pub enum FilterError {
         /// Length of the record.
         record_s: f64,
     },
-    /// A new sampling rate that is none.
+    /// A new sampling rate that is not a positive number, or more than 1000 times that of the record; the bound
+    /// keeps the length of the result in proportion to the record.
     #[error("cannot resample from {} Hz to {to_hz} Hz: a positive rate up to 1000 times the record's is \
         needed", short(*from_hz))]
     ResampleRate {
@@ -94,7 +98,8 @@ pub enum FilterError {
         /// Rate of the other.
         reference_hz: f64,
     },
-    /// One of two channels to align is zero throughout, or overflows.
+    /// One of two channels to align is zero throughout, or the sum of its squares overflows: the correlation
+    /// coefficient has no denominator then.
     #[error("a channel to align has no signal: its samples are all zero or too large")]
     NothingToAlign,
     /// The result is not a signal: the samples are so large that the filter overflows.
@@ -102,7 +107,7 @@ pub enum FilterError {
     Result(#[source] SignalError),
 }
 
-/// A rate as a person writes it: 1/0.0025 is 400, not 399.99999999999994.
+/// A rate in Hz, rounded to 0.001 Hz, as a person writes it: 1/0.0025 is 400, not 399.99999999999994.
 fn short(rate_hz: f64) -> f64 {
     (rate_hz * 1e3).round() / 1e3
 }

@@ -121,15 +121,28 @@ pub struct Filtered {
 
 /// Removes the zero level of a channel, then filters it: to a class, or by the filter that takes its place.
 ///
+/// The zero level goes first: the filter is linear, but the extension of the ends and the start of a pass react to an
+/// offset. The result has the grid of `samples` and their unit.
+///
 /// `already_cfc` is the class the channel carries. One at or below the class asked for passes through with a note:
 /// filtering again would lower its cut-off, and nothing brings lost frequencies back. Without 10 ms of pre-event data
 /// the zero level is left alone, with a warning. Refuses a sampling rate below ten times the class (SAE J211-1),
-/// notes one below twenty times, warns of a response outside the limits of the class.
+/// notes one below twenty times, warns of a response outside the limits of the class. With [`Settings::instead`] the
+/// class is not looked at: neither the one asked for nor the one the channel carries.
+///
+/// The area of the record is kept but for its ends: the crush from CFC 60 and from CFC 180 agrees within 0.2 mm on
+/// four real channels. Rounding is about 1e-13 of the largest sample.
+///
+/// # Errors
+/// A zero-level window that ends before it starts; a rate below ten times the class; fewer than four samples; a
+/// Butterworth filter that cannot be designed ([`Butterworth::design`]); a moving average wider than the record;
+/// samples so large that the result is not finite.
 pub fn filter(samples: &Sampled, already_cfc: Option<u16>, settings: &Settings) -> Result<Filtered, FilterError> {
     filter_reporting(samples, already_cfc, settings, &|_| ())
 }
 
-/// [`filter`] with a report of progress: a record of n samples is 2·n of work.
+/// [`filter`] with a report of progress: a record of n samples is 2·n of work, one n for each pass. A filter that takes
+/// the place of the class, and a channel that passes through, report all of it at the end.
 pub fn filter_reporting(
     samples: &Sampled,
     already_cfc: Option<u16>,
@@ -181,6 +194,9 @@ pub fn filter_reporting(
     Ok(Filtered { samples, applied: Some(applied), zero_level_removed, notes })
 }
 
+/// Runs the filter that takes the place of a class over the samples less `level`, and says which one it was: a
+/// causal filter is warned of, a moving average is noted with the width it has after rounding to an odd number of
+/// samples.
 fn run_instead(
     samples: &Sampled,
     level: f64,
@@ -210,6 +226,8 @@ fn run_instead(
     }
 }
 
+/// The level to subtract, unit of the samples. 0 with a warning where the record covers less than 10 ms of the window,
+/// because a level guessed from the pulse would be worse than none; a muted recorder is noted.
 fn zero_level(samples: &Sampled, rule: ZeroLevel, notes: &mut Notes) -> Result<f64, FilterError> {
     let ZeroLevel::PreEvent(window) = rule else { return Ok(0.0) };
     match pre_event(samples, window)? {
@@ -233,6 +251,7 @@ fn zero_level(samples: &Sampled, rule: ZeroLevel, notes: &mut Notes) -> Result<f
     }
 }
 
+/// Refuses a rate below ten times the class, with 1e-9 of slack for the rounding of `1/dt`.
 fn check_rate(samples: &Sampled, cfc: Cfc) -> Result<(), FilterError> {
     let (rate_hz, needed_hz) = (samples.rate_hz(), cfc.lowest_rate_hz());
     // An interval typed in decimals gives a rate that is off by its last digit.
@@ -242,6 +261,8 @@ fn check_rate(samples: &Sampled, cfc: Cfc) -> Result<(), FilterError> {
     Ok(())
 }
 
+/// Says, below twenty times the class, where the -3 dB point of both passes lies at this rate (Hz) and where it lies
+/// for fast sampling, CFC/0.6: at twenty times it is 1.3 % too high, at ten times 5 %.
 fn note_low_rate(samples: &Sampled, cfc: Cfc, coefficients: &Coefficients, notes: &mut Notes) {
     let ratio = samples.rate_hz() / cfc.frequency_hz();
     if ratio < 20.0 * (1.0 - 1e-9) {

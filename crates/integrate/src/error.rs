@@ -2,16 +2,18 @@
 
 use crumple_signal::SignalError;
 
-/// Why an acceleration cannot be integrated.
+/// Why an acceleration cannot be integrated. Each variant holds what was stated and what the record has, in SI units
+/// on the record's own time axis.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IntegrateError {
-    /// The impact speed is no speed.
+    /// The impact speed, m/s, is negative, infinite or no number; 0 is a motion from rest and allowed.
     #[error("impact speed {0} m/s is negative or no number")]
     ImpactSpeed(f64),
-    /// The mass is no mass.
+    /// The mass, kg, is not a positive number, so `F = -m·a` has no meaning.
     #[error("mass {0} kg is not a positive number")]
     Mass(f64),
-    /// The record does not cover time zero and what follows it.
+    /// The record does not cover time zero and what follows it: it needs two samples at or after time zero, and its
+    /// first sample may come no more than one interval late, because the speed there is known only at time zero.
     #[error(
         "time zero {time_zero_s} s needs two samples after it and a record that starts no later, \
          the record runs from {first_s} s to {last_s} s"
@@ -24,7 +26,8 @@ pub enum IntegrateError {
         /// Last sample.
         last_s: f64,
     },
-    /// The time of a known velocity is not in the motion.
+    /// The time of a known velocity is not in the motion, or is its first sample, where the velocity is given already
+    /// and a drift has done nothing yet.
     #[error("the known velocity is stated at {time_s} s, the motion runs from {first_s} s to {last_s} s")]
     EndCondition {
         /// When it is stated, on the record's axis.

@@ -5,10 +5,10 @@ use crumple_lumped::LumpedError;
 /// Why a candidate cannot be compared.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SimulateError {
-    /// The model cannot be simulated.
+    /// The model cannot be simulated: parameters without meaning, or a response that leaves the range of numbers.
     #[error(transparent)]
     Model(#[from] LumpedError),
-    /// The impact speed has no meaning.
+    /// The impact speed, m/s, is not a positive number: a model that meets the barrier at rest does not move.
     #[error("impact speed is {0} m/s, expected a positive number")]
     Speed(f64),
     /// There is no record after time zero, or the window ends before its first samples.

@@ -15,6 +15,11 @@ use crate::error::SimulateError;
 /// record is interpolated linearly to the model's instants, an error of at most `dt² max|a|/8`: 4e-7 m at 10 kHz and
 /// 30 g. Events of the model are exact and may lie beyond the record.
 ///
+/// Errors of displacement are root mean square and largest value over the window, m. Fits of displacement, velocity and
+/// acceleration are `100·(1 - |y - ŷ|/|y - ȳ|)` with the norms over the samples of the window, ȳ the mean of the test;
+/// a fit may be negative, and a constant record has none. A record that begins a little after time zero is compared
+/// from its first sample on.
+///
 /// Errors: a speed or parameters without meaning, a response that leaves the range of numbers, nothing to compare.
 pub fn simulate(model: &Model, test: &Measured<'_>, window: Window) -> Result<Simulation, SimulateError> {
     simulate_driven(model, test, window, &Excitation::Impact)
@@ -22,6 +27,9 @@ pub fn simulate(model: &Model, test: &Measured<'_>, window: Window) -> Result<Si
 
 /// As [`simulate`], moved by something else than the impact speed alone. The events of a driven model are those of its
 /// samples, interpolated between two: right to about `dt²` times the rate of the deceleration.
+///
+/// A drive is a record of the test, interpolated linearly to the model's instants and zero outside. Where the
+/// drive needs the mass of the vehicle ([`Excitation::PulseAsForce`]), it is the sum of the model's masses.
 pub fn simulate_driven(
     model: &Model,
     test: &Measured<'_>,
@@ -74,19 +82,25 @@ pub fn simulate_chain(
     })
 }
 
-/// A crash is over in two seconds or never.
+/// How far the events of a chain are sought, s: a crash is over in two seconds or never. A chain that creeps has no
+/// dynamic crush within them.
 const CHAIN_HORIZON_S: f64 = 2.0;
 
 /// Motion of the compartment, of every mass, its events, and everything else.
 type Responded = (Motion, Vec<Motion>, CrushEvents, Option<Dynamics>);
 
+/// A response under a drive, with the events of its samples.
 fn driven(dynamics: Dynamics) -> Responded {
     let motion = dynamics.response.compartment().clone();
     let events = sampled_events(&motion, dynamics.response.dt_s);
     (motion, dynamics.response.motions.clone(), events, Some(dynamics))
 }
 
-/// Simulates on the grid of the test and compares.
+/// Simulates on the grid of the test and compares. `respond` is given the interval in s and the number of samples, and
+/// returns the response at 0, dt, 2·dt ... after time zero.
+///
+/// The window ends at the end stated, else at dynamic crush of the test, else with the displacement record, and never
+/// after that. Ratings and fits see the samples that both curves have in it. A window of fewer than two is refused.
 fn beside_the_test(
     test: &Measured<'_>,
     window: Window,
@@ -147,7 +161,8 @@ fn beside_the_test(
     Ok(Simulation { motion, events, comparison, masses, error_m, dynamics })
 }
 
-/// First zero of the velocity from above, between two samples.
+/// First zero of the velocity from above, between two samples: `t_m = t[k-1] + T·v[k-1]/(v[k-1] - v[k])`,
+/// `C = x[k-1] + (t_m - t[k-1])·v[k-1]/2`, as for the test. The rebound is not sought: a drive may end it at any time.
 fn sampled_events(motion: &Motion, dt_s: f64) -> CrushEvents {
     let v = &motion.velocity_m_per_s;
     let Some(k) = (1..v.len()).find(|&k| v[k - 1] > 0.0 && v[k] <= 0.0) else { return CrushEvents::default() };
@@ -159,6 +174,7 @@ fn sampled_events(motion: &Motion, dt_s: f64) -> CrushEvents {
     }
 }
 
+/// Model minus test, where both have a value.
 fn difference(model: Option<f64>, test: Option<f64>) -> Option<f64> {
     model.zip(test).map(|(model, test)| model - test)
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Highest order offered.
+/// Highest order offered. The overshoot after a jump grows with the order: 4 % for order 2 in one pass, 19 % for 12.
 pub const HIGHEST_ORDER: usize = 12;
 
 /// What passes.
@@ -50,7 +50,7 @@ pub struct Butterworth {
 }
 
 impl Pass {
-    /// The cut-off, or both.
+    /// The cut-off, or both, lower first as stated, Hz.
     pub fn frequencies_hz(self) -> Vec<f64> {
         match self {
             Self::Low(f) | Self::High(f) => vec![f],

@@ -20,7 +20,11 @@ pub fn sections_extension(samples: usize, design: &Design) -> usize {
 ///
 /// Each section starts as if the first sample had been there for ever, so a constant leaves no transient. Zero phase:
 /// both ends are extended by point reflection first, all sections run forward, then all backward. Causal: forward
-/// only; events come late by the group delay of the filter, about `0.2·order/cutoff` for a low-pass.
+/// only; events come late by the group delay of the filter, `1/(2π·fc·sin(π/(2n)))` for slow changes through a low-pass
+/// of order n, which is about `0.1·n/fc` (2.25 ms for order 2 at 100 Hz).
+///
+/// Memory: the record and both extensions; the sections work in place. Every design is stable, so finite samples give
+/// finite results but for overflow.
 pub fn run_sections(samples: &[f64], level: f64, design: &Design) -> Vec<f64> {
     let n = samples.len();
     let Some((first, last)) = samples.first().zip(samples.last()) else { return Vec::new() };
@@ -45,6 +49,8 @@ pub fn run_sections(samples: &[f64], level: f64, design: &Design) -> Vec<f64> {
     work
 }
 
+/// Runs one section over samples in the order given, in place. Before the first of them the input was `start` for ever,
+/// so the output was `start` times the gain at 0 Hz, `(a0 + a1 + a2)/(1 - b1 - b2)`.
 fn run<'a>(samples: impl Iterator<Item = &'a mut f64>, section: &Section, start: f64) {
     let [a0, a1, a2, b1, b2] = *section;
     // Gain at frequency 0; the denominator of a stable filter is not zero there.

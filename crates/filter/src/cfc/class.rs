@@ -6,6 +6,12 @@ use std::str::FromStr;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 /// A channel frequency class of SAE J211-1 and ISO 6487. The number is F_H in Hz: flat up to there.
+///
+/// Both passes of the class filter have -3 dB at F_H/0.6 and fall by 24 dB an octave beyond. The class depends on the
+/// use of a channel (SAE J211-1 Table 1): structure for plots, barrier and belt forces CFC 60; structure to be
+/// integrated and the chest CFC 180; components CFC 600; the head CFC 1000. A lower class cannot be undone.
+///
+/// Classes are ordered by frequency, so `a <= b` says that a channel of class `a` needs no filter to be of class `b`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Cfc {
     /// Vehicle structure, for plots and comparison; -3 dB at 100 Hz.
@@ -37,7 +43,8 @@ impl Cfc {
         f64::from(self.number())
     }
 
-    /// The lowest sampling rate for which the filter is meant, Hz: ten times the class (SAE J211-1).
+    /// The lowest sampling rate for which the filter is meant, Hz: ten times the class (SAE J211-1), which is six times
+    /// the -3 dB frequency. CFC 60 needs 600 Hz, CFC 1000 needs 10 kHz.
     pub fn lowest_rate_hz(self) -> f64 {
         10.0 * self.frequency_hz()
     }

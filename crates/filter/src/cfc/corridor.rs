@@ -12,7 +12,7 @@ const OF_F_N: [f64; 13] = [0.075, 0.15, 0.3, 0.45, 0.6, 0.75, 1.0, 1.25, 1.5, 2.
 pub struct CorridorPoint {
     /// Frequency, Hz.
     pub frequency_hz: f64,
-    /// Gain of both passes, dB.
+    /// Gain of both passes at the sampling rate of the record, dB.
     pub gain_db: f64,
     /// Upper limit, dB.
     pub upper_db: f64,
@@ -53,12 +53,16 @@ pub fn limits_db(cfc: Cfc, frequency_hz: f64) -> (f64, Option<f64>) {
     (0.5, Some(lower))
 }
 
-/// F_N, Hz.
+/// F_N, Hz: CFC/0.6 (100, 300, 1000 Hz), and 1650 Hz at CFC 1000.
 fn corner_hz(cfc: Cfc) -> f64 {
     if cfc == Cfc::Cfc1000 { 1650.0 } else { cfc.frequency_hz() / 0.6 }
 }
 
-/// Holds the filter that is used, at the sampling rate it is used at, against the limits of a class.
+/// Compares the filter that is used, at the sampling rate it is used at, with the limits of a class.
+///
+/// Points in ascending frequency: 0.1 Hz (F_L), then 0.075 to 10 times F_N, as far as they lie below half the sampling
+/// rate; up to 14 of them. Gains are the closed form, not measured on a signal. The filters of both standards are
+/// inside from 10 samples per period of the class on; a filter designed for one pass, or of another class, is not.
 pub fn corridor(cfc: Cfc, coefficients: &Coefficients) -> Vec<CorridorPoint> {
     let highest_hz = 0.5 / coefficients.dt_s();
     std::iter::once(F_L_HZ)

@@ -58,7 +58,8 @@ pub fn ids_meant(test: &TestDescription, asked: &[String]) -> Result<Vec<String>
     Ok(ids)
 }
 
-/// The one id that a name, a code or a pattern means.
+/// The one id that a name, a code or a pattern means; several are an error that names them, because the channel
+/// that others are aligned to is one.
 pub fn id_meant(test: &TestDescription, wanted: &str) -> Result<String, SelectionError> {
     let mut ids = ids_meant(test, &[wanted.to_owned()])?;
     match ids.as_slice() {
@@ -98,7 +99,8 @@ pub fn is_of_body(channel: &Channel) -> bool {
     part_of(channel).is_some() && channel.status.has_data() && channel.status != ChannelStatus::Failed
 }
 
-/// Channels with data in or on occupants that are not among the `taken`, in the order of the test.
+/// Channels with data in or on occupants that are not among the `taken`, in the order of the test: neck, pelvis, femur
+/// and the like, of which a note tells that they were measured and not filtered.
 pub fn occupants_left<'a>(test: &'a TestDescription, taken: &[&Channel]) -> Vec<&'a Channel> {
     let of_occupant = |channel: &Channel| {
         let barrier = channel.location.trim().to_lowercase().starts_with("barrier");
@@ -108,7 +110,8 @@ pub fn occupants_left<'a>(test: &'a TestDescription, taken: &[&Channel]) -> Vec<
     test.channels.iter().filter(left).collect()
 }
 
-/// Whether a channel is the force along x of a load cell in the barrier, with data.
+/// Whether a channel is the force along x of a load cell in the barrier, with data: its location begins with
+/// `barrier`, and its axis is x or not stated. SAE J211-1 Table 1 asks for CFC 60 for barrier force.
 pub fn is_barrier_force(channel: &Channel) -> bool {
     channel.quantity == QuantityKind::Force
         && channel.axis.is_none_or(|axis| axis == Axis::X)
@@ -116,11 +119,14 @@ pub fn is_barrier_force(channel: &Channel) -> bool {
         && channel.location.trim().to_lowercase().starts_with("barrier")
 }
 
-/// The class that SAE J211-1 Table 1 asks for in a dummy's head and chest; `None` elsewhere.
+/// The class that SAE J211-1 Table 1 asks for in a dummy's head (CFC 1000) and chest (CFC 180); `None` elsewhere. HIC
+/// and the 3 ms clip are defined on these classes.
 pub fn class_of_body(channel: &Channel) -> Option<Cfc> {
     Some(if part_of(channel)?.cfc() == 180 { Cfc::Cfc180 } else { Cfc::Cfc1000 })
 }
 
+/// Whether a channel may be of the vehicle's structure and is not marked failed. An unknown location counts as
+/// structure: a plain table states none.
 fn on_structure(channel: &Channel) -> bool {
     channel.status != ChannelStatus::Failed && channel.may_be_on_vehicle()
 }

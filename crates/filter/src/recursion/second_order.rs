@@ -2,6 +2,9 @@
 
 /// A second-order difference equation on its way through a record:
 /// `y[i] = a0·x[i] + a1·x[i-1] + a2·x[i-2] + b1·y[i-1] + b2·y[i-2]`.
+///
+/// Direct form I: the state is the last two inputs and the last two outputs, so a pass can be interrupted between
+/// blocks and continued with the same bits. Five products a sample; that `y[i]` needs `y[i-1]` sets the speed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Recursion {
     /// a0, a1, a2, b1, b2.

@@ -14,7 +14,8 @@ const REFINEMENTS: usize = 30;
 pub struct Delay {
     /// Delay of the channel against the reference, s; positive: the channel is late.
     pub delay_s: f64,
-    /// Correlation coefficient of the two at that delay, -1 to 1.
+    /// Correlation coefficient of the two at that delay, `c(τ)/√(Σx²·Σy²)`, -1 to 1. No means are subtracted, so a
+    /// zero level that is left in both raises it.
     pub correlation: f64,
 }
 
@@ -26,6 +27,12 @@ pub struct Delay {
 /// that lies inside both records; a record cut in the middle of its pulse shifts the estimate towards zero. The sensors
 /// must see the same motion: between different places of a structure the figure is travel time and shape together. The
 /// zero level must be removed. Both records need the same rate. Memory: some six times a record.
+///
+/// On band-limited pulses inside both records the delay is right to 1e-10 s. On the grid the search ends at the last
+/// lag within `longest_s`; the refinement may go beyond it by up to one sample.
+///
+/// # Errors
+/// Rates that differ by more than 1e-9 of themselves, or a record without signal.
 pub fn delay(channel: &Sampled, reference: &Sampled, longest_s: f64) -> Result<Delay, FilterError> {
     let dt_s = reference.dt_s();
     if (channel.dt_s() - dt_s).abs() > 1e-9 * dt_s {
@@ -71,7 +78,8 @@ pub fn delay(channel: &Sampled, reference: &Sampled, longest_s: f64) -> Result<D
     Ok(Delay { delay_s: offset_s + lag * dt_s, correlation: (peak / norm).clamp(-1.0, 1.0) })
 }
 
-/// Newton's method on the slope of the correlation, kept within one sample of the start.
+/// Newton's method on the slope of the correlation, kept within one sample of the start; lags in samples. It ends at a
+/// step below 1e-12 samples, or where the curvature is not negative and there is no maximum to go to.
 fn refine(cross: &[Complex64], n: usize, start: f64) -> f64 {
     let mut lag = start;
     for _ in 0..REFINEMENTS {
@@ -88,7 +96,9 @@ fn refine(cross: &[Complex64], n: usize, start: f64) -> f64 {
     lag
 }
 
-/// Value, slope and curvature of the trigonometric interpolant of the correlation at a lag in samples.
+/// Value, slope and curvature of the trigonometric interpolant of the correlation at a lag in samples:
+/// `c(l) = (1/n)·Re Σ s_k·C_k·e^(j·w_k·l)` with `w_k = 2πk/n`, `s_0 = 1`, `s_k = 2`, and its derivatives to l. `cross`
+/// holds the n/2 + 1 values `C_k` of the cross-spectrum; one call costs n/2 of them.
 fn derivatives(cross: &[Complex64], n: usize, lag: f64) -> [f64; 3] {
     let mut sums = [0.0; 3];
     // The term at half the sampling rate has no shifted form and is left out; that at frequency 0 counts once.

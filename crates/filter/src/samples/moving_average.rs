@@ -3,7 +3,8 @@
 /// Samples of the running sum after which it is summed afresh, so that rounding does not grow with the record.
 const AFRESH: usize = 1024;
 
-/// Samples in a moving average of a width: the odd number nearest to it, at least 1.
+/// Samples in a moving average of a width: the odd number nearest to `width/dt`, at least 1. Odd, so that the window
+/// has a sample in its middle and no phase; the width is met to one interval.
 pub fn samples_of_width(width_s: f64, dt_s: f64) -> usize {
     // A float-to-integer cast saturates.
     2 * ((width_s / dt_s - 1.0) / 2.0).round().max(0.0) as usize + 1

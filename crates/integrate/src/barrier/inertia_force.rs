@@ -8,6 +8,12 @@ use crate::IntegrateError;
 ///
 /// The force on the whole mass as if it moved with the sensor. Load cells in the barrier read more or less than this
 /// by the inertia of the crushed front; the two are compared, not merged.
+///
+/// One force for each sample, on the same grid; a share of error in mass or gain is the same share of the force. Peaks
+/// depend on the frequency class of the acceleration.
+///
+/// # Errors
+/// A mass that is not a positive number; a product that leaves the range of numbers.
 pub fn barrier_force(acceleration: &Signal<Acceleration>, mass_kg: f64) -> Result<Signal<Force>, IntegrateError> {
     if !(mass_kg.is_finite() && mass_kg > 0.0) {
         return Err(IntegrateError::Mass(mass_kg));

@@ -5,10 +5,28 @@ use crumple_signal::Notes;
 
 use crate::{Motion, UsedStart, WRONG_SIGN, wrong_sign};
 
-/// Relative gap of the two centroid times above which something does not fit.
+/// Relative gap of the two centroid times above which something does not fit: by parts they are equal, so 0.1 % is the
+/// error of the sampling or of the rule of summation.
 const CENTROID_GAP: f64 = 1e-3;
 
 /// What a reader of the motion should know, in words: what the record does not show, and what does not fit together.
+///
+/// In this order, as far as they hold:
+/// 1. the sign of the pulse is wrong: a warning, and nothing else is said ([`wrong_sign`]);
+/// 2. the integration began with the record, not at time zero;
+/// 3. the motion starts from rest: its velocity is the change of velocity, and nothing else is said;
+/// 4. the record ends faster than the impact: a warning, the polarity may be wrong;
+/// 5. the velocity never reaches zero: a warning, with the lowest velocity up to the end of the event (49 CFR 563.5)
+///    where there is one, and nothing else is said;
+/// 6. the lowest velocity is the last sample: a warning, restitution and delta-v are lower bounds;
+/// 7. the rebound is faster than the impact: a warning, no passive vehicle does that. A velocity that never gets below
+///    zero is noted as a restitution of 0;
+/// 8. zeros of the velocity after the first, which are not used;
+/// 9. the centroid time `t_c = C/v0` beside `∫t·a dt/∫a dt` up to t_m. They are equal by parts whatever v0 and the zero
+///    level are, so a gap above 0.1 % is a warning about sampling or rule, never about the inputs.
+///
+/// `events` are those of `motion`; times in notes are in ms from time zero, but for the start of the integration, which
+/// is on the record's axis.
 pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_speed_m_per_s: f64) -> Notes {
     let mut notes = Notes::new();
     if wrong_sign(&motion.velocity, time_zero_s, impact_speed_m_per_s) {

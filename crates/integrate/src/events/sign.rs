@@ -12,6 +12,10 @@ pub const WRONG_SIGN: &str =
 /// Whether a motion is that of a pulse with deceleration positive: the vehicle would come to rest if the acceleration
 /// were mirrored (`v` reaches `2·v0`) before it does as it is.
 ///
+/// The velocity of the mirrored pulse is `2·v0 - v`, which is zero where v is `2·v0`: no second integration is needed.
+/// Only samples at or after time zero count. SAE J211-1 has x forward, so a frontal pulse is negative; nothing is
+/// turned here, that is for who knows how the sensor was mounted.
+///
 /// A record that ends before either says nothing, neither does a motion from rest.
 pub fn wrong_sign(velocity: &Signal<Velocity>, time_zero_s: f64, impact_speed_m_per_s: f64) -> bool {
     let v = velocity.samples();
@@ -22,6 +26,9 @@ pub fn wrong_sign(velocity: &Signal<Velocity>, time_zero_s: f64, impact_speed_m_
 
 /// The crash events of a motion; none, whatever the velocity does, where the motion starts from rest or the pulse has
 /// the wrong sign. Errors: [`crash_events`].
+///
+/// The velocity at the end of the record stays in the result, since it needs no crash. Times are in s from time zero:
+/// t_m is the first zero of the velocity, interpolated linearly, and C the displacement there.
 pub fn events_of(motion: &Motion, time_zero_s: f64, impact_speed_m_per_s: f64) -> Result<CrashEvents, MetricsError> {
     let events = crash_events(&motion.velocity, &motion.displacement, time_zero_s)?;
     if impact_speed_m_per_s > 0.0 && !wrong_sign(&motion.velocity, time_zero_s, impact_speed_m_per_s) {

@@ -47,6 +47,14 @@ pub struct Motion {
 /// is that a wrong zero level acts for longer: remove it first.
 ///
 /// The samples stay where they are: a time zero other than 0 s is an offset, not a new grid.
+///
+/// How wrong it is: by the rule, O(T²) and below 0.01 mm of crush for the trapezoid at 10 kHz; by the inputs as in the
+/// table of the crate. On four channels of a real barrier test the start with the record costs 0.5 to 0.7 mm of crush
+/// by what zero level and noise do before the event.
+///
+/// # Errors
+/// An impact speed that is negative or no number; fewer than two samples at or after time zero; a record that starts
+/// more than one interval after it; sums that leave the range of numbers.
 pub fn integrate(acceleration: &Signal<Acceleration>, settings: &Settings) -> Result<Motion, IntegrateError> {
     integrate_reporting(acceleration, settings, |_| ())
 }
@@ -119,7 +127,10 @@ pub(crate) fn integrate_from(
     })
 }
 
-/// Velocity and displacement at the first sample at or after time zero.
+/// Velocity (m/s) and displacement (m) at the first sample at or after time zero, `gap_s` after it.
+///
+/// The acceleration at time zero is interpolated between the samples around it, and the step of `gap_s` goes by the
+/// rule; Simpson's takes the trapezoid for it. Without a sample before time zero the speed is held: `[v0, v0·gap_s]`.
 fn first_step(acceleration: &Signal<Acceleration>, zero: usize, gap_s: f64, settings: &Settings) -> [f64; 2] {
     let v0 = settings.impact_speed_m_per_s;
     if gap_s == 0.0 || zero == 0 {

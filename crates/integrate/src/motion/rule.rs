@@ -40,6 +40,10 @@ impl Rule {
 /// `v[k-1] = v[k-2] + T·(5·a[k-2] + 8·a[k-1] - a[k])/12` (the same parabola), a last odd interval by the parabola of
 /// the last three samples, two samples by the trapezoid; v errs by up to `t·T⁴·max|a''''|/180` at every second sample
 /// and T⁴·max|a'''|/24 between. A wrong zero level δ grows to δ·t and δ·t²/2 with any of them.
+///
+/// `a` in m/s², `dt_s` the interval T in s; the result is the velocity in m/s and the displacement in m, each as long
+/// as `a`, beginning with `v_first` and `x_first`. Empty for an empty `a`. Forward Euler is there because published
+/// models were fitted with it.
 pub fn integrate_twice(a: &[f64], dt_s: f64, rule: Rule, v_first: f64, x_first: f64) -> (Vec<f64>, Vec<f64>) {
     let (mut velocity, mut displacement) = (Vec::new(), Vec::new());
     integrate_twice_into(a, dt_s, rule, [v_first, x_first], (&mut velocity, &mut displacement), |_| ());
@@ -82,7 +86,8 @@ pub fn integrate_twice_into(
     }
 }
 
-/// Velocity and displacement at the last sample done.
+/// Velocity and displacement at the last sample done: what one block hands to the next, so that blocks give the bits of
+/// a single sum.
 struct State {
     dt_s: f64,
     v: f64,
@@ -107,6 +112,7 @@ impl State {
         (self.v, self.x) = (v, x);
     }
 
+    /// `a` begins one sample before the outputs. The displacement takes the velocity before the step, not after it.
     fn forward_euler(&mut self, a: &[f64], v_out: &mut [f64], x_out: &mut [f64]) {
         let dt_s = self.dt_s;
         let (mut v, mut x) = (self.v, self.x);

@@ -26,7 +26,8 @@ pub enum UsedStart {
 }
 
 impl Start {
-    /// What `auto` means for a record.
+    /// What `auto` means for a record. A filter without phase puts half of a jump at contact before time zero; starting
+    /// there loses 0.05 m/s for a jump of 10 g at CFC 60 and, in a Kelvin model fitted to it, 2 % of the damping.
     pub fn resolve(self, low_pass_filtered: bool, samples_before_time_zero: usize) -> UsedStart {
         match self {
             Self::RecordStart => UsedStart::RecordStart,

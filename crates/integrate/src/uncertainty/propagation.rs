@@ -1,4 +1,8 @@
 //! What the uncertainty of the inputs makes of the results: the integration repeated with perturbed inputs.
+//!
+//! A Monte Carlo propagation of independent errors of impact speed, zero level, gain and time zero. Not in it:
+//! misalignment and pitch of the sensor (5° are 0.4 % of the acceleration and 0.09 g), the mass, the filter class
+//! (0.2 mm of crush), and what another sensor would have read (2.4 % of crush over four channels of one real test).
 
 use crumple_metrics::{
     CrashEvents, Interval, Metric, Pulse, centroid_time_from_crush, crash_events, definitions, pulse_metrics,
@@ -13,12 +17,13 @@ use crate::motion::drift;
 use crate::motion::integration::{Late, integrate_from};
 use crate::{EndCondition, IntegrateError, Motion, Settings, Start, UsedStart};
 
-/// Records longer than this are not repeated: the work grows with samples times replicates.
+/// Records with more samples than this are not repeated: the work grows with samples times replicates. 1,048,576
+/// samples are 105 s at 10 kHz, far longer than any crash.
 pub const MOST_SAMPLES: usize = 1 << 20;
 /// Replicates worked on between two reports of progress.
 const BLOCK: usize = 64;
 
-/// Uncertainty of one input.
+/// Uncertainty of one input: the error has mean 0 and is independent of the errors of the other inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
     /// Standard deviation or half width, in the unit of the input; 0: certain.
@@ -27,7 +32,8 @@ pub struct Spread {
     pub distribution: Distribution,
 }
 
-/// Uncertainty of the inputs and how it is propagated.
+/// Uncertainty of the inputs and how it is propagated. An input that is `None` is taken as exact, so an interval with
+/// inputs missing is too narrow.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Uncertainty {
     /// Of the impact speed, m/s.
@@ -60,6 +66,10 @@ pub struct Perturbation {
 impl Uncertainty {
     /// The inputs of replicate `index`: ChaCha8, a stream for each, so that a replicate does not depend on the others,
     /// nor an input on whether another is uncertain.
+    ///
+    /// Two numbers u, w in `[0, 1)` of 53 bits for each input, in the order of the fields. Uniform: `size·(2u - 1)`, so
+    /// `size` is the half width. Normal: `size·√(-2·ln(1 - u))·cos(2π·w)` (Box & Muller 1958), so `size` is the
+    /// standard deviation; the 53 bits end the tails at 8.6 of them.
     pub fn perturbation(&self, index: usize) -> Perturbation {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(index as u64);
@@ -83,7 +93,8 @@ impl Uncertainty {
     }
 }
 
-/// The motion with perturbed inputs.
+/// The motion with perturbed inputs: impact speed `v0 + δv0`, acceleration `(1 + δg)·a - δb`, time zero `t0 + δt`. A
+/// drift correction (`end`) is made again, so a stated end velocity takes an error of the zero level out.
 ///
 /// Zero level and gain act on the acceleration as it is given: a filter of gain 1 at 0 Hz changes neither. `start` of
 /// `settings` must be resolved ([`Motion::start`]), so that a replicate does not begin elsewhere because its time zero
@@ -94,6 +105,9 @@ impl Uncertainty {
 ///   δ (nothing for a record at rest before contact, if δ < 0);
 /// - integrated from the start of the record, only the label moves for the velocity: rebound, restitution and delta-v
 ///   stay as they are. The crush counts from the label and loses v0·δ, times lose δ.
+///
+/// # Errors
+/// As of the integration, and where an end condition does not lie in the perturbed motion.
 pub fn perturbed(
     acceleration: &Signal<Acceleration>,
     settings: &Settings,
@@ -120,7 +134,7 @@ pub fn perturbed(
     }
 }
 
-/// Intervals of everything that is read off a pulse.
+/// Intervals of everything that is read off a pulse. All four lists are empty where no replicate could be integrated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Intervals {
     /// Of the events, in the order of [`EVENT_NAMES`].
@@ -144,7 +158,9 @@ pub const EVENT_NAMES: [&str; 7] = [
     "time_of_rebound_s",
 ];
 
-/// The events in the order of [`EVENT_NAMES`], from the impact speed, m/s.
+/// The events in the order of [`EVENT_NAMES`], from the impact speed `v0`, m/s: C in m, t_m in s, t_c = C/v0 in s, the
+/// rebound velocity v_s in m/s, the restitution -v_s/v0, delta-v = v0 - v_s in m/s and the time of v_s in s, each from
+/// time zero. An event that the motion does not show is `None`.
 pub fn event_values(events: &CrashEvents, v0: f64) -> [Option<f64>; EVENT_NAMES.len()] {
     [
         events.crush.map(|crush| crush.displacement_m),
@@ -163,6 +179,11 @@ pub fn event_values(events: &CrashEvents, v0: f64) -> [Option<f64>; EVENT_NAMES.
 /// replicate does not have (no dynamic crush, say) has no interval, and `energy_closure`, a check of the arithmetic,
 /// has none. `report` is told how many replicates are done. A quantile of N replicates is itself uncertain, by 0.11
 /// standard deviations of the value at N = 400.
+///
+/// The quantiles are linear between order statistics (type 7 of Hyndman & Fan 1996). The start that the motion used is
+/// kept for every replicate. Where a value is linear in one input, a normal distribution of standard deviation σ gives
+/// ±1.645·σ and a uniform one of half width h gives ±0.9·h, each times the effect of the input. Cost: one integration
+/// with events and metrics for each replicate.
 pub fn propagate(
     acceleration: &Signal<Acceleration>,
     motion: &Motion,
@@ -216,6 +237,7 @@ pub fn propagate(
     Intervals { events, metrics, without_event, without_metric }
 }
 
+/// The value of a metric that gets an interval; the closure of the energy balance checks the arithmetic, not the test.
 fn of_metric(metric: &Metric) -> Option<f64> {
     metric.value.filter(|_| metric.id != definitions::CLOSURE.id)
 }

@@ -17,6 +17,9 @@ pub struct Information {
 
 /// The criterion for a mean square error, at the number of independent samples that all candidates share: with a number
 /// each, the criterion would reward the smoother error. Hurvich & Tsai, Biometrika 76(2), 1989.
+///
+/// The smallest value wins, and only differences between candidates of one test count: 2 is weak, 10 strong support
+/// (Burnham & Anderson 2002, section 2.6). `mean_square_m2` is that of the displacement error over the window.
 pub fn information(mean_square_m2: f64, effective_samples: f64, parameters: u32) -> Information {
     let criteria = InformationCriteria::new(mean_square_m2, effective_samples, parameters as usize);
     let aicc = (mean_square_m2 > 0.0).then_some(criteria.aicc).filter(|value| value.is_finite());

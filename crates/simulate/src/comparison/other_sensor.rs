@@ -17,7 +17,7 @@ pub struct OtherSensor {
     pub displacement: Sampled,
 }
 
-/// How a candidate does there.
+/// The error of a candidate at another sensor, over the window of its comparison with the pulse.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorFit {
     /// Channel.
@@ -50,7 +50,11 @@ pub fn beside(simulation: &Simulation, sensor: &OtherSensor, time_zero_s: f64, d
     beside_mass(simulation, sensor, if sensor.on_engine { 1 } else { simulation.masses.len() }, time_zero_s, dt_s)
 }
 
-/// As [`beside`], with the mass that the sensor sits on, counted from the barrier, from 1.
+/// As [`beside`], with the mass that the sensor sits on, counted from the barrier, from 1. `None` for mass 0 and for a
+/// mass that the model does not have.
+///
+/// The sensor is interpolated linearly at `time_zero_s + k·dt_s`, k from 0 to the end of the window, and has to cover
+/// all of it. Error and fit are those of [`Comparison`](crate::Comparison), the sensor in the place of the pulse.
 pub fn beside_mass(
     simulation: &Simulation,
     sensor: &OtherSensor,

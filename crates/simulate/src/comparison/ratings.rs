@@ -24,6 +24,12 @@ const RATED_SAMPLES: usize = 20_000;
 ///
 /// Empty for curves that cannot be rated at all: no samples, a measured curve of zeros, samples beyond the range of
 /// numbers.
+///
+/// In this order: CORA's total, 0 to 1, `0.5·corridor + 0.5·cross`, with the choices made here in its note; its
+/// corridor and its cross-correlation rating; then Sprague & Geers and Theil, 0 for equal curves. With `I_xy = ∫xy dt`
+/// over test m and model c: magnitude `M = √(I_cc/I_mm) - 1`, phase `P = acos(I_mc/√(I_mm·I_cc))/π`,
+/// `C = √(M² + P²)`, `U1 = |m - c|/(|m| + |c|)`. P is right to 2e-8 near 0. The constants of CORA have the
+/// mark M: well known, and not checked against its program (`docs/metrics.md`).
 pub fn ratings(quantity: &'static str, measured: &Sampled, modelled: &Sampled) -> Vec<Rating> {
     let options = CoraOptions::default();
     let (Ok(cora), Ok(residuals)) = (cora(measured, modelled, &options), residuals(measured, modelled)) else {
@@ -60,6 +66,9 @@ pub fn ratings(quantity: &'static str, measured: &Sampled, modelled: &Sampled) -
 
 /// ISO/TS 18571 of an acceleration and its four parts; the overall rating is the first.
 ///
+/// The overall rating is 0.4 times the corridor and 0.2 times each of phase, magnitude and slope, which follow in this
+/// order, all from 0 to 1. Its note is the grade: excellent above 0.94, good above 0.80, fair above 0.58, else poor.
+///
 /// The standard wants 10 kHz: at another rate, and beyond 20,000 samples, the overall rating is absent and says why.
 pub fn iso_ratings(measured: &Sampled, modelled: &Sampled) -> Vec<Rating> {
     let absent = |reason: &str| vec![rating("acceleration", Metric::absent(&ISO, reason), None)];
@@ -80,7 +89,8 @@ pub fn iso_ratings(measured: &Sampled, modelled: &Sampled) -> Vec<Rating> {
     }
 }
 
-/// A missing value says why in its note.
+/// A metric with the mark of its definition in the catalogue (`U` for one that is not in it). A missing value says why
+/// in its note.
 fn rating(quantity: &'static str, metric: Metric, note: Option<String>) -> Rating {
     let mark = CATALOGUE.iter().find(|d| d.id == metric.id).map_or("U", |definition| definition.mark.letter());
     let note = if metric.value.is_some() { note } else { Some(metric.definition.clone()) };

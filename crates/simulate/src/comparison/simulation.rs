@@ -5,7 +5,8 @@ use crumple_signal::Sampled;
 
 use crate::comparison::ratings::Rating;
 
-/// The motion of the test.
+/// The motion of the test. The records may have grids of their own, all on one time axis; the displacement gives the
+/// sampling interval of the simulation, and where it ends the simulation ends.
 #[derive(Debug, Clone, Copy)]
 pub struct Measured<'a> {
     /// Time zero on the axis of the records, s.
@@ -31,7 +32,8 @@ pub struct Window {
     pub to_s: Option<f64>,
 }
 
-/// A model beside the test.
+/// A model beside the test. A number is `None` where a record is missing, has no variation (fits) or leaves the range
+/// of numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// Start of the window, s after time zero.

@@ -3,7 +3,8 @@
 use crumple_lumped::Drive;
 use crumple_signal::Sampled;
 
-/// What moves the models.
+/// What moves the models. Records are on the time axis of the test; what they say before time zero is not used, and
+/// after their end a force or an acceleration is 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Excitation<'a> {
     /// The impact speed of the test.
@@ -31,7 +32,8 @@ pub enum Excitation<'a> {
 
 impl Excitation<'_> {
     /// The drive of a model of `mass_kg` in all at `k dt` after time zero, k = 0 .. `samples`; records are interpolated
-    /// linearly, zero outside.
+    /// linearly, zero outside. Forces are in N, accelerations in m/s². `mass_kg` is used by
+    /// [`Excitation::PulseAsForce`] alone, whose force is `mass_kg·a`, negative while the vehicle slows down.
     pub(crate) fn drive(
         &self,
         mass_kg: f64,
