@@ -130,7 +130,7 @@ pub fn id_key(id: &str) -> (&str, u64, &str) {
     }
 }
 
-/// Compares two candidate ids by [`id_key`].
+/// Compares two candidate ids by model, method and number.
 pub fn compare_ids(a: &str, b: &str) -> Ordering {
     id_key(a).cmp(&id_key(b))
 }
