@@ -14,7 +14,7 @@ pub fn numerical_rank(values: &[f64]) -> usize {
     values.iter().take_while(|s| **s > tolerance).count()
 }
 
-/// `pinv(a) b`, singular values below [`RANK_TOLERANCE`] taken for zero; `a` has at least as many rows as columns.
+/// `pinv(a) b`, singular values below 1e-12 of the largest taken for zero; `a` has at least as many rows as columns.
 pub fn pseudo_inverse_times(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let svd = jacobi_svd(a)?;
     let rank = numerical_rank(&svd.values);
