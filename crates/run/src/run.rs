@@ -14,7 +14,7 @@ use crate::command::stages::Stage;
 use crate::folder::lock::{LockedFolder, is_at};
 use crate::folder::sweep::{folder_of_new_results, sweep};
 use crate::messages::replaced_record::say_what_is_replaced;
-use crate::messages::stage_failed::say_what_failed;
+use crate::messages::stage_failed::{say_what_failed, say_which_stage_failed};
 use crate::messages::whose_flag::say_whose_flags;
 use crate::steps::ending::Ending;
 use crate::steps::start::{arguments, run_in_shell};
@@ -49,13 +49,16 @@ pub fn run(options: Options) -> anyhow::Result<ExitStatus> {
         match run.stage(number, stage, program)? {
             Ending::WithResult(so_far) => status = so_far,
             Ending::Failed(failure) => {
+                if !is_own(stage, program) {
+                    say_which_stage_failed(stage, failure);
+                }
                 if number == 0 && failure == ExitStatus::Usage {
                     say_whose_flags(&options.record[1..], stages);
                 }
                 return Ok(run.failed(failure));
             }
             Ending::Unforeseen(failure) => {
-                say_what_failed(stage, failure, run.folder.path());
+                say_what_failed(stage, failure, Some(run.folder.path()));
                 return Ok(run.failed(ExitStatus::Failure));
             }
         }
@@ -77,23 +80,22 @@ struct Run<'a> {
 impl Run<'_> {
     /// Runs one stage. Where it ends with a result, this stands in the run folder.
     fn stage(&self, number: usize, stage: &Stage, program: &Program) -> anyhow::Result<Ending> {
-        let is_own = program.is(&own_program(stage.name()));
         let folder = self.folder.path();
         let dependents: Vec<PathBuf> = self.options.stages.dependents(number).map(|name| folder.join(name)).collect();
-        if is_own {
+        if is_own(stage, program) {
             let output = folder.join(stage.output());
             let mut arguments = self.arguments(stage, &output);
             for dependent in dependents {
                 arguments.extend(["--dependent".into(), dependent.into()]);
             }
             let status = run_in_shell(&stage.command, &arguments, &self.options.flags)?;
-            return Ok(Ending::of(status).checked(&output, stage.writes_an_artifact()));
+            return Ok(Ending::of(status).checked(folder, &stage.outputs));
         }
         let new = folder_of_new_results(folder);
         fs::create_dir(&new).with_context(|| format!("cannot make {}", new.display()))?;
         let output = new.join(stage.output());
         let status = run_in_shell(&stage.command, &self.arguments(stage, &output), &self.options.flags)?;
-        let ending = Ending::of(status).checked(&output, stage.writes_an_artifact());
+        let ending = Ending::of(status).checked(&new, &stage.outputs);
         if matches!(ending, Ending::WithResult(_)) {
             take_over(&new, folder, &stage.outputs, &dependents)
                 .with_context(|| format!("the result of {} cannot be moved to {}", stage.name(), folder.display()))?;
@@ -115,6 +117,11 @@ impl Run<'_> {
         }
         status
     }
+}
+
+/// Whether a stage is run by the program of the project.
+fn is_own(stage: &Stage, program: &Program) -> bool {
+    program.is(&own_program(stage.name()))
 }
 
 /// The program of a stage; one that does not exist is noticed before anything runs.

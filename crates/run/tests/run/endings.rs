@@ -14,7 +14,7 @@ fn over_a_finished_run(command: &str) -> (Chain, Option<i32>, String) {
 }
 
 #[test]
-fn a_stage_that_ends_as_no_stage_may_is_named_with_its_command() {
+fn a_stage_that_breaks_the_contract_is_named_with_its_command() {
     for (command, words) in [
         ("sh -c 'exit 77'", "the stage identify ended with exit code 77"),
         ("sh -c 'kill -SEGV $$'", "the stage identify was ended by signal 11 (SIGSEGV)"),
@@ -38,10 +38,26 @@ fn a_stage_that_ends_as_no_stage_may_is_named_with_its_command() {
 #[test]
 fn a_stage_that_says_why_it_failed_decides_the_exit_code() {
     for code in [1, 2, 3] {
-        let (_, ended, error) = over_a_finished_run(&format!("sh -c 'echo error: why >&2; exit {code}'"));
+        let command = format!("sh -c 'echo error: why >&2; exit {code}'");
+        let (_, ended, error) = over_a_finished_run(&command);
         assert_eq!(ended, Some(code));
-        assert_eq!(error, "error: why\n");
+        let named = format!("error: why\nnote: the stage identify ended with exit code {code} (");
+        assert!(error.starts_with(&named) && error.ends_with(&format!("): {command}\n")), "{error}");
     }
+}
+
+#[test]
+fn every_output_of_a_stage_must_be_there() {
+    let chain = Chain::new(Stages::Foreign);
+    let alone = "sh -c 'while [ \"$1\" != -o ]; do shift; done; echo x > \"$2\"' x";
+    for (command, missing) in [(alone, "summary.json beside report.html"), ("true", "report.html at the path")] {
+        let chain = Chain::new(Stages::Foreign).with("report.html", command);
+        let output = chain.run("a").output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+        assert!(said(&output).contains(&format!("  expected: {missing}")), "{}", said(&output));
+        assert_eq!(chain.names(), RESULTS[..6]);
+    }
+    assert!(chain.run("a").status().unwrap().success());
 }
 
 #[test]
