@@ -39,8 +39,10 @@ pub fn run(options: Options) -> anyhow::Result<ExitStatus> {
     let programs = stages.iter().map(program_of).collect::<anyhow::Result<Vec<_>>>()?;
     let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
     let folder = LockedFolder::lock(&options.folder(&pipeline)?)?;
-    sweep(folder.path(), options.stages.outputs())
-        .with_context(|| format!("cannot remove what an earlier run left in {}", folder.path().display()))?;
+    if folder.is_locked() {
+        sweep(folder.path(), options.stages.outputs())
+            .with_context(|| format!("cannot remove what an earlier run left in {}", folder.path().display()))?;
+    }
 
     let run = Run { options: &options, pipeline, folder };
     let mut status = ExitStatus::Done;
@@ -92,7 +94,11 @@ impl Run<'_> {
             return Ok(Ending::of(status).checked(folder, &stage.outputs));
         }
         let new = folder_of_new_results(folder);
-        fs::create_dir(&new).with_context(|| format!("cannot make {}", new.display()))?;
+        // What a killed run left in it and no stage is known to write stays.
+        let is_fresh = !new.is_dir();
+        if is_fresh {
+            fs::create_dir(&new).with_context(|| format!("cannot make {}", new.display()))?;
+        }
         let output = new.join(stage.output());
         let status = run_in_shell(&stage.command, &self.arguments(stage, &output), &self.options.flags)?;
         let ending = Ending::of(status).checked(&new, &stage.outputs);
@@ -100,7 +106,8 @@ impl Run<'_> {
             take_over(&new, folder, &stage.outputs, &dependents)
                 .with_context(|| format!("the result of {} cannot be moved to {}", stage.name(), folder.display()))?;
         }
-        fs::remove_dir_all(&new).with_context(|| format!("cannot remove {}", new.display()))?;
+        let removed = if is_fresh { fs::remove_dir_all(&new) } else { sweep(folder, self.options.stages.outputs()) };
+        removed.with_context(|| format!("cannot remove {}", new.display()))?;
         Ok(ending)
     }
 

@@ -41,8 +41,8 @@ fn a_record_does_not_begin_as_a_flag() {
 fn what_a_killed_run_left_is_swept_and_nothing_else() {
     let chain = Chain::new(Stages::Foreign);
     let path = |name: &str| chain.folder().join(name);
-    fs::create_dir_all(path(".new")).unwrap();
-    for name in [".new/4-identify.mcap", ".report.html.x1.tmp", ".3-integrate.mcap.x2.tmp", "mine.txt"] {
+    fs::create_dir_all(path(".crumple-run.new")).unwrap();
+    for name in [".crumple-run.new/4-identify.mcap", ".report.html.x1.tmp", ".3-integrate.mcap.x2.tmp", "mine.txt"] {
         fs::write(path(name), "half").unwrap();
     }
     assert!(chain.run("a").status().unwrap().success());
