@@ -11,6 +11,7 @@ use crate::command::options::Options;
 use crate::command::pipeline::Pipeline;
 use crate::command::program::{Program, own_program};
 use crate::command::stages::Stage;
+use crate::command::words::{request_for_information, words};
 use crate::folder::lock::{LockedFolder, is_at};
 use crate::folder::sweep::{folder_of_new_results, sweep};
 use crate::messages::replaced_record::say_what_is_replaced;
@@ -31,12 +32,9 @@ pub fn run(options: Options) -> anyhow::Result<ExitStatus> {
         return Err(Usage::new("the record comes first: just run RECORD [flags of crumple-ingest]").into());
     }
     if options.asks_for_information() {
-        return Ok(match Ending::of(run_in_shell(&first.command, &options.record, "")?) {
-            Ending::WithResult(status) | Ending::Failed(status) => status,
-            Ending::Unforeseen(_) => ExitStatus::Failure,
-        });
+        return information(first, &options);
     }
-    let programs = stages.iter().map(program_of).collect::<anyhow::Result<Vec<_>>>()?;
+    let programs = stages.iter().map(|stage| program_of(stage, &options.flags)).collect::<anyhow::Result<Vec<_>>>()?;
     let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
     let folder = LockedFolder::lock(&options.folder(&pipeline)?)?;
     if folder.is_locked() {
@@ -70,6 +68,24 @@ pub fn run(options: Options) -> anyhow::Result<ExitStatus> {
         }
     }
     Ok(status)
+}
+
+/// What the first stage prints about itself or the record, in place of a run.
+fn information(first: &Stage, options: &Options) -> anyhow::Result<ExitStatus> {
+    let program = program_of(first, "")?;
+    Ok(match Ending::of(run_in_shell(&first.command, &options.record, "")?) {
+        Ending::WithResult(status) => status,
+        Ending::Failed(failure) => {
+            if !is_own(first, &program) {
+                say_which_stage_failed(first, failure);
+            }
+            failure
+        }
+        Ending::Unforeseen(failure) => {
+            say_what_failed(first, failure, None);
+            ExitStatus::Failure
+        }
+    })
 }
 
 /// A run on its way.
@@ -131,13 +147,34 @@ fn is_own(stage: &Stage, program: &Program) -> bool {
     program.is(&own_program(stage.name()))
 }
 
-/// The program of a stage; one that does not exist is noticed before anything runs.
-fn program_of(stage: &Stage) -> anyhow::Result<Program> {
-    match Program::of(&stage.command) {
-        Program::Missing(name) => {
-            let problem = format!("{name}: no such program; nothing was run");
-            Err(Usage::new(problem).hint(format!("it is the command of the stage {}", stage.name())).into())
+/// The program of a stage. One that does not exist is noticed before anything runs, and so is one of the project that
+/// would print something and compute nothing, while an old result passes for its own.
+fn program_of(stage: &Stage, flags: &str) -> anyhow::Result<Program> {
+    let name = stage.name();
+    let program = Program::of(&stage.command);
+    if let Program::Missing(file) = &program {
+        let hint = format!("it is the command of the stage {name}");
+        return Err(if stage.command.trim().is_empty() {
+            let recipe = name.replace('-', "_");
+            Usage::new(format!("the command of the stage {name} is empty; nothing was run"))
+                .hint(format!("leave {recipe}= out for the program of the project"))
+        } else {
+            Usage::new(format!("{file}: no such program; nothing was run")).hint(hint)
         }
-        program => Ok(program),
+        .into());
     }
+    if is_own(stage, &program) {
+        for (place, arguments) in [
+            (format!("the command of the stage {name}"), words(&stage.command).skip(1).collect::<Vec<_>>()),
+            ("flags".to_owned(), words(flags).collect::<Vec<_>>()),
+        ] {
+            if let Some(flag) = request_for_information(arguments.into_iter()) {
+                let problem =
+                    format!("{flag} in {place}: crumple-{name} would print and compute nothing; nothing was run");
+                let hint = format!("call the program by itself: crumple-{name} {flag}");
+                return Err(Usage::new(problem).hint(hint).into());
+            }
+        }
+    }
+    Ok(program)
 }

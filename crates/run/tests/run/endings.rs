@@ -109,4 +109,50 @@ fn a_program_that_does_not_exist_is_noticed_before_anything_runs() {
     assert_eq!(code, Some(2), "{error}");
     assert!(error.contains("no such/program: no such program; nothing was run"), "{error}");
     chain.assert_whole("a");
+    let (chain, code, error) = over_a_finished_run(" ");
+    assert_eq!(code, Some(2), "{error}");
+    assert!(error.contains("the command of the stage identify is empty"), "{error}");
+    chain.assert_whole("a");
+}
+
+#[test]
+fn a_command_of_several_is_left_to_the_shell() {
+    let chain = Chain::new(Stages::Own);
+    for before in ["ulimit -c 0;", "cd / &&"] {
+        let command = format!("{before} {}", chain.command("4-identify.mcap"));
+        let chain = Chain::new(Stages::Foreign).with("4-identify.mcap", &command);
+        let output = chain.run("a").output().unwrap();
+        assert!(output.status.success(), "{before}: {}", said(&output));
+        chain.assert_whole("a");
+    }
+}
+
+#[test]
+fn a_stage_of_the_project_that_would_only_print_is_refused() {
+    let mut chain = Chain::new(Stages::Own);
+    assert!(chain.run("a").status().unwrap().success());
+    let refused = |mut run: std::process::Command, place: &str| {
+        let output = run.output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+        assert!(said(&output).contains(&format!("--version in {place}: crumple-")), "{}", said(&output));
+    };
+    let command = format!("{} --version", chain.command("4-identify.mcap"));
+    refused(chain.run_with_flags("b", "-q --version"), "flags");
+    chain.set("4-identify.mcap", &command);
+    refused(chain.run("b"), "the command of the stage identify");
+    chain.assert_whole("a");
+}
+
+#[test]
+fn a_first_stage_that_cannot_print_what_is_asked_is_named() {
+    for (command, code, words) in [
+        ("no-such-program", 2, "no-such-program: no such program"),
+        ("false", 1, "the stage ingest ended with exit code 1 (failure): false"),
+        ("sh -c 'exit 77'", 1, "the stage ingest ended with exit code 77"),
+    ] {
+        let chain = Chain::new(Stages::Foreign).with("1-ingest.mcap", command);
+        let output = chain.run("a").arg("--list").output().unwrap();
+        assert_eq!(output.status.code(), Some(code), "{}", said(&output));
+        assert!(said(&output).contains(words), "{}", said(&output));
+    }
 }
