@@ -13,6 +13,7 @@ use crate::command::program::{Program, own_program};
 use crate::command::stages::Stage;
 use crate::command::words::{request_for_information, words};
 use crate::folder::lock::{LockedFolder, is_at};
+use crate::folder::ours::refuse_files_of_others;
 use crate::folder::sweep::{folder_of_new_results, sweep};
 use crate::messages::replaced_record::say_what_is_replaced;
 use crate::messages::stage_failed::{say_what_failed, say_which_stage_failed};
@@ -37,6 +38,7 @@ pub fn run(options: Options) -> anyhow::Result<ExitStatus> {
     let programs = stages.iter().map(|stage| program_of(stage, &options.flags)).collect::<anyhow::Result<Vec<_>>>()?;
     let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
     let folder = LockedFolder::lock(&options.folder(&pipeline)?)?;
+    refuse_files_of_others(folder.path(), options.stages.outputs())?;
     if folder.is_locked() {
         sweep(folder.path(), options.stages.outputs())
             .with_context(|| format!("cannot remove what an earlier run left in {}", folder.path().display()))?;

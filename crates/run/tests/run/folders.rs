@@ -38,6 +38,17 @@ fn a_record_does_not_begin_as_a_flag() {
 }
 
 #[test]
+fn a_folder_with_a_report_of_somebody_else_is_left_alone() {
+    let chain = Chain::new(Stages::Own);
+    fs::create_dir(chain.folder()).unwrap();
+    fs::write(chain.folder().join("report.html"), "mine").unwrap();
+    let output = chain.run("a").output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said(&output).contains("just out=DIR run RECORD"), "{}", said(&output));
+    assert_eq!(chain.contents().into_iter().collect::<Vec<_>>(), [("report.html".to_owned(), "mine".to_owned())]);
+}
+
+#[test]
 fn what_a_killed_run_left_is_swept_and_nothing_else() {
     let chain = Chain::new(Stages::Foreign);
     let path = |name: &str| chain.folder().join(name);
