@@ -5,6 +5,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use crumple_artifact::remove_in_order;
 use crumple_stage::{ExitStatus, Usage, say};
 
 use crate::command::options::Options;
@@ -112,10 +113,15 @@ impl Run<'_> {
             return Ok(Ending::of(status).checked(folder, &stage.outputs));
         }
         let new = folder_of_new_results(folder);
-        // What a killed run left in it and no stage is known to write stays.
+        let written: Vec<PathBuf> = stage.outputs.iter().map(|name| new.join(name)).collect();
+        // A killed run may have left files in it that the sweep does not know. Those stay.
         let is_fresh = !new.is_dir();
         if is_fresh {
             fs::create_dir(&new).with_context(|| format!("cannot make {}", new.display()))?;
+        } else if let Some(old) = written.iter().find(|path| path.exists()) {
+            // Only without a lock: with one it was swept. It must not pass for what the stage writes now.
+            let problem = format!("{} is that of another run", old.display());
+            return Err(Usage::new(problem).hint("remove it once no other run works in this folder").into());
         }
         let output = new.join(stage.output());
         let status = run_in_shell(&stage.command, &self.arguments(stage, &output), &self.options.flags)?;
@@ -124,7 +130,7 @@ impl Run<'_> {
             take_over(&new, folder, &stage.outputs, &dependents)
                 .with_context(|| format!("the result of {} cannot be moved to {}", stage.name(), folder.display()))?;
         }
-        let removed = if is_fresh { fs::remove_dir_all(&new) } else { sweep(folder, self.options.stages.outputs()) };
+        let removed = if is_fresh { fs::remove_dir_all(&new) } else { remove_in_order(&written) };
         removed.with_context(|| format!("cannot remove {}", new.display()))?;
         Ok(ending)
     }

@@ -64,7 +64,10 @@ impl LockedFolder {
         let locked = || -> io::Result<File> {
             loop {
                 let file = File::options().write(true).create(true).truncate(false).open(&path)?;
-                lock_or_wait(&file, &path, folder)?;
+                lock_or_wait(&file, &path, folder).inspect_err(|_| {
+                    // Nobody can hold it.
+                    let _ = fs::remove_file(&path);
+                })?;
                 // Whoever held the lock has removed the file.
                 if is_at(&file, &path) {
                     return Ok(file);

@@ -59,4 +59,11 @@ fn what_a_killed_run_left_is_swept_and_nothing_else() {
     assert!(chain.run("a").status().unwrap().success());
     fs::remove_file(path("mine.txt")).unwrap();
     chain.assert_whole("a");
+    // A file that no stage is known to write stays, and disturbs no run.
+    fs::create_dir(path(".crumple-run.new")).unwrap();
+    fs::write(path(".crumple-run.new/mine.txt"), "mine").unwrap();
+    assert!(chain.run("b").status().unwrap().success());
+    assert_eq!(fs::read_dir(path(".crumple-run.new")).unwrap().count(), 1);
+    fs::remove_dir_all(path(".crumple-run.new")).unwrap();
+    chain.assert_whole("b");
 }
