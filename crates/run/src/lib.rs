@@ -2,7 +2,7 @@
 //!
 //! The stages know nothing of each other and this program knows nothing of what they compute. It knows the commands it
 //! was given, and it keeps the promises of a run folder: one run at a time, no results of two records side by side at
-//! any moment, nothing lost by a run that fails, and a plain word where a program ends as no stage may.
+//! any moment, nothing lost by a run that fails, and a plain word where a program breaks the contract of a stage.
 //!
 //! rooms: messages | steps | folder | command
 

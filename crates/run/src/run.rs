@@ -5,16 +5,19 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use crumple_artifact::remove_in_order;
 use crumple_stage::{ExitStatus, Usage, say};
 
 use crate::command::options::Options;
 use crate::command::pipeline::Pipeline;
 use crate::command::program::{Program, own_program};
 use crate::command::stages::Stage;
+use crate::command::words::{request_for_information, words};
 use crate::folder::lock::{LockedFolder, is_at};
+use crate::folder::ours::refuse_files_of_others;
 use crate::folder::sweep::{folder_of_new_results, sweep};
 use crate::messages::replaced_record::say_what_is_replaced;
-use crate::messages::stage_failed::say_what_failed;
+use crate::messages::stage_failed::{say_what_failed, say_which_stage_failed};
 use crate::messages::whose_flag::say_whose_flags;
 use crate::steps::ending::Ending;
 use crate::steps::start::{arguments, run_in_shell};
@@ -31,16 +34,16 @@ pub fn run(options: Options) -> anyhow::Result<ExitStatus> {
         return Err(Usage::new("the record comes first: just run RECORD [flags of crumple-ingest]").into());
     }
     if options.asks_for_information() {
-        return Ok(match Ending::of(run_in_shell(&first.command, &options.record, "")?) {
-            Ending::WithResult(status) | Ending::Failed(status) => status,
-            Ending::Unforeseen(_) => ExitStatus::Failure,
-        });
+        return information(first, &options);
     }
-    let programs = stages.iter().map(program_of).collect::<anyhow::Result<Vec<_>>>()?;
+    let programs = stages.iter().map(|stage| program_of(stage, &options.flags)).collect::<anyhow::Result<Vec<_>>>()?;
     let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
     let folder = LockedFolder::lock(&options.folder(&pipeline)?)?;
-    sweep(folder.path(), options.stages.outputs())
-        .with_context(|| format!("cannot remove what an earlier run left in {}", folder.path().display()))?;
+    refuse_files_of_others(folder.path(), options.stages.outputs())?;
+    if folder.is_locked() {
+        sweep(folder.path(), options.stages.outputs())
+            .with_context(|| format!("cannot remove what an earlier run left in {}", folder.path().display()))?;
+    }
 
     let run = Run { options: &options, pipeline, folder };
     let mut status = ExitStatus::Done;
@@ -49,13 +52,16 @@ pub fn run(options: Options) -> anyhow::Result<ExitStatus> {
         match run.stage(number, stage, program)? {
             Ending::WithResult(so_far) => status = so_far,
             Ending::Failed(failure) => {
+                if !is_own(stage, program) {
+                    say_which_stage_failed(stage, failure);
+                }
                 if number == 0 && failure == ExitStatus::Usage {
                     say_whose_flags(&options.record[1..], stages);
                 }
                 return Ok(run.failed(failure));
             }
             Ending::Unforeseen(failure) => {
-                say_what_failed(stage, failure, run.folder.path());
+                say_what_failed(stage, failure, Some(run.folder.path()));
                 return Ok(run.failed(ExitStatus::Failure));
             }
         }
@@ -65,6 +71,24 @@ pub fn run(options: Options) -> anyhow::Result<ExitStatus> {
         }
     }
     Ok(status)
+}
+
+/// What the first stage prints about itself or the record, in place of a run.
+fn information(first: &Stage, options: &Options) -> anyhow::Result<ExitStatus> {
+    let program = program_of(first, "")?;
+    Ok(match Ending::of(run_in_shell(&first.command, &options.record, "")?) {
+        Ending::WithResult(status) => status,
+        Ending::Failed(failure) => {
+            if !is_own(first, &program) {
+                say_which_stage_failed(first, failure);
+            }
+            failure
+        }
+        Ending::Unforeseen(failure) => {
+            say_what_failed(first, failure, None);
+            ExitStatus::Failure
+        }
+    })
 }
 
 /// A run on its way.
@@ -77,28 +101,37 @@ struct Run<'a> {
 impl Run<'_> {
     /// Runs one stage. Where it ends with a result, this stands in the run folder.
     fn stage(&self, number: usize, stage: &Stage, program: &Program) -> anyhow::Result<Ending> {
-        let is_own = program.is(&own_program(stage.name()));
         let folder = self.folder.path();
         let dependents: Vec<PathBuf> = self.options.stages.dependents(number).map(|name| folder.join(name)).collect();
-        if is_own {
+        if is_own(stage, program) {
             let output = folder.join(stage.output());
             let mut arguments = self.arguments(stage, &output);
             for dependent in dependents {
                 arguments.extend(["--dependent".into(), dependent.into()]);
             }
             let status = run_in_shell(&stage.command, &arguments, &self.options.flags)?;
-            return Ok(Ending::of(status).checked(&output, stage.writes_an_artifact()));
+            return Ok(Ending::of(status).checked(folder, &stage.outputs));
         }
         let new = folder_of_new_results(folder);
-        fs::create_dir(&new).with_context(|| format!("cannot make {}", new.display()))?;
+        let written: Vec<PathBuf> = stage.outputs.iter().map(|name| new.join(name)).collect();
+        // A killed run may have left files in it that the sweep does not know. Those stay.
+        let is_fresh = !new.is_dir();
+        if is_fresh {
+            fs::create_dir(&new).with_context(|| format!("cannot make {}", new.display()))?;
+        } else if let Some(old) = written.iter().find(|path| path.exists()) {
+            // Only without a lock: with one it was swept. It must not pass for what the stage writes now.
+            let problem = format!("{} is that of another run", old.display());
+            return Err(Usage::new(problem).hint("remove it once no other run works in this folder").into());
+        }
         let output = new.join(stage.output());
         let status = run_in_shell(&stage.command, &self.arguments(stage, &output), &self.options.flags)?;
-        let ending = Ending::of(status).checked(&output, stage.writes_an_artifact());
+        let ending = Ending::of(status).checked(&new, &stage.outputs);
         if matches!(ending, Ending::WithResult(_)) {
             take_over(&new, folder, &stage.outputs, &dependents)
                 .with_context(|| format!("the result of {} cannot be moved to {}", stage.name(), folder.display()))?;
         }
-        fs::remove_dir_all(&new).with_context(|| format!("cannot remove {}", new.display()))?;
+        let removed = if is_fresh { fs::remove_dir_all(&new) } else { remove_in_order(&written) };
+        removed.with_context(|| format!("cannot remove {}", new.display()))?;
         Ok(ending)
     }
 
@@ -117,13 +150,39 @@ impl Run<'_> {
     }
 }
 
-/// The program of a stage; one that does not exist is noticed before anything runs.
-fn program_of(stage: &Stage) -> anyhow::Result<Program> {
-    match Program::of(&stage.command) {
-        Program::Missing(name) => {
-            let problem = format!("{name}: no such program; nothing was run");
-            Err(Usage::new(problem).hint(format!("it is the command of the stage {}", stage.name())).into())
+/// Whether a stage is run by the program of the project.
+fn is_own(stage: &Stage, program: &Program) -> bool {
+    program.is(&own_program(stage.name()))
+}
+
+/// The program of a stage. One that does not exist is noticed before anything runs, and so is one of the project that
+/// would print something and compute nothing, while an old result passes for its own.
+fn program_of(stage: &Stage, flags: &str) -> anyhow::Result<Program> {
+    let name = stage.name();
+    let program = Program::of(&stage.command);
+    if let Program::Missing(file) = &program {
+        let hint = format!("it is the command of the stage {name}");
+        return Err(if stage.command.trim().is_empty() {
+            let recipe = name.replace('-', "_");
+            Usage::new(format!("the command of the stage {name} is empty; nothing was run"))
+                .hint(format!("leave {recipe}= out for the program of the project"))
+        } else {
+            Usage::new(format!("{file}: no such program; nothing was run")).hint(hint)
         }
-        program => Ok(program),
+        .into());
     }
+    if is_own(stage, &program) {
+        for (place, arguments) in [
+            (format!("the command of the stage {name}"), words(&stage.command).skip(1).collect::<Vec<_>>()),
+            ("flags".to_owned(), words(flags).collect::<Vec<_>>()),
+        ] {
+            if let Some(flag) = request_for_information(arguments.into_iter()) {
+                let problem =
+                    format!("{flag} in {place}: crumple-{name} would print and compute nothing; nothing was run");
+                let hint = format!("call the program by itself: crumple-{name} {flag}");
+                return Err(Usage::new(problem).hint(hint).into());
+            }
+        }
+    }
+    Ok(program)
 }

@@ -5,3 +5,4 @@ pub mod options;
 pub mod pipeline;
 pub mod program;
 pub mod stages;
+pub mod words;

@@ -8,6 +8,7 @@ use crumple_stage::Usage;
 
 use crate::command::pipeline::Pipeline;
 use crate::command::stages::Stages;
+use crate::command::words::request_for_information;
 
 /// Runs the stages of a pipeline on a record, one after another, into one run folder.
 ///
@@ -64,7 +65,6 @@ impl Options {
 
     /// Whether the flags after the record ask what the first stage prints about itself or the record.
     pub(crate) fn asks_for_information(&self) -> bool {
-        const INFORMATION: [&str; 5] = ["-h", "--help", "-V", "--version", "--list"];
-        self.record.iter().skip(1).any(|flag| INFORMATION.iter().any(|known| flag == known))
+        request_for_information(self.record.iter().skip(1).map(|flag| flag.to_string_lossy())).is_some()
     }
 }

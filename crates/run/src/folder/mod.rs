@@ -1,6 +1,8 @@
-//! The run folder: its lock, who holds it, what an earlier run left behind.
+//! The run folder: its lock, who holds it, whose files are in it, what an earlier run left behind.
 //! May use `command`.
 
+pub mod content;
 pub mod holder;
 pub mod lock;
+pub mod ours;
 pub mod sweep;

@@ -1,5 +1,5 @@
 //! What is said to people beside what the stages say themselves.
-//! May use `command`, `steps`.
+//! May use `command`, `steps`, `folder`.
 
 pub mod replaced_record;
 pub mod stage_failed;

@@ -1,35 +1,35 @@
 //! How a stage ended.
 
-use std::fs::File;
-use std::io::Read;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process;
 
 use crumple_stage::ExitStatus;
 
+use crate::folder::content::{Content, content_of, is_artifact};
+
 /// How a stage ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ending {
-    /// As a stage may, with a result: [`ExitStatus::Done`] or [`ExitStatus::NoAcceptableResult`].
+    /// With a result: [`ExitStatus::Done`] or [`ExitStatus::NoAcceptableResult`].
     WithResult(ExitStatus),
-    /// As a stage may, without one: it has said why.
+    /// Without a result, by an exit code that says so: 1, 2 or 3.
     Failed(ExitStatus),
-    /// As no stage may.
+    /// In a way that the contract of a stage does not know.
     Unforeseen(Unforeseen),
 }
 
-/// What no stage may do.
+/// What breaks the contract of a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Unforeseen {
-    /// End with an exit code that means nothing.
+    /// An exit code without a meaning.
     Code(i32),
-    /// Be ended by a signal.
+    /// The end by a signal.
     Signal(i32),
-    /// Say that there is a result and write none.
-    NothingWritten,
-    /// Write something else than an artifact.
-    NoArtifact,
+    /// A result was announced, and the output of this number is missing or empty.
+    NothingWritten(usize),
+    /// The output of this number is no artifact.
+    NoArtifact(usize),
 }
 
 impl Ending {
@@ -48,18 +48,19 @@ impl Ending {
         }
     }
 
-    /// The same, unless the result that it speaks of is not there.
-    pub(crate) fn checked(self, output: &Path, must_be_an_artifact: bool) -> Self {
+    /// The same, unless one of the outputs that it speaks of is not in the folder.
+    pub(crate) fn checked(self, folder: &Path, outputs: &[String]) -> Self {
         if !matches!(self, Self::WithResult(_)) {
             return self;
         }
-        let mut start = Vec::new();
-        let read = File::open(output).and_then(|file| file.take(5).read_to_end(&mut start));
-        match read {
-            Err(_) | Ok(0) => Self::Unforeseen(Unforeseen::NothingWritten),
-            Ok(_) if must_be_an_artifact && start != b"\x89MCAP" => Self::Unforeseen(Unforeseen::NoArtifact),
-            Ok(_) => self,
+        for (number, name) in outputs.iter().enumerate() {
+            match content_of(&folder.join(name)) {
+                Content::Nothing => return Self::Unforeseen(Unforeseen::NothingWritten(number)),
+                Content::Other if is_artifact(name) => return Self::Unforeseen(Unforeseen::NoArtifact(number)),
+                _ => {}
+            }
         }
+        self
     }
 }
 
@@ -104,17 +105,23 @@ mod tests {
     }
 
     #[test]
-    fn a_result_must_be_there_and_be_an_artifact() {
+    fn all_results_must_be_there_and_artifacts_be_artifacts() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("x");
+        let write = |name: &str, text: &[u8]| std::fs::write(folder.path().join(name), text).unwrap();
         let done = Ending::WithResult(ExitStatus::Done);
-        assert_eq!(done.checked(&path, true), Ending::Unforeseen(Unforeseen::NothingWritten));
-        std::fs::write(&path, "text").unwrap();
-        assert_eq!(done.checked(&path, true), Ending::Unforeseen(Unforeseen::NoArtifact));
-        assert_eq!(done.checked(&path, false), done);
-        std::fs::write(&path, b"\x89MCAP0\r\n").unwrap();
-        assert_eq!(done.checked(&path, true), done);
+        let checked = |names: &[&str]| {
+            let names: Vec<String> = names.iter().map(ToString::to_string).collect();
+            done.checked(folder.path(), &names)
+        };
+        assert_eq!(checked(&["x.mcap"]), Ending::Unforeseen(Unforeseen::NothingWritten(0)));
+        write("x.mcap", b"text");
+        assert_eq!(checked(&["x.mcap"]), Ending::Unforeseen(Unforeseen::NoArtifact(0)));
+        write("x.mcap", b"\x89MCAP0\r\n");
+        assert_eq!(checked(&["x.mcap"]), done);
+        write("report.html", b"text");
+        assert_eq!(checked(&["report.html"]), done);
+        assert_eq!(checked(&["report.html", "summary.json"]), Ending::Unforeseen(Unforeseen::NothingWritten(1)));
         let failed = Ending::Failed(ExitStatus::Refused);
-        assert_eq!(failed.checked(Path::new("/nowhere"), true), failed);
+        assert_eq!(failed.checked(folder.path(), &["none".to_owned()]), failed);
     }
 }

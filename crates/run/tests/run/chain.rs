@@ -93,6 +93,14 @@ impl Chain {
         self.run_into(&self.folder(), &self.record(record))
     }
 
+    /// The same with flags for every stage.
+    pub fn run_with_flags(&self, record: &str, flags: &str) -> Command {
+        let mut command = Command::new(&self.program);
+        let plain = self.run(record);
+        command.args(["--flags", flags]).args(plain.get_args()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
     pub fn run_into(&self, folder: &Path, record: &Path) -> Command {
         let mut command = Command::new(&self.program);
         command.process_group(0).stdout(Stdio::piped()).stderr(Stdio::piped());

@@ -14,7 +14,7 @@ fn over_a_finished_run(command: &str) -> (Chain, Option<i32>, String) {
 }
 
 #[test]
-fn a_stage_that_ends_as_no_stage_may_is_named_with_its_command() {
+fn a_stage_that_breaks_the_contract_is_named_with_its_command() {
     for (command, words) in [
         ("sh -c 'exit 77'", "the stage identify ended with exit code 77"),
         ("sh -c 'kill -SEGV $$'", "the stage identify was ended by signal 11 (SIGSEGV)"),
@@ -38,10 +38,26 @@ fn a_stage_that_ends_as_no_stage_may_is_named_with_its_command() {
 #[test]
 fn a_stage_that_says_why_it_failed_decides_the_exit_code() {
     for code in [1, 2, 3] {
-        let (_, ended, error) = over_a_finished_run(&format!("sh -c 'echo error: why >&2; exit {code}'"));
+        let command = format!("sh -c 'echo error: why >&2; exit {code}'");
+        let (_, ended, error) = over_a_finished_run(&command);
         assert_eq!(ended, Some(code));
-        assert_eq!(error, "error: why\n");
+        let named = format!("error: why\nnote: the stage identify ended with exit code {code} (");
+        assert!(error.starts_with(&named) && error.ends_with(&format!("): {command}\n")), "{error}");
     }
+}
+
+#[test]
+fn every_output_of_a_stage_must_be_there() {
+    let chain = Chain::new(Stages::Foreign);
+    let alone = "sh -c 'while [ \"$1\" != -o ]; do shift; done; echo x > \"$2\"' x";
+    for (command, missing) in [(alone, "summary.json beside report.html"), ("true", "report.html at the path")] {
+        let chain = Chain::new(Stages::Foreign).with("report.html", command);
+        let output = chain.run("a").output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+        assert!(said(&output).contains(&format!("  expected: {missing}")), "{}", said(&output));
+        assert_eq!(chain.names(), RESULTS[..6]);
+    }
+    assert!(chain.run("a").status().unwrap().success());
 }
 
 #[test]
@@ -93,4 +109,50 @@ fn a_program_that_does_not_exist_is_noticed_before_anything_runs() {
     assert_eq!(code, Some(2), "{error}");
     assert!(error.contains("no such/program: no such program; nothing was run"), "{error}");
     chain.assert_whole("a");
+    let (chain, code, error) = over_a_finished_run(" ");
+    assert_eq!(code, Some(2), "{error}");
+    assert!(error.contains("the command of the stage identify is empty"), "{error}");
+    chain.assert_whole("a");
+}
+
+#[test]
+fn a_command_of_several_is_left_to_the_shell() {
+    let chain = Chain::new(Stages::Own);
+    for before in ["ulimit -c 0;", "cd / &&"] {
+        let command = format!("{before} {}", chain.command("4-identify.mcap"));
+        let chain = Chain::new(Stages::Foreign).with("4-identify.mcap", &command);
+        let output = chain.run("a").output().unwrap();
+        assert!(output.status.success(), "{before}: {}", said(&output));
+        chain.assert_whole("a");
+    }
+}
+
+#[test]
+fn a_stage_of_the_project_that_would_only_print_is_refused() {
+    let mut chain = Chain::new(Stages::Own);
+    assert!(chain.run("a").status().unwrap().success());
+    let refused = |mut run: std::process::Command, place: &str| {
+        let output = run.output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+        assert!(said(&output).contains(&format!("--version in {place}: crumple-")), "{}", said(&output));
+    };
+    let command = format!("{} --version", chain.command("4-identify.mcap"));
+    refused(chain.run_with_flags("b", "-q --version"), "flags");
+    chain.set("4-identify.mcap", &command);
+    refused(chain.run("b"), "the command of the stage identify");
+    chain.assert_whole("a");
+}
+
+#[test]
+fn a_first_stage_that_cannot_print_what_is_asked_is_named() {
+    for (command, code, words) in [
+        ("no-such-program", 2, "no-such-program: no such program"),
+        ("false", 1, "the stage ingest ended with exit code 1 (failure): false"),
+        ("sh -c 'exit 77'", 1, "the stage ingest ended with exit code 77"),
+    ] {
+        let chain = Chain::new(Stages::Foreign).with("1-ingest.mcap", command);
+        let output = chain.run("a").arg("--list").output().unwrap();
+        assert_eq!(output.status.code(), Some(code), "{}", said(&output));
+        assert!(said(&output).contains(words), "{}", said(&output));
+    }
 }

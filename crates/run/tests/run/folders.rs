@@ -38,14 +38,32 @@ fn a_record_does_not_begin_as_a_flag() {
 }
 
 #[test]
+fn a_folder_with_a_report_of_somebody_else_is_left_alone() {
+    let chain = Chain::new(Stages::Own);
+    fs::create_dir(chain.folder()).unwrap();
+    fs::write(chain.folder().join("report.html"), "mine").unwrap();
+    let output = chain.run("a").output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said(&output).contains("just out=DIR run RECORD"), "{}", said(&output));
+    assert_eq!(chain.contents().into_iter().collect::<Vec<_>>(), [("report.html".to_owned(), "mine".to_owned())]);
+}
+
+#[test]
 fn what_a_killed_run_left_is_swept_and_nothing_else() {
     let chain = Chain::new(Stages::Foreign);
     let path = |name: &str| chain.folder().join(name);
-    fs::create_dir_all(path(".new")).unwrap();
-    for name in [".new/4-identify.mcap", ".report.html.x1.tmp", ".3-integrate.mcap.x2.tmp", "mine.txt"] {
+    fs::create_dir_all(path(".crumple-run.new")).unwrap();
+    for name in [".crumple-run.new/4-identify.mcap", ".report.html.x1.tmp", ".3-integrate.mcap.x2.tmp", "mine.txt"] {
         fs::write(path(name), "half").unwrap();
     }
     assert!(chain.run("a").status().unwrap().success());
     fs::remove_file(path("mine.txt")).unwrap();
     chain.assert_whole("a");
+    // A file that no stage is known to write stays, and disturbs no run.
+    fs::create_dir(path(".crumple-run.new")).unwrap();
+    fs::write(path(".crumple-run.new/mine.txt"), "mine").unwrap();
+    assert!(chain.run("b").status().unwrap().success());
+    assert_eq!(fs::read_dir(path(".crumple-run.new")).unwrap().count(), 1);
+    fs::remove_dir_all(path(".crumple-run.new")).unwrap();
+    chain.assert_whole("b");
 }

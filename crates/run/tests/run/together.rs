@@ -16,7 +16,7 @@ fn slow(seconds: u32) -> Chain {
 
 /// Until the run is in its fourth stage.
 fn wait_for_identify(chain: &Chain) {
-    while !chain.folder().join("3-integrate.mcap").exists() || !chain.folder().join(".new").exists() {
+    while !chain.folder().join("3-integrate.mcap").exists() || !chain.folder().join(".crumple-run.new").exists() {
         sleep(Duration::from_millis(5));
     }
 }
