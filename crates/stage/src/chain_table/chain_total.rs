@@ -2,9 +2,9 @@
 
 /// A chain that is lighter or heavier than the test by more than this share is not the vehicle that was tested; scales
 /// and rounded masses stay below.
-pub const TOTAL_MASS_TOLERANCE: f64 = 0.01;
+const TOTAL_MASS_TOLERANCE: f64 = 0.01;
 
-/// What is to be said of a chain whose masses differ from the test's by more than [`TOTAL_MASS_TOLERANCE`].
+/// What is to be said of a chain whose masses differ from the test's by more than 1 %.
 pub fn total_mass_remark(masses_kg: &[f64], test_mass_kg: f64) -> Option<String> {
     let sum: f64 = masses_kg.iter().sum();
     let difference = sum / test_mass_kg - 1.0;

@@ -1,6 +1,6 @@
 //! Any model fitted to any sensors: search, descent, noise levels.
 
-use crate::fit::descents::{all, bounds, distinct};
+use crate::fit::descents::{SCREENING_ITERATIONS, SEARCH_SAMPLES, all, bounds, distinct};
 use crumple_linalg::jacobi_svd;
 
 use crate::fit::halton_starts::start_in;
@@ -9,10 +9,6 @@ use crate::free::parameterisation::Parameterisation;
 use crumple_estimation::minimise::l_shade::{LShadeOptions, LShadeStop, l_shade};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response};
 
-/// Samples of each sensor that the search runs on.
-const SEARCH_SAMPLES: usize = 64;
-/// Iterations after which starts are compared.
-const SCREENING_ITERATIONS: u32 = 24;
 /// Starts that are followed to convergence after that.
 const FOLLOWED: usize = 4;
 /// Steps along the weakest direction, in the coordinates, from which a descent starts once more.
