@@ -107,7 +107,8 @@ fn not_there(input: &Inputs, id: &str, wanted: QuantityKind) -> anyhow::Error {
     } else if let Some(channel) = channels().find(|channel| same_words(channel, id)) {
         let also = if channel == id { String::new() } else { format!(", and drive_wave = {channel:?}") };
         format!(
-            "filtering drops it unless told: pass = [{channel:?}] in [filter], or crumple-filter --pass {channel}{also}"
+            "filtering drops it unless it is passed on: pass = [{channel:?}] in [filter], or crumple-filter --pass \
+             {channel}{also}"
         )
     } else if let Some(near) = nearest(id, channels().chain(here.iter().copied())) {
         format!("did you mean {near:?}?")
