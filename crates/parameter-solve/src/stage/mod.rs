@@ -159,7 +159,7 @@ fn of_identified_models(
     Ok(candidates)
 }
 
-/// Warns of flags on uncertainty that candidates without an assessment do not heed.
+/// Warns of flags on uncertainty that have no effect on candidates without an assessment.
 fn warn_of_flags_without_effect(
     settings: &StageSettings,
     candidates: &[Candidate],

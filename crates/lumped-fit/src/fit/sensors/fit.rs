@@ -147,14 +147,14 @@ fn hop(problem: &SensorProblem<'_, impl Parameterisation>, mut minima: Vec<Optim
 }
 
 /// The unit vector in the coordinates that changes the residuals least, among those not fixed at a bound.
-fn weakest_direction(of: &Optimum) -> Option<Vec<f64>> {
-    let free: Vec<usize> = (0..of.theta.len()).filter(|&i| !of.on_bound[i]).collect();
+fn weakest_direction(optimum: &Optimum) -> Option<Vec<f64>> {
+    let free: Vec<usize> = (0..optimum.theta.len()).filter(|&i| !optimum.on_bound[i]).collect();
     if free.is_empty() {
         return None;
     }
-    let columns = of.r.select_columns(&free);
+    let columns = optimum.r.select_columns(&free);
     let svd = jacobi_svd(&columns)?;
-    let mut direction = vec![0.0; of.theta.len()];
+    let mut direction = vec![0.0; optimum.theta.len()];
     for (k, &i) in free.iter().enumerate() {
         direction[i] = svd.right[(k, free.len() - 1)];
     }

@@ -1,4 +1,4 @@
-//! The verdict on a candidate, as the artifact and a person get it.
+//! The uncertainty of a candidate, as a record and in words.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
