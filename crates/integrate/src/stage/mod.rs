@@ -1,4 +1,6 @@
 //! The program: reads the filtered pulse, integrates it, writes motion, events and metrics.
+//! May use the library and `crumple_stage`; nothing uses it.
+//!
 //! rooms: without_motion | pulse criteria | options metric_record
 
 mod criteria;

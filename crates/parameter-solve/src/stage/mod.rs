@@ -1,6 +1,7 @@
-//! Reads the events and the motion, solves, assesses, writes the candidates.
+//! The program: reads the events and the motion, solves, assesses, writes the candidates.
+//! May use `crumple_stage` and the estimators of `crumple-lumped-fit`.
 //!
-//! rooms: mod | chains from_events from_exponentials from_models | records | assess | inputs | options
+//! rooms: chains from_events from_exponentials from_models | records | assess | inputs | options
 
 mod assess;
 mod chains;
