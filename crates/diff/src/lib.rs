@@ -14,7 +14,6 @@ mod tolerances;
 
 pub use compare::artifact::compare_artifacts;
 pub use compare::json::compare_json;
-pub use compare::wave::compare_waves;
 pub use differences::report::{Comparison, Difference, FileReport, Side, TopicReport};
 pub use error::DiffError;
 pub use print::head::{head, tolerated_parameters};

@@ -40,7 +40,7 @@ pub use cfc::corridor::{CorridorPoint, corridor};
 pub use cfc::mode::Mode;
 pub use cfc::zero_phase::{filter_both_ways, filter_both_ways_into, samples_added};
 pub use channels::selection::{
-    SelectionError, class_of_body, id_meant, ids_meant, is_barrier_force, occupants_left, select,
+    SelectionError, class_of_body, is_barrier_force, occupants_left, resolve_id, resolve_ids, select,
 };
 pub use error::FilterError;
 pub use filter::{Applied, Filtered, Instead, Settings, filter, filter_reporting};

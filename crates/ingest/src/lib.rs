@@ -20,7 +20,7 @@ mod time;
 
 pub use error::{IngestError, Place};
 pub use formats::reader::{Bundle, LargeFile, NamedBytes, OpenFrom, Reader, ShowProgress};
-pub use formats::registry::{READERS, recognise};
+pub use formats::registry::READERS;
 pub use ingest::{Ingested, ingest};
 pub use listing::channel_table::{ListedChannel, list};
 pub use recording::content::{PulseRule, Recording};

@@ -20,7 +20,7 @@ pub use conversion::tustin::{discretize_tustin, undo_tustin};
 pub use conversion::zero_order_hold::{discretize_zero_order_hold, undo_zero_order_hold};
 pub use error::LtiError;
 pub use matrix::complex::Complex;
-pub use matrix::eigen::{eigenvalues, eigenvectors, sort_poles};
+pub use matrix::eigen::{eigenvalues, eigenvectors};
 pub use matrix::exponential::matrix_exponential;
 pub use matrix::logarithm::matrix_logarithm;
 pub use matrix::roots::polynomial_roots;

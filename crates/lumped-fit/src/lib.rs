@@ -47,9 +47,7 @@ pub use chain::coordinates::{Stated, StatedChain, StatedElement, StatedMass};
 pub use chain::covariance::LinearisedUncertainty;
 pub use chain::dual::ChainDual;
 pub use chain::fit::{ChainSolution, fit_chain};
-pub use closed_form::elastoplastic::{
-    RIGID_RESTITUTION, elastoplastic_from_events, elastoplastic_of_record, unloads_rigidly,
-};
+pub use closed_form::elastoplastic::{elastoplastic_from_events, unloads_rigidly};
 pub use closed_form::kelvin::{KelvinBranch, KelvinSolution, centroid_to_crush_time_ratio, kelvin_from_events};
 pub use closed_form::maxwell::{MaxwellExponents, maxwell_constants, maxwell_from_exponents};
 pub use crumple_estimation::minimise::StopReason;
@@ -58,8 +56,7 @@ pub use crumple_estimation::statistics::{Covariance, covariance};
 pub use crumple_signal::Distribution;
 pub use error::SolveError;
 pub use fit::double::pair::{DoubleFit, DoubleFitOptions, fit_double};
-pub use fit::elastoplastic_fit::fit_elastoplastic_loading;
-pub use fit::maxwell_fit::{fit_maxwell, undetermined_by_the_record};
+pub use fit::maxwell_fit::fit_maxwell;
 pub use fit::nonlinear::nonlinear1::fit_nonlinear1;
 pub use fit::nonlinear::nonlinear2::fit_nonlinear2;
 pub use fit::nonlinear::problem::conditions_at_crush;
@@ -84,15 +81,15 @@ pub use record::sensor::{Sensor, SensorFit, SensorPlace, errors_in_words, note_o
 pub use record::test_data::TestData;
 pub use solvers::settings::SolveSettings;
 pub use solvers::solve::solve;
-pub use solvers::table::{DEFAULT_MODELS, MODELS, SOLVERS, Solver, solvers_of};
+pub use solvers::table::{DEFAULT_MODELS, MODELS, Solver, solvers_of};
 pub use solvers::task::Needs;
 pub use uncertainty::assessment::{Assessment, AssessmentOptions, Intervals, assess, undetermined};
-pub use uncertainty::block_bootstrap::{BlockBootstrap, REPLICATES, bootstrap};
+pub use uncertainty::block_bootstrap::{BlockBootstrap, bootstrap};
 pub use uncertainty::closed_form_propagation::{FollowedEvents, propagate_closed_form};
 pub use uncertainty::conditioned_propagation::propagate_conditioned;
 pub use uncertainty::dual_scale::DualScale;
 pub use uncertainty::identifiability::weakest_direction;
-pub use uncertainty::profile_likelihood::{Profile, RISE_95, profile};
+pub use uncertainty::profile_likelihood::{Profile, profile};
 pub use uncertainty::propagation::{
     InputUncertainty, Propagation, REPETITIONS, Repetition, largest_draw, perturbed, propagate, propagate_unfiltered,
     repeat, repetition,

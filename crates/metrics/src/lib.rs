@@ -5,8 +5,8 @@
 //! [`definitions::CATALOGUE`] and the part of the record it belongs to. A metric that a record does not show is a
 //! [`Metric`] without a value whose definition says why; it is never a number in disguise.
 //!
-//! - the pulse: [`crash_events`], [`pulse_metrics`], [`sliding_mean`], [`olc`], [`vpi`], ; of a
-//!   recorder [`maximum_delta_v`]
+//! - the pulse: [`crash_events`], [`pulse_metrics`], [`sliding_mean`], [`olc`], [`vpi`]; of a recorder
+//!   [`maximum_delta_v`]
 //! - the occupant: [`hic`], [`clip_contiguous`], [`clip_cumulative`], [`gadd_severity_index`], [`ride_down`]
 //! - roadside hardware: [`asi`], [`thiv_phd`], [`oiv_ora`]
 //! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]

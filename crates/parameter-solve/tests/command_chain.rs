@@ -161,7 +161,7 @@ masses = [
     let output = run(folder.path(), text, &[]);
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(0), "{stderr}");
-    let said = "its masses add up to 1200.0 kg, the test has 1500.0 kg: 20.0 % less (said above 1 %)";
+    let said = "its masses add up to 1200.0 kg, the test has 1500.0 kg: 20.0 % less (noted above 1 %)";
     assert!(stderr.contains(&format!("chain light: {said}")), "{stderr}");
     let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
     let candidate =

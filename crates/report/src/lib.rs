@@ -12,7 +12,7 @@ mod results;
 mod text;
 
 pub use page::document::Page;
-pub use results::ranking::{Ranking, compare_ids, pairs_of_equals};
+pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{CandidateResult, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord};
 pub use results::summary::{Summary, summary};
 pub use text::numbers;

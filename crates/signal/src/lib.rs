@@ -17,7 +17,7 @@ mod units;
 
 pub use channels::channel::{Axis, Channel, ChannelStatus};
 pub use description::body_part::{BodyPart, part_of};
-pub use description::channel_selection::{channels_meant, is_pattern};
+pub use description::channel_selection::{is_pattern, resolve_channels};
 pub use description::test_description::{PulseError, Source, TestDescription};
 pub use notes::note::{Note, Notes, Severity};
 pub use samples::pre_event::{PreEvent, PreEventWindow, pre_event};

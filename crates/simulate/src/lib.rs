@@ -23,7 +23,7 @@ mod simulate;
 
 pub use comparison::information::{Information, information, parameters_of};
 pub use comparison::other_sensor::{OtherSensor, SensorFit, beside, beside_mass, is_on_engine};
-pub use comparison::ratings::{Rating, iso_ratings, ratings};
+pub use comparison::ratings::{Rating, ratings};
 pub use comparison::simulation::{Comparison, Measured, Simulation, Window};
 pub use drive::excitation::Excitation;
 pub use error::SimulateError;

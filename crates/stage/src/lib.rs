@@ -16,17 +16,15 @@ mod terminal;
 
 pub use artifacts::inputs::{Inputs, Loaded, load_artifacts};
 pub use artifacts::output::Output;
-pub use chain_table::chain_total::{TOTAL_MASS_TOLERANCE, total_mass_remark};
+pub use chain_table::chain_total::total_mass_remark;
 pub use chain_table::keys::{check_keys, check_name, table_at, typed};
 pub use chain_table::masses_table::{InSi, LawOfTable, MassOfTable, NumberReaders, read_masses};
-pub use command_line::args::SharedFlags;
 pub use command_line::pipeline::{check_pipeline, unknown_name};
 pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage};
 pub use names::nearest::nearest;
-pub use names::stages::{STAGES, stage_order, writer_of};
 pub use process::run::{Outcome, Stage, main};
 pub use process::tool::tool_main;
-pub use terminal::progress::{Progress, Watched, be_quiet};
+pub use terminal::progress::{Progress, be_quiet};
 pub use terminal::say::say;
 
 pub use crumple_artifact::{Artifact, InputDigest, Record, Wave, records};

@@ -49,7 +49,7 @@ pub use exponentials::options::ExponentialOptions;
 pub use exponentials::terms::ExponentialTerm;
 pub use fir::fir::{Fir, FirOptions, Hyperparameters, fir};
 pub use fir::kernel::Kernel;
-pub use hankel::singular_value_gap::{GapOrder, order_by_gap};
+pub use hankel::singular_value_gap::GapOrder;
 pub use hankel::svd::Decomposition;
 pub use modes::identified_mode::{IdentifiedMode, mode_shapes};
 pub use modes::mode_deviations::response_deviations;
@@ -80,10 +80,9 @@ pub use validation::bootstrap::{
 };
 pub use validation::caveats::{FilterEdge, caveats, mode_notes, weak_fit};
 pub use validation::model_selection::{Contender, Ranked, Selection, select};
-pub use validation::residual_resampling::{Resampling, ResidualNoise};
+pub use validation::residual_resampling::Resampling;
 
 pub use crumple_estimation::minimise::{Stop, Termination};
 pub use crumple_estimation::statistics::{
     InformationCriteria, ResidualTests, autoregressive_effective_samples, residual_tests,
 };
-pub use crumple_linalg::CONDITION_LIMIT;

@@ -1,5 +1,5 @@
 //! Records as JSON text, known by the name of their schema alone, and patterns of topics.
-//! Uses read, write, layout and records.
+//! Uses `read`, `write` and `records`.
 
 pub mod registry;
 pub mod topics;

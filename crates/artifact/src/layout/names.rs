@@ -1,7 +1,7 @@
 //! Fixed names in an artifact, and the names of schemas with their versions.
 
 /// Names the container's writer in the MCAP header; fixed, so that it never changes the bytes.
-pub const LIBRARY: &str = "crumple artifact/1";
+pub(crate) const LIBRARY: &str = "crumple artifact/1";
 
 /// Topic prefix of waveforms.
 pub const WAVE_PREFIX: &str = "/wave/";

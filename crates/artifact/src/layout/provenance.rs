@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 /// Version of the artifact format that this crate writes and the newest it reads.
-pub const FORMAT_VERSION: u32 = 1;
+pub(crate) const FORMAT_VERSION: u32 = 1;
 
 /// Name of the metadata record.
 pub(crate) const PROVENANCE: &str = "provenance";

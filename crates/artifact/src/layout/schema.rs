@@ -11,7 +11,7 @@ use crate::records::Record;
 /// The JSON Schema of a record type: complete for validators, safe for viewers.
 ///
 /// A record that is an array at its root (`Metrics`, `Modes`) keeps its plain schema: viewers show objects only.
-pub fn viewer_safe_schema<R: Record>() -> Value {
+pub(crate) fn viewer_safe_schema<R: Record>() -> Value {
     let mut full = schemars::schema_for!(R).to_value();
     let mut definitions = Map::new();
     if let Some(object) = full.as_object_mut() {

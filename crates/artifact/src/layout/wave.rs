@@ -9,7 +9,7 @@ use crate::layout::time_origin::to_ns;
 use crate::records::WaveBlockV1;
 
 /// Samples in a block; the last block of a waveform may be shorter.
-pub const BLOCK_SAMPLES: usize = 65_536;
+pub(crate) const BLOCK_SAMPLES: usize = 65_536;
 
 /// A waveform of an artifact: samples in SI units that know what they measure.
 #[derive(Debug, Clone, PartialEq)]

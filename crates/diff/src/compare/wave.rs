@@ -17,7 +17,7 @@ const GRID_START_S: f64 = 1e-9;
 ///
 /// Relative differences refer to the largest magnitude of both waveforms: a sample near a zero crossing came out of
 /// large ones and carries their rounding error. On different grids samples are not compared.
-pub fn compare_waves(topic: &str, a: &Wave, b: &Wave, settings: &CompareSettings) -> TopicReport {
+pub(crate) fn compare_waves(topic: &str, a: &Wave, b: &Wave, settings: &CompareSettings) -> TopicReport {
     let mut report = TopicReport::new(topic);
     let unit = Unit::from_symbol(a.quantity.si_unit());
     let tolerance = settings.tolerances.tolerance_of(topic, "", unit, None);

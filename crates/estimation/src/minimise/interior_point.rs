@@ -66,31 +66,31 @@ pub fn interior_point(
 ) -> Option<InteriorPoint> {
     let (n, m) = (start.len(), h.len());
     let mut x = start.clone();
-    let mut here = program.evaluate(&x)?;
+    let mut current = program.evaluate(&x)?;
     let mut evaluations = 1;
-    let equations = here.c.len();
+    let equations = current.c.len();
     let mut s = (g * &x + h).map(|value| value.max(1e-2));
-    let mut mu = 0.1 * here.f.max(1e-3);
+    let mut mu = 0.1 * current.f.max(1e-3);
     let mut z = s.map(|s| mu / s);
     let mut y = DVector::<f64>::zeros(equations);
-    let mut hessian = here.hessian.clone() + DMatrix::identity(n, n) * 1e-6;
+    let mut hessian = current.hessian.clone() + DMatrix::identity(n, n) * 1e-6;
     let mut iterations = 0;
     let residual =
-        |here: &Evaluated, x: &DVector<f64>, s: &DVector<f64>, y: &DVector<f64>, z: &DVector<f64>, mu: f64| {
-            let stationary = (&here.gradient - here.jacobian.tr_mul(y) - g.tr_mul(z)).amax();
+        |current: &Evaluated, x: &DVector<f64>, s: &DVector<f64>, y: &DVector<f64>, z: &DVector<f64>, mu: f64| {
+            let stationary = (&current.gradient - current.jacobian.tr_mul(y) - g.tr_mul(z)).amax();
             let size = 1.0 + z.amax().max(y.amax());
             let complementary = s.component_mul(z).add_scalar(-mu).amax();
-            let infeasible = here.c.amax().max((g * x + h - s).amax());
+            let infeasible = current.c.amax().max((g * x + h - s).amax());
             (stationary / size).max(complementary / size).max(infeasible)
         };
     let stop = loop {
-        if residual(&here, &x, &s, &y, &z, 0.0) <= TOLERANCE {
+        if residual(&current, &x, &s, &y, &z, 0.0) <= TOLERANCE {
             break StopReason::GradientConverged;
         }
         if iterations >= MAX_ITERATIONS {
             break StopReason::IterationLimit;
         }
-        while mu > 0.1 * TOLERANCE && residual(&here, &x, &s, &y, &z, mu) <= 10.0 * mu {
+        while mu > 0.1 * TOLERANCE && residual(&current, &x, &s, &y, &z, mu) <= 10.0 * mu {
             mu = (0.1 * TOLERANCE).max((0.2 * mu).min(mu.powf(1.5)));
         }
         iterations += 1;
@@ -98,10 +98,10 @@ pub fn interior_point(
         let slack = g * &x + h - &s;
         let push = s.map(|s| mu / s) - sigma.component_mul(&slack);
         let mut right = DVector::zeros(n + equations);
-        right.rows_mut(0, n).copy_from(&(g.tr_mul(&push) - &here.gradient));
-        right.rows_mut(n, equations).copy_from(&(-&here.c));
+        right.rows_mut(0, n).copy_from(&(g.tr_mul(&push) - &current.gradient));
+        right.rows_mut(n, equations).copy_from(&(-&current.c));
         let curved = &hessian + g.transpose() * DMatrix::from_diagonal(&sigma) * g;
-        let Some(solution) = solve(&curved, &here.jacobian, &right) else { break StopReason::StepConverged };
+        let Some(solution) = solve(&curved, &current.jacobian, &right) else { break StopReason::StepConverged };
         let dx = solution.rows(0, n).into_owned();
         let next_y = -solution.rows(n, equations);
         let ds = g * &dx + &slack;
@@ -114,38 +114,39 @@ pub fn interior_point(
         let merit = |at: &Evaluated, x: &DVector<f64>, s: &DVector<f64>| {
             at.f - mu * s.iter().map(|s| s.ln()).sum::<f64>() + penalty * (at.c.lp_norm(1) + (g * x + h - s).lp_norm(1))
         };
-        let now = merit(&here, &x, &s);
-        let slope =
-            here.gradient.dot(&dx) - mu * ds.component_div(&s).sum() - penalty * (here.c.lp_norm(1) + slack.lp_norm(1));
+        let now = merit(&current, &x, &s);
+        let slope = current.gradient.dot(&dx)
+            - mu * ds.component_div(&s).sum()
+            - penalty * (current.c.lp_norm(1) + slack.lp_norm(1));
         let mut step = reach(&s, &ds);
         let mut accepted = None;
         for _ in 0..40 {
             let (tried, tried_s) = (&x + &dx * step, &s + &ds * step);
             evaluations += 1;
-            if let Some(there) = program.evaluate(&tried)
-                && merit(&there, &tried, &tried_s) <= now + 1e-4 * step * slope.min(0.0) + 1e-15 * now.abs()
+            if let Some(trial) = program.evaluate(&tried)
+                && merit(&trial, &tried, &tried_s) <= now + 1e-4 * step * slope.min(0.0) + 1e-15 * now.abs()
             {
-                accepted = Some((tried, tried_s, there));
+                accepted = Some((tried, tried_s, trial));
                 break;
             }
             step *= 0.5;
         }
-        let Some((next, next_s, there)) = accepted else { break StopReason::StepConverged };
+        let Some((next, next_s, trial)) = accepted else { break StopReason::StepConverged };
         z += &dz * reach(&z, &dz);
         y = next_y;
         let moved = &next - &x;
-        let change = (&there.gradient - there.jacobian.tr_mul(&y)) - (&here.gradient - here.jacobian.tr_mul(&y));
+        let change = (&trial.gradient - trial.jacobian.tr_mul(&y)) - (&current.gradient - current.jacobian.tr_mul(&y));
         if step < 0.3 {
             // The model of the curvature was wrong: begun again.
-            hessian = &there.hessian + DMatrix::identity(n, n) * 1e-6;
+            hessian = &trial.hessian + DMatrix::identity(n, n) * 1e-6;
         } else {
             update(&mut hessian, &moved, &change);
         }
-        (x, s, here) = (next, next_s, there);
+        (x, s, current) = (next, next_s, trial);
         debug_assert_eq!(s.len(), m);
     };
     let below = (g * &x + h).iter().map(|value| (-value).max(0.0)).fold(0.0, f64::max);
-    Some(InteriorPoint { f: here.f, infeasibility: here.c.amax().max(below), x, iterations, evaluations, stop })
+    Some(InteriorPoint { f: current.f, infeasibility: current.c.amax().max(below), x, iterations, evaluations, stop })
 }
 
 /// `[[W + d I, J'], [J, 0]] [dx, -y] = right`, `d` the least of a row of tens that gives as many negative eigenvalues

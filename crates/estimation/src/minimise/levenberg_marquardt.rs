@@ -4,7 +4,7 @@
 //! else differences (one-sided in the descent: relative error near 1e-8; central at the minimum: near 1e-10). Unknowns
 //! should be of size one: the caller scales. Each iteration solves `min |J d + r|² + lambda |D d|²` by QR of the
 //! triangle of `J`, never by normal equations; `D` has the largest column norms seen (Marquardt), `lambda` follows
-//! Nielsen's gain ratio. Local: the result depends on the start. Four unknowns have a twin of fixed size,
+//! Nielsen's gain ratio. Local: the result depends on the start. Four unknowns have a version of fixed size,
 //! [`levenberg_marquardt_4`](super::levenberg_marquardt_4).
 //!
 //! Madsen, Nielsen, Tingleff, *Methods for non-linear least squares problems*, 2nd ed., 2004, section 3.2.
@@ -82,15 +82,15 @@ pub fn descend(problem: &impl Response, start: &[f64], bounds: &Bounds) -> Optio
     let clamp =
         |theta: &[f64]| -> Vec<f64> { (0..n).map(|i| theta[i].clamp(bounds.lower[i], bounds.upper[i])).collect() };
     let mut theta = clamp(start);
-    let mut here = vec![0.0; problem.rows()];
-    let mut there = here.clone();
+    let mut residuals = vec![0.0; problem.rows()];
+    let mut next_residuals = residuals.clone();
     let cost_of = |r: &[f64]| r.iter().map(|x| x * x).sum::<f64>();
-    if !problem.residuals(&theta, &mut here) {
+    if !problem.residuals(&theta, &mut residuals) {
         return None;
     }
-    let mut cost = cost_of(&here);
+    let mut cost = cost_of(&residuals);
     let mut evaluations = 1;
-    let mut linear = linearise(problem, &theta, &here, bounds, &mut evaluations)?;
+    let mut linear = linearise(problem, &theta, &residuals, bounds, &mut evaluations)?;
     let mut scale = DVector::zeros(n);
     let (mut lambda, mut growth) = (1e-3, 2.0);
     let mut iterations = 0;
@@ -123,16 +123,17 @@ pub fn descend(problem: &impl Response, start: &[f64], bounds: &Bounds) -> Optio
         }
         let predicted = linear.q.norm_squared() - (&linear.r * &step + &linear.q).norm_squared();
         evaluations += 1;
-        let next_cost = if problem.residuals(&next, &mut there) { cost_of(&there) } else { f64::INFINITY };
+        let next_cost =
+            if problem.residuals(&next, &mut next_residuals) { cost_of(&next_residuals) } else { f64::INFINITY };
         let decrease = cost - next_cost;
         let small = bounds.cost_tolerance * cost;
         if decrease > 0.0 && predicted > 0.0 {
             let gain = decrease / predicted;
             let done = decrease <= small && predicted <= small;
-            std::mem::swap(&mut here, &mut there);
+            std::mem::swap(&mut residuals, &mut next_residuals);
             theta = next;
             cost = next_cost;
-            let Some(new) = linearise(problem, &theta, &here, bounds, &mut evaluations) else {
+            let Some(new) = linearise(problem, &theta, &residuals, bounds, &mut evaluations) else {
                 break StopReason::StepConverged;
             };
             linear = new;
@@ -158,26 +159,26 @@ pub fn descend(problem: &impl Response, start: &[f64], bounds: &Bounds) -> Optio
 fn linearise(
     problem: &impl Response,
     theta: &[f64],
-    here: &[f64],
+    residuals: &[f64],
     bounds: &Bounds,
     evaluations: &mut u64,
 ) -> Option<Linear> {
-    let (n, rows) = (theta.len(), here.len());
+    let (n, rows) = (theta.len(), residuals.len());
     let mut matrix = DMatrix::zeros(rows, n + 1);
-    let own = problem.sensitivities(theta, &mut matrix);
-    if own == Some(false) {
+    let analytic = problem.sensitivities(theta, &mut matrix);
+    if analytic == Some(false) {
         return None;
     }
-    *evaluations += u64::from(own.is_some());
-    if own.is_none() {
+    *evaluations += u64::from(analytic.is_some());
+    if analytic.is_none() {
         let columns: Vec<(Option<Vec<f64>>, u64)> =
-            (0..n).into_par_iter().map(|i| difference(problem, theta, here, bounds, i)).collect();
+            (0..n).into_par_iter().map(|i| difference(problem, theta, residuals, bounds, i)).collect();
         for (i, (column, spent)) in columns.into_iter().enumerate() {
             *evaluations += spent;
             matrix.column_mut(i).copy_from_slice(&column?);
         }
     }
-    matrix.column_mut(n).copy_from_slice(here);
+    matrix.column_mut(n).copy_from_slice(residuals);
     let triangle = matrix.qr().r();
     let kept = n.min(triangle.nrows());
     let mut r = DMatrix::zeros(n, n);
@@ -214,9 +215,9 @@ pub fn central_differences(problem: &impl Response, theta: &[f64], bounds: &Boun
 
 /// The derivatives of the residuals at a minimum: the problem's own, or central differences where it has none.
 pub fn derivatives(problem: &impl Response, theta: &[f64], bounds: &Bounds) -> Option<DMatrix<f64>> {
-    let mut own = DMatrix::zeros(problem.rows(), theta.len());
-    if problem.sensitivities(theta, &mut own) == Some(true) {
-        return Some(own);
+    let mut jacobian = DMatrix::zeros(problem.rows(), theta.len());
+    if problem.sensitivities(theta, &mut jacobian) == Some(true) {
+        return Some(jacobian);
     }
     central_differences(problem, theta, bounds)
 }
@@ -226,19 +227,19 @@ pub fn derivatives(problem: &impl Response, theta: &[f64], bounds: &Bounds) -> O
 fn difference(
     problem: &impl Response,
     theta: &[f64],
-    here: &[f64],
+    residuals: &[f64],
     bounds: &Bounds,
     i: usize,
 ) -> (Option<Vec<f64>>, u64) {
     let mut moved = theta.to_vec();
-    let mut there = vec![0.0; here.len()];
+    let mut moved_residuals = vec![0.0; residuals.len()];
     // Inwards from a bound, else forwards.
     let forwards = theta[i] + DIFFERENCE <= bounds.upper[i];
     for (spent, step) in (1..).zip(if forwards { [DIFFERENCE, -DIFFERENCE] } else { [-DIFFERENCE, DIFFERENCE] }) {
         moved[i] = theta[i] + step;
         let by = moved[i] - theta[i];
-        if problem.residuals(&moved, &mut there) {
-            return (Some(there.iter().zip(here).map(|(a, b)| (a - b) / by).collect()), spent);
+        if problem.residuals(&moved, &mut moved_residuals) {
+            return (Some(moved_residuals.iter().zip(residuals).map(|(a, b)| (a - b) / by).collect()), spent);
         }
     }
     (None, 2)

@@ -79,10 +79,10 @@ pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[(
     let mut first = 0;
     for (samples, resolution_m) in blocks.iter().copied() {
         let residuals = &residuals_m[first..first + samples];
-        let own = u.rows(first, samples).into_owned();
+        let rows = u.rows(first, samples).into_owned();
         first += samples;
         // Parameters that this wave pays for.
-        let part = if blocks.len() == 1 { 1.0 } else { own.norm_squared() / rank as f64 };
+        let part = if blocks.len() == 1 { 1.0 } else { rows.norm_squared() / rank as f64 };
         // A fit takes the slowest noise out of the residuals, which then look faster than they are.
         let time = autocorrelation_time(residuals);
         let time = time * (1.0 + REMOVED * part * p as f64 * time / samples as f64);
@@ -91,12 +91,12 @@ pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[(
         let band = (BAND * first_zero_lag(&covariance)).min(samples - 1);
         let weights: Vec<f64> =
             covariance[..=band].iter().enumerate().map(|(k, c)| c * (1.0 - k as f64 / (band + 1) as f64)).collect();
-        noise += middle(&own, &weights);
+        noise += middle(&rows, &weights);
         expected += part * rank as f64 * covariance[0] * time;
         let length = (samples / RESOLUTION_SHARE).max(1);
         let weights: Vec<f64> =
             (0..length).map(|k| resolution_m * resolution_m * (1.0 - k as f64 / length as f64)).collect();
-        resolution += middle(&own, &weights);
+        resolution += middle(&rows, &weights);
     }
     let freedom = (effective_samples - p as f64).max(1.0);
     let raise = effective_samples.max(freedom + 1.0) / freedom;

@@ -38,10 +38,10 @@ pub enum SelectionError {
 
 /// The ids that names, codes and patterns such as `1?VEHC*X?` mean, each once. A pattern leaves out channels without
 /// data.
-pub fn ids_meant(test: &TestDescription, asked: &[String]) -> Result<Vec<String>, SelectionError> {
+pub fn resolve_ids(test: &TestDescription, asked: &[String]) -> Result<Vec<String>, SelectionError> {
     let mut ids: Vec<String> = Vec::new();
     for wanted in asked {
-        let meant = test.channels_meant(wanted);
+        let meant = test.resolve_channels(wanted);
         let Some(first) = meant.first() else {
             return Err(SelectionError::Unknown { id: wanted.clone(), known: known(test) });
         };
@@ -60,8 +60,8 @@ pub fn ids_meant(test: &TestDescription, asked: &[String]) -> Result<Vec<String>
 
 /// The one id that a name, a code or a pattern means; several are an error that names them, because the channel
 /// that others are aligned to is one.
-pub fn id_meant(test: &TestDescription, wanted: &str) -> Result<String, SelectionError> {
-    let mut ids = ids_meant(test, &[wanted.to_owned()])?;
+pub fn resolve_id(test: &TestDescription, wanted: &str) -> Result<String, SelectionError> {
+    let mut ids = resolve_ids(test, &[wanted.to_owned()])?;
     match ids.as_slice() {
         [_] => Ok(ids.swap_remove(0)),
         several => Err(SelectionError::Several { wanted: wanted.to_owned(), meant: several.join(", ") }),
@@ -70,13 +70,13 @@ pub fn id_meant(test: &TestDescription, wanted: &str) -> Result<String, Selectio
 
 /// The channels to filter, in the order of the test.
 ///
-/// With `asked`, exactly those ([`ids_meant`]), whatever they measure. Without: every acceleration channel with data
+/// With `asked`, exactly those ([`resolve_ids`]), whatever they measure. Without: every acceleration channel with data
 /// that is not marked failed and whose location does not begin with an occupant or the barrier ("driver, head"; an
 /// unknown location counts as structure); the pulse in any case; the accelerometers in heads and chests of occupants,
 /// along all axes, because criteria are made of them; and the load cells of the barrier ([`is_barrier_force`]), failed
 /// ones too, because whoever sums them has to name what is left out.
 pub fn select<'a>(test: &'a TestDescription, asked: &[String]) -> Result<Vec<&'a Channel>, SelectionError> {
-    let asked = ids_meant(test, asked)?;
+    let asked = resolve_ids(test, asked)?;
     let pulse = test.pulse_channel().ok().map(|channel| channel.id.as_str());
     let taken = |channel: &&Channel| match asked.as_slice() {
         [] => {
@@ -232,9 +232,12 @@ mod tests {
         let error = |id: &str| select(&camry(), &[id.to_owned()]).unwrap_err().to_string();
         assert_eq!(error("94"), "the test has no channel \"94\", it has 001, 045, 093, 095, 096, 347, 348, 349");
         assert_eq!(error("045"), "channel \"045\" has no data: not installed");
-        assert_eq!(ids_meant(&camry(), &["09?".to_owned(), "093".to_owned()]).unwrap(), ["093", "095", "096"]);
-        assert_eq!(ids_meant(&camry(), &["0*5".to_owned()]).unwrap(), ["095"], "045 has no data");
-        assert_eq!(id_meant(&camry(), "09?").unwrap_err().to_string(), "\"09?\" means several channels: 093, 095, 096");
+        assert_eq!(resolve_ids(&camry(), &["09?".to_owned(), "093".to_owned()]).unwrap(), ["093", "095", "096"]);
+        assert_eq!(resolve_ids(&camry(), &["0*5".to_owned()]).unwrap(), ["095"], "045 has no data");
+        assert_eq!(
+            resolve_id(&camry(), "09?").unwrap_err().to_string(),
+            "\"09?\" means several channels: 093, 095, 096"
+        );
         assert_eq!(select(&test_with(&[]), &[]), Err(SelectionError::None));
     }
 }

@@ -12,7 +12,7 @@ mod remarks;
 
 use std::path::PathBuf;
 
-use crumple_filter::{Applied, Pass, Resampling, id_meant, ids_meant, resample};
+use crumple_filter::{Applied, Pass, Resampling, resample, resolve_id, resolve_ids};
 use crumple_signal::{Channel, QuantityKind, TestDescription};
 use crumple_stage::records::TestV1;
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Stage};
@@ -53,7 +53,7 @@ impl Stage for Filter {
         let mut test = input.test()?;
         let mut pulse = test.pulse_channel().ok().map(|channel| channel.id.clone());
         const HINT: &str = "crumple-artifact show lists the channels of an artifact";
-        let mut pass = ids_meant(&test, &settings.pass).refuse_with_hint(HINT)?;
+        let mut pass = resolve_ids(&test, &settings.pass).refuse_with_hint(HINT)?;
         let mut remarks = Remarks::default();
         // A list of channels means those alone.
         let by_default = settings.channels.is_empty();
@@ -77,7 +77,7 @@ impl Stage for Filter {
         test = with_derived;
         pulse = test.pulse.clone().or(pulse);
         if let Some(asked) = &settings.align {
-            let to = id_meant(&test, &asked.to).refuse_with_hint(HINT)?;
+            let to = resolve_id(&test, &asked.to).refuse_with_hint(HINT)?;
             align(&mut channels, &Align { to, ..*asked }, &mut remarks)?;
         }
         if let Some(to) = settings.resample {

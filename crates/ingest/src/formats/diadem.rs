@@ -18,7 +18,7 @@ pub fn details(properties: &BTreeMap<String, String>) -> Details {
     let mut facts = Vec::new();
     for (name, value) in properties {
         let squeezed: String = name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).take(40).collect();
-        let told = matches!(
+        let is_fact = matches!(
             squeezed.as_str(),
             "testid"
                 | "testdate"
@@ -33,7 +33,7 @@ pub fn details(properties: &BTreeMap<String, String>) -> Details {
                 | "laboratory"
                 | "author"
         );
-        if told && !value.trim().is_empty() {
+        if is_fact && !value.trim().is_empty() {
             facts.push(format!("{name}: {}", value.trim()));
         }
     }

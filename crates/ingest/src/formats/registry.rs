@@ -28,7 +28,7 @@ impl Bundle {
 }
 
 /// The reader for a file, or why there is none: empty, known but not read, or not known at all.
-pub fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader, IngestError> {
+pub(crate) fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader, IngestError> {
     if bytes.trim_ascii().is_empty() {
         let found = if bytes.is_empty() { "the file is empty" } else { "the file holds nothing but blanks" };
         return Err(IngestError::content(

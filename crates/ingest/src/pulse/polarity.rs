@@ -82,7 +82,7 @@ pub fn check(
         }
         (_, None) => "if this is a frontal impact with deceleration positive, use --sign flip; a motion from rest, a \
             shock or a drop may \
-                      be positive and needs nothing"
+                      be positive and needs no flag"
             .to_owned(),
         _ => "if deceleration is positive in this file, use --sign flip".to_owned(),
     };

@@ -1,15 +1,15 @@
 //! Channels by the name a person gives: an id, another name, a pattern.
 
-use crumple_signal::{Channel, channels_meant};
+use crumple_signal::{Channel, resolve_channels};
 
 use crate::recording::read_channel::ReadChannel;
 
 pub use crumple_signal::is_pattern;
 
-/// The channels meant, as indices, see [`channels_meant`].
+/// The channels meant, as indices, see [`resolve_channels`].
 pub fn select(channels: &[ReadChannel], wanted: &str) -> Vec<usize> {
     let named: Vec<(&Channel, &[String])> = channels.iter().map(|f| (&f.channel, f.aliases.as_slice())).collect();
-    channels_meant(&named, wanted)
+    resolve_channels(&named, wanted)
 }
 
 #[cfg(test)]

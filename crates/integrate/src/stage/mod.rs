@@ -1,4 +1,6 @@
 //! The program: reads the filtered pulse, integrates it, writes motion, events and metrics.
+//! May use the library and `crumple_stage`; nothing uses it.
+//!
 //! rooms: without_motion | pulse criteria | options metric_record
 
 mod criteria;
@@ -142,7 +144,8 @@ fn integrate_others(
     for other in other_channels(&settings.channels, test, &pulse.id, input, out.notes())? {
         let motion = task.integrate(other, &acceleration(input, other)?, out)?;
         // Taken with all the others, of a place that nobody names: that it moves with the vehicle must show.
-        let unnamed = !settings.channels.iter().any(|name| test.channels_meant(name).iter().any(|c| c.id == other.id));
+        let unnamed =
+            !settings.channels.iter().any(|name| test.resolve_channels(name).iter().any(|c| c.id == other.id));
         if unnamed && unplaced(other) && !others.agrees(&motion) {
             out.notes().warning(format!(
                 "channel {} does not move as the pulse does, and nothing says where it sits: not compared with the \

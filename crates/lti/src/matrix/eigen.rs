@@ -9,7 +9,8 @@ use crate::{Complex, LtiError};
 /// QR steps per state before a matrix counts as stuck; three or four are usual.
 const STEPS_PER_STATE: usize = 60;
 
-/// Eigenvalues of a real matrix, exactly conjugate in pairs and in the order of [`sort_poles`].
+/// Eigenvalues of a real matrix, exactly conjugate in pairs, by `|Im|`, then `Re`, the positive imaginary part
+/// first.
 ///
 /// Mean removed, balanced, then the real Schur form. Absolute error about the rounding unit times the norm of the
 /// matrix so treated, for well-separated eigenvalues; one of multiplicity m is known only to the m-th root of that.
@@ -51,7 +52,7 @@ pub fn eigenvalues(a: &DMatrix<f64>) -> Result<Vec<Complex>, LtiError> {
 /// conjugate pairs exact by averaging the two.
 ///
 /// A complex value without partner (which rounding cannot produce from real data) is made real.
-pub fn sort_poles(poles: Vec<Complex>) -> Vec<Complex> {
+pub(crate) fn sort_poles(poles: Vec<Complex>) -> Vec<Complex> {
     let (mut upper, rest): (Vec<_>, Vec<_>) = poles.into_iter().partition(|z| z.im > 0.0);
     let (mut lower, mut result): (Vec<_>, Vec<_>) = rest.into_iter().partition(|z| z.im < 0.0);
     upper.sort_by(|a, b| a.im.total_cmp(&b.im).then(a.re.total_cmp(&b.re)));

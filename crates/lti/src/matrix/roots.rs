@@ -2,12 +2,13 @@
 
 use nalgebra::DMatrix;
 
-use crate::{Complex, LtiError, eigenvalues, sort_poles};
+use crate::matrix::eigen::sort_poles;
+use crate::{Complex, LtiError, eigenvalues};
 
 /// Newton steps on each root; quadratic convergence needs two from an eigenvalue's accuracy.
 const POLISH_STEPS: usize = 4;
 
-/// Roots of a real polynomial, coefficients with the highest power first, in the order of [`sort_poles`].
+/// Roots of a real polynomial, coefficients with the highest power first, in the order of [`eigenvalues`].
 ///
 /// Variable scaled so that the product of the roots is 1, eigenvalues of the balanced companion matrix, then Newton
 /// steps that are kept only while they lower `|p|`. Simple roots come to a few rounding units of their condition; a

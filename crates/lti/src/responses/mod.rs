@@ -1,5 +1,5 @@
 //! What a model answers: in time to an input or an initial state, and over frequency.
-//! Uses model; its tests use conversion.
+//! Uses `model` and `matrix`; its tests use `conversion`.
 
 pub mod frequency_response;
 pub mod response;

@@ -11,16 +11,12 @@ use crate::chain::coordinates::{ChainCoordinates, StatedChain};
 use crate::chain::covariance::{LinearisedUncertainty, linearised};
 use crate::chain::dual::{ChainDual, DualOf, dual_of, sees_the_last_only};
 use crate::chain::problem::{ChainProblem, windows};
-use crate::fit::descents::{all, bounds, distinct};
+use crate::fit::descents::{AS_GOOD, REPORTED, all, bounds, distinct};
 use crate::fit::sensors::fit::{Search, fit_sensors};
 use crate::free::parameterisation::Parameterisation;
 use crate::{Observation, SolveError};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, derivatives};
 
-/// Sets that are reported at most, each with its dual, and how near their errors must be to the best.
-const REPORTED: usize = 3;
-/// Sets whose weighted errors are within this factor of the best are reported: the record does not tell them apart.
-const AS_GOOD: f64 = 1.01;
 /// Rounds of weighing sensors seen through their filters, and the change of a weight that is worth another.
 const WEIGHINGS: usize = 8;
 /// Relative change of a weight for which the sensors are weighed once more.

@@ -40,11 +40,11 @@ pub fn elastoplastic_from_events(
 
 /// Coefficient of restitution below which the unloading is rigid within the accuracy of a record: a zero level 0.1 g
 /// off makes as much rebound of nothing within 100 ms at 10 m/s.
-pub const RIGID_RESTITUTION: f64 = 0.01;
+pub(crate) const RIGID_RESTITUTION: f64 = 0.01;
 
 /// As [`elastoplastic_from_events`], with an unloading stiffness of at most `k_E/0.01²`, and whether it stands there: a
 /// smaller restitution, zero or none is no number but a rigid line, and any stiffness above gives the same record.
-pub fn elastoplastic_of_record(
+pub(crate) fn elastoplastic_of_record(
     mass_kg: f64,
     impact_speed_m_per_s: f64,
     dynamic_crush_m: f64,

@@ -5,8 +5,14 @@ use rayon::prelude::*;
 
 use crate::free::parameterisation::Parameterisation;
 
-/// Minima that a fit may report; twice as many are kept for further steps.
-const REPORTED: usize = 3;
+/// Samples that a search runs on; its results are followed on all samples of the window.
+pub(crate) const SEARCH_SAMPLES: usize = 64;
+/// Iterations that sort starts into hopeful and hopeless.
+pub(crate) const SCREENING_ITERATIONS: u32 = 24;
+/// Sets that a fit reports at most; twice as many minima are kept for further steps.
+pub(crate) const REPORTED: usize = 3;
+/// Sets whose weighted errors are within this factor of the best are reported: the record does not tell them apart.
+pub(crate) const AS_GOOD: f64 = 1.01;
 /// Two ends whose coordinates all differ by less than this are one minimum. Coordinates are logarithms or shares, so
 /// this is 1 %.
 const APART: f64 = 0.01;

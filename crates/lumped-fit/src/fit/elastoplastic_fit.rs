@@ -22,7 +22,7 @@ const STIFFNESSES: [f64; 5] = [0.1, 0.3, 1.0, 2.0, 4.0];
 /// 1e-7. The standard deviation is linearised.
 ///
 /// `displacement` in m; the options give mass, kg, speed, m/s, crush, m, and the window. Errors: as the other fits.
-pub fn fit_elastoplastic_loading(
+pub(crate) fn fit_elastoplastic_loading(
     displacement: &Signal<Displacement>,
     options: &SingleMassFitOptions,
 ) -> Result<(Elastoplastic, Fit, Option<Uncertainty>), SolveError> {

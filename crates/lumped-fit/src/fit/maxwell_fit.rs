@@ -19,8 +19,7 @@ const DAMPERS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
 ///
 /// Two numbers, where the five free constants of the single-mass paper do not reproduce the curve. Least squares of
 /// their logarithms from 20 starts, bounded to `e^±9` of `m (v0/C)²` and `m v0/C`; the closed form is exact at every
-/// sample, whether the mass swings or creeps. Near a rigid spring or damper the other one is determined alone: see
-/// [`undetermined_by_the_record`].
+/// sample, whether the mass swings or creeps. Near a rigid spring or damper the other one is determined alone.
 ///
 /// Errors: as the other fits.
 pub fn fit_maxwell(
@@ -64,7 +63,7 @@ const RIGID: f64 = 0.02;
 /// spring is largest soon after contact and falls slowly). Where one of them gives less than 2 % of the crush it could
 /// as well be rigid: its value follows from that small part, to which noise, filter and the other's law contribute as
 /// much.
-pub fn undetermined_by_the_record(model: &Maxwell, impact_speed_m_per_s: f64, crush_m: f64) -> Option<String> {
+pub(crate) fn undetermined_by_the_record(model: &Maxwell, impact_speed_m_per_s: f64, crush_m: f64) -> Option<String> {
     let damper = model.mass_kg * impact_speed_m_per_s / model.damping_n_s_per_m;
     let step_s = 2.0 * crush_m / impact_speed_m_per_s / 1000.0;
     let force =

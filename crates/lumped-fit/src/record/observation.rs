@@ -10,6 +10,7 @@ use std::sync::Arc;
 use crumple_lumped::Model;
 use crumple_signal::{Displacement, Sampled, Signal};
 
+use crate::record::window::FEWEST;
 use crate::{FitQuantity, Measurement, SolveError};
 
 /// A wave of a test and the samples of it that are compared.
@@ -97,9 +98,6 @@ const USUAL_CRUSH_M: f64 = 0.5;
 
 /// Least noise level of a wave, as a share of its root mean square.
 const LEAST_LEVEL: f64 = 1e-6;
-
-/// Fewest samples of a wave that are compared.
-pub(crate) const FEWEST: usize = 12;
 
 impl ObservedWave {
     /// At most `limit` samples from `from_s` to `to_s` after contact. `wave` is on the grid of the measurement, as far

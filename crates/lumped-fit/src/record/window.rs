@@ -7,8 +7,8 @@ use crumple_signal::Sampled;
 
 use crate::SolveError;
 
-/// Fewest samples that four parameters are fitted to.
-const FEWEST: usize = 12;
+/// Fewest samples of a record or wave that are compared.
+pub(crate) const FEWEST: usize = 12;
 
 /// Evenly spaced samples of a window of a record: every `stride`-th one, none interpolated.
 ///

@@ -7,12 +7,11 @@ use crumple_lumped::Model;
 use crumple_signal::Notes;
 
 use super::extent::{crush_of, extent_of, unfitted};
+use crate::closed_form::elastoplastic::{RIGID_RESTITUTION, elastoplastic_of_record};
+use crate::fit::elastoplastic_fit::fit_elastoplastic_loading;
 use crate::solvers::single_mass::fitted;
 use crate::solvers::task::Task;
-use crate::{
-    Candidate, KelvinBranch, RIGID_RESTITUTION, SolveError, elastoplastic_of_record, fit_elastoplastic_loading,
-    kelvin_from_events,
-};
+use crate::{Candidate, KelvinBranch, SolveError, kelvin_from_events};
 
 /// The Kelvin model with the time and the depth of dynamic crush and the impact speed of the test.
 ///

@@ -5,6 +5,7 @@ use crumple_signal::Notes;
 
 use crate::candidate::linearised::uncertainty;
 use crate::candidate::note::{CandidateNote, infos};
+use crate::fit::descents::{AS_GOOD, REPORTED};
 use crate::fit::sensors::fit::Fitted;
 use crate::fit::sensors::problem::{SensorProblem, SensorWindow};
 use crate::free::model_coordinates::ModelCoordinates;
@@ -12,11 +13,6 @@ use crate::free::parameterisation::Parameterisation;
 use crate::solvers::task::Task;
 use crate::{Candidate, Fit, Sensor, SensorFit, bounds_remark, errors_in_words, note_of_errors};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response};
-
-/// Sets that are reported at most.
-const REPORTED: usize = 3;
-/// Minima whose weighted errors are within this factor of the best are all reported.
-const AS_GOOD: f64 = 1.01;
 
 /// The note on the side constraints of the single-mass paper that a first nonlinear model breaks: this fit has bounds
 /// only.

@@ -5,12 +5,13 @@ use crumple_signal::{Displacement, Notes, Signal};
 
 use super::extent::{Extent, crush_of, extent_of};
 use crate::candidate::note::{CandidateNote, infos};
+use crate::fit::maxwell_fit::undetermined_by_the_record;
 use crate::fit::options::SingleMassFitOptions;
 use crate::solvers::sensors;
 use crate::solvers::task::Task;
 use crate::{
     Candidate, Fit, SolveError, Uncertainty, bounds_remark, conditions_at_crush, firefly_nonlinear2, fit_maxwell,
-    fit_nonlinear1, fit_nonlinear2, interior_point_nonlinear1, undetermined_by_the_record,
+    fit_nonlinear1, fit_nonlinear2, interior_point_nonlinear1,
 };
 
 /// A fitted model with the record of its fit and, where they exist, linearised deviations.

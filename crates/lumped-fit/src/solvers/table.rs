@@ -37,7 +37,7 @@ const fn solver(model: ModelKind, method: Method, needs: Needs, by_default: bool
 
 /// Every solver, models in the order of lists and results. Columns: model, method, what it needs, whether it is used
 /// without being asked, function.
-pub const SOLVERS: &[Solver] = {
+pub(crate) const SOLVERS: &[Solver] = {
     use ModelKind as K;
     use Needs::{Events, IdentifiedModel, Motion};
     const DOUBLE: ModelKind = K::DoubleSpringMassDamper;

@@ -34,7 +34,7 @@ pub type Intervals = BTreeMap<&'static str, (Option<f64>, Option<f64>)>;
 /// How well the parameters of one candidate are determined.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assessment {
-    /// The parameters judged, in the order of the matrices.
+    /// The parameters assessed, in the order of the matrices.
     pub parameters: Vec<&'static str>,
     /// Standard deviations, in the unit of each; those on a bound of the search have none.
     pub standard_deviation: BTreeMap<&'static str, f64>,
@@ -79,7 +79,7 @@ pub fn assess(
     observed: &Observation,
     options: AssessmentOptions,
 ) -> Option<Assessment> {
-    // What stands on zero is judged from its one side; what stands on the end of the search is not judged.
+    // What stands on zero is assessed from its one side; what stands on the end of the search is not assessed.
     // Neither is what moves nothing in the window: it stays open on both sides.
     let assessed = |i: &usize| {
         (!refined.on_bound[*i] || refined.free[*i].value == 0.0) && refined.sensitivity_m.column(*i).norm() > 0.0

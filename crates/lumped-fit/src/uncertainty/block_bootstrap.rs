@@ -13,8 +13,6 @@ use crate::record::observation::Observation;
 use crumple_estimation::statistics::{autocorrelation_time, quantile};
 use crumple_lumped::Model;
 
-/// Replicates that give the ends of a 95 % interval: five of 200 lie beyond each.
-pub const REPLICATES: usize = 200;
 /// Seed of the generators; replicate `i` uses its stream `i`.
 const SEED: u64 = 1;
 /// Length of a block in autocorrelation times of the misfit.

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{Model, ParameterKind};
 
+use crate::closed_form::elastoplastic::elastoplastic_of_record;
 use crate::record::observation::Observation;
 use crate::uncertainty::propagation::{InputUncertainty, Propagation, Repetition, over_repetitions, with_errors};
-use crate::{elastoplastic_of_record, kelvin_from_events, unloads_rigidly};
+use crate::{kelvin_from_events, unloads_rigidly};
 
 /// The events that a closed form follows.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -44,15 +44,15 @@ impl DualScale {
     }
 
     /// The results of repetitions with uncertain inputs, for the dual.
-    pub fn propagation(&self, of: &Propagation) -> Propagation {
+    pub fn propagation(&self, original: &Propagation) -> Propagation {
         let exchanged = |(name, (low, high)): (&&'static str, &(f64, f64))| {
             let (name, by) = self.of(name);
             (name, (low * by, high * by))
         };
         Propagation {
-            repetitions: of.repetitions,
-            interval_90: of.interval_90.iter().map(exchanged).collect(),
-            standard_deviation: self.values(&of.standard_deviation),
+            repetitions: original.repetitions,
+            interval_90: original.interval_90.iter().map(exchanged).collect(),
+            standard_deviation: self.values(&original.standard_deviation),
         }
     }
 }

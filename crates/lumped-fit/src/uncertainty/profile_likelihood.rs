@@ -8,7 +8,7 @@ use crate::free::free_parameter::FreeParameter;
 use crate::record::observation::Observation;
 
 /// Rise of `2 ln L` that ends a 95 % interval of one parameter: chi-square with one degree of freedom.
-pub const RISE_95: f64 = 3.841_459;
+const RISE_95: f64 = 3.841_459;
 /// Grid points on each side at most.
 const POINTS: usize = 24;
 /// The first step as a share of the half-width that the linearisation expects.

@@ -15,7 +15,8 @@ use crumple_signal::Distribution;
 use crate::fit::observed_problem::{Problem, with_parameters};
 use crate::fit::refine::follow;
 use crate::free::free_parameter::rest_mass;
-use crate::record::observation::{FEWEST, Observation, ObservedWave};
+use crate::record::observation::{Observation, ObservedWave};
+use crate::record::window::FEWEST;
 use crate::uncertainty::block_bootstrap::percentile;
 use crate::{FitQuantity, FreeParameter, Measurement};
 

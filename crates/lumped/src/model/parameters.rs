@@ -19,9 +19,13 @@ pub fn parameter_kind(model: &str, name: &str) -> Option<ParameterKind> {
     if let Ok(family) = model.parse::<ModelKind>() {
         return family.parameter(name).map(|parameter| parameter.kind);
     }
+    SecantChain::parameter_kind(name).or_else(|| parameter_kind_of_unit(name))
+}
+
+/// What a number may be by the unit that its name ends with; `None` for a unit of no parameter.
+pub fn parameter_kind_of_unit(name: &str) -> Option<ParameterKind> {
     // Stiffness and damping are asked before length: their units end like its own.
-    let by_unit = || ParameterKind::ALL.into_iter().find(|kind| kind.symbol_of(name) != name);
-    SecantChain::parameter_kind(name).or_else(by_unit)
+    ParameterKind::ALL.into_iter().find(|kind| kind.symbol_of(name) != name)
 }
 
 impl Model {

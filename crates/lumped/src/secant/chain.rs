@@ -13,11 +13,9 @@
 
 use crate::exact::falling_zero::falling_zero;
 use crate::secant::piecewise_linear::{PiecewiseLinear, Region};
-use crate::secant::step::ORDER;
+use crate::secant::step::{ORDER, REST};
 use crate::{Drive, LumpedError};
 
-/// Rest of the series after a step, relative to the motion.
-const REST: f64 = 1e-17;
 /// Steps after which the motion is given up.
 const MAX_STEPS: usize = 200_000;
 /// Share of a step after which a coordinate that starts on a knot must lie inside its piece.

@@ -20,7 +20,7 @@ pub struct ChannelMotion<'a> {
     pub dynamic_crush_m: Option<f64>,
 }
 
-/// How far two redundant channels (left and right, twin sensors) are apart.
+/// How far two redundant channels (left and right) are apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Agreement {
     /// Largest |Δa|, m/s².

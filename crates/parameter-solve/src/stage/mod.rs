@@ -1,6 +1,7 @@
-//! Reads the events and the motion, solves, assesses, writes the candidates.
+//! The program: reads the events and the motion, solves, assesses, writes the candidates.
+//! May use `crumple_stage` and the estimators of `crumple-lumped-fit`.
 //!
-//! rooms: mod | chains from_events from_exponentials from_models | records | assess | inputs | options
+//! rooms: chains from_events from_exponentials from_models | records | assess | inputs | options
 
 mod assess;
 mod chains;
@@ -159,7 +160,7 @@ fn of_identified_models(
     Ok(candidates)
 }
 
-/// Warns of flags on uncertainty that candidates without an assessment do not heed.
+/// Warns of flags on uncertainty that have no effect on candidates without an assessment.
 fn warn_of_flags_without_effect(
     settings: &StageSettings,
     candidates: &[Candidate],

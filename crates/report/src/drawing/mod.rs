@@ -1,5 +1,5 @@
 //! What figures are made of: traces, axes, colours, views, which curves are shown at first.
-//! Uses results and text.
+//! Uses `results`.
 
 pub mod figure;
 pub mod shown_at_first;

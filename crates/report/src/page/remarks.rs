@@ -108,7 +108,7 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     if run.is_generic() {
         limits.push(
             "A model describes the record it was fitted to, over the amplitudes and frequencies that its input \
-             excited; what it foretells elsewhere is extrapolation."
+             excited; what it predicts elsewhere is extrapolation."
                 .to_owned(),
         );
     } else if !run.candidates.is_empty() || !run.models.is_empty() {

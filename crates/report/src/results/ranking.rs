@@ -137,7 +137,7 @@ pub fn compare_ids(a: &str, b: &str) -> Ordering {
 
 /// For each candidate the index of the one that stands for it in a drawing: itself, or an earlier candidate that
 /// gives exactly the same record (`equivalent_to`, in either direction).
-pub fn pairs_of_equals(candidates: &[CandidateResult]) -> Vec<usize> {
+pub(crate) fn pairs_of_equals(candidates: &[CandidateResult]) -> Vec<usize> {
     let mut stands_for: Vec<usize> = (0..candidates.len()).collect();
     for (index, candidate) in candidates.iter().enumerate() {
         let earlier = candidates[..index].iter().position(|other| {

@@ -49,7 +49,7 @@ pub struct Cli {
     #[arg(long)]
     pub json: bool,
 
-    /// Accepted so that the same flags fit every stage: both files are always written anew.
+    /// Accepted so that the same flags fit every stage: both files are always replaced.
     #[arg(long, hide = true)]
     pub force: bool,
 

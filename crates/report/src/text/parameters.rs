@@ -1,6 +1,6 @@
 //! Parameters of candidates as people read them: order, symbol, unit.
 
-use crumple_lumped::{ParameterKind, parameter_kind};
+use crumple_lumped::{ParameterKind, parameter_kind, parameter_kind_of_unit};
 
 use super::numbers::{KILO, MILLI};
 
@@ -42,8 +42,7 @@ fn of_kind(kind: ParameterKind) -> (f64, &'static str) {
 fn of_unit(name: &str) -> Option<(&str, (f64, &'static str))> {
     const UNITS: [(&str, f64, &str); 4] =
         [("_rad_per_s", 1.0, "rad/s"), ("_hz", 1.0, "Hz"), ("_n", KILO, "kN"), ("_s", MILLI, "ms")];
-    let kinds = ParameterKind::ALL.into_iter().find(|kind| kind.symbol_of(name) != name);
-    let known = kinds.map(|kind| (kind.symbol_of(name), of_kind(kind)));
+    let known = parameter_kind_of_unit(name).map(|kind| (kind.symbol_of(name), of_kind(kind)));
     known.or_else(|| UNITS.iter().find_map(|(end, factor, unit)| Some((name.strip_suffix(end)?, (*factor, *unit)))))
 }
 

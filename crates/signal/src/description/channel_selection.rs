@@ -10,7 +10,7 @@ pub fn is_pattern(wanted: &str) -> bool {
 
 /// The channels that a name selects, as indices: the one with this id; else those with this id or code or other name
 /// in any case; else, if it is a pattern, all whose id, code or other name matches. None, one or several.
-pub fn channels_meant(channels: &[(&Channel, &[String])], wanted: &str) -> Vec<usize> {
+pub fn resolve_channels(channels: &[(&Channel, &[String])], wanted: &str) -> Vec<usize> {
     let wanted = wanted.trim();
     if let Some(index) = channels.iter().position(|(channel, _)| channel.id == wanted) {
         return vec![index];
@@ -34,10 +34,10 @@ pub fn channels_meant(channels: &[(&Channel, &[String])], wanted: &str) -> Vec<u
 }
 
 impl TestDescription {
-    /// The channels that an id, a code or a pattern such as `1?VEHC*X?` selects, see [`channels_meant`].
-    pub fn channels_meant(&self, wanted: &str) -> Vec<&Channel> {
+    /// The channels that an id, a code or a pattern such as `1?VEHC*X?` selects, see [`resolve_channels`].
+    pub fn resolve_channels(&self, wanted: &str) -> Vec<&Channel> {
         let named: Vec<(&Channel, &[String])> = self.channels.iter().map(|channel| (channel, [].as_slice())).collect();
-        channels_meant(&named, wanted).into_iter().map(|k| &self.channels[k]).collect()
+        resolve_channels(&named, wanted).into_iter().map(|k| &self.channels[k]).collect()
     }
 }
 
@@ -59,7 +59,7 @@ mod tests {
         ];
         let test = TestDescription { channels, ..TestDescription::default() };
         let ids = |wanted: &str| -> Vec<String> {
-            test.channels_meant(wanted).into_iter().map(|channel| channel.id.clone()).collect()
+            test.resolve_channels(wanted).into_iter().map(|channel| channel.id.clone()).collect()
         };
         assert_eq!(ids("93"), ["93"]);
         assert_eq!(ids("10foralere00acxp"), ["93"]);

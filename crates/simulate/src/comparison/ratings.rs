@@ -70,7 +70,7 @@ pub fn ratings(quantity: &'static str, measured: &Sampled, modelled: &Sampled) -
 /// order, all from 0 to 1. Its note is the grade: excellent above 0.94, good above 0.80, fair above 0.58, else poor.
 ///
 /// The standard wants 10 kHz: at another rate, and beyond 20,000 samples, the overall rating is absent and says why.
-pub fn iso_ratings(measured: &Sampled, modelled: &Sampled) -> Vec<Rating> {
+pub(crate) fn iso_ratings(measured: &Sampled, modelled: &Sampled) -> Vec<Rating> {
     let absent = |reason: &str| vec![rating("acceleration", Metric::absent(&ISO, reason), None)];
     if (measured.dt_s() - 1e-4).abs() > 1e-9 {
         return absent(&format!("sampled at {:.0} Hz, the standard wants 10 kHz", measured.rate_hz()));

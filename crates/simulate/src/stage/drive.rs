@@ -94,22 +94,23 @@ impl Driven {
 /// The refusal of a waveform that no input holds. Filtering drops what is neither an acceleration nor a load cell of
 /// the barrier, unless it is told to hand it on.
 fn not_there(input: &Inputs, id: &str, wanted: QuantityKind) -> anyhow::Error {
-    let mut here: Vec<&str> = input.waves().filter(|(_, wave)| wave.quantity == wanted).map(|(id, _)| id).collect();
-    let all = here.len();
-    here.truncate(SHOWN);
+    let mut ids: Vec<&str> = input.waves().filter(|(_, wave)| wave.quantity == wanted).map(|(id, _)| id).collect();
+    let all = ids.len();
+    ids.truncate(SHOWN);
     let more = if all > SHOWN { format!(" and {} more", all - SHOWN) } else { String::new() };
-    let held = if here.is_empty() { "none".to_owned() } else { format!("{}{more}", here.join(", ")) };
+    let held = if ids.is_empty() { "none".to_owned() } else { format!("{}{more}", ids.join(", ")) };
     let test = input.test().ok();
     let channels = || test.iter().flat_map(|test| &test.channels).map(|channel| channel.id.as_str());
-    let there = input.waves().map(|(id, _)| id).find(|other| same_words(other, id));
-    let hint = if let Some(there) = there {
-        format!("did you mean {there:?}?")
+    let similar = input.waves().map(|(id, _)| id).find(|other| same_words(other, id));
+    let hint = if let Some(similar) = similar {
+        format!("did you mean {similar:?}?")
     } else if let Some(channel) = channels().find(|channel| same_words(channel, id)) {
         let also = if channel == id { String::new() } else { format!(", and drive_wave = {channel:?}") };
         format!(
-            "filtering drops it unless told: pass = [{channel:?}] in [filter], or crumple-filter --pass {channel}{also}"
+            "filtering drops it unless it is passed on: pass = [{channel:?}] in [filter], or crumple-filter --pass \
+             {channel}{also}"
         )
-    } else if let Some(near) = nearest(id, channels().chain(here.iter().copied())) {
+    } else if let Some(near) = nearest(id, channels().chain(ids.iter().copied())) {
         format!("did you mean {near:?}?")
     } else {
         "crumple-artifact show 1-ingest.mcap lists the channels of the test".to_owned()

@@ -85,7 +85,7 @@ fn a_chain_that_is_not_as_heavy_as_the_test_is_simulated_with_a_warning() {
     let output = run_pipeline(folder.path(), &(chain("light", "500") + &chain("near", "576")));
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(0), "{stderr}");
-    let said = "its masses add up to 791.0 kg, the test has 873.0 kg: 9.4 % less (said above 1 %)";
+    let said = "its masses add up to 791.0 kg, the test has 873.0 kg: 9.4 % less (noted above 1 %)";
     assert!(stderr.contains(&format!("chain/light/1: {said}")), "{stderr}");
     // 867 of 873 kg.
     assert!(!stderr.contains("chain/near/1: its masses"), "{stderr}");

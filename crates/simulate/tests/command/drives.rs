@@ -126,8 +126,8 @@ fn a_drive_wave_that_filtering_dropped_is_answered_with_how_to_hand_it_on() {
     };
     let stderr = refused("wall_force", &[]);
     let expected = "the drive wave wall_force is in none of the inputs\n  expected: a waveform of force in them: \
-        none\n  hint: filtering drops it unless told: pass = [\"wall_force\"] in [filter], or crumple-filter --pass \
-        wall_force\n";
+        none\n  hint: filtering drops it unless it is passed on: pass = [\"wall_force\"] in [filter], or \
+        crumple-filter --pass wall_force\n";
     assert!(stderr.contains(expected), "{stderr}");
     // As its column is named.
     let stderr = refused("Wall force", &[]);

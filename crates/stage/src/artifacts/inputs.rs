@@ -135,17 +135,17 @@ impl Inputs {
 
     /// All records of a type under a topic prefix, as `(rest of the topic, record)`, sorted by topic.
     pub fn records<R: Record>(&self, prefix: &str) -> anyhow::Result<Vec<(String, R)>> {
-        let mut found = std::collections::BTreeMap::new();
+        let mut by_topic = std::collections::BTreeMap::new();
         for artifact in &self.artifacts {
             for raw in artifact.records() {
                 if let Some(rest) = raw.topic.strip_prefix(prefix)
                     && same_type(&raw.schema, R::SCHEMA)
                 {
-                    found.insert(rest.to_owned(), artifact.decode(raw).map_err(Refused::from)?);
+                    by_topic.insert(rest.to_owned(), artifact.decode(raw).map_err(Refused::from)?);
                 }
             }
         }
-        Ok(found.into_iter().collect())
+        Ok(by_topic.into_iter().collect())
     }
 
     /// The waveform of a channel. Refuses when it is missing.
@@ -160,11 +160,11 @@ impl Inputs {
 
     /// All waveforms as `(id, waveform)`, sorted by id.
     pub fn waves(&self) -> impl Iterator<Item = (&str, &Wave)> {
-        let mut found = std::collections::BTreeMap::new();
+        let mut by_id = std::collections::BTreeMap::new();
         for artifact in &self.artifacts {
-            found.extend(artifact.waves().iter().map(|(id, wave)| (id.as_str(), wave)));
+            by_id.extend(artifact.waves().iter().map(|(id, wave)| (id.as_str(), wave)));
         }
-        found.into_iter()
+        by_id.into_iter()
     }
 
     /// The error for a topic that is needed and not there.

@@ -2,15 +2,16 @@
 //! a stage does.
 
 /// Stages in the order of the pipeline.
-pub const STAGES: [&str; 7] = ["ingest", "filter", "integrate", "identify", "parameter-solve", "simulate", "report"];
+pub(crate) const STAGES: [&str; 7] =
+    ["ingest", "filter", "integrate", "identify", "parameter-solve", "simulate", "report"];
 
 /// Position of a stage in the pipeline; programs from elsewhere come last.
-pub fn stage_order(stage: Option<&str>) -> usize {
+pub(crate) fn stage_order(stage: Option<&str>) -> usize {
     stage.and_then(|name| STAGES.iter().position(|s| *s == name)).unwrap_or(STAGES.len())
 }
 
 /// The binary that writes a topic, e.g. `/events` -> `crumple-integrate`.
-pub fn writer_of(topic: &str) -> &'static str {
+pub(crate) fn writer_of(topic: &str) -> &'static str {
     const WRITERS: [(&str, &str); 19] = [
         ("/test", "crumple-ingest"),
         ("/quality/", "crumple-ingest"),

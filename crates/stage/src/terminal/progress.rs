@@ -1,7 +1,7 @@
 //! Progress of work that takes over a second: a bar on a terminal, log lines elsewhere.
 
 use std::fs;
-use std::io::{self, IsTerminal, Read};
+use std::io::{self, IsTerminal};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -48,11 +48,6 @@ impl Progress {
         Self::new(format!("reading {name}"), fs::metadata(path).map_or(0, |m| m.len()))
     }
 
-    /// A reader whose bytes count.
-    pub fn watch<R: Read>(self, inner: R) -> Watched<R> {
-        Watched { inner, progress: self }
-    }
-
     /// Says that `amount` more of the total is done.
     pub fn advance(&mut self, amount: u64) {
         self.done += amount;
@@ -72,21 +67,6 @@ impl Progress {
             self.last_line = Some(Instant::now());
             say(format_args!("{}: {} %", self.what, 100 * self.done / self.total.max(1)));
         }
-    }
-}
-
-/// A reader that shows its progress.
-#[derive(Debug)]
-pub struct Watched<R> {
-    inner: R,
-    progress: Progress,
-}
-
-impl<R: Read> Read for Watched<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let read = self.inner.read(buffer)?;
-        self.progress.advance(read as u64);
-        Ok(read)
     }
 }
 

@@ -20,7 +20,7 @@ const VALUES_BEYOND: usize = 8;
 pub enum Order {
     /// As given.
     Given(usize),
-    /// By the largest gap between singular values, see [`order_by_gap`].
+    /// By the largest gap between singular values, see [`GapOrder`].
     Automatic,
 }
 

@@ -20,7 +20,7 @@ pub struct GapOrder {
 /// the gap is twelve decades, and for a few modes in weak noise. A crash pulse has no true order: its singular values
 /// fall smoothly, the largest gap is often the first one or two, and the ratio (say below 3) tells how little it
 /// means. `None` with fewer than two values.
-pub fn order_by_gap(values: &[f64], max_order: usize) -> Option<GapOrder> {
+pub(crate) fn order_by_gap(values: &[f64], max_order: usize) -> Option<GapOrder> {
     let largest = *values.first().filter(|s| **s > 0.0)?;
     let noise_level = median(values.get(max_order..).unwrap_or_default());
     let floor = ROUNDING * largest;

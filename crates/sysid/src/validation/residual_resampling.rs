@@ -31,7 +31,7 @@ impl Resampling {
 /// Residuals prepared for drawing: mean removed, and enlarged by `sqrt(N/(N - p))` for the parameters that the fit
 /// took.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ResidualNoise {
+pub(crate) struct ResidualNoise {
     residual: Vec<f64>,
     kind: Kind,
     seed: u64,
@@ -72,6 +72,7 @@ impl ResidualNoise {
     /// Block length: `(sqrt 6 rho/(1 - rho²))^(2/3) N^(1/3)`, the best for a first-order autoregression of the
     /// residuals' autocorrelation time `(1 + rho)/(1 - rho)` (Carlstein, Ann. Stat. 14, 1986), at most a quarter of the
     /// record. Order of the autoregression: by Akaike's criterion up to `10 log10 N` (Yule-Walker).
+    #[cfg(test)]
     pub fn new(residual: &[f64], parameters: usize, resampling: Resampling, seed: u64) -> Self {
         let residual = prepared(residual, parameters);
         let kind = match resampling {

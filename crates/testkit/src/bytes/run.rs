@@ -41,7 +41,7 @@ impl std::error::Error for BytesError {}
 /// Digests by file.
 type Lines = BTreeMap<String, Digests>;
 
-/// Runs every case with the programs of the folder `bin`, in `folder`, which is made anew and removed, and returns the
+/// Runs every case with the programs of the folder `bin`, in `folder`, which is made empty and removed, and returns the
 /// sorted list: digest of the whole file, of its content, of its masked content, its name.
 ///
 /// # Errors

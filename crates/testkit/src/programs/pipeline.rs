@@ -52,8 +52,8 @@ pub fn code_and_error(command: &mut Command) -> (i32, String) {
 
 /// A number inside a JSON value by a path of keys, e.g. `["events", "dynamic_crush_m"]`.
 pub fn number(value: &serde_json::Value, path: &[&str]) -> f64 {
-    let found = path.iter().fold(value, |v, key| &v[*key]);
-    found.as_f64().unwrap_or_else(|| panic!("{path:?} is {found}, a number is needed"))
+    let number = path.iter().fold(value, |v, key| &v[*key]);
+    number.as_f64().unwrap_or_else(|| panic!("{path:?} is {number}, a number is needed"))
 }
 
 /// The names of a run folder's artifacts in order.

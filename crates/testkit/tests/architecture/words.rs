@@ -133,16 +133,20 @@ fn types(source: &Source) -> Vec<(String, usize, bool)> {
     types
 }
 
+/// What to do about a banned name.
+const ADVICE: &str = "name the thing in the field's words: assessment, covariance, test data, redundant sensors ...; \
+                      docs/adr/0004-rooms.md";
+
 /// Rule 8: names of files, folders and types.
 fn check_names(source: &Source) -> Vec<Violation> {
     let mut violations = Vec::new();
     let inside = source.path.split_once("/src/").map_or("", |(_, inside)| inside).trim_end_matches(".rs");
     for name in inside.split('/').filter(|name| is_banned(name)) {
-        let message = format!("the name {name} says nothing to a stranger: take the field's word (style.md, Words)");
+        let message = format!("the name {name} says nothing to a stranger: {ADVICE}");
         violations.push(Violation::of_file(8, source, 1, message));
     }
     for (name, line, _) in types(source).into_iter().filter(|(name, ..)| is_banned(name)) {
-        let message = format!("the type {name} says nothing to a stranger: take the field's word (style.md, Words)");
+        let message = format!("the type {name} says nothing to a stranger: {ADVICE}");
         violations.push(Violation { rule: 8, subject: format!("{}::{name}", source.path), line, message });
     }
     violations

@@ -53,7 +53,7 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
     let held = if velocity(input_output, &answer, source.inputs)?.is_some() { 2 } else { 1 };
     let start = conditions(held, input_output, &answer, source.inputs)?;
     let remark = format!(
-        "beside the paper's curve fit: the sum may oscillate, and holds {} of the record at the start",
+        "beside the paper's curve fit: the sum may oscillate, and is constrained to {} of the record at the start",
         CONDITIONS[..held].join(" and ")
     );
     let by_stage = SumTask { id, options: options(false, start), remarks: vec![remark], paper: None };

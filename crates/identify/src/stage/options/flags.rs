@@ -170,7 +170,7 @@ pub struct Options {
     /// Seed of that noise. Default: 1.
     #[arg(long)]
     pub bootstrap_seed: Option<u32>,
-    /// Identify from the samples before this time only, and tell how well the model foretells the rest, e.g. 100ms: run
+    /// Identify from the samples before this time only, and tell how well the model predicts the rest, e.g. 100ms: run
     /// on from its own state, and with the initial state fitted to the rest.
     /// Default: no validation.
     #[arg(long)]

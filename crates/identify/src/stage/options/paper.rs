@@ -13,10 +13,10 @@ pub const ERA_RUNS: [(Order, usize); 4] =
 pub const CURVE_FIT_REMARKS: [&str; 3] = [
     "paper curve-fit: equation 16 of the ERA paper as printed: four real exponentials, free at the start, fitted to \
      the displacement; its program and starting values are not printed, this is the best of many starts",
-    "paper curve-fit: nothing holds the position and the impact speed at the start: the printed sum starts at -0.05 m \
-     with 20.2 m/s, of a car of 9.7 m/s",
+    "paper curve-fit: nothing constrains the position and the impact speed at the start: the printed sum starts at \
+     -0.05 m with 20.2 m/s, of a car of 9.7 m/s",
     "paper curve-fit: a record does not determine eight numbers of four nearly equal exponents (condition number of \
-     the printed ones 2e11); exponentials-4 beside it holds the start and may oscillate",
+     the printed ones 2e11); exponentials-4 beside it is constrained at the start and may oscillate",
 ];
 
 /// Whether the exponentials of a run with this paper are its curve fit.

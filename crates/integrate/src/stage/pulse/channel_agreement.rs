@@ -24,10 +24,10 @@ impl<'a> ChannelAgreement<'a> {
     }
 
     /// Notes how far another channel is from the pulse, and takes it into the spread if both are of the compartment.
-    pub fn compare(&mut self, other: &Channel, of: &Integrated, notes: &mut Notes) {
+    pub fn compare(&mut self, other: &Channel, integrated: &Integrated, notes: &mut Notes) {
         let Some(outside) = [self.channel, other].into_iter().find(|channel| !is_of_compartment(channel)) else {
-            self.others.push((other.id.clone(), of.metrics.clone()));
-            return self.note_gaps(other, of, notes);
+            self.others.push((other.id.clone(), integrated.metrics.clone()));
+            return self.note_gaps(other, integrated, notes);
         };
         notes.info(format!(
             "channel {} is not in the spread: channel {} is failed or not of the compartment",
@@ -36,16 +36,16 @@ impl<'a> ChannelAgreement<'a> {
     }
 
     /// Whether another channel shows the motion of the pulse: its crush within 5 %, on a grid that can be compared.
-    pub fn agrees(&self, of: &Integrated) -> bool {
+    pub fn agrees(&self, integrated: &Integrated) -> bool {
         let Some(crush) = self.pulse.events.crush else { return true };
-        agreement(motion(self.pulse), motion(of), self.time_zero_s + crush.time_s)
+        agreement(motion(self.pulse), motion(integrated), self.time_zero_s + crush.time_s)
             .is_ok_and(|gaps| gaps.may_be_averaged())
     }
 
-    fn note_gaps(&self, other: &Channel, of: &Integrated, notes: &mut Notes) {
+    fn note_gaps(&self, other: &Channel, integrated: &Integrated, notes: &mut Notes) {
         let Some(crush) = self.pulse.events.crush else { return };
         let id = format!("channel {} against {}", other.id, self.channel.id);
-        let Ok(gaps) = agreement(motion(self.pulse), motion(of), self.time_zero_s + crush.time_s) else {
+        let Ok(gaps) = agreement(motion(self.pulse), motion(integrated), self.time_zero_s + crush.time_s) else {
             return notes.info(format!("{id}: on another time grid, not compared sample by sample"));
         };
         let none = || "none".to_owned();
@@ -74,8 +74,8 @@ impl<'a> ChannelAgreement<'a> {
         }
         let ids: Vec<&str> = std::iter::once(channel.id.as_str()).chain(others.iter().map(|(id, _)| &id[..])).collect();
         let crushes = || {
-            let of = std::iter::once(&pulse.metrics).chain(others.iter().map(|(_, metrics)| metrics));
-            ids.iter().zip(of).filter_map(|(id, metrics)| {
+            let of_all = std::iter::once(&pulse.metrics).chain(others.iter().map(|(_, metrics)| metrics));
+            ids.iter().zip(of_all).filter_map(|(id, metrics)| {
                 Some((*id, metrics.iter().find(|metric| metric.id == definitions::DYNAMIC_CRUSH.id)?.value?))
             })
         };
@@ -106,10 +106,10 @@ impl<'a> ChannelAgreement<'a> {
     }
 }
 
-fn motion(of: &Integrated) -> ChannelMotion<'_> {
+fn motion(integrated: &Integrated) -> ChannelMotion<'_> {
     ChannelMotion {
-        acceleration: &of.motion.acceleration,
-        velocity: &of.motion.velocity,
-        dynamic_crush_m: of.events.crush.map(|crush| crush.displacement_m),
+        acceleration: &integrated.motion.acceleration,
+        velocity: &integrated.motion.velocity,
+        dynamic_crush_m: integrated.events.crush.map(|crush| crush.displacement_m),
     }
 }

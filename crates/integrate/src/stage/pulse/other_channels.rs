@@ -64,7 +64,7 @@ const SHOWN: usize = 12;
 /// The ids that a name, a code or a pattern means, given under an option. A pattern leaves out what cannot be
 /// integrated: other quantities, and channels that are not in the inputs.
 pub fn channels_named(test: &TestDescription, name: &str, key: &str, input: &Inputs) -> anyhow::Result<Vec<String>> {
-    let all = test.channels_meant(name);
+    let all = test.resolve_channels(name);
     if all.is_empty() {
         let usable_here =
             |channel: &&Channel| channel.quantity == QuantityKind::Acceleration && input.wave_if(&channel.id).is_some();

@@ -56,18 +56,18 @@ pub fn events_record(
 }
 
 /// The metrics of a channel, and the drift taken out of it.
-pub fn metric_records(channel: &str, of: &Integrated, time_zero_s: f64) -> Vec<MetricV1> {
+pub fn metric_records(channel: &str, integrated: &Integrated, time_zero_s: f64) -> Vec<MetricV1> {
     let record_of = |(k, metric): (usize, &Metric)| {
         let mut record = metric_record(channel, metric);
         // A check of the arithmetic has no interval, and a missing value none to give a reason for.
         if metric.value.is_some() && metric.interval.is_none() && metric.id != definitions::CLOSURE.id {
-            record.interval_by = of.metrics_without.get(k).cloned().flatten();
+            record.interval_by = integrated.metrics_without.get(k).cloned().flatten();
         }
         record
     };
-    let mut records: Vec<MetricV1> = of.metrics.iter().enumerate().map(record_of).collect();
-    if let Some(drift) = of.drift {
-        let from_s = of.motion.velocity.t0_s() - time_zero_s;
+    let mut records: Vec<MetricV1> = integrated.metrics.iter().enumerate().map(record_of).collect();
+    if let Some(drift) = integrated.drift {
+        let from_s = integrated.motion.velocity.t0_s() - time_zero_s;
         let metric = Metric::with_value(&definitions::DRIFT, drift.acceleration_m_per_s2)
             .over(from_s, drift.time_s - time_zero_s)
             .remarked(&format!("{}, met at {:.6} s of the record", drift.shape.name(), drift.time_s));

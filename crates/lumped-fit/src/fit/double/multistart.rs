@@ -4,14 +4,11 @@ use crumple_linalg::jacobi_svd;
 use nalgebra::{DMatrix, Matrix4, Vector4};
 use rayon::prelude::*;
 
+use crate::fit::descents::{REPORTED, SCREENING_ITERATIONS};
 use crate::fit::double::residuals::DoubleResiduals;
 use crate::fit::halton_starts::start;
 use crumple_estimation::minimise::levenberg_marquardt_4::{Minimum, Settings, minimise};
 
-/// Minima kept.
-pub(crate) const REPORTED: usize = 3;
-/// Iterations that sort starts into hopeful and hopeless.
-const SCREENING_ITERATIONS: u32 = 24;
 /// So many of the best starts are followed to convergence.
 const FOLLOWED: usize = 4;
 /// Steps along the weakest direction that a minimum is left by, in logarithms.

@@ -13,7 +13,8 @@ use nalgebra::{DMatrix, Matrix4, Vector4};
 use rayon::prelude::*;
 
 use crate::error::positive;
-use crate::fit::double::multistart::{REPORTED, distinct, search};
+use crate::fit::descents::{REPORTED, SEARCH_SAMPLES};
+use crate::fit::double::multistart::{distinct, search};
 use crate::fit::double::residuals::DoubleResiduals;
 use crate::free::search_bounds::{DAMPER_BOUNDS, DAMPER_STARTS, SPRING_BOUNDS, SPRING_STARTS};
 use crate::record::window::Window;
@@ -58,9 +59,6 @@ pub struct DoubleFit {
     /// Uncertainty of each model's parameters; `None` if every parameter stands on a bound.
     pub uncertainty: [Option<Uncertainty>; 2],
 }
-
-/// Samples that the search runs on; its results are followed on all samples of the window.
-const SEARCH_SAMPLES: usize = 64;
 
 /// Fits `k1, k2, c1, c2 > 0` to the compartment's displacement by least squares.
 ///

@@ -1,6 +1,6 @@
 //! Any model fitted to any sensors: search, descent, noise levels.
 
-use crate::fit::descents::{all, bounds, distinct};
+use crate::fit::descents::{SCREENING_ITERATIONS, SEARCH_SAMPLES, all, bounds, distinct};
 use crumple_linalg::jacobi_svd;
 
 use crate::fit::halton_starts::start_in;
@@ -9,10 +9,6 @@ use crate::free::parameterisation::Parameterisation;
 use crumple_estimation::minimise::l_shade::{LShadeOptions, LShadeStop, l_shade};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response};
 
-/// Samples of each sensor that the search runs on.
-const SEARCH_SAMPLES: usize = 64;
-/// Iterations after which starts are compared.
-const SCREENING_ITERATIONS: u32 = 24;
 /// Starts that are followed to convergence after that.
 const FOLLOWED: usize = 4;
 /// Steps along the weakest direction, in the coordinates, from which a descent starts once more.
@@ -151,14 +147,14 @@ fn hop(problem: &SensorProblem<'_, impl Parameterisation>, mut minima: Vec<Optim
 }
 
 /// The unit vector in the coordinates that changes the residuals least, among those not fixed at a bound.
-fn weakest_direction(of: &Optimum) -> Option<Vec<f64>> {
-    let free: Vec<usize> = (0..of.theta.len()).filter(|&i| !of.on_bound[i]).collect();
+fn weakest_direction(optimum: &Optimum) -> Option<Vec<f64>> {
+    let free: Vec<usize> = (0..optimum.theta.len()).filter(|&i| !optimum.on_bound[i]).collect();
     if free.is_empty() {
         return None;
     }
-    let columns = of.r.select_columns(&free);
+    let columns = optimum.r.select_columns(&free);
     let svd = jacobi_svd(&columns)?;
-    let mut direction = vec![0.0; of.theta.len()];
+    let mut direction = vec![0.0; optimum.theta.len()];
     for (k, &i) in free.iter().enumerate() {
         direction[i] = svd.right[(k, free.len() - 1)];
     }

@@ -139,7 +139,7 @@ pub fn assess_all(
                 let chosen =
                     if model.release { "leaves the barrier at rebound" } else { "stays attached and swings on" };
                 candidate.notes.push(CandidateNote::info(format!(
-                    "the model {chosen}: fits the record up to rebound better than the other way"
+                    "the model {chosen}: fits the record up to rebound better than the alternative"
                 )));
             }
         }
@@ -363,7 +363,7 @@ impl Assessor<'_> {
         if !flags.is_empty() && !elsewhere.is_empty() {
             out.notes().info(format!(
                 "{} not computed for {}: profile and bootstrap start at the minimum of a fit through the filter, and \
-                 these values are not there",
+                 these values are not that minimum",
                 flags.join(" and "),
                 elsewhere.join(", ")
             ));

@@ -10,8 +10,8 @@ pub const WEIGHINGS: usize = 4;
 const WORTH_ANOTHER: f64 = 0.01;
 
 /// Weighs the waves by the root mean square misfit of each; whether that changed anything.
-pub fn weigh(observed: &mut Observation, found: &Refined) -> bool {
-    observed.weigh(&observed.rmse(&found.misfit_m), WORTH_ANOTHER)
+pub fn weigh(observed: &mut Observation, refined: &Refined) -> bool {
+    observed.weigh(&observed.rmse(&refined.misfit_m), WORTH_ANOTHER)
 }
 
 /// A damper of a chain below this share of `M/T`, of the mass and the window of a fit, stands for none: the least that

@@ -1,4 +1,4 @@
-//! The verdict on a candidate, as the artifact and a person get it.
+//! The uncertainty of a candidate, as a record and in words.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -80,7 +80,7 @@ pub fn bootstrap_record<N: Display + Ord>(bootstrap: &BlockBootstrap<N>) -> Repl
 /// What uncertain inputs do to parameters of any name; `repeated`: a fit or a closed form.
 pub fn propagation_record<N: Display + Ord>(propagation: &Propagation<N>, repeated: &str) -> ReplicatesV1 {
     ReplicatesV1 {
-        method: format!("{repeated} repeated with mass, impact speed, zero level and time zero drawn anew"),
+        method: format!("{repeated} repeated with mass, impact speed, zero level and time zero drawn again"),
         replicates: propagation.repetitions as u64,
         coverage: 0.9,
         low: propagation.interval_90.iter().map(|(name, (low, _))| (name.to_string(), *low)).collect(),

@@ -9,9 +9,10 @@ use crate::drawing::figure::{
 };
 use crate::drawing::shown_at_first::at_first;
 use crate::drawing::time_view::time_view_ms;
+use crate::results::ranking::pairs_of_equals;
 use crate::text::escape::html;
 use crate::text::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name, decimals};
-use crate::{CandidateResult, Ranking, Run, pairs_of_equals};
+use crate::{CandidateResult, Ranking, Run};
 
 /// Candidates that are shown at first; the others wait in the legend.
 const SHOWN: usize = 4;

@@ -50,7 +50,7 @@ impl ReportTable {
 }
 
 /// A line as far as the search for tables needs it.
-struct Seen<'a> {
+struct NumberedLine<'a> {
     bytes: &'a [u8],
     number: usize,
 }
@@ -61,7 +61,7 @@ pub fn report_tables(text: &[u8], file: &str) -> Result<Vec<ReportTable>, Ingest
     let (mut offset, mut number) = (0, 1);
     while offset < text.len() {
         let (line, next) = line_at(text, offset, number, file)?;
-        lines.push(Seen { bytes: line.bytes, number });
+        lines.push(NumberedLine { bytes: line.bytes, number });
         (offset, number) = (next, number + 1);
     }
     let mut sections = Vec::new();
@@ -170,7 +170,7 @@ struct Column {
 }
 
 fn report_table(
-    lines: &[Seen<'_>],
+    lines: &[NumberedLine<'_>],
     header: usize,
     rows: std::ops::Range<usize>,
     delimiter: u8,
@@ -321,7 +321,7 @@ fn finer_of_two_units(
 
 /// Lines at their numbers: comments stay, names and rows are those of `columns`, all else is empty.
 fn plain_text(
-    lines: &[Seen<'_>],
+    lines: &[NumberedLine<'_>],
     header: usize,
     rows: std::ops::Range<usize>,
     delimiter: u8,
