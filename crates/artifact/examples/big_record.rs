@@ -1,5 +1,5 @@
 //! Writes an artifact as ingest would, with one channel of as many samples as asked for, to measure memory and time:
-//! `cargo run --release -p crumple-artifact --example big_record -- 100000000 /tmp/1-ingest.mcap`.
+//! `cargo run --release -p crumple-artifact --example big_record -- 100000000 1-ingest.mcap`.
 
 use std::path::Path;
 
