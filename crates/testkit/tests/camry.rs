@@ -23,7 +23,7 @@ const FAMILIES: [&str; 7] = [
 fn summary(record: &Path, flags: &str) -> Value {
     let folder = tempfile::tempdir().unwrap();
     let binary = crumple_testkit::pipeline::binary("crumple-parameter-solve");
-    let stage = format!("parameter_solve={} {flags}", binary.display());
+    let stage = format!("parameter_solve='{}' {flags}", binary.display());
     summary_of(&["pipeline=two-sensors", "flags=-q", &stage], folder.path(), record, &[])
 }
 

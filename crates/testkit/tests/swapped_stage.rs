@@ -11,7 +11,7 @@ fn a_python_program_that_writes_json_serves_as_identify() {
     assert!(python.exists(), "{} is missing: run scripts/setup.sh test", python.display());
     let script = workspace().join("docs/examples/identify.py");
     let folder = tempfile::tempdir().unwrap();
-    let variable = format!("identify={} {}", python.display(), script.display());
+    let variable = format!("identify='{}' '{}'", python.display(), script.display());
     let summary = summary_of(&[&variable], folder.path(), &workspace().join("fixtures/kelvin/crash.csv"), &[]);
     let models = summary["models"].as_array().unwrap();
     assert_eq!(models.len(), 1, "{models:?}");
