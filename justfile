@@ -104,7 +104,7 @@ golden: build
     done
 
 # The simulated waveforms are the bulk; one fixture keeps them, the others their figures in summary.json.
-# Writes the committed results of the fixtures anew. Say in CHANGELOG.md why the numbers changed.
+# Writes the committed results of the fixtures again. Say in CHANGELOG.md why the numbers changed.
 [group('development')]
 golden-update: build
     @for fixture in fixtures/*/; do \
@@ -150,7 +150,7 @@ shell-files: build
         done; \
     done
 
-# Makes the fixtures anew.
+# Writes the fixtures again.
 [group('development')]
 fixtures:
     cargo run --quiet --release --package crumple-testkit --bin make-fixtures -- fixtures

@@ -1,6 +1,6 @@
 //! Coefficients of a transfer function: numbers of different units in one list.
 //!
-//! A coefficient's rounding error is judged by what it does to the value of the polynomial near its roots: with roots
+//! A coefficient's rounding error is measured by its effect on the value of the polynomial near its roots: with roots
 //! of modulus w, `c_p s^p` is compared with the largest of all `|c_q| w^q`.
 
 use serde_json::{Map, Value};

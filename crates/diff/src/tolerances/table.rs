@@ -68,7 +68,7 @@ const COMPUTATION: [Row; 17] = [
     // Models whose criteria are less than 2 apart are equally supported (Burnham and Anderson 2002, section 2.6).
     ("/simulation/*", "aicc", tolerance(0.2, 0.0)),
     ("/simulation/*", "*", tolerance(1e-6, 1e-5)),
-    // The report's summary repeats all of the above; each number is judged where it comes from.
+    // The report's summary repeats all of the above; each number is compared where it comes from.
     ("summary.json", "candidates*uncertainty*", tolerance(0.0, 0.1)),
     ("summary.json", "candidates*effective_samples", tolerance(0.0, 0.1)),
     ("summary.json", "candidates*aicc", tolerance(0.2, 0.0)),

@@ -180,7 +180,7 @@ fn shifted(wave: &ObservedWave, v0: f64, errors: &Errors, bias: f64) -> Observed
     ObservedWave { measurement: Measurement { first_s: m.first_s - late, ..m }, first, samples, ..wave.clone() }
 }
 
-/// Repeats the fit of `model` with inputs drawn anew, each from the values found, and reads the percentiles.
+/// Repeats the fit of `model` with inputs drawn again, each from the values found, and reads the percentiles.
 ///
 /// Springs and dampers are proportional to the mass, since a displacement knows only their ratio to it. Without a fit
 /// the repetition is left out and not counted. `mass_kg`: the mass that `inputs` speak of. `None` with fewer than 20

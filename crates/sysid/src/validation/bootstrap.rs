@@ -167,7 +167,7 @@ pub fn bootstrap_outputs(
     })
 }
 
-/// The same for a regression: its equation errors are drawn anew, and `record` makes of them the output that the model
+/// The same for a regression: its equation errors are drawn again, and `record` makes of them the output that the model
 /// would have had with them.
 ///
 /// Noise added to the output instead would correlate the regressors with the errors of the equation, and the replicates

@@ -47,10 +47,10 @@ impl CandidateV1 {
     /// Parameters that were asked of the record: those of which a deviation, an interval or a bound is known.
     pub fn asked(&self) -> impl Iterator<Item = &str> {
         self.parameters.keys().map(String::as_str).filter(|name| {
-            let judged =
+            let has_interval =
                 |u: &UncertaintyV1| u.standard_deviation.contains_key(*name) || u.interval_low.contains_key(*name);
-            let held = |fit: &FitV1| fit.active_bounds.iter().any(|bound| bound == name);
-            self.uncertainty.as_ref().is_some_and(judged) || self.fit.as_ref().is_some_and(held)
+            let is_at_bound = |fit: &FitV1| fit.active_bounds.iter().any(|bound| bound == name);
+            self.uncertainty.as_ref().is_some_and(has_interval) || self.fit.as_ref().is_some_and(is_at_bound)
         })
     }
 

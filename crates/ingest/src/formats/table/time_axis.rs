@@ -142,7 +142,7 @@ fn order(place: Place, named: bool, before: f64, now: f64, line_before: usize) -
     IngestError::content(place, found, "times that increase from row to row", hint)
 }
 
-/// The factor of the time unit to s: flag, header, comment, else judged from the interval.
+/// The factor of the time unit to s: flag, header, comment, else taken from the interval.
 fn unit(
     file: &str,
     title: &str,
