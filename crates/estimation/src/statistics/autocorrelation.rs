@@ -4,7 +4,7 @@
 //! this file (Geyer). Criteria of linear models count `N (1 - r)/(1 + r)` with the lag-1 autocorrelation, right for a
 //! first-order autoregression: [`autoregressive_effective_samples`](super::autoregressive_effective_samples).
 
-use realfft::RealFftPlanner;
+use crumple_linalg::real_transform;
 
 /// Lag-1 autocorrelation of residuals, within 0 and 0.999 999; 0 for residuals that do not vary.
 ///
@@ -64,8 +64,8 @@ const DIRECT_UP_TO: usize = 20_000;
 /// behind the residuals so that nothing comes around. Rounding: some 1e-16 of the power.
 fn all_lags(residuals: &[f64]) -> Vec<f64> {
     let length = (2 * residuals.len()).next_power_of_two();
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
+    let plan = real_transform(length);
+    let (forward, inverse) = (plan.forward, plan.inverse);
     let mut padded = residuals.to_vec();
     padded.resize(length, 0.0);
     let mut spectrum = forward.make_output_vec();

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use realfft::num_complex::Complex64;
+use crumple_linalg::Complex64;
 
 use crate::FilterError;
 use crate::butterworth::pass::{Butterworth, HIGHEST_ORDER, Pass, Phase};

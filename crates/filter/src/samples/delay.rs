@@ -1,8 +1,7 @@
 //! The delay between two channels, by the maximum of their correlation.
 
+use crumple_linalg::{Complex64, RealTransform, real_transform};
 use crumple_signal::Sampled;
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex64;
 
 use crate::FilterError;
 
@@ -44,8 +43,7 @@ pub fn delay(channel: &Sampled, reference: &Sampled, longest_s: f64) -> Result<D
         return Err(FilterError::NothingToAlign);
     }
     let n = (channel.len() + reference.len()).next_power_of_two();
-    let mut planner = RealFftPlanner::<f64>::new();
-    let forward = planner.plan_fft_forward(n);
+    let RealTransform { forward, inverse } = real_transform(n);
     let spectrum = |s: &Sampled| {
         let mut padded = s.samples().to_vec();
         padded.resize(n, 0.0);
@@ -57,11 +55,8 @@ pub fn delay(channel: &Sampled, reference: &Sampled, longest_s: f64) -> Result<D
         *x = x.conj() * y;
     }
 
-    let mut correlation = planner.plan_fft_inverse(n).make_output_vec();
-    planner
-        .plan_fft_inverse(n)
-        .process(&mut cross.clone(), &mut correlation)
-        .map_err(|_| FilterError::NothingToAlign)?;
+    let mut correlation = inverse.make_output_vec();
+    inverse.process(&mut cross.clone(), &mut correlation).map_err(|_| FilterError::NothingToAlign)?;
     // Lags are between indices; the records' starts may differ.
     let offset_s = channel.t0_s() - reference.t0_s();
     let half = (n / 2).cast_signed() - 1;

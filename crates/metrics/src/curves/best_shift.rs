@@ -4,7 +4,7 @@
 //! that is a sum of products for every shift, N² in all; a transform gives all sums at once but with rounding that may
 //! exchange two near shifts. Here the transform only narrows the choice, the definition decides.
 
-use realfft::RealFftPlanner;
+use crumple_linalg::real_transform;
 
 /// What is maximised over the shifts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -167,8 +167,8 @@ impl Sums {
 /// `Σ x[i]·y[i + late]` for every shift up to `longest`, by the transform. `None` if the transform refuses.
 fn cross_products(x: &[f64], y: &[f64], longest: usize) -> Option<impl Fn(isize) -> f64 + use<>> {
     let length = (x.len() + longest).next_power_of_two().max(2);
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, backward) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
+    let plan = real_transform(length);
+    let (forward, backward) = (plan.forward, plan.inverse);
     let transform = |x: &[f64]| {
         let (mut time, mut frequency) = (vec![0.0; length], forward.make_output_vec());
         time[..x.len()].copy_from_slice(x);

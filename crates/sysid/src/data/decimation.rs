@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use realfft::RealFftPlanner;
+use crumple_linalg::real_transform;
 
 use crate::{IdentifyError, IoData};
 
@@ -22,8 +22,7 @@ const HALF_LENGTH: usize = 3;
 /// window) reaches 1 % of the largest. Noise that broad is not told from a signal: a white one keeps every sample.
 pub fn automatic_thinning(data: &IoData, needed: usize) -> usize {
     let samples = data.samples();
-    let mut planner = RealFftPlanner::<f64>::new();
-    let transform = planner.plan_fft_forward(samples);
+    let transform = real_transform(samples).forward;
     let mut highest = 0;
     for signal in data.inputs().iter().chain(data.outputs()) {
         let mut windowed = detrended(signal);

@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
+use crumple_linalg::{Complex64, ComplexToReal, RealToComplex, RealTransform, real_transform};
 use nalgebra::DMatrix;
-use realfft::num_complex::Complex;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
 use crate::hankel::shift_pair::{Shift, ShiftPair};
 
@@ -27,13 +26,13 @@ pub(crate) struct Hankel<'a> {
     forward: Arc<dyn RealToComplex<f64>>,
     inverse: Arc<dyn ComplexToReal<f64>>,
     /// Of every sequence.
-    spectra: Vec<Vec<Complex<f64>>>,
+    spectra: Vec<Vec<Complex64>>,
     time: Vec<f64>,
     /// Transform of the part of the factor that belongs to each input (output, for the transposed product).
-    factors: Vec<Vec<Complex<f64>>>,
-    frequency: Vec<Complex<f64>>,
-    forward_scratch: Vec<Complex<f64>>,
-    inverse_scratch: Vec<Complex<f64>>,
+    factors: Vec<Vec<Complex64>>,
+    frequency: Vec<Complex64>,
+    forward_scratch: Vec<Complex64>,
+    inverse_scratch: Vec<Complex64>,
 }
 
 impl<'a> Hankel<'a> {
@@ -47,9 +46,7 @@ impl<'a> Hankel<'a> {
         );
         let outputs = y.len() / inputs;
         let length = fast_length(values);
-        let mut planner = RealFftPlanner::new();
-        let forward = planner.plan_fft_forward(length);
-        let inverse = planner.plan_fft_inverse(length);
+        let RealTransform { forward, inverse } = real_transform(length);
         let mut hankel = Self {
             outputs,
             inputs,
@@ -159,8 +156,8 @@ fn transform(
     plan: &Arc<dyn RealToComplex<f64>>,
     time: &mut [f64],
     length: usize,
-    out: &mut [Complex<f64>],
-    scratch: &mut [Complex<f64>],
+    out: &mut [Complex64],
+    scratch: &mut [Complex64],
 ) {
     time[length..].fill(0.0);
     // The lengths come from the plan itself, the only thing the transform can object to.
