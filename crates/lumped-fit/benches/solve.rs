@@ -6,11 +6,12 @@
 
 use std::hint::black_box;
 
-use crumple_lumped::{CoefficientMatching, Model, Reading};
+use crumple_lumped::{CoefficientMatching, Model, ModelKind, Reading};
 use crumple_lumped_fit::{
-    FireflyOptions, FireflyUnits, SingleMassFitOptions, firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2,
+    FireflyOptions, FireflyUnits, SingleMassFitOptions, SolveSettings, TestData, firefly_nonlinear2, fit_nonlinear1,
+    search_nonlinear2, solve,
 };
-use crumple_signal::Signal;
+use crumple_signal::{Notes, Signal};
 use crumple_testkit::stopwatch::best_us;
 use crumple_testkit::table_5;
 
@@ -45,13 +46,26 @@ fn main() {
         samples: 250,
     };
     time("nonlinear II, all ten parameters to 1e-6, default method", "200000", || {
-        black_box(fit_nonlinear2(&x, &options).unwrap());
+        black_box(search_nonlinear2(&x, &options).unwrap());
     });
     time("nonlinear I with side constraints, a record it does not meet", "-", || {
         black_box(fit_nonlinear1(&x, &options, true).unwrap());
     });
+    let test = TestData {
+        mass_kg: 873.0,
+        impact_speed_m_per_s: 9.7222,
+        time_of_dynamic_crush_s: None,
+        dynamic_crush_m: None,
+        coefficient_of_restitution: None,
+        time_zero_s: 0.0,
+        time_of_rebound_s: None,
+        displacement: Some(&x),
+        measurement: None,
+        sensors: &[],
+    };
+    let settings = SolveSettings { models: vec![ModelKind::Maxwell], ..SolveSettings::default() };
     time("maxwell", "-", || {
-        black_box(fit_maxwell(&x, &options).unwrap());
+        black_box(solve(&test, &settings, &mut Notes::new()).unwrap());
     });
     // Errors over 20 seeds, 20,000 evaluations each.
     for (name, units) in [("as printed", FireflyUnits::Physical), ("in the unit box", FireflyUnits::Unit)] {
@@ -65,6 +79,6 @@ fn main() {
         errors.sort_by(f64::total_cmp);
         println!("firefly {name}: median {:.2} mm, {:.2} to {:.2} mm over 20 seeds", errors[10], errors[0], errors[19]);
     }
-    let (_, fit, _) = fit_nonlinear2(&x, &options).unwrap();
+    let (_, fit) = search_nonlinear2(&x, &options).unwrap();
     println!("default method: {:.1e} mm, {} evaluations", 1e3 * fit.rmse, fit.evaluations);
 }

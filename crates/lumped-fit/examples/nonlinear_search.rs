@@ -7,7 +7,7 @@ use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Respons
 use crumple_lumped::{Instants, Model, ModelKind, Nonlinear2};
 use crumple_lumped_fit::{
     FireflyOptions, FireflyUnits, LShadeOptions, Method, SingleMassFitOptions, SolveSettings, TestData,
-    firefly_nonlinear2, fit_nonlinear2, solve,
+    firefly_nonlinear2, search_nonlinear2, solve,
 };
 use crumple_signal::{Displacement, Notes, Signal};
 use crumple_testkit::table_5;
@@ -104,10 +104,11 @@ fn rows(truth: &Model) -> anyhow::Result<Vec<Row>> {
         time_of_rebound_s: None,
         time_zero_s: 0.0,
         displacement: Some(&x),
+        measurement: None,
         sensors: &[],
     };
     let mut rows = Vec::new();
-    let (_, fit, _) = fit_nonlinear2(&x, &options)?;
+    let (_, fit) = search_nonlinear2(&x, &options)?;
     rows.push(Row {
         name: "`direct-fit` (default)",
         evaluations: vec![fit.evaluations],

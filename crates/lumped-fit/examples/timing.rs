@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use crumple_lumped::{DoubleSpringMassDamper, Model};
-use crumple_lumped_fit::{DoubleFitOptions, fit_double};
-use crumple_signal::{Displacement, Signal};
+use crumple_lumped::{DoubleSpringMassDamper, Model, ModelKind};
+use crumple_lumped_fit::{MassSplit, SolveSettings, TestData, solve};
+use crumple_signal::{Displacement, Notes, Signal};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = DoubleSpringMassDamper {
@@ -19,27 +19,37 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let lumped = Model::DoubleSpringMassDamper(model);
     let response = best(20, || lumped.respond(v0, dt, 2001))?;
     best(20, || lumped.events(v0))?;
-    let options = DoubleFitOptions {
-        m1_kg: 375.0,
-        m2_kg: 1125.0,
-        impact_speed_m_per_s: v0,
-        time_zero_s: 0.0,
-        from_s: 0.0,
-        to_s: lumped.events(v0)?.time_of_dynamic_crush_s,
-        samples: 250,
-        starts: 24,
-        resolution_m: 1.3e-6,
+    let events = lumped.events(v0)?;
+    let settings = SolveSettings {
+        models: vec![ModelKind::DoubleSpringMassDamper],
+        split: MassSplit::Both(375.0, 1125.0),
+        ..SolveSettings::default()
+    };
+    let fit = |displacement: &Signal<Displacement>| {
+        let test = TestData {
+            mass_kg: 1500.0,
+            impact_speed_m_per_s: v0,
+            time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
+            dynamic_crush_m: events.dynamic_crush_m,
+            coefficient_of_restitution: None,
+            time_zero_s: 0.0,
+            time_of_rebound_s: None,
+            displacement: Some(displacement),
+            measurement: None,
+            sensors: &[],
+        };
+        solve(&test, &settings, &mut Notes::new())
     };
     let exact = Signal::<Displacement>::new(0.0, dt, response.compartment().displacement_m.clone())?;
     println!("fit of an exact record");
-    let found = best(10, || fit_double(&exact, &options))?;
-    println!("  {} pairs, {:?}", found.len(), found[0].fit);
+    let found = best(10, || fit(&exact))?;
+    println!("  {} candidates, {:?}", found.len(), found[0].fit);
     // A crash is not a linear model: 10 mm of something else.
     let bent = exact
         .with_samples(exact.samples().iter().enumerate().map(|(k, x)| x + 0.01 * (k as f64 * 0.02).sin()).collect())?;
     println!("fit of a record with 10 mm misfit");
-    let found = best(10, || fit_double(&bent, &options))?;
-    println!("  {} pairs, {:?}", found.len(), found[0].fit);
+    let found = best(10, || fit(&bent))?;
+    println!("  {} candidates, {:?}", found.len(), found[0].fit);
     Ok(())
 }
 

@@ -12,15 +12,15 @@
 //! profile, bootstrap, propagation of uncertain inputs), and which other candidate gives the same record. Where a
 //! model has no solution the notes say why: that is an answer, not an error.
 //!
-//! A fit is made in two steps. [`solve`] searches for minima, mostly without the filter of the record, from many
-//! starts. [`refine`] moves each of them to the minimum of the misfit seen through the measurement of the record
-//! (sampling, filter, integration), and [`assess`] works there: these are the values and intervals that the stage
-//! writes. A chain that is stated goes through [`fit_chain`] and [`assess_chain`] alike.
+//! A solver makes starts: closed forms, a momentum balance, or a search on the motion itself. One fit follows them:
+//! [`fit_as_measured`] descends to the minimum of the misfit seen through the measurement of the record (sampling,
+//! filter, integration; where that is not known, on the motion itself), and the candidate is made from that minimum.
+//! [`assess`] works there too.
 //!
 //! The library knows no files, no command line and no clock; the same input gives the same bits on any number of
 //! threads.
 //!
-//! rooms: solvers | papers chain | matching uncertainty | fit | closed_form free candidate | record
+//! rooms: solvers | papers chain | matching uncertainty | fit | closed_form candidate | free | record
 //!
 //! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model;
 //! transfer-function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two
@@ -39,7 +39,7 @@ mod solvers;
 mod uncertainty;
 
 pub use candidate::method::{METHODS, Method};
-pub use candidate::note::{CandidateNote, NoteTopic};
+pub use candidate::minimum::Minimum;
 pub use candidate::parameter_set::{Candidate, Fit, Uncertainty, bounds_remark};
 pub use candidate::parameter_words::{all_in_words, in_words};
 pub use chain::assessment::{ChainAssessment, ChainAssessmentOptions, assess_chain};
@@ -55,17 +55,14 @@ pub use crumple_estimation::minimise::l_shade::LShadeOptions;
 pub use crumple_estimation::statistics::{Covariance, covariance};
 pub use crumple_signal::Distribution;
 pub use error::SolveError;
-pub use fit::double::pair::{DoubleFit, DoubleFitOptions, fit_double};
-pub use fit::maxwell_fit::fit_maxwell;
+pub use fit::as_measured::fit_as_measured;
 pub use fit::nonlinear::nonlinear1::fit_nonlinear1;
-pub use fit::nonlinear::nonlinear2::fit_nonlinear2;
+pub use fit::nonlinear::nonlinear2::search_nonlinear2;
 pub use fit::nonlinear::problem::conditions_at_crush;
 pub use fit::options::SingleMassFitOptions;
-pub use fit::refine::{Refined, refine};
 pub use free::free_parameter::{FreeParameter, free_masses, free_parameters, mass_of};
 pub use free::mass_split::{MassSplit, masses, triple_masses};
 pub use free::model_coordinates::MassFit;
-pub use free::search_bounds::largest_of_chain;
 pub use matching::coefficient_matching::{Identified, Matched, Quartic, match_identified};
 pub use matching::coefficient_spread::CoefficientSpread;
 pub use papers::era_amplitude_ratios::{front_from_amplitudes, rear_from_amplitudes};
@@ -76,7 +73,7 @@ pub use papers::nonlinear1_interior_point::interior_point_nonlinear1;
 pub use papers::tfest::match_as_the_paper_typed;
 pub use record::fit_quantity::FitQuantity;
 pub use record::measurement::{IntegrationRule, Measurement, TwoPassFilter};
-pub use record::observation::{Observation, ObservedWave, RESOLUTION_M};
+pub use record::observation::{Observation, ObservedWave, RESOLUTION_M, UNKNOWN_FILTER_M};
 pub use record::sensor::{Sensor, SensorFit, SensorPlace, errors_in_words, note_of_errors};
 pub use record::test_data::TestData;
 pub use solvers::settings::SolveSettings;
@@ -87,10 +84,8 @@ pub use uncertainty::assessment::{Assessment, AssessmentOptions, Intervals, asse
 pub use uncertainty::block_bootstrap::{BlockBootstrap, bootstrap};
 pub use uncertainty::closed_form_propagation::{FollowedEvents, propagate_closed_form};
 pub use uncertainty::conditioned_propagation::propagate_conditioned;
-pub use uncertainty::dual_scale::DualScale;
 pub use uncertainty::identifiability::weakest_direction;
 pub use uncertainty::profile_likelihood::{Profile, profile};
 pub use uncertainty::propagation::{
-    InputUncertainty, Propagation, REPETITIONS, Repetition, largest_draw, perturbed, propagate, propagate_unfiltered,
-    repeat, repetition,
+    InputUncertainty, Propagation, REPETITIONS, Repetition, largest_draw, perturbed, propagate, repeat, repetition,
 };

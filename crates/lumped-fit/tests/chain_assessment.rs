@@ -42,7 +42,7 @@ fn observed(error: impl Fn(usize, usize) -> f64) -> Observation {
         samples: SAMPLES,
         filter: None,
         from_contact: true,
-        rule: IntegrationRule::Trapezoid,
+        rule: IntegrationRule::Exact,
     };
     let wave = |(mass, x): (usize, Vec<f64>)| {
         let x = x.iter().enumerate().map(|(k, x)| x + error(mass, k)).collect();
@@ -86,7 +86,7 @@ fn truth() -> BTreeMap<String, f64> {
 }
 
 fn fitted(of: &StatedChain, observed: &Observation) -> ChainSolution {
-    fit_chain(of, observed, false, 24).unwrap().remove(0)
+    fit_chain(of, observed, 24).unwrap().remove(0)
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn the_truth_of_three_noisy_masses_is_inside_every_interval() {
         let found = fitted(&of, &observed);
         let options = AssessmentOptions { profile: true, bootstrap: 60 };
         let asked = ChainAssessmentOptions { options, ..ChainAssessmentOptions::default() };
-        let assessment = assess_chain(&of, &observed, false, &found, &asked).unwrap();
+        let assessment = assess_chain(&of, &observed, &found, &asked).unwrap();
         let (known, bootstrap) = (found.linearised.as_ref().unwrap(), assessment.bootstrap.unwrap());
         assert_eq!((known.interval.len(), assessment.profile.len(), bootstrap.interval.len()), (count, count, count));
         for (name, (low, high)) in &known.interval {
@@ -149,7 +149,7 @@ fn a_bootstrap_and_a_profile_do_not_depend_on_the_number_of_threads() {
         ChainAssessmentOptions { options: AssessmentOptions { profile: true, bootstrap: 20 }, inputs, repetitions: 20 };
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| assess_chain(&given(), &observed, false, &found, &asked)).unwrap()
+        pool.install(|| assess_chain(&given(), &observed, &found, &asked)).unwrap()
     };
     assert_eq!(with(1), with(3));
 }
@@ -160,7 +160,7 @@ fn an_uncertain_mass_goes_into_springs_and_dampers_one_to_one_and_not_into_the_c
     let found = fitted(&given(), &observed);
     let inputs = InputUncertainty { mass_kg: 14.0, ..InputUncertainty::default() };
     let asked = ChainAssessmentOptions { inputs, repetitions: 100, ..ChainAssessmentOptions::default() };
-    let spread = assess_chain(&given(), &observed, false, &found, &asked).unwrap().propagation.unwrap();
+    let spread = assess_chain(&given(), &observed, &found, &asked).unwrap().propagation.unwrap();
     assert_eq!(spread.repetitions, 100);
     let (low, high) = spread.interval_90["k1_n_per_m"];
     // 14 of 1400 kg: 1.645 % on either side, of 100 draws known to a fifth.
@@ -196,7 +196,7 @@ fn a_rest_takes_up_an_uncertain_mass_and_what_is_given_stays() {
     let found = fitted(&of, &observed);
     let inputs = InputUncertainty { mass_kg: 2.0, ..InputUncertainty::default() };
     let asked = ChainAssessmentOptions { inputs, repetitions: 100, ..ChainAssessmentOptions::default() };
-    let spread = assess_chain(&of, &observed, false, &found, &asked).unwrap().propagation.unwrap();
+    let spread = assess_chain(&of, &observed, &found, &asked).unwrap().propagation.unwrap();
     let names: Vec<&str> = spread.interval_90.keys().map(String::as_str).collect();
     assert_eq!(names, ["dynamic_crush_m", "k1_n_per_m", "k3_n_per_m"]);
     // The same fit of a test that is heavier by one deviation.
@@ -218,7 +218,7 @@ fn an_uncertain_speed_moves_the_parameters_by_the_derivatives_of_the_response() 
     let mut inputs = InputUncertainty { impact_speed_m_per_s: half_m_per_s, ..InputUncertainty::default() };
     inputs.distributions[1] = Distribution::Uniform;
     let asked = ChainAssessmentOptions { inputs, repetitions: 200, ..ChainAssessmentOptions::default() };
-    let spread = assess_chain(&given(), &observed, false, &found, &asked).unwrap().propagation.unwrap();
+    let spread = assess_chain(&given(), &observed, &found, &asked).unwrap().propagation.unwrap();
 
     // d(ln p)/dv by the theorem of implicit functions, from differences of the response alone: the record gains t, the
     // model x/v0.
@@ -289,7 +289,7 @@ fn knots_seen_through_a_filter_are_profiled_and_repeated_with_every_uncertain_in
         damping: vec![(0.0, FREE)],
     };
     let of = StatedChain { elements: vec![element], total_mass_kg: Some(1200.0) };
-    let found = fit_chain(&of, &observed, true, 24).unwrap().remove(0);
+    let found = fit_chain(&of, &observed, 24).unwrap().remove(0);
     let values = found.chain.parameters();
     for (name, value) in [("k1_knot1_n_per_m", 5e5), ("k1_knot2_n_per_m", 5e5), ("c1_n_s_per_m", 9e3)] {
         // The Taylor solution of the knots and its differences, followed to the last digits of the cost.
@@ -304,7 +304,7 @@ fn knots_seen_through_a_filter_are_profiled_and_repeated_with_every_uncertain_in
     };
     let options = AssessmentOptions { profile: true, bootstrap: 0 };
     let asked = ChainAssessmentOptions { options, inputs, repetitions: 40 };
-    let assessment = assess_chain(&of, &observed, true, &found, &asked).unwrap();
+    let assessment = assess_chain(&of, &observed, &found, &asked).unwrap();
     let names = ["k1_knot1_n_per_m", "k1_knot2_n_per_m", "c1_n_s_per_m"];
     assert_eq!(assessment.profile.iter().map(|p| p.parameter.as_str()).collect::<Vec<_>>(), names);
     for profile in &assessment.profile {

@@ -20,7 +20,7 @@ const EXACT: Measurement = Measurement {
     samples: 1001,
     filter: None,
     from_contact: true,
-    rule: IntegrationRule::Trapezoid,
+    rule: IntegrationRule::Exact,
 };
 
 fn linear(masses: &[f64], springs: &[f64], dampers: &[f64]) -> SecantChain {
@@ -73,7 +73,7 @@ fn three_and_four_masses_come_back_from_any_quantity_of_all_their_sensors() {
     for (truth, masses) in [(three(), 3), (four(), 4)] {
         for quantity in FitQuantity::ALL {
             let all: Vec<usize> = (0..masses).collect();
-            let found = fit_chain(&known_masses(truth.masses_kg()), &exact(&truth, &all, quantity), false, 24).unwrap();
+            let found = fit_chain(&known_masses(truth.masses_kg()), &exact(&truth, &all, quantity), 24).unwrap();
             assert_eq!(found.len(), 1, "{masses} {quantity}");
             let error = largest_error(&found[0], &truth);
             // The signal is the response itself: rounding of it times the condition.
@@ -96,7 +96,7 @@ fn masses_are_found_where_their_total_is_known() {
     stated.elements[0].mass_kg = StatedMass::Own(FREE);
     stated.elements[1].mass_kg = StatedMass::Own(Stated::Free { start: None, lower: Some(150.0), upper: Some(600.0) });
     stated.elements[2].mass_kg = StatedMass::Rest;
-    let found = fit_chain(&stated, &exact(&truth, &[0, 1, 2], FitQuantity::Velocity), false, 24).unwrap();
+    let found = fit_chain(&stated, &exact(&truth, &[0, 1, 2], FitQuantity::Velocity), 24).unwrap();
     // As above.
     assert!(largest_error(&found[0], &truth) < 1e-6, "{:?}", found[0]);
     assert_eq!(found[0].free.last().unwrap(), "m3_kg");
@@ -111,9 +111,9 @@ fn without_the_total_only_ratios_of_masses_springs_and_dampers_are_determined_an
         element.mass_kg = StatedMass::Own(FREE);
     }
     let blind = StatedChain { total_mass_kg: None, ..stated.clone() };
-    let refused = fit_chain(&blind, &exact(&truth, &[0, 1, 2], FitQuantity::Displacement), false, 24).unwrap_err();
+    let refused = fit_chain(&blind, &exact(&truth, &[0, 1, 2], FitQuantity::Displacement), 24).unwrap_err();
     assert!(refused.to_string().contains("needs both bounds"), "{refused}");
-    let found = fit_chain(&stated, &exact(&truth, &[0, 1, 2], FitQuantity::Displacement), false, 24).unwrap();
+    let found = fit_chain(&stated, &exact(&truth, &[0, 1, 2], FitQuantity::Displacement), 24).unwrap();
     let (values, wanted) = (found[0].chain.parameters(), truth.parameters());
     let scale = values["m3_kg"] / wanted["m3_kg"];
     for (name, value) in &wanted {
@@ -137,7 +137,7 @@ fn what_is_given_stays_and_what_is_free_stays_in_its_bounds() {
     // Too stiff: the truth lies below.
     let tight = Stated::Free { start: Some(1.3e6), lower: Some(1.2e6), upper: Some(2e6) };
     stated.elements[2].stiffness = vec![(0.0, tight)];
-    let found = fit_chain(&stated, &exact(&truth, &[0, 2], FitQuantity::Displacement), false, 24).unwrap();
+    let found = fit_chain(&stated, &exact(&truth, &[0, 2], FitQuantity::Displacement), 24).unwrap();
     let values = found[0].chain.parameters();
     assert_eq!((values["k1_n_per_m"], values["c2_n_s_per_m"]), (9e5, 5e3));
     assert_eq!(found[0].on_bound, ["k3_n_per_m"]);
@@ -158,7 +158,7 @@ fn coefficients_with_knots_are_fitted_by_differences() {
     let mut stated = known_masses(&[250.0, 900.0]);
     stated.elements[0].stiffness = vec![(0.0, FREE), (0.25, FREE)];
     stated.elements[1].damping = vec![(0.0, FREE), (6.0, FREE)];
-    let found = fit_chain(&stated, &exact(&truth, &[0, 1], FitQuantity::Displacement), false, 24).unwrap();
+    let found = fit_chain(&stated, &exact(&truth, &[0, 1], FitQuantity::Displacement), 24).unwrap();
     // Steps of 1e-7 err the sensitivities by as much: the descent ends where the cost no longer falls.
     assert!(largest_error(&found[0], &truth) < 1e-6, "{:?}", found[0].chain.parameters());
     assert_eq!(found[0].linearised.as_ref().unwrap().rank, 6);
@@ -172,7 +172,8 @@ fn a_filtered_record_gives_the_truth_when_the_chain_goes_through_the_filter() {
         coefficients: [0.001_460_3, 0.002_920_6, 0.001_460_3, 1.889_033_6, -0.894_874_8],
         samples_added: 100,
     };
-    let measurement = Measurement { first_s: -0.01, samples: 1100, filter: Some(filter), ..EXACT };
+    let measurement =
+        Measurement { first_s: -0.01, samples: 1100, filter: Some(filter), rule: IntegrationRule::Trapezoid, ..EXACT };
     let model = crumple_lumped::TripleSpringMassDamper {
         masses_kg: [220.0, 310.0, 870.0],
         springs_n_per_m: [9e5, 6e5, 1.1e6],
@@ -187,8 +188,8 @@ fn a_filtered_record_gives_the_truth_when_the_chain_goes_through_the_filter() {
     };
     let observed = Observation { impact_speed_m_per_s: V0, waves: (0..3).map(wave).collect() };
     let stated = known_masses(truth.masses_kg());
-    let plain = fit_chain(&stated, &observed, false, 24).unwrap();
-    let through = fit_chain(&stated, &observed, true, 24).unwrap();
+    let plain = fit_chain(&stated, &observed.clone().exact(), 24).unwrap();
+    let through = fit_chain(&stated, &observed, 24).unwrap();
     // The record is what the measurement makes of the truth, digit by digit.
     assert!(largest_error(&through[0], &truth) < 1e-6, "{:e}", largest_error(&through[0], &truth));
     // What the filter does to the jump at contact is not seen otherwise.
@@ -203,7 +204,7 @@ fn two() -> SecantChain {
 fn two_masses_seen_in_the_last_one_come_with_their_dual() {
     let truth = two();
     let observed = exact(&truth, &[1], FitQuantity::Displacement);
-    let found = fit_chain(&known_masses(truth.masses_kg()), &observed, false, 24).unwrap();
+    let found = fit_chain(&known_masses(truth.masses_kg()), &observed, 24).unwrap();
     assert_eq!(found.len(), 2, "{found:?}");
     assert_eq!((&found[0].dual, &found[1].dual), (&Some(ChainDual::Solution(2)), &Some(ChainDual::Solution(1))));
     let k1 = |of: &ChainSolution| of.chain.parameters()["k1_n_per_m"];
@@ -221,10 +222,10 @@ fn two_masses_seen_in_the_last_one_come_with_their_dual() {
 fn a_number_that_is_given_or_another_sensor_decides_between_a_chain_and_its_dual() {
     let truth = two();
     let mut stated = known_masses(truth.masses_kg());
-    let both = fit_chain(&stated, &exact(&truth, &[0, 1], FitQuantity::Displacement), false, 24).unwrap();
+    let both = fit_chain(&stated, &exact(&truth, &[0, 1], FitQuantity::Displacement), 24).unwrap();
     assert_eq!((both.len(), &both[0].dual), (1, &None));
     stated.elements[0].stiffness = vec![(0.0, Stated::Fixed(9e5))];
-    let found = fit_chain(&stated, &exact(&truth, &[1], FitQuantity::Displacement), false, 24).unwrap();
+    let found = fit_chain(&stated, &exact(&truth, &[1], FitQuantity::Displacement), 24).unwrap();
     assert_eq!(found.len(), 1);
     let Some(ChainDual::NotAsStated(dual)) = &found[0].dual else { panic!("{:?}", found[0].dual) };
     // As above.
@@ -238,10 +239,10 @@ fn masses_looked_for_by_one_sensor_on_the_last_are_called_undecided() {
     let mut stated = known_masses(truth.masses_kg());
     stated.elements[0].mass_kg = StatedMass::Own(FREE);
     stated.elements[1].mass_kg = StatedMass::Rest;
-    let one = fit_chain(&stated, &exact(&truth, &[1], FitQuantity::Displacement), false, 24).unwrap();
+    let one = fit_chain(&stated, &exact(&truth, &[1], FitQuantity::Displacement), 24).unwrap();
     assert!(one.iter().all(|found| found.division_undecided), "{one:?}");
     assert_eq!(one[0].dual, Some(ChainDual::Solution(2)));
-    let two = fit_chain(&stated, &exact(&truth, &[0, 1], FitQuantity::Displacement), false, 24).unwrap();
+    let two = fit_chain(&stated, &exact(&truth, &[0, 1], FitQuantity::Displacement), 24).unwrap();
     assert!(!two[0].division_undecided && two[0].dual.is_none());
     // The rest has an interval like the mass it follows from.
     let known = two[0].linearised.as_ref().unwrap();
@@ -255,7 +256,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let observed = exact(&three(), &[1, 2], FitQuantity::Acceleration);
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| fit_chain(&known_masses(&[220.0, 310.0, 870.0]), &observed, false, 24)).unwrap()
+        pool.install(|| fit_chain(&known_masses(&[220.0, 310.0, 870.0]), &observed, 24)).unwrap()
     };
     assert_eq!(with(1), with(3));
 }
@@ -266,7 +267,7 @@ fn a_chain_without_meaning_is_refused() {
     let error = |change: fn(&mut StatedChain)| {
         let mut stated = known_masses(&[220.0, 310.0, 870.0]);
         change(&mut stated);
-        fit_chain(&stated, &observed, false, 24).unwrap_err()
+        fit_chain(&stated, &observed, 24).unwrap_err()
     };
     assert_eq!(error(|s| s.elements.clear()), SolveError::NothingFree);
     assert_eq!(error(|s| s.elements.iter_mut().for_each(|e| e.mass_kg = StatedMass::Rest)), SolveError::TwoRests);
@@ -321,8 +322,7 @@ fn a_law_given_by_knots_of_one_value_has_the_dual_of_a_constant() {
     )
     .unwrap();
     let waves = exact(&truth, &[1], FitQuantity::Displacement);
-    let [flat, constant] =
-        [&[0.0, 2.0][..], &[0.0]].map(|speeds| fit_chain(&chain(speeds), &waves, false, 24).unwrap());
+    let [flat, constant] = [&[0.0, 2.0][..], &[0.0]].map(|speeds| fit_chain(&chain(speeds), &waves, 24).unwrap());
     let duals = [&flat[0].dual, &constant[0].dual].map(|dual| match dual {
         Some(ChainDual::NotAsStated(dual)) => dual.parameters(),
         other => panic!("{other:?}"),

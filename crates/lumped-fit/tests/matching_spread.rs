@@ -99,7 +99,7 @@ fn without_a_covariance_deviations_are_taken_as_independent_and_say_so() {
     let spread = CoefficientSpread::of_deviations(&[1e-3 * t, 1e-3 * u, 1e-3 * v, 1e-3 * w]);
     let found = matched([t, u, v, w], spread);
     assert!(found.iter().all(|c| c.uncertainty.as_ref().unwrap().method.contains("taken as independent")));
-    assert!(found.iter().all(|c| c.notes.iter().any(|note| note.text().contains("taken as independent"))));
+    assert!(found.iter().all(|c| c.notes.iter().any(|note| note.text.contains("taken as independent"))));
     // What is not a covariance gives none.
     assert_eq!(CoefficientSpread::of_deviations(&[1.0, 1.0, 1.0]), None);
     assert_eq!(CoefficientSpread::of_covariance(&[vec![1.0; 4], vec![1.0; 4], vec![1.0; 4]]), None);
@@ -127,7 +127,7 @@ fn the_solutions_of_the_transfer_function_paper_come_from_its_printed_polynomial
         let candidate = solutions.iter().find(near).unwrap_or_else(|| panic!("{wanted:?} in {solutions:?}"));
         assert!(!candidate.model.is_physical());
         assert!(
-            candidate.notes.iter().any(|note| note.text().starts_with("for reproduction only")),
+            candidate.notes.iter().any(|note| note.text.starts_with("for reproduction only")),
             "{:?}",
             candidate.notes
         );

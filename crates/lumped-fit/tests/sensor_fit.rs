@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{Model, ModelKind};
 use crumple_lumped_fit::{
-    Candidate, FitQuantity, LShadeOptions, MassFit, MassSplit, Method, Sensor, SensorPlace, SolveSettings, TestData,
-    solve,
+    AssessmentOptions, Candidate, FitQuantity, LShadeOptions, MassFit, MassSplit, Method, Sensor, SensorPlace,
+    SolveSettings, TestData, assess, solve,
 };
 use crumple_signal::{Displacement, Notes, Sampled, Signal};
 use crumple_testkit::table_5;
@@ -72,6 +72,7 @@ fn run(of: Run, truth: &Model) -> (Vec<Candidate>, String) {
             place: *place,
             quantity: of.quantity,
             record: &records[place.mass(records.len()).unwrap()],
+            measurement: None,
             noise: None,
         })
         .collect();
@@ -87,6 +88,7 @@ fn run(of: Run, truth: &Model) -> (Vec<Candidate>, String) {
         time_of_rebound_s: events.time_of_rebound_s,
         time_zero_s: 0.0,
         displacement: Some(&displacement),
+        measurement: None,
         sensors: &sensors,
     };
     let settings = SolveSettings { models: vec![truth.kind()], quantity: of.quantity, ..of.settings };
@@ -170,7 +172,9 @@ fn two_sensors_tell_the_mass_ratio() {
     let (found, _) = run(Run { quantity: FitQuantity::Displacement, places, settings }, &truth);
     // Exact records, condition below 1e4.
     assert!(distance(&found[0].model, &truth) < 1e-8, "{found:?}");
-    assert!(found[0].uncertainty.as_ref().unwrap().standard_deviation.contains_key("m1_kg"));
+    let minimum = found[0].minimum.as_ref().unwrap();
+    let assessed = assess(minimum, None, AssessmentOptions::default()).unwrap();
+    assert!(assessed.standard_deviation.contains_key("m1_kg"));
 }
 
 #[test]
@@ -201,8 +205,14 @@ fn noise_decides_how_much_a_sensor_counts() {
         Sampled::new(0.0, DT, samples).unwrap()
     };
     records = vec![disturbed(&records[0], 5e-3), disturbed(&records[1], 1e-4)];
-    let sensor =
-        |place, record| Sensor { channel: "channel", place, quantity: FitQuantity::Displacement, record, noise: None };
+    let sensor = |place, record| Sensor {
+        channel: "channel",
+        place,
+        quantity: FitQuantity::Displacement,
+        record,
+        measurement: None,
+        noise: None,
+    };
     let sensors = [sensor(SensorPlace::Compartment, &records[1]), sensor(SensorPlace::Front, &records[0])];
     let events = truth.events(V0).unwrap();
     let test = TestData {
@@ -214,6 +224,7 @@ fn noise_decides_how_much_a_sensor_counts() {
         time_of_rebound_s: None,
         time_zero_s: 0.0,
         displacement: None,
+        measurement: None,
         sensors: &sensors,
     };
     let settings = SolveSettings { models: vec![truth.kind()], ..settings(Method::DirectFit, &truth) };

@@ -35,6 +35,7 @@ fn test(displacement: &Signal<Displacement>) -> TestData<'_> {
         time_zero_s: 0.0,
         time_of_rebound_s: None,
         displacement: Some(displacement),
+        measurement: None,
         sensors: &[],
     }
 }
@@ -137,7 +138,7 @@ fn a_rebound_of_nothing_is_a_rigid_unloading_and_no_huge_number() {
         // Two roundings of the quotient.
         assert!((p["unloading_stiffness_n_per_m"] / p["loading_stiffness_n_per_m"] - 1e4).abs() < 1e-10, "{p:?}");
         let text = "the unloading is rigid, and its stiffness not determined";
-        assert!(found[0].notes.iter().any(|note| note.text().contains(text)), "{:?}", found[0].notes);
+        assert!(found[0].notes.iter().any(|note| note.text.contains(text)), "{:?}", found[0].notes);
         assert!(notes.to_texts().iter().any(|note| note.starts_with("warning: ") && note.contains(text)), "{notes:?}");
     }
 }
@@ -211,9 +212,9 @@ fn a_record_that_never_stops_is_fitted_up_to_its_end() {
     let p = found[0].model.parameters();
     assert!((p["loading_stiffness_n_per_m"] / stiffness_n_per_m - 1.0).abs() < 1e-6, "{p:?}");
     assert_eq!(found[0].fit.as_ref().unwrap().active_bounds, ["unloading_stiffness_n_per_m"]);
-    assert!(found[0].notes.iter().any(|n| n.text().contains("the unloading stiffness is not determined")));
+    assert!(found[0].notes.iter().any(|n| n.text.contains("the unloading stiffness is not determined")));
     assert!(
-        found[2].notes.iter().any(|n| n.text().contains("conditions at dynamic crush are left out")),
+        found[2].notes.iter().any(|n| n.text.contains("conditions at dynamic crush are left out")),
         "{:?}",
         found[2].notes
     );

@@ -1,8 +1,7 @@
 //! A parameter set with how it was found, how it was fitted and how well it is known, and its parameters in words.
-//! May use `record`.
+//! May use `free` and `record`.
 
-pub mod linearised;
 pub mod method;
-pub mod note;
+pub mod minimum;
 pub mod parameter_set;
 pub mod parameter_words;

@@ -6,10 +6,12 @@
 use std::collections::BTreeMap;
 
 use crumple_estimation::minimise::StopReason;
-use crumple_lumped::Model;
+use crumple_lumped::{Model, ParameterKind};
+use crumple_signal::Note;
 
-use crate::candidate::note::CandidateNote;
+use crate::candidate::minimum::Minimum;
 use crate::candidate::parameter_words::all_in_words;
+use crate::free::free_parameter::mass_of;
 use crate::record::window::Window;
 use crate::{FitQuantity, Method, SensorFit};
 use crumple_estimation::minimise::levenberg_marquardt::Optimum;
@@ -27,10 +29,13 @@ pub struct Candidate {
     pub equivalent_to: Option<usize>,
     /// How it was fitted; `None` for a closed form.
     pub fit: Option<Fit>,
-    /// How well the parameters are determined; `None` where no residual is left over.
+    /// Standard deviations that the method brings along, such as those of matched coefficients.
     pub uncertainty: Option<Uncertainty>,
+    /// The minimum of the misfit as measured at these values, or nearest to them: what they are assessed by. `None`
+    /// without a record.
+    pub minimum: Option<Minimum>,
     /// Reductions and assumptions, in words.
-    pub notes: Vec<CandidateNote>,
+    pub notes: Vec<Note>,
 }
 
 impl Candidate {
@@ -42,6 +47,21 @@ impl Candidate {
     /// Id of the candidate it is equivalent to.
     pub fn equivalent_id(&self) -> Option<String> {
         self.equivalent_to.map(|index| self.id_of(index))
+    }
+
+    /// Whether the values are those of a fit at its minimum, and not only near one.
+    pub fn is_at_minimum(&self) -> bool {
+        self.fit.is_some() && self.minimum.as_ref().is_some_and(|minimum| minimum.model == self.model)
+    }
+
+    /// Fitted to something else than the displacement of the pulse.
+    pub fn is_of_sensors(&self) -> bool {
+        self.fit.as_ref().is_some_and(|fit| fit.quantity != FitQuantity::Displacement || !fit.sensors.is_empty())
+    }
+
+    /// Parameters that the fit left on a bound of the search, see [`fixed_at_bound`].
+    pub fn fixed_at_bound(&self) -> Vec<&'static str> {
+        self.fit.as_ref().map_or_else(Vec::new, |fit| fixed_at_bound(&self.model, &fit.active_bounds, fit.to_s))
     }
 
     fn id_of(&self, index: usize) -> String {
@@ -107,8 +127,7 @@ impl Fit {
     }
 }
 
-/// Standard deviations to first order, made from the fit alone. Not what the artifact holds where an assessment
-/// follows.
+/// Standard deviations to first order that a method brings along.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
     /// What it was made from, in words.
@@ -138,9 +157,26 @@ pub fn bounds_remark(model: &Model, active_bounds: &[&'static str]) -> Option<St
     }
 }
 
+/// A damper of a chain below this share of `M/T`, of the mass and the window of a fit, stands for none: the least that
+/// searches in logarithms reach is 1e-5 of it.
+const NO_DAMPER: f64 = 1e-4;
+
+/// Of the parameters on a bound those whose bound is not zero: the value is that of the search, so it is fixed in the fit
+/// and has no interval. A damper of a chain of masses (the Kelvin model is one) on its lower bound is not fixed: it
+/// goes to zero. `window_s`: end of the window, s after contact.
+pub(crate) fn fixed_at_bound(model: &Model, active_bounds: &[&'static str], window_s: f64) -> Vec<&'static str> {
+    let (values, kind) = (model.parameters(), model.kind());
+    let is_chain =
+        matches!(model, Model::Kelvin(_) | Model::DoubleSpringMassDamper(_) | Model::TripleSpringMassDamper(_));
+    let least = if is_chain { NO_DAMPER * mass_of(model) / window_s } else { 0.0 };
+    let is_damper = |name: &str| kind.parameter(name).is_some_and(|p| p.kind == ParameterKind::Damping);
+    let nothing = |name: &str| if is_damper(name) { least } else { 0.0 };
+    active_bounds.iter().copied().filter(|name| values.get(*name).is_some_and(|value| *value > nothing(name))).collect()
+}
+
 #[cfg(test)]
 mod tests {
-    use crumple_lumped::Kelvin;
+    use crumple_lumped::{Kelvin, Maxwell};
 
     use super::*;
 
@@ -153,5 +189,17 @@ mod tests {
         let both = said(&["stiffness_n_per_m", "damping_n_s_per_m"]);
         let text = "zero, the smallest value possible: damping; on a bound, not determined by the record: stiffness";
         assert_eq!(both.as_deref(), Some(text));
+    }
+
+    #[test]
+    fn a_damper_at_nothing_is_free_to_be_zero_and_a_large_one_is_held() {
+        // 1e-4 of 1000 kg over 0.1 s is 1 N s/m.
+        let kelvin = |c: f64| Model::Kelvin(Kelvin { mass_kg: 1e3, stiffness_n_per_m: 1e5, damping_n_s_per_m: c });
+        let both = ["stiffness_n_per_m", "damping_n_s_per_m"];
+        assert_eq!(fixed_at_bound(&kelvin(0.1), &both, 0.1), both[..1]);
+        assert_eq!(fixed_at_bound(&kelvin(10.0), &both, 0.1), both);
+        // In series a damper of nothing is no model.
+        let maxwell = Maxwell { mass_kg: 1e3, stiffness_n_per_m: 1e5, damping_n_s_per_m: 0.1 };
+        assert_eq!(fixed_at_bound(&Model::Maxwell(maxwell), &both, 0.1), both);
     }
 }

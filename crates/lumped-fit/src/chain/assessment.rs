@@ -7,11 +7,11 @@ use std::collections::BTreeMap;
 
 use crate::chain::coordinates::{ChainCoordinates, StatedChain};
 use crate::chain::fit::ChainSolution;
-use crate::chain::problem::ChainProblem;
+use crate::fit::problem::Problem;
 use crate::free::parameterisation::Parameterisation;
 use crate::uncertainty::assessment::AssessmentOptions;
 use crate::uncertainty::block_bootstrap::{BlockBootstrap, replicate};
-use crate::uncertainty::profile_likelihood::{Minimum, Profile};
+use crate::uncertainty::profile_likelihood::{Profile, Profiled};
 use crate::uncertainty::propagation::{
     Errors, InputUncertainty, Propagation, Repetition, over_repetitions, with_errors,
 };
@@ -58,7 +58,6 @@ const HORIZON_S: f64 = 2.0;
 pub fn assess_chain(
     stated: &StatedChain,
     observed: &Observation,
-    through_filter: bool,
     solution: &ChainSolution,
     asked: &ChainAssessmentOptions,
 ) -> Result<ChainAssessment, SolveError> {
@@ -68,16 +67,14 @@ pub fn assess_chain(
     for (wave, noise) in measured.waves.iter_mut().zip(&solution.noise) {
         wave.weight = solution.noise[0] / noise;
     }
-    let seen = |waves: Observation| if through_filter { waves } else { waves.unfiltered() };
-    let waves = seen(measured.clone());
-    let problem = ChainProblem::new(&coordinates, &waves, through_filter);
+    let problem = Problem::new(&coordinates, &measured, 0.0);
     let theta = &solution.theta;
     let Some(misfit) = problem.misfit(theta) else { return Ok(ChainAssessment::default()) };
 
     let mut assessment = ChainAssessment::default();
     if let (true, Some(known)) = (asked.options.profile, &solution.linearised) {
         let bounds: Vec<(f64, f64)> = coordinates.axes().iter().map(|axis| (axis.lower, axis.upper)).collect();
-        assessment.profile = Minimum {
+        assessment.profile = Profiled {
             names: &coordinates.names,
             at: theta,
             bounds: &bounds,
@@ -85,7 +82,7 @@ pub fn assess_chain(
             ends_at_zero: &|_| false,
             refit: &|fixed, coordinate, others| problem.follow_others(fixed, coordinate, others),
             misfit: &misfit,
-            observed: &waves,
+            observed: &measured,
             expected: &known.half_width,
             effective_samples: known.effective_samples,
         }
@@ -94,8 +91,8 @@ pub fn assess_chain(
     }
     if asked.options.bootstrap > 0 {
         assessment.bootstrap =
-            replicate(&waves, &misfit, asked.options.bootstrap, coordinates.all_names(), |resampled| {
-                let minimum = ChainProblem::new(&coordinates, resampled, through_filter).follow(theta)?;
+            replicate(&measured, &misfit, asked.options.bootstrap, coordinates.all_names(), |resampled| {
+                let minimum = Problem::new(&coordinates, resampled, 0.0).follow(theta)?;
                 Some(coordinates.values(&minimum.theta))
             });
     }
@@ -104,7 +101,7 @@ pub fn assess_chain(
         let repetitions = (asked.repetitions, measured.waves.len());
         assessment.propagation = over_repetitions(mass_kg, &asked.inputs, repetitions, |errors: &Errors| {
             let Repetition { observed, mass_ratio } = with_errors(&measured, errors)?;
-            repeat(&coordinates.of_mass(mass_ratio), &seen(observed), through_filter, theta, mass_ratio)
+            repeat(&coordinates.of_mass(mass_ratio), &observed, theta, mass_ratio)
         });
     }
     Ok(assessment)
@@ -117,7 +114,6 @@ pub fn assess_chain(
 fn repeat(
     coordinates: &ChainCoordinates,
     waves: &Observation,
-    through_filter: bool,
     theta: &[f64],
     mass_ratio: f64,
 ) -> Option<BTreeMap<String, f64>> {
@@ -125,7 +121,7 @@ fn repeat(
     // left for it.
     let by = |i: usize| if !coordinates.has_rest() || coordinates.is_mass(i) { mass_ratio.ln() } else { 0.0 };
     let start: Vec<f64> = theta.iter().enumerate().map(|(i, x)| x + by(i)).collect();
-    let minimum = ChainProblem::new(coordinates, waves, through_filter).follow(&start)?;
+    let minimum = Problem::new(coordinates, waves, 0.0).follow(&start)?;
     let mut values: BTreeMap<String, f64> =
         coordinates.all_names().into_iter().zip(coordinates.values(&minimum.theta)).collect();
     let events = coordinates.model(&minimum.theta)?.events(waves.impact_speed_m_per_s, HORIZON_S).ok();

@@ -10,9 +10,9 @@ use crumple_lumped::SecantChain;
 use crate::chain::coordinates::{ChainCoordinates, StatedChain};
 use crate::chain::covariance::{LinearisedUncertainty, linearised};
 use crate::chain::dual::{ChainDual, DualOf, dual_of, sees_the_last_only};
-use crate::chain::problem::{ChainProblem, windows};
 use crate::fit::descents::{AS_GOOD, REPORTED, all, bounds, distinct};
-use crate::fit::sensors::fit::{Search, fit_sensors};
+use crate::fit::problem::Problem;
+use crate::fit::search::{Search, search};
 use crate::free::parameterisation::Parameterisation;
 use crate::{Observation, SolveError};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, derivatives};
@@ -64,8 +64,8 @@ pub struct ChainSolution {
 /// free number. The weight of a wave is that of its noise level, `1/s_w`, `s_w` the root mean square residual of the
 /// wave, found in turn with the fit.
 ///
-/// `through_filter`: whether the measurement of every wave is known. Then the minima are followed to those of the
-/// misfit after sampling, filter and integration; else the motion itself is compared.
+/// The minima are followed to those of the misfit as measured: after sampling, filter and integration, where these are
+/// known.
 ///
 /// Solutions come best first, each with its dual next to it, the softer first spring first. At most three sets within
 /// 1 % of the least weighted error are reported. Deterministic for any number of threads. A global minimum is likely,
@@ -75,7 +75,6 @@ pub struct ChainSolution {
 pub fn fit_chain(
     stated: &StatedChain,
     observed: &Observation,
-    through_filter: bool,
     starts: usize,
 ) -> Result<Vec<ChainSolution>, SolveError> {
     let masses = stated.elements.len();
@@ -92,39 +91,29 @@ pub fn fit_chain(
             expected: "a mass of the chain",
         });
     }
-    let mut waves = observed.clone();
-    let mut seen = windows(&waves, masses, waves.scale_m());
-    for (sensor, wave) in seen.iter_mut().zip(&waves.waves) {
-        sensor.noise = wave.size().max(f64::MIN_POSITIVE);
-    }
     let starts = starts.max(6 * coordinates.names.len());
-    let search = Search::Starts(starts, vec![coordinates.start.clone()]);
-    let weigh = vec![true; seen.len()];
-    let fitted = fit_sensors(&coordinates, observed.impact_speed_m_per_s, seen, &weigh, &search)
-        .ok_or(SolveError::NoFit { starts })?;
-    for (wave, sensor) in waves.waves.iter_mut().zip(&fitted.sensors) {
-        wave.weight = fitted.sensors[0].noise / sensor.noise;
+    let how = Search::Starts(starts, vec![coordinates.start.clone()]);
+    let searched = search(&coordinates, observed, &how).ok_or(SolveError::NoFit { starts })?;
+    let mut waves = observed.clone();
+    for (wave, found) in waves.waves.iter_mut().zip(&searched.observed.waves) {
+        wave.weight = found.weight;
     }
-    let (mut minima, mut evaluations) = (fitted.minima, fitted.evaluations);
-    if through_filter {
-        for _ in 0..WEIGHINGS {
-            let problem = ChainProblem::new(&coordinates, &waves, true);
-            let points = minima.iter().map(|m| m.theta.clone()).collect();
-            let (next, spent) = all(&problem, points, &bounds(&coordinates, 200, 1e-12));
-            evaluations += spent;
-            minima = distinct(next);
-            let Some(best) = minima.first() else { break };
-            let levels = problem.levels(&best.theta).unwrap_or_default();
-            if !waves.weigh(&levels, WORTH_ANOTHER) {
-                break;
-            }
+    let (mut minima, mut evaluations) = (searched.minima, searched.evaluations);
+    for _ in 0..WEIGHINGS {
+        let problem = Problem::new(&coordinates, &waves, 0.0);
+        let points = minima.iter().map(|m| m.theta.clone()).collect();
+        let (next, spent) = all(&problem, points, &bounds(&coordinates, 200, 1e-12));
+        evaluations += spent;
+        minima = distinct(&coordinates, next);
+        let Some(best) = minima.first() else { break };
+        let rmse = problem.rmse(&best.theta).unwrap_or_default();
+        if !waves.weigh(&rmse, WORTH_ANOTHER) {
+            break;
         }
-    } else {
-        waves = waves.unfiltered();
     }
     let best = minima.first().ok_or(SolveError::NoFit { starts })?.cost;
     minima.retain(|minimum| minimum.cost.sqrt() <= AS_GOOD * best.sqrt());
-    let problem = ChainProblem::new(&coordinates, &waves, through_filter);
+    let problem = Problem::new(&coordinates, &waves, 0.0);
     let mut solutions: Vec<ChainSolution> = Vec::new();
     let mut sets = 0;
     for minimum in &minima {
@@ -174,12 +163,12 @@ impl ChainSolution {
 
 /// A minimum with errors of every wave, noise levels and linearised uncertainty; `None` where the response there is
 /// not finite.
-fn solution(problem: &ChainProblem<'_>, minimum: &Optimum, evaluations: u64) -> Option<ChainSolution> {
-    let (coordinates, waves) = (problem.coordinates, problem.waves);
+fn solution(problem: &Problem<'_, ChainCoordinates>, minimum: &Optimum, evaluations: u64) -> Option<ChainSolution> {
+    let (coordinates, waves) = (problem.coordinates, problem.observed);
     let chain = coordinates.model(&minimum.theta)?;
     let misfit = problem.misfit(&minimum.theta)?;
     let rmse = waves.rmse(&misfit);
-    let sensitivities = derivatives(problem, &minimum.theta, &problem.bounds())? * problem.unit;
+    let sensitivities = derivatives(problem, &minimum.theta, &bounds(coordinates, 200, 0.0))? * problem.unit;
     let on_bound = coordinates.names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
     let first = waves.noise_levels(&rmse).first().copied().unwrap_or(0.0);
     let free_masses = (0..coordinates.names.len()).any(|i| coordinates.is_mass(i));

@@ -7,4 +7,3 @@ pub mod coordinates;
 pub mod covariance;
 pub mod dual;
 pub mod fit;
-pub mod problem;

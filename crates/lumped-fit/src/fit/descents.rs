@@ -42,14 +42,14 @@ pub(crate) fn all(problem: &impl Response, points: Vec<Vec<f64>>, bounds: &Bound
 }
 
 /// The ends that are not at the place of a better one; `sorted` by cost, and so is the result.
-pub(crate) fn distinct(sorted: Vec<Optimum>) -> Vec<Optimum> {
-    let mut kept: Vec<Optimum> = Vec::new();
+pub(crate) fn distinct(coordinates: &impl Parameterisation, sorted: Vec<Optimum>) -> Vec<Optimum> {
+    let mut kept: Vec<(Optimum, Vec<f64>)> = Vec::new();
     for minimum in sorted {
-        let same = |other: &Optimum| minimum.theta.iter().zip(&other.theta).all(|(a, b)| (a - b).abs() < APART);
-        if !kept.iter().any(same) {
-            kept.push(minimum);
+        let place = coordinates.place(&minimum.theta);
+        let same = |other: &[f64]| place.iter().zip(other).all(|(a, b)| (a - b).abs() < APART);
+        if !kept.iter().any(|(_, other)| same(other)) {
+            kept.push((minimum, place));
         }
     }
-    kept.truncate(2 * REPORTED);
-    kept
+    kept.into_iter().take(2 * REPORTED).map(|(minimum, _)| minimum).collect()
 }

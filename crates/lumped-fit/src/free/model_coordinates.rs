@@ -52,6 +52,8 @@ pub(crate) struct ModelCoordinates {
     total_mass_kg: f64,
     /// Whether an elastoplastic model leaves the barrier.
     release: bool,
+    /// Whether nothing tells a double model from its dual.
+    duals_are_one: bool,
 }
 
 /// The size of a test, from which the scales of springs, dampers and knots follow.
@@ -65,6 +67,8 @@ pub(crate) struct Scale {
     pub crush_m: f64,
     /// Whether an elastoplastic model leaves the barrier.
     pub release: bool,
+    /// Whether all sensors are on the compartment: nothing tells a double model from its dual then.
+    pub compartment_alone: bool,
 }
 
 /// Whether masses are given, or fitted with a given total.
@@ -94,6 +98,10 @@ impl ModelCoordinates {
         let spring = total_mass_kg * (std::f64::consts::FRAC_PI_2 / scale.length_s).powi(2);
         let damper = total_mass_kg / scale.length_s;
         let rate = scale.impact_speed_m_per_s / scale.crush_m;
+        // With the rear scaled by it, the dual model is the exchange of front and rear: the box of a search holds both.
+        let is_double = kind == ModelKind::DoubleSpringMassDamper;
+        let rear = if is_double { masses_kg[1] / total_mass_kg } else { 1.0 };
+        let of_rear = |name: &str| if matches!(name, "k2_n_per_m" | "c2_n_s_per_m") { rear } else { 1.0 };
         let nonlinear = matches!(kind, ModelKind::Nonlinear1 | ModelKind::Nonlinear2);
         let mut known = vec![1.0; names.len()];
         known[..masses_kg.len()].copy_from_slice(masses_kg);
@@ -142,17 +150,20 @@ impl ModelCoordinates {
                 }
                 ParameterKind::Damping => {
                     let searched = if kind == ModelKind::Maxwell { (0.1, 30.0) } else { DAMPER_STARTS };
-                    push(place, Map::Logarithm(damper), DAMPER_BOUNDS, searched);
+                    let scale = damper * of_rear(parameter.name);
+                    push(place, Map::Logarithm(scale), DAMPER_BOUNDS, searched);
                 }
                 // Masses stand in front of all others.
                 ParameterKind::Stiffness | ParameterKind::Mass => {
-                    push(place, Map::Logarithm(spring), SPRING_BOUNDS, SPRING_STARTS);
+                    let scale = spring * of_rear(parameter.name);
+                    push(place, Map::Logarithm(scale), SPRING_BOUNDS, SPRING_STARTS);
                 }
             }
         }
         // A knot that is a share of another needs that one first.
         free.sort_by_key(|c| matches!(c.map, Map::ShareOf(_)));
-        Self { kind, known, free, total_mass_kg, release: scale.release }
+        let duals_are_one = is_double && scale.compartment_alone;
+        Self { kind, known, free, total_mass_kg, release: scale.release, duals_are_one }
     }
 
     /// Names of the free parameters, in the order of the coordinates.
@@ -239,12 +250,6 @@ impl ModelCoordinates {
             })
             .collect()
     }
-
-    /// Derivative of each free parameter by its own coordinate: turns deviations of coordinates into deviations of
-    /// parameters.
-    pub fn factors(&self, theta: &[f64]) -> Vec<f64> {
-        self.changes(theta).iter().map(|by| by[0].1).collect()
-    }
 }
 
 impl Parameterisation for ModelCoordinates {
@@ -279,6 +284,17 @@ impl Parameterisation for ModelCoordinates {
         model.sensitivity(impact_speed_m_per_s, at, places)
     }
 
+    /// The coordinates. Of a double model that nothing tells from its dual what the two share: the four coefficients of
+    /// the characteristic polynomial and the product of the dampers, in logarithms, and the masses.
+    fn place(&self, theta: &[f64]) -> Vec<f64> {
+        let Some(Model::DoubleSpringMassDamper(model)) = self.model(theta).filter(|_| self.duals_are_one) else {
+            return theta.to_vec();
+        };
+        let [_, t, u, v, w] = model.characteristic_polynomial();
+        let shared = [t, u, v, w, model.c1_n_s_per_m * model.c2_n_s_per_m, model.m1_kg];
+        shared.map(f64::ln).to_vec()
+    }
+
     fn derivatives_by_coordinate(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>> {
         Some(self.changes(theta))
     }
@@ -290,7 +306,8 @@ mod tests {
 
     #[test]
     fn coordinates_read_back_and_their_derivatives_agree_with_differences() {
-        let scale = Scale { impact_speed_m_per_s: 10.0, length_s: 0.1, crush_m: 0.6, release: true };
+        let scale =
+            Scale { impact_speed_m_per_s: 10.0, length_s: 0.1, crush_m: 0.6, release: true, compartment_alone: false };
         for kind in ModelKind::ALL {
             let masses: &[f64] = match kind {
                 ModelKind::DoubleSpringMassDamper => &[300.0, 900.0],

@@ -20,7 +20,7 @@ pub(crate) struct Axis {
 /// A model that is described by coordinates of size one, `theta`.
 pub(crate) trait Parameterisation: Sync {
     /// The model at a point.
-    type Model: Send;
+    type Model: Send + Sync;
 
     /// Bounds of each coordinate, in their order.
     fn axes(&self) -> Vec<Axis>;
@@ -36,6 +36,11 @@ pub(crate) trait Parameterisation: Sync {
         at: &Instants,
         places: &[usize],
     ) -> Result<Sensitivity, LumpedError>;
+
+    /// Numbers of size one that models of one motion share: minima that agree in all of them are one.
+    fn place(&self, theta: &[f64]) -> Vec<f64> {
+        theta.to_vec()
+    }
 
     /// For each coordinate the places of the parameters that it moves, and their derivatives by it. `None` where the
     /// model has no derivatives of its own: descents then use differences.

@@ -8,9 +8,8 @@ use crumple_lumped::{
     CoefficientMatch, CoefficientMatching, Complex, MatchedSolution, Model, PhysicalCoordinates, Reading,
     RealisedModel, matching_sensitivity,
 };
-use crumple_signal::Notes;
+use crumple_signal::{Note, Notes};
 
-use crate::candidate::note::infos;
 use crate::{Candidate, CoefficientSpread, Method, SolveError};
 
 /// Divisions of the total mass in a sweep, 2 % apart.
@@ -149,7 +148,8 @@ pub fn match_identified(
             equivalent_to: (solution.dual != place).then(|| index(solution.dual)),
             fit: None,
             uncertainty,
-            notes: infos(remarks),
+            minimum: None,
+            notes: remarks.into_iter().map(Note::info).collect(),
         });
     }
     let mut remarks = vec![solutions_in_words, format!("used: the {} {}", identified.source, identified.id)];
@@ -200,7 +200,8 @@ fn from_both_masses(
         equivalent_to: None,
         fit: None,
         uncertainty: None,
-        notes: infos(vec![text]),
+        minimum: None,
+        notes: vec![Note::info(text)],
     })
 }
 

@@ -1,8 +1,8 @@
 //! The curve fit of the ERA paper as a method: for reproduction, and labelled so in every candidate.
 
 use crumple_lumped::{DoubleSpringMassDamper, Model};
+use crumple_signal::Note;
 
-use crate::candidate::note::CandidateNote;
 use crate::{Candidate, Method, SolveError, front_from_amplitudes, rear_from_amplitudes};
 
 /// Springs and dampers of the double model from four real exponents and amplitudes of the displacement, by equations 17
@@ -37,16 +37,16 @@ pub fn curve_fit_of_the_paper(
         })
         .fold(0.0, f64::max);
     let notes = vec![
-        CandidateNote::warning(format!(
+        Note::warning(format!(
             "as the ERA paper prints it (equations 17 to 25, proper least squares), from {id}; for reproduction, not \
              for use"
         )),
-        CandidateNote::info(
+        Note::info(
             "equations 19 to 25 are not a consequence of the model: an amplitude is known up to one factor for each \
              exponent, so metres are set equal to N/m, and nearly all of k2 and c2 is m2 times a straight line through \
              s²",
         ),
-        CandidateNote::info(format!(
+        Note::info(format!(
             "the model does not have the exponents it was made from: its characteristic polynomial misses zero there \
              by up to {:.1} % of its parts; coefficient-matching of the same exponents finds every model that has them",
             100.0 * miss
@@ -59,6 +59,7 @@ pub fn curve_fit_of_the_paper(
         equivalent_to: None,
         fit: None,
         uncertainty: None,
+        minimum: None,
         notes,
     })
 }

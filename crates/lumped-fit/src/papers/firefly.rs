@@ -8,7 +8,6 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::error::positive;
 use crate::fit::options::SingleMassFitOptions;
-use crate::record::window::Window;
 use crate::{Fit, FitQuantity, SolveError};
 
 /// Units in which distances between fireflies are taken.
@@ -98,7 +97,7 @@ pub fn firefly_nonlinear2(
     positive("mass_kg", options.mass_kg)?;
     let v0 = positive("impact_speed_m_per_s", options.impact_speed_m_per_s)?;
     let crush = positive("crush_m", options.crush_m)?;
-    let window = Window::pick(displacement, options.time_zero_s, options.from_s, options.to_s, options.samples)?;
+    let window = options.window(displacement)?;
     let c = COEFFICIENT;
     let range = [c, c, c, crush, c, c, c, c, v0, v0];
     let build = |p: &[f64; 10]| model_at(p, &range, options);

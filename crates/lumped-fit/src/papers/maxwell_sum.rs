@@ -1,8 +1,8 @@
 //! The Maxwell model from an identified sum of exponentials, as the single-mass paper does it.
 
 use crumple_lumped::{Complex, Model};
+use crumple_signal::Note;
 
-use crate::candidate::note::CandidateNote;
 use crate::{Candidate, MaxwellExponents, Method, SolveError, maxwell_from_exponents};
 
 /// Exponent of the constant over the slowest of the others: above this a decaying one is remarked and a growing one
@@ -62,14 +62,14 @@ pub fn maxwell_from_sum(id: &str, exponents: &[Complex], mass_kg: f64, index: us
         }
         MaxwellExponents::Real { .. } => format!("{:.4} and {:.4} 1/s, real: the mass creeps", a.re, b.re),
     };
-    let mut notes = vec![CandidateNote::info(format!("from the exponents of {id}: {kind}; amplitudes are not used"))];
+    let mut notes = vec![Note::info(format!("from the exponents of {id}: {kind}; amplitudes are not used"))];
     notes.push(if near_zero.abs() > CONSTANT * slowest {
-        CandidateNote::warning(format!(
+        Note::warning(format!(
             "the exponent taken for the constant is {near_zero:.4} 1/s, 0 in the model, and not small beside \
              {slowest:.4} 1/s: this is hardly the motion of a Maxwell model"
         ))
     } else {
-        CandidateNote::info(format!("the exponent taken for the constant is {near_zero:.3e} 1/s, 0 in the model"))
+        Note::info(format!("the exponent taken for the constant is {near_zero:.3e} 1/s, 0 in the model"))
     });
     Ok(Candidate {
         model: Model::Maxwell(model),
@@ -78,6 +78,7 @@ pub fn maxwell_from_sum(id: &str, exponents: &[Complex], mass_kg: f64, index: us
         equivalent_to: None,
         fit: None,
         uncertainty: None,
+        minimum: None,
         notes,
     })
 }

@@ -101,7 +101,7 @@ pub fn interior_point_nonlinear1(
     let v0 = positive("impact_speed_m_per_s", options.impact_speed_m_per_s)?;
     let rate = v0 / positive("crush_m", options.crush_m)?;
     positive("time_of_dynamic_crush_s", options.time_of_dynamic_crush_s)?;
-    let window = Window::pick(displacement, options.time_zero_s, options.from_s, options.to_s, options.samples)?;
+    let window = options.window(displacement)?;
     let (k, c) = (m * rate * rate, m * rate);
     let problem = SideConstraints { window: &window, options, scale: [k, k, c, c, c, v0] };
     #[rustfmt::skip]

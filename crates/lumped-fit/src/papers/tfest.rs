@@ -1,9 +1,8 @@
 //! The equations of the transfer-function paper as typed there, for reproduction.
 
-use crumple_signal::Notes;
+use crumple_signal::{Note, Notes};
 
 use crate::SolveError;
-use crate::candidate::note::CandidateNote;
 use crate::matching::coefficient_matching::{Identified, Matched, Quartic, match_identified};
 
 /// The printed denominator `s^4 + 35.7 s^3 + 6024 s^2 + 185000 s + 414600`.
@@ -44,7 +43,7 @@ pub fn match_as_the_paper_typed(first_index: usize, notes: &mut Notes) -> Result
             paper, which lists k1 and c2 exchanged (its solver answers in the order c1, c2, k1, k2)";
         matched.remarks.push(label.to_owned());
         for candidate in &mut matched.candidates {
-            candidate.notes.push(CandidateNote::info(label));
+            candidate.notes.push(Note::info(label));
         }
         results.push(matched);
     }

@@ -3,9 +3,10 @@
 //!
 //! All steps are linear, so the derivative of a measured motion by a parameter is the measurement of the derivative
 //! of the acceleration, with no impact speed. Eight waves go through side by side: filter and sums are recursions
-//! that wait for themselves.
+//! that wait for themselves. Where the steps are not known, the motion itself is compared.
 
 use crumple_lumped::{Instants, LumpedError, Model, Motion, Sensitivity};
+use crumple_signal::Sampled;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -28,6 +29,9 @@ pub enum IntegrationRule {
     Trapezoid,
     /// The first paper's: every sample holds until the next.
     ForwardEuler,
+    /// No sum and no filter: the motion itself, as an exact instrument shows it. Stands for steps that are not known,
+    /// or not made.
+    Exact,
 }
 
 /// Everything between the motion of the vehicle and a wave that a fit sees.
@@ -91,32 +95,72 @@ impl Measurement {
         v0_m_per_s: f64,
         last: usize,
     ) -> Result<Vec<f64>, LumpedError> {
-        let Some(samples) = self.samples_of_the_model(last) else {
-            return Ok(self.seen(&[], quantity, v0_m_per_s, last));
-        };
-        let response = model.respond(v0_m_per_s, self.dt_s, samples)?;
-        let motion = mass.and_then(|mass| response.motions.get(mass)).unwrap_or_else(|| response.compartment());
-        Ok(self.seen(&motion.acceleration_m_per_s2, quantity, v0_m_per_s, last))
+        self.of_motion((mass, quantity), v0_m_per_s, last, |at| model.sensitivity(v0_m_per_s, at, &[]))
     }
 
-    /// Derivatives of that by the parameters at these places of the model's names: a measurement is linear, so they are
-    /// the derivatives of the acceleration measured without an impact speed.
-    pub(crate) fn derivatives(
+    /// The same record of which the steps are not known: the motion itself is compared.
+    #[must_use]
+    pub fn exact(self) -> Self {
+        Self { filter: None, rule: IntegrationRule::Exact, ..self }
+    }
+
+    /// Samples of a motion itself, contact at `time_zero_s` of its axis.
+    pub fn of_samples(record: &Sampled, time_zero_s: f64) -> Self {
+        Self {
+            dt_s: record.dt_s(),
+            first_s: record.t0_s() - time_zero_s,
+            samples: record.len(),
+            filter: None,
+            from_contact: true,
+            rule: IntegrationRule::Exact,
+        }
+    }
+
+    /// Whether the motion itself is compared.
+    pub fn is_exact(&self) -> bool {
+        self.rule == IntegrationRule::Exact
+    }
+
+    /// [`Self::motion`] of anything that `respond` gives the motion of, mass by mass.
+    pub(crate) fn of_motion(
         &self,
-        model: &Model,
         (mass, quantity): (Option<usize>, FitQuantity),
         v0_m_per_s: f64,
         last: usize,
+        respond: impl FnOnce(&Instants) -> Result<Sensitivity, LumpedError>,
+    ) -> Result<Vec<f64>, LumpedError> {
+        let Some(samples) = self.samples_of_the_model(last) else {
+            return Ok(self.seen(&[], quantity, v0_m_per_s, last));
+        };
+        if self.is_exact() {
+            let before = self.contact_index();
+            let samples = (last + 1).saturating_sub(before);
+            let response = respond(&Instants { first_s: self.time_s(before).max(0.0), dt_s: self.dt_s, samples })?;
+            let mut seen = vec![if quantity == FitQuantity::Velocity { v0_m_per_s } else { 0.0 }; before];
+            seen.extend(motion_of(&response.motions, mass).map_or(&[][..], |motion| quantity.of(motion)));
+            return Ok(seen);
+        }
+        let response = respond(&Instants { first_s: 0.0, dt_s: self.dt_s, samples })?;
+        let acceleration = motion_of(&response.motions, mass).map_or(&[][..], |m| &m.acceleration_m_per_s2);
+        Ok(self.seen(acceleration, quantity, v0_m_per_s, last))
+    }
+
+    /// Derivatives of that by the parameters at these places: a measurement is linear, so they are the derivatives of
+    /// the acceleration measured without an impact speed. Not of an exact one.
+    pub(crate) fn derivatives(
+        &self,
+        (mass, quantity): (Option<usize>, FitQuantity),
+        last: usize,
         places: &[usize],
+        respond: impl Fn(&Instants, &[usize]) -> Result<Sensitivity, LumpedError> + Sync,
     ) -> Result<Vec<Vec<f64>>, LumpedError> {
         let Some(samples) = self.samples_of_the_model(last) else {
             return Ok(places.iter().map(|_| self.seen(&[], quantity, 0.0, last)).collect());
         };
         let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples };
         let of_some = |places: &[usize]| -> Result<Vec<Vec<f64>>, LumpedError> {
-            let response = model.sensitivity(v0_m_per_s, &at, places)?;
-            let motions =
-                response.derivatives.iter().map(|motions| mass.and_then(|mass| motions.get(mass)).or(motions.last()));
+            let response = respond(&at, places)?;
+            let motions = response.derivatives.iter().map(|motions| motion_of(motions, mass));
             let accelerations: Vec<&[f64]> =
                 motions.map(|motion| motion.map_or(&[][..], |motion| &motion.acceleration_m_per_s2)).collect();
             Ok(self.all_seen(&accelerations, quantity, last))
@@ -126,27 +170,6 @@ impl Measurement {
         let size = places.len().div_ceil(parts).max(1);
         let parts: Vec<Vec<Vec<f64>>> = places.par_chunks(size).map(of_some).collect::<Result<_, _>>()?;
         Ok(parts.into_iter().flatten().collect())
-    }
-
-    /// The same of a model that is no [`Model`]: `respond` gives the motion of every mass, and its derivatives by each
-    /// free number if there are any. What is measured of the motion comes first, then of each derivative.
-    pub(crate) fn of_motions(
-        &self,
-        (mass, quantity): (usize, FitQuantity),
-        v0_m_per_s: f64,
-        last: usize,
-        respond: impl FnOnce(&Instants) -> Result<Sensitivity, LumpedError>,
-    ) -> Result<Vec<Vec<f64>>, LumpedError> {
-        let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples: self.samples_of_the_model(last).unwrap_or(0) };
-        let response = respond(&at)?;
-        fn acceleration_of(motions: &[Motion], mass: usize) -> &[f64] {
-            motions.get(mass).map_or(&[], |motion| &motion.acceleration_m_per_s2)
-        }
-        let derivatives: Vec<&[f64]> =
-            response.derivatives.iter().map(|motions| acceleration_of(motions, mass)).collect();
-        let mut seen = vec![self.seen(acceleration_of(&response.motions, mass), quantity, v0_m_per_s, last)];
-        seen.extend(self.all_seen(&derivatives, quantity, last));
-        Ok(seen)
     }
 
     /// Number of samples of the acceleration that sample `last` of the record depends on: the backward pass of a
@@ -253,7 +276,7 @@ impl Measurement {
         }
         let at_zero = a[zero][lane] - (a[zero][lane] - a[zero - 1][lane]) * gap;
         match self.rule {
-            IntegrationRule::Trapezoid => {
+            IntegrationRule::Trapezoid | IntegrationRule::Exact => {
                 let v = v0 + 0.5 * gap * dt * (at_zero + a[zero][lane]);
                 (v, 0.5 * gap * dt * (v0 + v))
             }
@@ -283,7 +306,7 @@ impl Measurement {
             let Some(after) = after else { break };
             for lane in 0..N {
                 match self.rule {
-                    IntegrationRule::Trapezoid => {
+                    IntegrationRule::Trapezoid | IntegrationRule::Exact => {
                         let next = v[lane] + 0.5 * dt * (before[lane] + after[lane]);
                         s[lane] += 0.5 * dt * (v[lane] + next);
                         v[lane] = next;
@@ -297,6 +320,11 @@ impl Measurement {
         }
         around
     }
+}
+
+/// The motion of this mass; `None` for `mass`, or beyond the last: of the compartment.
+pub(crate) fn motion_of(motions: &[Motion], mass: Option<usize>) -> Option<&Motion> {
+    mass.and_then(|mass| motions.get(mass)).or(motions.last())
 }
 
 /// Several waves through one measurement, compiled for each width of the processor's vectors. Each lane is computed

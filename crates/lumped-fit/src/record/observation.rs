@@ -7,14 +7,15 @@
 
 use std::sync::Arc;
 
-use crumple_lumped::Model;
+use crumple_lumped::{Instants, LumpedError, Model, Sensitivity};
 use crumple_signal::{Displacement, Sampled, Signal};
 
-use crate::record::window::FEWEST;
+use crate::record::measurement::motion_of;
+use crate::record::window::{FEWEST, Window};
 use crate::{FitQuantity, Measurement, SolveError};
 
 /// A wave of a test and the samples of it that are compared.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ObservedWave {
     /// Index of its mass from the barrier on; `None`: the compartment.
     pub mass: Option<usize>,
@@ -32,6 +33,8 @@ pub struct ObservedWave {
     pub resolution: f64,
     /// Factor of its misfit beside that of the first wave: noise level of the first over its own; 1 for the first.
     pub weight: f64,
+    /// Its noise level where that is stated, in its unit; `None`: its root mean square misfit.
+    pub noise: Option<f64>,
     /// The wave as it was measured, window or not: where another time zero finds the motion at contact.
     pub(crate) record: Arc<WholeWave>,
 }
@@ -78,7 +81,7 @@ impl WholeWave {
 ///
 /// Misfits of several waves stand one after the other, each times its weight: all in the unit of the first wave.
 /// Fields called `_m` are in that unit; it is a metre for a displacement.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Observation {
     /// Speed at contact, m/s.
     pub impact_speed_m_per_s: f64,
@@ -92,6 +95,8 @@ pub struct Observation {
 /// such as anti-aliasing and the phase of the sampling. A tenth of a micrometre is the distance of 1e-8 s at contact
 /// speed. Errors of the sensor itself are not in it: those are propagated.
 pub const RESOLUTION_M: f64 = 1e-7;
+/// The same where the steps between motion and record are not known: what CFC 60 does to the jump at contact.
+pub const UNKNOWN_FILTER_M: f64 = 1e-5;
 /// The crush of which that is a share: velocities and accelerations are assumed to be known to the same share of
 /// their largest value.
 const USUAL_CRUSH_M: f64 = 0.5;
@@ -101,7 +106,9 @@ const LEAST_LEVEL: f64 = 1e-6;
 
 impl ObservedWave {
     /// At most `limit` samples from `from_s` to `to_s` after contact. `wave` is on the grid of the measurement, as far
-    /// as it goes. Weight 1. Errors: a window that leaves the record, or fewer than 12 samples.
+    /// as it goes. Weight 1. Picking loses nothing of the comparison: a model's response is exact at any spacing.
+    /// Errors: a window that leaves the record (which may begin up to one interval after `from_s`), or fewer than 12
+    /// samples.
     pub fn new(
         wave: &Sampled,
         (mass, quantity): (Option<usize>, FitQuantity),
@@ -117,7 +124,12 @@ impl ObservedWave {
         let first = (index(from_s) - 1e-6).ceil().max(0.0) as usize;
         let last_s = wave.end_s() - time_zero_s;
         let error = SolveError::Window { from_s, to_s, first_s: wave.t0_s() - time_zero_s, last_s };
-        if !(from_s.is_finite() && to_s.is_finite() && from_s < to_s && to_s <= last_s + 1e-6 * dt) {
+        // A record may begin up to one interval after contact.
+        let late = wave.t0_s() - time_zero_s > from_s + (1.0 + 1e-6) * dt;
+        if !(from_s.is_finite() && to_s.is_finite() && 0.0 <= from_s && from_s < to_s) || late {
+            return Err(error);
+        }
+        if to_s > last_s + 1e-6 * dt {
             return Err(error);
         }
         let last = (index(to_s) + 1e-6).floor().max(0.0) as usize;
@@ -133,13 +145,15 @@ impl ObservedWave {
         let all = wave.samples();
         let end = (last + 1 - offset).min(all.len());
         let samples: Vec<f64> = all[(first - offset).min(end)..end].iter().copied().step_by(stride).collect();
+        let resolution_m = if measurement.is_exact() { UNKNOWN_FILTER_M } else { RESOLUTION_M };
         let resolution = match quantity {
-            FitQuantity::Displacement => RESOLUTION_M,
-            _ => RESOLUTION_M / USUAL_CRUSH_M * largest(&samples),
+            FitQuantity::Displacement => resolution_m,
+            _ => resolution_m / USUAL_CRUSH_M * largest(&samples),
         };
         let first_s = wave.t0_s() - time_zero_s;
         let record = Arc::new(WholeWave { first_s, dt_s: wave.dt_s(), samples: all.to_vec() });
-        Ok(Self { mass, quantity, measurement, first, stride, samples, resolution, weight: 1.0, record })
+        let (weight, noise) = (1.0, None);
+        Ok(Self { mass, quantity, measurement, first, stride, samples, resolution, weight, noise, record })
     }
 
     /// Index of the last sample on the grid of the measurement.
@@ -155,6 +169,56 @@ impl ObservedWave {
     /// Root mean square of the samples.
     pub fn size(&self) -> f64 {
         (self.samples.iter().map(|x| x * x).sum::<f64>() / self.samples.len() as f64).sqrt()
+    }
+
+    /// The samples with their instants.
+    pub(crate) fn window(&self) -> Window {
+        let dt_s = self.measurement.dt_s * self.stride as f64;
+        Window { first_s: self.time_s(0).max(0.0), dt_s, samples: self.samples.clone() }
+    }
+
+    /// The instants of the samples, s after contact.
+    fn instants(&self) -> Instants {
+        let dt_s = self.measurement.dt_s * self.stride as f64;
+        Instants { first_s: self.time_s(0).max(0.0), dt_s, samples: self.samples.len() }
+    }
+
+    /// The samples of a wave on the grid of the measurement that are compared.
+    fn picked(&self, wave: &[f64]) -> Vec<f64> {
+        wave.get(self.first..).unwrap_or_default().iter().step_by(self.stride).copied().collect()
+    }
+
+    /// What the measurement makes of the motion of the wave's mass, at the samples that are compared. `respond`: the
+    /// motions at given instants.
+    pub(crate) fn response(
+        &self,
+        v0_m_per_s: f64,
+        respond: impl Fn(&Instants) -> Result<Sensitivity, LumpedError>,
+    ) -> Result<Vec<f64>, LumpedError> {
+        if self.measurement.is_exact() {
+            let response = respond(&self.instants())?;
+            let motion = motion_of(&response.motions, self.mass);
+            return Ok(motion.map_or_else(Vec::new, |motion| self.quantity.of(motion).to_vec()));
+        }
+        let what = (self.mass, self.quantity);
+        Ok(self.picked(&self.measurement.of_motion(what, v0_m_per_s, self.last(), respond)?))
+    }
+
+    /// Its derivatives by the parameters at `places`. `respond`: motions with their derivatives at given instants.
+    pub(crate) fn derivatives(
+        &self,
+        places: &[usize],
+        respond: impl Fn(&Instants, &[usize]) -> Result<Sensitivity, LumpedError> + Sync,
+    ) -> Result<Vec<Vec<f64>>, LumpedError> {
+        if self.measurement.is_exact() {
+            let response = respond(&self.instants(), places)?;
+            let derivative = |motions: &Vec<_>| {
+                motion_of(motions, self.mass).map_or_else(Vec::new, |motion| self.quantity.of(motion).to_vec())
+            };
+            return Ok(response.derivatives.iter().map(derivative).collect());
+        }
+        let all = self.measurement.derivatives((self.mass, self.quantity), self.last(), places, respond)?;
+        Ok(all.iter().map(|derivative| self.picked(derivative)).collect())
     }
 }
 
@@ -187,12 +251,18 @@ impl Observation {
     /// `w (model - record)` at every sample of every wave, in the unit of the first; `None` without a finite
     /// response.
     pub fn misfit(&self, model: &Model) -> Option<Vec<f64>> {
+        self.misfit_of(|at| model.sensitivity(self.impact_speed_m_per_s, at, &[]))
+    }
+
+    /// The same of anything that `respond` gives the motions of.
+    pub(crate) fn misfit_of(
+        &self,
+        respond: impl Fn(&Instants) -> Result<Sensitivity, LumpedError>,
+    ) -> Option<Vec<f64>> {
         let mut misfit = Vec::with_capacity(self.rows());
         for wave in &self.waves {
-            let v0 = self.impact_speed_m_per_s;
-            let x = wave.measurement.motion(model, wave.mass, wave.quantity, v0, wave.last()).ok()?;
-            let picked = x.get(wave.first..)?.iter().step_by(wave.stride);
-            misfit.extend(picked.zip(&wave.samples).map(|(model, record)| (model - record) * wave.weight));
+            let response = wave.response(self.impact_speed_m_per_s, &respond).ok()?;
+            misfit.extend(response.iter().zip(&wave.samples).map(|(model, record)| (model - record) * wave.weight));
         }
         (misfit.len() == self.rows() && misfit.iter().all(|r| r.is_finite())).then_some(misfit)
     }
@@ -233,18 +303,37 @@ impl Observation {
         self.waves.first().map_or(f64::MIN_POSITIVE, |wave| largest(&wave.samples))
     }
 
-    /// The same record as if it was not filtered and integrated from contact: what fits without a filter compare.
+    /// The motion itself compared, as if nothing had been done to it: what searches do.
     #[must_use]
-    pub fn unfiltered(mut self) -> Self {
+    pub fn exact(mut self) -> Self {
         for wave in &mut self.waves {
-            wave.measurement = Measurement { filter: None, from_contact: true, ..wave.measurement };
+            wave.measurement = wave.measurement.exact();
         }
         self
     }
 
-    /// The noise level of each wave, in its unit: its root mean square misfit, at least a millionth of the wave.
+    /// Whether the steps between the motion and every wave are known and repeated on the model.
+    pub fn is_as_measured(&self) -> bool {
+        self.waves.iter().all(|wave| !wave.measurement.is_exact())
+    }
+
+    /// At most `limit` samples of every wave.
+    #[must_use]
+    pub(crate) fn thinned(mut self, limit: usize) -> Self {
+        for wave in &mut self.waves {
+            let stride = wave.samples.len().div_ceil(limit);
+            wave.samples = wave.samples.iter().copied().step_by(stride).collect();
+            wave.stride *= stride;
+        }
+        self
+    }
+
+    /// The noise level of each wave, in its unit: that stated, else its root mean square misfit, at least a millionth
+    /// of the wave.
     pub fn noise_levels(&self, rmse: &[f64]) -> Vec<f64> {
-        let level_of = |(wave, rmse): (&ObservedWave, &f64)| rmse.max(LEAST_LEVEL * wave.size()).max(f64::MIN_POSITIVE);
+        let level_of = |(wave, rmse): (&ObservedWave, &f64)| {
+            wave.noise.unwrap_or_else(|| rmse.max(LEAST_LEVEL * wave.size())).max(f64::MIN_POSITIVE)
+        };
         self.waves.iter().zip(rmse).map(level_of).collect()
     }
 
@@ -259,5 +348,36 @@ impl Observation {
             wave.weight = weight;
         }
         moved
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The value is the time in ms.
+    fn picked(from_s: f64, to_s: f64) -> Result<Window, SolveError> {
+        let samples = (0..2501).map(|k| f64::from(k) * 0.1 - 50.0).collect();
+        let record = Sampled::new(-0.05, 1e-4, samples).unwrap();
+        let measurement = Measurement::of_samples(&record, 0.0);
+        let what = (None, FitQuantity::Displacement);
+        ObservedWave::new(&record, what, 0.0, measurement, (from_s, to_s), 250).map(|wave| wave.window())
+    }
+
+    #[test]
+    fn picks_samples_of_the_window_only() {
+        let window = picked(0.0, 0.075).unwrap();
+        // 751 samples, every fourth.
+        assert_eq!((window.samples.len(), window.dt_s), (188, 4e-4));
+        assert!(window.samples[0].abs() < 1e-9 && window.first_s.abs() < 1e-12);
+        assert!((window.samples[187] - 74.8).abs() < 1e-9 && (window.last_s() - 0.0748).abs() < 1e-12);
+    }
+
+    #[test]
+    fn refuses_a_window_outside_the_record() {
+        let error = picked(0.0, 0.3).unwrap_err();
+        assert!(matches!(error, SolveError::Window { last_s, .. } if (last_s - 0.2).abs() < 1e-12), "{error}");
+        assert!(matches!(picked(0.0, 0.001), Err(SolveError::TooFewSamples { samples: 11, .. })));
+        assert!(picked(0.02, 0.01).is_err() && picked(-0.01, 0.05).is_err());
     }
 }

@@ -8,7 +8,7 @@ use std::str::FromStr;
 
 use crumple_signal::Sampled;
 
-use crate::FitQuantity;
+use crate::{FitQuantity, Measurement};
 
 /// How the sentence on the misfit of several sensors begins.
 const ERRORS: &str = "root mean square errors ";
@@ -101,6 +101,8 @@ pub struct Sensor<'a> {
     pub quantity: FitQuantity,
     /// Its samples, SI.
     pub record: &'a Sampled,
+    /// How it was measured; `None`: not known, the motion itself is compared.
+    pub measurement: Option<Measurement>,
     /// Its noise level, unit of the quantity; `None`: from the residuals, so that every sensor counts by how well the
     /// model can meet it.
     pub noise: Option<f64>,

@@ -2,7 +2,7 @@
 
 use crumple_signal::{Displacement, Signal};
 
-use crate::Sensor;
+use crate::{Measurement, Sensor};
 
 /// The data of a test: mass, speed, crash events and records.
 ///
@@ -26,6 +26,8 @@ pub struct TestData<'a> {
     pub time_of_rebound_s: Option<f64>,
     /// Displacement of the compartment.
     pub displacement: Option<&'a Signal<Displacement>>,
+    /// How it was measured; `None`: not known, the motion itself is compared.
+    pub measurement: Option<Measurement>,
     /// Sensors to fit instead of it; none: the compartment's displacement.
     pub sensors: &'a [Sensor<'a>],
 }

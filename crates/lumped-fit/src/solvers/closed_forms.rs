@@ -3,15 +3,30 @@
 //! Two events fix two parameters, so nothing is left over: a closed form has no residual and no error of its own. How
 //! far it is from the fitted model is a matter of the assessment, which widens its intervals by that distance.
 
-use crumple_lumped::Model;
-use crumple_signal::Notes;
+use crumple_lumped::{Elastoplastic, Model};
+use crumple_signal::{Note, Notes};
 
-use super::extent::{crush_of, extent_of, unfitted};
+use super::extent::{Extent, crush_of, extent_of};
 use crate::closed_form::elastoplastic::{RIGID_RESTITUTION, elastoplastic_of_record};
-use crate::fit::elastoplastic_fit::fit_elastoplastic_loading;
-use crate::solvers::single_mass::fitted;
+use crate::solvers::fitting::{FitStart, Fitting, computed};
 use crate::solvers::task::Task;
 use crate::{Candidate, KelvinBranch, SolveError, kelvin_from_events};
+
+/// Starts of the loading stiffness of a record that never stops, over `m (v0/C)²`.
+const STIFFNESSES: [f64; 5] = [0.1, 0.3, 1.0, 2.0, 4.0];
+/// An unloading stiffness that no record reaches, over the largest loading stiffness that is tried.
+const BEYOND: f64 = 1e6;
+
+/// A candidate that was computed and not fitted, with the minimum nearby, by which it is assessed: over the window of
+/// the settings, up to dynamic crush, or to rebound where the unloading shows.
+fn unfitted(task: &Task<'_>, model: Model, remark: String) -> Vec<Candidate> {
+    let rebound_s = task.test.time_of_rebound_s.filter(|_| matches!(model, Model::Elastoplastic(_)));
+    let to_s = task.settings.fit_to_s.or(rebound_s).or(task.test.time_of_dynamic_crush_s);
+    // A record that is too coarse for a fit still has its closed form.
+    let fitting = Fitting::of_pulse(task, to_s).ok().flatten();
+    let minimum = fitting.and_then(|fitting| fitting.minimum(&FitStart::computed(model)));
+    vec![Candidate { minimum, ..computed(task, model, vec![Note::info(remark)]) }]
+}
 
 /// The Kelvin model with the time and the depth of dynamic crush and the impact speed of the test.
 ///
@@ -48,7 +63,7 @@ pub(crate) fn kelvin(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate
             text
         }
     };
-    Ok(vec![unfitted(task, Model::Kelvin(solution.model), vec![remark])])
+    Ok(unfitted(task, Model::Kelvin(solution.model), remark))
 }
 
 /// The elastoplastic model with crush, speed and restitution of the test; where the record never stops, its loading
@@ -59,15 +74,7 @@ pub(crate) fn kelvin(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate
 pub(crate) fn elastoplastic(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
     if !extent.stops {
-        return fitted(task, &extent, notes, |x, options, remarks| {
-            remarks.push(
-                "the loading part only, fitted to the displacement: the record shows no unloading, so the unloading \
-                 stiffness is not determined and set to the loading stiffness, the least it can be"
-                    .to_owned(),
-            );
-            let (model, fit, deviations) = fit_elastoplastic_loading(x, options)?;
-            Ok((Model::Elastoplastic(model), fit, deviations))
-        });
+        return loading_part(task, &extent, notes);
     }
     let (t_m, crush) = (extent.time_s, extent.crush_m);
     let test = task.test;
@@ -88,7 +95,7 @@ pub(crate) fn elastoplastic(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Ca
                 100.0 * RIGID_RESTITUTION
             );
             notes.warning(format!("elastoplastic: {remark}"));
-            Ok(vec![unfitted(task, Model::Elastoplastic(model), vec![remark])])
+            Ok(unfitted(task, Model::Elastoplastic(model), remark))
         }
         Ok((model, false)) => {
             let model_t_m = std::f64::consts::FRAC_PI_2 * crush / test.impact_speed_m_per_s;
@@ -97,11 +104,40 @@ pub(crate) fn elastoplastic(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Ca
                 1e3 * model_t_m,
                 1e3 * t_m
             );
-            Ok(vec![unfitted(task, Model::Elastoplastic(model), vec![remark])])
+            Ok(unfitted(task, Model::Elastoplastic(model), remark))
         }
         Err(error) => {
             notes.warning(format!("elastoplastic: not solved, {error}"));
             Ok(Vec::new())
         }
     }
+}
+
+/// The loading part of the elastoplastic model, fitted to a displacement that never stops. No sample depends on the
+/// unloading stiffness: it is set to the loading stiffness, the least that a structure can have, and named among the
+/// active bounds.
+fn loading_part(task: &Task<'_>, extent: &Extent, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    let Some(fitting) = Fitting::of_pulse(task, task.settings.fit_to_s)? else { return Ok(Vec::new()) };
+    let (mass_kg, rate) = (task.test.mass_kg, task.test.impact_speed_m_per_s / extent.crush_m);
+    let unit = mass_kg * rate * rate;
+    let start = |times: &f64| FitStart {
+        on_bound: vec!["unloading_stiffness_n_per_m"],
+        ..FitStart::computed(Model::Elastoplastic(Elastoplastic {
+            mass_kg,
+            loading_stiffness_n_per_m: times * unit,
+            unloading_stiffness_n_per_m: BEYOND * unit,
+            release: true,
+        }))
+    };
+    let fits = STIFFNESSES.iter().map(start).filter_map(|start| fitting.minimum(&start).map(|found| (start, found)));
+    let Some((start, mut minimum)) = fits.min_by(|(_, a), (_, b)| a.rmse_m().total_cmp(&b.rmse_m())) else {
+        notes.warning(format!("{}: {}", task.model, SolveError::NoFit { starts: STIFFNESSES.len() }));
+        return Ok(Vec::new());
+    };
+    if let Model::Elastoplastic(model) = &mut minimum.model {
+        model.unloading_stiffness_n_per_m = model.loading_stiffness_n_per_m;
+    }
+    let remark = "the loading part only, fitted to the displacement: the record shows no unloading, so the unloading \
+        stiffness is not determined and set to the loading stiffness, the least it can be";
+    Ok(vec![fitting.candidate(&start, minimum, 1, &[remark.to_owned()])])
 }

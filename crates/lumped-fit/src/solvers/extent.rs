@@ -1,24 +1,8 @@
-//! Depth and time of crush that a fit of one mass is scaled by, and candidates without a fit.
+//! Depth and time of crush that a fit of one mass is scaled by.
 
-use crumple_lumped::Model;
 use crumple_signal::Notes;
 
-use crate::Candidate;
-use crate::candidate::note::infos;
 use crate::solvers::task::Task;
-
-/// A candidate that was computed and not fitted.
-pub(super) fn unfitted(task: &Task<'_>, model: Model, notes: Vec<String>) -> Candidate {
-    Candidate {
-        model,
-        method: task.method,
-        index: 1,
-        equivalent_to: None,
-        fit: None,
-        uncertainty: None,
-        notes: infos(notes),
-    }
-}
 
 /// Depth and time by which a fit to the displacement of one mass is scaled.
 #[derive(Debug, Clone, Copy)]

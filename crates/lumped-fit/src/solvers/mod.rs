@@ -2,11 +2,13 @@
 //! May use every other room.
 
 pub mod closed_forms;
-pub mod double;
+pub mod explanations;
 pub mod extent;
-pub mod sensor_report;
+pub mod fitting;
+pub mod nearly_rigid;
 pub mod sensors;
 pub mod settings;
+pub mod shared_mass;
 pub mod single_mass;
 pub mod solve;
 pub mod table;

@@ -1,21 +1,22 @@
 //! Any model fitted to acceleration, velocity or displacement of one or several sensors.
 
+use crumple_estimation::minimise::levenberg_marquardt::Optimum;
 use crumple_lumped::{Model, ModelKind, Parameter, ParameterKind};
 use crumple_signal::Notes;
 
 use crate::fit::options::SingleMassFitOptions;
-use crate::fit::sensors::fit::{Search, fit_sensors};
-use crate::fit::sensors::problem::SensorWindow;
+use crate::fit::search::{Search, search};
 use crate::free::model_coordinates::{ModelCoordinates, Scale};
-use crate::record::window::Window;
-use crate::solvers::sensor_report::Report;
-use crate::solvers::task::{Task, mass_count};
+use crate::free::parameterisation::Parameterisation;
+use crate::solvers::explanations::{Ends, explanations, pairs};
+use crate::solvers::fitting::{FitStart, Fitting};
+use crate::solvers::task::Task;
 use crate::{
-    Candidate, FitQuantity, MassFit, Method, Sensor, SensorPlace, SolveError, elastoplastic_from_events,
-    fit_nonlinear1, fit_nonlinear2, kelvin_from_events, masses, triple_masses,
+    Candidate, MassFit, Method, SolveError, elastoplastic_from_events, fit_nonlinear1, kelvin_from_events, masses,
+    search_nonlinear2, triple_masses,
 };
 
-/// The fit of the table, by descents or by L-SHADE.
+/// The fit of the table: a search on the motion itself, by descents or by L-SHADE, then the fit as measured.
 ///
 /// The window ends with dynamic crush, or with rebound for the elastoplastic model, whose unloading shows only after
 /// the crush. Noise levels that are not stated are found from the residuals. A start is the closed form of the
@@ -23,7 +24,6 @@ use crate::{
 /// meaning, a window outside a record.
 pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     let (kind, test, settings) = (task.model, task.test, task.settings);
-    let count = mass_count(kind);
     let (masses_kg, split) = match kind {
         ModelKind::DoubleSpringMassDamper => {
             let (m1, m2, text) = masses(test.mass_kg, settings.split)?;
@@ -35,36 +35,27 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
         }
         _ => (vec![test.mass_kg], None),
     };
-    let Some(sensors) = sensors_of(task, count, notes) else { return Ok(Vec::new()) };
     let to_s = window_end(task);
-    let mut observed = Vec::new();
-    for (mass, sensor) in &sensors {
-        let window = Window::pick(sensor.record, test.time_zero_s, settings.fit_from_s, to_s, settings.fit_samples)?;
-        let noise = sensor.noise.unwrap_or(1.0);
-        let mut sensor_window = SensorWindow { mass: *mass, quantity: sensor.quantity, window, noise };
-        if sensor.noise.is_none() {
-            sensor_window.noise = sensor_window.size().max(f64::MIN_POSITIVE);
-        }
-        observed.push(sensor_window);
-    }
-    let length_s = observed.iter().map(|o| o.window.last_s()).fold(0.0, f64::max);
+    let Some(mut fitting) = Fitting::of_sensors(task, to_s, notes)? else { return Ok(Vec::new()) };
+    let length_s = fitting.end_s();
+    let compartment_alone = fitting.sensors.iter().all(|(mass, _)| mass + 1 == masses_kg.len());
     let scale = Scale {
         impact_speed_m_per_s: test.impact_speed_m_per_s,
         length_s,
         // Without a crush the spring of the nonlinear models has no last knot; the way at full speed stands for it.
         crush_m: test.dynamic_crush_m.unwrap_or(test.impact_speed_m_per_s * length_s),
         release: settings.release,
+        compartment_alone,
     };
     let coordinates = ModelCoordinates::new(kind, &masses_kg, settings.mass_fit, &scale);
-    let search = match task.method {
+    let how = match task.method {
         Method::LShade => Search::LShade(settings.l_shade),
         _ => {
             let starts = settings.fit_starts.max(6 * coordinates.free.len());
             Search::Starts(starts, given_starts(task, &coordinates, &masses_kg, to_s))
         }
     };
-    let weigh: Vec<bool> = sensors.iter().map(|(_, sensor)| sensor.noise.is_none()).collect();
-    let Some(mut fitted) = fit_sensors(&coordinates, test.impact_speed_m_per_s, observed, &weigh, &search) else {
+    let Some(mut searched) = search(&coordinates, &fitting.observed, &how) else {
         notes.warning(format!("{kind}: {}", SolveError::NoFit { starts: settings.fit_starts }));
         return Ok(Vec::new());
     };
@@ -80,79 +71,28 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
             ),
         });
     }
-    remarks.append(&mut fitted.remarks);
-    let report = Report { task, coordinates: &coordinates, sensors: &sensors, fitted: &fitted };
-    if kind == ModelKind::DoubleSpringMassDamper && sensors.iter().all(|(mass, _)| *mass == 1) {
-        Ok(report.pairs(&remarks, notes))
-    } else {
-        Ok(report.candidates(&remarks, notes))
+    remarks.append(&mut searched.remarks);
+    for (wave, found) in fitting.observed.waves.iter_mut().zip(&searched.observed.waves) {
+        wave.weight = found.weight;
     }
-}
-
-/// Why a model cannot be fitted: sensors of two different places are on one of its masses, which has one motion. One
-/// channel named for two places is one sensor; two channels of one place are two measurements of it, and allowed.
-pub(crate) fn shared_mass(places: &[(SensorPlace, &str)], count: usize) -> Option<String> {
-    let on_masses = || places.iter().filter_map(|(place, channel)| Some((place.mass(count)?, *place, *channel)));
-    let (mass, first, second) = on_masses().enumerate().find_map(|(k, (mass, place, channel))| {
-        let mut before = on_masses().take(k);
-        let other = before.find(|(m, p, c)| *m == mass && *p != place && *c != channel)?;
-        Some((mass, (other.1, other.2), (place, channel)))
-    })?;
-    // The compartment is the pulse, which every fit needs: the other one has to go.
-    let goes = if second.0 == SensorPlace::Compartment { first } else { second };
-    let instead = match goes.0 {
-        SensorPlace::Mass(1) if count == 1 => {
-            format!("write front={} in sensors instead, which a model of one mass is not fitted to", goes.1)
-        }
-        place => format!("leave {place}={} out of sensors, or this model out of models", goes.1),
-    };
-    Some(format!(
-        "not fitted: sensors {} ({}) and {} ({}) both fall on mass {} of its {count}, which moves one way only; \
-         {instead}",
-        first.1,
-        first.0,
-        second.1,
-        second.0,
-        mass + 1
-    ))
-}
-
-/// The sensors on masses of the model, each with the index of its mass; without any the displacement of the
-/// compartment. `None`, with a warning, where there is nothing to fit, or where [`shared_mass`] gives a reason.
-fn sensors_of<'a>(task: &Task<'a>, count: usize, notes: &mut Notes) -> Option<Vec<(usize, Sensor<'a>)>> {
-    let places: Vec<_> = task.test.sensors.iter().map(|sensor| (sensor.place, sensor.channel)).collect();
-    if let Some(reason) = shared_mass(&places, count) {
-        notes.warning(format!("{}: {reason}", task.model));
-        return None;
-    }
-    let mut sensors = Vec::new();
-    for sensor in task.test.sensors {
-        match sensor.place.mass(count) {
-            Some(mass) => sensors.push((mass, *sensor)),
-            None => notes.info(format!(
-                "{}: sensor {} is on the {}, which this model does not have: not fitted",
-                task.model, sensor.channel, sensor.place
-            )),
-        }
-    }
-    if sensors.is_empty()
-        && task.settings.quantity == FitQuantity::Displacement
-        && let Some(displacement) = task.test.displacement
-    {
-        let compartment = Sensor {
-            channel: "",
-            place: SensorPlace::Compartment,
-            quantity: FitQuantity::Displacement,
-            record: displacement,
-            noise: None,
+    let names = coordinates.names();
+    let start = |minimum: &Optimum| {
+        let on_bound = names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
+        let start = FitStart {
+            model: coordinates.model(&minimum.theta)?,
+            on_bound: on_bound.map(|(name, _)| *name).collect(),
+            iterations: minimum.iterations,
+            evaluations: searched.evaluations,
+            within_search: matches!(kind, ModelKind::DoubleSpringMassDamper | ModelKind::TripleSpringMassDamper),
         };
-        sensors.push((count - 1, compartment));
+        Some((start, (minimum.cost / fitting.observed.rows() as f64).sqrt() * fitting.observed.scale_m()))
+    };
+    let ends = Ends { starts: searched.minima.iter().filter_map(start).collect(), remarks: &remarks };
+    if kind == ModelKind::DoubleSpringMassDamper && compartment_alone {
+        Ok(pairs(fitting, &ends, notes))
+    } else {
+        Ok(explanations(fitting, &ends, notes))
     }
-    if sensors.is_empty() {
-        notes.warning(format!("{}: not fitted, there is no {} of the compartment", task.model, task.settings.quantity));
-        return None;
-    }
-    Some(sensors)
 }
 
 /// End of the window, s after time zero: that of the settings, else dynamic crush, for the elastoplastic model
@@ -231,42 +171,10 @@ fn given_starts(
             if task.model == ModelKind::Nonlinear1 {
                 fit_nonlinear1(displacement, &options, false).ok().map(|(model, _)| Model::Nonlinear1(model))
             } else {
-                fit_nonlinear2(displacement, &options).ok().map(|(model, ..)| Model::Nonlinear2(model))
+                search_nonlinear2(displacement, &options).ok().map(|(model, _)| Model::Nonlinear2(model))
             }
         }
         _ => None,
     };
     model.iter().map(|model| coordinates.theta(model)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn two_places_on_one_mass_leave_the_model_out_and_say_what_to_write() {
-        let stated =
-            [(SensorPlace::Compartment, "floor"), (SensorPlace::Mass(1), "front"), (SensorPlace::Mass(2), "engine")];
-        assert_eq!(shared_mass(&stated, 3), None);
-        assert_eq!(
-            shared_mass(&stated, 2).unwrap(),
-            "not fitted: sensors floor (compartment) and engine (m2) both fall on mass 2 of its 2, which moves one way \
-             only; leave m2=engine out of sensors, or this model out of models"
-        );
-        let reason = shared_mass(&stated, 1).unwrap();
-        assert!(
-            reason.ends_with("write front=front in sensors instead, which a model of one mass is not fitted to"),
-            "{reason}"
-        );
-        // Front and chassis are one mass of two; a model of one has neither.
-        let parts = [(SensorPlace::Front, "a"), (SensorPlace::Chassis, "b"), (SensorPlace::Compartment, "c")];
-        assert!(shared_mass(&parts, 2).unwrap().contains("a (front) and b (chassis) both fall on mass 1"));
-        assert_eq!(shared_mass(&parts, 1), None);
-    }
-
-    #[test]
-    fn a_sensor_named_for_two_places_and_two_sensors_of_one_place_are_no_conflict() {
-        assert_eq!(shared_mass(&[(SensorPlace::Compartment, "93"), (SensorPlace::Mass(2), "93")], 2), None);
-        assert_eq!(shared_mass(&[(SensorPlace::Compartment, "93"), (SensorPlace::Compartment, "94")], 2), None);
-    }
 }

@@ -1,39 +1,42 @@
 //! One mass fitted to its displacement: the Maxwell and the nonlinear models.
 
 use crumple_lumped::Model;
-use crumple_signal::{Displacement, Notes, Signal};
+use crumple_signal::{Displacement, Note, Notes, Signal};
 
 use super::extent::{Extent, crush_of, extent_of};
-use crate::candidate::note::{CandidateNote, infos};
-use crate::fit::maxwell_fit::undetermined_by_the_record;
 use crate::fit::options::SingleMassFitOptions;
+use crate::solvers::fitting::{FitStart, Fitting, computed, window_note};
+use crate::solvers::nearly_rigid::undetermined_by_the_record;
 use crate::solvers::sensors;
 use crate::solvers::task::Task;
 use crate::{
-    Candidate, Fit, SolveError, Uncertainty, bounds_remark, conditions_at_crush, firefly_nonlinear2, fit_maxwell,
-    fit_nonlinear1, fit_nonlinear2, interior_point_nonlinear1,
+    Candidate, Fit, SolveError, bounds_remark, conditions_at_crush, firefly_nonlinear2, fit_nonlinear1,
+    interior_point_nonlinear1, search_nonlinear2,
 };
 
-/// A fitted model with the record of its fit and, where they exist, linearised deviations.
-type SingleMassFit = (Model, Fit, Option<Uncertainty>);
-/// Such a fit, or why there is none.
-type FitResult = Result<SingleMassFit, SolveError>;
+/// A model with the record of how it was found on the motion itself, or why there is none.
+type OnTheMotion = Result<(Model, Fit), SolveError>;
 
-/// The Maxwell model fitted to the displacement; with other sensors or quantities the fit to sensors. A spring or
-/// damper that is nearly rigid is reported as not determined.
+/// The Maxwell model. A spring or damper that is nearly rigid is reported as not determined.
 pub(crate) fn maxwell(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     if !task.fits_displacement_alone() {
         return sensors::fit(task, notes);
     }
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
-    fitted(task, &extent, notes, |x, options, _| {
-        let (model, fit, deviations) = fit_maxwell(x, options)?;
-        Ok((Model::Maxwell(model), fit, deviations))
-    })
+    let mut candidates = sensors::fit(task, notes)?;
+    for candidate in &mut candidates {
+        if let Model::Maxwell(maxwell) = &candidate.model
+            && let Some(finding) = undetermined_by_the_record(maxwell, task.test.impact_speed_m_per_s, extent.crush_m)
+        {
+            notes.warning(format!("{}: {finding}", task.model));
+            candidate.notes.push(Note::info(finding));
+        }
+    }
+    Ok(candidates)
 }
 
-/// The first nonlinear model under its side constraints. A fit that cannot meet the conditions at dynamic crush to
-/// 1e-6 says by how much.
+/// The first nonlinear model under its side constraints: the minimum as measured where that meets them, else the fit
+/// that is held to them. Where that cannot meet the conditions at dynamic crush to 1e-6 it says by how much.
 pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     if !task.fits_displacement_alone() {
         return sensors::fit(task, notes);
@@ -56,7 +59,7 @@ pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
             ));
             remarks.extend(missed.clone());
         }
-        Ok((Model::Nonlinear1(model), fit, None))
+        Ok((Model::Nonlinear1(model), fit))
     });
     if let Some(missed) = missed {
         notes.warning(format!("{}: {missed}", task.model));
@@ -74,14 +77,14 @@ fn met(left: &[f64; 2]) -> bool {
 pub(crate) fn interior_point(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     // Its conditions are those at dynamic crush.
     let Some((time_s, crush_m)) = crush_of(task, notes) else { return Ok(Vec::new()) };
-    fitted(task, &Extent { crush_m, time_s, stops: true }, notes, |x, options, remarks| {
+    as_printed(task, &Extent { crush_m, time_s, stops: true }, notes, |x, options, remarks| {
         remarks.push(
             "the paper's way: interior point with x(t_m) = C, v(t_m) = 0, k1 <= k2, c1 >= c2 >= c3; direct-fit reaches \
              the same point"
                 .to_owned(),
         );
         let (model, fit) = interior_point_nonlinear1(x, options)?;
-        Ok((Model::Nonlinear1(model), fit, None))
+        Ok((Model::Nonlinear1(model), fit))
     })
 }
 
@@ -92,39 +95,90 @@ pub(crate) fn nonlinear2(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     }
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
     fitted(task, &extent, notes, |x, options, _| {
-        let (model, fit, deviations) = fit_nonlinear2(x, options)?;
-        Ok((Model::Nonlinear2(model), fit, deviations))
+        let (model, fit) = search_nonlinear2(x, options)?;
+        Ok((Model::Nonlinear2(model), fit))
     })
 }
 
 /// The second nonlinear model by the firefly search of the paper.
 pub(crate) fn firefly(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
-    fitted(task, &extent, notes, |x, options, remarks| {
+    as_printed(task, &extent, notes, |x, options, remarks| {
         let best = firefly_nonlinear2(x, options, &task.settings.firefly)?;
         remarks.push(if best.attraction > 0.0 {
             format!("mean attraction of two fireflies at the start {:.3}", best.attraction)
         } else {
             "the attraction of two fireflies is zero in these units: a random walk".to_owned()
         });
-        Ok((Model::Nonlinear2(best.model), best.fit, None))
+        Ok((Model::Nonlinear2(best.model), best.fit))
     })
 }
 
-/// Window, notes and candidate that all fits to the displacement of one mass have in common; `fit` makes the model.
-///
-/// The window ends with the settings, else with dynamic crush, else with the record. A fit without any finite
-/// response is a warning and no candidate; other errors are passed on.
-pub(super) fn fitted(
+/// A model found on the motion itself, then fitted as measured. A first nonlinear model whose minimum misses the side
+/// conditions keeps the values that meet them.
+fn fitted(
     task: &Task<'_>,
     extent: &Extent,
     notes: &mut Notes,
-    fit: impl FnOnce(&Signal<Displacement>, &SingleMassFitOptions, &mut Vec<String>) -> FitResult,
+    find: impl FnOnce(&Signal<Displacement>, &SingleMassFitOptions, &mut Vec<String>) -> OnTheMotion,
 ) -> Result<Vec<Candidate>, SolveError> {
+    let Some((fitting, start, remarks)) = start_of(task, extent, notes, find)? else { return Ok(Vec::new()) };
+    let (model, fit) = start;
+    let start = FitStart {
+        on_bound: fit.active_bounds.clone(),
+        iterations: fit.iterations,
+        evaluations: fit.evaluations,
+        ..FitStart::computed(model)
+    };
+    let minimum = fitting.minimum(&start);
+    let free = minimum.filter(|minimum| match &minimum.model {
+        Model::Nonlinear1(model) => fitting.meets_conditions(model),
+        _ => true,
+    });
+    Ok(vec![match free {
+        Some(minimum) => fitting.candidate(&start, minimum, 1, &remarks),
+        None => printed(&fitting, model, fit, remarks),
+    }])
+}
+
+/// A model as a paper's method finds it on the motion itself, with the minimum nearby, by which it is assessed.
+fn as_printed(
+    task: &Task<'_>,
+    extent: &Extent,
+    notes: &mut Notes,
+    find: impl FnOnce(&Signal<Displacement>, &SingleMassFitOptions, &mut Vec<String>) -> OnTheMotion,
+) -> Result<Vec<Candidate>, SolveError> {
+    let Some((fitting, (model, fit), remarks)) = start_of(task, extent, notes, find)? else { return Ok(Vec::new()) };
+    Ok(vec![printed(&fitting, model, fit, remarks)])
+}
+
+fn printed(fitting: &Fitting<'_>, model: Model, fit: Fit, remarks: Vec<String>) -> Candidate {
+    let start = FitStart { on_bound: fit.active_bounds.clone(), ..FitStart::computed(model) };
+    let mut notes: Vec<Note> = remarks.into_iter().map(Note::info).collect();
+    notes.push(window_note(&fit));
+    notes.extend(bounds_remark(&model, &fit.active_bounds).map(Note::info));
+    let minimum = fitting.minimum(&start);
+    Candidate { fit: Some(fit), minimum, ..computed(fitting.task, model, notes) }
+}
+
+/// What was found on the motion itself, with its remarks, and the displacement as measured.
+type Found<'a> = (Fitting<'a>, (Model, Fit), Vec<String>);
+
+/// The displacement as measured, what `find` finds on the motion itself, and its remarks.
+///
+/// The window ends with the settings, else with dynamic crush, else with the record. No finite response is a warning
+/// and no candidate; other errors are passed on.
+fn start_of<'a>(
+    task: &'a Task<'a>,
+    extent: &Extent,
+    notes: &mut Notes,
+    find: impl FnOnce(&Signal<Displacement>, &SingleMassFitOptions, &mut Vec<String>) -> OnTheMotion,
+) -> Result<Option<Found<'a>>, SolveError> {
     let (kind, test, settings) = (task.model, task.test, task.settings);
-    let Some(displacement) = test.displacement else {
+    let to_s = settings.fit_to_s.or(extent.stops.then_some(extent.time_s));
+    let Some((displacement, fitting)) = test.displacement.zip(Fitting::of_pulse(task, to_s)?) else {
         notes.warning(format!("{kind}: not fitted, there is no displacement"));
-        return Ok(Vec::new());
+        return Ok(None);
     };
     let options = SingleMassFitOptions {
         mass_kg: test.mass_kg,
@@ -133,34 +187,16 @@ pub(super) fn fitted(
         time_of_dynamic_crush_s: extent.time_s,
         time_zero_s: test.time_zero_s,
         from_s: settings.fit_from_s,
-        to_s: settings.fit_to_s.or(extent.stops.then_some(extent.time_s)),
+        to_s,
         samples: settings.fit_samples,
     };
     let mut remarks = Vec::new();
-    let (model, fit, uncertainty) = match fit(displacement, &options, &mut remarks) {
-        Ok(fitted) => fitted,
+    match find(displacement, &options, &mut remarks) {
+        Ok(found) => Ok(Some((fitting, found, remarks))),
         Err(error @ SolveError::NoFit { .. }) => {
             notes.warning(format!("{kind}: {error}"));
-            return Ok(Vec::new());
+            Ok(None)
         }
-        Err(error) => return Err(error),
-    };
-    remarks.insert(0, format!("fitted from {:.2} ms to {:.2} ms after time zero", 1e3 * fit.from_s, 1e3 * fit.to_s));
-    if let Model::Maxwell(maxwell) = &model
-        && let Some(finding) = undetermined_by_the_record(maxwell, test.impact_speed_m_per_s, extent.crush_m)
-    {
-        notes.warning(format!("{kind}: {finding}"));
-        remarks.push(finding);
+        Err(error) => Err(error),
     }
-    let mut notes = infos(remarks);
-    notes.extend(bounds_remark(&model, &fit.active_bounds).map(CandidateNote::active_bounds));
-    Ok(vec![Candidate {
-        model,
-        method: task.method,
-        index: 1,
-        equivalent_to: None,
-        fit: Some(fit),
-        uncertainty,
-        notes,
-    }])
 }

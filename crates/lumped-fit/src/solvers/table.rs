@@ -8,7 +8,7 @@ use crumple_lumped::ModelKind;
 use crumple_signal::Notes;
 
 use crate::solvers::task::{Needs, Task};
-use crate::solvers::{closed_forms, double, sensors, single_mass};
+use crate::solvers::{closed_forms, sensors, single_mass};
 use crate::{Candidate, FireflyOptions, FitQuantity, MassFit, MassSplit, Method, SolveError, SolveSettings};
 use crumple_estimation::minimise::l_shade::LShadeOptions;
 
@@ -63,7 +63,7 @@ pub(crate) const SOLVERS: &[Solver] = {
         solver(K::Nonlinear2, Method::DirectFit, Motion, true, single_mass::nonlinear2),
         solver(K::Nonlinear2, Method::Firefly, Motion, false, single_mass::firefly),
         solver(K::Nonlinear2, Method::LShade, Motion, false, sensors::fit),
-        solver(DOUBLE, Method::DirectFit, Motion, true, double::direct_fit),
+        solver(DOUBLE, Method::DirectFit, Motion, true, sensors::fit),
         solver(DOUBLE, Method::LShade, Motion, false, sensors::fit),
         Solver {
             model: DOUBLE,

@@ -7,12 +7,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::FitQuantity;
-use crate::fit::refine::Refined;
+use crate::candidate::minimum::Minimum;
 use crate::free::free_parameter::{FreeParameter, masses_of, rest_mass};
-use crate::record::observation::Observation;
 use crate::uncertainty::block_bootstrap::{BlockBootstrap, bootstrap};
-use crate::uncertainty::dual_scale::DualScale;
 use crate::uncertainty::identifiability::weakest_direction;
 use crate::uncertainty::profile_likelihood::{Profile, profile};
 use crumple_estimation::statistics::lag_1_autocorrelation;
@@ -56,11 +53,6 @@ pub struct Assessment {
     pub profile: Vec<Profile>,
     /// Bootstrap, where asked for.
     pub bootstrap: Option<BlockBootstrap>,
-    /// What the sentence on the weakest direction is made from.
-    free: Vec<FreeParameter>,
-    covariance: Covariance,
-    /// Quantity of the first wave.
-    quantity: FitQuantity,
 }
 
 /// Assesses a model at the minimum of its misfit; `None` where no parameter is determined.
@@ -73,12 +65,8 @@ pub struct Assessment {
 /// A parameter at zero is assessed from its one side. One at another bound, or without effect in the window, is left
 /// out of the matrices and has an open interval. Where masses are fitted, the last one is the rest of the total and
 /// follows from the others.
-pub fn assess(
-    refined: &Refined,
-    given: Option<&Model>,
-    observed: &Observation,
-    options: AssessmentOptions,
-) -> Option<Assessment> {
+pub fn assess(refined: &Minimum, given: Option<&Model>, options: AssessmentOptions) -> Option<Assessment> {
+    let observed = &refined.observed;
     // What stands on zero is assessed from its one side; what stands on the end of the search is not assessed.
     // Neither is what moves nothing in the window: it stays open on both sides.
     let assessed = |i: &usize| {
@@ -134,18 +122,13 @@ pub fn assess(
         profile: if options.profile {
             let half_width = |i| kept.iter().position(|&k| k == i).map(|k| covariance.half_width[k]);
             let expected: Vec<Option<f64>> = (0..refined.free.len()).map(half_width).collect();
-            let mut profiles = profile(refined, observed, &expected, covariance.effective_samples);
+            let mut profiles = profile(refined, &expected, covariance.effective_samples);
             profiles.extend(profile_of_the_rest(refined, &profiles).filter(|_| all_masses));
             profiles
         } else {
             Vec::new()
         },
-        bootstrap: (options.bootstrap > 0)
-            .then(|| bootstrap(refined, observed, options.bootstrap, all_masses))
-            .flatten(),
-        free,
-        covariance,
-        quantity,
+        bootstrap: (options.bootstrap > 0).then(|| bootstrap(refined, options.bootstrap, all_masses)).flatten(),
     })
 }
 
@@ -194,7 +177,7 @@ fn of_the_rest(
 }
 
 /// The profile of the rest of the total: that of the one free mass mirrored. `None` with two free masses.
-fn profile_of_the_rest(refined: &Refined, profiles: &[Profile]) -> Option<Profile> {
+fn profile_of_the_rest(refined: &Minimum, profiles: &[Profile]) -> Option<Profile> {
     let (parameter, value) = rest_mass(&refined.model, &refined.free)?;
     let mut masses = refined.free.iter().filter(|p| p.kind == ParameterKind::Mass);
     let (mass, None) = (masses.next()?, masses.next()) else { return None };
@@ -206,52 +189,6 @@ fn profile_of_the_rest(refined: &Refined, profiles: &[Profile]) -> Option<Profil
         high: mirrored.low.map(|kg| total - kg),
         points: mirrored.points.iter().rev().map(|(kg, rise)| (total - kg, *rise)).collect(),
     })
-}
-
-impl Assessment {
-    /// The same assessment for the dual of a double model.
-    pub fn of_dual(&self, dual: &DualScale) -> Self {
-        let exchange = |intervals: &Intervals| -> Intervals {
-            intervals
-                .iter()
-                .map(|(name, (low, high))| {
-                    let (name, by) = dual.of(name);
-                    (name, (low.map(|x| x * by), high.map(|x| x * by)))
-                })
-                .collect()
-        };
-        let free: Vec<FreeParameter> = self
-            .free
-            .iter()
-            .map(|p| {
-                let (name, by) = dual.of(p.name);
-                let limit = p.limit * by;
-                FreeParameter { name, value: p.value * by, unit: p.unit * by, scale: p.scale * by, limit, ..*p }
-            })
-            .collect();
-        Self {
-            parameters: self.parameters.iter().map(|name| dual.of(name).0).collect(),
-            standard_deviation: dual.values(&self.standard_deviation),
-            interval: exchange(&self.interval),
-            weakest_direction: weakest_direction(&free, &self.covariance, self.quantity),
-            profile: self
-                .profile
-                .iter()
-                .map(|p| {
-                    let (parameter, by) = dual.of(p.parameter);
-                    Profile {
-                        parameter,
-                        low: p.low.map(|x| x * by),
-                        high: p.high.map(|x| x * by),
-                        points: p.points.iter().map(|(value, rise)| (value * by, *rise)).collect(),
-                    }
-                })
-                .collect(),
-            bootstrap: self.bootstrap.as_ref().map(|b| BlockBootstrap { interval: exchange(&b.interval), ..b.clone() }),
-            free,
-            ..self.clone()
-        }
-    }
 }
 
 /// Parameters with an open interval on at least one side, by name.

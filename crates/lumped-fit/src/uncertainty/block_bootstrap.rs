@@ -6,9 +6,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
-use crate::fit::observed_problem::Problem;
-use crate::fit::refine::{Refined, follow};
+use crate::candidate::minimum::Minimum;
+use crate::fit::as_measured::near;
 use crate::free::free_parameter::{FreeParameter, rest_mass};
+use crate::free::parameterisation::Parameterisation;
 use crate::record::observation::Observation;
 use crumple_estimation::statistics::{autocorrelation_time, quantile};
 use crumple_lumped::Model;
@@ -41,20 +42,16 @@ pub struct BlockBootstrap<N: Ord = &'static str> {
 ///
 /// Contains no other minimum, and no error that is the same in the whole record. `with_rest`: whether a last mass
 /// that is the rest of the total has an interval too. `None` with fewer than 20 fits.
-pub fn bootstrap(
-    refined: &Refined,
-    observed: &Observation,
-    replicates: usize,
-    with_rest: bool,
-) -> Option<BlockBootstrap> {
+pub fn bootstrap(refined: &Minimum, replicates: usize, with_rest: bool) -> Option<BlockBootstrap> {
     let rest = |model: &Model, free: &[FreeParameter]| rest_mass(model, free).filter(|_| with_rest);
     let rest_name = rest(&refined.model, &refined.free).map(|(name, _)| name);
     let names = refined.free.iter().map(|parameter| parameter.name).chain(rest_name).collect();
-    replicate(observed, &refined.misfit_m, replicates, names, |resampled| {
-        let problem = Problem::new(refined.model, refined.free.clone(), resampled);
-        let optimum = follow(&problem, &problem.start())?;
-        let rest = rest(&problem.model(&optimum.theta)?, &problem.free).map(|(_, kg)| kg);
-        Some(problem.free.iter().zip(&optimum.theta).map(|(p, theta)| p.at(*theta)).chain(rest).collect())
+    let coordinates = refined.coordinates();
+    let start = coordinates.start();
+    replicate(&refined.observed, &refined.misfit_m, replicates, names, |resampled| {
+        let optimum = near(&coordinates, resampled).follow(&start)?;
+        let rest = rest(&coordinates.model(&optimum.theta)?, &coordinates.free).map(|(_, kg)| kg);
+        Some(coordinates.free.iter().zip(&optimum.theta).map(|(p, theta)| p.at(*theta)).chain(rest).collect())
     })
 }
 

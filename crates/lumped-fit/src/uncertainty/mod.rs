@@ -6,7 +6,6 @@ pub mod assessment;
 pub mod block_bootstrap;
 pub mod closed_form_propagation;
 pub mod conditioned_propagation;
-pub mod dual_scale;
 pub mod identifiability;
 pub mod profile_likelihood;
 pub mod propagation;

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::fit::observed_problem::Problem;
-use crate::fit::refine::{Refined, follow};
+use crate::candidate::minimum::Minimum;
+use crate::fit::as_measured::near;
 use crate::free::free_parameter::FreeParameter;
 use crate::record::observation::Observation;
 
@@ -50,31 +50,16 @@ impl<N> Profile<N> {
 /// zero is reached first, zero is the end.
 ///
 /// `expected`: half-width of the linear interval of each coordinate, where there is one; it sets the first step.
-pub fn profile(
-    refined: &Refined,
-    observed: &Observation,
-    expected: &[Option<f64>],
-    effective_samples: f64,
-) -> Vec<Profile> {
-    let free = &refined.free;
+pub fn profile(refined: &Minimum, expected: &[Option<f64>], effective_samples: f64) -> Vec<Profile> {
+    let (free, observed) = (&refined.free, &refined.observed);
     let names: Vec<&'static str> = free.iter().map(|p| p.name).collect();
     let bounds: Vec<(f64, f64)> = free.iter().map(FreeParameter::bounds).collect();
-    let refit = |fixed: usize, coordinate: f64, start: &[f64]| -> Option<(Vec<f64>, f64)> {
-        let mut values = refined.model.parameters();
-        *values.get_mut(free[fixed].name)? = free[fixed].at(coordinate);
-        let template = crate::fit::observed_problem::with_parameters(&refined.model, &values)?;
-        let others: Vec<FreeParameter> = (0..free.len()).filter(|&i| i != fixed).map(|i| free[i]).collect();
-        let problem = Problem::new(template, others, observed);
-        if start.is_empty() {
-            let cost = observed.misfit(&template)?.iter().map(|r| (r / problem.unit_m).powi(2)).sum();
-            return Some((Vec::new(), cost));
-        }
-        let refitted = follow(&problem, start)?;
-        Some((refitted.theta, refitted.cost))
-    };
-    Minimum {
+    let coordinates = refined.coordinates();
+    let problem = near(&coordinates, observed);
+    let refit = |fixed: usize, coordinate: f64, others: &[f64]| problem.follow_others(fixed, coordinate, others);
+    Profiled {
         names: &names,
-        at: &Problem::new(refined.model, free.clone(), observed).start(),
+        at: &coordinates.start(),
         bounds: &bounds,
         value: &|i, coordinate| free[i].at(coordinate),
         ends_at_zero: &|i| !free[i].logarithmic,
@@ -92,7 +77,7 @@ pub fn profile(
 pub(crate) type Refit<'a> = &'a (dyn Fn(usize, f64, &[f64]) -> Option<(Vec<f64>, f64)> + Sync);
 
 /// A minimum whose parameters can be fixed one at a time.
-pub(crate) struct Minimum<'a, N> {
+pub(crate) struct Profiled<'a, N> {
     /// Names of the parameters, in the order of the coordinates.
     pub names: &'a [N],
     /// Coordinates of the minimum.
@@ -115,7 +100,7 @@ pub(crate) struct Minimum<'a, N> {
     pub effective_samples: f64,
 }
 
-impl<N: Clone + Send + Sync> Minimum<'_, N> {
+impl<N: Clone + Send + Sync> Profiled<'_, N> {
     /// The profile of every parameter, see [`profile`].
     pub fn profiles(&self) -> Vec<Profile<N>> {
         (0..self.at.len())
@@ -136,7 +121,7 @@ impl<N: Clone + Send + Sync> Minimum<'_, N> {
 /// What both sides of the profile of one parameter share.
 struct Side<'a, N> {
     /// The minimum, and which of its parameters is fixed.
-    of: &'a Minimum<'a, N>,
+    of: &'a Profiled<'a, N>,
     fixed: usize,
     effective_samples: f64,
     /// Sum of squares at the minimum with that of the resolution, in squared units of the problem.
@@ -148,7 +133,7 @@ struct Side<'a, N> {
 }
 
 impl<'a, N> Side<'a, N> {
-    fn new(of: &'a Minimum<'a, N>, fixed: usize) -> Self {
+    fn new(of: &'a Profiled<'a, N>, fixed: usize) -> Self {
         let unit = of.observed.scale_m();
         let floor = of.observed.unresolved();
         let least = of.misfit.iter().map(|r| (r / unit).powi(2)).sum::<f64>() + floor;

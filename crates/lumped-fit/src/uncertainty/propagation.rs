@@ -12,9 +12,10 @@ use rayon::prelude::*;
 use crumple_lumped::{Model, Parameter, ParameterKind};
 use crumple_signal::Distribution;
 
-use crate::fit::observed_problem::{Problem, with_parameters};
-use crate::fit::refine::follow;
+use crate::fit::as_measured::near;
+use crate::free::free_model::{FreeModel, with_parameters};
 use crate::free::free_parameter::rest_mass;
+use crate::free::parameterisation::Parameterisation;
 use crate::record::observation::{Observation, ObservedWave};
 use crate::record::window::FEWEST;
 use crate::uncertainty::block_bootstrap::percentile;
@@ -198,22 +199,6 @@ pub fn propagate(
     })
 }
 
-/// [`propagate`] for a fit that takes the record as unfiltered: the errors act on the record as it was measured, the
-/// model is compared without the filter.
-pub fn propagate_unfiltered(
-    model: &Model,
-    free: &[FreeParameter],
-    observed: &Observation,
-    mass_kg: f64,
-    inputs: &InputUncertainty,
-    repetitions: usize,
-) -> Option<Propagation> {
-    over_repetitions(mass_kg, inputs, (repetitions, observed.waves.len()), |errors| {
-        let Repetition { observed, mass_ratio } = with_errors(observed, errors)?;
-        repeat(model, free, &Repetition { observed: observed.unfiltered(), mass_ratio })
-    })
-}
-
 /// Fewest results of which percentiles are taken.
 const LEAST_REPETITIONS: usize = 20;
 
@@ -260,9 +245,9 @@ pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) ->
         values.insert(knot.name.to_owned(), v0);
     }
     let template = with_parameters(model, &values)?;
-    let problem = Problem::new(template, free.to_vec(), &repetition.observed);
-    let optimum = follow(&problem, &problem.start())?;
-    let fitted = problem.model(&optimum.theta)?;
+    let coordinates = FreeModel { template, free: free.to_vec() };
+    let optimum = near(&coordinates, &repetition.observed).follow(&coordinates.start())?;
+    let fitted = coordinates.model(&optimum.theta)?;
     let mut result: BTreeMap<&'static str, f64> = BTreeMap::new();
     for (parameter, theta) in free.iter().zip(&optimum.theta) {
         let by_mass = matches!(parameter.kind, ParameterKind::Mass | ParameterKind::Stiffness | ParameterKind::Damping);

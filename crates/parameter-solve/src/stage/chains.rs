@@ -5,14 +5,12 @@ use std::collections::BTreeMap;
 use crumple_lumped::{ParameterKind, SecantChain};
 use crumple_lumped_fit::{
     ChainAssessment, ChainAssessmentOptions, ChainDual, ChainSolution, LinearisedUncertainty, Observation,
-    ObservedWave, RESOLUTION_M, SensorPlace, assess_chain, errors_in_words, fit_chain, note_of_errors,
+    ObservedWave, SensorPlace, assess_chain, errors_in_words, fit_chain, note_of_errors,
 };
-use crumple_signal::Sampled;
 use crumple_stage::records::{CandidateV1, EventsV1, FitV1, SensorFitV1, UncertaintyV1};
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, total_mass_remark};
 
-use crate::stage::inputs::measurement::{UNKNOWN_FILTER_M, measurement};
-use crate::stage::inputs::motions::motion;
+use crate::stage::inputs::motions::{sensor_wave, stated_places};
 use crate::stage::options::chain_table::FittedChain;
 use crate::stage::options::settings::StageSettings;
 use crate::stage::records::uncertainty::{
@@ -24,8 +22,6 @@ struct Sensor {
     channel: String,
     place: SensorPlace,
     mass: usize,
-    /// Whether its filter is known.
-    known: bool,
 }
 
 /// Candidates of every chain, with their ids.
@@ -54,10 +50,9 @@ pub fn fit_chains(
     let mut records = Vec::new();
     for chain in &settings.chain {
         let (observed, sensors) = waves(chain, settings, input, &events, speed, out)?;
-        let known = sensors.iter().all(|sensor| sensor.known);
         let hint = || format!("see [parameter-solve.chain.{}] of the pipeline file", chain.name);
         let stated = chain.stated(total_kg);
-        let solutions = fit_chain(&stated, &observed, known, settings.solve.fit_starts).refuse_with_hint(hint())?;
+        let solutions = fit_chain(&stated, &observed, settings.solve.fit_starts).refuse_with_hint(hint())?;
         warn_of_open_parameters(chain, &solutions, out);
         if let Some(text) =
             total_kg.zip(solutions.first()).and_then(|(kg, s)| total_mass_remark(s.chain.masses_kg(), kg))
@@ -65,7 +60,7 @@ pub fn fit_chains(
             out.notes().warning(format!("chain {}: {text}", chain.name));
         }
         for (k, solution) in solutions.iter().enumerate() {
-            let assessment = assess_chain(&stated, &observed, known, solution, &asked).refuse_with_hint(hint())?;
+            let assessment = assess_chain(&stated, &observed, solution, &asked).refuse_with_hint(hint())?;
             let id = chain.id(k + 1);
             let without = [
                 ("profiled", asked.options.profile && assessment.profile.is_empty()),
@@ -148,14 +143,10 @@ fn waves(
     out: &mut Output,
 ) -> anyhow::Result<(Observation, Vec<Sensor>)> {
     let quantity = settings.solve.quantity;
-    let mut places = settings.places.clone();
-    if !places.iter().any(|(place, _)| *place == SensorPlace::Compartment) {
-        places.insert(0, (SensorPlace::Compartment, events.channel.clone()));
-    }
     let masses = chain.masses.len();
     let mass_kg = settings.mass_kg.or(input.test()?.mass_kg).unwrap_or(1.0);
     let (mut waves, mut sensors) = (Vec::new(), Vec::new());
-    for (place, channel) in places {
+    for (place, channel) in stated_places(settings, &events.channel) {
         let Some(mass) = place.mass(masses) else {
             out.notes().info(format!(
                 "chain {}: sensor {channel} is on the {place}, which this chain does not have: not fitted",
@@ -163,20 +154,17 @@ fn waves(
             ));
             continue;
         };
-        let record: Sampled = motion(input, &channel, quantity, mass_kg)?;
-        let (measured, known) = measurement(input, events, &channel, &record)?;
+        let wave = sensor_wave(settings, input, events, (place, channel), mass_kg)?;
+        let record = &wave.record;
         let end_s = record.end_s() - events.time_zero_s;
         let to_s = settings.solve.fit_to_s.or(events.time_of_dynamic_crush_s).unwrap_or(end_s);
         let window = (settings.solve.fit_from_s, to_s);
         let what = (Some(mass), quantity);
-        let mut wave =
-            ObservedWave::new(&record, what, events.time_zero_s, measured, window, settings.solve.fit_samples)
-                .refuse_with_hint("see --fit-from and --fit-to")?;
-        if !known {
-            wave.resolution *= UNKNOWN_FILTER_M / RESOLUTION_M;
-        }
-        waves.push(wave);
-        sensors.push(Sensor { channel, place, mass, known });
+        let samples = settings.solve.fit_samples;
+        let observed = ObservedWave::new(record, what, events.time_zero_s, wave.measurement, window, samples)
+            .refuse_with_hint("see --fit-from and --fit-to")?;
+        waves.push(observed);
+        sensors.push(Sensor { channel: wave.channel, place, mass });
     }
     Ok((Observation { impact_speed_m_per_s, waves }, sensors))
 }
@@ -222,7 +210,7 @@ fn record(
         let errors = errors.map(|(s, rmse)| (*rmse, quantity, s.channel.as_str(), s.place.to_string()));
         notes.push(note_of_errors(&errors_in_words(errors), None));
     }
-    if !sensors.iter().all(|sensor| sensor.known) {
+    if !observed.is_as_measured() {
         notes.push("the filter of a sensor is not known: fitted as if its record had none".to_owned());
     }
     if !solution.on_bound.is_empty() {
@@ -265,13 +253,13 @@ fn record(
                 })
                 .collect(),
         }),
-        uncertainty: Some(uncertainty(solution, assessment, sensors)),
+        uncertainty: Some(uncertainty(solution, assessment, observed.is_as_measured())),
         notes,
     }
 }
 
-fn uncertainty(solution: &ChainSolution, assessment: &ChainAssessment, sensors: &[Sensor]) -> UncertaintyV1 {
-    let method = linearised(sensors.iter().all(|sensor| sensor.known));
+fn uncertainty(solution: &ChainSolution, assessment: &ChainAssessment, as_measured: bool) -> UncertaintyV1 {
+    let method = linearised(as_measured);
     let Some(known) = &solution.linearised else {
         // Everything that was free stays open.
         let open: BTreeMap<String, Option<f64>> = solution.free.iter().map(|name| (name.clone(), None)).collect();

@@ -1,11 +1,11 @@
 //! Candidates from the crash events and the motion of a test.
 
-use crumple_lumped_fit::{Candidate, MassSplit, Sensor, TestData, solve};
-use crumple_signal::{Displacement, TestDescription};
+use crumple_lumped_fit::{Candidate, Sensor, TestData, solve};
+use crumple_signal::Displacement;
 use crumple_stage::records::EventsV1;
-use crumple_stage::{Inputs, Output, RefuseExt, Refused, Wave};
+use crumple_stage::{Inputs, Output, RefuseExt, Wave};
 
-use crate::stage::inputs::motions::sensor_waves;
+use crate::stage::inputs::record::Record;
 use crate::stage::options::settings::StageSettings;
 
 /// More of the way at constant speed than this part, and the record shows a vehicle that speeds up; a drifting zero
@@ -43,56 +43,35 @@ pub fn up_to_the_end_of_the_event(
     Some(settings)
 }
 
-/// Candidates from the events and the displacement.
+/// Candidates from the events and the motion.
 pub fn from_events(
     settings: &StageSettings,
-    input: &Inputs,
-    test: &TestDescription,
+    record: &Record,
     events: &EventsV1,
     out: &mut Output,
 ) -> anyhow::Result<Vec<Candidate>> {
-    let mass_kg = match (settings.mass_kg, test.mass_kg, settings.solve.split) {
-        (Some(given), Some(tested), _) => {
-            out.notes().info(format!("mass {given} kg given by flag instead of the test's {tested} kg"));
-            given
-        }
-        (Some(mass), ..) | (None, Some(mass), _) => mass,
-        (None, None, MassSplit::Both(m1, m2)) => {
-            out.notes().info(format!("the test has no mass; taken as m1 + m2 = {} kg", m1 + m2));
-            m1 + m2
-        }
-        (None, None, _) => return Err(Refused::new("the test has no mass").hint("--mass 873kg").into()),
-    };
-    let impact_speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
-        Refused::new("neither the events nor the test have an impact speed")
-            .hint("--impact-speed 35km/h at crumple-ingest")
-    })?;
-    let id = format!("{}/displacement", events.channel);
-    let wave = if settings.solve.fits_a_signal() { Some(input.wave(&id)?) } else { input.wave_if(&id) };
-    let displacement = wave
-        .map(Wave::signal::<Displacement>)
-        .transpose()
-        .refuse_with_hint("crumple-integrate writes the displacement of the pulse")?;
-    let waves = sensor_waves(settings, input, &events.channel, mass_kg)?;
-    let sensors: Vec<Sensor<'_>> = waves
+    let sensors: Vec<Sensor<'_>> = record
+        .sensors
         .iter()
-        .map(|(place, channel, record)| Sensor {
-            channel,
-            place: *place,
+        .map(|wave| Sensor {
+            channel: &wave.channel,
+            place: wave.place,
             quantity: settings.solve.quantity,
-            record,
+            record: &wave.record,
+            measurement: Some(wave.measurement),
             noise: None,
         })
         .collect();
     let test_data = TestData {
-        mass_kg,
-        impact_speed_m_per_s,
+        mass_kg: record.mass_kg,
+        impact_speed_m_per_s: record.impact_speed_m_per_s,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
         dynamic_crush_m: events.dynamic_crush_m,
         coefficient_of_restitution: restitution(events),
         time_zero_s: events.time_zero_s,
         time_of_rebound_s: events.time_of_rebound_s,
-        displacement: displacement.as_ref(),
+        displacement: record.displacement.as_ref().map(|(x, _)| x),
+        measurement: record.displacement.as_ref().map(|(_, measurement)| *measurement),
         sensors: &sensors,
     };
     solve(&test_data, &settings.solve, out.notes()).refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")

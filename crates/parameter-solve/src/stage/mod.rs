@@ -21,11 +21,11 @@ use crumple_stage::{Inputs, Loaded, Outcome, Output, Stage};
 
 use crate::stage::assess::candidate_assessment::CandidateAssessment;
 use crate::stage::assess::candidates::assess_all;
-use crate::stage::assess::replace_by_refined::fixed_at_bound;
 use crate::stage::chains::fit_chains;
 use crate::stage::from_events::{from_events, speeds_up, up_to_the_end_of_the_event};
 use crate::stage::from_exponentials::{from_exponentials, maxwell_candidates};
 use crate::stage::from_models::from_models;
+use crate::stage::inputs::record::Record;
 use crate::stage::options::chain_table::FittedChain;
 use crate::stage::options::flags::Options;
 use crate::stage::options::settings::StageSettings;
@@ -70,9 +70,9 @@ impl Stage for ParameterSolve {
                 out.put("/test", &TestV1::from(&described))?;
                 return Ok(Outcome::NoAcceptableResult(reason));
             }
-            candidates = from_events(settings, input, &described, &events, out)?;
-            let mass_kg = settings.mass_kg.or(described.mass_kg);
-            assessments = assess_all(&mut candidates, settings, input, &events, mass_kg, out)?;
+            let record = Record::read(settings, input, &described, &events, out)?;
+            candidates = from_events(settings, &record, &events, out)?;
+            assessments = assess_all(&candidates, settings, &record, &events, out)?;
             channel = events.channel;
             test = Some(described);
         } else if input.record_if::<TestV1>("/test")?.is_some() {
@@ -183,7 +183,7 @@ fn warn_of_flags_without_effect(
 fn warn_of_bounds(candidates: &[Candidate], out: &mut Output) {
     for candidate in candidates {
         let dual = candidate.equivalent_to.is_some_and(|other| other < candidate.index);
-        let words = all_in_words(&candidate.model, fixed_at_bound(candidate));
+        let words = all_in_words(&candidate.model, candidate.fixed_at_bound());
         if !dual && !words.is_empty() {
             out.notes().warning(format!(
                 "{}: on a bound of the search, not determined by the record: {words}",

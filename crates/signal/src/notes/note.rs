@@ -34,6 +34,16 @@ impl fmt::Display for Note {
 }
 
 impl Note {
+    /// Something good to know.
+    pub fn info(text: impl Into<String>) -> Self {
+        Self { severity: Severity::Info, text: text.into() }
+    }
+
+    /// Something that may change a conclusion.
+    pub fn warning(text: impl Into<String>) -> Self {
+        Self { severity: Severity::Warning, text: text.into() }
+    }
+
     /// Reads the text form back.
     pub fn parse(text: &str) -> Self {
         match text.strip_prefix(WARNING_PREFIX) {
@@ -55,12 +65,12 @@ impl Notes {
 
     /// Adds something good to know.
     pub fn info(&mut self, text: impl Into<String>) {
-        self.0.push(Note { severity: Severity::Info, text: text.into() });
+        self.0.push(Note::info(text));
     }
 
     /// Adds something that may change a conclusion.
     pub fn warning(&mut self, text: impl Into<String>) {
-        self.0.push(Note { severity: Severity::Warning, text: text.into() });
+        self.0.push(Note::warning(text));
     }
 
     /// Adds a note as it is.

@@ -1,4 +1,4 @@
-//! The first nonlinear model fitted to the compartment's displacement under the side constraints of its paper.
+//! The first nonlinear model fitted to the compartment's displacement, under the side constraints of its paper.
 
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Response, descend};
 use crumple_lumped::{Model, Nonlinear1};
@@ -8,7 +8,6 @@ use crate::fit::descents::all;
 use crate::fit::nonlinear::momentum_starts::{DAMPER_KNOTS, FOLLOWED, Momentum, REFINED, Start};
 use crate::fit::nonlinear::problem::{Displacements, conditions_at_crush, derivatives1};
 use crate::fit::options::SingleMassFitOptions;
-use crate::record::window::Window;
 use crate::{Fit, SolveError};
 
 /// Fits the first nonlinear model under the side constraints of its paper: `k1 <= k2`, `c1 >= c2 >= c3`, and at the
@@ -29,7 +28,7 @@ pub fn fit_nonlinear1(
     constrained: bool,
 ) -> Result<(Nonlinear1, Fit), SolveError> {
     options.check()?;
-    let window = Window::pick(displacement, options.time_zero_s, options.from_s, options.to_s, options.samples)?;
+    let window = options.window(displacement)?;
     let momentum = Momentum::of(&window, options);
     let springs = momentum.columns(&momentum.x, &[0.0, 1.0]);
     let sum = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + b).collect() };

@@ -1,36 +1,34 @@
-//! The second nonlinear model fitted to the compartment's displacement.
+//! The search for the second nonlinear model in the compartment's displacement.
 
-use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Response};
+use crumple_estimation::minimise::levenberg_marquardt::Bounds;
 use crumple_lumped::{Model, Nonlinear2};
 use crumple_signal::{Displacement, Signal};
 use rayon::prelude::*;
 
-use crate::candidate::linearised::uncertainty;
 use crate::fit::descents::all;
 use crate::fit::nonlinear::momentum_starts::{DAMPER_KNOTS, FOLLOWED, Momentum, REFINED, Start};
 use crate::fit::nonlinear::problem::{Displacements, derivatives2};
 use crate::fit::options::SingleMassFitOptions;
-use crate::record::window::Window;
-use crate::{Fit, SolveError, Uncertainty};
+use crate::{Fit, SolveError};
 
 /// Places of the middle knot of the spring that are tried, shares of the crush.
 const SPRING_KNOTS: [f64; 9] = [0.1, 0.25, 0.4, 0.55, 0.7, 0.8, 0.87, 0.93, 0.97];
 
-/// Fits the ten parameters of the second nonlinear model.
+/// Searches for the ten parameters of the second nonlinear model on the motion itself.
 ///
 /// For fixed knots the force is linear in the seven coefficients, and the momentum it takes,
 /// `m (v0 - v(t)) = sum of coefficient_j times the integral of hat_j`, needs no acceleration: non-negative least
 /// squares on a grid of 324 knot vectors gives starting values; the best eight go through bounded Levenberg-Marquardt
 /// on the simulated displacement, the best two to the end. Deterministic. From the exact displacement of the paper's
-/// own parameters all ten come back. A real record determines fewer: see the deviations and the active bounds.
+/// own parameters all ten come back. A real record determines fewer.
 ///
 /// Errors: masses, speed or crush that are not positive, a window outside the record, no finite response.
-pub fn fit_nonlinear2(
+pub fn search_nonlinear2(
     displacement: &Signal<Displacement>,
     options: &SingleMassFitOptions,
-) -> Result<(Nonlinear2, Fit, Option<Uncertainty>), SolveError> {
+) -> Result<(Nonlinear2, Fit), SolveError> {
     options.check()?;
-    let window = Window::pick(displacement, options.time_zero_s, options.from_s, options.to_s, options.samples)?;
+    let window = options.window(displacement)?;
     let momentum = Momentum::of(&window, options);
     let springs: Vec<_> = SPRING_KNOTS.iter().map(|x1| momentum.columns(&momentum.x, &[0.0, *x1, 1.0])).collect();
     let pairs: Vec<(f64, f64)> = DAMPER_KNOTS
@@ -102,15 +100,9 @@ pub fn fit_nonlinear2(
         for (i, j) in [(5, 6), (8, 9)] {
             ordered.theta.swap(i, j);
             ordered.on_bound.swap(i, j);
-            ordered.r.swap_columns(i, j);
         }
     }
-    let (x, v) = (options.crush_m, options.impact_speed_m_per_s);
-    let factors = [spring, spring, spring, x, damper, damper, damper, damper, v, v];
-    let mut residuals = vec![0.0; problem.rows()];
-    let finite = problem.residuals(&best.theta, &mut residuals);
-    let deviations = finite.then(|| uncertainty(&ordered, &residuals, &names, &factors)).flatten();
-    Ok((model, Fit::of_displacement(&ordered, &window, evaluations, &names, options.crush_m), deviations))
+    Ok((model, Fit::of_displacement(&ordered, &window, evaluations, &names, options.crush_m)))
 }
 
 /// The model at a point of the search; the knots of the damper in rising order, each with its value. `None` if it is

@@ -1,6 +1,6 @@
 //! The assessment of one candidate, with the propagation of uncertain inputs.
 
-use crumple_lumped_fit::{Assessment, DualScale, Propagation};
+use crumple_lumped_fit::{Assessment, Propagation};
 
 /// How well the parameters of one candidate are determined, and how that was found.
 #[derive(Debug, Clone)]
@@ -11,16 +11,4 @@ pub struct CandidateAssessment {
     pub repeated: &'static str,
     /// Whether the model was followed through the filter of the record.
     pub through_filter: bool,
-}
-
-impl CandidateAssessment {
-    /// The same assessment for the dual of the model.
-    pub fn of_dual(&self, dual: &DualScale) -> Self {
-        Self {
-            assessment: self.assessment.of_dual(dual),
-            propagation: self.propagation.as_ref().map(|p| dual.propagation(p)),
-            repeated: self.repeated,
-            through_filter: self.through_filter,
-        }
-    }
 }

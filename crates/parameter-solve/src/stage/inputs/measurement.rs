@@ -5,17 +5,9 @@ use crumple_signal::{Acceleration, Sampled};
 use crumple_stage::records::{ChannelFilterV1, EventsV1};
 use crumple_stage::{Inputs, RefuseExt, Wave};
 
-/// Error of a displacement whose filter is not known, m: what CFC 60 does to the jump at contact.
-pub const UNKNOWN_FILTER_M: f64 = 1e-5;
-
-/// The measurement of a motion of this channel, and whether its filter is known. Time zero, start and rule are those of
-/// the events: all channels are integrated alike.
-pub fn measurement(
-    input: &Inputs,
-    events: &EventsV1,
-    channel: &str,
-    motion: &Sampled,
-) -> anyhow::Result<(Measurement, bool)> {
+/// The measurement of a motion of this channel; [exact](Measurement::exact) where its filter is not known. Time zero,
+/// start and rule are those of the events: all channels are integrated alike.
+pub fn measurement(input: &Inputs, events: &EventsV1, channel: &str, motion: &Sampled) -> anyhow::Result<Measurement> {
     let record: Option<ChannelFilterV1> = input.record_if(&format!("/filter/{channel}"))?;
     let acceleration = input
         .wave_if(channel)
@@ -52,5 +44,5 @@ pub fn measurement(
         from_contact: events.start.as_deref() != Some("record-start"),
         rule,
     };
-    Ok((measurement, known))
+    Ok(if known { measurement } else { measurement.exact() })
 }

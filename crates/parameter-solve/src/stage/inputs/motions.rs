@@ -1,35 +1,63 @@
 //! The motion of a channel, as integrated or as filtered.
 
-use crumple_lumped_fit::{FitQuantity, SensorPlace};
+use crumple_lumped_fit::{FitQuantity, Measurement, SensorPlace};
 use crumple_signal::{Acceleration, Displacement, Force, Sampled, Velocity};
+use crumple_stage::records::EventsV1;
 use crumple_stage::{Inputs, RefuseExt, Refused};
 
+use crate::stage::inputs::measurement::measurement;
 use crate::stage::options::settings::StageSettings;
+
+/// A motion of a sensor, with its place, its channel and how it was measured.
+#[derive(Debug)]
+pub struct SensorWave {
+    pub place: SensorPlace,
+    pub channel: String,
+    pub record: Sampled,
+    pub measurement: Measurement,
+}
 
 /// The motions to fit together; none where it is the displacement of the pulse alone.
 pub fn sensor_waves(
     settings: &StageSettings,
     input: &Inputs,
-    pulse: &str,
+    events: &EventsV1,
     mass_kg: f64,
-) -> anyhow::Result<Vec<(SensorPlace, String, Sampled)>> {
+) -> anyhow::Result<Vec<SensorWave>> {
     let quantity = settings.solve.quantity;
-    let mut places = settings.places.clone();
-    if places.is_empty() && quantity == FitQuantity::Displacement || !settings.solve.fits_a_signal() {
+    if settings.places.is_empty() && quantity == FitQuantity::Displacement || !settings.solve.fits_a_signal() {
         return Ok(Vec::new());
     }
+    stated_places(settings, &events.channel)
+        .into_iter()
+        .map(|(place, channel)| sensor_wave(settings, input, events, (place, channel), mass_kg))
+        .collect()
+}
+
+/// The places and channels that are stated, the pulse on the compartment where nothing else is.
+pub fn stated_places(settings: &StageSettings, pulse: &str) -> Vec<(SensorPlace, String)> {
+    let mut places = settings.places.clone();
     if !places.iter().any(|(place, _)| *place == SensorPlace::Compartment) {
         places.insert(0, (SensorPlace::Compartment, pulse.to_owned()));
     }
-    let read = |(place, channel): (SensorPlace, String)| -> anyhow::Result<(SensorPlace, String, Sampled)> {
-        let record = motion(input, &channel, quantity, mass_kg)?;
-        Ok((place, channel, record))
-    };
-    places.into_iter().map(read).collect()
+    places
+}
+
+/// The motion of a channel in a place, with how it was measured.
+pub fn sensor_wave(
+    settings: &StageSettings,
+    input: &Inputs,
+    events: &EventsV1,
+    (place, channel): (SensorPlace, String),
+    mass_kg: f64,
+) -> anyhow::Result<SensorWave> {
+    let record = motion(input, &channel, settings.solve.quantity, mass_kg)?;
+    let measurement = measurement(input, events, &channel, &record)?;
+    Ok(SensorWave { place, channel, record, measurement })
 }
 
 /// The motion of a channel.
-pub fn motion(input: &Inputs, channel: &str, quantity: FitQuantity, mass_kg: f64) -> anyhow::Result<Sampled> {
+fn motion(input: &Inputs, channel: &str, quantity: FitQuantity, mass_kg: f64) -> anyhow::Result<Sampled> {
     let hint = "crumple-integrate writes the motion of the pulse and of the channels named with --channels there";
     let wave = |what: &str| {
         let id = format!("{channel}/{what}");
@@ -66,7 +94,7 @@ fn not_integrated(input: &Inputs, channel: &str, what: &str) -> anyhow::Error {
 }
 
 /// The acceleration of a channel from the filter's artifact, else from the force that integrate made of it.
-pub fn acceleration(input: &Inputs, channel: &str, mass_kg: f64) -> anyhow::Result<Sampled> {
+fn acceleration(input: &Inputs, channel: &str, mass_kg: f64) -> anyhow::Result<Sampled> {
     if let Some(wave) = input.wave_if(channel) {
         let hint = "name an accelerometer with --sensors";
         return Ok(wave.signal::<Acceleration>().refuse_with_hint(hint)?.into_sampled());

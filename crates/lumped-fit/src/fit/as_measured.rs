@@ -1,57 +1,30 @@
-//! A fitted model moved to the minimum of its misfit as measured: what replaces a fit made without the filter.
+//! The fit: a start moved to the minimum of its misfit as measured.
 //!
-//! The other fits of this room compare the motion itself, which is quick and has closed forms. The record went
-//! through a filter and two sums, which change its displacement by some 1e-5 m at contact; a fit that does not repeat
-//! them attributes that to springs and dampers.
+//! A record went through a filter and two sums, which change its displacement by some 1e-5 m at contact; a fit that
+//! does not repeat them attributes that to springs and dampers. So the model goes through the same steps at every
+//! evaluation. Searches, which only have to lead to a start, compare the motion itself; where the steps are not known,
+//! the fit does so too.
 
 use crumple_linalg::jacobi_svd;
-use crumple_lumped::Model;
+use crumple_lumped::{DoubleSpringMassDamper, Model};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::fit::observed_problem::Problem;
+use crate::candidate::minimum::Minimum;
+use crate::fit::problem::Problem;
+use crate::free::free_model::FreeModel;
 use crate::free::free_parameter::FreeParameter;
+use crate::free::parameterisation::Parameterisation;
 use crate::record::observation::Observation;
-use crumple_estimation::minimise::StopReason;
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, derivatives, descend};
 
-/// A model at the minimum of its misfit, with the sensitivities there. Metres stand for the unit of the first wave.
-#[derive(Debug, Clone)]
-pub struct Refined {
-    /// The model.
-    pub model: Model,
-    /// Its free parameters; the values are those of the minimum.
-    pub free: Vec<FreeParameter>,
-    /// Which of them stopped on a bound.
-    pub on_bound: Vec<bool>,
-    /// Model minus record, m.
-    pub misfit_m: Vec<f64>,
-    /// Change of the displacement by each free parameter's coordinate, m; columns as `free`.
-    pub sensitivity_m: DMatrix<f64>,
-    /// Model evaluations spent.
-    pub evaluations: u64,
-    /// Iterations.
-    pub iterations: u32,
-    /// Why it stopped.
-    pub stop_reason: StopReason,
-}
-
-/// Iterations of one descent at most.
-const ITERATIONS: u32 = 200;
-/// Relative decrease of the cost that is worth another step: over 250 samples it moves a parameter by `sqrt(250e-7)`,
-/// 0.5 % of its standard deviation.
-const COST_TOLERANCE: f64 = 1e-7;
+/// Relative residual below which the model is exact: rounding of a response of size one through filter and
+/// integration.
+const EXACT: f64 = 1e-10;
 /// Steps in the coordinates along the weakest direction, from which the descent starts once more.
 const HOPS: [f64; 4] = [-0.3, 0.3, -0.05, 0.05];
 /// Relative decrease of the cost for which a hop is worth following.
 const WORTH_A_HOP: f64 = 1e-3;
-
-impl Refined {
-    /// Root mean square misfit, m.
-    pub fn rmse_m(&self) -> f64 {
-        (self.misfit_m.iter().map(|r| r * r).sum::<f64>() / self.misfit_m.len() as f64).sqrt()
-    }
-}
 
 /// Descends from `model` to the least misfit with all parameters of `free` moving.
 ///
@@ -62,14 +35,14 @@ impl Refined {
 ///
 /// A parameter that comes near zero, or leaves it, changes its coordinate (logarithm or share of its scale) and the
 /// descent goes on. Local: the result depends on the start. `None` where the model has no finite response.
-pub fn refine(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Refined> {
+pub fn fit_as_measured(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Minimum> {
     let minimum = descend_with_hops(model, free, observed)?;
     let redescribed: Vec<FreeParameter> = minimum.free.iter().map(|p| p.described_at(p.value)).collect();
     if redescribed.iter().zip(free).all(|(new, old)| new.logarithmic == old.logarithmic) {
         return Some(minimum);
     }
     let next = descend_with_hops(&minimum.model, &redescribed, observed)?;
-    Some(Refined {
+    Some(Minimum {
         evaluations: minimum.evaluations + next.evaluations,
         iterations: minimum.iterations + next.iterations,
         ..next
@@ -77,9 +50,10 @@ pub fn refine(model: &Model, free: &[FreeParameter], observed: &Observation) -> 
 }
 
 /// One descent and the hops from its end, with coordinates fixed to those of `free`.
-fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Refined> {
-    let problem = Problem::new(*model, free.to_vec(), observed);
-    let mut best = descend(&problem, &problem.start(), &bounds(free))?;
+fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Minimum> {
+    let coordinates = FreeModel { template: *model, free: free.to_vec() };
+    let problem = near(&coordinates, observed);
+    let mut best = problem.follow(&coordinates.start())?;
     let mut evaluations = best.evaluations;
     for _ in 0..3 {
         // Below the resolution no other minimum can be told to be better.
@@ -91,33 +65,23 @@ fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observati
             .par_iter()
             .filter_map(|hop| {
                 let start: Vec<f64> = best.theta.iter().zip(weak.iter()).map(|(t, w)| t + hop * w).collect();
-                descend(&problem, &start, &Bounds { cost_tolerance: WORTH_A_HOP, ..bounds(free) })
+                descend(&problem, &start, &Bounds { cost_tolerance: WORTH_A_HOP, ..problem.bounds() })
             })
             .collect();
         evaluations += hopped.iter().map(|minimum| minimum.evaluations).sum::<u64>();
         let Some(minimum) = hopped.into_iter().find(|minimum| minimum.cost < (1.0 - WORTH_A_HOP) * best.cost) else {
             break;
         };
-        let Some(minimum) = descend(&problem, &minimum.theta, &bounds(free)) else { break };
+        let Some(minimum) = problem.follow(&minimum.theta) else { break };
         evaluations += minimum.evaluations;
         best = minimum;
     }
-    finish(&problem, best, evaluations)
+    finish(&problem, &best, evaluations)
 }
 
-/// The same without hops, from the coordinates `start`: for many repetitions near a minimum.
-pub(crate) fn follow(problem: &Problem<'_>, start: &[f64]) -> Option<Optimum> {
-    descend(problem, start, &bounds(&problem.free))
-}
-
-/// Bounds of these parameters in their coordinates.
-pub(crate) fn bounds(free: &[FreeParameter]) -> Bounds {
-    Bounds {
-        lower: free.iter().map(|p| p.bounds().0).collect(),
-        upper: free.iter().map(|p| p.bounds().1).collect(),
-        max_iterations: ITERATIONS,
-        cost_tolerance: COST_TOLERANCE,
-    }
+/// The fit near a minimum, for repetitions of it: one descent without hops.
+pub(crate) fn near<'a>(coordinates: &'a FreeModel, observed: &'a Observation) -> Problem<'a, FreeModel> {
+    Problem::new(coordinates, observed, EXACT)
 }
 
 /// The unit vector in the coordinates along which the residuals change least: the right singular vector of the
@@ -129,23 +93,64 @@ fn weakest(best: &Optimum) -> Option<DVector<f64>> {
 }
 
 /// The minimum with misfit and sensitivities at every sample, in the unit of the first wave.
-fn finish(problem: &Problem<'_>, best: Optimum, evaluations: u64) -> Option<Refined> {
-    let model = problem.model(&best.theta)?;
-    let misfit_m = problem.observed.misfit(&model)?;
-    let sensitivity_m = derivatives(problem, &best.theta, &bounds(&problem.free))? * problem.unit_m;
+fn finish(problem: &Problem<'_, FreeModel>, best: &Optimum, evaluations: u64) -> Option<Minimum> {
+    let FreeModel { free, .. } = problem.coordinates;
+    let model = problem.coordinates.model(&best.theta)?;
+    let misfit_m = problem.misfit(&best.theta)?;
+    let sensitivity_m = derivatives(problem, &best.theta, &problem.bounds())? * problem.unit;
     let values = model.parameters();
-    let free = problem.free.iter().map(|p| FreeParameter { value: values[p.name], ..*p }).collect();
     // `unit` stays that of the start: a logarithm's derivative does not depend on it.
-    Some(Refined {
+    let free = free.iter().map(|p| FreeParameter { value: values[p.name], ..*p }).collect();
+    Some(Minimum {
         model,
         free,
-        on_bound: best.on_bound,
+        on_bound: best.on_bound.clone(),
+        observed: problem.observed.clone(),
         misfit_m,
         sensitivity_m,
         evaluations,
         iterations: best.iterations,
         stop_reason: best.stop,
     })
+}
+
+/// The minimum at the dual of a double model, which moves the compartment alike: the same misfit, with the
+/// sensitivities of its own parameters. `None` without a finite response.
+pub(crate) fn dual_of(minimum: &Minimum, dual: &DoubleSpringMassDamper) -> Option<Minimum> {
+    let template = Model::DoubleSpringMassDamper(*dual);
+    let values = template.parameters();
+    let names = template.kind().parameter_names();
+    let of_dual = |(p, on_bound): (&FreeParameter, &bool)| {
+        let name = exchanged(p.name);
+        let value = values[name];
+        let unit = if p.logarithmic { value } else { p.unit };
+        (FreeParameter { name, value, unit, limit: p.limit.max(value), ..*p }, *on_bound)
+    };
+    let mut free: Vec<(FreeParameter, bool)> = minimum.free.iter().zip(&minimum.on_bound).map(of_dual).collect();
+    free.sort_by_key(|(p, _)| names.iter().position(|name| *name == p.name));
+    let (free, on_bound) = free.into_iter().unzip();
+    let coordinates = FreeModel { template, free };
+    let best = Optimum {
+        theta: coordinates.start(),
+        cost: 0.0,
+        r: DMatrix::zeros(0, 0),
+        on_bound,
+        iterations: minimum.iterations,
+        evaluations: minimum.evaluations,
+        stop: minimum.stop_reason,
+    };
+    finish(&near(&coordinates, &minimum.observed), &best, minimum.evaluations)
+}
+
+/// The parameter of the dual that follows from this one: it exchanges front and rear.
+pub(crate) fn exchanged(name: &'static str) -> &'static str {
+    match name {
+        "k1_n_per_m" => "k2_n_per_m",
+        "k2_n_per_m" => "k1_n_per_m",
+        "c1_n_s_per_m" => "c2_n_s_per_m",
+        "c2_n_s_per_m" => "c1_n_s_per_m",
+        name => name,
+    }
 }
 
 #[cfg(test)]
@@ -214,11 +219,12 @@ mod tests {
             if matches!(model, Model::DoubleSpringMassDamper(_)) {
                 free.extend(free_masses(model, (0.05, 0.6)));
             }
-            let problem = Problem::new(*model, free, &observed);
-            let theta = problem.start();
+            let coordinates = FreeModel { template: *model, free };
+            let problem = near(&coordinates, &observed);
+            let theta = coordinates.start();
             let mut analytic = DMatrix::zeros(observed.rows(), theta.len());
             assert_eq!(problem.sensitivities(&theta, &mut analytic), Some(true));
-            let by_differences = central_differences(&problem, &theta, &bounds(&problem.free)).unwrap();
+            let by_differences = central_differences(&problem, &theta, &problem.bounds()).unwrap();
             for (j, (a, b)) in analytic.column_iter().zip(by_differences.column_iter()).enumerate() {
                 // Square of the step times the third derivative, rounding over the step, and samples that a kink of the
                 // acceleration crosses within the step.

@@ -1,57 +1,6 @@
-//! The Maxwell model, spring and damper in series, fitted to the displacement of the compartment.
+//! The part of a Maxwell model that is nearly rigid, and so not determined.
 
 use crumple_lumped::Maxwell;
-use crumple_signal::{Displacement, Signal};
-
-use crate::error::positive;
-use crate::fit::closed_form_fit::{ClosedForm, fit_logarithms};
-use crate::fit::options::SingleMassFitOptions;
-use crate::record::window::Window;
-use crate::{Fit, SolveError, Uncertainty};
-use crumple_estimation::minimise::levenberg_marquardt::Bounds;
-
-/// Starts of the spring in units of `m (v0/C)²`.
-const SPRINGS: [f64; 5] = [0.3, 1.0, 3.0, 10.0, 30.0];
-/// Starts of the damper in units of `m v0/C`.
-const DAMPERS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
-
-/// Fits the spring and the damper of the Maxwell model, in series, with `x(0) = 0`, `v(0) = v0` and `a(0) = 0`.
-///
-/// Two numbers, where the five free constants of the single-mass paper do not reproduce the curve. Least squares of
-/// their logarithms from 20 starts, bounded to `e^±9` of `m (v0/C)²` and `m v0/C`; the closed form is exact at every
-/// sample, whether the mass swings or creeps. Near a rigid spring or damper the other one is determined alone.
-///
-/// Errors: as the other fits.
-pub fn fit_maxwell(
-    displacement: &Signal<Displacement>,
-    options: &SingleMassFitOptions,
-) -> Result<(Maxwell, Fit, Option<Uncertainty>), SolveError> {
-    let mass_kg = positive("mass_kg", options.mass_kg)?;
-    let v0 = positive("impact_speed_m_per_s", options.impact_speed_m_per_s)?;
-    let crush_m = positive("crush_m", options.crush_m)?;
-    let window = Window::pick(displacement, options.time_zero_s, options.from_s, options.to_s, options.samples)?;
-    let rate = v0 / crush_m;
-    // Logarithms over `m (v0/C)²` and `m v0/C`.
-    let build = |theta: &[f64]| Maxwell {
-        mass_kg,
-        stiffness_n_per_m: mass_kg * rate * rate * theta[0].exp(),
-        damping_n_s_per_m: mass_kg * rate * theta[1].exp(),
-    };
-    let displacement = |theta: &[f64]| {
-        let model = build(theta);
-        move |t| model.state(v0, t).displacement_m
-    };
-    let problem = ClosedForm { window: &window, crush_m, displacement };
-    let bounds = Bounds { lower: vec![-9.0; 2], upper: vec![9.0; 2], max_iterations: 100, cost_tolerance: 1e-10 };
-    let starts = SPRINGS.iter().flat_map(|k| DAMPERS.map(|c| vec![f64::ln(*k), f64::ln(c)])).collect();
-    let names = ["stiffness_n_per_m", "damping_n_s_per_m"];
-    let values = |theta: &[f64]| {
-        let model = build(theta);
-        vec![model.stiffness_n_per_m, model.damping_n_s_per_m]
-    };
-    let (best, fit, deviations) = fit_logarithms(&problem, starts, &bounds, &names, values)?;
-    Ok((build(&best.theta), fit, deviations))
-}
 
 /// Share of the dynamic crush below which a part of the model is nearly rigid.
 const RIGID: f64 = 0.02;
@@ -63,7 +12,7 @@ const RIGID: f64 = 0.02;
 /// spring is largest soon after contact and falls slowly). Where one of them gives less than 2 % of the crush it could
 /// as well be rigid: its value follows from that small part, to which noise, filter and the other's law contribute as
 /// much.
-pub(crate) fn undetermined_by_the_record(model: &Maxwell, impact_speed_m_per_s: f64, crush_m: f64) -> Option<String> {
+pub(super) fn undetermined_by_the_record(model: &Maxwell, impact_speed_m_per_s: f64, crush_m: f64) -> Option<String> {
     let damper = model.mass_kg * impact_speed_m_per_s / model.damping_n_s_per_m;
     let step_s = 2.0 * crush_m / impact_speed_m_per_s / 1000.0;
     let force =

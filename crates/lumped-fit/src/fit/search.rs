@@ -1,24 +1,29 @@
-//! Any model fitted to any sensors: search, descent, noise levels.
+//! The search for the minima of a fit: from many starts on the motion itself, or by L-SHADE.
+//!
+//! What it finds are starts of the fit [as measured](crate::fit::as_measured): the motion is quick to compare, since
+//! it is exact at any spacing of the samples.
 
-use crate::fit::descents::{SCREENING_ITERATIONS, SEARCH_SAMPLES, all, bounds, distinct};
-use crumple_linalg::jacobi_svd;
-
-use crate::fit::halton_starts::start_in;
-use crate::fit::sensors::problem::{SensorProblem, SensorWindow};
-use crate::free::parameterisation::Parameterisation;
 use crumple_estimation::minimise::l_shade::{LShadeOptions, LShadeStop, l_shade};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response};
+use crumple_linalg::jacobi_svd;
+
+use crate::fit::descents::{SCREENING_ITERATIONS, SEARCH_SAMPLES, all, bounds, distinct};
+use crate::fit::halton_starts::start_in;
+use crate::fit::problem::Problem;
+use crate::free::parameterisation::Parameterisation;
+use crate::record::observation::{Observation, ObservedWave};
 
 /// Starts that are followed to convergence after that.
 const FOLLOWED: usize = 4;
 /// Steps along the weakest direction, in the coordinates, from which a descent starts once more.
 const HOPS: [f64; 6] = [-0.6, 0.6, -0.2, 0.2, -0.05, 0.05];
 /// Rounds of such steps.
-const ROUNDS: usize = 4;
-/// Rounds of finding noise levels and minimum in turn.
+const ROUNDS: usize = 6;
+/// Relative residual below which a minimum is the exact model: rounding of a response of size one.
+const EXACT: f64 = 1e-14;
+/// Rounds of finding noise levels and minimum in turn, and the change of a weight that is worth another.
 const WEIGHINGS: usize = 12;
-/// Least noise level of a sensor, as a share of the root mean square of its record.
-const LEAST_NOISE: f64 = 1e-6;
+const WORTH_ANOTHER: f64 = 1e-3;
 
 /// How minima are searched for.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,107 +34,84 @@ pub(crate) enum Search {
     LShade(LShadeOptions),
 }
 
-/// Minima of a fit and what they were found with.
+/// Minima of a search and what they were found with.
 #[derive(Debug, Clone)]
-pub(crate) struct Fitted {
+pub(crate) struct Searched {
     /// Distinct minima, best first.
     pub minima: Vec<Optimum>,
-    /// The sensors with the noise levels they ended with.
-    pub sensors: Vec<SensorWindow>,
+    /// The waves with the weights they ended with, to be compared with the motion itself.
+    pub observed: Observation,
     /// Simulations of the model by all descents and searches.
     pub evaluations: u64,
     /// Notes of the search.
     pub remarks: Vec<String>,
 }
 
-/// Fits a model to sensors; `weigh[i]` says whether the noise level of sensor i is found from its residuals.
+/// Searches for the minima of the misfit of the motion itself.
 ///
-/// Minimises `sum_i sum_k ((model - record)/s_i)²`, `s_i` the noise level of sensor i, in its unit. With several
-/// sensors whose levels are not known the fit and the levels (root mean square residual of each sensor, at least 1e-6
-/// of its record) are found in turn until no level changes by 0.1 %: at its end that is the maximum of the likelihood
-/// of independent normal noise. Descents are bounded Levenberg-Marquardt on analytic sensitivities, first on a
-/// thinned window.
+/// Minimises `sum_i sum_k (w_i (model - record))²`, `w_i` the weight of wave i. The weights are those of the noise
+/// levels: stated, or the root mean square residual of each wave, found in turn with the minimum until no weight
+/// changes by 0.1 %: at its end that is the maximum of the likelihood of independent normal noise. Descents are bounded
+/// Levenberg-Marquardt on analytic sensitivities, first on a thinned window, then on all its samples.
 ///
 /// Deterministic for any number of threads. A global minimum is likely, not proven. `None` without any finite
 /// response.
-pub(crate) fn fit_sensors(
-    coordinates: &impl Parameterisation,
-    impact_speed_m_per_s: f64,
-    mut sensors: Vec<SensorWindow>,
-    weigh: &[bool],
-    search: &Search,
-) -> Option<Fitted> {
+pub(crate) fn search(coordinates: &impl Parameterisation, observed: &Observation, how: &Search) -> Option<Searched> {
     let mut remarks = Vec::new();
-    let thin: Vec<SensorWindow> = sensors
-        .iter()
-        .map(|sensor| SensorWindow { window: sensor.window.thinned(SEARCH_SAMPLES), ..sensor.clone() })
-        .collect();
-    let coarse = SensorProblem { coordinates, impact_speed_m_per_s, sensors: &thin };
-    let (ends, mut evaluations) = match search {
+    let mut observed = observed.clone().exact();
+    let sizes: Vec<f64> = observed.waves.iter().map(ObservedWave::size).collect();
+    observed.weigh(&sizes, 0.0);
+    let thin = observed.clone().thinned(SEARCH_SAMPLES);
+    let coarse = Problem::new(coordinates, &thin, 0.0);
+    let (ends, mut evaluations) = match how {
         Search::Starts(count, given) => multi_start(&coarse, *count, given),
         Search::LShade(options) => global(&coarse, options, &mut remarks),
     };
     let settings = bounds(coordinates, 200, 1e-15);
-    let follow = |sensors: &[SensorWindow], points: Vec<Vec<f64>>| {
-        let fine = SensorProblem { coordinates, impact_speed_m_per_s, sensors };
-        all(&fine, points, &settings)
-    };
-    let (ends, spent) = follow(&sensors, ends.into_iter().map(|m| m.theta).collect());
-    evaluations += spent;
-    let mut minima = distinct(ends);
-    let wanted = weigh.iter().filter(|w| **w).count();
-    for _ in 0..if sensors.len() > 1 && wanted > 0 { WEIGHINGS } else { 0 } {
-        let fine = SensorProblem { coordinates, impact_speed_m_per_s, sensors: &sensors };
-        let rmse = fine.rmse(&minima.first()?.theta)?;
-        let mut moved = 0.0_f64;
-        for ((sensor, rmse), weigh) in sensors.iter_mut().zip(rmse).zip(weigh) {
-            if *weigh {
-                let noise = rmse.max(LEAST_NOISE * sensor.size()).max(f64::MIN_POSITIVE);
-                moved = moved.max((noise / sensor.noise).ln().abs());
-                sensor.noise = noise;
-            }
-        }
-        let (ends, spent) = follow(&sensors, minima.iter().map(|m| m.theta.clone()).collect());
+    let mut follow = |observed: &Observation, ends: Vec<Optimum>| {
+        let points = ends.into_iter().map(|m| m.theta).collect();
+        let (ends, spent) = all(&Problem::new(coordinates, observed, 0.0), points, &settings);
         evaluations += spent;
-        minima = distinct(ends);
-        if moved < 1e-3 {
+        distinct(coordinates, ends)
+    };
+    let mut minima = follow(&observed, ends);
+    for _ in 0..if observed.waves.len() > 1 { WEIGHINGS } else { 0 } {
+        let rmse = Problem::new(coordinates, &observed, 0.0).rmse(&minima.first()?.theta)?;
+        let moved = observed.weigh(&rmse, WORTH_ANOTHER);
+        minima = follow(&observed, minima);
+        if !moved {
             break;
         }
     }
-    (!minima.is_empty()).then_some(Fitted { minima, sensors, evaluations, remarks })
+    (!minima.is_empty()).then_some(Searched { minima, observed, evaluations, remarks })
 }
 
 /// Short descents from given points and from Halton points in the box of the starts; the best few to convergence;
 /// then hops.
-fn multi_start(
-    problem: &SensorProblem<'_, impl Parameterisation>,
-    count: usize,
-    given: &[Vec<f64>],
-) -> (Vec<Optimum>, u64) {
+fn multi_start(problem: &Problem<'_, impl Parameterisation>, count: usize, given: &[Vec<f64>]) -> (Vec<Optimum>, u64) {
     let coordinates = problem.coordinates;
     let axes = coordinates.axes();
     let lower: Vec<f64> = axes.iter().map(|axis| axis.box_lower).collect();
     let upper: Vec<f64> = axes.iter().map(|axis| axis.box_upper).collect();
     let points = given.iter().cloned().chain((0..count).map(|k| start_in(k, &lower, &upper))).collect();
     let (screened, mut evaluations) = all(problem, points, &bounds(coordinates, SCREENING_ITERATIONS, 1e-6));
-    let hopeful: Vec<_> = distinct(screened).into_iter().take(FOLLOWED).map(|m| m.theta).collect();
+    let hopeful: Vec<_> = distinct(coordinates, screened).into_iter().take(FOLLOWED).map(|m| m.theta).collect();
     let settings = bounds(coordinates, 200, 1e-15);
     let (ends, spent) = all(problem, hopeful, &settings);
     evaluations += spent;
-    let (minima, spent) = hop(problem, distinct(ends));
+    let (minima, spent) = hop(problem, distinct(coordinates, ends));
     (minima, evaluations + spent)
 }
 
 /// Leaves the best minimum along its weakest direction, on whose far side other minima lie, as long as that lowers
 /// the cost by 0.1 %.
-fn hop(problem: &SensorProblem<'_, impl Parameterisation>, mut minima: Vec<Optimum>) -> (Vec<Optimum>, u64) {
+fn hop(problem: &Problem<'_, impl Parameterisation>, mut minima: Vec<Optimum>) -> (Vec<Optimum>, u64) {
     let settings = bounds(problem.coordinates, 200, 1e-15);
     let mut evaluations = 0;
     for _ in 0..ROUNDS {
         let Some(best) = minima.first() else { break };
         let before = best.cost;
-        // Rounding of the response.
-        if before <= 1e-26 * problem.rows() as f64 {
+        if before <= EXACT * EXACT * problem.rows() as f64 {
             break;
         }
         let Some(weak) = weakest_direction(best) else { break };
@@ -138,7 +120,7 @@ fn hop(problem: &SensorProblem<'_, impl Parameterisation>, mut minima: Vec<Optim
         evaluations += spent;
         minima.extend(more);
         minima.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        minima = distinct(minima);
+        minima = distinct(problem.coordinates, minima);
         if minima[0].cost > 0.999 * before {
             break;
         }
@@ -164,7 +146,7 @@ fn weakest_direction(optimum: &Optimum) -> Option<Vec<f64>> {
 /// L-SHADE over the box of the starts, half as wide again on each side within the bounds, then a descent from its
 /// best point and hops. The cost of the search is the sum of squared residuals.
 fn global(
-    problem: &SensorProblem<'_, impl Parameterisation>,
+    problem: &Problem<'_, impl Parameterisation>,
     options: &LShadeOptions,
     remarks: &mut Vec<String>,
 ) -> (Vec<Optimum>, u64) {

@@ -1,0 +1,123 @@
+//! A model of which some numbers are free, compared with the waves of a test.
+
+use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
+use nalgebra::DMatrix;
+
+use crate::Observation;
+use crate::fit::descents::bounds;
+use crate::free::parameterisation::{Parameterisation, places};
+
+/// Iterations of one descent at most.
+const ITERATIONS: u32 = 200;
+/// Relative decrease of the cost that is worth another step near a minimum: over 250 samples it moves a parameter by
+/// `sqrt(250e-7)`, 0.5 % of its standard deviation.
+const COST_TOLERANCE: f64 = 1e-7;
+
+/// Residuals `w (model - record)/u` at every sample of every wave, wave after wave: `w` the weight of the wave, `u`
+/// the largest value of the first, so that they are of size one.
+///
+/// The model is sampled, filtered and integrated as each wave was; where that is not known, its motion is compared.
+#[derive(Debug, Clone)]
+pub(crate) struct Problem<'a, C> {
+    /// The model with its free numbers.
+    pub coordinates: &'a C,
+    /// The waves it is compared with.
+    pub observed: &'a Observation,
+    /// One unit of residual, in the unit of the first wave.
+    pub unit: f64,
+    /// Residual below which the model is the record.
+    exact: f64,
+}
+
+impl<'a, C: Parameterisation> Problem<'a, C> {
+    /// The comparison of a model with these waves. A descent ends where residuals are below `exact` at every sample;
+    /// 0: never for that.
+    pub fn new(coordinates: &'a C, observed: &'a Observation, exact: f64) -> Self {
+        Self { coordinates, observed, unit: observed.scale_m(), exact }
+    }
+
+    /// Weighted misfit at every sample of every wave, in the unit of the first.
+    pub fn misfit(&self, theta: &[f64]) -> Option<Vec<f64>> {
+        let model = self.coordinates.model(theta)?;
+        let v0 = self.observed.impact_speed_m_per_s;
+        self.observed.misfit_of(|at| self.coordinates.sensitivity(&model, v0, at, &[]))
+    }
+
+    /// Root mean square misfit of every wave, in its unit.
+    pub fn rmse(&self, theta: &[f64]) -> Option<Vec<f64>> {
+        Some(self.observed.rmse(&self.misfit(theta)?))
+    }
+
+    /// Bounds of a descent near a minimum.
+    pub fn bounds(&self) -> Bounds {
+        bounds(self.coordinates, ITERATIONS, COST_TOLERANCE)
+    }
+
+    /// The minimum near `start`, by one descent: for the end of a fit and many repetitions of it.
+    pub fn follow(&self, start: &[f64]) -> Option<Optimum> {
+        descend(self, start, &self.bounds())
+    }
+
+    /// The minimum near `others` with coordinate number `fixed` set to `coordinate`: the other coordinates and the
+    /// sum of squares, in squared units of [`Self::unit`]. `None` without a finite response.
+    pub fn follow_others(&self, fixed: usize, coordinate: f64, others: &[f64]) -> Option<(Vec<f64>, f64)> {
+        let mut start = others.to_vec();
+        start.insert(fixed, coordinate);
+        let mut limits = self.bounds();
+        (limits.lower[fixed], limits.upper[fixed]) = (coordinate, coordinate);
+        let mut minimum = descend(self, &start, &limits)?;
+        minimum.theta.remove(fixed);
+        Some((minimum.theta, minimum.cost))
+    }
+}
+
+impl<C: Parameterisation> Response for Problem<'_, C> {
+    /// One residual for each sample of each wave.
+    fn rows(&self) -> usize {
+        self.observed.rows()
+    }
+
+    /// Sum of squares of a residual that counts as none.
+    fn exact(&self) -> f64 {
+        self.exact * self.exact * self.rows() as f64
+    }
+
+    /// `w (model - record)/u`.
+    fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
+        let Some(misfit) = self.misfit(theta) else { return false };
+        for (out, misfit) in out.iter_mut().zip(misfit) {
+            *out = misfit / self.unit;
+        }
+        true
+    }
+
+    /// `w/u d(model)/d(theta_j)`, by the chain rule over the parameters that coordinate `j` moves. `None` where the
+    /// model has no derivatives of its own.
+    fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
+        let derivatives = self.coordinates.derivatives_by_coordinate(theta)?;
+        let places = places(&derivatives);
+        let model = self.coordinates.model(theta)?;
+        let v0 = self.observed.impact_speed_m_per_s;
+        let respond = |at: &_, places: &[usize]| self.coordinates.sensitivity(&model, v0, at, places);
+        let mut first = 0;
+        for wave in &self.observed.waves {
+            let Ok(by_place) = wave.derivatives(&places, respond) else { return Some(false) };
+            let rows = wave.samples.len();
+            if by_place.iter().any(|derivative| derivative.len() != rows) {
+                return Some(false);
+            }
+            let scale = wave.weight / self.unit;
+            for (j, by) in derivatives.iter().enumerate() {
+                out.view_mut((first, j), (rows, 1)).fill(0.0);
+                for (place, factor) in by {
+                    let Ok(p) = places.binary_search(place) else { continue };
+                    for (k, derivative) in by_place[p].iter().enumerate() {
+                        out[(first + k, j)] += factor * derivative * scale;
+                    }
+                }
+            }
+            first += rows;
+        }
+        Some(out.columns(0, derivatives.len()).iter().all(|x| x.is_finite()))
+    }
+}

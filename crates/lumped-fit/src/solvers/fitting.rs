@@ -1,0 +1,289 @@
+//! The one fit of all solvers: the waves of a model as measured, and the candidate that a start leads to.
+
+use crumple_lumped::{Elastoplastic, Model, Nonlinear1, ParameterKind};
+use crumple_signal::{Note, Notes};
+
+use crate::candidate::parameter_set::fixed_at_bound;
+use crate::fit::as_measured::fit_as_measured;
+use crate::free::free_parameter::{FreeParameter, free_masses, free_parameters, mass_of};
+use crate::free::search_bounds::largest_of_chain;
+use crate::record::sensor::{errors_in_words, note_of_errors};
+use crate::solvers::shared_mass::{pulse, sensors_of};
+use crate::solvers::task::{Task, mass_count};
+use crate::{
+    Candidate, Fit, MassFit, Measurement, Minimum, Observation, ObservedWave, Sensor, SensorFit, SolveError,
+    bounds_remark,
+};
+
+/// Rounds of weighing sensors, and the change of a weight that is worth another one.
+const WEIGHINGS: usize = 4;
+const WORTH_ANOTHER: f64 = 0.01;
+/// The first nonlinear model keeps its conditions at dynamic crush where the minimum without them misses crush or time by
+/// more than this share: the filter itself moves the time of a crush that ends steeply by 0.1 ms and more.
+const CONDITIONS: f64 = 5e-3;
+
+/// Where a fit starts, and what was spent to come there.
+#[derive(Debug, Clone)]
+pub(super) struct FitStart {
+    /// The model.
+    pub model: Model,
+    /// Parameters that a search left on a bound.
+    pub on_bound: Vec<&'static str>,
+    /// Iterations of the search that ended here.
+    pub iterations: u32,
+    /// Model evaluations of all its starts.
+    pub evaluations: u64,
+    /// Whether springs and dampers stay within the bounds of the search.
+    pub within_search: bool,
+}
+
+impl FitStart {
+    /// A start that was computed, and not searched for.
+    pub fn computed(model: Model) -> Self {
+        Self { model, on_bound: Vec::new(), iterations: 0, evaluations: 0, within_search: false }
+    }
+}
+
+/// The waves that a model is fitted to.
+pub(super) struct Fitting<'a> {
+    /// What was asked for.
+    pub task: &'a Task<'a>,
+    /// The sensors on masses of the model, each with the index of its mass.
+    pub sensors: Vec<(usize, Sensor<'a>)>,
+    /// Their waves in the window, as measured, with their weights.
+    pub observed: Observation,
+    /// Dynamic crush; without one the largest displacement, m: the scale of springs and dampers.
+    pub crush_m: f64,
+}
+
+impl<'a> Fitting<'a> {
+    /// The sensors of a task up to `to_s` after time zero (`None`: the end of each record). `None`, with a warning,
+    /// where there is nothing to fit. Errors: a window outside a record.
+    pub fn of_sensors(task: &'a Task<'a>, to_s: Option<f64>, notes: &mut Notes) -> Result<Option<Self>, SolveError> {
+        sensors_of(task, notes).map(|sensors| Self::new(task, sensors, to_s)).transpose()
+    }
+
+    /// The displacement of the pulse alone. `None` without one.
+    pub fn of_pulse(task: &'a Task<'a>, to_s: Option<f64>) -> Result<Option<Self>, SolveError> {
+        let sensors = pulse(task).map(|sensor| vec![(mass_count(task.model) - 1, sensor)]);
+        sensors.map(|sensors| Self::new(task, sensors, to_s)).transpose()
+    }
+
+    fn new(task: &'a Task<'a>, sensors: Vec<(usize, Sensor<'a>)>, to_s: Option<f64>) -> Result<Self, SolveError> {
+        let (test, settings) = (task.test, task.settings);
+        let wave = |(mass, sensor): &(usize, Sensor<'a>)| -> Result<ObservedWave, SolveError> {
+            let end_s = to_s.unwrap_or(sensor.record.end_s() - test.time_zero_s);
+            let measurement =
+                sensor.measurement.unwrap_or_else(|| Measurement::of_samples(sensor.record, test.time_zero_s));
+            let what = (Some(*mass), sensor.quantity);
+            let window_s = (settings.fit_from_s, end_s);
+            let samples = settings.fit_samples;
+            let wave = ObservedWave::new(sensor.record, what, test.time_zero_s, measurement, window_s, samples)?;
+            Ok(ObservedWave { noise: sensor.noise, ..wave })
+        };
+        let waves = sensors.iter().map(wave).collect::<Result<Vec<_>, _>>()?;
+        let observed = Observation { impact_speed_m_per_s: test.impact_speed_m_per_s, waves };
+        let largest = || test.displacement.map(|x| x.samples().iter().copied().fold(0.0, f64::max));
+        let crush_m = test.dynamic_crush_m.or_else(largest).filter(|crush| *crush > 0.0);
+        let crush_m = crush_m.unwrap_or_else(|| test.impact_speed_m_per_s * end_s(&observed));
+        Ok(Self { task, sensors, observed, crush_m })
+    }
+
+    /// Time of the last sample that is compared, s after contact.
+    pub fn end_s(&self) -> f64 {
+        end_s(&self.observed)
+    }
+
+    /// The minimum that a start leads to, with the weights that the waves have now. An elastoplastic model that is
+    /// fitted to the pulse alone leaves the barrier or stays attached, as meets the record better.
+    pub fn minimum(&self, start: &FitStart) -> Option<Minimum> {
+        let fit = |model: &Model| {
+            let mut free = free_parameters(model, self.observed.impact_speed_m_per_s, self.crush_m, true);
+            if let MassFit::Shares { lower, upper } = self.task.settings.mass_fit {
+                free.extend(free_masses(model, (lower, upper)));
+            }
+            let fixed = fixed_at_bound(model, &start.on_bound, self.end_s());
+            free.retain(|parameter| !fixed.contains(&parameter.name));
+            if start.within_search {
+                within_the_search(&mut free, model, self.end_s());
+            }
+            fit_as_measured(model, &free, &self.observed)
+        };
+        match &start.model {
+            Model::Elastoplastic(model) if self.task.fits_displacement_alone() => {
+                let both = [true, false].map(|release| fit(&Model::Elastoplastic(Elastoplastic { release, ..*model })));
+                both.into_iter().flatten().min_by(|a, b| a.rmse_m().total_cmp(&b.rmse_m()))
+            }
+            model => fit(model),
+        }
+    }
+
+    /// The same, with the waves weighed by their misfits there, in turn with the fit.
+    pub fn weighed_minimum(&mut self, start: &FitStart) -> Option<Minimum> {
+        let mut minimum = self.minimum(start)?;
+        for _ in 0..WEIGHINGS {
+            if !self.observed.weigh(&self.observed.rmse(&minimum.misfit_m), WORTH_ANOTHER) {
+                break;
+            }
+            minimum = fit_as_measured(&minimum.model, &minimum.free, &self.observed)?;
+        }
+        Some(minimum)
+    }
+
+    /// The error of each sensor in words: `8.1 mm at 93 (compartment)`.
+    pub fn errors(&self, misfit: &[f64]) -> String {
+        let errors = self.sensors.iter().zip(self.observed.rmse(misfit));
+        errors_in_words(errors.map(|((_, s), rmse)| (rmse, s.quantity, s.channel, s.place.to_string())))
+    }
+
+    /// A minimum as candidate number `index`, with `remarks`, the window, errors of several sensors, active bounds and
+    /// broken side constraints for notes.
+    pub fn candidate(&self, start: &FitStart, minimum: Minimum, index: usize, remarks: &[String]) -> Candidate {
+        let model = minimum.model;
+        let first = &self.observed.waves[0];
+        let rmse = self.observed.rmse(&minimum.misfit_m);
+        let noise = self.observed.noise_levels(&rmse)[0];
+        let mut active_bounds = start.on_bound.clone();
+        active_bounds.retain(|name| minimum.free.iter().all(|p| p.name != *name));
+        let stopped = minimum.free.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
+        active_bounds.extend(stopped.map(|(p, _)| p.name));
+        let fit = Fit {
+            from_s: first.time_s(0),
+            to_s: first.time_s(first.samples.len() - 1),
+            samples: self.observed.rows(),
+            quantity: first.quantity,
+            rmse: rmse[0],
+            iterations: start.iterations + minimum.iterations,
+            evaluations: start.evaluations + minimum.evaluations,
+            stop_reason: minimum.stop_reason,
+            active_bounds,
+            sensors: if self.task.fits_displacement_alone() { Vec::new() } else { self.sensor_fits(&rmse, noise) },
+        };
+        let mut notes = remarks.iter().map(Note::info).collect::<Vec<_>>();
+        notes.push(window_note(&fit));
+        if self.sensors.len() > 1 {
+            let seen = self.observed.is_as_measured().then_some("through the filter");
+            notes.push(Note::info(note_of_errors(&self.errors(&minimum.misfit_m), seen)));
+        }
+        notes.extend(bounds_remark(&model, &fit.active_bounds).map(Note::info));
+        notes.extend(broken_side_constraints(&model).map(Note::warning));
+        if let Model::Elastoplastic(model) = model
+            && self.task.fits_displacement_alone()
+        {
+            let chosen = if model.release { "leaves the barrier at rebound" } else { "stays attached and swings on" };
+            let text = format!("the model {chosen}: fits the record up to rebound better than the alternative");
+            notes.push(Note::info(text));
+        }
+        Candidate { fit: Some(fit), minimum: Some(minimum), index, ..computed(self.task, model, notes) }
+    }
+
+    fn sensor_fits(&self, rmse: &[f64], noise: f64) -> Vec<SensorFit> {
+        let all = self.sensors.iter().zip(rmse).zip(&self.observed.waves);
+        all.map(|(((mass, sensor), rmse), wave)| SensorFit {
+            channel: sensor.channel.to_owned(),
+            mass: mass + 1,
+            quantity: sensor.quantity,
+            rmse: *rmse,
+            noise: noise / wave.weight,
+        })
+        .collect()
+    }
+
+    /// The side conditions of the first nonlinear model: order of the coefficients, crush and time of the record.
+    pub fn meets_conditions(&self, model: &Nonlinear1) -> bool {
+        let test = self.task.test;
+        let ordered = model.k1_n_per_m <= model.k2_n_per_m
+            && model.c1_n_s_per_m >= model.c2_n_s_per_m
+            && model.c2_n_s_per_m >= model.c3_n_s_per_m;
+        let Some(crush_m) = test.dynamic_crush_m else { return ordered };
+        let events = Model::Nonlinear1(*model).events(test.impact_speed_m_per_s).ok();
+        let of_model = events.and_then(|e| e.dynamic_crush_m.zip(e.time_of_dynamic_crush_s));
+        let near = |of_model: f64, of_record: f64| (of_model / of_record - 1.0).abs() <= CONDITIONS;
+        ordered
+            && of_model
+                .zip(test.time_of_dynamic_crush_s)
+                .is_some_and(|((crush, time), record_time)| near(crush, crush_m) && near(time, record_time))
+    }
+}
+
+fn end_s(observed: &Observation) -> f64 {
+    observed.waves.iter().map(|wave| wave.time_s(wave.samples.len() - 1)).fold(0.0, f64::max)
+}
+
+/// A candidate of no fit.
+pub(super) fn computed(task: &Task<'_>, model: Model, notes: Vec<Note>) -> Candidate {
+    Candidate {
+        model,
+        method: task.method,
+        index: 1,
+        equivalent_to: None,
+        fit: None,
+        uncertainty: None,
+        minimum: None,
+        notes,
+    }
+}
+
+/// The note on the window of a fit.
+pub(super) fn window_note(fit: &Fit) -> Note {
+    let (from_ms, to_ms) = (1e3 * fit.from_s, 1e3 * fit.to_s);
+    Note::info(format!("fitted to {} from {from_ms:.2} ms to {to_ms:.2} ms after time zero", fit.quantity))
+}
+
+/// Keeps springs and dampers of a chain within the stiff bounds of the search; they may go to zero.
+fn within_the_search(free: &mut [FreeParameter], model: &Model, window_s: f64) {
+    let (stiffest, strongest) = largest_of_chain(mass_of(model), window_s);
+    for parameter in free {
+        let largest = match parameter.kind {
+            ParameterKind::Damping => strongest,
+            ParameterKind::Stiffness => stiffest,
+            _ => continue,
+        };
+        parameter.limit = parameter.limit.min(largest.max(parameter.value));
+    }
+}
+
+/// The note on the side constraints of the single-mass paper that a first nonlinear model breaks: this fit has bounds
+/// only.
+fn broken_side_constraints(model: &Model) -> Option<String> {
+    let Model::Nonlinear1(m) = model else { return None };
+    let broken: Vec<&str> = [
+        (m.k1_n_per_m > m.k2_n_per_m, "k1 <= k2"),
+        (m.c1_n_s_per_m < m.c2_n_s_per_m, "c1 >= c2"),
+        (m.c2_n_s_per_m < m.c3_n_s_per_m, "c2 >= c3"),
+    ]
+    .into_iter()
+    .filter_map(|(broken, constraint)| broken.then_some(constraint))
+    .collect();
+    (!broken.is_empty()).then(|| {
+        format!(
+            "breaks the side constraints of the paper, {}, which this fit does not know: direct-fit and interior-point \
+             to the displacement of the pulse keep them",
+            broken.join(" and ")
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn broken_side_constraints_are_named() {
+        let kept = Nonlinear1 {
+            mass_kg: 900.0,
+            k1_n_per_m: 1e5,
+            k2_n_per_m: 3e5,
+            c1_n_s_per_m: 3e4,
+            c2_n_s_per_m: 1e4,
+            c3_n_s_per_m: 1e4,
+            v_thresh_m_per_s: 3.0,
+            crush_m: 0.5,
+            v0_m_per_s: 12.0,
+        };
+        assert_eq!(broken_side_constraints(&Model::Nonlinear1(kept)), None);
+        let broken = Nonlinear1 { k1_n_per_m: 4e5, c3_n_s_per_m: 2e4, ..kept };
+        let text = broken_side_constraints(&Model::Nonlinear1(broken)).unwrap();
+        assert!(text.starts_with("breaks the side constraints of the paper, k1 <= k2 and c2 >= c3"), "{text}");
+    }
+}
