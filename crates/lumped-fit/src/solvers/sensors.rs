@@ -37,6 +37,10 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     };
     let to_s = window_end(task);
     let Some(mut fitting) = Fitting::of_sensors(task, to_s, notes)? else { return Ok(Vec::new()) };
+    let is_chain = matches!(kind, ModelKind::DoubleSpringMassDamper | ModelKind::TripleSpringMassDamper);
+    if to_s.is_none() && is_chain {
+        notes.warning(format!("{kind}: fitted up to the end of the record, since there is no dynamic crush"));
+    }
     let length_s = fitting.end_s();
     let compartment_alone = fitting.sensors.iter().all(|(mass, _)| mass + 1 == masses_kg.len());
     let scale = Scale {
@@ -83,7 +87,7 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
             on_bound: on_bound.map(|(name, _)| *name).collect(),
             iterations: minimum.iterations,
             evaluations: searched.evaluations,
-            within_search: matches!(kind, ModelKind::DoubleSpringMassDamper | ModelKind::TripleSpringMassDamper),
+            within_search: is_chain,
         };
         Some((start, (minimum.cost / fitting.observed.rows() as f64).sqrt() * fitting.observed.scale_m()))
     };
