@@ -6,8 +6,8 @@
 
 use serde_json::{Map, Value, json};
 
-/// The JSON Schema of a record type, `full` as made from the type of this schema name: complete for validators, safe for
-/// viewers.
+/// The JSON Schema of a record type, `full` as made from the type of this schema name: complete for validators, safe
+/// for viewers.
 ///
 /// A record that is an array at its root (`Metrics`, `Modes`) keeps its plain schema: viewers show objects only.
 pub(crate) fn viewer_safe_schema(mut full: Value, schema: &str) -> Value {

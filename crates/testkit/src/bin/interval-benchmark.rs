@@ -1,5 +1,5 @@
-//! `interval-benchmark --bin BIN [--records N] [FAMILY ...]`: how often the 95 % intervals of fitted parameters hold the
-//! truth, by the programs in the folder BIN, as a Markdown table. A family is named by a part of its name.
+//! `interval-benchmark --bin BIN [--records N] [FAMILY ...]`: how often the 95 % intervals of fitted parameters hold
+//! the truth, by the programs in the folder BIN, as a Markdown table. A family is named by a part of its name.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
