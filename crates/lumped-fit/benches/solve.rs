@@ -6,10 +6,10 @@
 
 use std::hint::black_box;
 
-use crumple_lumped::{CoefficientMatching, Model, ModelKind, Reading};
+use crumple_lumped::{CoefficientMatching, DoubleSpringMassDamper, Model, ModelKind, Reading};
 use crumple_lumped_fit::{
-    FireflyOptions, FireflyUnits, SingleMassFitOptions, SolveSettings, TestData, firefly_nonlinear2, fit_nonlinear1,
-    search_nonlinear2, solve,
+    FireflyOptions, FireflyUnits, MassSplit, SingleMassFitOptions, SolveSettings, TestData, firefly_nonlinear2,
+    fit_nonlinear1, search_nonlinear2, solve,
 };
 use crumple_signal::{Notes, Signal};
 use crumple_testkit::stopwatch::best_us;
@@ -67,6 +67,29 @@ fn main() {
     time("maxwell", "-", || {
         black_box(solve(&test, &settings, &mut Notes::new()).unwrap());
     });
+    for (name, dampers) in [("light", [6e3, 9e3]), ("strong", [6e4, 4e4])] {
+        let [c1_n_s_per_m, c2_n_s_per_m] = dampers;
+        let springs = DoubleSpringMassDamper {
+            m1_kg: 375.0,
+            m2_kg: 1125.0,
+            k1_n_per_m: 9e5,
+            k2_n_per_m: 1e6,
+            c1_n_s_per_m,
+            c2_n_s_per_m,
+        };
+        let response = Model::DoubleSpringMassDamper(springs).respond(13.0, 1e-4, 2501).unwrap();
+        let x = Signal::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap();
+        let settings = SolveSettings {
+            models: vec![ModelKind::DoubleSpringMassDamper],
+            split: MassSplit::Both(springs.m1_kg, springs.m2_kg),
+            fit_to_s: springs.events(13.0).unwrap()[1].time_of_dynamic_crush_s,
+            ..SolveSettings::default()
+        };
+        let test = TestData { mass_kg: 1500.0, impact_speed_m_per_s: 13.0, displacement: Some(&x), ..test };
+        time(&format!("double, four parameters, {name} damping, 24 starts"), "-", || {
+            black_box(solve(&test, &settings, &mut Notes::new()).unwrap());
+        });
+    }
     // Errors over 20 seeds, 20,000 evaluations each.
     for (name, units) in [("as printed", FireflyUnits::Physical), ("in the unit box", FireflyUnits::Unit)] {
         let mut errors: Vec<f64> = (1..=20)

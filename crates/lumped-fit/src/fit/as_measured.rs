@@ -5,12 +5,12 @@
 //! evaluation. Searches, which only have to lead to a start, compare the motion itself; where the steps are not known,
 //! the fit does so too.
 
-use crumple_linalg::jacobi_svd;
 use crumple_lumped::{DoubleSpringMassDamper, Model};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::candidate::minimum::Minimum;
+use crate::fit::multistart::weakest_direction;
 use crate::fit::problem::Problem;
 use crate::free::free_model::FreeModel;
 use crate::free::free_parameter::FreeParameter;
@@ -60,11 +60,11 @@ fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observati
         if best.cost <= observed.unresolved() || best.on_bound.iter().any(|on_bound| *on_bound) {
             break;
         }
-        let Some(weak) = weakest(&best) else { break };
+        let Some(weak) = weakest_direction(&best) else { break };
         let hopped: Vec<Optimum> = HOPS
             .par_iter()
             .filter_map(|hop| {
-                let start: Vec<f64> = best.theta.iter().zip(weak.iter()).map(|(t, w)| t + hop * w).collect();
+                let start: Vec<f64> = best.theta.iter().zip(&weak).map(|(t, w)| t + hop * w).collect();
                 descend(&problem, &start, &Bounds { cost_tolerance: WORTH_A_HOP, ..problem.bounds() })
             })
             .collect();
@@ -82,14 +82,6 @@ fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observati
 /// The fit near a minimum, for repetitions of it: one descent without hops.
 pub(crate) fn near<'a>(coordinates: &'a FreeModel, observed: &'a Observation) -> Problem<'a, FreeModel> {
     Problem::new(coordinates, observed, EXACT)
-}
-
-/// The unit vector in the coordinates along which the residuals change least: the right singular vector of the
-/// smallest singular value.
-fn weakest(best: &Optimum) -> Option<DVector<f64>> {
-    let svd = jacobi_svd(&best.r)?;
-    let last = svd.right.ncols().checked_sub(1)?;
-    Some(svd.right.column(last).into_owned())
 }
 
 /// The minimum with misfit and sensitivities at every sample, in the unit of the first wave.

@@ -1,9 +1,10 @@
-//! Models fitted to records by bounded least squares: the double model, single masses, any model to any sensors.
-//! May use `free`, `candidate` and `record`.
+//! Models fitted to records by bounded least squares: searches on the motion itself, and the one fit as measured.
+//! May use `candidate`, `free` and `record`.
 
 pub mod as_measured;
 pub mod descents;
 pub mod halton_starts;
+pub mod multistart;
 pub mod nonlinear;
 pub mod options;
 pub mod problem;
