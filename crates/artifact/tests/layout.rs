@@ -379,6 +379,7 @@ fn the_layout_of_every_record_type_is_frozen() {
             to_s: Some(0.0742),
             note: Some("interval: the compared window".to_owned()),
         }],
+        fit_as_measured_percent: Some(99.1),
     });
     freeze(&MatchingV1 {
         m1_kg: 284.4,

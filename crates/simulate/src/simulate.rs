@@ -1,6 +1,7 @@
 //! Simulates a model on the grid of a test and compares the two.
 
-use crumple_lumped::{CrushEvents, Drive, Dynamics, LumpedError, Model, Motion, SecantChain};
+use crumple_lumped::{CrushEvents, Drive, Dynamics, Instants, LumpedError, Model, Motion, SecantChain, Sensitivity};
+use crumple_lumped_fit::FitQuantity;
 use crumple_metrics::{fit_percent, rmse};
 use crumple_signal::Sampled;
 
@@ -41,7 +42,8 @@ pub fn simulate_driven(
         return Err(SimulateError::Speed(v0));
     }
     let mass_kg = model.masses_kg().iter().sum();
-    beside_the_test(test, window, |dt, samples| {
+    let free_flight = matches!(excitation, Excitation::Impact);
+    let mut simulation = beside_the_test(test, window, |dt, samples| {
         let drive = excitation.drive(mass_kg, v0, test.time_zero_s, dt, samples);
         Ok(if let Excitation::Impact = excitation {
             let response = model.respond(v0, dt, samples)?;
@@ -50,7 +52,10 @@ pub fn simulate_driven(
         } else {
             driven(model.dynamics(&drive, dt, samples)?)
         })
-    })
+    })?;
+    simulation.comparison.fit_as_measured_percent =
+        free_flight.then(|| fit_as_measured(test, &simulation, v0, |at| model.sensitivity(v0, at, &[]))).flatten();
+    Ok(simulation)
 }
 
 /// As [`simulate_driven`], for a chain of masses, whose initial speed may be another than the test's. Under a force it
@@ -67,7 +72,7 @@ pub fn simulate_chain(
         return Err(SimulateError::Speed(v0));
     }
     let mass_kg = chain.masses_kg().iter().sum();
-    beside_the_test(test, window, |dt, samples| {
+    let mut simulation = beside_the_test(test, window, |dt, samples| {
         let drive = match (excitation.drive(mass_kg, v0, test.time_zero_s, dt, samples), speed_m_per_s) {
             (Drive::Force { mass, samples }, Some(speed_m_per_s)) => {
                 Drive::ImpactAndForce { speed_m_per_s, mass, samples }
@@ -79,7 +84,31 @@ pub fn simulate_chain(
             events = chain.events(v0, CHAIN_HORIZON_S)?.pop().unwrap_or_default();
         }
         Ok((motion, masses, events, dynamics))
-    })
+    })?;
+    if let Excitation::Impact = excitation {
+        simulation.comparison.fit_as_measured_percent = fit_as_measured(test, &simulation, v0, |at| {
+            Ok(Sensitivity { motions: chain.motions_at(v0, at)?, derivatives: Vec::new() })
+        });
+    }
+    Ok(simulation)
+}
+
+/// Fit of the displacement, percent, of a model that was sampled, filtered and integrated as the record: the samples of
+/// the record from time zero to the end of the window. `None` without two samples, or without a response.
+fn fit_as_measured(
+    test: &Measured<'_>,
+    simulation: &Simulation,
+    v0: f64,
+    respond: impl FnOnce(&Instants) -> Result<Sensitivity, LumpedError>,
+) -> Option<f64> {
+    let measurement = &test.measurement;
+    let first = measurement.contact_index();
+    let last = (first..test.displacement.len())
+        .take_while(|&k| measurement.time_s(k) <= simulation.comparison.to_s + 1e-6 * measurement.dt_s)
+        .last()?;
+    let what = (None, FitQuantity::Displacement);
+    let modelled = measurement.of_motion(what, v0, last, respond).ok()?;
+    fit_percent(test.displacement.samples().get(first..=last)?, modelled.get(first..=last)?)
 }
 
 /// How far the events of a chain are sought, s: a crash is over in two seconds or never. A chain that creeps has no
@@ -151,6 +180,7 @@ fn beside_the_test(
         rmse_displacement_m: rmse(x, xh),
         max_displacement_error_m: max_abs_error(x, xh),
         fit_displacement_percent: fit(&displacement),
+        fit_as_measured_percent: None,
         fit_velocity_percent: fit(&velocity),
         fit_acceleration_percent: fit(&acceleration),
         dynamic_crush_error_m: difference(events.dynamic_crush_m, test.dynamic_crush_m),

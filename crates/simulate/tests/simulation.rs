@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
 use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, Model};
+use crumple_lumped_fit::Measurement;
 use crumple_signal::Sampled;
 use crumple_simulate::{Measured, OtherSensor, SimulateError, Window, beside, simulate};
 
@@ -28,6 +29,7 @@ fn measured<'a>(displacement: &'a Sampled, velocity: Option<&'a Sampled>) -> Mea
         time_zero_s: 0.0,
         impact_speed_m_per_s: 9.7,
         displacement,
+        measurement: Measurement::of_samples(displacement, 0.0),
         velocity,
         acceleration: None,
         dynamic_crush_m: events.dynamic_crush_m,
@@ -42,6 +44,8 @@ fn the_model_of_the_record_fits_it_to_rounding() {
     let s = simulate(&Model::Kelvin(model()), &measured(&x, Some(&v)), Window::default()).unwrap();
     let c = &s.comparison;
     // Time stamps 1e-17 s apart at 9.7 m/s.
+    // 1e-14 m of half a metre.
+    assert!((c.fit_as_measured_percent.unwrap() - 100.0).abs() < 1e-10, "{:?}", c.fit_as_measured_percent);
     assert!(c.rmse_displacement_m.unwrap() < 1e-14 && c.max_displacement_error_m.unwrap() < 1e-13);
     assert!(c.fit_displacement_percent.unwrap() > 100.0 - 1e-10 && c.fit_velocity_percent.unwrap() > 100.0 - 1e-10);
     assert_eq!((c.dynamic_crush_error_m, c.time_of_dynamic_crush_error_s), (Some(0.0), Some(0.0)));
@@ -127,6 +131,7 @@ fn every_model_kind_is_simulated_from_its_named_parameters() {
             time_zero_s: 0.0,
             impact_speed_m_per_s: 10.0,
             displacement: &zero,
+            measurement: Measurement::of_samples(&zero, 0.0),
             velocity: None,
             acceleration: None,
             dynamic_crush_m: None,

@@ -45,6 +45,16 @@ fn a_run_folder_holds_what_the_design_says() {
     assert_eq!(leftovers, 8, "something else lies in the run folder");
 }
 
+/// A true model, compared as the record was measured, is not charged with what the filter does to the jump at contact.
+#[test]
+fn a_true_model_fits_its_record_as_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let summary = summary_of(&[], folder.path(), &fixture("double"), &[]);
+    let simulation = &candidate(&summary, "double-spring-mass-damper/direct-fit/1")["simulation"];
+    let (measured, plain) = (number(simulation, &["fit_as_measured_percent"]), number(simulation, &["fit_percent"]));
+    assert!(measured > 99.999_99 && plain < 99.99, "{measured} as measured, {plain} of the motion itself");
+}
+
 /// Unfiltered, the only error is the trapezoidal rule's: dt² max|a'| / 12 times the loading time is below 2e-6 m for
 /// pulses of these lengths at 10 kHz.
 #[test]

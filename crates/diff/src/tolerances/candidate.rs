@@ -54,7 +54,7 @@ impl Candidate {
         }
         // One of many sets that fit equally well: its responses are the same to an engineer, its interior is not.
         match place.strip_prefix("simulation.") {
-            Some("fit_percent") => Some(Tolerance { abs: EQUAL_FIT_POINTS, rel: 0.0 }),
+            Some("fit_percent" | "fit_as_measured_percent") => Some(Tolerance { abs: EQUAL_FIT_POINTS, rel: 0.0 }),
             Some("dynamic_crush_m" | "time_of_dynamic_crush_s") => Some(Tolerance::engineering(place, unit)),
             Some(_) => Some(Tolerance::ANY),
             None if place.starts_with("uncertainty") || place.starts_with("fit") || place.starts_with("notes") => {
@@ -72,9 +72,9 @@ impl Candidate {
 /// Whether two rankings of a summary differ only in the order of candidates that are equally good on both sides: fits
 /// within 0.1 points, or AICc within 2 (Burnham and Anderson 2002, section 2.6).
 pub(crate) fn same_ranking(key: &str, a: &Map<String, Value>, b: &Map<String, Value>) -> bool {
-    let (figure, equal) = match key {
-        "ranking" => ("fit_percent", EQUAL_FIT_POINTS),
-        "ranking_by_aicc" => ("aicc", 2.0),
+    let (figures, equal) = match key {
+        "ranking" => (&["fit_as_measured_percent", "fit_percent"][..], EQUAL_FIT_POINTS),
+        "ranking_by_aicc" => (&["aicc"][..], 2.0),
         _ => return false,
     };
     let ids = |side: &Map<String, Value>| -> Option<Vec<String>> {
@@ -82,7 +82,8 @@ pub(crate) fn same_ranking(key: &str, a: &Map<String, Value>, b: &Map<String, Va
     };
     let figure_of = |side: &Map<String, Value>, id: &str| {
         let all = side.get("candidates")?.as_array()?;
-        all.iter().find(|candidate| candidate["id"] == id)?["simulation"][figure].as_f64()
+        let simulation = &all.iter().find(|candidate| candidate["id"] == id)?["simulation"];
+        figures.iter().find_map(|figure| simulation[*figure].as_f64())
     };
     let apart = |side, x: &str, y: &str| Some((figure_of(side, x)? - figure_of(side, y)?).abs());
     let tied = |x: &str, y: &str| [a, b].into_iter().all(|side| apart(side, x, y).is_some_and(|d| d <= equal));

@@ -6,7 +6,7 @@
 //! that wait for themselves. Where the steps are not known, the motion itself is compared.
 
 use crumple_lumped::{Instants, LumpedError, Model, Motion, Sensitivity};
-use crumple_signal::Sampled;
+use crumple_signal::{RecordingSteps, Sampled};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -63,6 +63,23 @@ const START_SAMPLES: usize = 10;
 const ABREAST: usize = 8;
 /// A sample this close to contact is at contact, in intervals: rounding of decimal time stamps.
 const ON_GRID: f64 = 1e-6;
+
+impl From<RecordingSteps> for Measurement {
+    /// The steps repeated; where not all of them are known, the motion itself.
+    fn from(steps: RecordingSteps) -> Self {
+        let measurement = Self {
+            dt_s: steps.dt_s,
+            first_s: steps.first_s,
+            samples: steps.samples,
+            filter: steps
+                .two_pass_filter
+                .map(|(coefficients, samples_added)| TwoPassFilter { coefficients, samples_added }),
+            from_contact: steps.from_contact,
+            rule: if steps.forward_euler { IntegrationRule::ForwardEuler } else { IntegrationRule::Trapezoid },
+        };
+        if steps.known { measurement } else { measurement.exact() }
+    }
+}
 
 impl Measurement {
     /// Index of the first sample at or after contact.
@@ -121,8 +138,8 @@ impl Measurement {
         self.rule == IntegrationRule::Exact
     }
 
-    /// [`Self::motion`] of anything that `respond` gives the motion of, mass by mass.
-    pub(crate) fn of_motion(
+    /// [`Self::motion`] of anything that `respond` gives the motion of, mass by mass; derivatives are not needed.
+    pub fn of_motion(
         &self,
         (mass, quantity): (Option<usize>, FitQuantity),
         v0_m_per_s: f64,

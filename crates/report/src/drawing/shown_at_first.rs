@@ -26,7 +26,7 @@ pub fn at_first<'a>(ranked: &[&'a CandidateResult], ranking: &Ranking, count: us
 }
 
 fn fit(candidate: &CandidateResult) -> Option<f64> {
-    candidate.simulation.as_ref()?.fit_percent
+    candidate.fit_percent()
 }
 
 fn is_preferred(candidate: &CandidateResult) -> bool {

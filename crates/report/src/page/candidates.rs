@@ -38,7 +38,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         let dual = supported.record.equivalent_to.as_deref().map_or_else(String::new, |other| {
             format!(" and its dual {}, which this sensor cannot tell from it", html(&candidate_name(other)))
         });
-        let fit = supported.simulation.as_ref().and_then(|s| s.fit_percent);
+        let fit = supported.fit_percent();
         out.push_str(&format!(
             "<p class=\"caption\">Of the solutions of coefficient matching the simulation supports {}{dual}: fit {} \
              %{}.</p>\n",
@@ -49,7 +49,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     out.push_str(match ranking.best {
         Some(_) => {
-            "<p class=\"caption\">Ranked by the fit of the displacement; AICc stands beside it, over the same window, \
+            "<p class=\"caption\">Ranked by the fit of the displacement, the model measured as the record was; AICc stands beside it, over the same window, \
              for information. Highlighted is the best that is physical, has no parameter left on a bound of \
              its search other than zero, the limit of what is physical, and a fit within 0.1 points of the best such \
              candidate; of those the one with the fewest parameters left open by the record, then the one with the \
@@ -123,7 +123,7 @@ fn row(out: &mut String, candidate: &CandidateResult, ranking: &Ranking) {
         if best { "<span class=\"star\" title=\"best physical candidate\">★</span> " } else { "" },
         parameters(candidate),
         if record.physical { "yes" } else { "<span class=\"no\">no</span>" },
-        number(simulation.and_then(|s| s.fit_percent), &|v| decimals(v, 2)),
+        number(candidate.fit_percent(), &|v| decimals(v, 2)),
         number(simulation.and_then(|s| s.rmse_displacement_m), &|v| decimals(MILLI * v, 2)),
         number(simulation.and_then(|s| s.aicc), &|v| decimals(v, 1)),
         number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| signed(MILLI * v, 2)),

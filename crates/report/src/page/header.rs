@@ -2,7 +2,7 @@
 
 use crate::text::escape::html;
 use crate::text::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP, at_most, decimals, range};
-use crate::{Ranking, Run};
+use crate::{CandidateResult, Ranking, Run};
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     let test = &run.test;
@@ -143,7 +143,7 @@ fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
         t_peak.map(|t| format!("at {}{NBSP}ms", decimals(MILLI * t, 1))),
     );
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
-    let fit = best.and_then(|b| b.simulation.as_ref()?.fit_percent);
+    let fit = best.and_then(CandidateResult::fit_percent);
     let remark = match (best, run.candidates.is_empty()) {
         (Some(best), _) => Some(match best.undetermined_in_words() {
             None => html(&best.name_with_dual()),

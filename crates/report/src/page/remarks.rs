@@ -174,7 +174,7 @@ fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
     if let Some(reason) = ranking.no_best.as_deref().filter(|_| !ranking.order.is_empty()) {
         return vec![format!("No model is called the best: {reason}.")];
     }
-    let fit = |candidate: &CandidateResult| candidate.simulation.as_ref().and_then(|s| s.fit_percent);
+    let fit = CandidateResult::fit_percent;
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
     let closest = ranking.order.iter().filter_map(|id| run.candidate(id)).find(|c| c.record.physical);
     let Some(closest) = closest.filter(|c| best.is_none_or(|best| fit(c) > fit(best))) else { return Vec::new() };

@@ -31,15 +31,15 @@ pub struct Ranking {
 }
 
 impl Ranking {
-    /// Ranks by `fit_percent` of the simulation: the displacement fit over the window that was compared, by default the
-    /// loading phase.
+    /// Ranks by [`CandidateResult::fit_percent`]: the displacement fit as measured over the window that was compared, by
+    /// default the loading phase.
     ///
     /// Fits are compared to a millionth of a percent, and a parameter set shares the fit of the one it is equivalent
     /// to: rounding does not decide. Equal fits stand in id order. Candidates without a fit are left out. A physical
     /// candidate has every parameter positive.
     pub fn of_candidates(candidates: &[CandidateResult]) -> Self {
         let stands_for = pairs_of_equals(candidates);
-        let fit = |index: usize| candidates[index].simulation.as_ref()?.fit_percent.filter(|fit| !fit.is_nan());
+        let fit = |index: usize| candidates[index].fit_percent().filter(|fit| !fit.is_nan());
         let mut fitted: Vec<(f64, &CandidateResult)> = candidates
             .iter()
             .enumerate()
@@ -99,7 +99,7 @@ fn no_crush(run: &Run) -> Option<String> {
 pub fn qualifies(candidate: &CandidateResult) -> bool {
     candidate.record.physical
         && free_of_bounds(candidate)
-        && candidate.simulation.as_ref().and_then(|s| s.fit_percent).is_some_and(|fit| fit >= WORTH_NAMING_PERCENT)
+        && candidate.fit_percent().is_some_and(|fit| fit >= WORTH_NAMING_PERCENT)
 }
 
 /// Whether no parameter was left on a bound of its search other than zero.
@@ -195,6 +195,7 @@ mod tests {
                 energy: Vec::new(),
                 energy_closure: None,
                 ratings: vec![],
+                fit_as_measured_percent: None,
             }),
             displacement: None,
             velocity: None,

@@ -121,6 +121,13 @@ impl CandidateResult {
         self.record.model == "chain"
     }
 
+    /// Displacement fit of its simulation, percent, as the record was measured; of the motion itself where that was not
+    /// computed.
+    pub fn fit_percent(&self) -> Option<f64> {
+        let simulation = self.simulation.as_ref()?;
+        simulation.fit_as_measured_percent.or(simulation.fit_percent)
+    }
+
     /// Channels it was fitted to beside the pulse, with the mass that each sits on, from 1 at the barrier.
     pub fn other_channels(&self) -> impl Iterator<Item = (&str, u32)> {
         let fit = self.record.fit.as_ref();

@@ -176,12 +176,13 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
             .and_then(|id| run.candidate(id))
             .map_or_else(Vec::new, CandidateResult::hardly_determined_parameters),
         ranking: ranking.order.clone(),
-        ranked_by: "simulation.fit_percent: displacement fit over simulation.from_s to simulation.to_s, highest first",
+        ranked_by: "simulation.fit_as_measured_percent: displacement fit of the model, measured as the record was, over \
+                    simulation.from_s to simulation.to_s, highest first; fit_percent where it is null",
         ranking_by_aicc: ids_ordered_by_aicc(run),
         matching_best: ranking.best_of_matching(run).map(|candidate| MatchingSummary {
             id: &candidate.id,
             equivalent_to: candidate.record.equivalent_to.as_deref(),
-            fit_percent: candidate.simulation.as_ref().and_then(|simulation| simulation.fit_percent),
+            fit_percent: candidate.fit_percent(),
             physical: candidate.record.physical,
         }),
         notes: run.notes.iter().map(|note| format!("{}: {}", note.stage, note.note)).collect(),

@@ -176,7 +176,7 @@ fn lines(run: &Run, ranking: &Ranking) -> Vec<String> {
         lines.push(format!("{}: maximum delta-v {change} km/h as recorded", metric.channel));
     }
     if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
-        let fit = best.simulation.as_ref().and_then(|s| s.fit_percent).unwrap_or(f64::NAN);
+        let fit = best.fit_percent().unwrap_or(f64::NAN);
         let open = best.undetermined_in_words().map_or_else(String::new, |open| format!("; {open}"));
         lines.push(format!("best model: {}, displacement fit {} %{open}", best.name_with_dual(), decimals(fit, 2)));
     }

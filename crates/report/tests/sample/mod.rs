@@ -180,6 +180,7 @@ pub fn write_artifacts(folder: &Path, simulated: bool) -> Vec<PathBuf> {
             energy: Vec::new(),
             energy_closure: None,
             ratings: vec![],
+            fit_as_measured_percent: None,
         };
         simulate.builder.put(&format!("/simulation/{}", sketch.id), &simulation).unwrap();
         for (what, quantity, index) in [

@@ -1,5 +1,6 @@
-//! Uniformly sampled signals, and the zero level before the event.
+//! Uniformly sampled signals, the zero level before the event, and the steps from an acceleration to its motion.
 //! Uses units.
 
 pub mod pre_event;
+pub mod recording_steps;
 pub mod signal;

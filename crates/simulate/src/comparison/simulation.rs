@@ -1,6 +1,7 @@
 //! The motion of a test and a simulation beside it.
 
 use crumple_lumped::{CrushEvents, Dynamics, Motion};
+use crumple_lumped_fit::Measurement;
 use crumple_signal::Sampled;
 
 use crate::comparison::ratings::Rating;
@@ -15,6 +16,8 @@ pub struct Measured<'a> {
     pub impact_speed_m_per_s: f64,
     /// Displacement, m, zero at time zero.
     pub displacement: &'a Sampled,
+    /// How it was measured.
+    pub measurement: Measurement,
     /// Velocity, if there is one.
     pub velocity: Option<&'a Sampled>,
     /// Acceleration, if there is one.
@@ -46,6 +49,8 @@ pub struct Comparison {
     pub max_displacement_error_m: Option<f64>,
     /// Fit of the displacement, percent.
     pub fit_displacement_percent: Option<f64>,
+    /// The same of the model measured as the record was; `None` under a drive.
+    pub fit_as_measured_percent: Option<f64>,
     /// Fit of the velocity, percent.
     pub fit_velocity_percent: Option<f64>,
     /// Fit of the acceleration, percent.

@@ -66,6 +66,7 @@ impl Stage for Simulate {
             time_zero_s: events.time_zero_s,
             impact_speed_m_per_s,
             displacement: &displacement,
+            measurement: input.recording_steps(&events, channel, &displacement)?.into(),
             velocity: velocity.as_deref(),
             acceleration: acceleration.as_deref(),
             dynamic_crush_m: events.dynamic_crush_m,

@@ -41,6 +41,7 @@ pub fn write_simulation(
         energy: dynamics.as_ref().map_or_else(Vec::new, |d| energies(d, events.time_of_dynamic_crush_s)),
         energy_closure: dynamics.as_ref().and_then(Dynamics::energy_closure),
         ratings: comparison.ratings.into_iter().map(rating_record).collect(),
+        fit_as_measured_percent: comparison.fit_as_measured_percent,
     };
     out.put(&format!("/simulation/{id}"), &record)?;
     let mut wave = |what: &str, quantity: QuantityKind, samples: Vec<f64>| {

@@ -3,3 +3,4 @@
 
 pub mod inputs;
 pub mod output;
+pub mod recording_steps;

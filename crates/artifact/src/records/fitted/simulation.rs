@@ -57,6 +57,10 @@ pub struct SimulationV1 {
     /// Ratings of the model's curves against the test's.
     #[serde(default)]
     pub ratings: Vec<RatingV1>,
+    /// Displacement fit as `fit_percent`, of the model sampled, filtered and integrated as the record was: a true model
+    /// reaches 100 on a record without noise. `null` under a drive.
+    #[serde(default)]
+    pub fit_as_measured_percent: Option<f64>,
 }
 
 /// One rating of a curve of the model against the test's.

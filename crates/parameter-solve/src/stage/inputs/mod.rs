@@ -3,6 +3,5 @@
 
 pub mod identified_models;
 pub mod masses;
-pub mod measurement;
 pub mod motions;
 pub mod record;

@@ -5,7 +5,6 @@ use crumple_signal::{Acceleration, Displacement, Force, Sampled, Velocity};
 use crumple_stage::records::EventsV1;
 use crumple_stage::{Inputs, RefuseExt, Refused};
 
-use crate::stage::inputs::measurement::measurement;
 use crate::stage::options::settings::StageSettings;
 
 /// A motion of a sensor, with its place, its channel and how it was measured.
@@ -52,7 +51,7 @@ pub fn sensor_wave(
     mass_kg: f64,
 ) -> anyhow::Result<SensorWave> {
     let record = motion(input, &channel, settings.solve.quantity, mass_kg)?;
-    let measurement = measurement(input, events, &channel, &record)?;
+    let measurement = input.recording_steps(events, &channel, &record)?.into();
     Ok(SensorWave { place, channel, record, measurement })
 }
 

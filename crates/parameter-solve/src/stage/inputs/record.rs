@@ -5,7 +5,6 @@ use crumple_signal::{Displacement, Signal, TestDescription};
 use crumple_stage::records::EventsV1;
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, Wave};
 
-use crate::stage::inputs::measurement::measurement;
 use crate::stage::inputs::motions::{SensorWave, sensor_waves};
 use crate::stage::options::settings::StageSettings;
 
@@ -51,7 +50,7 @@ impl Record {
             .map(Wave::signal::<Displacement>)
             .transpose()
             .refuse_with_hint("crumple-integrate writes the displacement of the pulse")?
-            .map(|x| measurement(input, events, &events.channel, &x).map(|measurement| (x, measurement)))
+            .map(|x| input.recording_steps(events, &events.channel, &x).map(|steps| (x, steps.into())))
             .transpose()?;
         let sensors = sensor_waves(settings, input, events, mass_kg)?;
         Ok(Self { mass_kg, impact_speed_m_per_s, displacement, sensors })

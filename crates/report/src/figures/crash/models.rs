@@ -197,7 +197,7 @@ fn caption(window: Option<(f64, f64)>, equals: usize, hidden: bool, chains: bool
 
 /// Fits in percent to two decimals, as in the table of candidates; to three where two are equal in print.
 fn fit_texts(candidates: &[&CandidateResult]) -> Vec<Option<String>> {
-    let fits = candidates.iter().map(|candidate| candidate.simulation.as_ref()?.fit_percent);
+    let fits = candidates.iter().map(|candidate| candidate.fit_percent());
     let texts: Vec<_> = fits.map(|fit| fit.map(|fit| (fit, decimals(fit, 2)))).collect();
     let twice = |text: &str| texts.iter().flatten().filter(|(_, other)| other == text).count() > 1;
     let text = |known: &Option<(f64, String)>| {

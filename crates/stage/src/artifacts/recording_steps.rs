@@ -1,0 +1,55 @@
+//! What the artifacts say of how the motion of a channel came about.
+
+use crumple_artifact::records::{ChannelFilterV1, EventsV1};
+use crumple_signal::{Acceleration, RecordingSteps, Sampled};
+
+use crate::artifacts::inputs::Inputs;
+use crate::error::RefuseExt;
+
+impl Inputs {
+    /// The steps from the acceleration of this channel to its motion. Time zero, start and rule are those of the events:
+    /// all channels are integrated alike.
+    ///
+    /// Known are CFC filters with their coefficients, no filter, the trapezoidal rule and forward Euler, at the rate of
+    /// the record.
+    pub fn recording_steps(
+        &self,
+        events: &EventsV1,
+        channel: &str,
+        motion: &Sampled,
+    ) -> anyhow::Result<RecordingSteps> {
+        let record: Option<ChannelFilterV1> = self.record_if(&format!("/filter/{channel}"))?;
+        let acceleration = self
+            .wave_if(channel)
+            .map(crumple_artifact::Wave::signal::<Acceleration>)
+            .transpose()
+            .refuse()?
+            .filter(|wave| (wave.dt_s() - motion.dt_s()).abs() <= 1e-9 * wave.dt_s());
+        let (dt_s, t0_s, samples) = match &acceleration {
+            Some(wave) => (wave.dt_s(), wave.t0_s(), wave.len()),
+            None => (motion.dt_s(), motion.t0_s(), motion.len()),
+        };
+        let filter = record.as_ref().and_then(|record| {
+            let class = record.mode.starts_with("iso6487") || record.mode.starts_with("sae");
+            let coefficients: [f64; 5] = record.coefficients.clone().try_into().ok()?;
+            (class && record.cfc.is_some()).then_some((coefficients, record.samples_added as usize))
+        });
+        let untouched = record.as_ref().is_some_and(|r| r.coefficients.is_empty() && r.width_s.is_none());
+        let unfiltered = untouched && self.test().ok().and_then(|t| t.channel(channel)?.cfc).is_none();
+        let as_sampled = record.as_ref().is_some_and(|r| r.resampled_to_hz.is_none());
+        let rule = events.rule.as_deref();
+        let known = acceleration.is_some()
+            && as_sampled
+            && (filter.is_some() || unfiltered)
+            && matches!(rule, None | Some("trapezoid" | "forward-euler"));
+        Ok(RecordingSteps {
+            dt_s,
+            first_s: t0_s - events.time_zero_s,
+            samples,
+            two_pass_filter: filter.filter(|_| known),
+            from_contact: events.start.as_deref() != Some("record-start"),
+            forward_euler: rule == Some("forward-euler"),
+            known,
+        })
+    }
+}
