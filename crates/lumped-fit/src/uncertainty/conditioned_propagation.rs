@@ -49,7 +49,7 @@ fn repeat_conditioned(
     model: &Nonlinear1,
     events: &FollowedEvents,
     repetition: &Repetition,
-) -> Option<BTreeMap<&'static str, f64>> {
+) -> Option<BTreeMap<String, f64>> {
     let record = repetition.observed.waves.first()?;
     let v0 = repetition.observed.impact_speed_m_per_s;
     let crush = events.dynamic_crush_m;
@@ -97,11 +97,11 @@ fn repeat_conditioned(
     let scaled = |&place: &usize| {
         let parameter = &fitted.kind().parameters()[place];
         let ratio = if parameter.kind == ParameterKind::Rate { 1.0 } else { repetition.mass_ratio };
-        (parameter.name, values[parameter.name] * ratio)
+        (parameter.name.to_owned(), values[parameter.name] * ratio)
     };
-    let mut result: BTreeMap<&'static str, f64> = PLACES.iter().map(scaled).collect();
+    let mut result: BTreeMap<String, f64> = PLACES.iter().map(scaled).collect();
     if let Some(crush) = fitted.events(v0).ok().and_then(|events| events.dynamic_crush_m) {
-        result.insert("dynamic_crush_m", crush);
+        result.insert("dynamic_crush_m".to_owned(), crush);
     }
     Some(result)
 }
