@@ -44,7 +44,6 @@ pub use candidate::parameter_set::{Candidate, Fit, Uncertainty, bounds_remark};
 pub use candidate::parameter_words::{all_in_words, in_words};
 pub use chain::assessment::{ChainAssessment, ChainAssessmentOptions, assess_chain};
 pub use chain::coordinates::{Stated, StatedChain, StatedElement, StatedMass};
-pub use chain::covariance::LinearisedUncertainty;
 pub use chain::dual::ChainDual;
 pub use chain::fit::{ChainSolution, fit_chain};
 pub use closed_form::elastoplastic::{elastoplastic_from_events, unloads_rigidly};
@@ -81,11 +80,10 @@ pub use solvers::solve::solve;
 pub use solvers::table::{DEFAULT_MODELS, MODELS, Solver, solvers_of};
 pub use solvers::task::Needs;
 pub use uncertainty::assessment::{Assessment, AssessmentOptions, Intervals, assess, undetermined};
-pub use uncertainty::block_bootstrap::{BlockBootstrap, bootstrap};
+pub use uncertainty::block_bootstrap::BlockBootstrap;
 pub use uncertainty::closed_form_propagation::{FollowedEvents, propagate_closed_form};
 pub use uncertainty::conditioned_propagation::propagate_conditioned;
-pub use uncertainty::identifiability::weakest_direction;
-pub use uncertainty::profile_likelihood::{Profile, profile};
+pub use uncertainty::profile_likelihood::Profile;
 pub use uncertainty::propagation::{
     InputUncertainty, Propagation, REPETITIONS, Repetition, largest_draw, perturbed, propagate, repeat, repetition,
 };

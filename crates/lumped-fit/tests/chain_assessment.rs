@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{Drive, Kelvin, Model, PiecewiseLinear, SecantChain};
 use crumple_lumped_fit::{
-    AssessmentOptions, ChainAssessmentOptions, ChainSolution, Distribution, FitQuantity, InputUncertainty,
-    IntegrationRule, Measurement, Observation, ObservedWave, Stated, StatedChain, StatedElement, StatedMass,
-    TwoPassFilter, assess_chain, fit_chain,
+    AssessmentOptions, ChainAssessment, ChainAssessmentOptions, ChainSolution, Distribution, FitQuantity,
+    InputUncertainty, IntegrationRule, Measurement, Observation, ObservedWave, Stated, StatedChain, StatedElement,
+    StatedMass, TwoPassFilter, assess_chain, fit_chain,
 };
 use crumple_signal::Sampled;
 use nalgebra::{DMatrix, DVector};
@@ -97,7 +97,7 @@ fn the_truth_of_three_noisy_masses_is_inside_every_interval() {
         let found = fitted(&of, &observed);
         let options = AssessmentOptions { profile: true, bootstrap: 60 };
         let asked = ChainAssessmentOptions { options, ..ChainAssessmentOptions::default() };
-        let assessment = assess_chain(&of, &observed, &found, &asked).unwrap();
+        let assessment = assess_chain(&of, &observed, &found, &asked).unwrap().assessment.unwrap();
         let (known, bootstrap) = (found.linearised.as_ref().unwrap(), assessment.bootstrap.unwrap());
         assert_eq!((known.interval.len(), assessment.profile.len(), bootstrap.interval.len()), (count, count, count));
         for (name, (low, high)) in &known.interval {
@@ -225,7 +225,8 @@ fn an_uncertain_speed_moves_the_parameters_by_the_derivatives_of_the_response() 
     let rows: Vec<usize> = (0..=800).step_by(9).collect();
     let picked = |springs: [f64; 3], dampers: [f64; 3], v0: f64| -> DVector<f64> {
         let all = displacements(&chain(&MASSES, &springs, &dampers), v0);
-        let weights: Vec<f64> = found.noise.iter().map(|noise| found.noise[0] / noise).collect();
+        let sensors = &found.fit.sensors;
+        let weights: Vec<f64> = sensors.iter().map(|sensor| sensors[0].noise / sensor.noise).collect();
         let of = |(x, weight): (&Vec<f64>, &f64)| rows.iter().map(|k| x[*k] * weight).collect::<Vec<f64>>();
         DVector::from_vec(all.iter().zip(&weights).flat_map(of).collect())
     };
@@ -245,7 +246,7 @@ fn an_uncertain_speed_moves_the_parameters_by_the_derivatives_of_the_response() 
     let jacobian = DMatrix::from_columns(&(0..6).map(column).collect::<Vec<_>>());
     let time: Vec<f64> = (0..3)
         .flat_map(|mass| {
-            let weight = found.noise[0] / found.noise[mass];
+            let weight = found.fit.sensors[0].noise / found.fit.sensors[mass].noise;
             rows.iter().map(move |k| *k as f64 * DT * weight)
         })
         .collect();
@@ -304,14 +305,15 @@ fn knots_seen_through_a_filter_are_profiled_and_repeated_with_every_uncertain_in
     };
     let options = AssessmentOptions { profile: true, bootstrap: 0 };
     let asked = ChainAssessmentOptions { options, inputs, repetitions: 40 };
-    let assessment = assess_chain(&of, &observed, &found, &asked).unwrap();
+    let ChainAssessment { assessment, propagation } = assess_chain(&of, &observed, &found, &asked).unwrap();
+    let assessment = assessment.unwrap();
     let names = ["k1_knot1_n_per_m", "k1_knot2_n_per_m", "c1_n_s_per_m"];
     assert_eq!(assessment.profile.iter().map(|p| p.parameter.as_str()).collect::<Vec<_>>(), names);
     for profile in &assessment.profile {
         let (value, ends) = (values[&profile.parameter], (profile.low.unwrap(), profile.high.unwrap()));
         assert!(ends.0 < value && value < ends.1, "{}: {ends:?} {value}", profile.parameter);
     }
-    let spread = assessment.propagation.unwrap();
+    let spread = propagation.unwrap();
     assert_eq!(spread.repetitions, 40);
     for name in names {
         let (low, high) = spread.interval_90[name];

@@ -80,7 +80,7 @@ fn three_and_four_masses_come_back_from_any_quantity_of_all_their_sensors() {
             assert!(error < 1e-6, "{masses} masses, {quantity}: {error:e}");
             let linearised = found[0].linearised.as_ref().unwrap();
             assert_eq!((linearised.rank, found[0].free.len()), (2 * masses, 2 * masses));
-            assert!(found[0].on_bound.is_empty());
+            assert!(found[0].fit.active_bounds.is_empty());
             for (name, (low, high)) in &linearised.interval {
                 let value = truth.parameters()[name];
                 assert!(low.unwrap() <= value && value <= high.unwrap(), "{masses} {quantity} {name}");
@@ -121,7 +121,7 @@ fn without_the_total_only_ratios_of_masses_springs_and_dampers_are_determined_an
         assert!((values[name] / value / scale - 1.0).abs() < 1e-6, "{name}");
     }
     let linearised = found[0].linearised.as_ref().unwrap();
-    assert_eq!((linearised.rank, linearised.order.len()), (8, 9));
+    assert_eq!((linearised.rank, linearised.parameters.len()), (8, 9));
     assert_eq!(linearised.condition, None);
     assert!(linearised.interval.values().all(|ends| *ends == (None, None)), "{:?}", linearised.interval);
     let words = linearised.weakest_direction.as_ref().unwrap();
@@ -140,7 +140,7 @@ fn what_is_given_stays_and_what_is_free_stays_in_its_bounds() {
     let found = fit_chain(&stated, &exact(&truth, &[0, 2], FitQuantity::Displacement), 24).unwrap();
     let values = found[0].chain.parameters();
     assert_eq!((values["k1_n_per_m"], values["c2_n_s_per_m"]), (9e5, 5e3));
-    assert_eq!(found[0].on_bound, ["k3_n_per_m"]);
+    assert_eq!(found[0].fit.active_bounds, ["k3_n_per_m"]);
     // The logarithm of the bound and back.
     assert!((values["k3_n_per_m"] / 1.2e6 - 1.0).abs() < 1e-14);
     assert_eq!(found[0].linearised.as_ref().unwrap().interval["k3_n_per_m"], (None, None));
@@ -248,7 +248,7 @@ fn masses_looked_for_by_one_sensor_on_the_last_are_called_undecided() {
     let known = two[0].linearised.as_ref().unwrap();
     let (low, high) = known.interval["m2_kg"];
     assert!(low.unwrap() <= 900.0 && 900.0 <= high.unwrap(), "{:?}", known.interval);
-    assert!(known.standard_deviation.contains_key("m2_kg") && !known.order.contains(&"m2_kg".to_owned()));
+    assert!(known.standard_deviation.contains_key("m2_kg") && !known.parameters.contains(&"m2_kg".to_owned()));
 }
 
 #[test]

@@ -159,13 +159,13 @@ fn another_time_zero_gives_what_the_whole_way_with_it_gives() {
 }
 
 /// Standard deviation by name.
-fn spread(found: &[BTreeMap<&'static str, f64>]) -> BTreeMap<&'static str, f64> {
+fn spread<N: Ord + Clone>(found: &[BTreeMap<N, f64>]) -> BTreeMap<N, f64> {
     let n = found.len() as f64;
-    let of = |name: &&'static str| {
+    let of = |name: &N| {
         let mean = found.iter().map(|f| f[name]).sum::<f64>() / n;
         (found.iter().map(|f| (f[name] - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt()
     };
-    found[0].keys().map(|name| (*name, of(name))).collect()
+    found[0].keys().map(|name| (name.clone(), of(name))).collect()
 }
 
 const LATE: InputUncertainty = InputUncertainty {
@@ -198,7 +198,7 @@ fn an_uncertain_time_zero_spreads_a_late_window_as_the_whole_way_does() {
         .collect();
     let found = propagate(&model, &free, &seen, 1200.0, &LATE, DRAWS).unwrap();
     for (name, wanted) in spread(&whole) {
-        let of = found.standard_deviation[name];
+        let of = found.standard_deviation[name.as_str()];
         eprintln!("{name}: {of:.4e}, the whole way {wanted:.4e}");
         // The same draws on both sides: what a parabola and the end of a window leave.
         assert!((of / wanted - 1.0).abs() < 5e-3, "{name}: {of} {wanted}");

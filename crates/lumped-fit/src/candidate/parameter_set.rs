@@ -69,9 +69,9 @@ impl Candidate {
     }
 }
 
-/// Record of a fit by iteration.
+/// Record of a fit by iteration; parameters are named by `N`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fit {
+pub struct Fit<N = &'static str> {
     /// Window, s after time zero.
     pub from_s: f64,
     /// End of the window: time of the last sample used.
@@ -89,7 +89,7 @@ pub struct Fit {
     /// Why the best start stopped.
     pub stop_reason: StopReason,
     /// Names of the parameters that stopped on a bound.
-    pub active_bounds: Vec<&'static str>,
+    pub active_bounds: Vec<N>,
     /// How far each sensor was missed; none where the compartment's displacement alone was fitted.
     pub sensors: Vec<SensorFit>,
 }
@@ -161,9 +161,9 @@ pub fn bounds_remark(model: &Model, active_bounds: &[&'static str]) -> Option<St
 /// searches in logarithms reach is 1e-5 of it.
 const NO_DAMPER: f64 = 1e-4;
 
-/// Of the parameters on a bound those whose bound is not zero: the value is that of the search, so it is fixed in the fit
-/// and has no interval. A damper of a chain of masses (the Kelvin model is one) on its lower bound is not fixed: it
-/// goes to zero. `window_s`: end of the window, s after contact.
+/// Of the parameters on a bound those whose bound is not zero: the value is that of the search, so it is fixed in the
+/// fit and has no interval. A damper of a chain of masses (the Kelvin model is one) on its lower bound is not fixed:
+/// it goes to zero. `window_s`: end of the window, s after contact.
 pub(crate) fn fixed_at_bound(model: &Model, active_bounds: &[&'static str], window_s: f64) -> Vec<&'static str> {
     let (values, kind) = (model.parameters(), model.kind());
     let is_chain =

@@ -11,6 +11,7 @@ use crumple_lumped::{Chain, Instants, LumpedError, ParameterKind, PiecewiseLinea
 use serde::Serialize;
 
 use crate::SolveError;
+use crate::free::free_numbers::FreeNumbers;
 use crate::free::parameterisation::{Axis, Parameterisation};
 use crate::free::search_bounds::{DAMPER_BOUNDS, DAMPER_STARTS, SPRING_BOUNDS, SPRING_STARTS};
 
@@ -277,13 +278,6 @@ impl ChainCoordinates {
         self.names.iter().cloned().chain(rest).collect()
     }
 
-    /// The values of those names.
-    pub fn values(&self, theta: &[f64]) -> Vec<f64> {
-        let free = theta.iter().map(|x| x.exp());
-        let rest = self.free_rest().map(|rest| self.total_kg - self.others_kg(rest, theta));
-        free.chain(rest).collect()
-    }
-
     /// Whether a mass is the rest of the total.
     pub fn has_rest(&self) -> bool {
         self.rest.is_some()
@@ -347,15 +341,6 @@ impl ChainCoordinates {
         };
         let at = |place: ChainNumber| self.free.iter().position(|(free, _)| *free == other(place));
         self.free.iter().map(|(place, _)| at(*place).is_some_and(|k| of.get(k) == Some(&true))).collect()
-    }
-
-    /// What this free number is.
-    pub fn kind(&self, index: usize) -> ParameterKind {
-        match self.free[index].0 {
-            ChainNumber::Mass(_) => ParameterKind::Mass,
-            ChainNumber::Spring(..) => ParameterKind::Stiffness,
-            ChainNumber::Damper(..) => ParameterKind::Damping,
-        }
     }
 
     /// Whether this free number is a mass.
@@ -431,5 +416,24 @@ impl Parameterisation for ChainCoordinates {
             }
         };
         Some(self.free.iter().zip(theta).map(changes).collect())
+    }
+}
+
+impl FreeNumbers for ChainCoordinates {
+    fn names(&self) -> Vec<String> {
+        self.names.clone()
+    }
+
+    fn kind(&self, index: usize) -> ParameterKind {
+        match self.free[index].0 {
+            ChainNumber::Mass(_) => ParameterKind::Mass,
+            ChainNumber::Spring(..) => ParameterKind::Stiffness,
+            ChainNumber::Damper(..) => ParameterKind::Damping,
+        }
+    }
+
+    fn rest(&self, theta: &[f64]) -> Option<(String, f64)> {
+        let rest = self.free_rest()?;
+        Some((format!("m{}_kg", rest + 1), self.total_kg - self.others_kg(rest, theta)))
     }
 }

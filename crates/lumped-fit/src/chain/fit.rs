@@ -4,17 +4,16 @@
 //! turn, and, where all filters are known, the same with each wave sampled, filtered and integrated like its record.
 //! What is left of equal minima and duals is reported with covariance and duals.
 
-use crumple_estimation::minimise::StopReason;
 use crumple_lumped::SecantChain;
 
 use crate::chain::coordinates::{ChainCoordinates, StatedChain};
-use crate::chain::covariance::{LinearisedUncertainty, linearised};
 use crate::chain::dual::{ChainDual, DualOf, dual_of, sees_the_last_only};
 use crate::fit::descents::{AS_GOOD, REPORTED, all, bounds, distinct};
 use crate::fit::problem::Problem;
 use crate::fit::search::{Search, search};
 use crate::free::parameterisation::Parameterisation;
-use crate::{Observation, SolveError};
+use crate::uncertainty::assessment::{Assessment, AssessmentOptions, AtMinimum};
+use crate::{Fit, Observation, ObservedWave, SensorFit, SolveError};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, derivatives};
 
 /// Rounds of weighing sensors seen through their filters, and the change of a weight that is worth another.
@@ -31,22 +30,10 @@ pub struct ChainSolution {
     pub chain: SecantChain,
     /// Names of what was free, as in [`SecantChain::parameters`]; a mass that is the rest comes last.
     pub free: Vec<String>,
-    /// Those that stopped on a bound.
-    pub on_bound: Vec<String>,
-    /// Root mean square error of every wave, in its unit, and the level its residuals were divided by.
-    pub rmse: Vec<f64>,
-    /// See there.
-    pub noise: Vec<f64>,
-    /// Samples compared.
-    pub samples: usize,
-    /// Iterations of the descent that ended here.
-    pub iterations: u32,
-    /// Model evaluations of all starts.
-    pub evaluations: u64,
-    /// Why it stopped.
-    pub stop_reason: StopReason,
+    /// How it was fitted; a sensor for each wave, without the name of its channel.
+    pub fit: Fit<String>,
     /// Covariance and intervals of the free numbers; `None` where nothing is determined.
-    pub linearised: Option<LinearisedUncertainty>,
+    pub linearised: Option<Assessment>,
     /// The chain with the same masses and the same motion of the last one; `None` where a wave tells the two apart, or
     /// there is none.
     pub dual: Option<ChainDual>,
@@ -168,23 +155,49 @@ fn solution(problem: &Problem<'_, ChainCoordinates>, minimum: &Optimum, evaluati
     let chain = coordinates.model(&minimum.theta)?;
     let misfit = problem.misfit(&minimum.theta)?;
     let rmse = waves.rmse(&misfit);
-    let sensitivities = derivatives(problem, &minimum.theta, &bounds(coordinates, 200, 0.0))? * problem.unit;
     let on_bound = coordinates.names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
-    let first = waves.noise_levels(&rmse).first().copied().unwrap_or(0.0);
+    let (first, level) = (waves.waves.first()?, *waves.noise_levels(&rmse).first()?);
+    let masses = coordinates.masses();
+    let sensor = |(wave, rmse): (&ObservedWave, &f64)| SensorFit {
+        channel: String::new(),
+        mass: wave.mass.unwrap_or(masses - 1) + 1,
+        quantity: wave.quantity,
+        rmse: *rmse,
+        noise: level / wave.weight,
+    };
+    let fit = Fit {
+        from_s: first.time_s(0),
+        to_s: first.time_s(first.samples.len() - 1),
+        samples: misfit.len(),
+        quantity: first.quantity,
+        rmse: rmse[0],
+        iterations: minimum.iterations,
+        evaluations,
+        stop_reason: minimum.stop,
+        active_bounds: on_bound.map(|(name, _)| name.clone()).collect(),
+        sensors: waves.waves.iter().zip(&rmse).map(sensor).collect(),
+    };
     let free_masses = (0..coordinates.names.len()).any(|i| coordinates.is_mass(i));
     Some(ChainSolution {
         chain,
         free: coordinates.all_names(),
-        on_bound: on_bound.map(|(name, _)| name.clone()).collect(),
-        noise: waves.waves.iter().map(|wave| first / wave.weight).collect(),
-        rmse,
-        samples: misfit.len(),
-        iterations: minimum.iterations,
-        evaluations,
-        stop_reason: minimum.stop,
-        linearised: linearised(coordinates, waves, minimum, &misfit, &sensitivities),
+        fit,
+        linearised: assess_at(problem, (&minimum.theta, &minimum.on_bound), AssessmentOptions::default()),
         dual: None,
-        division_undecided: free_masses && coordinates.masses() > 1 && sees_the_last_only(waves, coordinates.masses()),
+        division_undecided: free_masses && masses > 1 && sees_the_last_only(waves, masses),
         theta: minimum.theta.clone(),
     })
+}
+
+/// The assessment of a minimum at these coordinates, of which these stand on a bound.
+pub(crate) fn assess_at(
+    problem: &Problem<'_, ChainCoordinates>,
+    (theta, on_bound): (&[f64], &[bool]),
+    options: AssessmentOptions,
+) -> Option<Assessment> {
+    let sensitivities = derivatives(problem, theta, &problem.bounds())? * problem.unit;
+    let misfit = problem.misfit(theta)?;
+    let (coordinates, observed) = (problem.coordinates, problem.observed);
+    let at = AtMinimum { coordinates, observed, theta, on_bound, misfit: &misfit, sensitivities: &sensitivities };
+    at.assess(None, options)
 }

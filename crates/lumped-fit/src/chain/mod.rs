@@ -4,6 +4,5 @@
 
 pub mod assessment;
 pub mod coordinates;
-pub mod covariance;
 pub mod dual;
 pub mod fit;

@@ -80,7 +80,7 @@ fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observati
 }
 
 /// The fit near a minimum, for repetitions of it: one descent without hops.
-pub(crate) fn near<'a>(coordinates: &'a FreeModel, observed: &'a Observation) -> Problem<'a, FreeModel> {
+pub(crate) fn near<'a, C: Parameterisation>(coordinates: &'a C, observed: &'a Observation) -> Problem<'a, C> {
     Problem::new(coordinates, observed, EXACT)
 }
 

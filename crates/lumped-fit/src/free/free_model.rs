@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{Instants, LumpedError, Model, ModelKind, ParameterKind, Sensitivity};
 
+use crate::free::free_numbers::FreeNumbers;
 use crate::free::free_parameter::{FreeParameter, masses_of, rest_mass};
 use crate::free::parameterisation::{Axis, Parameterisation};
 
@@ -85,5 +86,35 @@ impl Parameterisation for FreeModel {
             Some(std::iter::once((place(parameter.name)?, slope)).chain(taken).collect())
         };
         self.free.iter().zip(theta).map(changes).collect()
+    }
+}
+
+impl FreeNumbers for FreeModel {
+    fn names(&self) -> Vec<String> {
+        self.free.iter().map(|p| p.name.to_owned()).collect()
+    }
+
+    fn kind(&self, index: usize) -> ParameterKind {
+        self.free[index].kind
+    }
+
+    fn is_logarithmic(&self, index: usize) -> bool {
+        self.free[index].logarithmic
+    }
+
+    fn value(&self, index: usize, coordinate: f64) -> f64 {
+        self.free[index].at(coordinate)
+    }
+
+    fn coordinate(&self, index: usize, value: f64) -> f64 {
+        self.free[index].coordinate(value)
+    }
+
+    fn slope(&self, index: usize, coordinate: f64) -> f64 {
+        self.free[index].slope(coordinate)
+    }
+
+    fn rest(&self, theta: &[f64]) -> Option<(String, f64)> {
+        rest_mass(&self.model(theta)?, &self.free).map(|(name, kg)| (name.to_owned(), kg))
     }
 }

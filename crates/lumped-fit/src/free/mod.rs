@@ -2,6 +2,7 @@
 //! Uses no other room.
 
 pub mod free_model;
+pub mod free_numbers;
 pub mod free_parameter;
 pub mod mass_split;
 pub mod model_coordinates;

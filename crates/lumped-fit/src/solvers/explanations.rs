@@ -46,7 +46,8 @@ pub(super) fn explanations(mut fitting: Fitting<'_>, ends: &Ends<'_>, notes: &mu
     let mut starts: Vec<FitStart> = ends.as_good(0.0).into_iter().cloned().collect();
     if starts.len() > 1 {
         notes.warning(format!(
-            "{kind}: {} parameter sets fit within 1 % as well as the best; the record does not determine the parameters",
+            "{kind}: {} parameter sets fit within 1 % as well as the best; the record does not determine the \
+             parameters",
             starts.len()
         ));
         starts.truncate(REPORTED);

@@ -18,8 +18,8 @@ use crate::{
 /// Rounds of weighing sensors, and the change of a weight that is worth another one.
 const WEIGHINGS: usize = 4;
 const WORTH_ANOTHER: f64 = 0.01;
-/// The first nonlinear model keeps its conditions at dynamic crush where the minimum without them misses crush or time by
-/// more than this share: the filter itself moves the time of a crush that ends steeply by 0.1 ms and more.
+/// The first nonlinear model keeps its conditions at dynamic crush where the minimum without them misses crush or time
+/// by more than this share: the filter itself moves the time of a crush that ends steeply by 0.1 ms and more.
 const CONDITIONS: f64 = 5e-3;
 
 /// Where a fit starts, and what was spent to come there.

@@ -162,7 +162,7 @@ fn printed(fitting: &Fitting<'_>, model: Model, fit: Fit, remarks: Vec<String>) 
 }
 
 /// What was found on the motion itself, with its remarks, and the displacement as measured.
-type Found<'a> = (Fitting<'a>, (Model, Fit), Vec<String>);
+type StartAsMeasured<'a> = (Fitting<'a>, (Model, Fit), Vec<String>);
 
 /// The displacement as measured, what `find` finds on the motion itself, and its remarks.
 ///
@@ -173,7 +173,7 @@ fn start_of<'a>(
     extent: &Extent,
     notes: &mut Notes,
     find: impl FnOnce(&Signal<Displacement>, &SingleMassFitOptions, &mut Vec<String>) -> OnTheMotion,
-) -> Result<Option<Found<'a>>, SolveError> {
+) -> Result<Option<StartAsMeasured<'a>>, SolveError> {
     let (kind, test, settings) = (task.model, task.test, task.settings);
     let to_s = settings.fit_to_s.or(extent.stops.then_some(extent.time_s));
     let Some((displacement, fitting)) = test.displacement.zip(Fitting::of_pulse(task, to_s)?) else {

@@ -1,20 +1,23 @@
 //! Assessment of a model at the minimum of its misfit: covariance, intervals, correlation, profiles and bootstrap.
 //!
 //! The covariance is the sandwich `(J'J)^-1 J' L J (J'J)^-1` with the autocovariance `L` of the residuals, see
-//! [`covariance`](crumple_estimation::statistics::covariance); coordinates are those of [`FreeParameter`]. Its
-//! intervals are valid while the model is true and the response straight over the interval. The profile drops the
-//! second condition, the bootstrap makes no use of a formula; neither drops the first.
+//! [`covariance`](crumple_estimation::statistics::covariance); coordinates are logarithms, or near zero shares of a
+//! scale. Its intervals are valid while the model is true and the response straight over the interval. The profile
+//! drops the second condition, the bootstrap makes no use of a formula; neither drops the first.
 
 use std::collections::BTreeMap;
 
-use crate::candidate::minimum::Minimum;
-use crate::free::free_parameter::{FreeParameter, masses_of, rest_mass};
-use crate::uncertainty::block_bootstrap::{BlockBootstrap, bootstrap};
-use crate::uncertainty::identifiability::weakest_direction;
-use crate::uncertainty::profile_likelihood::{Profile, profile};
-use crumple_estimation::statistics::lag_1_autocorrelation;
-use crumple_estimation::statistics::{Covariance, covariance_of_blocks};
+use crumple_estimation::statistics::{Covariance, covariance_of_blocks, lag_1_autocorrelation};
 use crumple_lumped::{Model, ParameterKind};
+use nalgebra::DMatrix;
+
+use crate::candidate::minimum::Minimum;
+use crate::fit::as_measured::near;
+use crate::free::free_numbers::FreeNumbers;
+use crate::record::observation::Observation;
+use crate::uncertainty::block_bootstrap::{BlockBootstrap, replicate};
+use crate::uncertainty::identifiability::{NamedCoordinate, weakest_direction};
+use crate::uncertainty::profile_likelihood::{Profile, Profiled};
 
 /// What is computed beyond the covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -25,16 +28,18 @@ pub struct AssessmentOptions {
     pub bootstrap: usize,
 }
 
+/// Both ends of an interval; `None`: open.
+type Ends = (Option<f64>, Option<f64>);
 /// A 95 % interval by parameter, in its unit; `None`: open on that side, the record does not bound it.
-pub type Intervals = BTreeMap<&'static str, (Option<f64>, Option<f64>)>;
+pub type Intervals = BTreeMap<String, (Option<f64>, Option<f64>)>;
 
-/// How well the parameters of one candidate are determined.
+/// How well the free numbers of a candidate are determined.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assessment {
     /// The parameters assessed, in the order of the matrices.
-    pub parameters: Vec<&'static str>,
+    pub parameters: Vec<String>,
     /// Standard deviations, in the unit of each; those on a bound of the search have none.
-    pub standard_deviation: BTreeMap<&'static str, f64>,
+    pub standard_deviation: BTreeMap<String, f64>,
     /// 95 % intervals of the linearisation: log-normal, or normal and cut at zero for a value near zero.
     pub interval: Intervals,
     /// Correlation of the estimates (of their logarithms), rows as `parameters`; those on a bound are left out.
@@ -65,138 +70,205 @@ pub struct Assessment {
 /// A parameter at zero is assessed from its one side. One at another bound, or without effect in the window, is left
 /// out of the matrices and has an open interval. Where masses are fitted, the last one is the rest of the total and
 /// follows from the others.
-pub fn assess(refined: &Minimum, given: Option<&Model>, options: AssessmentOptions) -> Option<Assessment> {
-    let observed = &refined.observed;
-    // What stands on zero is assessed from its one side; what stands on the end of the search is not assessed.
-    // Neither is what moves nothing in the window: it stays open on both sides.
-    let assessed = |i: &usize| {
-        (!refined.on_bound[*i] || refined.free[*i].value == 0.0) && refined.sensitivity_m.column(*i).norm() > 0.0
+pub fn assess(minimum: &Minimum, given: Option<&Model>, options: AssessmentOptions) -> Option<Assessment> {
+    let coordinates = minimum.coordinates();
+    let of_given = |model: &Model| {
+        let values = model.parameters();
+        minimum.free.iter().map(|p| values[p.name]).collect::<Vec<f64>>()
     };
-    let kept: Vec<usize> = (0..refined.free.len()).filter(assessed).collect();
-    let free: Vec<FreeParameter> = kept.iter().map(|&i| refined.free[i]).collect();
-    let j_m = refined.sensitivity_m.select_columns(&kept);
-    let covariance = covariance_of_blocks(&j_m, &refined.misfit_m, &observed.blocks())?;
-    let values = given.unwrap_or(&refined.model).parameters();
-    let mut standard_deviation = BTreeMap::new();
-    let mut interval = Intervals::new();
-    for (i, parameter) in free.iter().enumerate() {
-        let value = values[parameter.name];
-        let away = parameter.coordinate(value) - parameter.coordinate(parameter.value);
-        let away = if given.is_some() && away.is_finite() { away } else { 0.0 };
-        let deviation = (covariance.matrix[(i, i)].max(0.0) + away * away).sqrt();
-        let half = (covariance.half_width[i].powi(2) + (1.96 * away).powi(2)).sqrt();
-        if half.is_finite() {
-            standard_deviation.insert(parameter.name, deviation * parameter.slope(parameter.coordinate(value)).abs());
+    let at = AtMinimum {
+        coordinates: &coordinates,
+        observed: &minimum.observed,
+        theta: &coordinates.start(),
+        on_bound: &minimum.on_bound,
+        misfit: &minimum.misfit_m,
+        sensitivities: &minimum.sensitivity_m,
+    };
+    at.assess(given.map(of_given).as_deref(), options)
+}
+
+/// A minimum of anything with free numbers. Misfit and sensitivities by the coordinates are weighted, in the unit of
+/// the first wave: one row for each sample, wave after wave.
+pub(crate) struct AtMinimum<'a, C> {
+    /// The free numbers.
+    pub coordinates: &'a C,
+    /// What they were fitted to.
+    pub observed: &'a Observation,
+    /// Coordinates of the minimum.
+    pub theta: &'a [f64],
+    /// Which of them stand on a bound.
+    pub on_bound: &'a [bool],
+    /// Misfit there.
+    pub misfit: &'a [f64],
+    /// One column for each coordinate.
+    pub sensitivities: &'a DMatrix<f64>,
+}
+
+impl<C: FreeNumbers> AtMinimum<'_, C> {
+    /// See [`assess`]; `given`: values of the free numbers, in their order.
+    pub fn assess(&self, given: Option<&[f64]>, options: AssessmentOptions) -> Option<Assessment> {
+        let (free, theta, names) = (self.coordinates, self.theta, self.coordinates.names());
+        // What stands on zero is assessed from its one side; what stands on the end of the search is not assessed.
+        // Neither is what moves nothing in the window: it stays open on both sides.
+        let on_zero = |i: usize| free.value(i, theta[i]) == 0.0;
+        let assessed = |i: &usize| (!self.on_bound[*i] || on_zero(*i)) && self.sensitivities.column(*i).norm() > 0.0;
+        let kept: Vec<usize> = (0..theta.len()).filter(assessed).collect();
+        let columns = self.sensitivities.select_columns(&kept);
+        let covariance = covariance_of_blocks(&columns, self.misfit, &self.observed.blocks())?;
+        let mut standard_deviation = BTreeMap::new();
+        let mut interval: Intervals = names.iter().map(|name| (name.clone(), (None, None))).collect();
+        for (k, &i) in kept.iter().enumerate() {
+            let value = given.map_or_else(|| free.value(i, theta[i]), |values| values[i]);
+            let coordinate = free.coordinate(i, value);
+            let away = Some(coordinate - theta[i]).filter(|away| given.is_some() && away.is_finite()).unwrap_or(0.0);
+            let deviation = (covariance.matrix[(k, k)].max(0.0) + away * away).sqrt();
+            let half = (covariance.half_width[k].powi(2) + (1.96 * away).powi(2)).sqrt();
+            let slope = free.slope(i, coordinate);
+            if half.is_finite() {
+                standard_deviation.insert(names[i].clone(), deviation * slope.abs());
+            }
+            interval.insert(names[i].clone(), around(value, half, free.is_logarithmic(i), slope));
         }
-        interval.insert(parameter.name, around(parameter, value, half));
-    }
-    for (i, parameter) in refined.free.iter().enumerate() {
-        if !kept.contains(&i) {
-            interval.insert(parameter.name, (None, None));
+        // A mass that a bound holds leaves the rest of the total open too.
+        let is_mass = |i: &usize| free.kind(*i) == ParameterKind::Mass;
+        let masses: Vec<usize> = (0..theta.len()).filter(is_mass).collect();
+        let rest = free.rest(theta);
+        let with_rest = rest.is_some() && masses.iter().all(|i| kept.contains(i));
+        if let Some((name, value)) = &rest {
+            let places: Vec<usize> = masses.iter().filter_map(|i| kept.iter().position(|k| k == i)).collect();
+            let slopes: Vec<f64> = masses.iter().map(|&i| free.slope(i, theta[i])).collect();
+            let mut ends = (None, None);
+            if with_rest {
+                let first = interval.get(&names[masses[0]]).copied().unwrap_or_default();
+                let total = value + free.value(masses[0], theta[masses[0]]);
+                let (deviation, found) = of_the_rest(*value, (&places, &slopes), &covariance, (total, first));
+                standard_deviation.insert(name.clone(), deviation);
+                ends = found;
+            }
+            interval.insert(name.clone(), ends);
         }
+        let (quantity, waves) = (self.observed.waves.first()?.quantity, self.observed.split(self.misfit));
+        let named: Vec<NamedCoordinate> = kept.iter().map(|&i| self.named(i, &names)).collect();
+        let rest_name = rest.map(|(name, _)| name).filter(|_| with_rest);
+        Some(Assessment {
+            parameters: kept.iter().map(|&i| names[i].clone()).collect(),
+            standard_deviation,
+            interval,
+            correlation: covariance.correlation().row_iter().map(|row| row.iter().copied().collect()).collect(),
+            condition: Some(covariance.condition).filter(|c| c.is_finite()),
+            rank: covariance.rank,
+            weakest_direction: weakest_direction(&named, &covariance, quantity),
+            residual_autocorrelation: waves.iter().map(|misfit| lag_1_autocorrelation(misfit)).sum::<f64>()
+                / waves.len() as f64,
+            effective_samples: covariance.effective_samples,
+            profile: if options.profile { self.profiles(&names, &kept, &covariance, &rest_name) } else { Vec::new() },
+            bootstrap: (options.bootstrap > 0).then(|| self.bootstrap(options.bootstrap, names, rest_name)).flatten(),
+        })
     }
-    // A mass that a bound holds leaves the rest of the total open too.
-    let model = given.unwrap_or(&refined.model);
-    let all_masses = free.iter().filter(|p| p.kind == ParameterKind::Mass).count() + 1 == masses_of(model).len();
-    if let Some((rest, value)) = rest_mass(model, &refined.free) {
-        let (deviation, ends) = of_the_rest(value, &free, &covariance, &interval);
-        if all_masses {
-            standard_deviation.insert(rest, deviation);
+
+    fn named(&self, i: usize, names: &[String]) -> NamedCoordinate {
+        let (free, name) = (self.coordinates, names[i].clone());
+        let (kind, logarithmic) = (free.kind(i), free.is_logarithmic(i));
+        NamedCoordinate { name, kind, logarithmic, slope: free.slope(i, self.theta[i]) }
+    }
+
+    /// The profile of every free number, and of the rest of the total.
+    fn profiles(
+        &self,
+        names: &[String],
+        kept: &[usize],
+        covariance: &Covariance,
+        rest: &Option<String>,
+    ) -> Vec<Profile> {
+        let (free, theta) = (self.coordinates, self.theta);
+        let problem = near(free, self.observed);
+        let bounds: Vec<(f64, f64)> = free.axes().iter().map(|axis| (axis.lower, axis.upper)).collect();
+        let half_width = |i| kept.iter().position(|&k| k == i).map(|k| covariance.half_width[k]);
+        let expected: Vec<Option<f64>> = (0..theta.len()).map(half_width).collect();
+        let mut profiles = Profiled {
+            names,
+            at: theta,
+            bounds: &bounds,
+            value: &|i, coordinate| free.value(i, coordinate),
+            ends_at_zero: &|i| !free.is_logarithmic(i),
+            refit: &|fixed, coordinate, others| problem.follow_others(fixed, coordinate, others),
+            misfit: self.misfit,
+            observed: self.observed,
+            expected: &expected,
+            effective_samples: covariance.effective_samples,
         }
-        interval.insert(rest, if all_masses { ends } else { (None, None) });
+        .profiles();
+        profiles.extend(rest.as_ref().and_then(|rest| self.profile_of_the_rest(rest, &profiles)));
+        profiles
     }
-    let correlation = covariance.correlation();
-    let waves = observed.split(&refined.misfit_m);
-    let quantity = observed.waves.first()?.quantity;
-    Some(Assessment {
-        parameters: free.iter().map(|p| p.name).collect(),
-        standard_deviation,
-        interval,
-        correlation: correlation.row_iter().map(|row| row.iter().copied().collect()).collect(),
-        condition: Some(covariance.condition).filter(|c| c.is_finite()),
-        rank: covariance.rank,
-        weakest_direction: weakest_direction(&free, &covariance, quantity),
-        residual_autocorrelation: waves.iter().map(|misfit| lag_1_autocorrelation(misfit)).sum::<f64>()
-            / waves.len() as f64,
-        effective_samples: covariance.effective_samples,
-        profile: if options.profile {
-            let half_width = |i| kept.iter().position(|&k| k == i).map(|k| covariance.half_width[k]);
-            let expected: Vec<Option<f64>> = (0..refined.free.len()).map(half_width).collect();
-            let mut profiles = profile(refined, &expected, covariance.effective_samples);
-            profiles.extend(profile_of_the_rest(refined, &profiles).filter(|_| all_masses));
-            profiles
-        } else {
-            Vec::new()
-        },
-        bootstrap: (options.bootstrap > 0).then(|| bootstrap(refined, options.bootstrap, all_masses)).flatten(),
-    })
+
+    /// The profile of the rest of the total: that of the one free mass mirrored, `m_rest = m - m_free`. `None` with
+    /// several free masses.
+    fn profile_of_the_rest(&self, rest: &str, profiles: &[Profile]) -> Option<Profile> {
+        let free = self.coordinates;
+        let mut masses = (0..self.theta.len()).filter(|&i| free.kind(i) == ParameterKind::Mass);
+        let (mass, None) = (masses.next()?, masses.next()) else { return None };
+        let mirrored = profiles.get(mass)?;
+        let total = free.rest(self.theta)?.1 + free.value(mass, self.theta[mass]);
+        Some(Profile {
+            parameter: rest.to_owned(),
+            low: mirrored.high.map(|kg| total - kg),
+            high: mirrored.low.map(|kg| total - kg),
+            points: mirrored.points.iter().rev().map(|(kg, rise)| (total - kg, *rise)).collect(),
+        })
+    }
+
+    fn bootstrap(&self, replicates: usize, mut names: Vec<String>, rest: Option<String>) -> Option<BlockBootstrap> {
+        let free = self.coordinates;
+        let with_rest = rest.is_some();
+        names.extend(rest);
+        replicate(self.observed, self.misfit, replicates, names, |resampled| {
+            let theta = near(free, resampled).follow(self.theta)?.theta;
+            let values = theta.iter().enumerate().map(|(i, x)| free.value(i, *x));
+            Some(values.chain(free.rest(&theta).filter(|_| with_rest).map(|(_, kg)| kg)).collect())
+        })
+    }
 }
 
 /// The interval of a coordinate as values: log-normal, `p e^(±h)`, open from `h = 9` on; near zero normal, `p ± h u`,
-/// cut at zero.
-fn around(parameter: &FreeParameter, value: f64, half: f64) -> (Option<f64>, Option<f64>) {
-    if parameter.logarithmic && value > 0.0 {
+/// cut at zero, with `u` the derivative by the coordinate.
+fn around(value: f64, half: f64, logarithmic: bool, slope: f64) -> Ends {
+    if logarithmic && value > 0.0 {
         let known = half < 9.0;
         (known.then(|| value * (-half).exp()), known.then(|| value * half.exp()))
     } else {
-        let half = half * parameter.unit;
+        let half = half * slope;
         (Some((value - half).max(0.0)), Some(value + half).filter(|high| high.is_finite()))
     }
 }
 
 /// Standard deviation and 95 % interval, kg, of the mass that is the rest of the total.
 ///
-/// The variance is `g' C g` with `g` the derivatives of the free masses by their coordinates. With one free mass the
-/// interval is that of the free mass mirrored in the total; with two it is normal, with the wider of the factors
-/// between their deviation and half-width.
+/// The variance is `g' C g` with `g` the derivatives of the free masses by their coordinates, at these places of the
+/// covariance. With one free mass the interval is that of the free mass mirrored in the total; with several it is
+/// normal, with the widest of the factors between their deviation and half-width.
 fn of_the_rest(
     value: f64,
-    free: &[FreeParameter],
+    (places, slopes): (&[usize], &[f64]),
     covariance: &Covariance,
-    interval: &Intervals,
-) -> (f64, (Option<f64>, Option<f64>)) {
-    let masses: Vec<usize> = (0..free.len()).filter(|&i| free[i].kind == ParameterKind::Mass).collect();
-    let slope = |i: usize| free[i].slope(free[i].coordinate(free[i].value));
-    let pairs = masses.iter().flat_map(|&i| masses.iter().map(move |&j| (i, j)));
-    let variance: f64 = pairs.map(|(i, j)| slope(i) * covariance.matrix[(i, j)] * slope(j)).sum();
+    (total, of_first): (f64, Ends),
+) -> (f64, Ends) {
+    let both = || places.iter().zip(slopes);
+    let variance: f64 = both().flat_map(|(i, a)| both().map(move |(j, b)| a * covariance.matrix[(*i, *j)] * b)).sum();
     let deviation = variance.max(0.0).sqrt();
-    let ends = match masses[..] {
-        [mass] => {
-            let (low, high) = interval[free[mass].name];
-            let total = value + free[mass].value;
-            let rest = |end: Option<f64>| end.map(|kg| (total - kg).max(0.0));
-            (rest(high), rest(low))
-        }
-        _ => {
-            let factor = |i: &usize| covariance.half_width[*i] / covariance.matrix[(*i, *i)].sqrt();
-            let half = masses.iter().map(factor).fold(1.96, f64::max) * deviation;
-            if half.is_finite() { (Some((value - half).max(0.0)), Some(value + half)) } else { (None, None) }
-        }
+    let ends = if let [_] = places {
+        let rest = |end: Option<f64>| end.map(|kg| (total - kg).max(0.0));
+        (rest(of_first.1), rest(of_first.0))
+    } else {
+        let factor = |i: &usize| covariance.half_width[*i] / covariance.matrix[(*i, *i)].sqrt();
+        let half = places.iter().map(factor).fold(1.96, f64::max) * deviation;
+        if half.is_finite() { (Some((value - half).max(0.0)), Some(value + half)) } else { (None, None) }
     };
     (deviation, ends)
 }
 
-/// The profile of the rest of the total: that of the one free mass mirrored. `None` with two free masses.
-fn profile_of_the_rest(refined: &Minimum, profiles: &[Profile]) -> Option<Profile> {
-    let (parameter, value) = rest_mass(&refined.model, &refined.free)?;
-    let mut masses = refined.free.iter().filter(|p| p.kind == ParameterKind::Mass);
-    let (mass, None) = (masses.next()?, masses.next()) else { return None };
-    let mirrored = profiles.iter().find(|p| p.parameter == mass.name)?;
-    let total = value + mass.value;
-    Some(Profile {
-        parameter,
-        low: mirrored.high.map(|kg| total - kg),
-        high: mirrored.low.map(|kg| total - kg),
-        points: mirrored.points.iter().rev().map(|(kg, rise)| (total - kg, *rise)).collect(),
-    })
-}
-
 /// Parameters with an open interval on at least one side, by name.
-pub fn undetermined(assessment: &Assessment) -> Vec<&'static str> {
-    assessment
-        .interval
-        .iter()
-        .filter(|(_, (low, high))| low.is_none() || high.is_none())
-        .map(|(name, _)| *name)
-        .collect()
+pub fn undetermined(assessment: &Assessment) -> Vec<&str> {
+    let open = assessment.interval.iter().filter(|(_, (low, high))| low.is_none() || high.is_none());
+    open.map(|(name, _)| name.as_str()).collect()
 }

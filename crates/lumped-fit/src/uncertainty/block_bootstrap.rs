@@ -6,13 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
-use crate::candidate::minimum::Minimum;
-use crate::fit::as_measured::near;
-use crate::free::free_parameter::{FreeParameter, rest_mass};
-use crate::free::parameterisation::Parameterisation;
 use crate::record::observation::Observation;
 use crumple_estimation::statistics::{autocorrelation_time, quantile};
-use crumple_lumped::Model;
 
 /// Seed of the generators; replicate `i` uses its stream `i`.
 const SEED: u64 = 1;
@@ -21,15 +16,15 @@ const BLOCK_TIMES: f64 = 2.0;
 /// A block is at most one part in so many of the window.
 const LARGEST_SHARE: usize = 3;
 
-/// Percentiles of the parameters over the replicates; parameters are named by `N`.
+/// Percentiles of the parameters over the replicates.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BlockBootstrap<N: Ord = &'static str> {
+pub struct BlockBootstrap {
     /// Replicates that led to a fit.
     pub replicates: usize,
     /// Samples in a block.
     pub block: usize,
     /// From the 2.5th to the 97.5th percentile.
-    pub interval: BTreeMap<N, (Option<f64>, Option<f64>)>,
+    pub interval: BTreeMap<String, (Option<f64>, Option<f64>)>,
 }
 
 /// Fits the model to its own response with the misfit added in shuffled blocks, many times, and takes percentiles.
@@ -40,29 +35,15 @@ pub struct BlockBootstrap<N: Ord = &'static str> {
 /// from the minimum and draws from its own stream of a fixed seed, so the result does not depend on the number of
 /// threads.
 ///
-/// Contains no other minimum, and no error that is the same in the whole record. `with_rest`: whether a last mass
-/// that is the rest of the total has an interval too. `None` with fewer than 20 fits.
-pub fn bootstrap(refined: &Minimum, replicates: usize, with_rest: bool) -> Option<BlockBootstrap> {
-    let rest = |model: &Model, free: &[FreeParameter]| rest_mass(model, free).filter(|_| with_rest);
-    let rest_name = rest(&refined.model, &refined.free).map(|(name, _)| name);
-    let names = refined.free.iter().map(|parameter| parameter.name).chain(rest_name).collect();
-    let coordinates = refined.coordinates();
-    let start = coordinates.start();
-    replicate(&refined.observed, &refined.misfit_m, replicates, names, |resampled| {
-        let optimum = near(&coordinates, resampled).follow(&start)?;
-        let rest = rest(&coordinates.model(&optimum.theta)?, &coordinates.free).map(|(_, kg)| kg);
-        Some(coordinates.free.iter().zip(&optimum.theta).map(|(p, theta)| p.at(*theta)).chain(rest).collect())
-    })
-}
-
-/// [`bootstrap`] of any fit. `misfit`: its weighted residuals; `fit`: the values of `names` for a resampled record.
-pub(crate) fn replicate<N: Ord>(
+/// Contains no other minimum, and no error that is the same in the whole record. `misfit`: the weighted residuals;
+/// `fit`: the values of `names` for a resampled record. `None` with fewer than 20 fits.
+pub(crate) fn replicate(
     observed: &Observation,
     misfit: &[f64],
     replicates: usize,
-    names: Vec<N>,
+    names: Vec<String>,
     fit: impl Fn(&Observation) -> Option<Vec<f64>> + Sync,
-) -> Option<BlockBootstrap<N>> {
+) -> Option<BlockBootstrap> {
     let misfits = observed.split(misfit);
     let n = misfits.first()?.len();
     // In samples of the first wave; the same blocks of time for all.

@@ -89,7 +89,7 @@ fn repeat_closed_form(
     model: &Model,
     events: &FollowedEvents,
     repetition: &Repetition,
-) -> Option<BTreeMap<&'static str, f64>> {
+) -> Option<BTreeMap<String, f64>> {
     let v0 = repetition.observed.impact_speed_m_per_s;
     let crush = events.dynamic_crush_m;
     let solved = match model {
@@ -106,13 +106,13 @@ fn repeat_closed_form(
     };
     let values = solved.parameters();
     let but_masses = solved.kind().parameters().iter().filter(|p| p.kind != ParameterKind::Mass);
-    let mut result: BTreeMap<&'static str, f64> = but_masses.map(|p| (p.name, values[p.name])).collect();
+    let mut result: BTreeMap<String, f64> = but_masses.map(|p| (p.name.to_owned(), values[p.name])).collect();
     if matches!(model, Model::Elastoplastic(m) if unloads_rigidly(m)) {
         // A stand-in, and no number of the record.
         result.remove("unloading_stiffness_n_per_m");
     }
     if let Some(crush) = solved.events(v0).ok().and_then(|events| events.dynamic_crush_m) {
-        result.insert("dynamic_crush_m", crush);
+        result.insert("dynamic_crush_m".to_owned(), crush);
     }
     Some(result)
 }

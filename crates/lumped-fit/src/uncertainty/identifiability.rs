@@ -7,29 +7,12 @@
 use crumple_lumped::ParameterKind;
 
 use crate::FitQuantity;
-use crate::free::free_parameter::FreeParameter;
 use crumple_estimation::statistics::Covariance;
 
 /// Parameters whose part of the weakest direction is below this share of the largest part are not named.
 const WORTH_NAMING: f64 = 0.2;
 /// A combination whose relative standard deviation is above this is called not determined.
 const LOOSE: f64 = 0.5;
-
-/// The weakest direction as a sentence: which parameters can move together how far, and how little the response
-/// changes then.
-///
-/// `quantity`: that of the sensitivities; of several waves that of the first, with the others weighted. With two
-/// parameters the combination that remains determined is named too: moving `k1` by `d1` and `k2` by `d2` changes
-/// nothing, so only `k1 - (d1/d2) k2` is known. `None` with fewer than two parameters.
-pub fn weakest_direction(free: &[FreeParameter], covariance: &Covariance, quantity: FitQuantity) -> Option<String> {
-    let named = |p: &FreeParameter| NamedCoordinate {
-        name: p.name.to_owned(),
-        kind: p.kind,
-        logarithmic: p.logarithmic,
-        slope: p.slope(p.coordinate(p.value)),
-    };
-    direction_in_words(&free.iter().map(named).collect::<Vec<_>>(), covariance, quantity)
-}
 
 /// A coordinate of a fit with the name of its parameter, for that sentence.
 #[derive(Debug, Clone)]
@@ -51,8 +34,13 @@ impl NamedCoordinate {
     }
 }
 
-/// As [`weakest_direction`], of parameters of any name.
-pub(crate) fn direction_in_words(
+/// The weakest direction as a sentence: which parameters can move together how far, and how little the response
+/// changes then.
+///
+/// `quantity`: that of the sensitivities; of several waves that of the first, with the others weighted. With two
+/// parameters the combination that remains determined is named too: moving `k1` by `d1` and `k2` by `d2` changes
+/// nothing, so only `k1 - (d1/d2) k2` is known. `None` with fewer than two parameters.
+pub(crate) fn weakest_direction(
     free: &[NamedCoordinate],
     covariance: &Covariance,
     quantity: FitQuantity,
@@ -127,17 +115,9 @@ mod tests {
     use crumple_estimation::statistics::covariance;
     use nalgebra::DMatrix;
 
-    fn spring(name: &'static str, value: f64) -> FreeParameter {
-        FreeParameter {
-            name,
-            kind: ParameterKind::Stiffness,
-            value,
-            unit: value,
-            scale: 0.0,
-            logarithmic: true,
-            limit: f64::INFINITY,
-            lowest: 0.0,
-        }
+    fn spring(name: &str, value: f64) -> NamedCoordinate {
+        let kind = ParameterKind::Stiffness;
+        NamedCoordinate { name: name.to_owned(), kind, logarithmic: true, slope: value }
     }
 
     #[test]

@@ -2,9 +2,6 @@
 
 use rayon::prelude::*;
 
-use crate::candidate::minimum::Minimum;
-use crate::fit::as_measured::near;
-use crate::free::free_parameter::FreeParameter;
 use crate::record::observation::Observation;
 
 /// Rise of `2 ln L` that ends a 95 % interval of one parameter: chi-square with one degree of freedom.
@@ -20,11 +17,11 @@ const STEPS: (f64, f64) = (1e-6, 0.25);
 /// Bisections between the last point inside and the first outside: 1/64 of a grid step.
 const BISECTIONS: usize = 6;
 
-/// The profile of one parameter; parameters are named by `N`.
+/// The profile of one parameter.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Profile<N = &'static str> {
+pub struct Profile {
     /// Name with unit.
-    pub parameter: N,
+    pub parameter: String,
     /// Lower end of the 95 % interval; `None`: open, the record does not bound it from below.
     pub low: Option<f64>,
     /// Upper end; `None`: open.
@@ -33,43 +30,11 @@ pub struct Profile<N = &'static str> {
     pub points: Vec<(f64, f64)>,
 }
 
-impl<N> Profile<N> {
+impl Profile {
     /// Whether the record bounds the parameter on both sides.
     pub fn identifiable(&self) -> bool {
         self.low.is_some() && self.high.is_some()
     }
-}
-
-/// Sets each free parameter to values away from the minimum, fits all others again from the neighbouring value, and
-/// ends the interval where the likelihood has fallen by `2 d(ln L) = Ne ln(S/S_min) = 3.84`: chi-square, one degree
-/// of freedom, 95 %.
-///
-/// `S` is the sum of squared residuals plus that of the resolution, `Ne` the effective number of samples, at least
-/// one more than there are parameters. Up to 24 values on each side with growing steps, then six bisections. A side
-/// that does not rise so far, or ends at a bound of the search, is open: the parameter is not identifiable. Where
-/// zero is reached first, zero is the end.
-///
-/// `expected`: half-width of the linear interval of each coordinate, where there is one; it sets the first step.
-pub fn profile(refined: &Minimum, expected: &[Option<f64>], effective_samples: f64) -> Vec<Profile> {
-    let (free, observed) = (&refined.free, &refined.observed);
-    let names: Vec<&'static str> = free.iter().map(|p| p.name).collect();
-    let bounds: Vec<(f64, f64)> = free.iter().map(FreeParameter::bounds).collect();
-    let coordinates = refined.coordinates();
-    let problem = near(&coordinates, observed);
-    let refit = |fixed: usize, coordinate: f64, others: &[f64]| problem.follow_others(fixed, coordinate, others);
-    Profiled {
-        names: &names,
-        at: &coordinates.start(),
-        bounds: &bounds,
-        value: &|i, coordinate| free[i].at(coordinate),
-        ends_at_zero: &|i| !free[i].logarithmic,
-        refit: &refit,
-        misfit: &refined.misfit_m,
-        observed,
-        expected,
-        effective_samples,
-    }
-    .profiles()
 }
 
 /// Fits the other parameters with one fixed: which one, its coordinate, start coordinates of the others. Gives the
@@ -77,9 +42,9 @@ pub fn profile(refined: &Minimum, expected: &[Option<f64>], effective_samples: f
 pub(crate) type Refit<'a> = &'a (dyn Fn(usize, f64, &[f64]) -> Option<(Vec<f64>, f64)> + Sync);
 
 /// A minimum whose parameters can be fixed one at a time.
-pub(crate) struct Profiled<'a, N> {
+pub(crate) struct Profiled<'a> {
     /// Names of the parameters, in the order of the coordinates.
-    pub names: &'a [N],
+    pub names: &'a [String],
     /// Coordinates of the minimum.
     pub at: &'a [f64],
     /// Smallest and largest coordinates.
@@ -94,15 +59,22 @@ pub(crate) struct Profiled<'a, N> {
     pub misfit: &'a [f64],
     /// What the misfit is of: its resolution and unit.
     pub observed: &'a Observation,
-    /// As in [`profile`].
+    /// Half-width of the linear interval of each coordinate, where there is one; it sets the first step.
     pub expected: &'a [Option<f64>],
     /// Independent samples that the misfit is worth.
     pub effective_samples: f64,
 }
 
-impl<N: Clone + Send + Sync> Profiled<'_, N> {
-    /// The profile of every parameter, see [`profile`].
-    pub fn profiles(&self) -> Vec<Profile<N>> {
+impl Profiled<'_> {
+    /// Sets each free parameter to values away from the minimum, fits all others again from the neighbouring value, and
+    /// ends the interval where the likelihood has fallen by `2 d(ln L) = Ne ln(S/S_min) = 3.84`: chi-square, one degree
+    /// of freedom, 95 %.
+    ///
+    /// `S` is the sum of squared residuals plus that of the resolution, `Ne` the effective number of samples, at least
+    /// one more than there are parameters. Up to 24 values on each side with growing steps, then six bisections. A side
+    /// that does not rise so far, or ends at a bound of the search, is open: the parameter is not identifiable. Where
+    /// zero is reached first, zero is the end.
+    pub fn profiles(&self) -> Vec<Profile> {
         (0..self.at.len())
             .into_par_iter()
             .map(|i| {
@@ -119,9 +91,9 @@ impl<N: Clone + Send + Sync> Profiled<'_, N> {
 }
 
 /// What both sides of the profile of one parameter share.
-struct Side<'a, N> {
+struct Side<'a> {
     /// The minimum, and which of its parameters is fixed.
-    of: &'a Profiled<'a, N>,
+    of: &'a Profiled<'a>,
     fixed: usize,
     effective_samples: f64,
     /// Sum of squares at the minimum with that of the resolution, in squared units of the problem.
@@ -132,8 +104,8 @@ struct Side<'a, N> {
     first_step: f64,
 }
 
-impl<'a, N> Side<'a, N> {
-    fn new(of: &'a Profiled<'a, N>, fixed: usize) -> Self {
+impl<'a> Side<'a> {
+    fn new(of: &'a Profiled<'a>, fixed: usize) -> Self {
         let unit = of.observed.scale_m();
         let floor = of.observed.unresolved();
         let least = of.misfit.iter().map(|r| (r / unit).powi(2)).sum::<f64>() + floor;

@@ -57,15 +57,15 @@ pub const REPETITIONS: usize = 200;
 /// Seed of the generators; repetition `i` uses its stream `i`.
 const SEED: u64 = 2;
 
-/// Percentiles over the repetitions; parameters are named by `N`.
+/// Percentiles over the repetitions.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Propagation<N: Ord = &'static str> {
+pub struct Propagation {
     /// Repetitions that led to a result.
     pub repetitions: usize,
     /// 5th and 95th percentile by name: the parameters, and `dynamic_crush_m` of the model.
-    pub interval_90: BTreeMap<N, (f64, f64)>,
+    pub interval_90: BTreeMap<String, (f64, f64)>,
     /// Standard deviation by name.
-    pub standard_deviation: BTreeMap<N, f64>,
+    pub standard_deviation: BTreeMap<String, f64>,
 }
 
 /// A test with the errors of one repetition.
@@ -205,14 +205,14 @@ const LEAST_REPETITIONS: usize = 20;
 /// Percentiles and standard deviations of what `one` gives for the errors of each repetition, in parallel; results do
 /// not depend on the number of threads. The error of the mass is relative to `mass_kg`. A name with fewer than 20
 /// values is left out.
-pub(crate) fn over_repetitions<N: Ord + Clone + Send>(
+pub(crate) fn over_repetitions(
     mass_kg: f64,
     inputs: &InputUncertainty,
     (repetitions, sensors): (usize, usize),
-    one: impl Fn(&Errors) -> Option<BTreeMap<N, f64>> + Sync,
-) -> Option<Propagation<N>> {
+    one: impl Fn(&Errors) -> Option<BTreeMap<String, f64>> + Sync,
+) -> Option<Propagation> {
     let relative = InputUncertainty { mass_kg: inputs.mass_kg / mass_kg, ..*inputs };
-    let results: Vec<Option<BTreeMap<N, f64>>> =
+    let results: Vec<Option<BTreeMap<String, f64>>> =
         (0..repetitions).into_par_iter().map(|index| one(&drawn(&relative, index, sensors))).collect();
     let results: Vec<_> = results.into_iter().flatten().collect();
     if results.len() < LEAST_REPETITIONS {
@@ -221,7 +221,7 @@ pub(crate) fn over_repetitions<N: Ord + Clone + Send>(
     let mut interval_90 = BTreeMap::new();
     let mut standard_deviation = BTreeMap::new();
     // A repetition may lack what the others have, such as a crush.
-    let names: BTreeSet<N> = results.iter().flat_map(|values| values.keys().cloned()).collect();
+    let names: BTreeSet<String> = results.iter().flat_map(|values| values.keys().cloned()).collect();
     for name in names {
         let mut values: Vec<f64> = results.iter().filter_map(|f| f.get(&name).copied()).collect();
         if values.len() < LEAST_REPETITIONS {
@@ -236,7 +236,7 @@ pub(crate) fn over_repetitions<N: Ord + Clone + Send>(
 }
 
 /// The parameters and the model's crush of one repetition.
-pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) -> Option<BTreeMap<&'static str, f64>> {
+pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) -> Option<BTreeMap<String, f64>> {
     let v0 = repetition.observed.impact_speed_m_per_s;
     // The last knot of a nonlinear damper is the impact speed.
     let mut values = model.parameters();
@@ -248,16 +248,19 @@ pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) ->
     let coordinates = FreeModel { template, free: free.to_vec() };
     let optimum = near(&coordinates, &repetition.observed).follow(&coordinates.start())?;
     let fitted = coordinates.model(&optimum.theta)?;
-    let mut result: BTreeMap<&'static str, f64> = BTreeMap::new();
+    let mut result: BTreeMap<String, f64> = BTreeMap::new();
     for (parameter, theta) in free.iter().zip(&optimum.theta) {
         let by_mass = matches!(parameter.kind, ParameterKind::Mass | ParameterKind::Stiffness | ParameterKind::Damping);
-        result.insert(parameter.name, parameter.at(*theta) * if by_mass { repetition.mass_ratio } else { 1.0 });
+        result.insert(
+            parameter.name.to_owned(),
+            parameter.at(*theta) * if by_mass { repetition.mass_ratio } else { 1.0 },
+        );
     }
     if let Some((rest, kg)) = rest_mass(&fitted, free) {
-        result.insert(rest, kg * repetition.mass_ratio);
+        result.insert(rest.to_owned(), kg * repetition.mass_ratio);
     }
     if let Some(crush) = fitted.events(v0).ok().and_then(|events| events.dynamic_crush_m) {
-        result.insert("dynamic_crush_m", crush);
+        result.insert("dynamic_crush_m".to_owned(), crush);
     }
     Some(result)
 }

@@ -205,8 +205,8 @@ fn comes_back_from_five_percent_away(truth: &Truth) -> Result<(), String> {
 fn stands_inside(assessed: &Assessment, wanted: &Model) -> Result<(), String> {
     let wanted = wanted.parameters();
     for (name, (low, high)) in &assessed.interval {
-        let inside = low.is_none_or(|low| low <= wanted[*name]) && high.is_none_or(|high| wanted[*name] <= high);
-        require(inside, || format!("{name}: {} in {low:?} {high:?}", wanted[*name]))?;
+        let inside = low.is_none_or(|low| low <= wanted[name]) && high.is_none_or(|high| wanted[name] <= high);
+        require(inside, || format!("{name}: {} in {low:?} {high:?}", wanted[name]))?;
     }
     Ok(())
 }
@@ -249,7 +249,7 @@ fn holds(refined: &Minimum, assessed: &Assessment, wanted: &Model) -> Result<(),
     let wanted = at_crush_of(wanted, &refined.model);
     let (of_truth, of_fit) = (wanted.parameters(), refined.model.parameters());
     for (name, (low, high)) in &assessed.interval {
-        let (truth, value) = (of_truth[*name], of_fit[*name]);
+        let (truth, value) = (of_truth[name], of_fit[name]);
         let low = low.map_or(f64::INFINITY, |low| value - low);
         let stated = high.map_or(f64::INFINITY, |high| high - value).max(low);
         let allowed = stated.max(0.02 * truth.abs());
@@ -289,17 +289,17 @@ fn profile_and_bootstrap_agree_with_the_linear_interval_where_the_model_is_well_
     let bootstrap = assessed.bootstrap.as_ref().unwrap();
     let wanted = truth.model.parameters();
     for profile in &assessed.profile {
-        let (low, high) = assessed.interval[profile.parameter];
+        let (low, high) = assessed.interval[&profile.parameter];
         let width = (high.unwrap() / low.unwrap()).ln();
         assert!(profile.identifiable());
         let of_profile = (profile.high.unwrap() / profile.low.unwrap()).ln();
-        let (low, high) = bootstrap.interval[profile.parameter];
+        let (low, high) = bootstrap.interval[&profile.parameter];
         let of_bootstrap = (high.unwrap() / low.unwrap()).ln();
         eprintln!("{}: linear {width:.2e}, profile {of_profile:.2e}, bootstrap {of_bootstrap:.2e}", profile.parameter);
         // Three ways to count a dozen independent samples: they agree in size, not in digits.
         assert!(of_profile / width > 0.2 && of_profile / width < 5.0, "{of_profile} {width}");
         assert!(of_bootstrap / width > 0.1 && of_bootstrap / width < 5.0, "{of_bootstrap} {width}");
-        let value = wanted[profile.parameter];
+        let value = wanted[&profile.parameter];
         assert!(profile.low.unwrap() <= value && value <= profile.high.unwrap());
         assert!(profile.points.windows(2).all(|w| w[0].0 < w[1].0), "values rise");
     }

@@ -4,24 +4,23 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{ParameterKind, SecantChain};
 use crumple_lumped_fit::{
-    ChainAssessment, ChainAssessmentOptions, ChainDual, ChainSolution, LinearisedUncertainty, Observation,
-    ObservedWave, SensorPlace, assess_chain, errors_in_words, fit_chain, note_of_errors,
+    ChainAssessmentOptions, ChainDual, ChainSolution, Observation, ObservedWave, SensorPlace, assess_chain,
+    errors_in_words, fit_chain, note_of_errors,
 };
-use crumple_stage::records::{CandidateV1, EventsV1, FitV1, SensorFitV1, UncertaintyV1};
+use crumple_stage::records::{CandidateV1, EventsV1, UncertaintyV1};
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, total_mass_remark};
 
+use crate::stage::assess::candidate_assessment::CandidateAssessment;
 use crate::stage::inputs::motions::{sensor_wave, stated_places};
 use crate::stage::options::chain_table::FittedChain;
 use crate::stage::options::settings::StageSettings;
-use crate::stage::records::uncertainty::{
-    Ends, bootstrap_record, linearised, profile_record, propagation_record, summary_text,
-};
+use crate::stage::records::candidate::fit_record;
+use crate::stage::records::uncertainty::{linearised, summary_text, uncertainty_record};
 
 /// A sensor on a mass of the chain.
 struct Sensor {
     channel: String,
     place: SensorPlace,
-    mass: usize,
 }
 
 /// Candidates of every chain, with their ids.
@@ -60,21 +59,31 @@ pub fn fit_chains(
             out.notes().warning(format!("chain {}: {text}", chain.name));
         }
         for (k, solution) in solutions.iter().enumerate() {
-            let assessment = assess_chain(&stated, &observed, solution, &asked).refuse_with_hint(hint())?;
+            let found = assess_chain(&stated, &observed, solution, &asked).refuse_with_hint(hint())?;
             let id = chain.id(k + 1);
+            let assessed = found.assessment.map(|assessment| CandidateAssessment {
+                assessment,
+                propagation: found.propagation,
+                repeated: "fit",
+                through_filter: observed.is_as_measured(),
+            });
+            let (inner, repeated) = (
+                assessed.as_ref().map(|assessed| &assessed.assessment),
+                assessed.as_ref().is_some_and(|assessed| assessed.propagation.is_some()),
+            );
             let without = [
-                ("profiled", asked.options.profile && assessment.profile.is_empty()),
-                ("bootstrapped", asked.options.bootstrap > 0 && assessment.bootstrap.is_none()),
-                ("repeated with uncertain inputs", asked.inputs.any() && assessment.propagation.is_none()),
+                ("profiled", asked.options.profile && inner.is_none_or(|inner| inner.profile.is_empty())),
+                ("bootstrapped", asked.options.bootstrap > 0 && inner.is_none_or(|inner| inner.bootstrap.is_none())),
+                ("repeated with uncertain inputs", asked.inputs.any() && !repeated),
             ];
             for (what, _) in without.iter().filter(|(_, missing)| *missing) {
                 out.notes().warning(format!("{id}: not {what}, too few fits near its minimum converged"));
             }
-            let text = summary_text(&id, &assessment.profile, assessment.propagation.as_ref(), ToString::to_string);
-            if !text.is_empty() {
+            let text = assessed.as_ref().map(|assessed| summary_text(&id, assessed, str::to_owned));
+            if let Some(text) = text.filter(|text| !text.is_empty()) {
                 out.summary(text);
             }
-            let subject = (chain, solution, &assessment, total_kg);
+            let subject = (chain, solution, assessed.as_ref(), total_kg);
             records.push((id, record(subject, &observed, &sensors, &events.channel)));
         }
     }
@@ -95,8 +104,8 @@ fn warn_of_open_parameters(chain: &FittedChain, solutions: &[ChainSolution], out
     if let Some(text) = open(best) {
         warn(text);
     }
-    if !best.on_bound.is_empty() {
-        warn(format!("on a bound of the search, not determined by the record: {}", best.on_bound.join(", ")));
+    if !best.fit.active_bounds.is_empty() {
+        warn(format!("on a bound of the search, not determined by the record: {}", best.fit.active_bounds.join(", ")));
     }
     if let Some(text) = dual(chain, best) {
         warn(text);
@@ -164,7 +173,7 @@ fn waves(
         let observed = ObservedWave::new(record, what, events.time_zero_s, wave.measurement, window, samples)
             .refuse_with_hint("see --fit-from and --fit-to")?;
         waves.push(observed);
-        sensors.push(Sensor { channel: wave.channel, place, mass });
+        sensors.push(Sensor { channel: wave.channel, place });
     }
     Ok((Observation { impact_speed_m_per_s, waves }, sensors))
 }
@@ -177,25 +186,28 @@ fn open(solution: &ChainSolution) -> Option<String> {
     if open.is_empty() {
         return None;
     }
-    let weakest = linearised.weakest_direction.as_ref().filter(|_| linearised.rank < linearised.order.len());
+    let weakest = linearised.weakest_direction.as_ref().filter(|_| linearised.rank < linearised.parameters.len());
     let weakest = weakest.map_or_else(String::new, |words| format!("; {words}"));
     Some(format!(
         "the record determines {} directions of {} free numbers; without an interval: {}{weakest}",
         linearised.rank,
-        linearised.order.len(),
+        linearised.parameters.len(),
         open.join(", ")
     ))
 }
 
 fn record(
-    (chain, solution, assessment, total_kg): (&FittedChain, &ChainSolution, &ChainAssessment, Option<f64>),
+    (chain, solution, assessed, total_kg): (&FittedChain, &ChainSolution, Option<&CandidateAssessment>, Option<f64>),
     observed: &Observation,
     sensors: &[Sensor],
     pulse: &str,
 ) -> CandidateV1 {
     let parameters = solution.chain.parameters();
-    let (from_s, to_s) = (observed.waves[0].time_s(0), observed.waves[0].time_s(observed.waves[0].samples.len() - 1));
-    let quantity = observed.waves[0].quantity;
+    let mut fit = solution.fit.clone();
+    for (of_fit, sensor) in fit.sensors.iter_mut().zip(sensors) {
+        of_fit.channel.clone_from(&sensor.channel);
+    }
+    let (quantity, from_ms, to_ms) = (fit.quantity, 1e3 * fit.from_s, 1e3 * fit.to_s);
     let given: Vec<&str> = parameters.keys().filter(|name| !solution.free.contains(name)).map(String::as_str).collect();
     let mut notes = vec![
         format!("masses from the barrier on: {}", chain.masses.join(", ")),
@@ -204,17 +216,17 @@ fn record(
     if !given.is_empty() {
         notes.push(format!("given: {}", given.join(", ")));
     }
-    notes.push(format!("fitted to {quantity} from {:.2} ms to {:.2} ms after time zero", 1e3 * from_s, 1e3 * to_s));
+    notes.push(format!("fitted to {quantity} from {from_ms:.2} ms to {to_ms:.2} ms after time zero"));
     if sensors.len() > 1 {
-        let errors = sensors.iter().zip(&solution.rmse);
-        let errors = errors.map(|(s, rmse)| (*rmse, quantity, s.channel.as_str(), s.place.to_string()));
+        let errors = sensors.iter().zip(&fit.sensors);
+        let errors = errors.map(|(s, fit)| (fit.rmse, quantity, s.channel.as_str(), s.place.to_string()));
         notes.push(note_of_errors(&errors_in_words(errors), None));
     }
     if !observed.is_as_measured() {
         notes.push("the filter of a sensor is not known: fitted as if its record had none".to_owned());
     }
-    if !solution.on_bound.is_empty() {
-        notes.push(format!("on a bound, not determined by the record: {}", solution.on_bound.join(", ")));
+    if !fit.active_bounds.is_empty() {
+        notes.push(format!("on a bound, not determined by the record: {}", fit.active_bounds.join(", ")));
     }
     notes.extend(open(solution));
     notes.extend(dual(chain, solution));
@@ -230,58 +242,15 @@ fn record(
         parameters,
         physical: solution.chain.is_passive(),
         equivalent_to,
-        fit: Some(FitV1 {
-            channel: pulse.to_owned(),
-            quantity: quantity.name().to_owned(),
-            from_s,
-            to_s,
-            samples: solution.samples as u64,
-            rmse: solution.rmse[0],
-            iterations: solution.iterations,
-            evaluations: solution.evaluations,
-            stop_reason: solution.stop_reason.name().to_owned(),
-            active_bounds: solution.on_bound.clone(),
-            sensors: sensors
-                .iter()
-                .zip(solution.rmse.iter().zip(&solution.noise))
-                .map(|(sensor, (rmse, noise))| SensorFitV1 {
-                    channel: sensor.channel.clone(),
-                    mass: sensor.mass as u32 + 1,
-                    quantity: quantity.name().to_owned(),
-                    rmse: *rmse,
-                    noise: *noise,
-                })
-                .collect(),
-        }),
-        uncertainty: Some(uncertainty(solution, assessment, observed.is_as_measured())),
+        fit: Some(fit_record(&fit, pulse)),
+        uncertainty: Some(assessed.map_or_else(|| open_record(solution, observed), uncertainty_record)),
         notes,
     }
 }
 
-fn uncertainty(solution: &ChainSolution, assessment: &ChainAssessment, as_measured: bool) -> UncertaintyV1 {
-    let method = linearised(as_measured);
-    let Some(known) = &solution.linearised else {
-        // Everything that was free stays open.
-        let open: BTreeMap<String, Option<f64>> = solution.free.iter().map(|name| (name.clone(), None)).collect();
-        return UncertaintyV1 { method, interval_low: open.clone(), interval_high: open, ..UncertaintyV1::default() };
-    };
-    let LinearisedUncertainty { standard_deviation, order, correlation, weakest_direction, .. } = known.clone();
-    let side = |subject: fn(&Ends) -> Option<f64>| {
-        known.interval.iter().map(|(name, ends)| (name.clone(), subject(ends))).collect()
-    };
-    UncertaintyV1 {
-        method,
-        standard_deviation,
-        condition: known.condition,
-        interval_low: side(|ends| ends.0),
-        interval_high: side(|ends| ends.1),
-        order,
-        correlation,
-        rank: Some(known.rank as u32),
-        weakest_direction,
-        effective_samples: Some(known.effective_samples),
-        profile: assessment.profile.iter().map(profile_record).collect(),
-        bootstrap: assessment.bootstrap.as_ref().map(bootstrap_record),
-        propagation: assessment.propagation.as_ref().map(|p| propagation_record(p, "fit")),
-    }
+/// Everything that was free stays open.
+fn open_record(solution: &ChainSolution, observed: &Observation) -> UncertaintyV1 {
+    let method = linearised(observed.is_as_measured());
+    let open: BTreeMap<String, Option<f64>> = solution.free.iter().map(|name| (name.clone(), None)).collect();
+    UncertaintyV1 { method, interval_low: open.clone(), interval_high: open, ..UncertaintyV1::default() }
 }

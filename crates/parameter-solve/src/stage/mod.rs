@@ -14,7 +14,7 @@ mod records;
 
 use std::path::PathBuf;
 
-use crumple_lumped_fit::{Candidate, MassSplit, Method, all_in_words, match_as_the_paper_typed};
+use crumple_lumped_fit::{Candidate, MassSplit, Method, all_in_words, in_words, match_as_the_paper_typed};
 use crumple_signal::TestDescription;
 use crumple_stage::records::{EventsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, Stage};
@@ -31,7 +31,7 @@ use crate::stage::options::flags::Options;
 use crate::stage::options::settings::StageSettings;
 use crate::stage::records::candidate::{parameters_line, record};
 use crate::stage::records::matching::matching_record;
-use crate::stage::records::uncertainty::summary_line;
+use crate::stage::records::uncertainty::summary_text;
 
 /// The stage.
 pub struct ParameterSolve;
@@ -91,9 +91,9 @@ impl Stage for ParameterSolve {
             let record = record(candidate, assessed.as_ref(), &channel);
             out.put(&format!("/parameters/{}", candidate.id()), &record)?;
             out.summary(parameters_line(&candidate.id(), &record));
-            if let Some(text) =
-                assessed.as_ref().map(|assessed| summary_line(assessed, candidate)).filter(|text| !text.is_empty())
-            {
+            let words = |name: &str| in_words(&candidate.model, name);
+            let text = assessed.as_ref().map(|assessed| summary_text(&candidate.id(), assessed, words));
+            if let Some(text) = text.filter(|text| !text.is_empty()) {
                 out.summary(text);
             }
         }

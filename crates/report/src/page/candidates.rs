@@ -65,9 +65,10 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     if run.candidates.iter().any(|candidate| candidate.record.uncertainty.is_some()) {
         out.push_str(
             "<p class=\"caption\">± is one standard deviation, from the misfit and the sensitivities at the fit; “95 \
-             %” is the interval that holds the value in 95 of 100 such records if the model is true and mass, speed, gain \
-             and the division of the mass are exact, “open” where the record does not bound it. It is far wider than two standard deviations where the misfit is worth few independent samples (see \
-             the remarks), and not symmetric. Profile, bootstrap and uncertain inputs, where asked for, are among a \
+             %” is the interval that holds the value in 95 of 100 such records if the model is true and mass, speed, \
+             gain and the division of the mass are exact, “open” where the record does not bound it. It is far wider \
+             than two standard deviations where the misfit is worth few independent samples (see the remarks), and not \
+             symmetric. Profile, bootstrap and uncertain inputs, where asked for, are among a \
              candidate's remarks.</p>\n",
         );
     }

@@ -68,11 +68,11 @@ impl Assessor<'_> {
         let at_minimum = candidate.is_at_minimum();
         let options = if at_minimum { asked.options() } else { AssessmentOptions::default() };
         let mut assessment = assess(minimum, (!at_minimum).then_some(&candidate.model), options)?;
-        assessment.interval.extend(candidate.fixed_at_bound().into_iter().map(|name| (name, (None, None))));
+        assessment.interval.extend(candidate.fixed_at_bound().into_iter().map(|name| (name.to_owned(), (None, None))));
         if let (Method::ClosedForm, Model::Elastoplastic(model)) = (candidate.method, &candidate.model)
             && unloads_rigidly(model)
         {
-            assessment.interval.insert("unloading_stiffness_n_per_m", (None, None));
+            assessment.interval.insert("unloading_stiffness_n_per_m".to_owned(), (None, None));
             assessment.standard_deviation.remove("unloading_stiffness_n_per_m");
         }
         if candidate.is_of_sensors()
@@ -80,7 +80,7 @@ impl Assessor<'_> {
             && let Some(rest) = candidate.model.kind().parameters().iter().rfind(|p| p.kind == ParameterKind::Mass)
         {
             // Without any mass that was followed there is no word on the rest of the total.
-            assessment.interval.entry(rest.name).or_insert((None, None));
+            assessment.interval.entry(rest.name.to_owned()).or_insert((None, None));
         }
         let repeated = match candidate.method {
             Method::ClosedForm if candidate.fit.is_none() => "closed form",

@@ -1,7 +1,7 @@
 //! A candidate as the artifact and a person get it.
 
 use crumple_lumped::{ParameterKind, parameter_kind};
-use crumple_lumped_fit::Candidate;
+use crumple_lumped_fit::{Candidate, Fit, SensorFit};
 use crumple_stage::records::{CandidateV1, FitV1, SensorFitV1};
 
 use crate::stage::assess::candidate_assessment::CandidateAssessment;
@@ -15,33 +15,35 @@ pub fn record(candidate: &Candidate, assessed: Option<&CandidateAssessment>, cha
         parameters: candidate.model.parameters(),
         physical: candidate.model.is_physical(),
         equivalent_to: candidate.equivalent_id(),
-        fit: candidate.fit.as_ref().map(|fit| FitV1 {
-            channel: channel.to_owned(),
-            quantity: fit.quantity.name().to_owned(),
-            from_s: fit.from_s,
-            to_s: fit.to_s,
-            samples: fit.samples as u64,
-            rmse: fit.rmse,
-            iterations: fit.iterations,
-            evaluations: fit.evaluations,
-            stop_reason: fit.stop_reason.name().to_owned(),
-            active_bounds: fit.active_bounds.iter().map(|name| (*name).to_owned()).collect(),
-            sensors: fit
-                .sensors
-                .iter()
-                .map(|sensor| SensorFitV1 {
-                    channel: sensor.channel.clone(),
-                    mass: sensor.mass as u32,
-                    quantity: sensor.quantity.name().to_owned(),
-                    rmse: sensor.rmse,
-                    noise: sensor.noise,
-                })
-                .collect(),
-        }),
+        fit: candidate.fit.as_ref().map(|fit| fit_record(fit, channel)),
         uncertainty: assessed
             .map(uncertainty_record)
             .or_else(|| candidate.uncertainty.as_ref().map(|u| uncertainty_of_fit(u, &candidate.model))),
         notes: candidate.notes.iter().map(ToString::to_string).collect(),
+    }
+}
+
+/// How a candidate was fitted, to sensors of which `channel` is the pulse.
+pub fn fit_record<N: ToString>(fit: &Fit<N>, channel: &str) -> FitV1 {
+    let sensor = |sensor: &SensorFit| SensorFitV1 {
+        channel: sensor.channel.clone(),
+        mass: sensor.mass as u32,
+        quantity: sensor.quantity.name().to_owned(),
+        rmse: sensor.rmse,
+        noise: sensor.noise,
+    };
+    FitV1 {
+        channel: channel.to_owned(),
+        quantity: fit.quantity.name().to_owned(),
+        from_s: fit.from_s,
+        to_s: fit.to_s,
+        samples: fit.samples as u64,
+        rmse: fit.rmse,
+        iterations: fit.iterations,
+        evaluations: fit.evaluations,
+        stop_reason: fit.stop_reason.name().to_owned(),
+        active_bounds: fit.active_bounds.iter().map(N::to_string).collect(),
+        sensors: fit.sensors.iter().map(sensor).collect(),
     }
 }
 

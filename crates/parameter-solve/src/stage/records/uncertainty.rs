@@ -1,31 +1,25 @@
 //! The uncertainty of a candidate, as a record and in words.
 
-use std::collections::BTreeMap;
-use std::fmt::Display;
-
 use crumple_lumped::{Model, Parameter, ParameterKind};
-use crumple_lumped_fit::{BlockBootstrap, Candidate, Profile, Propagation, Uncertainty, in_words};
+use crumple_lumped_fit::{BlockBootstrap, Profile, Propagation, Uncertainty};
 use crumple_stage::records::{ProfileV1, ReplicatesV1, UncertaintyV1};
 
 use crate::stage::assess::candidate_assessment::CandidateAssessment;
 
 /// Both ends of an interval.
-pub type Ends = (Option<f64>, Option<f64>);
+type Ends = (Option<f64>, Option<f64>);
 
 /// What goes to the artifact.
 pub fn uncertainty_record(assessed: &CandidateAssessment) -> UncertaintyV1 {
     let j = &assessed.assessment;
-    let owned = |name: &&'static str| (*name).to_owned();
-    let finite = |values: &BTreeMap<&'static str, f64>| values.iter().map(|(k, v)| (owned(k), *v)).collect();
-    let side =
-        |of: fn(&Ends) -> Option<f64>| j.interval.iter().map(|(name, interval)| (owned(name), of(interval))).collect();
+    let side = |of: fn(&Ends) -> Option<f64>| j.interval.iter().map(|(name, ends)| (name.clone(), of(ends))).collect();
     UncertaintyV1 {
         method: linearised(assessed.through_filter),
-        standard_deviation: finite(&j.standard_deviation),
+        standard_deviation: j.standard_deviation.clone(),
         condition: j.condition,
-        interval_low: side(|i| i.0),
-        interval_high: side(|i| i.1),
-        order: j.parameters.iter().map(owned).collect(),
+        interval_low: side(|ends| ends.0),
+        interval_high: side(|ends| ends.1),
+        order: j.parameters.clone(),
         correlation: j.correlation.clone(),
         rank: Some(j.rank as u32),
         weakest_direction: j.weakest_direction.clone(),
@@ -34,12 +28,6 @@ pub fn uncertainty_record(assessed: &CandidateAssessment) -> UncertaintyV1 {
         bootstrap: j.bootstrap.as_ref().map(bootstrap_record),
         propagation: assessed.propagation.as_ref().map(|p| propagation_record(p, assessed.repeated)),
     }
-}
-
-/// What a person should hear at once: parameters that the record does not determine; propagated intervals.
-pub fn summary_line(assessed: &CandidateAssessment, candidate: &Candidate) -> String {
-    let words = |name: &&'static str| in_words(&candidate.model, name);
-    summary_text(&candidate.id(), &assessed.assessment.profile, assessed.propagation.as_ref(), words)
 }
 
 /// How intervals came about.
@@ -51,10 +39,9 @@ pub fn linearised(through_filter: bool) -> String {
     }
 }
 
-/// A profile, of parameters of any name.
-pub fn profile_record<N: Display>(profile: &Profile<N>) -> ProfileV1 {
+fn profile_record(profile: &Profile) -> ProfileV1 {
     ProfileV1 {
-        parameter: profile.parameter.to_string(),
+        parameter: profile.parameter.clone(),
         low: profile.low,
         high: profile.high,
         identifiable: profile.identifiable(),
@@ -63,10 +50,9 @@ pub fn profile_record<N: Display>(profile: &Profile<N>) -> ProfileV1 {
     }
 }
 
-/// A bootstrap, of parameters of any name.
-pub fn bootstrap_record<N: Display + Ord>(bootstrap: &BlockBootstrap<N>) -> ReplicatesV1 {
+fn bootstrap_record(bootstrap: &BlockBootstrap) -> ReplicatesV1 {
     let ends = |of: fn(&Ends) -> Option<f64>| {
-        bootstrap.interval.iter().filter_map(|(name, i)| Some((name.to_string(), of(i)?))).collect()
+        bootstrap.interval.iter().filter_map(|(name, i)| Some((name.clone(), of(i)?))).collect()
     };
     ReplicatesV1 {
         method: format!("block bootstrap of the misfit, blocks of {} samples", bootstrap.block),
@@ -77,32 +63,28 @@ pub fn bootstrap_record<N: Display + Ord>(bootstrap: &BlockBootstrap<N>) -> Repl
     }
 }
 
-/// What uncertain inputs do to parameters of any name; `repeated`: a fit or a closed form.
-pub fn propagation_record<N: Display + Ord>(propagation: &Propagation<N>, repeated: &str) -> ReplicatesV1 {
+/// What uncertain inputs do; `repeated`: a fit or a closed form.
+fn propagation_record(propagation: &Propagation, repeated: &str) -> ReplicatesV1 {
     ReplicatesV1 {
         method: format!("{repeated} repeated with mass, impact speed, zero level and time zero drawn again"),
         replicates: propagation.repetitions as u64,
         coverage: 0.9,
-        low: propagation.interval_90.iter().map(|(name, (low, _))| (name.to_string(), *low)).collect(),
-        high: propagation.interval_90.iter().map(|(name, (_, high))| (name.to_string(), *high)).collect(),
+        low: propagation.interval_90.iter().map(|(name, (low, _))| (name.clone(), *low)).collect(),
+        high: propagation.interval_90.iter().map(|(name, (_, high))| (name.clone(), *high)).collect(),
     }
 }
 
-/// What a person should hear at once of the candidate of this id, its parameters in these words; empty where there is
-/// nothing.
-pub fn summary_text<N: Display + Ord>(
-    id: &str,
-    profiles: &[Profile<N>],
-    propagation: Option<&Propagation<N>>,
-    words: impl Fn(&N) -> String,
-) -> String {
+/// What a person should hear at once of the candidate of this id, its parameters in these words: those that the record
+/// does not determine, and propagated intervals. Empty where there is nothing.
+pub fn summary_text(id: &str, assessed: &CandidateAssessment, words: impl Fn(&str) -> String) -> String {
+    let (profiles, propagation) = (&assessed.assessment.profile, assessed.propagation.as_ref());
     let mut parts = Vec::new();
     let open: Vec<String> = profiles.iter().filter(|p| !p.identifiable()).map(|p| words(&p.parameter)).collect();
     if !open.is_empty() {
         parts.push(format!("not identifiable: {}", open.join(", ")));
     }
     if let Some(p) = propagation
-        && let Some((_, (low, high))) = p.interval_90.iter().find(|(name, _)| name.to_string() == "dynamic_crush_m")
+        && let Some((low, high)) = p.interval_90.get("dynamic_crush_m")
     {
         parts.push(format!(
             "{} repetitions with uncertain inputs: crush {:.1} to {:.1} mm (5 to 95 %)",
