@@ -64,7 +64,8 @@ pub(super) fn explanations(mut fitting: Fitting<'_>, ends: &Ends<'_>, notes: &mu
         fits.push((start.clone(), minimum, ends.remarks.to_vec()));
     }
     if let Model::DoubleSpringMassDamper(model) = best.model {
-        let dual = FitStart { model: Model::DoubleSpringMassDamper(model.dual()), ..starts[0].clone() };
+        let model = Model::DoubleSpringMassDamper(model.dual());
+        let dual = FitStart { model, on_bound: Vec::new(), ..starts[0].clone() };
         if let Some(misfit) = fitting.observed.misfit(&dual.model) {
             let text = format!(
                 "the dual model moves the compartment alike, but not the chassis: it misses by {}, this one by {}; the \
