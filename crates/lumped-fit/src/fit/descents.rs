@@ -15,7 +15,7 @@ pub(crate) const REPORTED: usize = 3;
 pub(crate) const AS_GOOD: f64 = 1.01;
 /// Two ends of which all numbers of their places differ by less than this are one minimum. Places are logarithms or
 /// shares, so this is 1 %.
-const APART: f64 = 0.01;
+pub(crate) const APART: f64 = 0.01;
 
 /// Bounds of a descent in the coordinates of a model. `cost_tolerance`: relative decrease of the cost below which it
 /// ends.

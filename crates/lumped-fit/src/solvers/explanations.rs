@@ -14,8 +14,6 @@ use crate::{Candidate, FitQuantity, Minimum, RESOLUTION_M};
 const DISPLACEMENT_RESOLUTION_M: f64 = 1.3e-6;
 /// Two sets whose parameters all differ by less than this share are one.
 const SAME: f64 = 1e-3;
-/// The same for a set that was followed from another start.
-const ALIKE: f64 = 1e-2;
 /// A model that agrees with its dual to this share is its own dual. The error is flat to fourth order there, so a
 /// search to 1e-16 leaves that much.
 const OWN_DUAL: f64 = 1e-4;
@@ -24,6 +22,8 @@ const OWN_DUAL: f64 = 1e-4;
 pub(super) struct Ends<'a> {
     /// The starts of the fit, each with its root mean square error on the motion itself, in the unit of the first wave.
     pub starts: Vec<(FitStart, f64)>,
+    /// Where the search leads from the dual of the best double model, if that is none of them.
+    pub from_dual: Option<FitStart>,
     /// Notes of every candidate.
     pub remarks: &'a [String],
 }
@@ -64,8 +64,7 @@ pub(super) fn explanations(mut fitting: Fitting<'_>, ends: &Ends<'_>, notes: &mu
         fits.push((start.clone(), minimum, ends.remarks.to_vec()));
     }
     if let Model::DoubleSpringMassDamper(model) = best.model {
-        let dual = FitStart { model: Model::DoubleSpringMassDamper(model.dual()), ..starts[0].clone() };
-        if let Some(misfit) = fitting.observed.misfit(&dual.model) {
+        if let Some(misfit) = fitting.observed.misfit(&Model::DoubleSpringMassDamper(model.dual())) {
             let text = format!(
                 "the dual model moves the compartment alike, but not the chassis: it misses by {}, this one by {}; the \
                  second sensor decides, and the two are not equivalent",
@@ -76,14 +75,14 @@ pub(super) fn explanations(mut fitting: Fitting<'_>, ends: &Ends<'_>, notes: &mu
             fits[0].2.push(text);
         }
         // Where the dual leads if it is followed: the second best explanation.
-        let followed = fitting.minimum(&dual);
-        let apart = |minimum: &Minimum| fits.iter().all(|(_, other, _)| !near(&minimum.model, &other.model, ALIKE));
-        if let Some(followed) = followed.filter(apart) {
+        let followed = ends.from_dual.as_ref().and_then(|start| Some((start, fitting.minimum(start)?)));
+        let apart = |minimum: &Minimum| fits.iter().all(|(_, other, _)| !near(&minimum.model, &other.model, SAME));
+        if let Some((start, followed)) = followed.filter(|(_, followed)| apart(followed)) {
             let text = format!(
                 "followed from the dual of the first: weighted error {:.3} times that of the first, not equivalent",
                 followed.rmse_m() / best.rmse_m().max(f64::MIN_POSITIVE)
             );
-            fits.push((dual, followed, [ends.remarks, &[text]].concat()));
+            fits.push((start.clone(), followed, [ends.remarks, &[text]].concat()));
         }
     }
     let numbered = fits.into_iter().zip(1..);

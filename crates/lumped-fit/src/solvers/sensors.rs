@@ -1,11 +1,13 @@
 //! Any model fitted to acceleration, velocity or displacement of one or several sensors.
 
-use crumple_estimation::minimise::levenberg_marquardt::Optimum;
+use crumple_estimation::minimise::levenberg_marquardt::{Optimum, descend};
 use crumple_lumped::{Model, ModelKind, Parameter, ParameterKind};
 use crumple_signal::Notes;
 
+use crate::fit::descents::{APART, bounds};
 use crate::fit::options::SingleMassFitOptions;
-use crate::fit::search::{Search, search};
+use crate::fit::problem::Problem;
+use crate::fit::search::{Search, Searched, search};
 use crate::free::model_coordinates::{ModelCoordinates, Scale};
 use crate::free::parameterisation::Parameterisation;
 use crate::solvers::explanations::{Ends, explanations, pairs};
@@ -91,12 +93,27 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
         };
         Some((start, (minimum.cost / fitting.observed.rows() as f64).sqrt() * fitting.observed.scale_m()))
     };
-    let ends = Ends { starts: searched.minima.iter().filter_map(start).collect(), remarks: &remarks };
+    let from_dual = minimum_from_dual(&coordinates, &searched).filter(|_| !compartment_alone);
+    let ends = Ends {
+        starts: searched.minima.iter().filter_map(start).collect(),
+        from_dual: from_dual.as_ref().and_then(start).map(|(start, _)| start),
+        remarks: &remarks,
+    };
     if kind == ModelKind::DoubleSpringMassDamper && compartment_alone {
         Ok(pairs(fitting, &ends, notes))
     } else {
         Ok(explanations(fitting, &ends, notes))
     }
+}
+
+/// Where a descent from the dual of the best double model ends, if that is none of the minima of the search.
+fn minimum_from_dual(coordinates: &ModelCoordinates, searched: &Searched) -> Option<Optimum> {
+    let Model::DoubleSpringMassDamper(best) = coordinates.model(&searched.minima.first()?.theta)? else { return None };
+    let dual = coordinates.theta(&Model::DoubleSpringMassDamper(best.dual()));
+    let problem = Problem::new(coordinates, &searched.observed, 0.0);
+    let end = descend(&problem, &dual, &bounds(coordinates, 200, 1e-15))?;
+    let apart = |m: &Optimum| m.theta.iter().zip(&end.theta).any(|(a, b)| (a - b).abs() > APART);
+    searched.minima.iter().all(apart).then_some(end)
 }
 
 /// End of the window, s after time zero: that of the settings, else dynamic crush, for the elastoplastic model
