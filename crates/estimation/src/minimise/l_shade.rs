@@ -10,6 +10,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
+use super::stop_reason::StopReason;
+
 /// Constants of the search; the defaults are those of its authors but for the number of evaluations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LShadeOptions {
@@ -25,15 +27,6 @@ impl Default for LShadeOptions {
     }
 }
 
-/// Why the search ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LShadeStop {
-    /// All evaluations are used up.
-    Evaluations,
-    /// All members have the same cost to rounding.
-    Converged,
-}
-
 /// Where the search ended.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LShadeResult {
@@ -44,7 +37,7 @@ pub struct LShadeResult {
     /// Evaluations of the cost.
     pub evaluations: u64,
     /// Why the search ended.
-    pub stop: LShadeStop,
+    pub stop: StopReason,
 }
 
 /// Members at the start for each variable.
@@ -121,10 +114,10 @@ pub fn l_shade(axes: usize, options: &LShadeOptions, cost: impl Fn(&[f64]) -> f6
     let stop = loop {
         let spread = members[members.len() - 1].cost - members[0].cost;
         if spread <= 1e-15 * members[0].cost {
-            break LShadeStop::Converged;
+            break StopReason::CostConverged;
         }
         if evaluations >= options.evaluations {
-            break LShadeStop::Evaluations;
+            break StopReason::IterationLimit;
         }
         let trials: Vec<Trial> = (0..members.len())
             .map(|i| trial(i, &members, &archive, memory[random.below(MEMORY)], &mut random))

@@ -6,8 +6,7 @@ pub mod l_shade;
 pub mod levenberg_marquardt;
 pub mod separable_covariance;
 mod stop_reason;
-mod termination;
 pub mod variable_projection;
 
 pub use stop_reason::StopReason;
-pub use termination::{Stop, Termination};
+pub use variable_projection::Stop;

@@ -2,7 +2,7 @@
 
 use crumple_estimation::minimise::separable_covariance::{propagated, unknowns_covariance};
 use crumple_estimation::minimise::variable_projection::{Separable, SeparableFit, minimize};
-use crumple_estimation::minimise::{Stop, Termination};
+use crumple_estimation::minimise::{Stop, StopReason};
 use crumple_estimation::statistics::autoregressive_effective_samples;
 use crumple_lti::Complex;
 use nalgebra::DMatrix;
@@ -19,7 +19,7 @@ use crate::{FitMeasures, Hold, IdentifyError, InformationCriteria, fit_measures}
 const REFINED: usize = 8;
 
 /// Iterations after which starting points are compared: the loss at the start says little about where it leads.
-const TRIAL_ITERATIONS: usize = 4;
+const TRIAL_ITERATIONS: u32 = 4;
 
 /// A fitted sum.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,11 +43,13 @@ pub struct ExponentialSumFit {
     /// are not.
     pub condition: f64,
     /// Iterations of the best start.
-    pub iterations: usize,
+    pub iterations: u32,
     /// Evaluations of all starts.
-    pub evaluations: usize,
+    pub evaluations: u64,
     /// Why the best one stopped.
-    pub termination: Termination,
+    pub stop_reason: StopReason,
+    /// Whether one of its unknowns stands on a bound.
+    pub on_bound: bool,
     /// Loss of every refined start, best first.
     pub losses: Vec<f64>,
 }
@@ -124,7 +126,8 @@ pub fn exponential_sum(
         condition,
         iterations: best.iterations,
         evaluations,
-        termination: best.termination,
+        stop_reason: best.stop,
+        on_bound: best.on_bound.contains(&true),
         losses,
     })
 }
@@ -168,7 +171,7 @@ fn refined(
     problem: &PoleProblem,
     candidates: &[Vec<Complex>],
     options: &ExponentialOptions,
-) -> (Vec<SeparableFit>, usize) {
+) -> (Vec<SeparableFit>, u64) {
     let trial = Stop { max_iterations: TRIAL_ITERATIONS.min(options.stop.max_iterations), ..options.stop };
     let mut trials: Vec<SeparableFit> = candidates
         .par_iter()
@@ -179,20 +182,20 @@ fn refined(
             minimize(problem, &theta, trial)
         })
         .collect();
-    let tried = trials.iter().map(|fit| fit.evaluations).sum::<usize>();
+    let tried = trials.iter().map(|fit| fit.evaluations).sum::<u64>();
     // Stable sort: equal losses keep the order of the starts.
     trials.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     trials.truncate(REFINED);
     let mut fits: Vec<SeparableFit> = trials
         .par_iter()
         .filter_map(|begun| {
-            let rest = options.stop.max_iterations - begun.iterations.min(options.stop.max_iterations);
+            let rest = options.stop.max_iterations.saturating_sub(begun.iterations);
             let fit = minimize(problem, &begun.theta, Stop { max_iterations: rest, ..options.stop })?;
             Some(SeparableFit { iterations: begun.iterations + fit.iterations, ..fit })
         })
         .collect();
     fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let evaluations = tried + fits.iter().map(|fit| fit.evaluations).sum::<usize>();
+    let evaluations = tried + fits.iter().map(|fit| fit.evaluations).sum::<u64>();
     (fits, evaluations)
 }
 
