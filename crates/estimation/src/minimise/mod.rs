@@ -1,5 +1,5 @@
 //! Bounded minimisation: Levenberg-Marquardt, variable projection, interior point, L-SHADE; and why each stopped.
-//! Uses nothing of this crate; linear algebra from `crumple-linalg`.
+//! Uses [`random`](crate::random); linear algebra from `crumple-linalg`.
 
 pub mod interior_point;
 pub mod l_shade;

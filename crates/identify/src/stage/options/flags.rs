@@ -108,8 +108,8 @@ pub struct Options {
     /// Default: all.
     #[arg(long, value_delimiter = ',')]
     pub starts: Vec<String>,
-    /// Steps tried from each start at most. Several, separated by commas: tfest gives one model each, those of fewer
-    /// steps with "after-<n>" in their names; other methods take the largest. Default: 200.
+    /// Iterations from each start at most. Several, separated by commas: tfest gives one model each, those of fewer
+    /// iterations with "after-<n>" in their names; other methods take the largest. Default: 200.
     #[arg(long, value_delimiter = ',')]
     #[serde(deserialize_with = "one_or_several")]
     pub max_iterations: Vec<u32>,
