@@ -3,7 +3,8 @@
 //! What it finds are starts of the fit [as measured](crate::fit::as_measured): the motion is quick to compare, since
 //! it is exact at any spacing of the samples.
 
-use crumple_estimation::minimise::l_shade::{LShadeOptions, LShadeStop, l_shade};
+use crumple_estimation::minimise::StopReason;
+use crumple_estimation::minimise::l_shade::{LShadeOptions, l_shade};
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response};
 
 use crate::fit::descents::{SEARCH_SAMPLES, all, bounds, distinct};
@@ -133,8 +134,8 @@ fn global(
         population.evaluations,
         options.seed,
         match population.stop {
-            LShadeStop::Evaluations => "all of those allowed",
-            LShadeStop::Converged => "ended since all members were alike",
+            StopReason::IterationLimit => "all of those allowed",
+            _ => "ended since all members were alike",
         },
         level(population.cost),
         minima.first().map_or(f64::INFINITY, |m| level(m.cost)),
