@@ -176,8 +176,8 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
             .and_then(|id| run.candidate(id))
             .map_or_else(Vec::new, CandidateResult::hardly_determined_parameters),
         ranking: ranking.order.clone(),
-        ranked_by: "simulation.fit_as_measured_percent: displacement fit of the model, measured as the record was, over \
-                    simulation.from_s to simulation.to_s, highest first; fit_percent where it is null",
+        ranked_by: "simulation.fit_as_measured_percent: displacement fit of the model, measured as the record was, \
+                    over simulation.from_s to simulation.to_s, highest first; fit_percent where it is null",
         ranking_by_aicc: ids_ordered_by_aicc(run),
         matching_best: ranking.best_of_matching(run).map(|candidate| MatchingSummary {
             id: &candidate.id,

@@ -1,7 +1,7 @@
 //! What was done to an acceleration before its motion stood in an artifact.
 
-/// The steps between an acceleration and the motion that was recorded of it, as the records of a run state them: sampling,
-/// channel filter, integration.
+/// The steps between an acceleration and the motion that was recorded of it, as the records of a run state them:
+/// sampling, channel filter, integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecordingSteps {
     /// Sampling interval, s.

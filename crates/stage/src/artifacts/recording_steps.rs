@@ -7,8 +7,8 @@ use crate::artifacts::inputs::Inputs;
 use crate::error::RefuseExt;
 
 impl Inputs {
-    /// The steps from the acceleration of this channel to its motion. Time zero, start and rule are those of the events:
-    /// all channels are integrated alike.
+    /// The steps from the acceleration of this channel to its motion. Time zero, start and rule are those of the
+    /// events: all channels are integrated alike.
     ///
     /// Known are CFC filters with their coefficients, no filter, the trapezoidal rule and forward Euler, at the rate of
     /// the record.
