@@ -36,7 +36,7 @@
 //! on the sampling interval. A motion that leaves the range of numbers is [`LumpedError::Diverges`] with its time,
 //! never a NaN.
 //!
-//! rooms: model matching | families | secant | exact | motion | kind
+//! rooms: model matching | families | response | series | exact | structure | motion | kind
 
 mod error;
 mod exact;
@@ -45,15 +45,16 @@ mod kind;
 mod matching;
 mod model;
 mod motion;
-mod secant;
+mod response;
+mod series;
+mod structure;
 
 pub use crumple_lti::Complex;
 pub use error::LumpedError;
 pub use exact::exact_step::{ExactStep, exact_step, exact_step_with_derivatives};
-pub use families::chain::linear::{Chain, TripleSpringMassDamper};
-pub use families::chain::secant::SecantChain;
+pub use families::chain::{Chain, TripleSpringMassDamper};
 pub use families::double_spring_mass_damper::DoubleSpringMassDamper;
-pub use families::elastoplastic::closed_form::Elastoplastic;
+pub use families::elastoplastic::Elastoplastic;
 pub use families::kelvin::Kelvin;
 pub use families::maxwell::Maxwell;
 pub use families::nonlinear::{Nonlinear1, Nonlinear2};
@@ -65,9 +66,14 @@ pub use matching::coefficient_matching::{
 pub use matching::physical_coordinates::{PhysicalCoordinates, RealisedModel};
 pub use model::lumped_model::Model;
 pub use model::parameters::{parameter_kind, parameter_kind_of_unit};
-pub use motion::chain_response::ChainResponse;
 pub use motion::drive::Drive;
 pub use motion::dynamics::{Dynamics, ElementForce, Energy};
 pub use motion::mass_motion::{CrushEvents, Motion, Response, State};
 pub use motion::sensitivity::{Instants, Sensitivity};
-pub use secant::piecewise_linear::PiecewiseLinear;
+pub use structure::connected_masses::{Connection, Node, Place, Structure};
+pub use structure::element::Element;
+pub use structure::elements::damper::Damper;
+pub use structure::elements::piecewise_linear::PiecewiseLinear;
+pub use structure::elements::plastic_spring::PlasticSpring;
+pub use structure::elements::series_spring_damper::SeriesSpringDamper;
+pub use structure::elements::spring::Spring;

@@ -5,7 +5,7 @@
 //! What is left of equal minima and duals is reported with covariance and duals.
 
 use crumple_estimation::minimise::StopReason;
-use crumple_lumped::SecantChain;
+use crumple_lumped::Chain;
 
 use crate::chain::coordinates::{ChainCoordinates, StatedChain};
 use crate::chain::covariance::{LinearisedUncertainty, linearised};
@@ -28,8 +28,8 @@ const SAME: f64 = 0.01;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChainSolution {
     /// The chain.
-    pub chain: SecantChain,
-    /// Names of what was free, as in [`SecantChain::parameters`]; a mass that is the rest comes last.
+    pub chain: Chain,
+    /// Names of what was free, as in [`Chain::parameters`]; a mass that is the rest comes last.
     pub free: Vec<String>,
     /// Those that stopped on a bound.
     pub on_bound: Vec<String>,

@@ -1,6 +1,6 @@
 //! Residuals of a chain compared with its waves, and its fit repeated near a minimum.
 
-use crumple_lumped::{Instants, SecantChain};
+use crumple_lumped::{Chain, Instants};
 use nalgebra::DMatrix;
 
 use crate::chain::coordinates::ChainCoordinates;
@@ -96,7 +96,7 @@ impl<'a> ChainProblem<'a> {
 
     /// What each wave's measurement makes of the motion of its mass (first) and of its derivatives by the parameters
     /// at `places` (then, in their order), from the first sample of the record on. `None` without a response.
-    fn measured(&self, chain: &SecantChain, places: &[usize]) -> Option<Vec<Vec<Vec<f64>>>> {
+    fn measured(&self, chain: &Chain, places: &[usize]) -> Option<Vec<Vec<Vec<f64>>>> {
         let v0 = self.waves.impact_speed_m_per_s;
         let last = chain.masses_kg().len() - 1;
         let measured_wave = |wave: &ObservedWave| {
@@ -132,7 +132,7 @@ impl Response for ChainProblem<'_> {
         row == out.len() && out.iter().all(|r| r.is_finite())
     }
 
-    /// Derivatives by the logarithms; `None` where a coefficient has knots and differences have to do.
+    /// Derivatives by the logarithms.
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
         if let Some(sensors) = &self.direct {
             return self.plain(sensors).sensitivities(theta, out);

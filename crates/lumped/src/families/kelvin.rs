@@ -2,6 +2,8 @@
 
 use crate::error::{finite, positive};
 use crate::exact::second_order::{Roots, SecondOrder};
+use crate::families::chain::constants;
+use crate::structure::connected_masses::Structure;
 use crate::{Complex, CrushEvents, LumpedError, State};
 
 /// One mass on a spring and a damper in parallel: `m x'' = -k x - c x'`.
@@ -24,6 +26,11 @@ impl Kelvin {
         positive("mass_kg", self.mass_kg)?;
         finite("stiffness_n_per_m", self.stiffness_n_per_m)?;
         finite("damping_n_s_per_m", self.damping_n_s_per_m)
+    }
+
+    /// The structure it is.
+    pub fn structure(&self) -> Result<Structure, LumpedError> {
+        constants(&[self.mass_kg], &[self.stiffness_n_per_m], &[self.damping_n_s_per_m])
     }
 
     /// `x'' + (c/m) x' + (k/m) x = 0`.

@@ -4,6 +4,8 @@ use std::f64::consts::PI;
 
 use crate::error::positive;
 use crate::exact::second_order::{Roots, SecondOrder};
+use crate::structure::connected_masses::Structure;
+use crate::structure::elements::series_spring_damper::SeriesSpringDamper;
 use crate::{CrushEvents, LumpedError, State};
 
 /// One mass on a spring and a damper in series: `m x'' = -F`, `F' = k x' - (k/c) F`, `F(0) = 0`.
@@ -26,6 +28,12 @@ impl Maxwell {
         positive("mass_kg", self.mass_kg)?;
         positive("stiffness_n_per_m", self.stiffness_n_per_m)?;
         positive("damping_n_s_per_m", self.damping_n_s_per_m)
+    }
+
+    /// The structure it is.
+    pub fn structure(&self) -> Result<Structure, LumpedError> {
+        let Self { stiffness_n_per_m, damping_n_s_per_m, .. } = *self;
+        Structure::row(&[self.mass_kg], [vec![SeriesSpringDamper { stiffness_n_per_m, damping_n_s_per_m }.into()]])
     }
 
     /// `v'' + (k/c) v' + (k/m) v = 0`.

@@ -1,9 +1,11 @@
 //! The two nonlinear models of the single-mass paper.
 
 use crate::error::{finite, positive};
-use crate::secant::curve::Curve;
-use crate::secant::single_mass::SecantMotion;
-use crate::{CrushEvents, LumpedError, Motion};
+use crate::structure::connected_masses::Structure;
+use crate::structure::elements::damper::Damper;
+use crate::structure::elements::piecewise_linear::PiecewiseLinear;
+use crate::structure::elements::spring::Spring;
+use crate::{CrushEvents, LumpedError};
 
 /// One mass on a stiffening spring and a damper that weakens with speed: the first nonlinear model of the single-mass
 /// paper (section 4).
@@ -76,16 +78,17 @@ fn rises(name: &'static str, low: f64, high: f64) -> Result<(), LumpedError> {
     }
 }
 
+/// One mass on a spring and a damper through these knots.
+fn one_mass(mass_kg: f64, spring: &[(f64, f64)], damper: &[(f64, f64)]) -> Result<Structure, LumpedError> {
+    let (spring, damper) = (Spring(PiecewiseLinear::new(spring)?), Damper(PiecewiseLinear::new(damper)?));
+    Structure::row(&[mass_kg], [vec![spring.into(), damper.into()]])
+}
+
 macro_rules! responses {
     ($model:ty) => {
         impl $model {
-            /// The motion at `k dt`, by Taylor series of order 16 from knot to knot: about `1e-15` of the largest
-            /// motion a step. Errors: a motion that leaves the range of numbers or needs more than 20,000 steps.
-            pub fn motion(&self, impact_speed_m_per_s: f64, dt_s: f64, samples: usize) -> Result<Motion, LumpedError> {
-                self.law().motion(impact_speed_m_per_s, dt_s, samples)
-            }
-
-            /// The displacement at `first_s + k dt_s` into `out`, without allocation.
+            /// The displacement at `first_s + k dt_s` into `out`. Errors: a motion that leaves the range of numbers or
+            /// needs more than 200,000 steps.
             pub fn displacement(
                 &self,
                 impact_speed_m_per_s: f64,
@@ -93,12 +96,12 @@ macro_rules! responses {
                 dt_s: f64,
                 out: &mut [f64],
             ) -> Result<(), LumpedError> {
-                self.law().displacement(impact_speed_m_per_s, first_s, dt_s, out)
+                self.structure()?.displacement(impact_speed_m_per_s, first_s, dt_s, out)
             }
 
             /// Dynamic crush and rebound within two seconds, on the series themselves.
             pub fn events(&self, impact_speed_m_per_s: f64) -> Result<CrushEvents, LumpedError> {
-                self.law().events(impact_speed_m_per_s)
+                Ok(self.structure()?.events(impact_speed_m_per_s, 2.0)?[0])
             }
         }
     };
@@ -123,16 +126,15 @@ impl Nonlinear1 {
         rises("v0_m_per_s", self.v_thresh_m_per_s, self.v0_m_per_s)
     }
 
-    pub(crate) fn law(&self) -> SecantMotion {
-        SecantMotion {
-            kind: crate::ModelKind::Nonlinear1,
-            mass_kg: self.mass_kg,
-            spring: Curve::new([0.0, self.crush_m], [self.k1_n_per_m, self.k2_n_per_m]),
-            damper: Curve::new(
-                [0.0, self.v_thresh_m_per_s, self.v0_m_per_s],
-                [self.c1_n_s_per_m, self.c2_n_s_per_m, self.c3_n_s_per_m],
-            ),
-        }
+    /// The structure it is.
+    pub fn structure(&self) -> Result<Structure, LumpedError> {
+        let spring = [(0.0, self.k1_n_per_m), (self.crush_m, self.k2_n_per_m)];
+        let damper = [
+            (0.0, self.c1_n_s_per_m),
+            (self.v_thresh_m_per_s, self.c2_n_s_per_m),
+            (self.v0_m_per_s, self.c3_n_s_per_m),
+        ];
+        one_mass(self.mass_kg, &spring, &damper)
     }
 }
 
@@ -157,15 +159,15 @@ impl Nonlinear2 {
         rises("v0_m_per_s", self.v2_m_per_s, self.v0_m_per_s)
     }
 
-    pub(crate) fn law(&self) -> SecantMotion {
-        SecantMotion {
-            kind: crate::ModelKind::Nonlinear2,
-            mass_kg: self.mass_kg,
-            spring: Curve::new([0.0, self.x1_m, self.crush_m], [self.k1_n_per_m, self.k2_n_per_m, self.k3_n_per_m]),
-            damper: Curve::new(
-                [0.0, self.v1_m_per_s, self.v2_m_per_s, self.v0_m_per_s],
-                [self.c1_n_s_per_m, self.c2_n_s_per_m, self.c3_n_s_per_m, self.c4_n_s_per_m],
-            ),
-        }
+    /// The structure it is.
+    pub fn structure(&self) -> Result<Structure, LumpedError> {
+        let spring = [(0.0, self.k1_n_per_m), (self.x1_m, self.k2_n_per_m), (self.crush_m, self.k3_n_per_m)];
+        let damper = [
+            (0.0, self.c1_n_s_per_m),
+            (self.v1_m_per_s, self.c2_n_s_per_m),
+            (self.v2_m_per_s, self.c3_n_s_per_m),
+            (self.v0_m_per_s, self.c4_n_s_per_m),
+        ];
+        one_mass(self.mass_kg, &spring, &damper)
     }
 }

@@ -6,20 +6,20 @@
 use std::collections::BTreeMap;
 
 use crate::{
-    DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, ModelKind, Nonlinear1, Nonlinear2,
-    ParameterKind, SecantChain, TripleSpringMassDamper,
+    Chain, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, ModelKind, Nonlinear1,
+    Nonlinear2, ParameterKind, TripleSpringMassDamper,
 };
 
 /// What a parameter of a candidate is, from the names of model and parameter in its record.
 ///
-/// A family ([`ModelKind`]) has its table, everything else is asked as a chain ([`SecantChain::parameter_kind`]). A
+/// A family ([`ModelKind`]) has its table, everything else is asked as a chain ([`Chain::parameter_kind`]). A
 /// model of another program may have parameters of its own: for these the unit counts that docs/format.md asks every
 /// name to end with. `None` for a parameter that the family does not have, or that ends in none of these units.
 pub fn parameter_kind(model: &str, name: &str) -> Option<ParameterKind> {
     if let Ok(family) = model.parse::<ModelKind>() {
         return family.parameter(name).map(|parameter| parameter.kind);
     }
-    SecantChain::parameter_kind(name).or_else(|| parameter_kind_of_unit(name))
+    Chain::parameter_kind(name).or_else(|| parameter_kind_of_unit(name))
 }
 
 /// What a number may be by the unit that its name ends with; `None` for a unit of no parameter.

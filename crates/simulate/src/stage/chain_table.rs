@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{LumpedError, ParameterKind, PiecewiseLinear, SecantChain};
+use crumple_lumped::{Chain, LumpedError, ParameterKind, PiecewiseLinear};
 use crumple_signal::value::Speed;
 use crumple_stage::records::CandidateV1;
 use crumple_stage::{
@@ -121,13 +121,13 @@ impl ChainSettings {
     }
 
     /// The chain it states.
-    pub fn chain(&self) -> Result<SecantChain, LumpedError> {
+    pub fn chain(&self) -> Result<Chain, LumpedError> {
         let springs: Vec<PiecewiseLinear> =
             self.masses.iter().map(|mass| mass.stiffness_n_per_m.curve()).collect::<Result<_, _>>()?;
         let dampers: Vec<PiecewiseLinear> =
             self.masses.iter().map(|mass| mass.damping_n_s_per_m.curve()).collect::<Result<_, _>>()?;
         let masses: Vec<f64> = self.masses.iter().map(|mass| mass.mass_kg).collect();
-        SecantChain::new(&masses, &springs, &dampers)
+        Chain::new(&masses, &springs, &dampers)
     }
 
     /// Its id among the candidates.

@@ -12,7 +12,7 @@ use std::process::{Command, Output};
 
 use crumple_artifact::records::{CandidateV1, EventsV1, RatingV1, SimulationV1, TestV1, UncertaintyV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
-use crumple_lumped::{CrushEvents, DoubleSpringMassDamper, Kelvin, Model, SecantChain};
+use crumple_lumped::{Chain, CrushEvents, DoubleSpringMassDamper, Kelvin, Model};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
 use crumple_testkit::{IMPACT_SPEED_M_PER_S, integrated};
 

@@ -1,11 +1,13 @@
 //! The elastoplastic model after an impact, in closed form.
 //!
-//! One loading and one unloading, each a piece of a cosine. What happens when a force continues or a barrier moves is
-//! in `driven.rs`.
+//! One loading and one unloading, each a piece of a cosine: starts of fits and checks of the simulated motion. What
+//! happens when a force continues or a barrier moves is the law of [`PlasticSpring`].
 
 use std::f64::consts::FRAC_PI_2;
 
 use crate::error::positive;
+use crate::structure::connected_masses::Structure;
+use crate::structure::elements::plastic_spring::PlasticSpring;
 use crate::{CrushEvents, LumpedError, State};
 
 /// One mass on a spring that unloads stiffer than it loads.
@@ -32,6 +34,16 @@ impl Elastoplastic {
         positive("mass_kg", self.mass_kg)?;
         positive("loading_stiffness_n_per_m", self.loading_stiffness_n_per_m)?;
         positive("unloading_stiffness_n_per_m", self.unloading_stiffness_n_per_m)
+    }
+
+    /// The structure it is.
+    pub fn structure(&self) -> Result<Structure, LumpedError> {
+        let spring = PlasticSpring {
+            loading_stiffness_n_per_m: self.loading_stiffness_n_per_m,
+            unloading_stiffness_n_per_m: self.unloading_stiffness_n_per_m,
+            release: self.release,
+        };
+        Structure::row(&[self.mass_kg], [vec![spring.into()]])
     }
 
     /// Angular frequencies of loading and unloading, `sqrt(k_E/m)` and `sqrt(k_P/m)`, rad/s.

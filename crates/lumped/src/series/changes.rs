@@ -1,0 +1,266 @@
+//! Derivatives of a motion by parameters: the variational equation along its Taylor series.
+//!
+//! A small change of the motion by a parameter p feels, on each element, the derivative of the force by compression,
+//! rate and inner state, and what p changes in the force at the motion itself. Over a step of the motion all these are
+//! known series, so the change gets its own series by the same recurrence, on the same steps. At an event forces are
+//! continuous, therefore so are the changes of displacement and velocity: the instant at which an event happens adds
+//! nothing. What an element remembers from the event on (the permanent set) is one more number that changes.
+//!
+//! Several parameters are expanded side by side ([`ABREAST`]). The derivatives are those of the motion as computed,
+//! right to rounding; an acceleration has a kink at an event, where one of its two one-sided derivatives is given.
+
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::series::step::{LinkSeries, ORDER, Series, Step, product};
+use crate::structure::connected_masses::{Place, Structure};
+use crate::structure::form::{Form, Strain};
+use crate::structure::law::{Branch, Law};
+
+/// Parameters whose changes are expanded side by side: each sum of products is a chain that waits for itself, and the
+/// others fill the time.
+pub(crate) const ABREAST: usize = 8;
+
+type Lanes = [f64; ABREAST];
+/// Coefficients by order, then by parameter.
+type LaneSeries = [Lanes; ORDER + 1];
+const NO_SERIES: LaneSeries = [[0.0; ABREAST]; ORDER + 1];
+
+/// Change of the motion of a node.
+#[derive(Clone)]
+struct NodeChange {
+    x: LaneSeries,
+    v: LaneSeries,
+    a: LaneSeries,
+}
+
+/// Change of what an element feels and remembers, and of its law.
+#[derive(Clone)]
+struct LinkChange {
+    u: LaneSeries,
+    w: LaneSeries,
+    z: LaneSeries,
+    set: Lanes,
+    law: [Form; ABREAST],
+    inner: [Form; ABREAST],
+}
+
+/// The changes by a few parameters.
+struct Block {
+    places: [Option<Place>; ABREAST],
+    nodes: Vec<NodeChange>,
+    links: Vec<LinkChange>,
+}
+
+/// The changes by all parameters asked for.
+pub(crate) struct Changes {
+    blocks: Vec<Block>,
+    arch: Option<Arch>,
+}
+
+/// `sum += factor * terms`, lane by lane.
+#[inline(always)]
+fn add(sum: &mut Lanes, factor: f64, terms: &Lanes) {
+    for (sum, term) in sum.iter_mut().zip(terms) {
+        *sum += factor * term;
+    }
+}
+
+/// Coefficient `k` of the product of a series with changes.
+#[inline(always)]
+fn lane_product(series: &Series, change: &LaneSeries, k: usize) -> Lanes {
+    let mut sum = [0.0; ABREAST];
+    // The newest coefficient comes last: the sum of the others need not wait for it.
+    for (factor, terms) in series[..=k].iter().rev().zip(&change[..=k]) {
+        add(&mut sum, *factor, terms);
+    }
+    sum
+}
+
+/// Values of changes at `tau`.
+#[inline(always)]
+fn at(change: &LaneSeries, tau: f64) -> Lanes {
+    let mut sum = [0.0; ABREAST];
+    for terms in change.iter().rev() {
+        for (sum, term) in sum.iter_mut().zip(terms) {
+            *sum = *sum * tau + term;
+        }
+    }
+    sum
+}
+
+/// The place of a parameter in an element.
+fn place_in(place: Option<Place>, link: usize) -> Option<usize> {
+    match place {
+        Some(Place::Element { connection, parameter }) if connection == link => Some(parameter),
+        _ => None,
+    }
+}
+
+impl Changes {
+    /// At contact nothing has changed yet.
+    pub fn at_contact(structure: &Structure, places: &[Place]) -> Self {
+        let node = NodeChange { x: NO_SERIES, v: NO_SERIES, a: NO_SERIES };
+        let link = LinkChange {
+            u: NO_SERIES,
+            w: NO_SERIES,
+            z: NO_SERIES,
+            set: [0.0; ABREAST],
+            law: [Form::ZERO; ABREAST],
+            inner: [Form::ZERO; ABREAST],
+        };
+        let block = |places: &[Place]| Block {
+            places: std::array::from_fn(|p| places.get(p).copied()),
+            nodes: vec![node.clone(); structure.masses_kg().len() + 1],
+            links: vec![link.clone(); structure.connections().len()],
+        };
+        let blocks: Vec<Block> = places.chunks(ABREAST).map(block).collect();
+        Self { arch: (!blocks.is_empty()).then(Arch::new), blocks }
+    }
+
+    /// The series of the changes over a step of the motion.
+    pub fn expand(&mut self, structure: &Structure, step: &Step) {
+        let Some(arch) = self.arch else { return };
+        for block in &mut self.blocks {
+            block.change_laws(structure, step);
+            arch.dispatch(Expand { block, step });
+        }
+    }
+
+    /// Takes the values at the end of a step as those of the next start.
+    pub fn advance(&mut self, length_s: f64) {
+        for block in &mut self.blocks {
+            for node in &mut block.nodes {
+                (node.x[0], node.v[0]) = (at(&node.x, length_s), at(&node.v, length_s));
+            }
+            for link in &mut block.links {
+                link.z[0] = at(&link.z, length_s);
+            }
+        }
+    }
+
+    /// An element goes to its next branch, between two steps.
+    pub fn enter(&mut self, law: &dyn Law, link: usize, before: &Branch, strain: Strain, [front, rear]: [usize; 2]) {
+        for block in &mut self.blocks {
+            let by_u: Lanes = std::array::from_fn(|p| block.nodes[rear].x[0][p] - block.nodes[front].x[0][p]);
+            for p in 0..ABREAST {
+                let set = &mut block.links[link].set[p];
+                *set = law.set_by(before, strain, by_u[p], place_in(block.places[p], link), *set);
+            }
+        }
+    }
+
+    /// Series of displacement, velocity and acceleration of the change of a mass by a parameter.
+    pub fn series(&self, mass: usize, parameter: usize) -> [Series; 3] {
+        let node = &self.blocks[parameter / ABREAST].nodes[mass];
+        [&node.x, &node.v, &node.a].map(|series| std::array::from_fn(|k| series[k][parameter % ABREAST]))
+    }
+}
+
+impl Block {
+    /// What each parameter changes in the law of each element on its branch.
+    fn change_laws(&mut self, structure: &Structure, step: &Step) {
+        let elements = structure.connections().iter().zip(&step.branches);
+        for (link, (change, (connection, branch))) in self.links.iter_mut().zip(elements).enumerate() {
+            let law = connection.element.law();
+            let by_set = law.force_by_set(branch);
+            for p in 0..ABREAST {
+                let own = place_in(self.places[p], link);
+                let direct = own.map_or(Form::ZERO, |parameter| law.force_by(branch, parameter));
+                change.law[p] = direct.plus(change.set[p], &by_set);
+                change.inner[p] = own.map_or(Form::ZERO, |parameter| law.inner_rate_by(parameter));
+            }
+        }
+    }
+}
+
+/// The changes of a block over one step.
+struct Expand<'a> {
+    block: &'a mut Block,
+    step: &'a Step,
+}
+
+impl WithSimd for Expand<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { block, step } = self;
+        let of_mass = |place: &Option<Place>| match place {
+            Some(Place::Mass(mass)) => *mass,
+            _ => usize::MAX,
+        };
+        let masses: [usize; ABREAST] = std::array::from_fn(|p| of_mass(&block.places[p]));
+        for k in 0..=ORDER {
+            for node in &mut block.nodes {
+                node.a[k] = [0.0; ABREAST];
+            }
+            for (link, change) in step.links.iter().zip(&mut block.links) {
+                let [front, rear] = link.nodes;
+                for p in 0..ABREAST {
+                    change.u[k][p] = block.nodes[rear].x[k][p] - block.nodes[front].x[k][p];
+                    change.w[k][p] = block.nodes[rear].v[k][p] - block.nodes[front].v[k][p];
+                }
+                let force = force_change(link, change, k);
+                for p in 0..ABREAST {
+                    block.nodes[rear].a[k][p] -= force[p];
+                    block.nodes[front].a[k][p] += force[p];
+                }
+            }
+            let factor = 1.0 / (k + 1) as f64;
+            // The barrier moves as it is driven, whatever the parameters.
+            for (mass, per_mass) in step.per_mass.iter().enumerate() {
+                let node = &mut block.nodes[mass];
+                for p in 0..ABREAST {
+                    let pushed = if masses[p] == mass { step.nodes[mass].a[k] } else { 0.0 };
+                    node.a[k][p] = (node.a[k][p] - pushed) * per_mass;
+                }
+                if k < ORDER {
+                    for p in 0..ABREAST {
+                        node.x[k + 1][p] = node.v[k][p] * factor;
+                        node.v[k + 1][p] = node.a[k][p] * factor;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Coefficient `k` of the change of a force; that of the rate of the inner state goes into its series.
+#[inline(always)]
+fn force_change(link: &LinkSeries, change: &mut LinkChange, k: usize) -> Lanes {
+    let law = &link.law;
+    let mut force = [0.0; ABREAST];
+    add(&mut force, law.u, &change.u[k]);
+    add(&mut force, law.w, &change.w[k]);
+    if law.uu != 0.0 {
+        add(&mut force, 2.0 * law.uu, &lane_product(&link.u, &change.u, k));
+    }
+    if law.ww != 0.0 {
+        add(&mut force, 2.0 * law.ww, &lane_product(&link.w, &change.w, k));
+    }
+    if law.uw != 0.0 {
+        add(&mut force, law.uw, &lane_product(&link.u, &change.w, k));
+        add(&mut force, law.uw, &lane_product(&link.w, &change.u, k));
+    }
+    let any = |factor: fn(&Form) -> f64| change.law.iter().any(|law| factor(law) != 0.0);
+    let uu = if any(|law| law.uu) { product(&link.u, &link.u, k) } else { 0.0 };
+    let ww = if any(|law| law.ww) { product(&link.w, &link.w, k) } else { 0.0 };
+    let uw = if any(|law| law.uw) { product(&link.u, &link.w, k) } else { 0.0 };
+    let (one, u, w, z) = (if k == 0 { 1.0 } else { 0.0 }, link.u[k], link.w[k], link.z[k]);
+    for p in 0..ABREAST {
+        let by = &change.law[p];
+        force[p] += by.constant * one + by.u * u + by.w * w + by.z * z + by.uu * uu + by.ww * ww + by.uw * uw;
+    }
+    if let Some(inner) = &link.inner {
+        add(&mut force, law.z, &change.z[k]);
+        if k < ORDER {
+            let factor = 1.0 / (k + 1) as f64;
+            for p in 0..ABREAST {
+                let by = &change.inner[p];
+                let rate = inner.u * change.u[k][p] + inner.w * change.w[k][p] + inner.z * change.z[k][p];
+                change.z[k + 1][p] = (rate + by.u * u + by.w * w + by.z * z) * factor;
+            }
+        }
+    }
+    force
+}
