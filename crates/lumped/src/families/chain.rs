@@ -3,11 +3,12 @@
 use crumple_lti::{Complex, polynomial_roots};
 
 use crate::error::{finite, row_of_masses};
+use crate::families::values::check_values;
 use crate::structure::connected_masses::{Place, Structure};
 use crate::structure::elements::damper::Damper;
 use crate::structure::elements::piecewise_linear::PiecewiseLinear;
 use crate::structure::elements::spring::Spring;
-use crate::{CrushEvents, Drive, Dynamics, Instants, LumpedError, Motion, Response, Sensitivity};
+use crate::{CrushEvents, Drive, Dynamics, Instants, LumpedError, ModelKind, Motion, Response, Sensitivity};
 
 /// Any number of masses in a row: barrier - (k1, c1) - m1 - (k2, c2) - m2 - ... - mN, the compartment last.
 ///
@@ -184,8 +185,20 @@ pub struct TripleSpringMassDamper {
 }
 
 impl TripleSpringMassDamper {
-    /// The structure it is.
+    /// The structure it is. Errors: parameters without meaning.
     pub fn structure(&self) -> Result<Structure, LumpedError> {
+        check_values(ModelKind::TripleSpringMassDamper, &self.values())?;
         constants(&self.masses_kg, &self.springs_n_per_m, &self.dampers_n_s_per_m)
+    }
+
+    /// Its parameters, masses first.
+    pub(crate) fn values(&self) -> Vec<f64> {
+        [self.masses_kg, self.springs_n_per_m, self.dampers_n_s_per_m].concat()
+    }
+
+    /// The model of these parameters; one that is left out is not a number.
+    pub(crate) fn from_values(values: &[f64]) -> Self {
+        let three = |from: usize| std::array::from_fn(|i| values.get(from + i).copied().unwrap_or(f64::NAN));
+        Self { masses_kg: three(0), springs_n_per_m: three(3), dampers_n_s_per_m: three(6) }
     }
 }

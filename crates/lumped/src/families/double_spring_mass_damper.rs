@@ -3,11 +3,11 @@
 use crumple_lti::{Complex, polynomial_roots};
 use nalgebra::{Matrix4, Vector4};
 
-use crate::error::{finite, positive};
 use crate::exact::exact_step::exact_step;
 use crate::families::chain::constants;
+use crate::families::values::{check_values, values};
 use crate::structure::connected_masses::Structure;
-use crate::{CrushEvents, LumpedError, State};
+use crate::{CrushEvents, LumpedError, ModelKind, State};
 
 /// Two masses in a row: barrier - (k1, c1) - chassis m1 - (k2, c2) - passenger compartment m2.
 ///
@@ -33,19 +33,12 @@ pub struct DoubleSpringMassDamper {
     pub c2_n_s_per_m: f64,
 }
 
-impl DoubleSpringMassDamper {
-    /// Refuses masses that are not positive and parameters that are not finite.
-    pub fn check(&self) -> Result<(), LumpedError> {
-        positive("m1_kg", self.m1_kg)?;
-        positive("m2_kg", self.m2_kg)?;
-        finite("k1_n_per_m", self.k1_n_per_m)?;
-        finite("k2_n_per_m", self.k2_n_per_m)?;
-        finite("c1_n_s_per_m", self.c1_n_s_per_m)?;
-        finite("c2_n_s_per_m", self.c2_n_s_per_m)
-    }
+values!(DoubleSpringMassDamper { m1_kg, m2_kg, k1_n_per_m, k2_n_per_m, c1_n_s_per_m, c2_n_s_per_m });
 
-    /// The structure it is.
+impl DoubleSpringMassDamper {
+    /// The structure it is. Errors: parameters without meaning.
     pub fn structure(&self) -> Result<Structure, LumpedError> {
+        check_values(ModelKind::DoubleSpringMassDamper, &self.values())?;
         let (springs, dampers) = ([self.k1_n_per_m, self.k2_n_per_m], [self.c1_n_s_per_m, self.c2_n_s_per_m]);
         constants(&[self.m1_kg, self.m2_kg], &springs, &dampers)
     }

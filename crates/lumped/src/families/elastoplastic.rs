@@ -5,10 +5,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::error::positive;
+use crate::families::values::{check_values, values};
 use crate::structure::connected_masses::Structure;
 use crate::structure::elements::plastic_spring::PlasticSpring;
-use crate::{CrushEvents, LumpedError, State};
+use crate::{CrushEvents, LumpedError, ModelKind, State};
 
 /// One mass on a spring that unloads stiffer than it loads.
 ///
@@ -28,16 +28,12 @@ pub struct Elastoplastic {
     pub release: bool,
 }
 
-impl Elastoplastic {
-    /// Refuses parameters that are not positive.
-    pub fn check(&self) -> Result<(), LumpedError> {
-        positive("mass_kg", self.mass_kg)?;
-        positive("loading_stiffness_n_per_m", self.loading_stiffness_n_per_m)?;
-        positive("unloading_stiffness_n_per_m", self.unloading_stiffness_n_per_m)
-    }
+values!(Elastoplastic { mass_kg, loading_stiffness_n_per_m, unloading_stiffness_n_per_m | release: true });
 
-    /// The structure it is.
+impl Elastoplastic {
+    /// The structure it is. Errors: parameters without meaning.
     pub fn structure(&self) -> Result<Structure, LumpedError> {
+        check_values(ModelKind::Elastoplastic, &self.values())?;
         let spring = PlasticSpring {
             loading_stiffness_n_per_m: self.loading_stiffness_n_per_m,
             unloading_stiffness_n_per_m: self.unloading_stiffness_n_per_m,

@@ -8,3 +8,4 @@ pub mod elastoplastic;
 pub mod kelvin;
 pub mod maxwell;
 pub mod nonlinear;
+pub mod values;

@@ -1,11 +1,11 @@
 //! The two nonlinear models of the single-mass paper.
 
-use crate::error::{finite, positive};
+use crate::families::values::{check_values, values};
 use crate::structure::connected_masses::Structure;
 use crate::structure::elements::damper::Damper;
 use crate::structure::elements::piecewise_linear::PiecewiseLinear;
 use crate::structure::elements::spring::Spring;
-use crate::{CrushEvents, LumpedError};
+use crate::{CrushEvents, LumpedError, ModelKind};
 
 /// One mass on a stiffening spring and a damper that weakens with speed: the first nonlinear model of the single-mass
 /// paper (section 4).
@@ -69,14 +69,32 @@ pub struct Nonlinear2 {
     pub v0_m_per_s: f64,
 }
 
-/// Knots must rise.
-fn rises(name: &'static str, low: f64, high: f64) -> Result<(), LumpedError> {
-    if low < high {
-        Ok(())
-    } else {
-        Err(LumpedError::Value { name, value: high, expected: "above the knot before it" })
-    }
-}
+values!(Nonlinear1 {
+    mass_kg,
+    k1_n_per_m,
+    k2_n_per_m,
+    c1_n_s_per_m,
+    c2_n_s_per_m,
+    c3_n_s_per_m,
+    v_thresh_m_per_s,
+    crush_m,
+    v0_m_per_s
+});
+values!(Nonlinear2 {
+    mass_kg,
+    k1_n_per_m,
+    k2_n_per_m,
+    k3_n_per_m,
+    x1_m,
+    c1_n_s_per_m,
+    c2_n_s_per_m,
+    c3_n_s_per_m,
+    c4_n_s_per_m,
+    v1_m_per_s,
+    v2_m_per_s,
+    crush_m,
+    v0_m_per_s
+});
 
 /// One mass on a spring and a damper through these knots.
 fn one_mass(mass_kg: f64, spring: &[(f64, f64)], damper: &[(f64, f64)]) -> Result<Structure, LumpedError> {
@@ -112,22 +130,9 @@ responses!(Nonlinear2);
 
 /// Spring through two knots, damper through three.
 impl Nonlinear1 {
-    /// Refuses a mass that is not positive, knots that do not rise, values that are not finite.
-    pub fn check(&self) -> Result<(), LumpedError> {
-        positive("mass_kg", self.mass_kg)?;
-        finite("k1_n_per_m", self.k1_n_per_m)?;
-        finite("k2_n_per_m", self.k2_n_per_m)?;
-        finite("c1_n_s_per_m", self.c1_n_s_per_m)?;
-        finite("c2_n_s_per_m", self.c2_n_s_per_m)?;
-        finite("c3_n_s_per_m", self.c3_n_s_per_m)?;
-        positive("v_thresh_m_per_s", self.v_thresh_m_per_s)?;
-        positive("crush_m", self.crush_m)?;
-        positive("v0_m_per_s", self.v0_m_per_s)?;
-        rises("v0_m_per_s", self.v_thresh_m_per_s, self.v0_m_per_s)
-    }
-
-    /// The structure it is.
+    /// The structure it is. Errors: parameters without meaning.
     pub fn structure(&self) -> Result<Structure, LumpedError> {
+        check_values(ModelKind::Nonlinear1, &self.values())?;
         let spring = [(0.0, self.k1_n_per_m), (self.crush_m, self.k2_n_per_m)];
         let damper = [
             (0.0, self.c1_n_s_per_m),
@@ -139,28 +144,9 @@ impl Nonlinear1 {
 }
 
 impl Nonlinear2 {
-    /// Refuses a mass that is not positive, knots that do not rise, values that are not finite.
-    pub fn check(&self) -> Result<(), LumpedError> {
-        positive("mass_kg", self.mass_kg)?;
-        finite("k1_n_per_m", self.k1_n_per_m)?;
-        finite("k2_n_per_m", self.k2_n_per_m)?;
-        finite("k3_n_per_m", self.k3_n_per_m)?;
-        finite("c1_n_s_per_m", self.c1_n_s_per_m)?;
-        finite("c2_n_s_per_m", self.c2_n_s_per_m)?;
-        finite("c3_n_s_per_m", self.c3_n_s_per_m)?;
-        finite("c4_n_s_per_m", self.c4_n_s_per_m)?;
-        positive("x1_m", self.x1_m)?;
-        positive("crush_m", self.crush_m)?;
-        rises("crush_m", self.x1_m, self.crush_m)?;
-        positive("v1_m_per_s", self.v1_m_per_s)?;
-        positive("v2_m_per_s", self.v2_m_per_s)?;
-        positive("v0_m_per_s", self.v0_m_per_s)?;
-        rises("v2_m_per_s", self.v1_m_per_s, self.v2_m_per_s)?;
-        rises("v0_m_per_s", self.v2_m_per_s, self.v0_m_per_s)
-    }
-
-    /// The structure it is.
+    /// The structure it is. Errors: parameters without meaning.
     pub fn structure(&self) -> Result<Structure, LumpedError> {
+        check_values(ModelKind::Nonlinear2, &self.values())?;
         let spring = [(0.0, self.k1_n_per_m), (self.x1_m, self.k2_n_per_m), (self.crush_m, self.k3_n_per_m)];
         let damper = [
             (0.0, self.c1_n_s_per_m),

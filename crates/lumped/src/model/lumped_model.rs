@@ -4,8 +4,8 @@
 //! knows its masses and the [`Structure`] it is a name for. What a family is made of is in `families/`.
 
 use crate::{
-    DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, ModelKind, Nonlinear1, Nonlinear2, Structure,
-    TripleSpringMassDamper,
+    DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, ModelKind, Nonlinear1, Nonlinear2,
+    ParameterKind, Structure, TripleSpringMassDamper,
 };
 
 /// A lumped model with its parameters.
@@ -27,6 +27,21 @@ pub enum Model {
     TripleSpringMassDamper(TripleSpringMassDamper),
 }
 
+/// The same of whatever family a model is.
+macro_rules! of_family {
+    ($model:expr, $family:ident => $what:expr) => {
+        match $model {
+            Model::Kelvin($family) => $what,
+            Model::Elastoplastic($family) => $what,
+            Model::Maxwell($family) => $what,
+            Model::Nonlinear1($family) => $what,
+            Model::Nonlinear2($family) => $what,
+            Model::DoubleSpringMassDamper($family) => $what,
+            Model::TripleSpringMassDamper($family) => $what,
+        }
+    };
+}
+
 impl Model {
     /// Which family it is of.
     pub fn kind(&self) -> ModelKind {
@@ -44,41 +59,24 @@ impl Model {
     /// Refuses parameters for which the model has no meaning: masses that are not positive, numbers that are not
     /// finite. Negative springs and dampers pass where the equations allow them: solvers do return such sets.
     pub fn check(&self) -> Result<(), LumpedError> {
-        match self {
-            Self::Kelvin(m) => m.check(),
-            Self::Elastoplastic(m) => m.check(),
-            Self::Maxwell(m) => m.check(),
-            Self::Nonlinear1(m) => m.check(),
-            Self::Nonlinear2(m) => m.check(),
-            Self::DoubleSpringMassDamper(m) => m.check(),
-            Self::TripleSpringMassDamper(m) => m.structure().map(drop),
-        }
-    }
-
-    /// Masses from the barrier on, kg.
-    pub fn masses_kg(&self) -> Vec<f64> {
-        match self {
-            Self::Kelvin(m) => vec![m.mass_kg],
-            Self::Elastoplastic(m) => vec![m.mass_kg],
-            Self::Maxwell(m) => vec![m.mass_kg],
-            Self::Nonlinear1(m) => vec![m.mass_kg],
-            Self::Nonlinear2(m) => vec![m.mass_kg],
-            Self::DoubleSpringMassDamper(m) => vec![m.m1_kg, m.m2_kg],
-            Self::TripleSpringMassDamper(m) => m.masses_kg.to_vec(),
-        }
+        self.structure().map(drop)
     }
 
     /// The structure it is a name for: masses and elements. Errors: parameters without meaning.
     pub fn structure(&self) -> Result<Structure, LumpedError> {
-        self.check()?;
-        match self {
-            Self::Kelvin(m) => m.structure(),
-            Self::Elastoplastic(m) => m.structure(),
-            Self::Maxwell(m) => m.structure(),
-            Self::Nonlinear1(m) => m.structure(),
-            Self::Nonlinear2(m) => m.structure(),
-            Self::DoubleSpringMassDamper(m) => m.structure(),
-            Self::TripleSpringMassDamper(m) => m.structure(),
-        }
+        of_family!(self, model => model.structure())
+    }
+
+    /// The values of its parameters, in the order of [`ModelKind::parameters`].
+    ///
+    /// Whether the elastoplastic model lets go is no parameter: it is a choice of whoever simulates it.
+    pub(crate) fn values(&self) -> Vec<f64> {
+        of_family!(self, model => model.values())
+    }
+
+    /// Masses from the barrier on, kg.
+    pub fn masses_kg(&self) -> Vec<f64> {
+        let parameters = self.kind().parameters().iter().zip(self.values());
+        parameters.filter(|(parameter, _)| parameter.kind == ParameterKind::Mass).map(|(_, mass)| mass).collect()
     }
 }

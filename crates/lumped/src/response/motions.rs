@@ -88,7 +88,8 @@ impl Structure {
                 reader.fill_motions(step, &instants, &mut motions);
                 for (p, derivative) in derivatives.iter_mut().enumerate() {
                     for (mass, motion) in derivative.iter_mut().enumerate() {
-                        reader.fill_series(step, &instants, &changes.series(mass, p), motion);
+                        let [x, v, a] = &changes.series(mass, p);
+                        reader.fill(step, &instants, [x, v, a], None, motion);
                     }
                 }
             }

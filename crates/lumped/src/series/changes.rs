@@ -65,6 +65,12 @@ fn add(sum: &mut Lanes, factor: f64, terms: &Lanes) {
     }
 }
 
+/// Differences lane by lane.
+#[inline(always)]
+fn minus(a: &Lanes, b: &Lanes) -> Lanes {
+    std::array::from_fn(|p| a[p] - b[p])
+}
+
 /// Coefficient `k` of the product of a series with changes.
 #[inline(always)]
 fn lane_product(series: &Series, change: &LaneSeries, k: usize) -> Lanes {
@@ -141,10 +147,9 @@ impl Changes {
     /// An element goes to its next branch, between two steps.
     pub fn enter(&mut self, law: &dyn Law, link: usize, before: &Branch, strain: Strain, [front, rear]: [usize; 2]) {
         for block in &mut self.blocks {
-            let by_u: Lanes = std::array::from_fn(|p| block.nodes[rear].x[0][p] - block.nodes[front].x[0][p]);
-            for p in 0..ABREAST {
-                let set = &mut block.links[link].set[p];
-                *set = law.set_by(before, strain, by_u[p], place_in(block.places[p], link), *set);
+            let by_u = minus(&block.nodes[rear].x[0], &block.nodes[front].x[0]);
+            for ((set, by_u), place) in block.links[link].set.iter_mut().zip(by_u).zip(block.places) {
+                *set = law.set_by(before, strain, by_u, place_in(place, link), *set);
             }
         }
     }
@@ -196,29 +201,21 @@ impl WithSimd for Expand<'_> {
             }
             for (link, change) in step.links.iter().zip(&mut block.links) {
                 let [front, rear] = link.nodes;
-                for p in 0..ABREAST {
-                    change.u[k][p] = block.nodes[rear].x[k][p] - block.nodes[front].x[k][p];
-                    change.w[k][p] = block.nodes[rear].v[k][p] - block.nodes[front].v[k][p];
-                }
+                change.u[k] = minus(&block.nodes[rear].x[k], &block.nodes[front].x[k]);
+                change.w[k] = minus(&block.nodes[rear].v[k], &block.nodes[front].v[k]);
                 let force = force_change(link, change, k);
-                for p in 0..ABREAST {
-                    block.nodes[rear].a[k][p] -= force[p];
-                    block.nodes[front].a[k][p] += force[p];
-                }
+                add(&mut block.nodes[rear].a[k], -1.0, &force);
+                add(&mut block.nodes[front].a[k], 1.0, &force);
             }
-            let factor = 1.0 / (k + 1) as f64;
             // The barrier moves as it is driven, whatever the parameters.
             for (mass, per_mass) in step.per_mass.iter().enumerate() {
-                let node = &mut block.nodes[mass];
-                for p in 0..ABREAST {
-                    let pushed = if masses[p] == mass { step.nodes[mass].a[k] } else { 0.0 };
-                    node.a[k][p] = (node.a[k][p] - pushed) * per_mass;
+                let NodeChange { x, v, a } = &mut block.nodes[mass];
+                for (a, by) in a[k].iter_mut().zip(&masses) {
+                    *a = (*a - if *by == mass { step.nodes[mass].a[k] } else { 0.0 }) * per_mass;
                 }
                 if k < ORDER {
-                    for p in 0..ABREAST {
-                        node.x[k + 1][p] = node.v[k][p] * factor;
-                        node.v[k + 1][p] = node.a[k][p] * factor;
-                    }
+                    let factor = 1.0 / (k + 1) as f64;
+                    (x[k + 1], v[k + 1]) = (v[k].map(|v| v * factor), a[k].map(|a| a * factor));
                 }
             }
         }
@@ -247,9 +244,8 @@ fn force_change(link: &LinkSeries, change: &mut LinkChange, k: usize) -> Lanes {
     let ww = if any(|law| law.ww) { product(&link.w, &link.w, k) } else { 0.0 };
     let uw = if any(|law| law.uw) { product(&link.u, &link.w, k) } else { 0.0 };
     let (one, u, w, z) = (if k == 0 { 1.0 } else { 0.0 }, link.u[k], link.w[k], link.z[k]);
-    for p in 0..ABREAST {
-        let by = &change.law[p];
-        force[p] += by.constant * one + by.u * u + by.w * w + by.z * z + by.uu * uu + by.ww * ww + by.uw * uw;
+    for (force, by) in force.iter_mut().zip(&change.law) {
+        *force += by.constant * one + by.u * u + by.w * w + by.z * z + by.uu * uu + by.ww * ww + by.uw * uw;
     }
     if let Some(inner) = &link.inner {
         add(&mut force, law.z, &change.z[k]);

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::series::step::{Series, Step};
+use crate::series::step::{Series, Step, values};
 use crate::structure::form::{Form, Strain};
 use crate::{Instants, Motion};
 
@@ -58,39 +58,36 @@ impl Reader {
 
     /// Displacement of a mass in `step` at the instants `at`, each at its place in the wave.
     pub fn fill_displacement(&self, step: &Step, at: &Range<usize>, mass: usize, wave: &mut [f64]) {
-        self.fill(step, at, [&step.nodes[mass].x], [wave], None);
+        for from in at.clone().step_by(LANES) {
+            let tau = self.since_start(step, from);
+            put(&mut wave[from..at.end], &values::<LANES>(&step.nodes[mass].x, &tau));
+        }
     }
 
     /// The motion of every mass in `step` at the instants `at`.
     pub fn fill_motions(&self, step: &Step, at: &Range<usize>, motions: &mut [Motion]) {
         let law = step.law_of_one_mass();
         for (node, motion) in step.nodes.iter().zip(motions) {
-            let Motion { displacement_m: x, velocity_m_per_s: v, acceleration_m_per_s2: a } = motion;
-            match law {
-                Some(law) => self.fill(step, at, [&node.x, &node.v], [x, v], Some((law, a))),
-                None => self.fill(step, at, [&node.x, &node.v, &node.a], [x, v, a], None),
-            }
+            self.fill(step, at, [&node.x, &node.v, &node.a], law, motion);
         }
     }
 
-    /// A motion whose three waves have these series.
-    pub fn fill_series(&self, step: &Step, at: &Range<usize>, [x, v, a]: &[Series; 3], motion: &mut Motion) {
-        let Motion { displacement_m, velocity_m_per_s, acceleration_m_per_s2 } = motion;
-        self.fill(step, at, [x, v, a], [displacement_m, velocity_m_per_s, acceleration_m_per_s2], None);
+    /// A motion whose waves have these series; its acceleration by a form of displacement and velocity, if there is
+    /// one.
+    pub fn fill(&self, step: &Step, at: &Range<usize>, series: [&Series; 3], law: Option<Form>, motion: &mut Motion) {
+        let Motion { displacement_m: x, velocity_m_per_s: v, acceleration_m_per_s2: a } = motion;
+        let out = [x, v, a].map(|wave| &mut wave[at.clone()]);
+        self.arch.dispatch(Fill { reader: self, step, first: at.start, series, law, out });
     }
 
-    fn fill<const N: usize>(
-        &self,
-        step: &Step,
-        at: &Range<usize>,
-        series: [&Series; N],
-        mut waves: [&mut [f64]; N],
-        law: Option<(Form, &mut [f64])>,
-    ) {
-        let out = waves.each_mut().map(|wave| &mut wave[at.clone()]);
-        let (first, clock) = (at.start, [self.at.first_s, self.at.dt_s, step.start_s]);
-        let law = law.map(|(form, wave)| (form, &mut wave[at.clone()]));
-        self.arch.dispatch(Fill { first, clock, series, out, law });
+    /// Times after the start of a step of the instants from number `first` on.
+    #[inline(always)]
+    fn since_start<const L: usize>(&self, step: &Step, first: usize) -> [f64; L] {
+        let mut tau = [0.0; L];
+        for (lane, tau) in tau.iter_mut().enumerate() {
+            *tau = self.at.first_s + (first + lane) as f64 * self.at.dt_s - step.start_s;
+        }
+        tau
     }
 }
 
@@ -98,18 +95,17 @@ impl Reader {
 /// busy.
 const LANES: usize = 8;
 
-/// Values of polynomials from instant number `first` on; `clock` holds the first instant, their spacing and the start
-/// of the step.
-struct Fill<'a, const N: usize> {
+/// A motion over the instants of a step, from number `first` on.
+struct Fill<'a> {
+    reader: &'a Reader,
+    step: &'a Step,
     first: usize,
-    clock: [f64; 3],
-    series: [&'a Series; N],
-    out: [&'a mut [f64]; N],
-    /// A form of the first two values, and where it goes.
-    law: Option<(Form, &'a mut [f64])>,
+    series: [&'a Series; 3],
+    law: Option<Form>,
+    out: [&'a mut [f64]; 3],
 }
 
-impl<const N: usize> WithSimd for Fill<'_, N> {
+impl WithSimd for Fill<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -122,7 +118,7 @@ impl<const N: usize> WithSimd for Fill<'_, N> {
     }
 }
 
-impl<const N: usize> Fill<'_, N> {
+impl Fill<'_> {
     /// All instants, the last few by themselves.
     #[inline(always)]
     fn in_blocks_of<const L: usize>(&mut self) {
@@ -138,58 +134,29 @@ impl<const N: usize> Fill<'_, N> {
 
     #[inline(always)]
     fn block<const L: usize>(&mut self, from: usize) {
-        let [first_s, dt_s, start_s] = self.clock;
-        let mut tau = [0.0; L];
-        for (lane, tau) in tau.iter_mut().enumerate() {
-            *tau = first_s + (self.first + from + lane) as f64 * dt_s - start_s;
+        let tau = self.reader.since_start::<L>(self.step, self.first + from);
+        let [x, v, a] = self.series;
+        // Two side by side keep the processor busy.
+        let (mut u, mut w) = ([0.0; L], [0.0; L]);
+        for (of_x, of_v) in x.iter().zip(v).rev() {
+            for lane in 0..L {
+                u[lane] = u[lane] * tau[lane] + of_x;
+                w[lane] = w[lane] * tau[lane] + of_v;
+            }
         }
-        let mut values = [[0.0; L]; N];
-        if N == 1 {
-            values[0] = polynomial(self.series[0], &tau);
-        } else {
-            // Two side by side keep the processor busy.
-            (values[0], values[1 % N]) = two_polynomials([self.series[0], self.series[1 % N]], &tau);
+        let mut acceleration = [0.0; L];
+        match &self.law {
+            Some(law) => {
+                for lane in 0..L {
+                    acceleration[lane] = law.at(Strain { u: u[lane], w: w[lane], z: 0.0 });
+                }
+            }
+            None => acceleration = values(a, &tau),
         }
-        if N > 2 {
-            values[2 % N] = polynomial(self.series[2 % N], &tau);
-        }
-        for (out, values) in self.out.iter_mut().zip(&values) {
+        for (out, values) in self.out.iter_mut().zip([&u, &w, &acceleration]) {
             put(&mut out[from..], values);
         }
-        if let Some((form, out)) = &mut self.law {
-            let (u, w) = (values[0], values[1 % N]);
-            let mut value = [0.0; L];
-            for lane in 0..L {
-                value[lane] = form.at(Strain { u: u[lane], w: w[lane], z: 0.0 });
-            }
-            put(&mut out[from..], &value);
-        }
     }
-}
-
-/// Values of a polynomial.
-#[inline(always)]
-fn polynomial<const L: usize>(series: &Series, tau: &[f64; L]) -> [f64; L] {
-    let mut sum = [0.0; L];
-    for term in series.iter().rev() {
-        for lane in 0..L {
-            sum[lane] = sum[lane] * tau[lane] + term;
-        }
-    }
-    sum
-}
-
-/// Values of two.
-#[inline(always)]
-fn two_polynomials<const L: usize>([a, b]: [&Series; 2], tau: &[f64; L]) -> ([f64; L], [f64; L]) {
-    let (mut x, mut y) = ([0.0; L], [0.0; L]);
-    for (of_x, of_y) in a.iter().zip(b).rev() {
-        for lane in 0..L {
-            x[lane] = x[lane] * tau[lane] + of_x;
-            y[lane] = y[lane] * tau[lane] + of_y;
-        }
-    }
-    (x, y)
 }
 
 /// Lanes beyond the end are not used.

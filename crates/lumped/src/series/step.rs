@@ -82,11 +82,12 @@ pub(crate) fn value(series: &Series, tau: f64) -> f64 {
 }
 
 /// Values of a polynomial at several instants.
+#[inline(always)]
 pub(crate) fn values<const L: usize>(series: &Series, tau: &[f64; L]) -> [f64; L] {
     let mut sums = [0.0; L];
     for term in series.iter().rev() {
-        for (sum, tau) in sums.iter_mut().zip(tau) {
-            *sum = *sum * tau + term;
+        for lane in 0..L {
+            sums[lane] = sums[lane] * tau[lane] + term;
         }
     }
     sums
@@ -101,16 +102,6 @@ pub(crate) fn integral(series: &Series, tau: f64) -> f64 {
 #[inline]
 pub(crate) fn product(a: &Series, b: &Series, k: usize) -> f64 {
     a[..=k].iter().zip(b[..=k].iter().rev()).map(|(a, b)| a * b).sum()
-}
-
-/// Coefficient `k` of the square of a series: every product but that of the middle term occurs twice. The newest
-/// coefficient comes last, so that the sum of the others need not wait for it.
-#[inline(always)]
-fn square(a: &Series, k: usize) -> f64 {
-    let half = k.div_ceil(2);
-    let twice = a[..half].iter().zip(a[k + 1 - half..=k].iter().rev()).rev().map(|(a, b)| a * b).sum::<f64>();
-    let middle = if k.is_multiple_of(2) { a[k / 2] * a[k / 2] } else { 0.0 };
-    middle + 2.0 * twice
 }
 
 /// Largest modulus.
@@ -288,14 +279,10 @@ fn recurrence(nodes: &mut [NodeSeries], links: &mut [LinkSeries], per_mass: &[f6
             let (u, w) = (nodes[rear].x[k] - nodes[front].x[k], nodes[rear].v[k] - nodes[front].v[k]);
             (link.u[k], link.w[k]) = (u, w);
             let mut force = law.u * u + law.w * w + if k == 0 { law.constant } else { 0.0 };
-            if law.uu != 0.0 {
-                force += law.uu * square(&link.u, k);
-            }
-            if law.ww != 0.0 {
-                force += law.ww * square(&link.w, k);
-            }
-            if law.uw != 0.0 {
-                force += law.uw * product(&link.u, &link.w, k);
+            for (factor, a, b) in [(law.uu, &link.u, &link.u), (law.ww, &link.w, &link.w), (law.uw, &link.u, &link.w)] {
+                if factor != 0.0 {
+                    force += factor * product(a, b, k);
+                }
             }
             if let Some(inner) = link.inner {
                 let z = link.z[k];

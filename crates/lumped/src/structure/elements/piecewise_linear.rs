@@ -199,9 +199,9 @@ mod tests {
                 let mut points = values;
                 let point = &mut points[parameter / 2];
                 if parameter % 2 == 0 {
-                    point.1 += by
+                    point.1 += by;
                 } else {
-                    point.0 += by
+                    point.0 += by;
                 }
                 PiecewiseLinear::new(&points).unwrap()
             };
