@@ -7,7 +7,7 @@ parser = argparse.ArgumentParser()
 parser.add_argument("inputs", nargs="+")
 parser.add_argument("-o", "--output", required=True)
 parser.add_argument("-p", "--pipeline")
-args = parser.parse_args()
+args, _ = parser.parse_known_args()  # -q, --force and the like are for stages that know them
 
 test, waves = None, {}
 for path in args.inputs:

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crumple_artifact::records::*;
-use crumple_artifact::{Codec, Record};
+use crumple_artifact::{Codec, Record, SCHEMAS};
 
 /// Sixteen bytes a line, so that a difference points at a place.
 fn hex(bytes: &[u8]) -> String {

@@ -2,7 +2,8 @@
 //! squares without normal equations, inner products in a fixed order; and the Fourier transforms of all crates.
 //!
 //! Every function gives the same bits for the same input: sums run in an order that is written down, and no routine
-//! picks another one by the processor, but the Fourier transform. Matrices are nalgebra's `DMatrix<f64>`, column-major; vectors are slices.
+//! picks another one by the processor, but the Fourier transform. Matrices are nalgebra's `DMatrix<f64>`, column-major;
+//! vectors are slices.
 //!
 //! rooms: least_squares | svd | product fourier
 

@@ -6,9 +6,10 @@
 
 use std::hint::black_box;
 
-use crumple_lumped::{CoefficientMatching, Model, Reading};
+use crumple_lumped::{CoefficientMatching, DoubleSpringMassDamper, Model, Reading};
 use crumple_lumped_fit::{
-    FireflyOptions, FireflyUnits, SingleMassFitOptions, firefly_nonlinear2, fit_maxwell, fit_nonlinear1, fit_nonlinear2,
+    DoubleFitOptions, FireflyOptions, FireflyUnits, SingleMassFitOptions, firefly_nonlinear2, fit_double, fit_maxwell,
+    fit_nonlinear1, fit_nonlinear2,
 };
 use crumple_signal::Signal;
 use crumple_testkit::stopwatch::best_us;
@@ -53,6 +54,34 @@ fn main() {
     time("maxwell", "-", || {
         black_box(fit_maxwell(&x, &options).unwrap());
     });
+    for (name, dampers) in [("light", [6e3, 9e3]), ("strong", [6e4, 4e4])] {
+        let [c1_n_s_per_m, c2_n_s_per_m] = dampers;
+        let springs = DoubleSpringMassDamper {
+            m1_kg: 375.0,
+            m2_kg: 1125.0,
+            k1_n_per_m: 9e5,
+            k2_n_per_m: 1e6,
+            c1_n_s_per_m,
+            c2_n_s_per_m,
+        };
+        let crush_s = springs.events(13.0).unwrap()[1].time_of_dynamic_crush_s.unwrap();
+        let options = DoubleFitOptions {
+            m1_kg: springs.m1_kg,
+            m2_kg: springs.m2_kg,
+            impact_speed_m_per_s: 13.0,
+            time_zero_s: 0.0,
+            from_s: 0.0,
+            to_s: Some(crush_s),
+            samples: 250,
+            starts: 24,
+            resolution_m: 0.0,
+        };
+        let response = Model::DoubleSpringMassDamper(springs).respond(13.0, 1e-4, 2501).unwrap();
+        let x = Signal::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap();
+        time(&format!("double, four parameters, {name} damping, 24 starts"), "-", || {
+            black_box(fit_double(&x, &options).unwrap());
+        });
+    }
     // Errors over 20 seeds, 20,000 evaluations each.
     for (name, units) in [("as printed", FireflyUnits::Physical), ("in the unit box", FireflyUnits::Unit)] {
         let mut errors: Vec<f64> = (1..=20)

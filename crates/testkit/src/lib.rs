@@ -1,9 +1,10 @@
 //! Helpers for the workspace's tests, and the fixture generator. A dev-dependency only.
 //!
-//! rooms: bytes | programs records | random places benchmark
+//! rooms: bytes interval_cover | programs records | random places benchmark
 
 mod benchmark;
 pub mod bytes;
+pub mod interval_cover;
 mod places;
 mod programs;
 mod random;

@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;
 
-use crumple_artifact::records::{SCHEMAS, TestV1, WaveBlockV1};
-use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Record, WAVE_PREFIX, Wave, WriteError, put_json};
+use crumple_artifact::records::{TestV1, WaveBlockV1};
+use crumple_artifact::{
+    Artifact, ArtifactBuilder, Compression, Record, SCHEMAS, WAVE_PREFIX, Wave, WriteError, put_json,
+};
 use crumple_signal::{QuantityKind, Sampled};
 use serde::de::DeserializeOwned;
 

@@ -4,8 +4,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use anyhow::Context;
-use crumple_artifact::records::SCHEMAS;
-use crumple_artifact::{Artifact, ArtifactBuilder, Provenance, Wave, write_atomically};
+use crumple_artifact::{Artifact, ArtifactBuilder, Provenance, SCHEMAS, Wave, write_atomically};
 use crumple_artifact_cli::{
     PlainError, PlainProvenance, PlainWave, assemble, f64_bytes, parse_lines, plain_records, plain_waves,
 };

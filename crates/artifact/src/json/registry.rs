@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::records::{Record, SCHEMAS, TypeVisitor, with_type};
+use crate::layout::record::{Record, SCHEMAS, TypeVisitor, with_type};
 use crate::{Artifact, ArtifactBuilder, RawRecord, ReadError, WriteError};
 
 /// How JSON is laid out.

@@ -6,6 +6,7 @@ pub mod digest;
 pub mod finite;
 pub mod names;
 pub mod provenance;
+pub mod record;
 pub mod schema;
 pub mod time_origin;
 pub mod wave;

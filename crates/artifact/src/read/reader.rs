@@ -14,11 +14,11 @@ use super::chunk::{Directory, Topic, unpack};
 use crate::error::ReadError;
 use crate::layout::codec::{Codec, decode_wave_block};
 use crate::layout::digest::ContentDigest;
-use crate::layout::finite::first_non_finite;
 use crate::layout::names::{CONTENT, WAVE_PREFIX, is_later_version};
 use crate::layout::provenance::{FORMAT_VERSION, PROVENANCE, Provenance};
+use crate::layout::record::Record;
 use crate::layout::wave::{Wave, WaveAssembler};
-use crate::records::{Record, TestV1, WaveBlockV1};
+use crate::records::{TestV1, WaveBlockV1};
 
 /// Records other than chunks are small; an absurd length is damage or an attack.
 const MAX_RECORD_BYTES: usize = 5 << 30;
@@ -117,8 +117,8 @@ impl Artifact {
         }
         let message = |problem| ReadError::Message { path: self.path.clone(), topic: raw.topic.clone(), problem };
         let codec = Codec::from_name(&raw.encoding).ok_or_else(|| message(unread_encoding(&raw.encoding)))?;
-        let record: R = codec.decode(&raw.payload).map_err(message)?;
-        match first_non_finite(&record) {
+        let record = R::decode(codec, &raw.payload).map_err(message)?;
+        match record.first_non_finite() {
             Some((field, value)) => Err(message(format!("{field} is {value}, a finite number is needed"))),
             None => Ok(record),
         }

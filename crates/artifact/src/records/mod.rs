@@ -10,7 +10,6 @@
 mod fitted;
 mod identified;
 mod measured;
-mod record;
 mod run;
 
 pub use fitted::{
@@ -26,6 +25,4 @@ pub use measured::{
     ChannelFilterV1, ChannelV1, CorridorPointV1, EventIntervalV1, EventsV1, MetricV1, MetricsV1, MissingIntervalV1,
     QualityV1, SourceV1, TestV1, WaveBlockV1,
 };
-pub use record::{Record, SCHEMAS};
-pub(crate) use record::{TypeVisitor, with_type};
 pub use run::{DiagnosisV1, NotesV1};

@@ -11,13 +11,12 @@ use super::atomic::replace_atomically;
 use crate::error::WriteError;
 use crate::layout::codec::{Codec, encode_wave_block};
 use crate::layout::digest::ContentDigest;
-use crate::layout::finite::first_non_finite;
 use crate::layout::names::{CONTENT, LIBRARY, WAVE_PREFIX};
 use crate::layout::provenance::{PROVENANCE, Provenance};
-use crate::layout::schema::viewer_safe_schema;
+use crate::layout::record::Record;
 use crate::layout::time_origin::{log_time, origin_ns, to_ns};
 use crate::layout::wave::{BLOCK_SAMPLES, Wave};
-use crate::records::{Record, WaveBlockV1};
+use crate::records::WaveBlockV1;
 
 /// Compression of the chunks. The content digest does not depend on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -58,15 +57,15 @@ impl ArtifactBuilder {
         if self.records.iter().any(|r| r.topic == topic) {
             return Err(WriteError::Duplicate(topic.to_owned()));
         }
-        if let Some((field, value)) = first_non_finite(record) {
+        if let Some((field, value)) = record.first_non_finite() {
             return Err(WriteError::NotFinite { topic: topic.to_owned(), field, value });
         }
         let encode = |problem| WriteError::Encode { topic: topic.to_owned(), problem };
         self.records.push(Small {
             topic: topic.to_owned(),
             schema: R::SCHEMA,
-            schema_json: viewer_safe_schema::<R>().to_string().into_bytes(),
-            payload: Codec::Json.encode(record).map_err(encode)?,
+            schema_json: R::schema_json(),
+            payload: record.encode(Codec::Json).map_err(encode)?,
         });
         Ok(())
     }
@@ -166,7 +165,7 @@ impl ArtifactBuilder {
         }
 
         // One pass over all waveforms in order of time, so that log times never fall.
-        let schema_json = viewer_safe_schema::<WaveBlockV1>().to_string().into_bytes();
+        let schema_json = WaveBlockV1::schema_json();
         let mut blocks = Vec::new();
         for (id, wave) in &self.waves {
             let schema = writer.add_schema(WaveBlockV1::SCHEMA, "jsonschema", &schema_json)?;

@@ -4,12 +4,13 @@
 //! else differences (one-sided in the descent: relative error near 1e-8; central at the minimum: near 1e-10). Unknowns
 //! should be of size one: the caller scales. Each iteration solves `min |J d + r|² + lambda |D d|²` by QR of the
 //! triangle of `J`, never by normal equations; `D` has the largest column norms seen (Marquardt), `lambda` follows
-//! Nielsen's gain ratio. Local: the result depends on the start. Four unknowns have a version of fixed size,
-//! [`levenberg_marquardt_4`](super::levenberg_marquardt_4).
+//! Nielsen's gain ratio. An unknown on a bound beyond which the cost falls is fixed for the step, and no step leaves
+//! the box. Local: the result depends on the start.
 //!
 //! Madsen, Nielsen, Tingleff, *Methods for non-linear least squares problems*, 2nd ed., 2004, section 3.2.
 
-use nalgebra::{DMatrix, DVector};
+use crumple_linalg::{TriangularFactor, dot};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::stop_reason::StopReason;
@@ -66,42 +67,53 @@ pub struct Optimum {
 /// Difference step in units of the parameters, which are of size one: rounding of the response (1e-15) over it and its
 /// square meet near 1e-8 of the sensitivities.
 const DIFFERENCE: f64 = 1e-7;
+/// Largest cosine between the residuals and a sensitivity that counts as orthogonal: rounding.
+const ORTHOGONAL: f64 = 1e-14;
+/// Largest step of an unknown, which is of size one, that counts as standing still: rounding.
+const STANDING: f64 = 1e-14;
 /// Step of the central differences at a minimum, in the same units.
 const CENTRAL_DIFFERENCE: f64 = 1e-5;
 
 /// The linearised problem, reduced by QR: `|J d + r|² = |R d + q|² + rest`.
 struct Linear {
-    r: DMatrix<f64>,
-    q: DVector<f64>,
+    /// Triangle of `[J, r]`.
+    triangle: TriangularFactor,
+    /// `J' r`.
+    gradient: Vec<f64>,
+    /// Norms of the columns of `J`.
+    norms: Vec<f64>,
 }
 
 /// Descends from `start`, which is moved into the bounds; `None` if it has no finite response. Parameters should be of
 /// size one. Method and sources: see the head of this file.
 pub fn descend(problem: &impl Response, start: &[f64], bounds: &Bounds) -> Option<Optimum> {
     let n = start.len();
-    let clamp =
-        |theta: &[f64]| -> Vec<f64> { (0..n).map(|i| theta[i].clamp(bounds.lower[i], bounds.upper[i])).collect() };
-    let mut theta = clamp(start);
+    let into_box = |theta: &mut [f64]| {
+        for (x, (low, high)) in theta.iter_mut().zip(bounds.lower.iter().zip(&bounds.upper)) {
+            *x = x.clamp(*low, *high);
+        }
+    };
+    let mut theta = start.to_vec();
+    into_box(&mut theta);
     let mut residuals = vec![0.0; problem.rows()];
     let mut next_residuals = residuals.clone();
-    let cost_of = |r: &[f64]| r.iter().map(|x| x * x).sum::<f64>();
     if !problem.residuals(&theta, &mut residuals) {
         return None;
     }
-    let mut cost = cost_of(&residuals);
+    let mut cost = dot(&residuals, &residuals);
     let mut evaluations = 1;
-    let mut linear = linearise(problem, &theta, &residuals, bounds, &mut evaluations)?;
-    let mut scale = DVector::zeros(n);
+    let mut jacobian = DMatrix::zeros(problem.rows(), n + 1);
+    let mut linear = linearise(problem, &theta, &residuals, bounds, &mut jacobian, &mut evaluations)?;
+    let mut on_bound = fixed_at_bound(&theta, &linear, bounds);
+    let mut scale = vec![0.0; n];
     let (mut lambda, mut growth) = (1e-3, 2.0);
     let mut iterations = 0;
     let stop = loop {
-        for i in 0..n {
-            scale[i] = linear.r.column(i).norm().max(scale[i]);
+        for (scale, norm) in scale.iter_mut().zip(&linear.norms) {
+            *scale = norm.max(*scale);
         }
-        let on_bound = fixed_at_bound(&theta, &linear, bounds);
-        let gradient = linear.r.tr_mul(&linear.q);
         let size = cost.sqrt();
-        if (0..n).filter(|&i| !on_bound[i]).all(|i| gradient[i].abs() <= 1e-14 * linear.r.column(i).norm() * size) {
+        if (0..n).all(|i| on_bound[i] || linear.gradient[i].abs() <= ORTHOGONAL * linear.norms[i] * size) {
             break StopReason::GradientConverged;
         }
         if cost <= problem.exact() {
@@ -111,35 +123,38 @@ pub fn descend(problem: &impl Response, start: &[f64], bounds: &Bounds) -> Optio
             break StopReason::IterationLimit;
         }
         iterations += 1;
-        let Some(step) = damped_step(&linear, &scale, lambda, &on_bound, &theta, bounds) else {
+        let Some(mut step) = damped_step(&linear, &scale, lambda, &on_bound, &theta, bounds) else {
             lambda *= growth;
             growth *= 2.0;
             continue;
         };
-        let next = clamp(&(0..n).map(|i| theta[i] + step[i]).collect::<Vec<_>>());
-        let step = DVector::from_fn(n, |i, _| next[i] - theta[i]);
-        if step.amax() <= 1e-14 {
+        let mut next: Vec<f64> = theta.iter().zip(&step).map(|(x, d)| x + d).collect();
+        into_box(&mut next);
+        for (d, (next, x)) in step.iter_mut().zip(next.iter().zip(&theta)) {
+            *d = next - x;
+        }
+        if step.iter().all(|d| d.abs() <= STANDING) {
             break StopReason::StepConverged;
         }
-        let predicted = linear.q.norm_squared() - (&linear.r * &step + &linear.q).norm_squared();
+        let predicted = predicted_decrease(&linear, &step);
         evaluations += 1;
-        let next_cost =
-            if problem.residuals(&next, &mut next_residuals) { cost_of(&next_residuals) } else { f64::INFINITY };
+        let next_cost = if problem.residuals(&next, &mut next_residuals) {
+            dot(&next_residuals, &next_residuals)
+        } else {
+            f64::INFINITY
+        };
         let decrease = cost - next_cost;
         let small = bounds.cost_tolerance * cost;
         if decrease > 0.0 && predicted > 0.0 {
-            let gain = decrease / predicted;
-            let done = decrease <= small && predicted <= small;
+            // A finite cost and no finite sensitivities: stay with the last point that has both.
+            let there = linearise(problem, &next, &next_residuals, bounds, &mut jacobian, &mut evaluations);
+            let Some(there) = there else { break StopReason::StepConverged };
             std::mem::swap(&mut residuals, &mut next_residuals);
-            theta = next;
-            cost = next_cost;
-            let Some(new) = linearise(problem, &theta, &residuals, bounds, &mut evaluations) else {
-                break StopReason::StepConverged;
-            };
-            linear = new;
-            lambda *= (1.0_f64 / 3.0).max(1.0 - (2.0 * gain - 1.0).powi(3));
+            (theta, cost, linear) = (next, next_cost, there);
+            on_bound = fixed_at_bound(&theta, &linear, bounds);
+            lambda *= (1.0_f64 / 3.0).max(1.0 - (2.0 * decrease / predicted - 1.0).powi(3));
             growth = 2.0;
-            if done {
+            if decrease <= small && predicted <= small {
                 break StopReason::CostConverged;
             }
         } else {
@@ -150,42 +165,52 @@ pub fn descend(problem: &impl Response, start: &[f64], bounds: &Bounds) -> Optio
             growth *= 2.0;
         }
     };
-    let on_bound = fixed_at_bound(&theta, &linear, bounds);
-    Some(Optimum { theta, cost, r: linear.r, on_bound, iterations, evaluations, stop })
+    let r = linear.triangle.matrix().view((0, 0), (n, n)).into_owned();
+    Some(Optimum { theta, cost, r, on_bound, iterations, evaluations, stop })
 }
 
-/// Sensitivities and residuals at `theta`, reduced to a triangle; `None` where one of them is not finite. Counts
-/// evaluations.
+/// Sensitivities and residuals at `theta`, reduced to a triangle; `None` where one of them is not finite. `matrix`, of
+/// one column more than there are unknowns, is overwritten. Counts evaluations.
 fn linearise(
     problem: &impl Response,
     theta: &[f64],
     residuals: &[f64],
     bounds: &Bounds,
+    matrix: &mut DMatrix<f64>,
     evaluations: &mut u64,
 ) -> Option<Linear> {
-    let (n, rows) = (theta.len(), residuals.len());
-    let mut matrix = DMatrix::zeros(rows, n + 1);
-    let analytic = problem.sensitivities(theta, &mut matrix);
-    if analytic == Some(false) {
-        return None;
-    }
-    *evaluations += u64::from(analytic.is_some());
-    if analytic.is_none() {
-        let columns: Vec<(Option<Vec<f64>>, u64)> =
-            (0..n).into_par_iter().map(|i| difference(problem, theta, residuals, bounds, i)).collect();
-        for (i, (column, spent)) in columns.into_iter().enumerate() {
-            *evaluations += spent;
-            matrix.column_mut(i).copy_from_slice(&column?);
+    let n = theta.len();
+    matrix.fill(0.0);
+    match problem.sensitivities(theta, matrix) {
+        Some(true) => *evaluations += 1,
+        Some(false) => return None,
+        None => {
+            let columns: Vec<(Option<Vec<f64>>, u64)> =
+                (0..n).into_par_iter().map(|i| difference(problem, theta, residuals, bounds, i)).collect();
+            for (i, (column, spent)) in columns.into_iter().enumerate() {
+                *evaluations += spent;
+                matrix.column_mut(i).copy_from_slice(&column?);
+            }
         }
     }
     matrix.column_mut(n).copy_from_slice(residuals);
-    let triangle = matrix.qr().r();
-    let kept = n.min(triangle.nrows());
-    let mut r = DMatrix::zeros(n, n);
-    let mut q = DVector::zeros(n);
-    r.view_mut((0, 0), (kept, n)).copy_from(&triangle.view((0, 0), (kept, n)));
-    q.rows_mut(0, kept).copy_from(&triangle.view((0, n), (kept, 1)));
-    (r.iter().chain(q.iter()).all(|x| x.is_finite())).then_some(Linear { r, q })
+    let mut triangle = TriangularFactor::new(n + 1);
+    // Never J'J: it would square the condition of the sensitivities.
+    triangle.push(residuals.len(), matrix.as_mut_slice());
+    let reduced = triangle.column(n);
+    let gradient = (0..n).map(|i| dot(triangle.column(i), &reduced[..=i])).collect();
+    let norms: Vec<f64> = (0..n).map(|i| dot(triangle.column(i), triangle.column(i)).sqrt()).collect();
+    (norms.iter().chain(reduced).all(|x| x.is_finite())).then_some(Linear { triangle, gradient, norms })
+}
+
+/// How much less than `|q|²` the linearised problem leaves after a step.
+fn predicted_decrease(linear: &Linear, step: &[f64]) -> f64 {
+    let before = &linear.triangle.column(step.len())[..step.len()];
+    let mut after = before.to_vec();
+    for (j, d) in step.iter().enumerate() {
+        after.iter_mut().zip(linear.triangle.column(j)).for_each(|(x, r)| *x += r * d);
+    }
+    dot(before, before) - dot(&after, &after)
 }
 
 /// The derivatives of the residuals at a minimum from central differences, one-sided at a bound; `None` where one has
@@ -247,7 +272,7 @@ fn difference(
 
 /// Unknowns on a bound with the descent direction pointing outwards.
 fn fixed_at_bound(theta: &[f64], linear: &Linear, bounds: &Bounds) -> Vec<bool> {
-    let gradient = linear.r.tr_mul(&linear.q);
+    let gradient = &linear.gradient;
     (0..theta.len())
         .map(|i| {
             (theta[i] <= bounds.lower[i] && gradient[i] >= 0.0) || (theta[i] >= bounds.upper[i] && gradient[i] <= 0.0)
@@ -259,30 +284,32 @@ fn fixed_at_bound(theta: &[f64], linear: &Linear, bounds: &Bounds) -> Vec<bool> 
 /// again given that. `None` where the step is not finite.
 fn damped_step(
     linear: &Linear,
-    scale: &DVector<f64>,
+    scale: &[f64],
     lambda: f64,
     on_bound: &[bool],
     theta: &[f64],
     bounds: &Bounds,
-) -> Option<DVector<f64>> {
+) -> Option<Vec<f64>> {
     let n = theta.len();
     let mut fixed: Vec<Option<f64>> = on_bound.iter().map(|fixed| fixed.then_some(0.0)).collect();
+    let mut block = vec![0.0; 2 * n * (n + 1)];
     loop {
-        let mut stacked = DMatrix::zeros(2 * n, n);
-        let mut right = DVector::zeros(2 * n);
-        stacked.view_mut((0, 0), (n, n)).copy_from(&linear.r);
-        let mut target = -&linear.q;
-        for i in 0..n {
-            if let Some(distance) = fixed[i] {
-                target -= linear.r.column(i) * distance;
-                stacked.column_mut(i).fill(0.0);
+        // Columns of `[R, -q; sqrt(lambda) D, 0]`; what is fixed goes to the right.
+        block.fill(0.0);
+        let (columns, target) = block.split_at_mut(2 * n * n);
+        target.iter_mut().zip(&linear.triangle.column(n)[..n]).for_each(|(t, q)| *t = -q);
+        for (j, column) in columns.chunks_exact_mut(2 * n).enumerate() {
+            let r = linear.triangle.column(j);
+            match fixed[j] {
+                Some(distance) => target.iter_mut().zip(r).for_each(|(t, r)| *t -= r * distance),
+                None => column[..r.len()].copy_from_slice(r),
             }
-            let weight = if fixed[i].is_none() && scale[i] > 0.0 { scale[i] } else { 1.0 };
-            stacked[(n + i, i)] = lambda.sqrt() * weight;
+            let weight = if fixed[j].is_none() && scale[j] > 0.0 { scale[j] } else { 1.0 };
+            column[n + j] = lambda.sqrt() * weight;
         }
-        right.rows_mut(0, n).copy_from(&target);
-        let qr = stacked.qr();
-        let mut step = qr.r().solve_upper_triangular(&qr.q().tr_mul(&right))?;
+        let mut damped = TriangularFactor::new(n + 1);
+        damped.push(2 * n, &mut block);
+        let mut step = damped.back_substitution()?;
         let mut leaves = false;
         for i in 0..n {
             let (down, up) = (bounds.lower[i] - theta[i], bounds.upper[i] - theta[i]);
@@ -295,8 +322,9 @@ fn damped_step(
                 None => {}
             }
         }
+        // At most as many rounds as unknowns: each fixes one more.
         if !leaves {
-            return step.iter().all(|x| x.is_finite()).then_some(step);
+            return Some(step);
         }
     }
 }

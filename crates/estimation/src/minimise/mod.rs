@@ -4,7 +4,6 @@
 pub mod interior_point;
 pub mod l_shade;
 pub mod levenberg_marquardt;
-pub mod levenberg_marquardt_4;
 pub mod separable_covariance;
 mod stop_reason;
 mod termination;

@@ -1,7 +1,7 @@
 //! Plans of the discrete Fourier transform of real vectors.
 //!
-//! The transforms are generic, and a crate that plans one itself compiles all of them, ten seconds each: they are planned
-//! here, once for the workspace.
+//! The transforms are generic, and a crate that plans one itself compiles all of them, ten seconds each: they are
+//! planned here, once for the workspace.
 
 use std::sync::Arc;
 

@@ -111,6 +111,28 @@ impl TriangularFactor {
         self.rows
     }
 
+    /// Column `j` of the factor down to its diagonal entry: `j + 1` entries.
+    pub fn column(&self, j: usize) -> &[f64] {
+        &self.r[j * self.columns..=j * (self.columns + 1)]
+    }
+
+    /// Solves for the last column in terms of the others by back substitution, without a look at the condition; `None`
+    /// where a coefficient is not finite.
+    pub fn back_substitution(&self) -> Option<Vec<f64>> {
+        let p = self.columns.checked_sub(1)?;
+        let mut x = self.column(p)[..p].to_vec();
+        for j in (0..p).rev() {
+            let (above, diagonal) = self.column(j).split_at(j);
+            let value = x[j] / diagonal[0];
+            if !value.is_finite() {
+                return None;
+            }
+            x[j] = value;
+            x[..j].iter_mut().zip(above).for_each(|(x, r)| *x -= value * r);
+        }
+        Some(x)
+    }
+
     /// The factor as a matrix.
     pub fn matrix(&self) -> DMatrix<f64> {
         DMatrix::from_column_slice(self.columns, self.columns, &self.r)
@@ -249,6 +271,9 @@ mod tests {
             assert!((found - exact).abs() < 1e-13, "{found} {exact}");
         }
         assert!(solution.residual_squares[0] < 1e-25 && solution.condition < 10.0);
+        for (substituted, decomposed) in factor.back_substitution().unwrap().iter().zip(solution.coefficients.iter()) {
+            assert!((substituted - decomposed).abs() < 1e-13, "{substituted} {decomposed}");
+        }
     }
 
     #[test]

@@ -13,8 +13,8 @@ pub(crate) const SCREENING_ITERATIONS: u32 = 24;
 pub(crate) const REPORTED: usize = 3;
 /// Sets whose weighted errors are within this factor of the best are reported: the record does not tell them apart.
 pub(crate) const AS_GOOD: f64 = 1.01;
-/// Two ends whose coordinates all differ by less than this are one minimum. Coordinates are logarithms or shares, so
-/// this is 1 %.
+/// Two ends of which all numbers of their places differ by less than this are one minimum. Places are logarithms or
+/// shares, so this is 1 %.
 const APART: f64 = 0.01;
 
 /// Bounds of a descent in the coordinates of a model. `cost_tolerance`: relative decrease of the cost below which it
@@ -41,15 +41,21 @@ pub(crate) fn all(problem: &impl Response, points: Vec<Vec<f64>>, bounds: &Bound
     (ends, evaluations)
 }
 
-/// The ends that are not at the place of a better one; `sorted` by cost, and so is the result.
+/// The ends that are not at the coordinates of a better one; `sorted` by cost, and so is the result.
 pub(crate) fn distinct(sorted: Vec<Optimum>) -> Vec<Optimum> {
-    let mut kept: Vec<Optimum> = Vec::new();
+    distinct_places(sorted, 2 * REPORTED, <[f64]>::to_vec)
+}
+
+/// The first `limit` ends that are not at the place of a better one, the numbers of a place all nearer than
+/// [`APART`]; `sorted` by cost, and so is the result.
+pub(crate) fn distinct_places(sorted: Vec<Optimum>, limit: usize, place: impl Fn(&[f64]) -> Vec<f64>) -> Vec<Optimum> {
+    let mut kept: Vec<(Optimum, Vec<f64>)> = Vec::with_capacity(limit);
     for minimum in sorted {
-        let same = |other: &Optimum| minimum.theta.iter().zip(&other.theta).all(|(a, b)| (a - b).abs() < APART);
-        if !kept.iter().any(same) {
-            kept.push(minimum);
+        let here = place(&minimum.theta);
+        let same = |there: &[f64]| here.iter().zip(there).all(|(a, b)| (a - b).abs() < APART);
+        if kept.len() < limit && !kept.iter().any(|(_, there)| same(there)) {
+            kept.push((minimum, here));
         }
     }
-    kept.truncate(2 * REPORTED);
-    kept
+    kept.into_iter().map(|(minimum, _)| minimum).collect()
 }

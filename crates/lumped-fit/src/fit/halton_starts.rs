@@ -1,19 +1,11 @@
 //! Starts that are spread evenly over a box: Halton points.
 
-use nalgebra::Vector4;
-
-/// Start `index` of a search in four coordinates: a Halton point in the bases 2, 3, 5, 7 in the box `lower..upper`.
+/// Start `index` of a search: a Halton point in the box `lower..upper`.
 ///
-/// The same for every run, and evenly spread for any number of starts: the discrepancy of `n` points is `O((ln
-/// n)^4/n)`. Halton, "On the efficiency of certain quasi-random sequences of points", Numer. Math. 2, 1960.
-pub(crate) fn start(index: usize, lower: &Vector4<f64>, upper: &Vector4<f64>) -> Vector4<f64> {
-    let point = Vector4::from([2, 3, 5, 7].map(|base| radical_inverse(index + 1, base)));
-    lower + (upper - lower).component_mul(&point)
-}
-
-/// Start `index` in any number of coordinates; bases are the first 24 primes, repeated beyond. Points in bases above
-/// 20 or so are correlated until many are drawn.
-pub(crate) fn start_in(index: usize, lower: &[f64], upper: &[f64]) -> Vec<f64> {
+/// The same for every run, and evenly spread for any number of starts: the discrepancy of `n` points in `d` coordinates
+/// is `O((ln n)^d/n)`. Bases are the first 24 primes, repeated beyond; points in bases above 20 or so are correlated
+/// until many are drawn. Halton, "On the efficiency of certain quasi-random sequences of points", Numer. Math. 2, 1960.
+pub(crate) fn start(index: usize, lower: &[f64], upper: &[f64]) -> Vec<f64> {
     const BASES: [usize; 24] =
         [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79, 83, 89];
     lower
@@ -41,8 +33,7 @@ mod tests {
 
     #[test]
     fn starts_are_spread_over_the_box() {
-        let (lower, upper) = (Vector4::repeat(-1.0), Vector4::repeat(1.0));
-        let points: Vec<_> = (0..64).map(|k| start(k, &lower, &upper)).collect();
+        let points: Vec<_> = (0..64).map(|k| start(k, &[-1.0; 4], &[1.0; 4])).collect();
         for axis in 0..4 {
             let positive = points.iter().filter(|p| p[axis] > 0.0).count();
             assert!((28..=36).contains(&positive), "axis {axis}: {positive} of 64");

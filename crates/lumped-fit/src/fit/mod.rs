@@ -7,6 +7,7 @@ pub mod double;
 pub mod elastoplastic_fit;
 pub mod halton_starts;
 pub mod maxwell_fit;
+pub mod multistart;
 pub mod nonlinear;
 pub mod observed_problem;
 pub mod options;

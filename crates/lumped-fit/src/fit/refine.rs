@@ -4,11 +4,11 @@
 //! through a filter and two sums, which change its displacement by some 1e-5 m at contact; a fit that does not repeat
 //! them attributes that to springs and dampers.
 
-use crumple_linalg::jacobi_svd;
 use crumple_lumped::Model;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use crate::fit::multistart::weakest_direction;
 use crate::fit::observed_problem::Problem;
 use crate::free::free_parameter::FreeParameter;
 use crate::record::observation::Observation;
@@ -86,11 +86,11 @@ fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observati
         if best.cost <= observed.unresolved() || best.on_bound.iter().any(|on_bound| *on_bound) {
             break;
         }
-        let Some(weak) = weakest(&best) else { break };
+        let Some(weak) = weakest_direction(&best) else { break };
         let hopped: Vec<Optimum> = HOPS
             .par_iter()
             .filter_map(|hop| {
-                let start: Vec<f64> = best.theta.iter().zip(weak.iter()).map(|(t, w)| t + hop * w).collect();
+                let start: Vec<f64> = best.theta.iter().zip(&weak).map(|(t, w)| t + hop * w).collect();
                 descend(&problem, &start, &Bounds { cost_tolerance: WORTH_A_HOP, ..bounds(free) })
             })
             .collect();
@@ -118,14 +118,6 @@ pub(crate) fn bounds(free: &[FreeParameter]) -> Bounds {
         max_iterations: ITERATIONS,
         cost_tolerance: COST_TOLERANCE,
     }
-}
-
-/// The unit vector in the coordinates along which the residuals change least: the right singular vector of the
-/// smallest singular value.
-fn weakest(best: &Optimum) -> Option<DVector<f64>> {
-    let svd = jacobi_svd(&best.r)?;
-    let last = svd.right.ncols().checked_sub(1)?;
-    Some(svd.right.column(last).into_owned())
 }
 
 /// The minimum with misfit and sensitivities at every sample, in the unit of the first wave.

@@ -51,8 +51,9 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         Some(_) => {
             "<p class=\"caption\">Ranked by the fit of the displacement; AICc stands beside it, over the same window, \
              for information. Highlighted is the best that is physical, has no parameter left on a bound of \
-             its search other than zero, the limit of what is physical, no more parameters left open by the record \
-             than it needs, and no more parameters. A dual gives exactly the same record on this sensor and so the \
+             its search other than zero, the limit of what is physical, and a fit within 0.1 points of the best such \
+             candidate; of those the one with the fewest parameters left open by the record, then the one with the \
+             fewest parameters. A dual gives exactly the same record on this sensor and so the \
              same figures.</p>\n"
         }
         None => {
@@ -64,9 +65,10 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     if run.candidates.iter().any(|candidate| candidate.record.uncertainty.is_some()) {
         out.push_str(
             "<p class=\"caption\">± is one standard deviation, from the misfit and the sensitivities at the fit; “95 \
-             %” is the interval that holds the value in 95 of 100 such records, “open” where the record does not bound \
-             it. It is far wider than two standard deviations where the misfit is worth few independent samples (see \
-             the remarks), and not symmetric. Profile, bootstrap and uncertain inputs, where asked for, are among a \
+             %” is the interval that holds the value in 95 of 100 such records if the model is true and mass, speed, \
+             gain and the division of the mass are exact, “open” where the record does not bound it. It is far wider \
+             than two standard deviations where the misfit is worth few independent samples (see the remarks), and not \
+             symmetric. Profile, bootstrap and uncertain inputs, where asked for, are among a \
              candidate's remarks.</p>\n",
         );
     }

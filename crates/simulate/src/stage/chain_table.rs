@@ -1,28 +1,16 @@
 //! `[simulate.chain.<name>]`: a chain of masses that a person states.
 
-use std::collections::BTreeMap;
-
-use crumple_lumped::{Chain, LumpedError, ParameterKind, PiecewiseLinear};
+use crumple_lumped::{Chain, LumpedError, PiecewiseLinear};
 use crumple_signal::value::Speed;
 use crumple_stage::records::CandidateV1;
-use crumple_stage::{
-    LawOfTable, MassOfTable, NumberReaders, Usage, check_keys, check_name, read_masses, table_at, typed, unknown_name,
-};
+use crumple_stage::{MassOfTable, NumberOfTable, TakenNumbers, Usage, read_chain, typed, unknown_name};
 use serde::Serialize;
 use toml::{Table, Value};
 
 use crate::stage::drive::Driven;
 
-const CHAIN_KEYS: [&str; 5] = ["masses", "speed", "drive", "drive_wave", "drive_mass"];
-
-const READERS: NumberReaders<f64, f64> = NumberReaders {
-    mass: |place, value, si| si(place, value),
-    coefficient: |place, value, si| si(place, value),
-    no_damping: 0.0,
-    example: "masses = [{ name = \"engine\", mass = \"200 kg\", stiffness = \"900 kN/m\", damping = \"8 kN*s/m\" }, \
-        ...], from the barrier on",
-    knots_example: "stiffness = [[\"0 mm\", \"350 kN/m\"], [\"200 mm\", \"150 kN/m\"]]",
-};
+/// Keys beside the masses.
+const KEYS: [&str; 4] = ["speed", "drive", "drive_wave", "drive_mass"];
 
 /// A chain with every default filled in, in SI.
 #[derive(Debug, Serialize)]
@@ -35,72 +23,21 @@ pub struct ChainSettings {
     pub driven: Driven,
 }
 
-/// A mass with the spring and damper in front of it.
+/// A mass with the spring and damper in front of it; coefficients at knots, m or m/s, one at zero for a constant.
 #[derive(Debug, Serialize)]
 struct MassSettings {
     name: String,
     mass_kg: f64,
-    stiffness_n_per_m: Law,
-    damping_n_s_per_m: Law,
-}
-
-/// A coefficient: one value, or values at knots (m or m/s).
-#[derive(Debug, Serialize)]
-#[serde(untagged)]
-enum Law {
-    Constant(f64),
-    Knots(Vec<(f64, f64)>),
-}
-
-impl Law {
-    /// Errors: knots that make no curve.
-    fn new(place: &str, read: LawOfTable<f64>) -> Result<Self, Usage> {
-        let law = match read {
-            LawOfTable::Constant(value) => Self::Constant(value),
-            LawOfTable::Knots(points) => Self::Knots(points),
-        };
-        law.curve().map_err(|error| Usage::new(format!("{place}: {error}")))?;
-        Ok(law)
-    }
-
-    fn curve(&self) -> Result<PiecewiseLinear, LumpedError> {
-        match self {
-            Self::Constant(value) => Ok(PiecewiseLinear::constant(*value)),
-            Self::Knots(points) => PiecewiseLinear::new(points),
-        }
-    }
-
-    /// Named as parameters of a candidate: `k2_n_per_m`, or `k2_knot1_m` and `k2_knot1_n_per_m`. A knot at zero is no
-    /// parameter.
-    fn parameters(&self, symbol: &str, place: ParameterKind, value: ParameterKind, out: &mut BTreeMap<String, f64>) {
-        let (place, unit) = (place.unit_in_name(), value.unit_in_name());
-        match self {
-            Self::Constant(value) => {
-                out.insert(format!("{symbol}_{unit}"), *value);
-            }
-            Self::Knots(points) => {
-                for (j, (knot, value)) in (1..).zip(points) {
-                    if *knot > 0.0 {
-                        out.insert(format!("{symbol}_knot{j}_{place}"), *knot);
-                    }
-                    out.insert(format!("{symbol}_knot{j}_{unit}"), *value);
-                }
-            }
-        }
-    }
+    stiffness_n_per_m: Vec<(f64, f64)>,
+    damping_n_s_per_m: Vec<(f64, f64)>,
 }
 
 impl ChainSettings {
     /// Reads `[simulate.chain.<name>]`; what it leaves out is moved as the stage's other models are.
     pub fn read(name: &str, table: &Value, stage: &Driven) -> anyhow::Result<Self> {
         let place = format!("[simulate.chain.{name}]");
-        check_name(&place, name)?;
-        let table = table_at(&place, table, "[simulate.chain.car] with masses = [...]")?;
-        check_keys(&place, table, &CHAIN_KEYS)?;
-        let masses: Vec<MassSettings> = (1..)
-            .zip(read_masses(&place, table, &READERS)?)
-            .map(|(number, mass)| MassSettings::new(&format!("{place}, mass {number}"), mass))
-            .collect::<Result<_, Usage>>()?;
+        let (table, masses) = read_chain("simulate", name, table, &KEYS, TakenNumbers::Given)?;
+        let masses: Vec<MassSettings> = masses.into_iter().map(MassSettings::from).collect();
         let names: Vec<&str> = masses.iter().map(|mass| mass.name.as_str()).collect();
         let driven = own_drive(&place, table, &names)?.unwrap_or_else(|| stage.clone());
         let speed_m_per_s = table
@@ -115,6 +52,12 @@ impl ChainSettings {
         if let Some(speed) = speed_m_per_s.filter(|speed| *speed <= 0.0) {
             return Err(Usage::new(format!("{place}: speed is {speed} m/s, expected a positive speed")).into());
         }
+        for (number, mass) in (1..).zip(&masses) {
+            for (law, points) in [("stiffness", &mass.stiffness_n_per_m), ("damping", &mass.damping_n_s_per_m)] {
+                PiecewiseLinear::new(points)
+                    .map_err(|error| Usage::new(format!("{place}, mass {number}, {law}: {error}")))?;
+            }
+        }
         let settings = Self { name: name.to_owned(), masses, speed_m_per_s, driven };
         settings.chain().map_err(|error| Usage::new(format!("{place}: {error}")))?;
         Ok(settings)
@@ -122,12 +65,11 @@ impl ChainSettings {
 
     /// The chain it states.
     pub fn chain(&self) -> Result<Chain, LumpedError> {
-        let springs: Vec<PiecewiseLinear> =
-            self.masses.iter().map(|mass| mass.stiffness_n_per_m.curve()).collect::<Result<_, _>>()?;
-        let dampers: Vec<PiecewiseLinear> =
-            self.masses.iter().map(|mass| mass.damping_n_s_per_m.curve()).collect::<Result<_, _>>()?;
+        let laws = |points: fn(&MassSettings) -> &[(f64, f64)]| -> Result<Vec<PiecewiseLinear>, LumpedError> {
+            self.masses.iter().map(|mass| PiecewiseLinear::new(points(mass))).collect()
+        };
         let masses: Vec<f64> = self.masses.iter().map(|mass| mass.mass_kg).collect();
-        Chain::new(&masses, &springs, &dampers)
+        Chain::new(&masses, &laws(|mass| &mass.stiffness_n_per_m)?, &laws(|mass| &mass.damping_n_s_per_m)?)
     }
 
     /// Its id among the candidates.
@@ -156,30 +98,14 @@ impl ChainSettings {
         }
     }
 
-    /// The record that stands beside those of solved candidates.
-    pub fn candidate(&self, physical: bool) -> CandidateV1 {
-        let mut parameters = BTreeMap::new();
-        for (i, mass) in (1..).zip(&self.masses) {
-            parameters.insert(format!("m{i}_kg"), mass.mass_kg);
-            mass.stiffness_n_per_m.parameters(
-                &format!("k{i}"),
-                ParameterKind::Length,
-                ParameterKind::Stiffness,
-                &mut parameters,
-            );
-            mass.damping_n_s_per_m.parameters(
-                &format!("c{i}"),
-                ParameterKind::Rate,
-                ParameterKind::Damping,
-                &mut parameters,
-            );
-        }
+    /// The record of its chain, which stands beside those of solved candidates.
+    pub fn candidate(&self, chain: &Chain) -> CandidateV1 {
         let names: Vec<&str> = self.masses.iter().map(|mass| mass.name.as_str()).collect();
         CandidateV1 {
             model: "chain".to_owned(),
             method: self.name.clone(),
-            parameters,
-            physical,
+            parameters: chain.parameters(),
+            physical: chain.is_passive(),
             equivalent_to: None,
             fit: None,
             uncertainty: None,
@@ -191,14 +117,17 @@ impl ChainSettings {
     }
 }
 
-impl MassSettings {
-    fn new(place: &str, read: MassOfTable<f64, f64>) -> Result<Self, Usage> {
-        Ok(Self {
+impl From<MassOfTable> for MassSettings {
+    fn from(read: MassOfTable) -> Self {
+        // The table takes given numbers only.
+        let given = |number| if let NumberOfTable::Given(value) = number { value } else { f64::NAN };
+        let law = |points: Vec<(f64, NumberOfTable)>| points.into_iter().map(|(knot, x)| (knot, given(x))).collect();
+        Self {
             name: read.name,
-            mass_kg: read.mass_kg,
-            stiffness_n_per_m: Law::new(&format!("{place}, stiffness"), read.stiffness_n_per_m)?,
-            damping_n_s_per_m: Law::new(&format!("{place}, damping"), read.damping_n_s_per_m)?,
-        })
+            mass_kg: given(read.mass_kg),
+            stiffness_n_per_m: law(read.stiffness_n_per_m),
+            damping_n_s_per_m: law(read.damping_n_s_per_m),
+        }
     }
 }
 

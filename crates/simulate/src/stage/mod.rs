@@ -171,14 +171,13 @@ fn write_stated(
     out: &mut Output,
 ) -> anyhow::Result<CandidateV1> {
     let chain = stated.chain()?;
-    let passive = chain.is_passive();
-    if !passive {
+    let mut candidate = stated.candidate(&chain);
+    if !candidate.physical {
         out.notes().warning(format!(
             "{id}: a spring or damper of [simulate.chain.{}] is negative somewhere: no passive structure",
             stated.name
         ));
     }
-    let mut candidate = stated.candidate(passive);
     if let Some(text) = test.mass_kg.and_then(|kg| total_mass_remark(chain.masses_kg(), kg)) {
         out.notes().warning(format!("{id}: {text}"));
         candidate.notes.push(text);

@@ -1,4 +1,5 @@
-//! The `masses` of a chain in a pipeline file: from the barrier on, each with the spring and damper in front of it.
+//! The table of a chain of masses in a pipeline file, `[<stage>.chain.<name>]`: from the barrier on, each mass with the
+//! spring and damper in front of it.
 
 use std::fmt::Display;
 use std::str::FromStr;
@@ -6,75 +7,91 @@ use std::str::FromStr;
 use crumple_signal::value::{Damping, Length, Mass, Speed, Stiffness};
 use toml::{Table, Value};
 
-use crate::chain_table::keys::{check_keys, table_at, typed};
+use crate::chain_table::keys::{check_keys, check_name, table_at, typed};
 use crate::error::Usage;
 
 const MASS_KEYS: [&str; 4] = ["name", "mass", "stiffness", "damping"];
+const BOUND_KEYS: [&str; 3] = ["start", "lower", "upper"];
+const KNOTS_EXAMPLE: &str = "stiffness = [[\"0 mm\", \"350 kN/m\"], [\"200 mm\", \"150 kN/m\"]]";
 
-/// A mass with the spring and damper in front of it: `M` is what its mass is read as, `N` a stiffness or damping.
+/// A number of the table in SI: given, or to be found by a fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NumberOfTable {
+    /// `"350 kN/m"`.
+    Given(f64),
+    /// `"free"`, or `{ start = "350 kN/m", lower = ..., upper = ... }`.
+    Free {
+        /// Where the search starts.
+        start: Option<f64>,
+        /// Smallest value.
+        lower: Option<f64>,
+        /// Largest value.
+        upper: Option<f64>,
+    },
+    /// `"rest"`, of a mass: what the others leave of the total.
+    Rest,
+}
+
+/// Which numbers a stage takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TakenNumbers {
+    /// Given ones only: there is no fit.
+    Given,
+    /// Any.
+    GivenOrFree,
+}
+
+/// A mass with the spring and damper in front of it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MassOfTable<M, N> {
+pub struct MassOfTable {
     /// Its name; `m1`, `m2`, ... where it has none.
     pub name: String,
     /// kg.
-    pub mass_kg: M,
-    /// N/m, at knots in m.
-    pub stiffness_n_per_m: LawOfTable<N>,
-    /// N·s/m, at knots in m/s.
-    pub damping_n_s_per_m: LawOfTable<N>,
-}
-
-/// A coefficient: one value, or values at knots.
-#[derive(Debug, Clone, PartialEq)]
-pub enum LawOfTable<N> {
-    /// The same everywhere.
-    Constant(N),
-    /// Knot and value.
-    Knots(Vec<(f64, N)>),
+    pub mass_kg: NumberOfTable,
+    /// N/m, at knots in m; a constant is one knot at zero.
+    pub stiffness_n_per_m: Vec<(f64, NumberOfTable)>,
+    /// N·s/m, at knots in m/s; no damping where none is stated.
+    pub damping_n_s_per_m: Vec<(f64, NumberOfTable)>,
 }
 
 /// Reads a value with its unit in SI: place, value.
-pub type InSi<'a> = &'a dyn Fn(&str, &Value) -> anyhow::Result<f64>;
+type InSi<'a> = &'a dyn Fn(&str, &Value) -> anyhow::Result<f64>;
 
-/// How the numbers of a `masses` table are read, each from its place, its value and the reader of a value with its
-/// unit.
-#[derive(Debug, Clone, Copy)]
-pub struct NumberReaders<M, N> {
-    /// A mass.
-    pub mass: fn(&str, &Value, InSi<'_>) -> anyhow::Result<M>,
-    /// A stiffness or damping.
-    pub coefficient: fn(&str, &Value, InSi<'_>) -> anyhow::Result<N>,
-    /// The damping of a mass that states none.
-    pub no_damping: N,
-    /// What a whole table looks like, for hints.
-    pub example: &'static str,
-    /// What a coefficient with knots looks like, for hints.
-    pub knots_example: &'static str,
+/// Reads `[<stage>.chain.<name>]`: the table, for keys that the stage adds (`more_keys`), and its masses.
+///
+/// Refused: a name that cannot stand in a topic, unknown keys, no masses, a mass without mass or stiffness, two of one
+/// name, a value that is neither a number nor a list of pairs, a free number where only given ones are taken. Whether
+/// the numbers make a chain is not seen here.
+pub fn read_chain<'a>(
+    stage: &str,
+    name: &str,
+    value: &'a Value,
+    more_keys: &[&str],
+    taken: TakenNumbers,
+) -> anyhow::Result<(&'a Table, Vec<MassOfTable>)> {
+    let place = format!("[{stage}.chain.{name}]");
+    check_name(&place, name)?;
+    let table = table_at(&place, value, &format!("[{stage}.chain.car] with masses = [...]"))?;
+    check_keys(&place, table, &[&["masses"], more_keys].concat())?;
+    Ok((table, read_masses(&place, table, taken)?))
 }
 
 /// Reads the key `masses` of the table at `place`.
-///
-/// Refused: no masses, unknown keys, a mass without mass or stiffness, two of one name, a value that is neither a
-/// number nor a list of pairs. Whether the numbers make a chain is not seen here.
-pub fn read_masses<M, N: Clone>(
-    place: &str,
-    table: &Table,
-    readers: &NumberReaders<M, N>,
-) -> anyhow::Result<Vec<MassOfTable<M, N>>> {
+fn read_masses(place: &str, table: &Table, taken: TakenNumbers) -> anyhow::Result<Vec<MassOfTable>> {
     let list = match table.get("masses") {
         Some(Value::Array(list)) if !list.is_empty() => list,
         None | Some(Value::Array(_)) => {
-            return Err(Usage::new(format!("{place} has no masses")).hint(readers.example).into());
+            return Err(Usage::new(format!("{place} has no masses")).hint(taken.example()).into());
         }
         Some(_) => {
             return Err(Usage::new(format!("{place}: masses is no list, expected a table for each mass"))
-                .hint(readers.example)
+                .hint(taken.example())
                 .into());
         }
     };
-    let mut masses: Vec<MassOfTable<M, N>> = Vec::new();
+    let mut masses: Vec<MassOfTable> = Vec::new();
     for (number, value) in (1..).zip(list) {
-        let mass = mass(place, number, value, readers)?;
+        let mass = mass(place, number, value, taken)?;
         if masses.iter().any(|other| other.name == mass.name) {
             return Err(Usage::new(format!("{place}: two masses are named {:?}", mass.name)).into());
         }
@@ -83,17 +100,12 @@ pub fn read_masses<M, N: Clone>(
     Ok(masses)
 }
 
-fn mass<M, N: Clone>(
-    place: &str,
-    number: usize,
-    value: &Value,
-    readers: &NumberReaders<M, N>,
-) -> anyhow::Result<MassOfTable<M, N>> {
+fn mass(place: &str, number: usize, value: &Value, taken: TakenNumbers) -> anyhow::Result<MassOfTable> {
     let place = format!("{place}, mass {number}");
     let table = table_at(&place, value, "{ name = ..., mass = ..., stiffness = ..., damping = ... }")?;
     check_keys(&place, table, &MASS_KEYS)?;
     let get = |key: &str| {
-        let missing = || anyhow::Error::from(Usage::new(format!("{place} has no {key}")).hint(readers.example));
+        let missing = || anyhow::Error::from(Usage::new(format!("{place} has no {key}")).hint(taken.example()));
         table.get(key).ok_or_else(missing)
     };
     let name = match table.get("name") {
@@ -103,13 +115,17 @@ fn mass<M, N: Clone>(
     };
     let stiffness = format!("{place}, stiffness");
     let damping = format!("{place}, damping");
+    let mass_kg = match get("mass")? {
+        Value::String(text) if text == "rest" && taken == TakenNumbers::GivenOrFree => NumberOfTable::Rest,
+        value => taken.read(&format!("{place}, mass"), value, &in_si(Mass::si))?,
+    };
     Ok(MassOfTable {
         name,
-        mass_kg: (readers.mass)(&format!("{place}, mass"), get("mass")?, &in_si(Mass::si))?,
-        stiffness_n_per_m: law(&stiffness, get("stiffness")?, &in_si(Length::si), &in_si(Stiffness::si), readers)?,
+        mass_kg,
+        stiffness_n_per_m: law(&stiffness, get("stiffness")?, &in_si(Length::si), &in_si(Stiffness::si), taken)?,
         damping_n_s_per_m: match table.get("damping") {
-            Some(value) => law(&damping, value, &in_si(Speed::si), &in_si(Damping::si), readers)?,
-            None => LawOfTable::Constant(readers.no_damping.clone()),
+            Some(value) => law(&damping, value, &in_si(Speed::si), &in_si(Damping::si), taken)?,
+            None => vec![(0.0, NumberOfTable::Given(0.0))],
         },
     })
 }
@@ -119,56 +135,113 @@ fn in_si<V: FromStr<Err: Display>>(si: impl Fn(V) -> f64) -> impl Fn(&str, &Valu
 }
 
 /// `"350 kN/m"`, or `[["0 mm", "350 kN/m"], ["200 mm", "150 kN/m"]]`.
-fn law<M, N>(
+fn law(
     place: &str,
     value: &Value,
     knot_si: InSi<'_>,
     value_si: InSi<'_>,
-    readers: &NumberReaders<M, N>,
-) -> anyhow::Result<LawOfTable<N>> {
+    taken: TakenNumbers,
+) -> anyhow::Result<Vec<(f64, NumberOfTable)>> {
     let Value::Array(points) = value else {
-        return Ok(LawOfTable::Constant((readers.coefficient)(place, value, value_si)?));
+        return Ok(vec![(0.0, taken.read(place, value, value_si)?)]);
     };
     let pairs = points.iter().map(|point| match point.as_array().map(Vec::as_slice) {
-        Some([knot, value]) => Ok((knot_si(place, knot)?, (readers.coefficient)(place, value, value_si)?)),
+        Some([knot, value]) => Ok((knot_si(place, knot)?, taken.read(place, value, value_si)?)),
         _ => Err(Usage::new(format!("{place}: expected one value, or a list of pairs of a knot and a value"))
-            .hint(readers.knots_example)
+            .hint(KNOTS_EXAMPLE)
             .into()),
     });
-    pairs.collect::<anyhow::Result<_>>().map(LawOfTable::Knots)
+    pairs.collect()
+}
+
+impl TakenNumbers {
+    /// What a whole table looks like, for hints.
+    fn example(self) -> &'static str {
+        match self {
+            Self::Given => {
+                "masses = [{ name = \"engine\", mass = \"200 kg\", stiffness = \"900 kN/m\", damping = \"8 kN*s/m\" \
+                 }, ...], from the barrier on"
+            }
+            Self::GivenOrFree => {
+                "masses = [{ name = \"engine\", mass = \"200 kg\", stiffness = \"free\", damping = { start = \"8 \
+                 kN*s/m\" } }, { mass = \"rest\", stiffness = \"900 kN/m\" }], from the barrier on"
+            }
+        }
+    }
+
+    /// One number.
+    fn read(self, place: &str, value: &Value, si: InSi<'_>) -> anyhow::Result<NumberOfTable> {
+        let free = match value {
+            Value::String(text) if text == "free" || text == "rest" => true,
+            Value::Table(_) => true,
+            _ => false,
+        };
+        if free && self == Self::Given {
+            return Err(Usage::new(format!("{place}: a number that is free has no value here"))
+                .hint("state it; [parameter-solve.chain.<name>] finds free numbers")
+                .into());
+        }
+        match value {
+            Value::String(text) if text == "free" => Ok(NumberOfTable::Free { start: None, lower: None, upper: None }),
+            Value::Table(table) => {
+                check_keys(place, table, &BOUND_KEYS)?;
+                let get = |key: &str| table.get(key).map(|value| si(&format!("{place}, {key}"), value)).transpose();
+                Ok(NumberOfTable::Free { start: get("start")?, lower: get("lower")?, upper: get("upper")? })
+            }
+            value => Ok(NumberOfTable::Given(si(place, value)?)),
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const GIVEN: NumberReaders<f64, f64> = NumberReaders {
-        mass: |place, value, si| si(place, value),
-        coefficient: |place, value, si| si(place, value),
-        no_damping: 0.0,
-        example: "masses = [...]",
-        knots_example: "[[knot, value], ...]",
-    };
+    use NumberOfTable::{Free, Given, Rest};
 
-    fn read(text: &str) -> Result<Vec<MassOfTable<f64, f64>>, String> {
+    fn read_as(text: &str, taken: TakenNumbers) -> Result<Vec<MassOfTable>, String> {
         let table: Table = text.parse().unwrap();
-        read_masses("[stage.chain.car]", &table, &GIVEN).map_err(|error| format!("{error:#}"))
+        let read = read_chain("stage", "car", &Value::Table(table), &[], taken).map(|(_, masses)| masses);
+        read.map_err(|error| format!("{error:#}"))
+    }
+
+    fn read(text: &str) -> Result<Vec<MassOfTable>, String> {
+        read_as(text, TakenNumbers::Given)
     }
 
     #[test]
     fn numbers_are_in_si_and_what_is_left_out_has_its_default() {
-        let found = read(
+        let masses = read(
             r#"masses = [
                 { name = " engine ", mass = "250 kg", stiffness = [["0 mm", "9 kN/m"], ["200 mm", "350 kN/m"]] },
                 { mass = "1 t", stiffness = "1 MN/m", damping = "4 kN*s/m" },
             ]"#,
         )
         .unwrap();
-        assert_eq!((found[0].name.as_str(), found[1].name.as_str()), ("engine", "m2"));
-        assert_eq!((found[0].mass_kg, found[1].mass_kg), (250.0, 1000.0));
-        assert_eq!(found[0].stiffness_n_per_m, LawOfTable::Knots(vec![(0.0, 9e3), (0.2, 3.5e5)]));
-        assert_eq!(found[0].damping_n_s_per_m, LawOfTable::Constant(0.0));
-        assert_eq!(found[1].damping_n_s_per_m, LawOfTable::Constant(4e3));
+        assert_eq!((masses[0].name.as_str(), masses[1].name.as_str()), ("engine", "m2"));
+        assert_eq!((masses[0].mass_kg, masses[1].mass_kg), (Given(250.0), Given(1000.0)));
+        assert_eq!(masses[0].stiffness_n_per_m, [(0.0, Given(9e3)), (0.2, Given(3.5e5))]);
+        assert_eq!(masses[0].damping_n_s_per_m, [(0.0, Given(0.0))]);
+        assert_eq!(masses[1].damping_n_s_per_m, [(0.0, Given(4e3))]);
+    }
+
+    #[test]
+    fn numbers_are_given_free_or_between_bounds() {
+        let text = r#"masses = [
+            { name = "engine", mass = "250 kg", stiffness = [["0 mm", "free"], ["200 mm", "350 kN/m"]] },
+            { mass = "rest", stiffness = { start = "1 MN/m", lower = "100 kN/m" }, damping = "free" },
+        ]"#;
+        let masses = read_as(text, TakenNumbers::GivenOrFree).unwrap();
+        let free = Free { start: None, lower: None, upper: None };
+        assert_eq!(masses[0].stiffness_n_per_m, [(0.0, free), (0.2, Given(3.5e5))]);
+        assert_eq!(masses[1].mass_kg, Rest);
+        let bounded = Free { start: Some(1e6), lower: Some(1e5), upper: None };
+        assert_eq!((masses[1].stiffness_n_per_m[0].1, masses[1].damping_n_s_per_m[0].1), (bounded, free));
+        let error = read(text).unwrap_err();
+        assert!(error.contains("mass 1, stiffness: a number that is free has no value here"), "{error}");
+        let misspelt = r#"masses = [{ mass = "3 kg", stiffness = { begin = "1 kN/m" } }]"#;
+        let error = read_as(misspelt, TakenNumbers::GivenOrFree).unwrap_err();
+        assert!(error.contains("[stage.chain.car], mass 1, stiffness: unknown key \"begin\""), "{error}");
     }
 
     #[test]
@@ -176,6 +249,7 @@ mod tests {
         let one = |mass: &str| format!("masses = [{{ {mass} }}]");
         for (text, expected) in [
             (String::new(), "[stage.chain.car] has no masses"),
+            ("mass = 3".to_owned(), "[stage.chain.car]: unknown key \"mass\""),
             ("masses = []".to_owned(), "has no masses"),
             ("masses = 3".to_owned(), "masses is no list, expected a table for each mass"),
             ("masses = [3]".to_owned(), "mass 1 is no table"),

@@ -207,11 +207,20 @@ fn print_notes(stage: &str, notes: impl Iterator<Item = Note>, output: &Path) {
     for warning in warnings {
         say(format_args!("{stage:<16} {warning}"));
     }
-    match others.len() {
-        0 => {}
-        1 => say(format_args!("{stage:<16} 1 note: crumple-artifact show {}", output.display())),
-        more => say(format_args!("{stage:<16} {more} notes: crumple-artifact show {}", output.display())),
-    }
+    let count = match others.len() {
+        0 => return,
+        1 => "1 note".to_owned(),
+        more => format!("{more} notes"),
+    };
+    let show = std::env::current_exe().unwrap_or_default().with_file_name("crumple-artifact");
+    say(format_args!("{stage:<16} {count}: {} show {}", quoted(&show), quoted(output)));
+}
+
+/// A path as a shell takes it.
+fn quoted(path: &Path) -> String {
+    let text = path.to_string_lossy();
+    let plain = |c: char| c.is_alphanumeric() || "/._-+:=,@%~".contains(c);
+    if text.chars().all(plain) { text.into_owned() } else { format!("'{}'", text.replace('\'', "'\\''")) }
 }
 
 /// One JSON object a line: topic, schema, data.

@@ -13,6 +13,11 @@ impl NormalDeviates {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
+    /// The next number of the same row as one between 0 and 1, each as likely.
+    pub fn uniform(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 * 2.0_f64.powi(-53)
+    }
+
     /// The next number.
     pub fn draw(&mut self) -> f64 {
         // 53 bits each; the first in (0, 1] so that its logarithm is finite.

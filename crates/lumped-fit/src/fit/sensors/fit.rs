@@ -1,20 +1,15 @@
 //! Any model fitted to any sensors: search, descent, noise levels.
 
-use crate::fit::descents::{SCREENING_ITERATIONS, SEARCH_SAMPLES, all, bounds, distinct};
-use crumple_linalg::jacobi_svd;
-
-use crate::fit::halton_starts::start_in;
+use crate::fit::descents::{SEARCH_SAMPLES, all, bounds, distinct};
+use crate::fit::halton_starts::start;
+use crate::fit::multistart::MultiStart;
 use crate::fit::sensors::problem::{SensorProblem, SensorWindow};
 use crate::free::parameterisation::Parameterisation;
 use crumple_estimation::minimise::l_shade::{LShadeOptions, LShadeStop, l_shade};
-use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response};
+use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response};
 
-/// Starts that are followed to convergence after that.
-const FOLLOWED: usize = 4;
-/// Steps along the weakest direction, in the coordinates, from which a descent starts once more.
-const HOPS: [f64; 6] = [-0.6, 0.6, -0.2, 0.2, -0.05, 0.05];
-/// Rounds of such steps.
-const ROUNDS: usize = 4;
+/// Residual, in noise levels, below which a minimum is the exact model: rounding of the response.
+const EXACT: f64 = 1e-13;
 /// Rounds of finding noise levels and minimum in turn.
 const WEIGHINGS: usize = 12;
 /// Least noise level of a sensor, as a share of the root mean square of its record.
@@ -106,59 +101,16 @@ fn multi_start(
     count: usize,
     given: &[Vec<f64>],
 ) -> (Vec<Optimum>, u64) {
-    let coordinates = problem.coordinates;
-    let axes = coordinates.axes();
+    let axes = problem.coordinates.axes();
     let lower: Vec<f64> = axes.iter().map(|axis| axis.box_lower).collect();
     let upper: Vec<f64> = axes.iter().map(|axis| axis.box_upper).collect();
-    let points = given.iter().cloned().chain((0..count).map(|k| start_in(k, &lower, &upper))).collect();
-    let (screened, mut evaluations) = all(problem, points, &bounds(coordinates, SCREENING_ITERATIONS, 1e-6));
-    let hopeful: Vec<_> = distinct(screened).into_iter().take(FOLLOWED).map(|m| m.theta).collect();
-    let settings = bounds(coordinates, 200, 1e-15);
-    let (ends, spent) = all(problem, hopeful, &settings);
-    evaluations += spent;
-    let (minima, spent) = hop(problem, distinct(ends));
-    (minima, evaluations + spent)
+    let points = given.iter().cloned().chain((0..count).map(|k| start(k, &lower, &upper))).collect();
+    searched(problem, &bounds(problem.coordinates, 200, 1e-15)).search(points)
 }
 
-/// Leaves the best minimum along its weakest direction, on whose far side other minima lie, as long as that lowers
-/// the cost by 0.1 %.
-fn hop(problem: &SensorProblem<'_, impl Parameterisation>, mut minima: Vec<Optimum>) -> (Vec<Optimum>, u64) {
-    let settings = bounds(problem.coordinates, 200, 1e-15);
-    let mut evaluations = 0;
-    for _ in 0..ROUNDS {
-        let Some(best) = minima.first() else { break };
-        let before = best.cost;
-        // Rounding of the response.
-        if before <= 1e-26 * problem.rows() as f64 {
-            break;
-        }
-        let Some(weak) = weakest_direction(best) else { break };
-        let from = |hop: &f64| best.theta.iter().zip(&weak).map(|(x, w)| x + hop * w).collect();
-        let (more, spent) = all(problem, HOPS.iter().map(from).collect(), &settings);
-        evaluations += spent;
-        minima.extend(more);
-        minima.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        minima = distinct(minima);
-        if minima[0].cost > 0.999 * before {
-            break;
-        }
-    }
-    (minima, evaluations)
-}
-
-/// The unit vector in the coordinates that changes the residuals least, among those not fixed at a bound.
-fn weakest_direction(optimum: &Optimum) -> Option<Vec<f64>> {
-    let free: Vec<usize> = (0..optimum.theta.len()).filter(|&i| !optimum.on_bound[i]).collect();
-    if free.is_empty() {
-        return None;
-    }
-    let columns = optimum.r.select_columns(&free);
-    let svd = jacobi_svd(&columns)?;
-    let mut direction = vec![0.0; optimum.theta.len()];
-    for (k, &i) in free.iter().enumerate() {
-        direction[i] = svd.right[(k, free.len() - 1)];
-    }
-    Some(direction)
+/// The search for the minima of this problem: minima are told apart by their coordinates.
+fn searched<'a, P: Response>(problem: &'a P, bounds: &'a Bounds) -> MultiStart<'a, P, impl Fn(&[f64]) -> Vec<f64>> {
+    MultiStart { problem, bounds, exact: EXACT * EXACT * problem.rows() as f64, place: <[f64]>::to_vec }
 }
 
 /// L-SHADE over the box of the starts, half as wide again on each side within the bounds, then a descent from its
@@ -184,8 +136,9 @@ fn global(
             f64::INFINITY
         }
     });
-    let (minima, descent) = all(problem, vec![theta(&population.point)], &bounds(problem.coordinates, 200, 1e-15));
-    let (minima, hops) = hop(problem, minima);
+    let settings = bounds(problem.coordinates, 200, 1e-15);
+    let (minima, descent) = all(problem, vec![theta(&population.point)], &settings);
+    let (minima, hops) = searched(problem, &settings).hop(minima);
     let spent = descent + hops;
     let level = |cost: f64| (cost / rows as f64).sqrt();
     remarks.push(format!(

@@ -1,9 +1,14 @@
-//! Which types may stand in an artifact, and their schema names.
+//! Which types may stand in an artifact, their schema names, and their way into messages and back.
+//!
+//! The way is written out for each type here, so that it is compiled once and not again in every program that uses it.
 
 use schemars::JsonSchema;
 use serde::{Serialize, de::DeserializeOwned};
 
-use super::{
+use crate::layout::codec::Codec;
+use crate::layout::finite::first_non_finite;
+use crate::layout::schema::viewer_safe_schema;
+use crate::records::{
     ArxScanV1, CandidateV1, ChannelFilterV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1, IdentificationV1,
     MatchingV1, MetricsV1, ModesV1, NotesV1, QualityV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1,
     StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1, WaveBlockV1,
@@ -13,6 +18,18 @@ use super::{
 pub trait Record: Serialize + DeserializeOwned + JsonSchema {
     /// Schema name and version, e.g. `crumple.Events.v1`.
     const SCHEMA: &'static str;
+
+    /// Its JSON Schema as text: complete for validators, safe for viewers.
+    fn schema_json() -> Vec<u8>;
+
+    /// The record as a message. Errors say what in it cannot be encoded.
+    fn encode(&self, codec: Codec) -> Result<Vec<u8>, String>;
+
+    /// The record in a message. Errors say what does not decode; trailing bytes are one.
+    fn decode(codec: Codec, bytes: &[u8]) -> Result<Self, String>;
+
+    /// Path and value of its first number that is not finite.
+    fn first_non_finite(&self) -> Option<(String, f64)>;
 }
 
 /// Does something with a record type that is known by its schema name only.
@@ -23,7 +40,25 @@ pub(crate) trait TypeVisitor {
 
 macro_rules! record {
     ($($type:ty => $schema:literal),* $(,)?) => {
-        $(impl Record for $type { const SCHEMA: &'static str = $schema; })*
+        $(impl Record for $type {
+            const SCHEMA: &'static str = $schema;
+
+            fn schema_json() -> Vec<u8> {
+                viewer_safe_schema(schemars::schema_for!($type).to_value(), $schema).to_string().into_bytes()
+            }
+
+            fn encode(&self, codec: Codec) -> Result<Vec<u8>, String> {
+                codec.encode(self)
+            }
+
+            fn decode(codec: Codec, bytes: &[u8]) -> Result<Self, String> {
+                codec.decode(bytes)
+            }
+
+            fn first_non_finite(&self) -> Option<(String, f64)> {
+                first_non_finite(self)
+            }
+        })*
 
         /// Schema names of all record types, sorted by name.
         pub const SCHEMAS: &[&str] = &[$($schema),*];

@@ -1,0 +1,46 @@
+//! `interval-benchmark --bin BIN [--records N] [FAMILY ...]`: how often the 95 % intervals of fitted parameters hold
+//! the truth, by the programs in the folder BIN, as a Markdown table. A family is named by a part of its name.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use crumple_testkit::interval_cover::{FAMILIES, cover_of};
+use crumple_testkit::workspace;
+
+type Failure = Box<dyn std::error::Error>;
+
+const USAGE: &str = "usage: interval-benchmark [--bin BIN] [--records N] [FAMILY ...]";
+
+fn main() -> ExitCode {
+    match benchmark() {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn benchmark() -> Result<ExitCode, Failure> {
+    let mut bin = workspace().join("target/release");
+    let mut records = 300;
+    let mut wanted: Vec<String> = Vec::new();
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--bin" => bin = PathBuf::from(arguments.next().ok_or(USAGE)?),
+            "--records" => records = arguments.next().ok_or(USAGE)?.parse()?,
+            flag if flag.starts_with('-') => return Err(USAGE.into()),
+            family => wanted.push(family.to_owned()),
+        }
+    }
+    let folder = std::env::temp_dir().join(format!("interval-benchmark-{}", std::process::id()));
+    println!("| family | parameter | closed | cover, % | open | records without a candidate |");
+    println!("|---|---|---|---|---|---|");
+    let asked = |name: &str| wanted.is_empty() || wanted.iter().any(|part| name.contains(part.as_str()));
+    for family in FAMILIES.iter().filter(|family| asked(family.name)) {
+        print!("{}", cover_of(family, records, &bin, &folder)?.rows(family.name));
+    }
+    std::fs::remove_dir_all(&folder)?;
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,144 @@
+//! Cars of known parameters: sizes, speeds and crush of passenger cars, drawn evenly.
+
+use crumple_lumped::{
+    DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, Nonlinear1, Nonlinear2,
+};
+
+use crate::random::NormalDeviates;
+
+/// What is drawn.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Draw {
+    Kelvin,
+    Elastoplastic,
+    Maxwell,
+    Nonlinear1,
+    Nonlinear2,
+    /// Share of the mass in front, between these; whether the front carries a sensor too.
+    Double {
+        front: (f64, f64),
+        engine: bool,
+    },
+}
+
+/// A car before its test.
+#[derive(Debug, Clone)]
+pub(super) struct Car {
+    pub model: Model,
+    pub mass_kg: f64,
+    pub impact_speed_m_per_s: f64,
+    /// Whether the mass next to the barrier has a sensor.
+    pub engine: bool,
+}
+
+/// Rounds in which the last knot of a nonlinear spring is brought to the crush of its own model.
+const ROUNDS: usize = 200;
+
+impl Draw {
+    /// A car of 900 to 2200 kg at 35 to 64 km/h whose scale of crush is 0.4 to 0.75 m.
+    ///
+    /// Springs are counted in `m (v0/C)²`, dampers in `m v0/C`. Errors: those of the model.
+    pub fn car(self, random: &mut NormalDeviates) -> Result<Car, LumpedError> {
+        let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();
+        let mass_kg = between(900.0, 2200.0).round();
+        let v0 = between(35.0, 64.0).round() / 3.6;
+        let crush = between(0.4, 0.75);
+        let (k, c) = (mass_kg * (v0 / crush).powi(2), mass_kg * v0 / crush);
+        let mut engine = false;
+        let model = match self {
+            Self::Kelvin => {
+                let (omega, zeta) = (v0 / crush * between(0.7, 1.0), between(0.02, 0.4));
+                Model::Kelvin(Kelvin {
+                    mass_kg,
+                    stiffness_n_per_m: mass_kg * omega * omega,
+                    damping_n_s_per_m: 2.0 * zeta * omega * mass_kg,
+                })
+            }
+            Self::Elastoplastic => Model::Elastoplastic(Elastoplastic {
+                mass_kg,
+                loading_stiffness_n_per_m: k,
+                unloading_stiffness_n_per_m: k / between(0.08, 0.3).powi(2),
+                release: true,
+            }),
+            Self::Maxwell => Model::Maxwell(Maxwell {
+                mass_kg,
+                stiffness_n_per_m: k * between(1.5, 4.0),
+                damping_n_s_per_m: c * between(1.2, 3.0),
+            }),
+            Self::Nonlinear1 => {
+                let (k1, c3) = (between(0.2, 0.6), between(0.02, 0.1));
+                let (k2, c2) = (k1 + between(0.2, 0.8), c3 + between(0.05, 0.2));
+                let (c1, knee) = (c2 + between(0.05, 0.3), between(0.2, 0.7));
+                last_knot(
+                    crush,
+                    |crush_m| {
+                        Model::Nonlinear1(Nonlinear1 {
+                            mass_kg,
+                            k1_n_per_m: k1 * k,
+                            k2_n_per_m: k2 * k,
+                            c1_n_s_per_m: c1 * c,
+                            c2_n_s_per_m: c2 * c,
+                            c3_n_s_per_m: c3 * c,
+                            v_thresh_m_per_s: knee * v0,
+                            crush_m,
+                            v0_m_per_s: v0,
+                        })
+                    },
+                    v0,
+                )?
+            }
+            Self::Nonlinear2 => {
+                let springs = [between(0.2, 0.6), between(0.4, 1.0), between(0.6, 1.6)];
+                let dampers = [between(0.2, 0.5), between(0.1, 0.3), between(0.05, 0.2), between(0.02, 0.1)];
+                let knots = [between(0.3, 0.7), between(0.15, 0.4), between(0.5, 0.8)];
+                last_knot(
+                    crush,
+                    |crush_m| {
+                        Model::Nonlinear2(Nonlinear2 {
+                            mass_kg,
+                            k1_n_per_m: springs[0] * k,
+                            k2_n_per_m: springs[1] * k,
+                            k3_n_per_m: springs[2] * k,
+                            x1_m: knots[0] * crush_m,
+                            c1_n_s_per_m: dampers[0] * c,
+                            c2_n_s_per_m: dampers[1] * c,
+                            c3_n_s_per_m: dampers[2] * c,
+                            c4_n_s_per_m: dampers[3] * c,
+                            v1_m_per_s: knots[1] * v0,
+                            v2_m_per_s: knots[2] * v0,
+                            crush_m,
+                            v0_m_per_s: v0,
+                        })
+                    },
+                    v0,
+                )?
+            }
+            Self::Double { front, engine: with_engine } => {
+                engine = with_engine;
+                let m1_kg = between(front.0, front.1) * mass_kg;
+                Model::DoubleSpringMassDamper(DoubleSpringMassDamper {
+                    m1_kg,
+                    m2_kg: mass_kg - m1_kg,
+                    k1_n_per_m: k * between(1.0, 3.0),
+                    k2_n_per_m: k * between(1.0, 3.0),
+                    c1_n_s_per_m: c * between(0.05, 0.4),
+                    c2_n_s_per_m: c * between(0.05, 0.4),
+                })
+            }
+        };
+        Ok(Car { model, mass_kg, impact_speed_m_per_s: v0, engine })
+    }
+}
+
+/// The model whose last knot of the spring is at its own dynamic crush, where the solvers put it.
+fn last_knot(start_m: f64, model: impl Fn(f64) -> Model, v0: f64) -> Result<Model, LumpedError> {
+    let mut crush_m = start_m;
+    for _ in 0..ROUNDS {
+        let reached = model(crush_m).events(v0)?.dynamic_crush_m.unwrap_or(crush_m);
+        if (reached / crush_m - 1.0).abs() < 1e-13 {
+            break;
+        }
+        crush_m = reached;
+    }
+    Ok(model(crush_m))
+}
