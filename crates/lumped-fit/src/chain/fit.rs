@@ -59,9 +59,9 @@ pub struct ChainSolution {
 
 /// Fits the free numbers of a chain to waves, each of a mass by its index from the barrier on (`None`: the last).
 ///
-/// Weighted least squares of the logarithms within bounds, by Levenberg-Marquardt on analytic
-/// sensitivities, from the stated start and from Halton points, at least six for each free number. The weight of a wave is that of its noise level, `1/s_w`, `s_w` the root mean square residual of the
-/// wave, found in turn with the fit.
+/// Weighted least squares of the logarithms within bounds, by Levenberg-Marquardt on analytic sensitivities, from the
+/// stated start and from Halton points, at least six for each free number. The weight of a wave is that of its noise
+/// level, `1/s_w`, `s_w` the root mean square residual of the wave, found in turn with the fit.
 ///
 /// `through_filter`: whether the measurement of every wave is known. Then the minima are followed to those of the
 /// misfit after sampling, filter and integration; else the motion itself is compared.

@@ -11,7 +11,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::series::step::{LinkSeries, ORDER, Series, Step, product};
+use crate::series::step::{LinkSeries, ORDER, Series, Step};
 use crate::structure::connected_masses::{Place, Structure};
 use crate::structure::form::{Form, Strain};
 use crate::structure::law::{Branch, Law};
@@ -39,6 +39,7 @@ struct LinkChange {
     u: LaneSeries,
     w: LaneSeries,
     z: LaneSeries,
+    has_inner: bool,
     set: Lanes,
     law: [Form; ABREAST],
     inner: [Form; ABREAST],
@@ -72,14 +73,35 @@ fn minus(a: &Lanes, b: &Lanes) -> Lanes {
 }
 
 /// Coefficient `k` of the product of a series with changes.
+///
+/// In two sums that need not wait for each other; the newest coefficient comes last, so that the others need not wait
+/// for it.
 #[inline(always)]
 fn lane_product(series: &Series, change: &LaneSeries, k: usize) -> Lanes {
-    let mut sum = [0.0; ABREAST];
-    // The newest coefficient comes last: the sum of the others need not wait for it.
-    for (factor, terms) in series[..=k].iter().rev().zip(&change[..=k]) {
-        add(&mut sum, *factor, terms);
+    let mut sums = [[0.0; ABREAST]; 2];
+    let (series, change) = (&series[..=k], &change[..=k]);
+    let mut i = 0;
+    while i < k {
+        add(&mut sums[0], series[k - i], &change[i]);
+        add(&mut sums[1], series[k - i - 1], &change[i + 1]);
+        i += 2;
     }
-    sum
+    if i == k {
+        add(&mut sums[0], series[0], &change[k]);
+    }
+    std::array::from_fn(|p| sums[0][p] + sums[1][p])
+}
+
+/// The product of two series, term by term of the first.
+#[inline(always)]
+fn series_product(a: &Series, b: &Series) -> Series {
+    let mut product = [0.0; ORDER + 1];
+    for (i, a) in a.iter().enumerate() {
+        for (sum, b) in product[i..].iter_mut().zip(b) {
+            *sum += a * b;
+        }
+    }
+    product
 }
 
 /// Values of changes at `tau`.
@@ -110,6 +132,7 @@ impl Changes {
             u: NO_SERIES,
             w: NO_SERIES,
             z: NO_SERIES,
+            has_inner: false,
             set: [0.0; ABREAST],
             law: [Form::ZERO; ABREAST],
             inner: [Form::ZERO; ABREAST],
@@ -117,7 +140,10 @@ impl Changes {
         let block = |places: &[Place]| Block {
             places: std::array::from_fn(|p| places.get(p).copied()),
             nodes: vec![node.clone(); structure.masses_kg().len() + 1],
-            links: vec![link.clone(); structure.connections().len()],
+            links: structure
+                .joined()
+                .map(|(element, _)| LinkChange { has_inner: element.law().inner_rate().is_some(), ..link.clone() })
+                .collect(),
         };
         let blocks: Vec<Block> = places.chunks(ABREAST).map(block).collect();
         Self { arch: (!blocks.is_empty()).then(Arch::new), blocks }
@@ -126,22 +152,39 @@ impl Changes {
     /// The series of the changes over a step of the motion.
     pub fn expand(&mut self, structure: &Structure, step: &Step) {
         let Some(arch) = self.arch else { return };
+        self.blocks.iter_mut().for_each(|block| block.change_laws(structure, step));
+        let law = step.law_of_one_mass();
+        let changes = self.blocks.iter().flat_map(|block| &block.links).flat_map(|link| &link.law);
+        let is_mixed = changes.map(|law| law.uw).any(|uw| uw != 0.0);
+        // All elements of one mass feel the same.
+        let links = if law.is_some() { &step.links[..1] } else { &step.links[..] };
+        let products: Vec<[Series; 3]> = arch.dispatch(|| {
+            let products = |LinkSeries { u, w, .. }: &LinkSeries| {
+                let uw = if is_mixed { series_product(u, w) } else { [0.0; ORDER + 1] };
+                [series_product(u, u), series_product(w, w), uw]
+            };
+            links.iter().map(products).collect()
+        });
         for block in &mut self.blocks {
-            block.change_laws(structure, step);
-            arch.dispatch(Expand { block, step });
+            arch.dispatch(Expand { block, step, law, products: &products });
         }
     }
 
     /// Takes the values at the end of a step as those of the next start.
     pub fn advance(&mut self, length_s: f64) {
-        for block in &mut self.blocks {
-            for node in &mut block.nodes {
-                (node.x[0], node.v[0]) = (at(&node.x, length_s), at(&node.v, length_s));
+        let Some(arch) = self.arch else { return };
+        arch.dispatch(|| {
+            for block in &mut self.blocks {
+                // The barrier does not change, nor what is not there.
+                let masses = block.nodes.len() - 1;
+                for node in &mut block.nodes[..masses] {
+                    (node.x[0], node.v[0]) = (at(&node.x, length_s), at(&node.v, length_s));
+                }
+                for link in block.links.iter_mut().filter(|link| link.has_inner) {
+                    link.z[0] = at(&link.z, length_s);
+                }
             }
-            for link in &mut block.links {
-                link.z[0] = at(&link.z, length_s);
-            }
-        }
+        });
     }
 
     /// An element goes to its next branch, between two steps.
@@ -176,12 +219,56 @@ impl Block {
             }
         }
     }
+
+    /// The changes where the acceleration is a form of displacement and velocity: all elements in one.
+    #[inline(always)]
+    fn expand_one_mass(&mut self, step: &Step, law: &Form, [xx, vv, xv]: &[Series; 3]) {
+        let (node, per_mass) = (&step.nodes[0], step.per_mass[0]);
+        let mut by = [Form::ZERO; ABREAST];
+        for (p, by) in by.iter_mut().enumerate() {
+            let own = if self.places[p] == Some(Place::Mass(0)) { -per_mass } else { 0.0 };
+            let of_links = self.links.iter().fold(Form::ZERO, |sum, link| sum.plus(-per_mass, &link.law[p]));
+            *by = of_links.plus(own, law);
+        }
+        // One list a coefficient, side by side.
+        let terms = [|f: &Form| f.u, |f: &Form| f.w, |f: &Form| f.uu, |f: &Form| f.ww, |f: &Form| f.uw];
+        let by_terms = terms.map(|term| by.map(|form| term(&form)));
+        let NodeChange { x, v, a } = &mut self.nodes[0];
+        for k in 0..=ORDER {
+            let mut now = if k == 0 { by.map(|form| form.constant) } else { [0.0; ABREAST] };
+            let (mut with_x, mut with_v) = ([0.0; ABREAST], [0.0; ABREAST]);
+            for i in 0..=k {
+                add(&mut with_x, node.x[k - i], &x[i]);
+                add(&mut with_v, node.v[k - i], &v[i]);
+            }
+            for (by, value) in by_terms.iter().zip([node.x[k], node.v[k], xx[k], vv[k], xv[k]]) {
+                add(&mut now, value, by);
+            }
+            add(&mut now, law.u, &x[k]);
+            add(&mut now, law.w, &v[k]);
+            add(&mut now, 2.0 * law.uu, &with_x);
+            add(&mut now, 2.0 * law.ww, &with_v);
+            if law.uw != 0.0 {
+                add(&mut now, law.uw, &lane_product(&node.x, v, k));
+                add(&mut now, law.uw, &lane_product(&node.v, x, k));
+            }
+            a[k] = now;
+            if k < ORDER {
+                let factor = 1.0 / (k + 1) as f64;
+                (x[k + 1], v[k + 1]) = (v[k].map(|v| v * factor), now.map(|a| a * factor));
+            }
+        }
+    }
 }
 
 /// The changes of a block over one step.
 struct Expand<'a> {
     block: &'a mut Block,
     step: &'a Step,
+    /// The acceleration of the only mass.
+    law: Option<Form>,
+    /// Products of compression and rate of each element, `u u`, `w w`, `u w`.
+    products: &'a [[Series; 3]],
 }
 
 impl WithSimd for Expand<'_> {
@@ -189,7 +276,11 @@ impl WithSimd for Expand<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { block, step } = self;
+        let Self { block, step, law, products } = self;
+        if let (Some(law), Some(products)) = (law, products.first()) {
+            block.expand_one_mass(step, &law, products);
+            return;
+        }
         let of_mass = |place: &Option<Place>| match place {
             Some(Place::Mass(mass)) => *mass,
             _ => usize::MAX,
@@ -199,11 +290,11 @@ impl WithSimd for Expand<'_> {
             for node in &mut block.nodes {
                 node.a[k] = [0.0; ABREAST];
             }
-            for (link, change) in step.links.iter().zip(&mut block.links) {
+            for ((link, change), products) in step.links.iter().zip(&mut block.links).zip(products) {
                 let [front, rear] = link.nodes;
                 change.u[k] = minus(&block.nodes[rear].x[k], &block.nodes[front].x[k]);
                 change.w[k] = minus(&block.nodes[rear].v[k], &block.nodes[front].v[k]);
-                let force = force_change(link, change, k);
+                let force = force_change(link, change, products, k);
                 add(&mut block.nodes[rear].a[k], -1.0, &force);
                 add(&mut block.nodes[front].a[k], 1.0, &force);
             }
@@ -224,7 +315,7 @@ impl WithSimd for Expand<'_> {
 
 /// Coefficient `k` of the change of a force; that of the rate of the inner state goes into its series.
 #[inline(always)]
-fn force_change(link: &LinkSeries, change: &mut LinkChange, k: usize) -> Lanes {
+fn force_change(link: &LinkSeries, change: &mut LinkChange, products: &[Series; 3], k: usize) -> Lanes {
     let law = &link.law;
     let mut force = [0.0; ABREAST];
     add(&mut force, law.u, &change.u[k]);
@@ -239,10 +330,7 @@ fn force_change(link: &LinkSeries, change: &mut LinkChange, k: usize) -> Lanes {
         add(&mut force, law.uw, &lane_product(&link.u, &change.w, k));
         add(&mut force, law.uw, &lane_product(&link.w, &change.u, k));
     }
-    let any = |factor: fn(&Form) -> f64| change.law.iter().any(|law| factor(law) != 0.0);
-    let uu = if any(|law| law.uu) { product(&link.u, &link.u, k) } else { 0.0 };
-    let ww = if any(|law| law.ww) { product(&link.w, &link.w, k) } else { 0.0 };
-    let uw = if any(|law| law.uw) { product(&link.u, &link.w, k) } else { 0.0 };
+    let [uu, ww, uw] = products.each_ref().map(|product| product[k]);
     let (one, u, w, z) = (if k == 0 { 1.0 } else { 0.0 }, link.u[k], link.w[k], link.z[k]);
     for (force, by) in force.iter_mut().zip(&change.law) {
         *force += by.constant * one + by.u * u + by.w * w + by.z * z + by.uu * uu + by.ww * ww + by.uw * uw;

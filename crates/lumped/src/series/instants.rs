@@ -123,12 +123,14 @@ impl Fill<'_> {
     #[inline(always)]
     fn in_blocks_of<const L: usize>(&mut self) {
         let (mut from, end) = (0, self.out[0].len());
-        while end - from > LANES {
+        while end - from > 2 * LANES {
             self.block::<L>(from);
             from = (from + L).min(end);
         }
-        if end > from {
-            self.block::<LANES>(from);
+        match end - from {
+            0 => {}
+            1..=LANES => self.block::<LANES>(from),
+            _ => self.block::<{ 2 * LANES }>(from),
         }
     }
 
@@ -136,22 +138,29 @@ impl Fill<'_> {
     fn block<const L: usize>(&mut self, from: usize) {
         let tau = self.reader.since_start::<L>(self.step, self.first + from);
         let [x, v, a] = self.series;
-        // Two side by side keep the processor busy.
-        let (mut u, mut w) = ([0.0; L], [0.0; L]);
-        for (of_x, of_v) in x.iter().zip(v).rev() {
-            for lane in 0..L {
-                u[lane] = u[lane] * tau[lane] + of_x;
-                w[lane] = w[lane] * tau[lane] + of_v;
-            }
-        }
-        let mut acceleration = [0.0; L];
+        // Side by side, so that the processor is busy.
+        let (mut u, mut w, mut acceleration) = ([0.0; L], [0.0; L], [0.0; L]);
         match &self.law {
             Some(law) => {
+                for (of_x, of_v) in x.iter().zip(v).rev() {
+                    for lane in 0..L {
+                        u[lane] = u[lane] * tau[lane] + of_x;
+                        w[lane] = w[lane] * tau[lane] + of_v;
+                    }
+                }
                 for lane in 0..L {
                     acceleration[lane] = law.at(Strain { u: u[lane], w: w[lane], z: 0.0 });
                 }
             }
-            None => acceleration = values(a, &tau),
+            None => {
+                for ((of_x, of_v), of_a) in x.iter().zip(v).zip(a).rev() {
+                    for lane in 0..L {
+                        u[lane] = u[lane] * tau[lane] + of_x;
+                        w[lane] = w[lane] * tau[lane] + of_v;
+                        acceleration[lane] = acceleration[lane] * tau[lane] + of_a;
+                    }
+                }
+            }
         }
         for (out, values) in self.out.iter_mut().zip([&u, &w, &acceleration]) {
             put(&mut out[from..], values);
