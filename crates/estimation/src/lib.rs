@@ -2,7 +2,7 @@
 //!
 //! Nothing here knows what a model is: problems are traits that give residuals (and their derivatives where they have
 //! them) at a vector of unknowns, statistics take slices of residuals. A descent that did not converge says so:
-//! [`minimise::StopReason`] and [`minimise::Termination`] are part of every result.
+//! [`minimise::StopReason`] is part of every result.
 //!
 //! rooms: minimise | statistics | random
 

@@ -4,6 +4,7 @@
 
 use anyhow::Context;
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
+use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{Instants, Model, ModelKind, Nonlinear2};
 use crumple_lumped_fit::{
     FireflyOptions, FireflyUnits, LShadeOptions, Method, SingleMassFitOptions, SolveSettings, TestData,
@@ -12,8 +13,6 @@ use crumple_lumped_fit::{
 use crumple_signal::{Displacement, Notes, Signal};
 use crumple_testkit::table_5;
 use nalgebra::DMatrix;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
 const SEEDS: u64 = 20;
@@ -263,8 +262,8 @@ fn random_starts(record: &Signal<Displacement>, starts: usize, seed: u64) -> any
         max_iterations: 120,
         cost_tolerance: 1e-9,
     };
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut even = || (random.next_u64() >> 11) as f64 * (0.5_f64).powi(53);
+    let mut random = RandomNumbers::seeded(seed);
+    let mut even = || random.uniform();
     let points: Vec<Vec<f64>> =
         (0..starts).map(|_| begin.iter().map(|(low, high)| low + (high - low) * even()).collect()).collect();
     let ends: Vec<Optimum> = points.par_iter().filter_map(|point| descend(&problem, point, &bounds)).collect();

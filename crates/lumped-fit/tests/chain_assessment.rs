@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 
+use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{Chain, Drive, Kelvin, Model, PiecewiseLinear};
 use crumple_lumped_fit::{
     AssessmentOptions, ChainAssessmentOptions, ChainSolution, Distribution, FitQuantity, InputUncertainty,
@@ -12,8 +13,6 @@ use crumple_lumped_fit::{
 };
 use crumple_signal::Sampled;
 use nalgebra::{DMatrix, DVector};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 
 const V0: f64 = 13.4;
 const DT: f64 = 1e-4;
@@ -55,15 +54,13 @@ fn observed(error: impl Fn(usize, usize) -> f64) -> Observation {
 
 /// Noise that hangs together over 33 samples, root mean square `size` m.
 fn noise(size: f64, seed: u64) -> impl Fn(usize, usize) -> f64 {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-    let mut normal = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+    let mut random = RandomNumbers::seeded(seed);
     let rho: f64 = 0.97;
     let waves: Vec<Vec<f64>> = (0..3)
         .map(|_| {
-            let mut last = normal();
+            let mut last = random.normal();
             let mut next = || {
-                last = rho * last + (1.0 - rho * rho).sqrt() * normal();
+                last = rho * last + (1.0 - rho * rho).sqrt() * random.normal();
                 size * last
             };
             (0..SAMPLES).map(|_| next()).collect()

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
+use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_lumped_fit::{
     Candidate, CoefficientSpread, Identified, Quartic, match_as_the_paper_typed, match_identified,
@@ -36,15 +37,6 @@ fn values(candidate: &Candidate) -> [f64; 4] {
     [m.k1_n_per_m, m.k2_n_per_m, m.c1_n_s_per_m, m.c2_n_s_per_m]
 }
 
-/// Twelve uniform numbers less six, from a linear congruence.
-fn normal(state: &mut u64) -> f64 {
-    let mut uniform = || {
-        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*state >> 11) as f64 / (1_u64 << 53) as f64
-    };
-    (0..12).map(|_| uniform()).sum::<f64>() - 6.0
-}
-
 const NAMES: [&str; 4] = ["k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m"];
 
 #[test]
@@ -64,11 +56,11 @@ fn deviations_of_every_solution_are_those_of_the_matching_repeated() {
     let known = matched(centre.into(), CoefficientSpread::of_covariance(&rows));
     assert!(known.len() >= 2);
     let lower = Cholesky::new(covariance).unwrap().l();
-    let mut state = 7;
+    let mut random = RandomNumbers::seeded(7);
     const DRAWS: usize = 4000;
     let mut squares = vec![[0.0; 4]; known.len()];
     for _ in 0..DRAWS {
-        let drawn = centre + lower * Vector4::from_fn(|_, _| normal(&mut state));
+        let drawn = centre + lower * Vector4::from_fn(|_, _| random.normal());
         let again = matched(drawn.into(), None);
         assert_eq!(again.len(), known.len());
         for (candidate, squares) in known.iter().zip(&mut squares) {

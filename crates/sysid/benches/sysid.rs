@@ -247,7 +247,7 @@ fn transfer_function_times() {
     let near: Vec<_> = fit.modes.iter().map(|mode| mode.pole * 1.05).collect();
     let one = TransferFunctionOptions { starts: Vec::new(), given: vec![near], ..options.clone() };
     let time = shortest(9, || {
-        evaluations = transfer_function_fit(&data, &one).map_or(0, |fit| fit.search.iterations);
+        evaluations = transfer_function_fit(&data, &one).map_or(0, |fit| fit.search.iterations.into());
     });
     line(
         &format!("tfest 4/1, one refinement, {evaluations} iterations, with covariance"),

@@ -82,7 +82,7 @@ pub use validation::caveats::{FilterEdge, caveats, mode_notes, weak_fit};
 pub use validation::model_selection::{Contender, Ranked, Selection, select};
 pub use validation::residual_resampling::Resampling;
 
-pub use crumple_estimation::minimise::{Stop, Termination};
+pub use crumple_estimation::minimise::{Stop, StopReason};
 pub use crumple_estimation::statistics::{
     InformationCriteria, ResidualTests, autoregressive_effective_samples, residual_tests,
 };

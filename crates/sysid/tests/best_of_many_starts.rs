@@ -144,7 +144,7 @@ fn check(name: &str, u: Vec<f64>, y: Vec<f64>, dt: f64) {
          1e-6",
         ours.loss,
         ours.fit.unwrap().fit_percent.unwrap(),
-        ours.search.termination.name(),
+        ours.search.stop_reason.name(),
         ours.search.start.name(),
         ours.search.losses.iter().filter(|l| **l < ours.loss * (1.0 + 1e-6)).count(),
         ours.search.losses.len(),

@@ -78,7 +78,7 @@ fn output_error_line(estimation: &IoData, validation: &IoData, options: OutputEr
     line(&name, &[second[0], first[0]]);
     println!(
         "    {} after {} iterations, {} evaluations, losses {:.6?}",
-        estimated.termination.name(),
+        estimated.stop_reason.name(),
         estimated.iterations,
         estimated.evaluations,
         estimated.losses

@@ -63,7 +63,7 @@ fn coefficients_of_the_printed_model_come_back_to_nine_digits() {
     let fit = transfer_function_fit(&crash(0.0), &TransferFunctionOptions::new(4, 1)).unwrap();
     println!(
         "{:?} from {} after {} iterations, {} evaluations, loss {:.1e}",
-        fit.search.termination,
+        fit.search.stop_reason,
         fit.search.start.name(),
         fit.search.iterations,
         fit.search.evaluations,
@@ -149,7 +149,7 @@ fn every_start_alone_reaches_the_optimum() {
             start.name(),
             fit.loss,
             fit.search.evaluations,
-            fit.search.termination
+            fit.search.stop_reason
         );
         // A stationary point to the gradient test; the loss is flat there to its square.
         assert!(fit.loss <= best * (1.0 + 1e-9), "{}", start.name());

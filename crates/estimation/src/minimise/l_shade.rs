@@ -6,9 +6,10 @@
 
 use std::f64::consts::PI;
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
+
+use super::stop_reason::StopReason;
+use crate::random::RandomNumbers;
 
 /// Constants of the search; the defaults are those of its authors but for the number of evaluations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,15 +26,6 @@ impl Default for LShadeOptions {
     }
 }
 
-/// Why the search ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LShadeStop {
-    /// All evaluations are used up.
-    Evaluations,
-    /// All members have the same cost to rounding.
-    Converged,
-}
-
 /// Where the search ended.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LShadeResult {
@@ -44,7 +36,7 @@ pub struct LShadeResult {
     /// Evaluations of the cost.
     pub evaluations: u64,
     /// Why the search ended.
-    pub stop: LShadeStop,
+    pub stop: StopReason,
 }
 
 /// Members at the start for each variable.
@@ -58,29 +50,9 @@ const BEST_SHARE: f64 = 0.11;
 /// Size of the archive of replaced points, in numbers of members.
 const ARCHIVE: f64 = 2.6;
 
-/// The distributions that the search draws from, all from one stream.
-struct Random(ChaCha8Rng);
-
-impl Random {
-    /// Uniform between 0 and 1, never 0.
-    fn uniform(&mut self) -> f64 {
-        ((self.0.next_u64() >> 11) as f64 + 0.5) * (0.5_f64).powi(53)
-    }
-
-    /// A whole number from 0 to `count - 1`.
-    fn below(&mut self, count: usize) -> usize {
-        ((self.uniform() * count as f64) as usize).min(count - 1)
-    }
-
-    /// A normal deviate, by the transform of Box and Muller.
-    fn normal(&mut self, mean: f64, deviation: f64) -> f64 {
-        mean + deviation * (-2.0 * self.uniform().ln()).sqrt() * (2.0 * PI * self.uniform()).cos()
-    }
-
-    /// A deviate of the Cauchy distribution, by the inverse of its distribution function.
-    fn cauchy(&mut self, mean: f64, width: f64) -> f64 {
-        mean + width * (PI * (self.uniform() - 0.5)).tan()
-    }
+/// A deviate of the Cauchy distribution, by the inverse of its distribution function.
+fn cauchy(random: &mut RandomNumbers, mean: f64, width: f64) -> f64 {
+    mean + width * (PI * (random.uniform() - 0.5)).tan()
 }
 
 /// A point of the population and its cost.
@@ -107,7 +79,7 @@ pub fn l_shade(axes: usize, options: &LShadeOptions, cost: impl Fn(&[f64]) -> f6
         let value = cost(point);
         if value.is_nan() { f64::INFINITY } else { value }
     };
-    let mut random = Random(ChaCha8Rng::seed_from_u64(options.seed));
+    let mut random = RandomNumbers::seeded(options.seed);
     let first = (MEMBERS_EACH * axes).max(MEMBERS_LAST);
     let points: Vec<Vec<f64>> = (0..first).map(|_| (0..axes).map(|_| random.uniform()).collect()).collect();
     let costs: Vec<f64> = points.par_iter().map(|point| cost(point)).collect();
@@ -121,10 +93,10 @@ pub fn l_shade(axes: usize, options: &LShadeOptions, cost: impl Fn(&[f64]) -> f6
     let stop = loop {
         let spread = members[members.len() - 1].cost - members[0].cost;
         if spread <= 1e-15 * members[0].cost {
-            break LShadeStop::Converged;
+            break StopReason::CostConverged;
         }
         if evaluations >= options.evaluations {
-            break LShadeStop::Evaluations;
+            break StopReason::IterationLimit;
         }
         let trials: Vec<Trial> = (0..members.len())
             .map(|i| trial(i, &members, &archive, memory[random.below(MEMORY)], &mut random))
@@ -167,11 +139,11 @@ fn trial(
     members: &[Member],
     archive: &[Vec<f64>],
     (scale, crossover): (f64, Option<f64>),
-    random: &mut Random,
+    random: &mut RandomNumbers,
 ) -> Trial {
-    let crossover = crossover.map_or(0.0, |mean| random.normal(mean, 0.1).clamp(0.0, 1.0));
+    let crossover = crossover.map_or(0.0, |mean| (mean + 0.1 * random.normal()).clamp(0.0, 1.0));
     let scale = loop {
-        let drawn = random.cauchy(scale, 0.1);
+        let drawn = cauchy(random, scale, 0.1);
         if drawn > 0.0 {
             break drawn.min(1.0);
         }

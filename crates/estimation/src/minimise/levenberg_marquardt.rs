@@ -1,4 +1,4 @@
-//! Bounded Levenberg-Marquardt for any number of parameters.
+//! Bounded Levenberg-Marquardt for any number of parameters: the one descent of all least-squares problems.
 //!
 //! Minimises `sum r_i(theta)²` within `lower <= theta <= upper`. Sensitivities are the problem's own where it has them,
 //! else differences (one-sided in the descent: relative error near 1e-8; central at the minimum: near 1e-10). Unknowns
@@ -21,7 +21,7 @@ pub trait Response: Sync {
     fn rows(&self) -> usize;
     /// Fills `out`.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool;
-    /// Sum of squares at which the model is the record: nothing is left to descend for.
+    /// Sum of squares at which the model is the record, [`StopReason::PerfectFit`]: nothing is left to descend for.
     fn exact(&self) -> f64 {
         0.0
     }
@@ -29,6 +29,42 @@ pub trait Response: Sync {
     /// own and differences must do, `Some(false)` where they are not finite.
     fn sensitivities(&self, _theta: &[f64], _out: &mut DMatrix<f64>) -> Option<bool> {
         None
+    }
+}
+
+/// What a descent asks of a problem. Every [`Response`] is one, its residuals being all that is known at a point; a
+/// problem whose sensitivities need more than `theta` keeps that in its points.
+pub(super) trait LeastSquares: Sync {
+    /// What is known at a point.
+    type Point;
+    /// What is known at `theta`; `None` if the model has no finite response there.
+    fn point(&self, theta: &[f64]) -> Option<Self::Point>;
+    /// The residuals at a point.
+    fn residuals_at<'a>(&self, point: &'a Self::Point) -> &'a [f64];
+    /// As [`Response::exact`].
+    fn exact_cost(&self) -> f64;
+    /// As [`Response::sensitivities`].
+    fn sensitivities_at(&self, theta: &[f64], point: &Self::Point, out: &mut DMatrix<f64>) -> Option<bool>;
+}
+
+impl<R: Response> LeastSquares for R {
+    type Point = Vec<f64>;
+
+    fn point(&self, theta: &[f64]) -> Option<Vec<f64>> {
+        let mut residuals = vec![0.0; self.rows()];
+        self.residuals(theta, &mut residuals).then_some(residuals)
+    }
+
+    fn residuals_at<'a>(&self, point: &'a Vec<f64>) -> &'a [f64] {
+        point
+    }
+
+    fn exact_cost(&self) -> f64 {
+        self.exact()
+    }
+
+    fn sensitivities_at(&self, theta: &[f64], _point: &Vec<f64>, out: &mut DMatrix<f64>) -> Option<bool> {
+        self.sensitivities(theta, out)
     }
 }
 
@@ -41,8 +77,16 @@ pub struct Bounds {
     pub upper: Vec<f64>,
     /// Steps after which the best point so far is the result.
     pub max_iterations: u32,
-    /// Smallest relative decrease of the cost worth going on for.
+    /// Smallest relative decrease of the cost, that of the linear model too, that is worth going on for.
     pub cost_tolerance: f64,
+}
+
+impl Bounds {
+    /// The nearest point of the box.
+    fn nearest(&self, theta: &[f64]) -> Vec<f64> {
+        let limits = self.lower.iter().zip(&self.upper);
+        theta.iter().zip(limits).map(|(x, (low, high))| x.clamp(*low, *high)).collect()
+    }
 }
 
 /// Where a descent ended.
@@ -58,7 +102,7 @@ pub struct Optimum {
     pub on_bound: Vec<bool>,
     /// Steps tried.
     pub iterations: u32,
-    /// Evaluations of the residuals, those for differences too.
+    /// Evaluations of the residuals, and of the sensitivities or those for differences.
     pub evaluations: u64,
     /// Why the descent ended.
     pub stop: StopReason,
@@ -71,6 +115,8 @@ const DIFFERENCE: f64 = 1e-7;
 const ORTHOGONAL: f64 = 1e-14;
 /// Largest step of an unknown, which is of size one, that counts as standing still: rounding.
 const STANDING: f64 = 1e-14;
+/// Damping above which a step is too short to change the cost: rounding is all that is left.
+const DAMPING_LIMIT: f64 = 1e12;
 /// Step of the central differences at a minimum, in the same units.
 const CENTRAL_DIFFERENCE: f64 = 1e-5;
 
@@ -84,104 +130,130 @@ struct Linear {
     norms: Vec<f64>,
 }
 
+/// Where a descent stands: its best point and what is known there.
+pub(super) struct Descent<P> {
+    /// The unknowns.
+    pub theta: Vec<f64>,
+    /// What the problem knows there.
+    pub point: P,
+    /// Sum of squares.
+    pub cost: f64,
+    /// The linearised problem at the last point that has one; the best point, if the descent was to end with it.
+    linear: Option<Linear>,
+    /// Unknowns that stand on a bound beyond which the cost falls.
+    pub on_bound: Vec<bool>,
+    /// Steps tried.
+    pub iterations: u32,
+    /// Evaluations of the residuals, and of the sensitivities or those for differences.
+    pub evaluations: u64,
+    /// Why the descent ended.
+    pub stop: StopReason,
+}
+
 /// Descends from `start`, which is moved into the bounds; `None` if it has no finite response. Parameters should be of
 /// size one. Method and sources: see the head of this file.
 pub fn descend(problem: &impl Response, start: &[f64], bounds: &Bounds) -> Option<Optimum> {
+    let Descent { theta, cost, linear, on_bound, iterations, evaluations, stop, .. } =
+        descent(problem, start, bounds, ORTHOGONAL, true)?;
+    let r = linear?.triangle.matrix().view((0, 0), (theta.len(), theta.len())).into_owned();
+    Some(Optimum { theta, cost, r, on_bound, iterations, evaluations, stop })
+}
+
+/// The descent of every problem. `orthogonal`: largest cosine between the residuals and a sensitivity at a stationary
+/// point. `linearised`: whether its end needs the linearised problem there, which costs the sensitivities once more.
+pub(super) fn descent<L: LeastSquares>(
+    problem: &L,
+    start: &[f64],
+    bounds: &Bounds,
+    orthogonal: f64,
+    linearised: bool,
+) -> Option<Descent<L::Point>> {
     let n = start.len();
-    let into_box = |theta: &mut [f64]| {
-        for (x, (low, high)) in theta.iter_mut().zip(bounds.lower.iter().zip(&bounds.upper)) {
-            *x = x.clamp(*low, *high);
-        }
+    let mut theta = bounds.nearest(start);
+    let mut point = problem.point(&theta)?;
+    let mut cost = square(problem.residuals_at(&point));
+    let (mut evaluations, mut iterations) = (1, 0);
+    let exact = problem.exact_cost();
+    let ended = |cost: f64, iterations: u32| {
+        let limit = (iterations >= bounds.max_iterations).then_some(StopReason::IterationLimit);
+        if cost <= exact { Some(StopReason::PerfectFit) } else { limit }
     };
-    let mut theta = start.to_vec();
-    into_box(&mut theta);
-    let mut residuals = vec![0.0; problem.rows()];
-    let mut next_residuals = residuals.clone();
-    if !problem.residuals(&theta, &mut residuals) {
-        return None;
+    let mut end = ended(cost, iterations);
+    if let (Some(stop), false) = (end, linearised) {
+        let on_bound = vec![false; n];
+        return Some(Descent { theta, point, cost, linear: None, on_bound, iterations, evaluations, stop });
     }
-    let mut cost = dot(&residuals, &residuals);
-    let mut evaluations = 1;
-    let mut jacobian = DMatrix::zeros(problem.rows(), n + 1);
-    let mut linear = linearise(problem, &theta, &residuals, bounds, &mut jacobian, &mut evaluations)?;
+    let mut matrix = DMatrix::zeros(problem.residuals_at(&point).len(), n + 1);
+    let mut linear = linearise(problem, &theta, &point, bounds, &mut matrix, &mut evaluations)?;
     let mut on_bound = fixed_at_bound(&theta, &linear, bounds);
     let mut scale = vec![0.0; n];
     let (mut lambda, mut growth) = (1e-3, 2.0);
-    let mut iterations = 0;
     let stop = loop {
+        if let Some(reason) = end.or_else(|| ended(cost, iterations)) {
+            break reason;
+        }
         for (scale, norm) in scale.iter_mut().zip(&linear.norms) {
             *scale = norm.max(*scale);
         }
         let size = cost.sqrt();
-        if (0..n).all(|i| on_bound[i] || linear.gradient[i].abs() <= ORTHOGONAL * linear.norms[i] * size) {
+        if (0..n).all(|i| on_bound[i] || linear.gradient[i].abs() <= orthogonal * linear.norms[i] * size) {
             break StopReason::GradientConverged;
         }
-        if cost <= problem.exact() {
-            break StopReason::CostConverged;
-        }
-        if iterations >= bounds.max_iterations {
-            break StopReason::IterationLimit;
-        }
         iterations += 1;
-        let Some(mut step) = damped_step(&linear, &scale, lambda, &on_bound, &theta, bounds) else {
+        let Some(step) = damped_step(&linear, &scale, lambda, &on_bound, &theta, bounds) else {
             lambda *= growth;
             growth *= 2.0;
             continue;
         };
-        let mut next: Vec<f64> = theta.iter().zip(&step).map(|(x, d)| x + d).collect();
-        into_box(&mut next);
-        for (d, (next, x)) in step.iter_mut().zip(next.iter().zip(&theta)) {
-            *d = next - x;
-        }
+        let next = bounds.nearest(&theta.iter().zip(&step).map(|(x, d)| x + d).collect::<Vec<_>>());
+        let step: Vec<f64> = next.iter().zip(&theta).map(|(next, x)| next - x).collect();
         if step.iter().all(|d| d.abs() <= STANDING) {
             break StopReason::StepConverged;
         }
         let predicted = predicted_decrease(&linear, &step);
+        let trial = problem.point(&next).map(|point| (square(problem.residuals_at(&point)), point));
         evaluations += 1;
-        let next_cost = if problem.residuals(&next, &mut next_residuals) {
-            dot(&next_residuals, &next_residuals)
-        } else {
-            f64::INFINITY
-        };
-        let decrease = cost - next_cost;
         let small = bounds.cost_tolerance * cost;
-        if decrease > 0.0 && predicted > 0.0 {
-            // A finite cost and no finite sensitivities: stay with the last point that has both.
-            let there = linearise(problem, &next, &next_residuals, bounds, &mut jacobian, &mut evaluations);
-            let Some(there) = there else { break StopReason::StepConverged };
-            std::mem::swap(&mut residuals, &mut next_residuals);
-            (theta, cost, linear) = (next, next_cost, there);
-            on_bound = fixed_at_bound(&theta, &linear, bounds);
-            lambda *= (1.0_f64 / 3.0).max(1.0 - (2.0 * decrease / predicted - 1.0).powi(3));
-            growth = 2.0;
-            if decrease <= small && predicted <= small {
-                break StopReason::CostConverged;
+        match trial.filter(|(next_cost, _)| *next_cost < cost && predicted > 0.0) {
+            Some((next_cost, next_point)) => {
+                let decrease = cost - next_cost;
+                let done = decrease <= small && predicted <= small;
+                end = done.then_some(StopReason::CostConverged).or_else(|| ended(next_cost, iterations));
+                if end.is_none() || linearised {
+                    let there = linearise(problem, &next, &next_point, bounds, &mut matrix, &mut evaluations);
+                    // A finite cost and no finite sensitivities: stay with the last point that has both.
+                    let Some(there) = there else { break StopReason::NoImprovement };
+                    linear = there;
+                }
+                (theta, point, cost) = (next, next_point, next_cost);
+                on_bound = fixed_at_bound(&theta, &linear, bounds);
+                lambda *= (1.0_f64 / 3.0).max(1.0 - (2.0 * decrease / predicted - 1.0).powi(3));
+                growth = 2.0;
             }
-        } else {
-            if predicted <= small || lambda > 1e12 {
-                break StopReason::CostConverged;
+            None if predicted <= small => break StopReason::CostConverged,
+            None if lambda > DAMPING_LIMIT => break StopReason::NoImprovement,
+            None => {
+                lambda *= growth;
+                growth *= 2.0;
             }
-            lambda *= growth;
-            growth *= 2.0;
         }
     };
-    let r = linear.triangle.matrix().view((0, 0), (n, n)).into_owned();
-    Some(Optimum { theta, cost, r, on_bound, iterations, evaluations, stop })
+    Some(Descent { theta, point, cost, linear: Some(linear), on_bound, iterations, evaluations, stop })
 }
 
 /// Sensitivities and residuals at `theta`, reduced to a triangle; `None` where one of them is not finite. `matrix`, of
 /// one column more than there are unknowns, is overwritten. Counts evaluations.
-fn linearise(
-    problem: &impl Response,
+fn linearise<L: LeastSquares>(
+    problem: &L,
     theta: &[f64],
-    residuals: &[f64],
+    point: &L::Point,
     bounds: &Bounds,
     matrix: &mut DMatrix<f64>,
     evaluations: &mut u64,
 ) -> Option<Linear> {
-    let n = theta.len();
+    let (n, residuals) = (theta.len(), problem.residuals_at(point));
     matrix.fill(0.0);
-    match problem.sensitivities(theta, matrix) {
+    match problem.sensitivities_at(theta, point, matrix) {
         Some(true) => *evaluations += 1,
         Some(false) => return None,
         None => {
@@ -199,8 +271,13 @@ fn linearise(
     triangle.push(residuals.len(), matrix.as_mut_slice());
     let reduced = triangle.column(n);
     let gradient = (0..n).map(|i| dot(triangle.column(i), &reduced[..=i])).collect();
-    let norms: Vec<f64> = (0..n).map(|i| dot(triangle.column(i), triangle.column(i)).sqrt()).collect();
+    let norms: Vec<f64> = (0..n).map(|i| square(triangle.column(i)).sqrt()).collect();
     (norms.iter().chain(reduced).all(|x| x.is_finite())).then_some(Linear { triangle, gradient, norms })
+}
+
+/// Sum of squares.
+fn square(x: &[f64]) -> f64 {
+    dot(x, x)
 }
 
 /// How much less than `|q|²` the linearised problem leaves after a step.
@@ -210,7 +287,7 @@ fn predicted_decrease(linear: &Linear, step: &[f64]) -> f64 {
     for (j, d) in step.iter().enumerate() {
         after.iter_mut().zip(linear.triangle.column(j)).for_each(|(x, r)| *x += r * d);
     }
-    dot(before, before) - dot(&after, &after)
+    square(before) - square(&after)
 }
 
 /// The derivatives of the residuals at a minimum from central differences, one-sided at a bound; `None` where one has
@@ -250,21 +327,21 @@ pub fn derivatives(problem: &impl Response, theta: &[f64], bounds: &Bounds) -> O
 /// The derivative by one of theta from a difference, if there is a finite response on either side, and the evaluations
 /// spent.
 fn difference(
-    problem: &impl Response,
+    problem: &impl LeastSquares,
     theta: &[f64],
     residuals: &[f64],
     bounds: &Bounds,
     i: usize,
 ) -> (Option<Vec<f64>>, u64) {
     let mut moved = theta.to_vec();
-    let mut moved_residuals = vec![0.0; residuals.len()];
     // Inwards from a bound, else forwards.
     let forwards = theta[i] + DIFFERENCE <= bounds.upper[i];
     for (spent, step) in (1..).zip(if forwards { [DIFFERENCE, -DIFFERENCE] } else { [-DIFFERENCE, DIFFERENCE] }) {
         moved[i] = theta[i] + step;
         let by = moved[i] - theta[i];
-        if problem.residuals(&moved, &mut moved_residuals) {
-            return (Some(moved_residuals.iter().zip(residuals).map(|(a, b)| (a - b) / by).collect()), spent);
+        if let Some(point) = problem.point(&moved) {
+            let there = problem.residuals_at(&point);
+            return (Some(there.iter().zip(residuals).map(|(a, b)| (a - b) / by).collect()), spent);
         }
     }
     (None, 2)

@@ -1,13 +1,12 @@
 //! Bounded minimisation: Levenberg-Marquardt, variable projection, interior point, L-SHADE; and why each stopped.
-//! Uses nothing of this crate; linear algebra from `crumple-linalg`.
+//! Uses [`random`](crate::random); linear algebra from `crumple-linalg`.
 
 pub mod interior_point;
 pub mod l_shade;
 pub mod levenberg_marquardt;
 pub mod separable_covariance;
 mod stop_reason;
-mod termination;
 pub mod variable_projection;
 
 pub use stop_reason::StopReason;
-pub use termination::{Stop, Termination};
+pub use variable_projection::Stop;

@@ -1,7 +1,7 @@
-//! Why a bounded descent stopped, and how records name it.
+//! Why an iteration stopped, and how records name it.
 //!
 //! All of these are results: the point is the best that was seen. Only [`StopReason::IterationLimit`] says that going
-//! on could still lower the cost.
+//! on could still lower the cost. Whether unknowns stand on a bound is said beside the reason, by the optimum.
 
 use std::fmt;
 
@@ -10,11 +10,15 @@ use std::fmt;
 pub enum StopReason {
     /// The residuals are orthogonal to every sensitivity: a stationary point.
     GradientConverged,
-    /// The cost no longer decreases.
+    /// Neither the cost nor its linear model falls by more than the tolerance; in a population all costs are alike.
     CostConverged,
     /// The parameters no longer move.
     StepConverged,
-    /// The iteration limit was reached; the parameters are the best seen.
+    /// The model follows the record to rounding.
+    PerfectFit,
+    /// No step with a finite response lowers the cost any more.
+    NoImprovement,
+    /// The limit of iterations or evaluations was reached; the parameters are the best seen.
     IterationLimit,
 }
 
@@ -25,8 +29,17 @@ impl StopReason {
             Self::GradientConverged => "gradient-converged",
             Self::CostConverged => "cost-converged",
             Self::StepConverged => "step-converged",
+            Self::PerfectFit => "perfect-fit",
+            Self::NoImprovement => "no-improvement",
             Self::IterationLimit => "iteration-limit",
         }
+    }
+
+    /// The name in records without a list of active bounds: `on-bound` where the descent converged and an unknown
+    /// stands on a bound beyond which the cost falls.
+    pub fn name_with_bounds(self, on_bound: bool) -> &'static str {
+        let converged = matches!(self, Self::GradientConverged | Self::CostConverged | Self::StepConverged);
+        if on_bound && converged { "on-bound" } else { self.name() }
     }
 }
 

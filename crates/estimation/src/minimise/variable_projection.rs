@@ -1,25 +1,27 @@
-//! Nonlinear least squares where most unknowns are linear: variable projection with bounded Levenberg-Marquardt.
+//! Nonlinear least squares where most unknowns are linear: variable projection, a problem for the bounded
+//! Levenberg-Marquardt of this room.
 //!
 //! The model is `y = known(theta) + B(theta) c`. For a given `theta` the best `c` is a linear least-squares problem, so
 //! the search runs over `theta` alone: `min over theta of |(I - Q Q') (y - known)|²`, `Q` an orthonormal basis of the
 //! columns of `B`. [`evaluate`] solves the linear part, [`projected_jacobian`] differentiates the projected residual,
-//! [`minimize`] searches. Accuracy: coefficients to rounding times the condition of the scaled columns; the minimum to
+//! [`minimize`] descends. Accuracy: coefficients to rounding times the condition of the scaled columns; the minimum to
 //! the square root of the cost tolerance (1e-13) in `theta`, or to the gradient tolerance of [`Stop`], whichever ends
 //! the search. Local: it depends on the start.
 
-use crumple_linalg::{TriangularFactor, dot};
-use nalgebra::{DMatrix, DVector};
+use crumple_linalg::dot;
+use nalgebra::DMatrix;
 
-use super::termination::{Stop, Termination};
+use super::levenberg_marquardt::{Bounds, Descent, LeastSquares, descent};
+use super::stop_reason::StopReason;
 
 /// A column that is this much shorter after what others explain is removed is taken for dependent on them.
 const DEPENDENT: f64 = 1e-11;
 
-/// Decrease of the loss, relative, that is not worth another step.
+/// Relative decrease of the loss that is not worth another step.
 const COST_TOLERANCE: f64 = 1e-13;
 
-/// Damping above which no step lowers the loss: rounding is all that is left.
-const DAMPING_LIMIT: f64 = 1e16;
+/// Residual of a perfect fit, relative to the targets: rounding.
+const EXACT: f64 = 1e-15;
 
 /// A model `y = known(theta) + basis(theta) c`, the same basis for every output, each output with its own `c`.
 pub trait Separable: Sync {
@@ -46,7 +48,7 @@ pub struct Basis {
     pub known: Vec<Vec<f64>>,
 }
 
-/// Where a search ended: a stationary point, or the best point seen; `termination` tells which.
+/// Where a search ended: a stationary point, or the best point seen; `stop` tells which.
 #[derive(Debug, Clone)]
 pub struct SeparableFit {
     /// Nonlinear unknowns.
@@ -57,12 +59,14 @@ pub struct SeparableFit {
     pub residual: Vec<f64>,
     /// Sum of squared residuals.
     pub cost: f64,
+    /// Unknowns that stand on a bound beyond which the cost falls.
+    pub on_bound: Vec<bool>,
     /// Steps tried.
-    pub iterations: usize,
-    /// Evaluations of the basis.
-    pub evaluations: usize,
+    pub iterations: u32,
+    /// Evaluations of the basis and of the sensitivities.
+    pub evaluations: u64,
     /// Why the descent ended.
-    pub termination: Termination,
+    pub stop: StopReason,
 }
 
 /// Everything known at one point.
@@ -184,138 +188,61 @@ pub fn projected_jacobian(problem: &impl Separable, theta: &[f64], point: &Point
     Some(jacobian)
 }
 
-/// Minimises the sum of squared residuals from `start` on. `None` if the start itself is not finite.
+/// When a search stops.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stop {
+    /// Steps tried at most.
+    pub max_iterations: u32,
+    /// Largest cosine between a projected sensitivity and the residual at a stationary point.
+    pub gradient: f64,
+}
+
+impl Default for Stop {
+    fn default() -> Self {
+        Self { max_iterations: 200, gradient: 1e-8 }
+    }
+}
+
+/// A separable problem with its linear unknowns projected out, as the descent sees it.
+struct Projected<'a, S>(&'a S);
+
+impl<S: Separable> LeastSquares for Projected<'_, S> {
+    type Point = Point;
+
+    fn point(&self, theta: &[f64]) -> Option<Point> {
+        evaluate(self.0, theta)
+    }
+
+    fn residuals_at<'a>(&self, point: &'a Point) -> &'a [f64] {
+        &point.residual
+    }
+
+    /// Rounding of the targets.
+    fn exact_cost(&self) -> f64 {
+        EXACT * EXACT * self.0.targets().iter().map(|y| dot(y, y)).sum::<f64>()
+    }
+
+    fn sensitivities_at(&self, theta: &[f64], point: &Point, out: &mut DMatrix<f64>) -> Option<bool> {
+        let Some(jacobian) = projected_jacobian(self.0, theta, point) else { return Some(false) };
+        for (mut out, column) in out.column_iter_mut().zip(&jacobian) {
+            out.copy_from_slice(column);
+        }
+        Some(true)
+    }
+}
+
+/// Minimises the sum of squared residuals from `start` on, by the descent of
+/// [`levenberg_marquardt`](super::levenberg_marquardt). `None` if the start itself is not finite.
 ///
-/// Golub & Pereyra, SIAM J. Numer. Anal. 10, 1973; Kaufman, BIT 15, 1975; damping after Marquardt with the gain-ratio
-/// rule of Nielsen (1999). Bounds by clamping steps and fixing parameters whose descent leads outwards. Cost of an
-/// iteration: one evaluation of the basis, one of the sensitivities, `2 rows (unknowns + columns)²` for the
-/// orthogonalisation.
+/// Golub & Pereyra, SIAM J. Numer. Anal. 10, 1973; Kaufman, BIT 15, 1975. Cost of an iteration: one evaluation of the
+/// basis, one of the sensitivities, `2 rows (unknowns + columns)²` for the orthogonalisation.
 pub fn minimize(problem: &impl Separable, start: &[f64], stop: Stop) -> Option<SeparableFit> {
-    let bounds = problem.bounds();
-    let mut theta: Vec<f64> = start.iter().zip(&bounds).map(|(x, (low, high))| x.clamp(*low, *high)).collect();
-    let mut point = evaluate(problem, &theta)?;
-    let total: f64 = problem.targets().iter().map(|y| dot(y, y)).sum();
-    let k = theta.len();
-    let mut evaluations = 1;
-    let mut damping = 1e-3;
-    let mut growth = 2.0;
-    let mut termination = Termination::IterationLimit;
-    let mut iterations = 0;
-    let mut scales = vec![0.0_f64; k];
-    'outer: while iterations < stop.max_iterations {
-        if point.cost <= 1e-30 * total {
-            termination = Termination::PerfectFit;
-            break;
-        }
-        let Some(jacobian) = projected_jacobian(problem, &theta, &point) else {
-            termination = Termination::NoImprovement;
-            break;
-        };
-        evaluations += k;
-        let gradient: Vec<f64> = jacobian.iter().map(|j| dot(j, &point.residual)).collect();
-        let norms: Vec<f64> = jacobian.iter().map(|j| dot(j, j).sqrt()).collect();
-        let at_bound = fixed_at_bound(&theta, &gradient, &bounds);
-        let free: Vec<usize> = (0..k).filter(|&i| !at_bound[i] && norms[i] > 0.0).collect();
-        let converged = |reason| if at_bound.iter().any(|fixed| *fixed) { Termination::OnBound } else { reason };
-        let steepest = free.iter().map(|&i| gradient[i].abs() / norms[i]).fold(0.0, f64::max);
-        if free.is_empty() || steepest <= stop.gradient * point.cost.sqrt() {
-            termination = converged(Termination::GradientConverged);
-            break;
-        }
-        let triangle = triangle_of(&jacobian, &free, &point.residual);
-        for &i in &free {
-            scales[i] = scales[i].max(norms[i]);
-        }
-        loop {
-            let Some(step) = damped_step(&triangle, &free, &scales, damping) else {
-                termination = Termination::NoImprovement;
-                break 'outer;
-            };
-            let x = DVector::from_column_slice(&step);
-            let count = free.len();
-            let remaining = (triangle.view((0, 0), (count, count)) * &x - triangle.view((0, count), (count, 1)))
-                .norm_squared()
-                + triangle[(count, count)].powi(2);
-            let predicted = point.cost - remaining;
-            if damping <= 1.0 && predicted <= COST_TOLERANCE * point.cost {
-                termination = converged(Termination::CostConverged);
-                break 'outer;
-            }
-            let mut trial = theta.clone();
-            for (&i, step) in free.iter().zip(&step) {
-                trial[i] = (trial[i] + step).clamp(bounds[i].0, bounds[i].1);
-            }
-            let moved = trial.iter().zip(&theta).any(|(a, b)| (a - b).abs() > 1e-15 * b.abs().max(1e-3));
-            let candidate = if moved { evaluate(problem, &trial) } else { None };
-            evaluations += 1;
-            match candidate.filter(|c| c.cost < point.cost) {
-                Some(better) => {
-                    let gain = (point.cost - better.cost) / predicted.max(f64::MIN_POSITIVE);
-                    damping = (damping * (1.0 / 3.0_f64).max(1.0 - (2.0 * gain - 1.0).powi(3))).max(1e-14);
-                    growth = 2.0;
-                    (theta, point) = (trial, better);
-                    break;
-                }
-                None => {
-                    damping *= growth;
-                    growth *= 2.0;
-                    if damping > DAMPING_LIMIT || !moved {
-                        termination = Termination::NoImprovement;
-                        break 'outer;
-                    }
-                }
-            }
-        }
-        iterations += 1;
-    }
-    Some(SeparableFit {
-        theta,
-        coefficients: point.coefficients,
-        residual: point.residual,
-        cost: point.cost,
-        iterations,
-        evaluations,
-        termination,
-    })
-}
-
-/// Which unknowns stand on a bound that the descent would cross: they are fixed for this step.
-fn fixed_at_bound(theta: &[f64], gradient: &[f64], bounds: &[(f64, f64)]) -> Vec<bool> {
-    (0..theta.len())
-        .map(|i| {
-            let (low, high) = bounds[i];
-            (theta[i] <= low && gradient[i] > 0.0) || (theta[i] >= high && gradient[i] < 0.0)
-        })
-        .collect()
-}
-
-/// The triangular factor of `[J, -r]`, columns of the free unknowns only.
-fn triangle_of(jacobian: &[Vec<f64>], free: &[usize], residual: &[f64]) -> DMatrix<f64> {
-    let mut factor = TriangularFactor::new(free.len() + 1);
-    let rows = residual.len();
-    let mut whole = Vec::with_capacity(rows * (free.len() + 1));
-    for &i in free {
-        whole.extend_from_slice(&jacobian[i]);
-    }
-    whole.extend(residual.iter().map(|r| -r));
-    factor.push(rows, &mut whole);
-    factor.matrix()
-}
-
-/// Minimises `|J x + r|² + damping |D x|²` from the triangle of `[J, -r]`; `D` has the largest column norms seen so
-/// far. `None` where the step is not finite.
-fn damped_step(triangle: &DMatrix<f64>, free: &[usize], scales: &[f64], damping: f64) -> Option<Vec<f64>> {
-    let count = free.len();
-    let mut factor = TriangularFactor::new(count + 1);
-    let mut block = Vec::with_capacity(2 * count * (count + 1));
-    for j in 0..=count {
-        block.extend((0..count).map(|i| triangle[(i, j)]));
-        block.extend((0..count).map(|i| if i == j { damping.sqrt() * scales[free[i]] } else { 0.0 }));
-    }
-    factor.push(2 * count, &mut block);
-    let r = factor.matrix();
-    let step = r.view((0, 0), (count, count)).solve_upper_triangular(&r.view((0, count), (count, 1)))?;
-    step.iter().all(|x| x.is_finite()).then(|| step.iter().copied().collect())
+    let (lower, upper) = problem.bounds().into_iter().unzip();
+    let bounds = Bounds { lower, upper, max_iterations: stop.max_iterations, cost_tolerance: COST_TOLERANCE };
+    let Descent { theta, point, cost, on_bound, iterations, evaluations, stop, .. } =
+        descent(&Projected(problem), start, &bounds, stop.gradient, false)?;
+    let Point { coefficients, residual, .. } = point;
+    Some(SeparableFit { theta, coefficients, residual, cost, on_bound, iterations, evaluations, stop })
 }
 
 #[cfg(test)]
@@ -372,10 +299,11 @@ mod tests {
     #[test]
     fn bound_and_limit_are_answers() {
         let fit = minimize(&Decays { y: two_outputs(), high: 1.5 }, &[0.1, 1.0], Stop::default()).unwrap();
-        assert_eq!((fit.termination, fit.theta[1]), (Termination::OnBound, 1.5));
+        assert_eq!((fit.on_bound, fit.theta[1]), (vec![false, true], 1.5));
+        assert_ne!(fit.stop, StopReason::IterationLimit);
         let stop = Stop { max_iterations: 1, ..Stop::default() };
         let fit = minimize(&Decays { y: two_outputs(), high: 9.0 }, &[0.1, 5.0], stop).unwrap();
-        assert_eq!((fit.termination, fit.iterations), (Termination::IterationLimit, 1));
+        assert_eq!((fit.stop, fit.iterations), (StopReason::IterationLimit, 1));
     }
 
     #[test]

@@ -6,7 +6,7 @@
 use crumple_linalg::jacobi_svd;
 use nalgebra::{DMatrix, DVector};
 
-use super::autocorrelation::{autocorrelation_time, autocovariance, first_zero_lag};
+use super::autocorrelation::{autocovariance, first_zero_lag, geyer_autocorrelation_time};
 
 /// Singular values below this share of the largest are those of the differences, not of the model.
 const RANK_TOLERANCE: f64 = 1e-8;
@@ -84,7 +84,7 @@ pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[(
         // Parameters that this wave pays for.
         let part = if blocks.len() == 1 { 1.0 } else { rows.norm_squared() / rank as f64 };
         // A fit takes the slowest noise out of the residuals, which then look faster than they are.
-        let time = autocorrelation_time(residuals);
+        let time = geyer_autocorrelation_time(residuals);
         let time = time * (1.0 + REMOVED * part * p as f64 * time / samples as f64);
         effective_samples += (samples as f64 / time).max(1.0);
         let covariance = autocovariance(residuals, samples);
@@ -190,17 +190,14 @@ pub fn student_95(freedom: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand_chacha::ChaCha8Rng;
-    use rand_chacha::rand_core::{Rng, SeedableRng};
+    use crate::random::RandomNumbers;
 
     fn noise(seed: u64, rho: f64, n: usize) -> Vec<f64> {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-        let mut normal = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
-        let mut last = normal();
+        let mut random = RandomNumbers::seeded(seed);
+        let mut last = random.normal();
         (0..n)
             .map(|_| {
-                last = rho * last + (1.0 - rho * rho).sqrt() * normal();
+                last = rho * last + (1.0 - rho * rho).sqrt() * random.normal();
                 last
             })
             .collect()

@@ -1,10 +1,12 @@
 //! Autocorrelation of residuals in time, and how many independent samples it leaves.
 //!
-//! Two rules for two uses. Of a lumped model's misfit, slow and not like any simple noise: the autocorrelation time of
-//! this file (Geyer). Criteria of linear models count `N (1 - r)/(1 + r)` with the lag-1 autocorrelation, right for a
-//! first-order autoregression: [`autoregressive_effective_samples`](super::autoregressive_effective_samples).
+//! Three rules for three uses, each named by where it stops the sum `1 + 2 sum r_k`. Of a lumped model's misfit, slow
+//! and not like any simple noise: all lags before the first that is not positive ([`geyer_autocorrelation_time`]). Of
+//! noise that is drawn again in blocks: a window of five times the sum ([`sokal_autocorrelation_time`]). Criteria of
+//! linear models count `N (1 - r)/(1 + r)` with the lag-1 autocorrelation, right for a first-order autoregression
+//! ([`autoregressive_effective_samples`]).
 
-use crumple_linalg::real_transform;
+use crumple_linalg::{dot, real_transform};
 
 /// Lag-1 autocorrelation of residuals, within 0 and 0.999 999; 0 for residuals that do not vary.
 ///
@@ -44,7 +46,7 @@ pub fn first_zero_lag(covariance: &[f64]) -> usize {
 /// Geyer's initial positive sequence ("Practical Markov chain Monte Carlo", Statistical Science 7(4), 1992), about zero
 /// and not about the mean: a constant misfit is one sample. A slow swing of `m` periods in the window counts as about
 /// `3 m` samples.
-pub fn autocorrelation_time(residuals: &[f64]) -> f64 {
+pub fn geyer_autocorrelation_time(residuals: &[f64]) -> f64 {
     let power = at_lag(residuals, 0);
     if power <= 0.0 || !power.is_finite() {
         return 1.0;
@@ -83,11 +85,45 @@ fn all_lags(residuals: &[f64]) -> Vec<f64> {
     padded
 }
 
-/// Independent samples that residuals are worth: their number over [`autocorrelation_time`], at least 1. `None` for
-/// residuals that are all zero, or none.
+/// Independent samples that residuals are worth: their number over [`geyer_autocorrelation_time`], at least 1. `None`
+/// for residuals that are all zero, or none.
 pub fn effective_samples(residuals: &[f64]) -> Option<f64> {
     let varies = residuals.iter().any(|r| *r != 0.0) && residuals.iter().all(|r| r.is_finite());
-    varies.then(|| (residuals.len() as f64 / autocorrelation_time(residuals)).max(1.0))
+    varies.then(|| (residuals.len() as f64 / geyer_autocorrelation_time(residuals)).max(1.0))
+}
+
+/// `1 + 2 sum r_k` up to the first lag that is five times the sum so far (Sokal's window), at least 1.
+///
+/// In samples: the mean of `N` such residuals has the variance of `N` over this many independent ones. Sokal, *Monte
+/// Carlo Methods in Statistical Mechanics*, 1989.
+pub fn sokal_autocorrelation_time(residual: &[f64]) -> f64 {
+    let energy = dot(residual, residual);
+    if energy <= 0.0 || !energy.is_finite() {
+        return 1.0;
+    }
+    let mut time = 1.0;
+    for lag in 1..residual.len() {
+        if lag as f64 > 5.0 * time {
+            break;
+        }
+        time += 2.0 * dot(&residual[lag..], &residual[..residual.len() - lag]) / energy;
+        if time < 1.0 {
+            return 1.0;
+        }
+    }
+    time
+}
+
+/// Number of independent samples that correlated residuals are worth, `N (1 - rho)/(1 + rho)` with `rho` the lag-one
+/// autocorrelation, from 2 to N: exact for a first-order autoregression.
+pub fn autoregressive_effective_samples(residual: &[f64]) -> f64 {
+    let n = residual.len() as f64;
+    let energy = dot(residual, residual);
+    if residual.len() < 2 || energy <= 0.0 {
+        return n;
+    }
+    let rho = (dot(&residual[1..], &residual[..residual.len() - 1]) / energy).clamp(0.0, 1.0);
+    (n * (1.0 - rho) / (1.0 + rho)).max(2.0_f64.min(n))
 }
 
 #[cfg(test)]
@@ -103,7 +139,7 @@ mod tests {
         let alternating: Vec<f64> = (0..200).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
         assert_eq!(lag_1_autocorrelation(&alternating), 0.0);
         assert_eq!(lag_1_autocorrelation(&[0.0; 5]), 0.0);
-        assert_eq!((autocorrelation_time(&alternating), autocorrelation_time(&[0.0; 5])), (1.0, 1.0));
+        assert_eq!((geyer_autocorrelation_time(&alternating), geyer_autocorrelation_time(&[0.0; 5])), (1.0, 1.0));
     }
 
     #[test]
@@ -124,7 +160,7 @@ mod tests {
             // Rounding of two transforms of 2^16 samples.
             assert!((transformed[lag] - at_lag(&noise, lag)).abs() < 1e-12 * power, "{lag}");
         }
-        let time = autocorrelation_time(&vec![1.0; 1_000_000]);
+        let time = geyer_autocorrelation_time(&vec![1.0; 1_000_000]);
         // 1 + 2 sum (1 - k/N) = N.
         assert!((time / 1e6 - 1.0).abs() < 1e-9, "{time}");
     }
@@ -133,7 +169,7 @@ mod tests {
     fn a_swing_counts_three_samples_a_period() {
         let swing: Vec<f64> = (0..1000).map(|k| (f64::from(k) * 0.01 * std::f64::consts::PI).sin()).collect();
         // Five periods: 1 + 2 (half a swing of a cosine, 50/pi·2) = 64; the window's ends take a little off.
-        let time = autocorrelation_time(&swing);
+        let time = geyer_autocorrelation_time(&swing);
         assert!((50.0..=70.0).contains(&time), "{time}");
         // About three samples a period.
         let worth = effective_samples(&swing).unwrap();

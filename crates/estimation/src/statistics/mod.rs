@@ -10,9 +10,10 @@ mod standard_deviation;
 
 pub use autocorrelated_covariance::{Covariance, covariance, covariance_of_blocks};
 pub use autocorrelation::{
-    autocorrelation_time, autocovariance, effective_samples, first_zero_lag, lag_1_autocorrelation,
+    autocovariance, autoregressive_effective_samples, effective_samples, first_zero_lag, geyer_autocorrelation_time,
+    lag_1_autocorrelation, sokal_autocorrelation_time,
 };
 pub use information_criteria::InformationCriteria;
 pub use quantile::quantile;
-pub use residual_tests::{ResidualTests, autoregressive_effective_samples, chi_square_95, residual_tests};
+pub use residual_tests::{ResidualTests, chi_square_95, residual_tests};
 pub use standard_deviation::standard_deviation;

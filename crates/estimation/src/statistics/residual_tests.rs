@@ -54,24 +54,13 @@ pub fn chi_square_95(n: f64) -> f64 {
     n * (1.0 - h + 1.644_853_6 * h.sqrt()).powi(3)
 }
 
-/// Number of independent samples that correlated residuals are worth, `N (1 - rho)/(1 + rho)` with `rho` the lag-one
-/// autocorrelation, from 2 to N: exact for a first-order autoregression.
-pub fn autoregressive_effective_samples(residual: &[f64]) -> f64 {
-    let n = residual.len() as f64;
-    let energy = dot(residual, residual);
-    if residual.len() < 2 || energy <= 0.0 {
-        return n;
-    }
-    let rho = (dot(&residual[1..], &residual[..residual.len() - 1]) / energy).clamp(0.0, 1.0);
-    (n * (1.0 - rho) / (1.0 + rho)).max(2.0_f64.min(n))
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
     use crate::random::uniform_at;
+    use crate::statistics::autoregressive_effective_samples;
 
     #[test]
     fn white_noise_passes_and_a_smooth_error_fails() {

@@ -4,12 +4,11 @@
 //! misalignment and pitch of the sensor (5° are 0.4 % of the acceleration and 0.09 g), the mass, the filter class
 //! (0.2 mm of crush), and what another sensor would have read (2.4 % of crush over four channels of one real test).
 
+use crumple_estimation::random::RandomNumbers;
 use crumple_metrics::{
     CrashEvents, Interval, Metric, Pulse, centroid_time_from_crush, crash_events, definitions, pulse_metrics,
 };
 use crumple_signal::{Acceleration, Distribution, Signal};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -64,24 +63,20 @@ pub struct Perturbation {
 }
 
 impl Uncertainty {
-    /// The inputs of replicate `index`: ChaCha8, a stream for each, so that a replicate does not depend on the others,
-    /// nor an input on whether another is uncertain.
+    /// The inputs of replicate `index`, from a row of random numbers of its own, so that a replicate does not depend on
+    /// the others, nor an input on whether another is uncertain.
     ///
-    /// Two numbers u, w in `[0, 1)` of 53 bits for each input, in the order of the fields. Uniform: `size·(2u - 1)`, so
-    /// `size` is the half width. Normal: `size·√(-2·ln(1 - u))·cos(2π·w)` (Box & Muller 1958), so `size` is the
-    /// standard deviation; the 53 bits end the tails at 8.6 of them.
+    /// Two numbers for each input, in the order of the fields. Uniform: `size·(2u - 1)` with the first of them, so
+    /// `size` is the half width. Normal: `size` times a deviate of [`RandomNumbers::normal`], so `size` is the standard
+    /// deviation.
     pub fn perturbation(&self, index: usize) -> Perturbation {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        rng.set_stream(index as u64);
-        let mut uniform = || (rng.next_u64() >> 11) as f64 * 2.0_f64.powi(-53);
+        let mut random = RandomNumbers::of_stream(self.seed, index);
         let mut error = |spread: Option<Spread>| {
-            // Two numbers for every input, whatever its distribution. Box and Muller; 1 - u is never zero.
-            let (first, second) = (uniform(), uniform());
+            // Two numbers for every input, whatever its distribution and whether it is uncertain.
+            let (uniform, normal) = (random.clone().uniform(), random.normal());
             spread.map_or(0.0, |Spread { size, distribution }| match distribution {
-                Distribution::Uniform => size * (2.0 * first - 1.0),
-                Distribution::Normal => {
-                    size * (-2.0 * (1.0 - first).ln()).sqrt() * (std::f64::consts::TAU * second).cos()
-                }
+                Distribution::Uniform => size * (2.0 * uniform - 1.0),
+                Distribution::Normal => size * normal,
             })
         };
         Perturbation {

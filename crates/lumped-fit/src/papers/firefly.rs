@@ -1,10 +1,9 @@
 //! The firefly search of the single-mass paper for the second nonlinear model, in its own units and in the unit box.
 
 use crumple_estimation::minimise::StopReason;
+use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::Nonlinear2;
 use crumple_signal::{Displacement, Signal};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::error::positive;
 use crate::fit::options::SingleMassFitOptions;
@@ -113,8 +112,7 @@ pub fn firefly_nonlinear2(
         let sum: f64 = buffer.iter().zip(&window.samples).map(|(x, s)| (x - s).powi(2)).sum();
         if sum.is_finite() { sum } else { f64::INFINITY }
     };
-    let mut random = ChaCha8Rng::seed_from_u64(search.seed);
-    let mut uniform = || (random.next_u64() >> 11) as f64 * (0.5_f64).powi(53);
+    let mut random = RandomNumbers::seeded(search.seed);
     // Positions are shares of the range; distances in the units asked for.
     let scale: [f64; 10] = match search.units {
         FireflyUnits::Physical => range,
@@ -126,7 +124,7 @@ pub fn firefly_nonlinear2(
         let square: f64 = (0..10).map(|i| ((a[i] - b[i]) * scale[i]).powi(2)).sum();
         search.beta0 * (-gamma * square).exp()
     };
-    let mut swarm: Vec<[f64; 10]> = (0..search.fireflies).map(|_| std::array::from_fn(|_| uniform())).collect();
+    let mut swarm: Vec<[f64; 10]> = (0..search.fireflies).map(|_| std::array::from_fn(|_| random.uniform())).collect();
     let mut costs: Vec<f64> = swarm.iter().map(&mut cost).collect();
     let mut pairs = 0.0;
     let mut pulled = 0.0;
@@ -147,7 +145,7 @@ pub fn firefly_nonlinear2(
                     let pull = attraction(&swarm[i], &swarm[j]);
                     let target = swarm[j];
                     for (x, t) in swarm[i].iter_mut().zip(target) {
-                        *x = (*x + pull * (t - *x) + alpha * (uniform() - 0.5)).clamp(0.0, 1.0);
+                        *x = (*x + pull * (t - *x) + alpha * (random.uniform() - 0.5)).clamp(0.0, 1.0);
                     }
                 }
             }

@@ -2,15 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
 use crate::fit::observed_problem::Problem;
 use crate::fit::refine::{Refined, follow};
 use crate::free::free_parameter::{FreeParameter, rest_mass};
 use crate::record::observation::Observation;
-use crumple_estimation::statistics::{autocorrelation_time, quantile};
+use crumple_estimation::random::{RandomNumbers, circular_blocks};
+use crumple_estimation::statistics::{geyer_autocorrelation_time, quantile};
 use crumple_lumped::Model;
 
 /// Seed of the generators; replicate `i` uses its stream `i`.
@@ -71,21 +70,18 @@ pub(crate) fn replicate<N: Ord>(
     // In samples of the first wave; the same blocks of time for all.
     let time = misfits
         .iter()
-        .map(|samples| autocorrelation_time(samples) * n as f64 / samples.len() as f64)
+        .map(|samples| geyer_autocorrelation_time(samples) * n as f64 / samples.len() as f64)
         .fold(0.0, f64::max);
     let block = ((BLOCK_TIMES * time).ceil() as usize).clamp(1, n / LARGEST_SHARE);
     let fits: Vec<Option<Vec<f64>>> = (0..replicates)
         .into_par_iter()
         .map(|index| {
-            let mut random = ChaCha8Rng::seed_from_u64(SEED);
-            random.set_stream(index as u64);
-            let from: Vec<usize> = (0..n.div_ceil(block)).map(|_| (random.next_u64() % n as u64) as usize).collect();
+            let places = circular_blocks(&mut RandomNumbers::of_stream(SEED, index), n, block);
             let mut resampled = observed.clone();
             for (wave, misfit) in resampled.waves.iter_mut().zip(&misfits) {
                 let samples = misfit.len();
                 for (k, sample) in wave.samples.iter_mut().enumerate() {
-                    let place = k * n / samples;
-                    let drawn = ((from[place / block] + place % block) * samples / n) % samples;
+                    let drawn = places[k * n / samples] * samples / n;
                     // The misfit is model minus record, times the weight.
                     *sample += (misfit[k] - misfit[drawn]) / wave.weight;
                 }

@@ -5,10 +5,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
+use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{Model, Parameter, ParameterKind};
 use crumple_signal::Distribution;
 
@@ -20,7 +19,7 @@ use crate::record::window::FEWEST;
 use crate::uncertainty::block_bootstrap::percentile;
 use crate::{FitQuantity, FreeParameter, Measurement};
 
-/// Largest error that a repetition can draw, in units of its size.
+/// Largest error that a repetition can draw, in units of its size. One normal deviate in 5e8 is larger, and cut to it.
 pub const fn largest_draw(distribution: Distribution) -> f64 {
     match distribution {
         Distribution::Normal => 6.0,
@@ -102,12 +101,11 @@ pub(crate) struct Errors {
 /// The errors of repetition `index`; that of the mass as a share of the mass that `inputs` refer to. Every sensor has
 /// its own zero level.
 fn drawn(inputs: &InputUncertainty, index: usize, sensors: usize) -> Errors {
-    let mut random = ChaCha8Rng::seed_from_u64(SEED);
-    random.set_stream(index as u64);
+    let mut random = RandomNumbers::of_stream(SEED, index);
     let mut draw = |size: f64, distribution: Distribution| {
         size * match distribution {
-            Distribution::Normal => normal(&mut random),
-            Distribution::Uniform => 2.0 * uniform(&mut random) - 1.0,
+            Distribution::Normal => random.normal().clamp(-largest_draw(distribution), largest_draw(distribution)),
+            Distribution::Uniform => 2.0 * random.uniform() - 1.0,
         }
     };
     let [of_mass, of_speed, of_bias, of_zero] = inputs.distributions;
@@ -275,15 +273,4 @@ pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) ->
         result.insert("dynamic_crush_m", crush);
     }
     Some(result)
-}
-
-/// A normal deviate: twelve uniform numbers less six. Exact to 2 % up to three standard deviations, at most six, and
-/// without a logarithm whose last digit depends on the machine.
-fn normal(random: &mut ChaCha8Rng) -> f64 {
-    (0..12).map(|_| uniform(random)).sum::<f64>() - 6.0
-}
-
-/// Uniform in `0..1`, 53 bits.
-fn uniform(random: &mut ChaCha8Rng) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }

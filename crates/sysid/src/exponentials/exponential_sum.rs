@@ -2,7 +2,7 @@
 
 use crumple_estimation::minimise::separable_covariance::{propagated, unknowns_covariance};
 use crumple_estimation::minimise::variable_projection::{Separable, SeparableFit, minimize};
-use crumple_estimation::minimise::{Stop, Termination};
+use crumple_estimation::minimise::{Stop, StopReason};
 use crumple_estimation::statistics::autoregressive_effective_samples;
 use crumple_lti::Complex;
 use nalgebra::DMatrix;
@@ -19,7 +19,7 @@ use crate::{FitMeasures, Hold, IdentifyError, InformationCriteria, fit_measures}
 const REFINED: usize = 8;
 
 /// Iterations after which starting points are compared: the loss at the start says little about where it leads.
-const TRIAL_ITERATIONS: usize = 4;
+const TRIAL_ITERATIONS: u32 = 4;
 
 /// A fitted sum.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,11 +43,13 @@ pub struct ExponentialSumFit {
     /// are not.
     pub condition: f64,
     /// Iterations of the best start.
-    pub iterations: usize,
+    pub iterations: u32,
     /// Evaluations of all starts.
-    pub evaluations: usize,
+    pub evaluations: u64,
     /// Why the best one stopped.
-    pub termination: Termination,
+    pub stop_reason: StopReason,
+    /// Whether one of its unknowns stands on a bound.
+    pub on_bound: bool,
     /// Loss of every refined start, best first.
     pub losses: Vec<f64>,
 }
@@ -124,7 +126,8 @@ pub fn exponential_sum(
         condition,
         iterations: best.iterations,
         evaluations,
-        termination: best.termination,
+        stop_reason: best.stop,
+        on_bound: best.on_bound.contains(&true),
         losses,
     })
 }
@@ -168,7 +171,7 @@ fn refined(
     problem: &PoleProblem,
     candidates: &[Vec<Complex>],
     options: &ExponentialOptions,
-) -> (Vec<SeparableFit>, usize) {
+) -> (Vec<SeparableFit>, u64) {
     let trial = Stop { max_iterations: TRIAL_ITERATIONS.min(options.stop.max_iterations), ..options.stop };
     let mut trials: Vec<SeparableFit> = candidates
         .par_iter()
@@ -179,20 +182,20 @@ fn refined(
             minimize(problem, &theta, trial)
         })
         .collect();
-    let tried = trials.iter().map(|fit| fit.evaluations).sum::<usize>();
+    let tried = trials.iter().map(|fit| fit.evaluations).sum::<u64>();
     // Stable sort: equal losses keep the order of the starts.
     trials.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     trials.truncate(REFINED);
     let mut fits: Vec<SeparableFit> = trials
         .par_iter()
         .filter_map(|begun| {
-            let rest = options.stop.max_iterations - begun.iterations.min(options.stop.max_iterations);
+            let rest = options.stop.max_iterations.saturating_sub(begun.iterations);
             let fit = minimize(problem, &begun.theta, Stop { max_iterations: rest, ..options.stop })?;
             Some(SeparableFit { iterations: begun.iterations + fit.iterations, ..fit })
         })
         .collect();
     fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let evaluations = tried + fits.iter().map(|fit| fit.evaluations).sum::<usize>();
+    let evaluations = tried + fits.iter().map(|fit| fit.evaluations).sum::<u64>();
     (fits, evaluations)
 }
 
@@ -225,7 +228,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crumple_estimation::random::uniform_at;
+    use crumple_estimation::random::RandomNumbers;
 
     fn sum(terms: &[(f64, f64)], dt: f64, samples: usize) -> Vec<f64> {
         (0..samples).map(|k| terms.iter().map(|(c, s)| c * (s * k as f64 * dt).exp()).sum()).collect()
@@ -274,12 +277,6 @@ mod tests {
         assert!(fit.terms.iter().all(|t| t.exponent.im == 0.0 && t.exponent.re <= 0.0));
     }
 
-    /// Standard normal numbers of a stream (Box and Muller).
-    fn normal(stream: usize, k: usize) -> f64 {
-        let (a, b) = (uniform_at(stream, 2 * k), uniform_at(stream, 2 * k + 1));
-        (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
-    }
-
     #[test]
     fn a_slow_curve_in_noise_is_fitted_no_worse_than_by_its_own_exponents() {
         let exact = [(-253.6, -7.754), (83.75, -6.238), (333.0, -9.603), (-163.2, -10.87)];
@@ -287,8 +284,8 @@ mod tests {
         let options = ExponentialOptions { real: true, ..ExponentialOptions::new(4) };
         for seed in 0..10 {
             for deviation in [1e-4, 1e-3] {
-                let record: Vec<f64> =
-                    clean.iter().enumerate().map(|(k, x)| x + deviation * normal(7000 + seed, k)).collect();
+                let mut random = RandomNumbers::of_stream(1, seed);
+                let record: Vec<f64> = clean.iter().map(|x| x + deviation * random.normal()).collect();
                 let given = vec![exact.iter().map(|(_, s)| Complex::new(*s, 0.0)).collect()];
                 let still = Stop { max_iterations: 0, ..Stop::default() };
                 let own = ExponentialOptions { given, random_starts: 0, stop: still, ..options.clone() };

@@ -1,9 +1,8 @@
 //! The leading singular triplets of a large Hankel matrix.
 
+use crumple_estimation::random::RandomNumbers;
 use crumple_linalg::{dot, jacobi_svd};
 use nalgebra::DMatrix;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::hankel::shift_pair::{Shift, ShiftPair};
 
@@ -16,14 +15,14 @@ const BREAKDOWN: f64 = 1e-14;
 /// values (an undamped wave over whole periods) one start vector finds one. So the iteration goes on from a random
 /// direction, and only when the matrix annihilates that one too is the range exhausted.
 ///
-/// The start vector comes from ChaCha8 with a fixed seed: same input, same bits. Every step costs two FFT products and
+/// The start vector comes from a fixed seed: same input, same bits. Every step costs two FFT products and
 /// `O(N j)` for the orthogonality.
 ///
 /// Golub & Kahan, SIAM J. Numer. Anal. 2(2), 1965; reorthogonalisation as in Simon & Zha, SIAM J. Sci. Comput. 21(6),
 /// 2000.
 pub(crate) struct GolubKahan {
     /// Source of the start vector and of fresh directions, seeded with 0.
-    rng: ChaCha8Rng,
+    random: RandomNumbers,
     /// Left basis, one vector after the other.
     left: Vec<f64>,
     /// Right basis, with the next start vector as its last.
@@ -53,10 +52,10 @@ pub(crate) struct Ritz {
 impl GolubKahan {
     /// Draws the start vector.
     pub(crate) fn new(columns: usize) -> Self {
-        let mut rng = ChaCha8Rng::seed_from_u64(0);
-        let right = fresh_direction(&mut rng, columns, &[]);
+        let mut random = RandomNumbers::seeded(0);
+        let right = fresh_direction(&mut random, columns, &[]);
         Self {
-            rng,
+            random,
             left: Vec::new(),
             right,
             diagonal: Vec::new(),
@@ -102,7 +101,7 @@ impl GolubKahan {
                 }
                 alpha = 0.0;
                 fresh_left = true;
-                u = fresh_direction(&mut self.rng, rows, &self.left);
+                u = fresh_direction(&mut self.random, rows, &self.left);
             }
             h.multiply_transposed(Shift::Zero, &u, &mut w);
             subtract(&mut w, alpha, &self.right[j * columns..]);
@@ -111,7 +110,7 @@ impl GolubKahan {
             self.fresh_right = beta <= BREAKDOWN * largest.max(alpha);
             if self.fresh_right {
                 beta = 0.0;
-                w = fresh_direction(&mut self.rng, columns, &self.right);
+                w = fresh_direction(&mut self.random, columns, &self.right);
             }
             self.left.extend_from_slice(&u);
             self.right.extend_from_slice(&w);
@@ -192,9 +191,8 @@ fn subtract(x: &mut [f64], factor: f64, b: &[f64]) {
 }
 
 /// A random unit vector orthogonal to `basis`.
-fn fresh_direction(rng: &mut ChaCha8Rng, length: usize, basis: &[f64]) -> Vec<f64> {
-    // 53 random bits each, uniform on [-1, 1).
-    let mut x: Vec<f64> = (0..length).map(|_| (rng.next_u64() >> 11) as f64 * 2.0_f64.powi(-52) - 1.0).collect();
+fn fresh_direction(random: &mut RandomNumbers, length: usize, basis: &[f64]) -> Vec<f64> {
+    let mut x: Vec<f64> = (0..length).map(|_| 2.0 * random.uniform() - 1.0).collect();
     orthogonalize(&mut x, basis);
     normalize(&mut x);
     x

@@ -1,6 +1,6 @@
 //! Output-error models in discrete time: the poles that simulate a record best.
 
-use crumple_estimation::minimise::Termination;
+use crumple_estimation::minimise::StopReason;
 use crumple_estimation::minimise::separable_covariance::{nonlinear_covariance, propagated};
 use crumple_estimation::minimise::variable_projection::{SeparableFit, evaluate, minimize};
 use crumple_estimation::statistics::autoregressive_effective_samples;
@@ -33,11 +33,13 @@ pub struct OutputError {
     /// Condition number of the column-scaled sensitivities of the poles, all else projected out.
     pub condition: f64,
     /// Iterations of the best start.
-    pub iterations: usize,
+    pub iterations: u32,
     /// Evaluations of all starts.
-    pub evaluations: usize,
+    pub evaluations: u64,
     /// Why the best start stopped.
-    pub termination: Termination,
+    pub stop_reason: StopReason,
+    /// Whether one of its unknowns stands on a bound.
+    pub on_bound: bool,
     /// Loss of every refined start, best first: how alone the best one is.
     pub losses: Vec<f64>,
 }
@@ -68,7 +70,7 @@ pub fn output_error(data: &IoData, options: OutputErrorOptions) -> Result<Output
     let mut fits: Vec<SeparableFit> =
         scored.par_iter().filter_map(|(_, theta)| minimize(&problem, theta, options.stop)).collect();
     fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let evaluations = tried + fits.iter().map(|fit| fit.evaluations).sum::<usize>();
+    let evaluations = tried as u64 + fits.iter().map(|fit| fit.evaluations).sum::<u64>();
     let count = (data.samples() * data.outputs().len()) as f64;
     let losses = fits.iter().map(|fit| fit.cost / count).collect();
     let Some(best) = fits.into_iter().next() else {
@@ -92,7 +94,8 @@ pub fn output_error(data: &IoData, options: OutputErrorOptions) -> Result<Output
         criteria: InformationCriteria::new(loss, count, parameters),
         iterations: best.iterations,
         evaluations,
-        termination: best.termination,
+        stop_reason: best.stop,
+        on_bound: best.on_bound.contains(&true),
         losses,
     })
 }

@@ -93,7 +93,7 @@ pub(crate) struct Search {
     /// Where the best one started.
     pub(crate) start: Start,
     /// Evaluations of all starts, of scoring and refining.
-    pub(crate) evaluations: usize,
+    pub(crate) evaluations: u64,
     /// Mean square errors of all refined starts, best first; units as in `SearchOutcome`.
     pub(crate) losses: Vec<f64>,
     /// What inputs and outputs were divided by.
@@ -175,7 +175,7 @@ pub(crate) fn search(data: &IoData, options: &TransferFunctionOptions, free: boo
         .filter_map(|(start, theta)| Some((*start, minimize(&problem, theta, options.stop)?)))
         .collect();
     fits.sort_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
-    let evaluations = tried + fits.iter().map(|(_, fit)| fit.evaluations).sum::<usize>();
+    let evaluations = tried as u64 + fits.iter().map(|(_, fit)| fit.evaluations).sum::<u64>();
     // In units of the output if there is one, else the mean over outputs divided by their root mean squares.
     let unit = if let [scale] = output_scales[..] { scale * scale } else { 1.0 / output_scales.len() as f64 };
     let losses = fits.iter().map(|(_, fit)| fit.cost * unit / data.samples() as f64).collect();

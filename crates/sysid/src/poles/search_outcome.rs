@@ -1,7 +1,7 @@
 //! Outcome of a search for the poles of transfer functions.
 
 use crate::poles::multistart::Search;
-use crate::{Start, Termination};
+use crate::{Start, StopReason};
 
 /// How a search for the poles of transfer functions ended, and how sure it is of them.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,11 +11,13 @@ pub struct SearchOutcome {
     /// Kind of the best start.
     pub start: Start,
     /// Its iterations.
-    pub iterations: usize,
+    pub iterations: u32,
     /// Evaluations of all starts.
-    pub evaluations: usize,
+    pub evaluations: u64,
     /// Why the best one stopped.
-    pub termination: Termination,
+    pub stop_reason: StopReason,
+    /// Whether one of its unknowns stands on a bound.
+    pub on_bound: bool,
     /// Mean square of the errors of every refined start, best first: in the square of the output's unit, of several
     /// outputs divided by their root mean squares.
     pub losses: Vec<f64>,
@@ -40,7 +42,8 @@ impl SearchOutcome {
             start: search.start,
             iterations: search.best.iterations,
             evaluations: search.evaluations,
-            termination: search.best.termination,
+            stop_reason: search.best.stop,
+            on_bound: search.best.on_bound.contains(&true),
             losses: search.losses.clone(),
             condition,
             denominator_deviations: denominator.to_vec(),

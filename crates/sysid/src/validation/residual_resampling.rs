@@ -4,9 +4,9 @@
 //! correlated in time; drawn one by one they would look whiter, and the spread would come out too small. Both ways
 //! here keep the correlation: blocks of residuals, or a regression that makes it.
 
+use crumple_estimation::random::{RandomNumbers, circular_blocks};
+use crumple_estimation::statistics::sokal_autocorrelation_time;
 use crumple_linalg::dot;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// How new noise is drawn from residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -124,19 +124,10 @@ impl ResidualNoise {
         if n == 0 {
             return Vec::new();
         }
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        rng.set_stream(index as u64);
-        // The bias of a remainder of 64 bits is below 1e-13 here.
-        let mut below = |count: usize| (rng.next_u64() % count.max(1) as u64) as usize;
+        let mut random = RandomNumbers::of_stream(self.seed, index);
         match &self.kind {
             Kind::Blocks { length } => {
-                let mut noise = Vec::with_capacity(n + length);
-                while noise.len() < n {
-                    let start = below(n);
-                    noise.extend((0..*length).map(|k| self.residual[(start + k) % n]));
-                }
-                noise.truncate(n);
-                noise
+                circular_blocks(&mut random, n, *length).into_iter().map(|place| self.residual[place]).collect()
             }
             Kind::Autoregression { coefficients, innovations } => {
                 if innovations.is_empty() {
@@ -151,7 +142,7 @@ impl ResidualNoise {
                         .enumerate()
                         .filter_map(|(i, a)| Some(a * noise[k.checked_sub(i + 1)?]))
                         .sum();
-                    noise.push(past + innovations[below(innovations.len())]);
+                    noise.push(past + innovations[random.below(innovations.len())]);
                 }
                 noise.split_off(warm_up)
             }
@@ -159,32 +150,10 @@ impl ResidualNoise {
     }
 }
 
-/// `1 + 2 sum r_k` up to the first lag that is five times the sum so far (Sokal's window), at least 1.
-///
-/// In samples: the mean of `N` such residuals has the variance of `N` over this many independent ones. Sokal, *Monte
-/// Carlo Methods in Statistical Mechanics*, 1989.
-pub(crate) fn autocorrelation_time(residual: &[f64]) -> f64 {
-    let energy = dot(residual, residual);
-    if energy <= 0.0 || !energy.is_finite() {
-        return 1.0;
-    }
-    let mut time = 1.0;
-    for lag in 1..residual.len() {
-        if lag as f64 > 5.0 * time {
-            break;
-        }
-        time += 2.0 * dot(&residual[lag..], &residual[..residual.len() - lag]) / energy;
-        if time < 1.0 {
-            return 1.0;
-        }
-    }
-    time
-}
-
 /// Carlstein's rule with `rho` from the autocorrelation time `(1 + rho)/(1 - rho)`; between 1 and a quarter of the
 /// record.
 fn block_length(residual: &[f64]) -> usize {
-    let time = autocorrelation_time(residual);
+    let time = sokal_autocorrelation_time(residual);
     let rho = (time - 1.0) / (time + 1.0);
     let n = residual.len() as f64;
     let length = (6.0_f64.sqrt() * rho / (1.0 - rho * rho)).powf(2.0 / 3.0) * n.cbrt();
@@ -259,9 +228,9 @@ mod tests {
         assert!(block_length(&white) <= 8, "{}", block_length(&white));
         assert!(autoregression(&white).len() <= 6);
         // (1 + 0.8)/(1 - 0.8) = 9, known to sqrt(2 (2 M + 1)/N) = 0.2 with a window of M = 45.
-        let time = autocorrelation_time(&autoregressive(0.8, 4000));
+        let time = sokal_autocorrelation_time(&autoregressive(0.8, 4000));
         assert!((time - 9.0).abs() < 0.6 * 9.0, "{time}");
-        assert_eq!(autocorrelation_time(&[0.0; 10]), 1.0);
+        assert_eq!(sokal_autocorrelation_time(&[0.0; 10]), 1.0);
     }
 
     #[test]

@@ -1,10 +1,9 @@
 //! Cars of known parameters: sizes, speeds and crush of passenger cars, drawn evenly.
 
+use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{
     DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, Nonlinear1, Nonlinear2,
 };
-
-use crate::random::NormalDeviates;
 
 /// What is drawn.
 #[derive(Debug, Clone, Copy)]
@@ -38,7 +37,7 @@ impl Draw {
     /// A car of 900 to 2200 kg at 35 to 64 km/h whose scale of crush is 0.4 to 0.75 m.
     ///
     /// Springs are counted in `m (v0/C)²`, dampers in `m v0/C`. Errors: those of the model.
-    pub fn car(self, random: &mut NormalDeviates) -> Result<Car, LumpedError> {
+    pub fn car(self, random: &mut RandomNumbers) -> Result<Car, LumpedError> {
         let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();
         let mass_kg = between(900.0, 2200.0).round();
         let v0 = between(35.0, 64.0).round() / 3.6;

@@ -2,11 +2,11 @@
 
 use std::fmt::Write as _;
 
+use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::LumpedError;
 use crumple_signal::STANDARD_GRAVITY_M_PER_S2 as G;
 
 use super::car::Car;
-use crate::random::NormalDeviates;
 
 const DT_S: f64 = 1e-4;
 /// Samples before contact: 50 ms.
@@ -20,7 +20,7 @@ const RANGE: f64 = 2.0;
 ///
 /// White noise of 0.5 to 3 % of the pulse's peak at 10 kHz, a zero level off by up to 2 % of it, 12 to 16 bit over
 /// twice the peak. Errors: those of the model.
-pub(super) fn record(car: &Car, random: &mut NormalDeviates) -> Result<String, LumpedError> {
+pub(super) fn record(car: &Car, random: &mut RandomNumbers) -> Result<String, LumpedError> {
     let response = car.model.respond(car.impact_speed_m_per_s, DT_S, AFTER)?;
     let mut motions = vec![response.compartment()];
     motions.extend(car.engine.then(|| &response.motions[0]));
@@ -43,7 +43,7 @@ pub(super) fn record(car: &Car, random: &mut NormalDeviates) -> Result<String, L
 }
 
 /// An acceleration, m/s², as the numbers in g that a digitiser gives.
-fn digitised(acceleration: &[f64], random: &mut NormalDeviates) -> Vec<f64> {
+fn digitised(acceleration: &[f64], random: &mut RandomNumbers) -> Vec<f64> {
     let peak = acceleration.iter().fold(0.0_f64, |m, a| m.max(a.abs())) / G;
     let noise = (0.005 + 0.025 * random.uniform()) * peak;
     let zero_level = (2.0 * random.uniform() - 1.0) * 0.02 * peak;
@@ -52,7 +52,7 @@ fn digitised(acceleration: &[f64], random: &mut NormalDeviates) -> Vec<f64> {
     (0..BEFORE + AFTER)
         .map(|k| {
             let a = k.checked_sub(BEFORE).map_or(0.0, |k| acceleration[k] / G);
-            ((a + zero_level + noise * random.draw()) / step).round() * step + 0.0
+            ((a + zero_level + noise * random.normal()) / step).round() * step + 0.0
         })
         .collect()
 }

@@ -8,13 +8,13 @@ use std::process::Command;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{LumpedError, Model};
 use serde_json::Value;
 
 use super::cover::Cover;
 use super::family::Family;
 use super::record::record;
-use crate::random::NormalDeviates;
 
 /// Why a trial could not be made.
 #[derive(Debug)]
@@ -71,7 +71,7 @@ pub fn cover_of(family: &Family, records: usize, bin: &Path, folder: &Path) -> R
 
 /// Draws a car, records its test in `folder`, solves for its parameters and counts their intervals.
 fn trial(family: &Family, number: usize, bin: &Path, folder: &Path) -> Result<Cover, CoverError> {
-    let mut random = NormalDeviates::seeded(blend(family.name, number));
+    let mut random = RandomNumbers::seeded(blend(family.name, number));
     let car = family.draw.car(&mut random).map_err(CoverError::Model)?;
     let csv = record(&car, &mut random).map_err(CoverError::Model)?;
     let at = |error| CoverError::File(folder.to_owned(), error);

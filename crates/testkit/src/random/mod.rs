@@ -1,8 +1,6 @@
-//! Numbers that look random and are the same in every run: normal deviates in a row, uniform ones by their place.
+//! Numbers that look random and are the same in every run, by their place. Rows of them: `crumple_estimation::random`.
 //! Uses no other room.
 
-mod normal_deviates;
 mod white_noise;
 
-pub use normal_deviates::NormalDeviates;
 pub use white_noise::{uniform, white_noise};

@@ -2,11 +2,10 @@
 
 use std::fmt::Write as _;
 
+use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Model};
 use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, value::Speed};
 use serde_json::{Value, json};
-
-use crate::random::NormalDeviates;
 
 const RATE_HZ: u32 = 10_000;
 /// Samples before contact: 50 ms.
@@ -172,12 +171,12 @@ fn fixture(car: &Car) -> Result<Fixture, LumpedError> {
 
 /// A structural mode at the sensor's mount and sensor noise, the same on every run.
 fn add_ring_and_noise(acceleration_g: &mut [f64]) {
-    let mut noise = NormalDeviates::seeded(1);
+    let mut noise = RandomNumbers::seeded(1);
     for (k, a) in acceleration_g.iter_mut().enumerate() {
         let t = (k as f64 - BEFORE as f64) / f64::from(RATE_HZ);
         if t > 0.0 {
             *a += 5.0 * (-25.0 * t).exp() * (std::f64::consts::TAU * 120.0 * t).sin();
         }
-        *a += 0.3 * noise.draw();
+        *a += 0.3 * noise.normal();
     }
 }

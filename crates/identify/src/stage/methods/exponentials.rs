@@ -176,7 +176,7 @@ fn fit_sum(
     results.out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations{}",
         answer.sampled.len(),
-        fit.termination.name(),
+        fit.stop_reason.name_with_bounds(fit.on_bound),
         fit.iterations,
         validation_summary(std::slice::from_ref(&evidence))
     ));
@@ -218,9 +218,9 @@ fn fill_evidence(task: &SumTask, fit: &ExponentialSumFit, evidence: &mut Evidenc
     evidence.frequency_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.0)).collect();
     evidence.damping_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
     put_correlations(fit, evidence);
-    evidence.stop_reason = Some(fit.termination.name().to_owned());
-    evidence.iterations = u32::try_from(fit.iterations).ok();
-    evidence.evaluations = Some(fit.evaluations as u64);
+    evidence.stop_reason = Some(fit.stop_reason.name_with_bounds(fit.on_bound).to_owned());
+    evidence.iterations = Some(fit.iterations);
+    evidence.evaluations = Some(fit.evaluations);
     evidence.losses = fit.losses.clone();
     evidence.condition = Some(fit.condition).filter(|c| c.is_finite());
 }

@@ -195,7 +195,7 @@ fn put_transfer_function(
     results.out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
         answer.sampled.len(),
-        fit.search.termination.name(),
+        fit.search.stop_reason.name_with_bounds(fit.search.on_bound),
         fit.search.iterations,
         fit.search.start.name(),
         validation_summary(all)

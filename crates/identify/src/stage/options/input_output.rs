@@ -35,7 +35,7 @@ pub struct InputOutputSettings {
     /// Ways to starting points.
     pub starts: Vec<String>,
     /// Iterations from each start, largest last, at least one.
-    pub max_iterations: Vec<usize>,
+    pub max_iterations: Vec<u32>,
     /// Samples by which the input acts late.
     pub delay: usize,
     /// Exponential terms.
@@ -67,7 +67,7 @@ pub struct InputOutputSettings {
 
 impl InputOutputSettings {
     /// The most iterations from a start.
-    pub fn most_iterations(&self) -> usize {
+    pub fn most_iterations(&self) -> u32 {
         self.max_iterations.last().copied().unwrap_or(0)
     }
 
@@ -112,7 +112,7 @@ impl InputOutputSettings {
         } else {
             options.starts.clone()
         };
-        let mut max_iterations: Vec<usize> = options.max_iterations.iter().map(|n| *n as usize).collect();
+        let mut max_iterations = options.max_iterations.clone();
         if max_iterations.is_empty() {
             max_iterations.push(200);
         }

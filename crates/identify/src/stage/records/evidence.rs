@@ -284,9 +284,9 @@ pub fn put_search(search: &SearchOutcome, hold: &str, paper: Option<&str>, outpu
     output_evidence.hold = Some(hold.to_owned());
     output_evidence.initial_conditions = if search.initial_estimated { "estimated" } else { "zero" }.to_owned();
     output_evidence.start = Some(search.start.name().to_owned());
-    output_evidence.stop_reason = Some(search.termination.name().to_owned());
-    output_evidence.iterations = u32::try_from(search.iterations).ok();
-    output_evidence.evaluations = Some(search.evaluations as u64);
+    output_evidence.stop_reason = Some(search.stop_reason.name_with_bounds(search.on_bound).to_owned());
+    output_evidence.iterations = Some(search.iterations);
+    output_evidence.evaluations = Some(search.evaluations);
     output_evidence.losses = search.losses.clone();
     output_evidence.condition = Some(search.condition).filter(|c| c.is_finite());
     output_evidence.denominator_deviations = if_determined(&search.denominator_deviations);

@@ -67,7 +67,7 @@ pub fn put_array(
     results.out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
         record.data.samples(),
-        fit.search.termination.name(),
+        fit.search.stop_reason.name_with_bounds(fit.search.on_bound),
         fit.search.iterations,
         fit.search.start.name(),
         validation_summary(&evidence)

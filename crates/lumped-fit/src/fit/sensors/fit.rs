@@ -5,7 +5,8 @@ use crate::fit::halton_starts::start;
 use crate::fit::multistart::MultiStart;
 use crate::fit::sensors::problem::{SensorProblem, SensorWindow};
 use crate::free::parameterisation::Parameterisation;
-use crumple_estimation::minimise::l_shade::{LShadeOptions, LShadeStop, l_shade};
+use crumple_estimation::minimise::StopReason;
+use crumple_estimation::minimise::l_shade::{LShadeOptions, l_shade};
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response};
 
 /// Residual, in noise levels, below which a minimum is the exact model: rounding of the response.
@@ -148,8 +149,8 @@ fn global(
         population.evaluations,
         options.seed,
         match population.stop {
-            LShadeStop::Evaluations => "all of those allowed",
-            LShadeStop::Converged => "ended since all members were alike",
+            StopReason::IterationLimit => "all of those allowed",
+            _ => "ended since all members were alike",
         },
         level(population.cost),
         minima.first().map_or(f64::INFINITY, |m| level(m.cost)),

@@ -36,7 +36,7 @@ pub fn identify_order(
         poles.iter().map(nearest).collect()
     };
     Ok(DiscreteModel {
-        stop_reason: Some(fit.termination.name()),
+        stop_reason: Some(fit.stop_reason.name_with_bounds(fit.on_bound)),
         deviations: Some(Box::new(deviations)),
         condition: Some(fit.condition).filter(|condition| condition.is_finite()),
         losses: fit.losses,
