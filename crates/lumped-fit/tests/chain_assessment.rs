@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use crumple_estimation::random::RandomNumbers;
-use crumple_lumped::{Drive, Kelvin, Model, PiecewiseLinear, SecantChain};
+use crumple_lumped::{Chain, Drive, Kelvin, Model, PiecewiseLinear};
 use crumple_lumped_fit::{
     AssessmentOptions, ChainAssessment, ChainAssessmentOptions, ChainSolution, Distribution, FitQuantity,
     InputUncertainty, IntegrationRule, Measurement, Observation, ObservedWave, Stated, StatedChain, StatedElement,
@@ -23,12 +23,12 @@ const MASSES: [f64; 3] = [220.0, 310.0, 870.0];
 const SPRINGS: [f64; 3] = [9e5, 6e5, 1.1e6];
 const DAMPERS: [f64; 3] = [8e3, 5e3, 1.2e4];
 
-fn chain(masses: &[f64; 3], springs: &[f64; 3], dampers: &[f64; 3]) -> SecantChain {
+fn chain(masses: &[f64; 3], springs: &[f64; 3], dampers: &[f64; 3]) -> Chain {
     let laws = |of: &[f64; 3]| of.map(PiecewiseLinear::constant);
-    SecantChain::new(masses, &laws(springs), &laws(dampers)).unwrap()
+    Chain::new(masses, &laws(springs), &laws(dampers)).unwrap()
 }
 
-fn displacements(of: &SecantChain, v0: f64) -> Vec<Vec<f64>> {
+fn displacements(of: &Chain, v0: f64) -> Vec<Vec<f64>> {
     let response = of.respond(&Drive::Impact(v0), DT, SAMPLES).unwrap();
     response.motions.into_iter().map(|motion| motion.displacement_m).collect()
 }

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
-use crumple_lumped::{Drive, PiecewiseLinear, SecantChain};
+use crumple_lumped::{Chain, Drive, PiecewiseLinear};
 use crumple_lumped_fit::{
     ChainDual, ChainSolution, FitQuantity, IntegrationRule, Measurement, Observation, ObservedWave, SolveError, Stated,
     StatedChain, StatedElement, StatedMass, TwoPassFilter, fit_chain,
@@ -23,21 +23,21 @@ const EXACT: Measurement = Measurement {
     rule: IntegrationRule::Exact,
 };
 
-fn linear(masses: &[f64], springs: &[f64], dampers: &[f64]) -> SecantChain {
+fn linear(masses: &[f64], springs: &[f64], dampers: &[f64]) -> Chain {
     let laws = |of: &[f64]| of.iter().map(|value| PiecewiseLinear::constant(*value)).collect::<Vec<_>>();
-    SecantChain::new(masses, &laws(springs), &laws(dampers)).unwrap()
+    Chain::new(masses, &laws(springs), &laws(dampers)).unwrap()
 }
 
-fn three() -> SecantChain {
+fn three() -> Chain {
     linear(&[220.0, 310.0, 870.0], &[9e5, 6e5, 1.1e6], &[8e3, 5e3, 1.2e4])
 }
 
-fn four() -> SecantChain {
+fn four() -> Chain {
     linear(&[150.0, 200.0, 300.0, 850.0], &[1.2e6, 7e5, 9e5, 1.4e6], &[6e3, 9e3, 4e3, 1.1e4])
 }
 
 /// Sensors on these masses, which record the motion as it is.
-fn exact(truth: &SecantChain, masses: &[usize], quantity: FitQuantity) -> Observation {
+fn exact(truth: &Chain, masses: &[usize], quantity: FitQuantity) -> Observation {
     let response = truth.respond(&Drive::Impact(V0), DT, 1001).unwrap();
     let wave = |mass: &usize| {
         let motion = &response.motions[*mass];
@@ -62,7 +62,7 @@ fn known_masses(masses: &[f64]) -> StatedChain {
     StatedChain { elements: masses.iter().map(element).collect(), total_mass_kg: Some(masses.iter().sum()) }
 }
 
-fn largest_error(found: &ChainSolution, truth: &SecantChain) -> f64 {
+fn largest_error(found: &ChainSolution, truth: &Chain) -> f64 {
     let (found, truth) = (found.chain.parameters(), truth.parameters());
     assert!(found.keys().eq(truth.keys()));
     truth.iter().map(|(name, value)| (found[name] / value - 1.0).abs()).fold(0.0, f64::max)
@@ -149,7 +149,7 @@ fn what_is_given_stays_and_what_is_free_stays_in_its_bounds() {
 #[test]
 fn coefficients_with_knots_are_fitted_by_differences() {
     let curve = |points: &[(f64, f64)]| PiecewiseLinear::new(points).unwrap();
-    let truth = SecantChain::new(
+    let truth = Chain::new(
         &[250.0, 900.0],
         &[curve(&[(0.0, 9e5), (0.25, 3.5e5)]), PiecewiseLinear::constant(1.1e6)],
         &[PiecewiseLinear::constant(8e3), curve(&[(0.0, 1.5e4), (6.0, 5e3)])],
@@ -196,7 +196,7 @@ fn a_filtered_record_gives_the_truth_when_the_chain_goes_through_the_filter() {
     assert!(largest_error(&plain[0], &truth) > 1e-4, "{:e}", largest_error(&plain[0], &truth));
 }
 
-fn two() -> SecantChain {
+fn two() -> Chain {
     linear(&[300.0, 900.0], &[9e5, 6e5], &[8e3, 1.2e4])
 }
 
@@ -315,7 +315,7 @@ fn a_law_given_by_knots_of_one_value_has_the_dual_of_a_constant() {
         stated.elements[0].damping = damper(speeds);
         stated
     };
-    let truth = SecantChain::new(
+    let truth = Chain::new(
         &[400.0, 1000.0],
         &[9e5, 4e5].map(PiecewiseLinear::constant),
         &[4e3, 6e3].map(PiecewiseLinear::constant),

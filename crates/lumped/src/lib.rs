@@ -1,25 +1,27 @@
 //! Lumped-parameter crash models and their exact responses.
 //!
-//! A model is one or more masses with springs and dampers that meet a rigid barrier at `t = 0` with `x = 0` and
-//! `v = v0`. Displacement `x` is crush, positive towards the barrier, and `x'' = a` is negative while the vehicle
-//! is stopped (SAE J211). Every response here is exact: a closed form or a matrix exponential, never a step-by-step
-//! integration with a step error. What remains is rounding, about `1e-16` a step relative to the largest motion.
+//! A model is a [`Structure`]: one or more masses joined by [`Element`]s, between any two nodes, that meets a rigid
+//! barrier at `t = 0` with `x = 0` and `v = v0`. Displacement `x` is crush, positive towards the barrier, and `x'' = a`
+//! is negative while the vehicle is stopped (SAE J211). Every response here is exact: a matrix exponential where all
+//! forces are linear, else Taylor series from event to event, never a step-by-step integration with a step error. What
+//! remains is rounding, about `1e-16` a step relative to the largest motion.
+//!
+//! The families are names for structures, with the names of their parameters; some have closed forms beside:
 //!
 //! - [`Kelvin`]: spring and damper in parallel.
 //! - [`Elastoplastic`]: stiff unloading about a permanent set.
 //! - [`Maxwell`]: spring and damper in series.
-//! - [`Nonlinear1`], [`Nonlinear2`]: secant spring and damper with piecewise-linear coefficients, by Taylor series from
-//!   knot to knot.
+//! - [`Nonlinear1`], [`Nonlinear2`]: secant spring and damper with piecewise-linear coefficients.
 //! - [`DoubleSpringMassDamper`]: chassis and passenger compartment, two of each.
-//! - [`TripleSpringMassDamper`] and [`Chain`]: three and any number of masses; impact, input force or base motion.
-//! - [`SecantChain`]: the same with piecewise-linear coefficients in every spring and damper.
+//! - [`TripleSpringMassDamper`] and [`Chain`]: three and any number of masses, coefficients constant or piecewise
+//!   linear.
 //!
 //! Contact stays closed in all of them (the mass is tied to the barrier) except where `release` is set. So a linear
 //! model describes the loading phase of a crash; what it does after rebound is not a prediction.
 //!
 //! # What is taken for granted
-//! Everything is SI. Masses are rigid, move along x alone and stand in a row; springs and dampers have no mass. Time
-//! counts from contact. A force is positive in compression, a deflection too; element i lies in front of mass i, so
+//! Everything is SI. Masses are rigid and move along x alone; springs and dampers have no mass. Time counts from
+//! contact. A force is positive in compression, a deflection too; in a row element i lies in front of mass i, so that
 //! element 1 touches the barrier.
 //!
 //! | symbol | meaning | unit |
@@ -31,12 +33,12 @@
 //! | `t_m, C` | time of dynamic crush and dynamic crush, the first zero of `v` and `x` there | s, m |
 //!
 //! # How exact
-//! Closed forms: a few roundings. Chains of masses: one matrix exponential, then one rounding a sample. Nonlinear
-//! models: a Taylor series of order 20 from knot to knot, about `1e-15` of the largest motion a step. No result depends
-//! on the sampling interval. A motion that leaves the range of numbers is [`LumpedError::Diverges`] with its time,
+//! Closed forms: a few roundings. Linear structures: one matrix exponential, then one rounding a sample. All others: a
+//! Taylor series of order 20 from event to event, about `1e-15` of the largest motion a step. No result depends on the
+//! sampling interval. A motion that leaves the range of numbers is [`LumpedError::Diverges`] with its time,
 //! never a NaN.
 //!
-//! rooms: model matching | families | secant | exact | motion | kind
+//! rooms: model matching | families | response | series | exact | structure | motion | kind
 
 mod error;
 mod exact;
@@ -45,15 +47,16 @@ mod kind;
 mod matching;
 mod model;
 mod motion;
-mod secant;
+mod response;
+mod series;
+mod structure;
 
 pub use crumple_lti::Complex;
 pub use error::LumpedError;
 pub use exact::exact_step::{ExactStep, exact_step, exact_step_with_derivatives};
-pub use families::chain::linear::{Chain, TripleSpringMassDamper};
-pub use families::chain::secant::SecantChain;
+pub use families::chain::{Chain, TripleSpringMassDamper};
 pub use families::double_spring_mass_damper::DoubleSpringMassDamper;
-pub use families::elastoplastic::closed_form::Elastoplastic;
+pub use families::elastoplastic::Elastoplastic;
 pub use families::kelvin::Kelvin;
 pub use families::maxwell::Maxwell;
 pub use families::nonlinear::{Nonlinear1, Nonlinear2};
@@ -65,9 +68,14 @@ pub use matching::coefficient_matching::{
 pub use matching::physical_coordinates::{PhysicalCoordinates, RealisedModel};
 pub use model::lumped_model::Model;
 pub use model::parameters::{parameter_kind, parameter_kind_of_unit};
-pub use motion::chain_response::ChainResponse;
 pub use motion::drive::Drive;
 pub use motion::dynamics::{Dynamics, ElementForce, Energy};
 pub use motion::mass_motion::{CrushEvents, Motion, Response, State};
 pub use motion::sensitivity::{Instants, Sensitivity};
-pub use secant::piecewise_linear::PiecewiseLinear;
+pub use structure::connected_masses::{Connection, Node, Place, Structure};
+pub use structure::element::Element;
+pub use structure::elements::damper::Damper;
+pub use structure::elements::piecewise_linear::PiecewiseLinear;
+pub use structure::elements::plastic_spring::PlasticSpring;
+pub use structure::elements::series_spring_damper::SeriesSpringDamper;
+pub use structure::elements::spring::Spring;

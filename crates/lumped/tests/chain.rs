@@ -2,14 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
-use crumple_lumped::{Chain, DoubleSpringMassDamper, Drive, Model, TripleSpringMassDamper};
+use crumple_lumped::{Chain, DoubleSpringMassDamper, Drive, Model};
 
-fn triple() -> TripleSpringMassDamper {
-    TripleSpringMassDamper {
-        masses_kg: [200.0, 350.0, 900.0],
-        springs_n_per_m: [4e5, 6e5, 9e5],
-        dampers_n_s_per_m: [8e3, 5e3, 1.2e4],
-    }
+fn triple() -> Chain {
+    Chain::with_constants(&[200.0, 350.0, 900.0], &[4e5, 6e5, 9e5], &[8e3, 5e3, 1.2e4]).unwrap()
 }
 
 #[test]
@@ -22,7 +18,7 @@ fn two_masses_are_the_double_model() {
         c1_n_s_per_m: 9e3,
         c2_n_s_per_m: 7e3,
     };
-    let chain = Chain::new(&[291.0, 582.0], &[4e5, 6e5], &[9e3, 7e3]).unwrap();
+    let chain = Chain::with_constants(&[291.0, 582.0], &[4e5, 6e5], &[9e3, 7e3]).unwrap();
     for (a, b) in chain.characteristic_polynomial().iter().zip(double.characteristic_polynomial()) {
         // Sums of positive terms on both sides.
         assert!((a - b).abs() <= 4e-15 * b, "{a} {b}");
@@ -40,11 +36,11 @@ fn two_masses_are_the_double_model() {
 
 #[test]
 fn energy_closes_for_every_drive() {
-    let chain = triple().chain().unwrap();
+    let chain = triple();
     let pulse: Vec<f64> = (0..500).map(|k| 2e5 * (f64::from(k) * 0.01).sin().powi(2)).collect();
     let sled: Vec<f64> = (0..800).map(|k| 200.0 * (f64::from(k) * 0.006).sin()).collect();
     for drive in [Drive::Impact(15.0), Drive::Force { mass: 0, samples: pulse }, Drive::BaseAcceleration(sled)] {
-        let response = chain.respond(&drive, 1e-4, 2001).unwrap();
+        let response = chain.dynamics(&drive, 1e-4, 2001).unwrap();
         let largest = response.energy.iter().fold(0.0_f64, |m, e| m.max(e.input_j.abs()));
         assert!(largest > 1.0);
         for e in &response.energy {
@@ -57,13 +53,13 @@ fn energy_closes_for_every_drive() {
 
 #[test]
 fn forces_of_the_elements_move_the_masses() {
-    let chain = triple().chain().unwrap();
-    let r = chain.respond(&Drive::Impact(15.0), 1e-4, 1001).unwrap();
+    let chain = triple();
+    let r = chain.dynamics(&Drive::Impact(15.0), 1e-4, 1001).unwrap();
     for k in [0, 10, 400, 1000] {
-        let force: Vec<f64> = (0..3).map(|i| r.spring_force_n[i][k] + r.damper_force_n[i][k]).collect();
+        let force: Vec<f64> = (0..3).map(|i| r.forces[2 * i].force_n[k] + r.forces[2 * i + 1].force_n[k]).collect();
         for i in 0..3 {
             let behind = force.get(i + 1).copied().unwrap_or(0.0);
-            let inertia = chain.masses_kg()[i] * r.motions[i].acceleration_m_per_s2[k];
+            let inertia = chain.masses_kg()[i] * r.response.motions[i].acceleration_m_per_s2[k];
             // Sums of forces near 1e6 N.
             assert!((inertia - (behind - force[i])).abs() < 1e-8, "{i} {k}");
         }
@@ -72,10 +68,10 @@ fn forces_of_the_elements_move_the_masses() {
 
 #[test]
 fn refuses_what_is_no_chain() {
-    assert!(Chain::new(&[], &[], &[]).is_err());
-    assert!(Chain::new(&[1.0], &[1.0, 2.0], &[1.0]).is_err());
-    assert!(Chain::new(&[-1.0], &[1.0], &[1.0]).is_err());
-    let chain = Chain::new(&[1.0], &[1.0], &[1.0]).unwrap();
+    assert!(Chain::with_constants(&[], &[], &[]).is_err());
+    assert!(Chain::with_constants(&[1.0], &[1.0, 2.0], &[1.0]).is_err());
+    assert!(Chain::with_constants(&[-1.0], &[1.0], &[1.0]).is_err());
+    let chain = Chain::with_constants(&[1.0], &[1.0], &[1.0]).unwrap();
     assert!(chain.respond(&Drive::Force { mass: 1, samples: vec![1.0] }, 1e-3, 3).is_err());
     assert!(chain.respond(&Drive::Impact(1.0), 0.0, 3).is_err());
 }
@@ -83,7 +79,7 @@ fn refuses_what_is_no_chain() {
 #[test]
 fn crush_and_rebound_within_one_step_are_both_found() {
     // The horizon bounds the step from below: 100 s / 400,000 = 0.25 ms, 0.6 of a swing of the front mass.
-    let chain = Chain::new(&[1.0, 1000.0], &[2.27e8, 1e6], &[0.0, 0.0]).unwrap();
+    let chain = Chain::with_constants(&[1.0, 1000.0], &[2.27e8, 1e6], &[0.0, 0.0]).unwrap();
     let found = chain.events(10.0, 100.0).unwrap()[0];
     let swing_s = 2.0 * std::f64::consts::PI * (1.0_f64 / 2.28e8).sqrt();
     // The compartment moves on and shifts the middle of the swing by less than 1e6/2.28e8 of it.

@@ -2,15 +2,15 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
-use crumple_lumped::{Chain, ChainResponse, Drive, Instants, Nonlinear2, PiecewiseLinear, SecantChain};
+use crumple_lumped::{Chain, Drive, Instants, Model, Nonlinear2, PiecewiseLinear, Response};
 
 fn curve(points: &[(f64, f64)]) -> PiecewiseLinear {
     PiecewiseLinear::new(points).unwrap()
 }
 
 /// Engine, chassis, compartment; a front that softens, a rear that stiffens, dampers that weaken with speed.
-fn triple() -> SecantChain {
-    SecantChain::new(
+fn triple() -> Chain {
+    Chain::new(
         &[200.0, 350.0, 900.0],
         &[
             curve(&[(0.0, 9e5), (0.05, 5e5), (0.3, 3e5)]),
@@ -97,7 +97,7 @@ fn by_hand(i: usize, u: f64, w: f64) -> f64 {
     k * u + c * w
 }
 
-fn largest_difference(response: &ChainResponse, truth: &[Vec<f64>]) -> (f64, f64) {
+fn largest_difference(response: &Response, truth: &[Vec<f64>]) -> (f64, f64) {
     let n = response.motions.len();
     let (mut x, mut v) = (0.0_f64, 0.0_f64);
     for (k, z) in truth.iter().enumerate() {
@@ -126,13 +126,17 @@ fn one_mass_is_the_second_nonlinear_model() {
         crush_m: 0.4,
         v0_m_per_s: 9.7,
     };
-    let chain = SecantChain::new(
+    let chain = Chain::new(
         &[873.0],
         &[curve(&[(0.0, 1.2e5), (0.2, 4e5), (0.4, 2.5e5)])],
         &[curve(&[(0.0, 9e3), (2.0, 3e3), (5.0, 6e3), (9.7, 1e3)])],
     )
     .unwrap();
-    let (one, two) = (chain.respond(&Drive::Impact(9.7), 1e-4, 5001).unwrap(), model.motion(9.7, 1e-4, 5001).unwrap());
+    let (one, two) = (
+        chain.respond(&Drive::Impact(9.7), 1e-4, 5001).unwrap(),
+        Model::Nonlinear2(model).respond(9.7, 1e-4, 5001).unwrap(),
+    );
+    let two = two.compartment();
     for k in 0..5001 {
         // About 50 steps each right to 1e-15 of half a metre and ten metres a second, on the same series.
         assert!((one.motions[0].displacement_m[k] - two.displacement_m[k]).abs() < 1e-13, "{k}");
@@ -153,18 +157,18 @@ fn one_mass_is_the_second_nonlinear_model() {
 #[test]
 fn equal_knots_are_the_linear_chain() {
     let (masses, springs, dampers) = ([200.0, 350.0, 900.0], [4e5, 6e5, 9e5], [8e3, 5e3, 1.2e4]);
-    let linear = Chain::new(&masses, &springs, &dampers).unwrap();
+    let linear = Chain::with_constants(&masses, &springs, &dampers).unwrap();
     let constant = |values: &[f64]| -> Vec<PiecewiseLinear> {
         values.iter().map(|k| curve(&[(0.0, *k), (0.1, *k), (0.3, *k)])).collect()
     };
-    let same = SecantChain::new(&masses, &constant(&springs), &constant(&dampers)).unwrap();
-    assert_eq!(same.linear(), Some(linear.clone()));
+    let same = Chain::new(&masses, &constant(&springs), &constant(&dampers)).unwrap();
+    let drive = Drive::Impact(15.0);
+    assert_eq!(same.respond(&drive, 1e-4, 500), linear.respond(&drive, 1e-4, 500));
     // A knot of one part in 1e15 keeps the series in charge: the answer must not depend on who computes it.
     let nearly = |values: &[f64]| -> Vec<PiecewiseLinear> {
         values.iter().map(|k| curve(&[(0.0, *k), (0.1, *k * (1.0 + 2.0 * f64::EPSILON)), (0.3, *k)])).collect()
     };
-    let series = SecantChain::new(&masses, &nearly(&springs), &nearly(&dampers)).unwrap();
-    assert!(series.linear().is_none());
+    let series = Chain::new(&masses, &nearly(&springs), &nearly(&dampers)).unwrap();
     let pulse: Vec<f64> = (0..400).map(|k| 2e5 * (f64::from(k) * 0.01).sin()).collect();
     let sled: Vec<f64> = (0..900).map(|k| 200.0 * (f64::from(k) * 0.006).sin()).collect();
     for drive in [
@@ -173,19 +177,18 @@ fn equal_knots_are_the_linear_chain() {
         Drive::BaseAcceleration(sled),
         Drive::ImpactAndForce { speed_m_per_s: 15.0, mass: 0, samples: pulse },
     ] {
-        let one = linear.respond(&drive, 1e-4, 2001).unwrap();
-        let two = series.respond(&drive, 1e-4, 2001).unwrap();
+        let one = linear.dynamics(&drive, 1e-4, 2001).unwrap();
+        let two = series.dynamics(&drive, 1e-4, 2001).unwrap();
         for i in 0..3 {
             for k in 0..2001 {
                 // The two differ by two thousand roundings of motions up to 10 m (the sled) and 30 m/s.
-                let (a, b) = (&one.motions[i], &two.motions[i]);
+                let (a, b) = (&one.response.motions[i], &two.response.motions[i]);
                 assert!((a.displacement_m[k] - b.displacement_m[k]).abs() < 1e-11, "{i} {k}");
                 assert!((a.velocity_m_per_s[k] - b.velocity_m_per_s[k]).abs() < 1e-10, "{i} {k}");
                 // Accelerations near 1e3: stiffness over mass, 4.5e3, times the error in the compression.
                 assert!((a.acceleration_m_per_s2[k] - b.acceleration_m_per_s2[k]).abs() < 1e-7, "{i} {k}");
             }
         }
-        assert_eq!(one.base_m.len(), two.base_m.len());
         for (a, b) in one.energy.iter().zip(&two.energy) {
             // Each closes to 1e-11 of some 1e5 J.
             assert!((a.dissipated_j - b.dissipated_j).abs() < 2e-6 && (a.input_j - b.input_j).abs() < 2e-6);
@@ -234,12 +237,13 @@ fn drives_move_three_masses_as_a_small_step_integrator_says() {
 
     // A base of constant acceleration for the whole response: its motion has a closed form.
     let sled = Drive::BaseAcceleration(vec![120.0; 252]);
-    let found = chain.respond(&sled, dt, 251).unwrap();
+    let dynamics = chain.dynamics(&sled, dt, 251).unwrap();
     let truth =
         runge_kutta(chain.masses_kg(), by_hand, |_, _| 0.0, |t| (60.0 * t * t, 120.0 * t), 0.0, (dt, 1000, 251));
-    let difference = largest_difference(&found, &truth);
+    let difference = largest_difference(&dynamics.response, &truth);
     assert!(difference.0 < 2e-11 && difference.1 < 2e-9, "{difference:?}");
-    assert!((found.base_m[250] - 60.0 * 0.25 * 0.25).abs() < 1e-12);
+    let base = dynamics.response.motions[0].displacement_m[250] - dynamics.forces[0].deflection_m[250];
+    assert!((base - 60.0 * 0.25 * 0.25).abs() < 1e-12);
 }
 
 #[test]
@@ -266,7 +270,7 @@ fn energy_closes_and_forces_move_the_masses() {
 #[test]
 fn a_mass_that_comes_to_rest_and_one_without_spring_are_followed_to_the_end() {
     // Damped hard: ten time constants of decay, with every knot crossed on the way back.
-    let slow = SecantChain::new(
+    let slow = Chain::new(
         &[100.0, 800.0],
         &[curve(&[(0.0, 2e5), (0.1, 4e5)]), curve(&[(0.0, 0.0), (0.2, 3e5)])],
         &[curve(&[(0.0, 6e4), (5.0, 2e4)]), curve(&[(0.0, 3e4), (1.0, 1e4)])],
@@ -276,7 +280,7 @@ fn a_mass_that_comes_to_rest_and_one_without_spring_are_followed_to_the_end() {
     assert!(found.energy_closure().unwrap() < 1e-11);
     assert!(found.response.motions[1].velocity_m_per_s[2000].abs() < 0.05);
     // No spring at all in front: it never comes back.
-    let free = SecantChain::new(
+    let free = Chain::new(
         &[100.0, 800.0],
         &[PiecewiseLinear::constant(0.0), curve(&[(0.0, 2e5), (0.1, 4e5)])],
         &[curve(&[(0.0, 9e3), (5.0, 2e3)]), PiecewiseLinear::constant(0.0)],
@@ -290,8 +294,7 @@ fn a_mass_that_comes_to_rest_and_one_without_spring_are_followed_to_the_end() {
 #[test]
 fn an_undamped_rebound_falls_on_a_knot_and_is_found() {
     // The force is zero where the compression is: at the kink of the coefficient.
-    let chain =
-        SecantChain::new(&[900.0], &[curve(&[(0.0, 2e5), (0.3, 5e5)])], &[PiecewiseLinear::constant(0.0)]).unwrap();
+    let chain = Chain::new(&[900.0], &[curve(&[(0.0, 2e5), (0.3, 5e5)])], &[PiecewiseLinear::constant(0.0)]).unwrap();
     let event = chain.events(10.0, 2.0).unwrap()[0];
     // Nothing is lost: it leaves as fast as it came. Energy to 1e-14.
     assert!((event.rebound_velocity_m_per_s.unwrap() + 10.0).abs() < 1e-12);
@@ -301,15 +304,15 @@ fn an_undamped_rebound_falls_on_a_knot_and_is_found() {
 #[test]
 fn what_has_no_meaning_is_refused() {
     let one = PiecewiseLinear::constant(1e5);
-    assert!(SecantChain::new(&[], &[], &[]).is_err());
-    assert!(SecantChain::new(&[1.0], std::slice::from_ref(&one), &[]).is_err());
-    assert!(SecantChain::new(&[0.0], std::slice::from_ref(&one), std::slice::from_ref(&one)).is_err());
+    assert!(Chain::new(&[], &[], &[]).is_err());
+    assert!(Chain::new(&[1.0], std::slice::from_ref(&one), &[]).is_err());
+    assert!(Chain::new(&[0.0], std::slice::from_ref(&one), std::slice::from_ref(&one)).is_err());
     let drive = Drive::Force { mass: 3, samples: vec![1.0] };
     assert!(triple().respond(&drive, 1e-4, 10).unwrap_err().to_string().contains("mass is 3"));
     // Negative stiffness grows beyond all numbers: said, not written.
-    let unstable = SecantChain::new(&[1.0], &[curve(&[(0.0, -1e5), (0.1, -1e7)])], std::slice::from_ref(&one)).unwrap();
+    let unstable = Chain::new(&[1.0], &[curve(&[(0.0, -1e5), (0.1, -1e7)])], std::slice::from_ref(&one)).unwrap();
     assert!(!unstable.is_passive());
-    let wild = SecantChain::new(&[1.0], &[curve(&[(0.0, -1e5), (0.1, -1e7)])], &[PiecewiseLinear::constant(0.0)]);
+    let wild = Chain::new(&[1.0], &[curve(&[(0.0, -1e5), (0.1, -1e7)])], &[PiecewiseLinear::constant(0.0)]);
     let error = wild.unwrap().respond(&Drive::Impact(10.0), 1e-3, 2001).unwrap_err().to_string();
     assert!(error.contains("cannot be followed beyond"), "{error}");
 }
@@ -326,6 +329,53 @@ fn motions_at_chosen_instants_are_those_of_the_response() {
             assert!((a.displacement_m[k] - b.displacement_m[i]).abs() < 1e-13);
             assert!((a.velocity_m_per_s[k] - b.velocity_m_per_s[i]).abs() < 1e-11);
             assert!((a.acceleration_m_per_s2[k] - b.acceleration_m_per_s2[i]).abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn derivatives_by_masses_values_and_places_of_knots_agree_with_central_differences() {
+    let chain = triple();
+    let at = Instants { first_s: 0.0021, dt_s: 1.3e-3, samples: 80 };
+    // Three masses; eight values at knots of springs, six of dampers; then the places of five and of three, no zeros.
+    let places = chain.places();
+    assert_eq!(places.len(), 3 + 8 + 6 + 5 + 3);
+    let all: Vec<usize> = (0..places.len()).collect();
+    let sensitivity = chain.sensitivity(14.0, &at, &all).unwrap();
+    let h = 1e-6;
+    let mut numbers = chain.parameters();
+    // Names in the order of the places.
+    let mut names: Vec<String> = (1..=3).map(|i| format!("m{i}_kg")).collect();
+    let knots = |symbol: &str, unit: &str, counts: [usize; 3], from: usize| -> Vec<String> {
+        let name = |i: usize, j: usize, one: bool| match one {
+            true => format!("{symbol}{i}_{unit}"),
+            false => format!("{symbol}{i}_knot{j}_{unit}"),
+        };
+        (1..=3)
+            .flat_map(|i| (from..=counts[i - 1]).map(move |j| (i, j)))
+            .map(|(i, j)| name(i, j, counts[i - 1] == 1))
+            .collect()
+    };
+    names.extend(knots("k", "n_per_m", [3, 2, 3], 1));
+    names.extend(knots("c", "n_s_per_m", [3, 2, 1], 1));
+    names.extend(knots("k", "m", [3, 2, 3], 2));
+    names.extend(knots("c", "m_per_s", [3, 2, 1], 2));
+    for (p, name) in names.iter().enumerate() {
+        let value = numbers[name];
+        let mut moved = |by: f64| {
+            numbers.insert(name.clone(), value * (1.0 + by));
+            let motions = Chain::from_parameters(&numbers).unwrap().motions_at(14.0, &at).unwrap();
+            numbers.insert(name.clone(), value);
+            motions
+        };
+        let (up, down) = (moved(h), moved(-h));
+        for mass in 0..3 {
+            for k in 0..at.samples {
+                let difference = (up[mass].displacement_m[k] - down[mass].displacement_m[k]) / (2.0 * h);
+                let derivative = sensitivity.derivatives[p][mass].displacement_m[k] * value;
+                // Rounding over h is 1e-9; where a knot moves, the second derivative jumps: h of it.
+                assert!((derivative - difference).abs() < 1e-5, "{name} {mass} {k}: {derivative} {difference}");
+            }
         }
     }
 }

@@ -100,13 +100,13 @@ fn derivatives_of_a_chain_of_any_length_agree_with_central_differences() {
     let (masses, springs, dampers) = ([150.0, 200.0, 120.0, 900.0], [6e5, 5e5, 9e5, 7e5], [6e3, 4e3, 2e3, 9e3]);
     let at = Instants { first_s: 0.0031, dt_s: 1.7e-3, samples: 60 };
     let all: Vec<usize> = (0..12).collect();
-    let found = Chain::new(&masses, &springs, &dampers).unwrap().sensitivity(V0, &at, &all).unwrap();
+    let found = Chain::with_constants(&masses, &springs, &dampers).unwrap().sensitivity(V0, &at, &all).unwrap();
     let h = 1e-6;
     for place in all {
         let moved = |by: f64| {
             let mut values = [masses, springs, dampers].concat();
             values[place] *= 1.0 + by;
-            let chain = Chain::new(&values[..4], &values[4..8], &values[8..]).unwrap();
+            let chain = Chain::with_constants(&values[..4], &values[4..8], &values[8..]).unwrap();
             (chain.sensitivity(V0, &at, &[]).unwrap().motions, values[place])
         };
         let ((up, _), (down, _), (_, value)) = (moved(h), moved(-h), moved(0.0));
@@ -122,6 +122,6 @@ fn derivatives_of_a_chain_of_any_length_agree_with_central_differences() {
             }
         }
     }
-    let error = Chain::new(&masses, &springs, &dampers).unwrap().sensitivity(V0, &at, &[12]).unwrap_err();
+    let error = Chain::with_constants(&masses, &springs, &dampers).unwrap().sensitivity(V0, &at, &[12]).unwrap_err();
     assert_eq!(error.to_string(), "parameter is 12, expected the place of a mass, spring or damper of the chain");
 }

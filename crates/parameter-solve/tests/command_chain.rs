@@ -7,14 +7,14 @@ use std::process::{Command, Output};
 
 use crumple_artifact::records::{CandidateV1, EventsV1, NotesV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
-use crumple_lumped::{Drive, PiecewiseLinear, SecantChain};
+use crumple_lumped::{Chain, Drive, PiecewiseLinear};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
 
 const V0: f64 = 14.0;
 
-fn truth() -> SecantChain {
+fn truth() -> Chain {
     let laws = |of: [f64; 3]| of.map(PiecewiseLinear::constant);
-    SecantChain::new(&[250.0, 350.0, 900.0], &laws([9e5, 6e5, 1.1e6]), &laws([8e3, 2e4, 4e3])).unwrap()
+    Chain::new(&[250.0, 350.0, 900.0], &laws([9e5, 6e5, 1.1e6]), &laws([8e3, 2e4, 4e3])).unwrap()
 }
 
 /// What integration leaves of sensors on engine (101), chassis (102) and compartment (103), with displacements as they

@@ -1,6 +1,6 @@
 //! Simulates a model on the grid of a test and compares the two.
 
-use crumple_lumped::{CrushEvents, Drive, Dynamics, Instants, LumpedError, Model, Motion, SecantChain, Sensitivity};
+use crumple_lumped::{Chain, CrushEvents, Drive, Dynamics, Instants, LumpedError, Model, Motion, Sensitivity};
 use crumple_lumped_fit::FitQuantity;
 use crumple_metrics::{fit_percent, rmse};
 use crumple_signal::Sampled;
@@ -61,7 +61,7 @@ pub fn simulate_driven(
 /// As [`simulate_driven`], for a chain of masses, whose initial speed may be another than the test's. Under a force it
 /// starts from rest unless a speed is given; under a base motion always.
 pub fn simulate_chain(
-    chain: &SecantChain,
+    chain: &Chain,
     speed_m_per_s: Option<f64>,
     test: &Measured<'_>,
     window: Window,

@@ -6,7 +6,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crumple_lumped::{Chain, Instants, LumpedError, ParameterKind, PiecewiseLinear, SecantChain, Sensitivity};
+use crumple_lumped::{Chain, Instants, LumpedError, ParameterKind, PiecewiseLinear, Sensitivity};
 
 use serde::Serialize;
 
@@ -255,16 +255,11 @@ impl ChainCoordinates {
         masses: &[f64],
         springs: &[Vec<(f64, f64)>],
         dampers: &[Vec<(f64, f64)>],
-    ) -> Result<SecantChain, LumpedError> {
+    ) -> Result<Chain, LumpedError> {
         let laws = |of: &[Vec<(f64, f64)>]| -> Result<Vec<PiecewiseLinear>, LumpedError> {
             of.iter().map(|points| PiecewiseLinear::new(points)).collect()
         };
-        SecantChain::new(masses, &laws(springs)?, &laws(dampers)?)
-    }
-
-    /// Whether every coefficient is a constant, so that the motion has derivatives of its own.
-    pub fn is_linear(&self) -> bool {
-        self.springs.iter().chain(&self.dampers).all(|points| points.len() == 1)
+        Chain::new(masses, &laws(springs)?, &laws(dampers)?)
     }
 
     /// Number of masses.
@@ -299,7 +294,7 @@ impl ChainCoordinates {
     /// The coordinates of a chain, if it is one that was stated: numbers that were given have their values to a
     /// rounding, free ones lie within the bounds that were stated. Bounds of the search alone exclude nothing. `None`
     /// otherwise.
-    pub fn point(&self, chain: &SecantChain) -> Option<Vec<f64>> {
+    pub fn point(&self, chain: &Chain) -> Option<Vec<f64>> {
         let value = |place: ChainNumber| match place {
             ChainNumber::Mass(i) => chain.masses_kg().get(i).copied(),
             ChainNumber::Spring(i, j) => chain.springs().get(i)?.points().nth(j).map(|(_, value)| value),
@@ -358,7 +353,7 @@ fn fixed_kg(mass: StatedMass) -> Option<f64> {
 }
 
 impl Parameterisation for ChainCoordinates {
-    type Model = SecantChain;
+    type Model = Chain;
 
     /// Bounds and start range of each logarithm.
     fn axes(&self) -> Vec<Axis> {
@@ -366,7 +361,7 @@ impl Parameterisation for ChainCoordinates {
     }
 
     /// The chain at a point; `None` where the rest of the total is not positive.
-    fn model(&self, theta: &[f64]) -> Option<SecantChain> {
+    fn model(&self, theta: &[f64]) -> Option<Chain> {
         let (mut masses, mut springs, mut dampers) = (self.masses.clone(), self.springs.clone(), self.dampers.clone());
         for ((place, _), x) in self.free.iter().zip(theta) {
             match *place {
@@ -383,27 +378,28 @@ impl Parameterisation for ChainCoordinates {
         self.built(&masses, &springs, &dampers).ok()
     }
 
-    /// Motions and derivatives of a chain with constant coefficients; the motions alone where a law has knots.
+    /// Motions and their derivatives, with knots or without.
     fn sensitivity(
         &self,
-        model: &SecantChain,
+        model: &Chain,
         impact_speed_m_per_s: f64,
         at: &Instants,
         places: &[usize],
     ) -> Result<Sensitivity, LumpedError> {
-        match model.linear() {
-            Some(chain) => Chain::sensitivity(&chain, impact_speed_m_per_s, at, places),
-            None => Ok(Sensitivity { motions: model.motions_at(impact_speed_m_per_s, at)?, derivatives: Vec::new() }),
-        }
+        model.sensitivity(impact_speed_m_per_s, at, places)
     }
 
-    /// `dp/d(ln p) = p`; a free mass takes what it gains from the rest of the total. Places count masses, then
-    /// springs, then dampers. `None` for a law with knots: the secant motion has no derivatives of its own.
+    /// `dp/d(ln p) = p`; a free mass takes what it gains from the rest of the total. Places count as [`Chain::places`].
     fn derivatives_by_coordinate(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>> {
         let n = self.masses.len();
-        if !self.is_linear() {
-            return None;
-        }
+        // A first knot above zero holds down to zero, where the law has a knot of its own.
+        let beyond_zero = |points: &[(f64, f64)]| usize::from(points[0].0 > 0.0);
+        let knots = |laws: &[Vec<(f64, f64)>]| -> usize { laws.iter().map(|law| law.len() + beyond_zero(law)).sum() };
+        let at_knot = |first: usize, laws: &[Vec<(f64, f64)>], (i, j): (usize, usize), value: f64| {
+            let first = first + knots(&laws[..i]);
+            let place = first + j + beyond_zero(&laws[i]);
+            std::iter::once((place, value)).chain((j == 0 && place > first).then_some((first, value))).collect()
+        };
         let changes = |((place, _), x): (&(ChainNumber, Axis), &f64)| {
             let value = x.exp();
             match *place {
@@ -411,8 +407,8 @@ impl Parameterisation for ChainCoordinates {
                     let rest = self.rest.map(|rest| (rest, -value));
                     std::iter::once((i, value)).chain(rest).collect()
                 }
-                ChainNumber::Spring(i, _) => vec![(n + i, value)],
-                ChainNumber::Damper(i, _) => vec![(2 * n + i, value)],
+                ChainNumber::Spring(i, j) => at_knot(n, &self.springs, (i, j), value),
+                ChainNumber::Damper(i, j) => at_knot(n + knots(&self.springs), &self.dampers, (i, j), value),
             }
         };
         Some(self.free.iter().zip(theta).map(changes).collect())

@@ -4,7 +4,7 @@
 //! turn, and, where all filters are known, the same with each wave sampled, filtered and integrated like its record.
 //! What is left of equal minima and duals is reported with covariance and duals.
 
-use crumple_lumped::SecantChain;
+use crumple_lumped::Chain;
 
 use crate::chain::coordinates::{ChainCoordinates, StatedChain};
 use crate::chain::dual::{ChainDual, DualOf, dual_of, sees_the_last_only};
@@ -27,8 +27,8 @@ const SAME: f64 = 0.01;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChainSolution {
     /// The chain.
-    pub chain: SecantChain,
-    /// Names of what was free, as in [`SecantChain::parameters`]; a mass that is the rest comes last.
+    pub chain: Chain,
+    /// Names of what was free, as in [`Chain::parameters`]; a mass that is the rest comes last.
     pub free: Vec<String>,
     /// How it was fitted; a sensor for each wave, without the name of its channel.
     pub fit: Fit<String>,
@@ -46,10 +46,9 @@ pub struct ChainSolution {
 
 /// Fits the free numbers of a chain to waves, each of a mass by its index from the barrier on (`None`: the last).
 ///
-/// Weighted least squares of the logarithms within bounds, by Levenberg-Marquardt: on analytic sensitivities, or on
-/// differences where a coefficient has knots; from the stated start and from Halton points, at least six for each
-/// free number. The weight of a wave is that of its noise level, `1/s_w`, `s_w` the root mean square residual of the
-/// wave, found in turn with the fit.
+/// Weighted least squares of the logarithms within bounds, by Levenberg-Marquardt on analytic sensitivities, from the
+/// stated start and from Halton points, at least six for each free number. The weight of a wave is that of its noise
+/// level, `1/s_w`, `s_w` the root mean square residual of the wave, found in turn with the fit.
 ///
 /// The minima are followed to those of the misfit as measured: after sampling, filter and integration, where these are
 /// known.

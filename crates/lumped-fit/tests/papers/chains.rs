@@ -98,7 +98,7 @@ fn chain(i: &Inputs<'_>) -> Result<Chain, String> {
         }
         Ok((1..).map_while(|k| i.n(&format!("{name}{k}")).ok()).collect())
     };
-    Chain::new(&list("m")?, &list("k")?, &list("c")?).map_err(text)
+    Chain::with_constants(&list("m")?, &list("k")?, &list("c")?).map_err(text)
 }
 
 pub fn charpoly_chain(i: &Inputs<'_>) -> Result<Value, String> {
@@ -132,7 +132,7 @@ pub fn crush(i: &Inputs<'_>) -> Result<Value, String> {
         let poles = settled(&model.characteristic_polynomial(), &model.poles().map_err(text)?);
         found.insert("roots".to_owned(), complexes(poles.iter().copied()));
         found.insert("configuration".to_owned(), configuration(&poles));
-        model.events(v0).map_err(text)?.to_vec()
+        model.events(v0).map_err(text)?
     };
     for (k, event) in events.iter().enumerate() {
         let within = event.time_of_dynamic_crush_s.filter(|t| *t <= until);

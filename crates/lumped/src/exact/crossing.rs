@@ -1,12 +1,16 @@
-//! First zero of one quantity of a linear system, from the exact solution.
+//! First zeros of velocities and accelerations of a linear motion, from the exact solution.
 //!
-//! The double model has four exponentials of different speeds in one quantity; no closed form gives the first zero of
-//! their sum. The search is by exact steps, so that only the bracketing can miss anything, never the motion.
+//! Several exponentials of different speeds stand in one quantity; no closed form gives the first zero of their sum.
+//! The search is by exact steps, so that only the bracketing can miss anything, never the motion.
 
-use crumple_lti::Complex;
-use nalgebra::{Matrix4, RowVector4, Vector4};
+use crumple_lti::{Complex, eigenvalues};
+use nalgebra::allocator::Allocator;
+use nalgebra::{Const, DMatrix, DefaultAllocator, Dim, Dyn, OMatrix, OVector, U1};
 
-use crate::exact::exact_step::exact_step;
+use crate::exact::falling_zero::falling_zero;
+use crate::exact::linear_motion::LinearMotion;
+use crate::exact::linear_system::LinearSystem;
+use crate::{CrushEvents, LumpedError};
 
 /// Steps after which the search gives up; at 20 ns each this is 40 ms.
 const MAX_STEPS: usize = 2_000_000;
@@ -16,81 +20,108 @@ const LIFETIME: f64 = 25.0;
 /// Steps between two looks at which modes are still alive.
 const STAGE: usize = 64;
 
-/// The state at the first sign change of `row·z` after `start`, and the time it takes from there.
+/// Dynamic crush and rebound of every mass: the first zero of its velocity, and of its acceleration after it.
 ///
-/// Marches by exact steps that are short against every mode still alive (1/16 of `1/|pole|`; a mode is dead after
-/// 25 time constants, when `1e-11` of it is left), then closes in on the crossing by bracketed Newton steps on the
-/// exact solution. `None` when the horizon passes without a crossing: 25 time constants of the slowest decaying
-/// mode, or 20 periods of an undamped one. Two crossings inside one step would be missed; so short a step makes
-/// that a tangency to rounding.
-pub(crate) fn first_crossing(
-    a: &Matrix4<f64>,
-    poles: &[Complex],
-    row: &RowVector4<f64>,
-    start: &Vector4<f64>,
-) -> Option<(f64, Vector4<f64>)> {
-    let lifetime = |pole: &Complex| {
-        let decay = if pole.re < 0.0 { -LIFETIME / pole.re } else { f64::INFINITY };
-        let periods = 20.0 * std::f64::consts::TAU / pole.norm();
-        // Nearly undamped or growing modes: bounded by periods; decaying ones live at least as long as they last.
-        if pole.re < 0.0 && pole.re.abs() > 1e-3 * pole.norm() { decay } else { periods.min(decay) }
-    };
-    let fastest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
-    // Poles at zero stand for a mass that no spring holds: they bring no crossing.
-    let moving = || poles.iter().filter(|p| p.norm() > 1e-7 * fastest);
-    let horizon = moving().map(lifetime).fold(0.0, f64::max);
-    let value = |z: &Vector4<f64>| (row * z)[0];
-
-    let (mut t, mut z) = (0.0, *start);
-    let mut sign = value(&z);
-    let mut steps = 0;
-    while t < horizon && steps < MAX_STEPS {
-        let alive = moving().filter(|p| lifetime(p) > t).map(|p| p.norm()).fold(0.0, f64::max);
-        let h = 1.0 / (16.0 * alive);
-        let phi = exact_step(a, h);
-        for _ in 0..STAGE {
-            let next = phi * z;
-            let f = value(&next);
-            if !f.is_finite() {
-                return None;
-            }
-            if sign == 0.0 {
-                sign = f;
-            } else if f == 0.0 || (f > 0.0) != (sign > 0.0) {
-                let (dt, at) = refine(a, row, &z, h, sign);
-                return Some((t + dt, at));
-            }
-            t += h;
-            z = next;
-            steps += 1;
-        }
+/// The search ends at `horizon_s`, or earlier, when nothing moves any more. Errors: parameters so extreme that the
+/// poles are not found.
+pub(crate) fn events(system: &LinearSystem, v0: f64, horizon_s: f64) -> Result<Vec<CrushEvents>, LumpedError> {
+    match system.states {
+        2 => LinearMotion::new(Const::<2>, system, &[], v0).events(horizon_s),
+        3 => LinearMotion::new(Const::<3>, system, &[], v0).events(horizon_s),
+        4 => LinearMotion::new(Const::<4>, system, &[], v0).events(horizon_s),
+        6 => LinearMotion::new(Const::<6>, system, &[], v0).events(horizon_s),
+        n => LinearMotion::new(Dyn(n), system, &[], v0).events(horizon_s),
     }
-    None
 }
 
-/// Zero of `row·exp(A τ) z` in `(0, h]`, by Newton's method kept inside the bracket.
-fn refine(a: &Matrix4<f64>, row: &RowVector4<f64>, z: &Vector4<f64>, h: f64, sign: f64) -> (f64, Vector4<f64>) {
-    let (mut low, mut high) = (0.0, h);
-    let slope_row = row * a;
-    let mut tau = 0.5 * h;
-    let mut at = *z;
-    for _ in 0..60 {
-        at = exact_step(a, tau) * z;
-        let f = (row * at)[0];
-        if f == 0.0 {
-            break;
-        }
-        if (f > 0.0) == (sign > 0.0) {
-            low = tau;
-        } else {
-            high = tau;
-        }
-        let newton = tau - f / (slope_row * at)[0];
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if (next - tau).abs() <= f64::EPSILON * tau {
-            break;
-        }
-        tau = next;
+/// The time that a mode lasts: bounded by 20 periods where it is nearly undamped or grows; a decaying one lives at
+/// least as long as it lasts.
+fn lifetime(pole: &Complex) -> f64 {
+    let decay = if pole.re < 0.0 { -LIFETIME / pole.re } else { f64::INFINITY };
+    let periods = 20.0 * std::f64::consts::TAU / pole.norm();
+    if pole.re < 0.0 && pole.re.abs() > 1e-3 * pole.norm() { decay } else { periods.min(decay) }
+}
+
+/// A motion, and its events by rows of its state.
+impl<D: Dim> LinearMotion<D>
+where
+    DefaultAllocator: Allocator<D, D> + Allocator<D> + Allocator<U1, D>,
+{
+    fn events(&self, horizon_s: f64) -> Result<Vec<CrushEvents>, LumpedError> {
+        let (n, size) = (self.masses, self.a.nrows());
+        let poles = eigenvalues(&DMatrix::from_fn(size, size, |i, j| self.a[(i, j)]))?;
+        let poles: Vec<Complex> = poles.into_iter().map(|pole| pole / self.tau_s).collect();
+        let event = |mass: usize| {
+            let mut velocity = OMatrix::<f64, U1, D>::zeros_generic(U1, self.a.shape_generic().0);
+            velocity[n + mass] = 1.0;
+            let Some((t, z)) = self.first_crossing(&poles, &velocity, &self.start, horizon_s) else {
+                return CrushEvents::default();
+            };
+            let rebound = self.first_crossing(&poles, &(&velocity * &self.a), &z, horizon_s - t);
+            CrushEvents {
+                time_of_dynamic_crush_s: Some(t),
+                dynamic_crush_m: Some(z[mass]),
+                time_of_rebound_s: rebound.as_ref().map(|(after, _)| t + after),
+                rebound_velocity_m_per_s: rebound.map(|(_, z)| z[n + mass] / self.tau_s),
+            }
+        };
+        Ok((0..n).map(event).collect())
     }
-    (tau, at)
+
+    /// The state at the first sign change of `row·z` after `start`, and the time it takes from there, s.
+    ///
+    /// Marches by exact steps that are short against every mode still alive (1/16 of `1/|pole|`; a mode is dead after
+    /// 25 time constants, when `1e-11` of it is left), then closes in on the crossing by bracketed Newton steps on the
+    /// exact solution. `None` when the horizon passes without a crossing, or 25 time constants of the slowest decaying
+    /// mode, or 20 periods of an undamped one. Two crossings inside one step would be missed; so short a step makes
+    /// that a tangency to rounding.
+    fn first_crossing(
+        &self,
+        poles: &[Complex],
+        row: &OMatrix<f64, U1, D>,
+        start: &OVector<f64, D>,
+        horizon_s: f64,
+    ) -> Option<(f64, OVector<f64, D>)> {
+        let fastest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        // Poles at zero stand for a mass that no spring holds: they bring no crossing.
+        let moving = || poles.iter().filter(|p| p.norm() > 1e-7 * fastest);
+        let horizon = moving().map(lifetime).fold(0.0, f64::max).min(horizon_s);
+        let value = |z: &OVector<f64, D>| (row * z)[0];
+        let (mut t, mut z) = (0.0, start.clone());
+        let mut sign = value(&z);
+        let mut steps = 0;
+        while t < horizon && steps < MAX_STEPS {
+            let alive = moving().filter(|p| lifetime(p) > t).map(|p| p.norm()).fold(0.0, f64::max);
+            let h = 1.0 / (16.0 * alive);
+            let (phi, _) = self.exponential(h);
+            for _ in 0..STAGE {
+                let next = &phi * &z;
+                let f = value(&next);
+                if !f.is_finite() {
+                    return None;
+                }
+                if sign == 0.0 {
+                    sign = f;
+                } else if f == 0.0 || (f > 0.0) != (sign > 0.0) {
+                    let (after, at) = self.refine(row, &z, h, sign);
+                    return (t + after <= horizon_s).then_some((t + after, at));
+                }
+                t += h;
+                z = next;
+                steps += 1;
+            }
+        }
+        None
+    }
+
+    /// Zero of `row·exp(A τ) z` in `(0, h]`, by Newton's method kept inside the bracket.
+    fn refine(&self, row: &OMatrix<f64, U1, D>, z: &OVector<f64, D>, h: f64, sign: f64) -> (f64, OVector<f64, D>) {
+        let rate = row * &self.a;
+        let at = |tau: f64| self.exponential(tau).0 * z;
+        let tau = falling_zero(0.0, h, |tau| {
+            let z = at(tau);
+            (sign.signum() * (row * &z)[0], sign.signum() * (&rate * &z)[0] / self.tau_s)
+        });
+        (tau, at(tau))
+    }
 }

@@ -7,22 +7,23 @@
 //! involving the matrix exponential", IEEE Trans. Automatic Control 23(3), 1978.
 
 use crumple_lti::matrix_exponential;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
-use crate::error::{finite, positive};
-use crate::{Drive, LumpedError, ModelKind};
+use crate::exact::linear_system::{LinearElement, LinearSystem};
+use crate::structure::form::Form;
+use crate::{Drive, LumpedError};
 
-/// `z' = A z` with states of its own followed by four of the drive: position and velocity of the barrier, the input and
-/// its slope.
+/// A linear structure under a drive: states of its own followed by four of the drive: position and velocity of the
+/// barrier, the input and its slope.
 pub(crate) struct Driven {
     /// The matrix.
-    pub a: DMatrix<f64>,
+    a: DMatrix<f64>,
     /// `z' Q z` is the power that turns into heat.
-    pub heat: DMatrix<f64>,
+    heat: DMatrix<f64>,
     /// `z' Q z` is the power that comes in.
-    pub work: DMatrix<f64>,
-    /// For messages.
-    pub model: ModelKind,
+    work: DMatrix<f64>,
+    masses: usize,
+    states: usize,
 }
 
 /// The system at one sample.
@@ -38,24 +39,60 @@ pub(crate) struct Instant<'a> {
 }
 
 impl Driven {
-    /// Visits `k dt`, k = 0 .. `samples`, from `start`, the values of the system's own states.
+    /// The system with its powers: of every damper its force times the rate of its compression; force times the
+    /// velocity of the mass it acts on, or the force on the barrier times its velocity.
+    pub fn new(system: &LinearSystem, drive: &Drive) -> Self {
+        let (masses, states) = (system.masses, system.states);
+        let size = states + 4;
+        let (barrier_v, input) = (states + 1, states + 2);
+        let mut a = DMatrix::zeros(size, size);
+        system.entries(1.0, &mut |row, column, value| a[(row, column)] += value);
+        (a[(states, barrier_v)], a[(input, input + 1)]) = (1.0, 1.0);
+        let row_of = |element: &LinearElement, form: &Form| {
+            let mut row = DVector::<f64>::zeros(size);
+            system.row(element, form, 1.0, &mut |column, value| row[column] += value);
+            row
+        };
+        let rate = Form { w: 1.0, ..Form::ZERO };
+        let [mut heat, mut work] = [0; 2].map(|_| DMatrix::zeros(size, size));
+        for element in &system.elements {
+            // The damper in series with a spring moves at what the spring leaves.
+            let of_damper = element.inner.map_or(rate, |(inner, _)| rate.plus(-1.0, &inner));
+            heat += row_of(element, &element.damping) * row_of(element, &of_damper).transpose();
+        }
+        if let Some((mass, _)) = drive.force() {
+            a[(masses + mass, input)] = 1.0 / system.masses_kg()[mass];
+            work[(masses + mass, input)] = 1.0;
+        } else if drive.base().is_some() {
+            a[(barrier_v, input)] = 1.0;
+            for element in &system.elements {
+                for (node, sign) in element.nodes.into_iter().zip([-1.0, 1.0]) {
+                    if node == masses {
+                        let row = row_of(element, &element.force).transpose();
+                        work.row_mut(barrier_v).zip_apply(&row, |sum, term| *sum += sign * term);
+                    }
+                }
+            }
+        }
+        let [heat, work] = [heat, work].map(|q: DMatrix<f64>| (&q + q.transpose()) * 0.5);
+        Self { a, heat, work, masses, states }
+    }
+
+    /// Visits `k dt`, k = 0 .. `samples`, from contact.
     ///
     /// One matrix exponential for the step, exact for drives linear between samples; heat and work by the exact
     /// integral of the quadratic form over the step (Van Loan 1978), so the balance closes to rounding, about `1e-15`
-    /// of the energy a step. Errors: a step or drive that is not finite, a motion that leaves the range of numbers.
+    /// of the energy a step. Errors: a motion that leaves the range of numbers.
     pub fn walk(
         &self,
-        start: &[f64],
         drive: &Drive,
         dt_s: f64,
         samples: usize,
         mut visit: impl FnMut(Instant<'_>),
     ) -> Result<(), LumpedError> {
-        positive("dt_s", dt_s)?;
-        finite("impact_speed_m_per_s", drive.speed_m_per_s())?;
         let source = drive.source();
         let at = |k: usize| source.get(k).copied().unwrap_or(0.0);
-        let states = start.len();
+        let states = self.states;
         // Without a drive its four states stay zero and are left out.
         let active = if source.is_empty() { states } else { states + 4 };
         let part = |m: &DMatrix<f64>| m.view((0, 0), (active, active)).into_owned();
@@ -67,7 +104,7 @@ impl Driven {
         let a = Rows::of_matrix(&a);
 
         let mut z = vec![0.0; states + 4];
-        z[..states].copy_from_slice(start);
+        z[self.masses..2 * self.masses].fill(drive.speed_m_per_s());
         let (mut rate, mut next) = (vec![0.0; states + 4], vec![0.0; active]);
         let (mut dissipated_j, mut input_j) = (0.0, 0.0);
         for k in 0..samples {
@@ -75,7 +112,7 @@ impl Driven {
             z[states + 3] = (at(k + 1) - at(k)) / dt_s;
             a.times(&z, &mut rate[..active]);
             if !rate.iter().all(|x| x.is_finite()) {
-                return Err(LumpedError::Diverges { model: self.model, time_s: k as f64 * dt_s });
+                return Err(LumpedError::ChainDiverges { time_s: k as f64 * dt_s });
             }
             visit(Instant { z: &z, rate: &rate, dissipated_j, input_j });
             dissipated_j += heat.form(&z, &mut next);

@@ -1,4 +1,4 @@
-//! Linear motions of any number of masses with their derivatives by the parameters.
+//! Linear motions of any structure with their derivatives by the parameters.
 //!
 //! Every motion here is `z' = A z` from a start, marched by `phi = exp(A dt)` from sample to sample. A derivative by a
 //! parameter p, `s = dz/dp`, obeys `s' = A s + (dA/dp) z`, so it is marched by the same step and the derivative of it:
@@ -12,87 +12,42 @@
 use nalgebra::allocator::Allocator;
 use nalgebra::{Const, DefaultAllocator, Dim, Dyn, OMatrix, OVector, U1};
 
+use crate::exact::linear_system::LinearSystem;
+use crate::structure::connected_masses::Place;
 use crate::{Instants, Motion, Sensitivity};
 
-/// Taylor terms after scaling to a norm of 1/2, as in `exact_step`.
+/// Taylor terms after scaling to a norm of 1/2: the rest of the series is below `0.5^17/17! = 3e-20`, and of its
+/// derivative below `0.5^16/16! = 8e-19`.
 const TERMS: usize = 16;
 
 type Square<D> = OMatrix<f64, D, D>;
 
-/// `z' = A z` in a time unit in which the fastest swing is of size one: state `(x, tau v, ...)`, time in `tau`.
+/// `z' = A z` in a time unit in which the fastest swing is of size one: state `(x, tau v, z)`, time in `tau`.
 ///
-/// Unbalanced, the exponential of a car (stiffness over mass near 1e3/s²) loses three digits. Sizes of the usual models
-/// are known to the compiler: a fit marches millions of steps of a few products.
-///
-/// `tau_s` is the time unit, `a` the matrix in it, `da` its derivatives by the parameters asked for, `start` the state
-/// at contact. Positions of the masses come first, then their velocities times `tau_s`.
-struct LinearMotion<D: Dim>
+/// Unbalanced, the exponential of a car (stiffness over mass near 1e3/s²) loses three digits. Sizes of the usual
+/// models are known to the compiler: a fit marches millions of steps of a few products.
+pub(crate) struct LinearMotion<D: Dim>
 where
     DefaultAllocator: Allocator<D, D> + Allocator<D>,
 {
-    masses: usize,
-    tau_s: f64,
-    a: Square<D>,
+    pub masses: usize,
+    pub tau_s: f64,
+    /// The matrix in the time unit.
+    pub a: Square<D>,
+    /// Its derivatives by the parameters asked for.
     da: Vec<Square<D>>,
-    start: OVector<f64, D>,
+    /// The state at contact.
+    pub start: OVector<f64, D>,
 }
 
-/// Masses in a row that meet the barrier at `v0`; parameters are the places in `masses, springs, dampers`.
-///
-/// Places count masses, then springs, then dampers, each from the barrier on. Chains of one, two and three masses have
-/// their size as a constant; longer ones run the same code with a size known at run time.
-pub(crate) fn chain(
-    [masses_kg, springs, dampers]: [&[f64]; 3],
-    parameters: &[usize],
-    v0: f64,
-    at: &Instants,
-) -> Sensitivity {
-    let values = [masses_kg, springs, dampers];
-    match masses_kg.len() {
-        1 => LinearMotion::chain(Const::<2>, values, parameters, v0).sensitivity(at),
-        2 => LinearMotion::chain(Const::<4>, values, parameters, v0).sensitivity(at),
-        3 => LinearMotion::chain(Const::<6>, values, parameters, v0).sensitivity(at),
-        n => LinearMotion::chain(Dyn(2 * n), values, parameters, v0).sensitivity(at),
-    }
-}
-
-/// One mass on spring and damper in series that meets the barrier at `v0`; parameters are the places in
-/// `mass, spring, damper`.
-pub(crate) fn maxwell(values: [f64; 3], parameters: &[usize], v0: f64, at: &Instants) -> Sensitivity {
-    LinearMotion::maxwell(values, parameters, v0).sensitivity(at)
-}
-
-/// Time unit of these rates, 1/s².
-///
-/// The square root of the largest ratio of stiffness to mass is the fastest natural frequency to within a factor of
-/// two; its reciprocal brings positions and scaled velocities to one size. One second where nothing is stiff.
-fn time_unit(rates: impl Iterator<Item = f64>) -> f64 {
-    let fastest = rates.map(f64::abs).fold(0.0, f64::max);
-    if fastest > 0.0 && fastest.is_finite() { fastest.sqrt().recip() } else { 1.0 }
-}
-
-impl LinearMotion<Const<3>> {
-    /// State `(x, tau v, tau² F/m)`.
-    fn maxwell([mass_kg, spring, damper]: [f64; 3], parameters: &[usize], v0: f64) -> Self {
-        let tau_s = time_unit([spring / mass_kg, (spring / damper).powi(2)].into_iter());
-        let stiffness = spring * tau_s * tau_s / mass_kg;
-        let decay = spring * tau_s / damper;
-        let mut a = Square::<Const<3>>::zeros();
-        a[(0, 1)] = 1.0;
-        a[(1, 2)] = -1.0;
-        a[(2, 1)] = stiffness;
-        a[(2, 2)] = -decay;
-        let derivative_by = |place: &usize| {
-            let mut d = Square::<Const<3>>::zeros();
-            (d[(2, 1)], d[(2, 2)]) = match place {
-                0 => (-stiffness / mass_kg, 0.0),
-                1 => (stiffness / spring, -decay / spring),
-                _ => (0.0, decay / damper),
-            };
-            d
-        };
-        let da = parameters.iter().map(derivative_by).collect();
-        Self { masses: 1, tau_s, a, da, start: [0.0, v0 * tau_s, 0.0].into() }
+/// The motion at these instants after an impact, with its derivatives by the parameters at `places`.
+pub(crate) fn sensitivity(system: &LinearSystem, v0: f64, at: &Instants, places: &[Place]) -> Sensitivity {
+    match system.states {
+        2 => LinearMotion::new(Const::<2>, system, places, v0).sensitivity(at),
+        3 => LinearMotion::new(Const::<3>, system, places, v0).sensitivity(at),
+        4 => LinearMotion::new(Const::<4>, system, places, v0).sensitivity(at),
+        6 => LinearMotion::new(Const::<6>, system, places, v0).sensitivity(at),
+        n => LinearMotion::new(Dyn(n), system, places, v0).sensitivity(at),
     }
 }
 
@@ -100,55 +55,34 @@ impl<D: Dim> LinearMotion<D>
 where
     DefaultAllocator: Allocator<D, D> + Allocator<D>,
 {
-    /// `size`: twice the number of masses.
-    fn chain(size: D, [masses_kg, springs, dampers]: [&[f64]; 3], parameters: &[usize], v0: f64) -> Self {
-        let n = masses_kg.len();
+    /// `size`: number of states of the system.
+    pub fn new(size: D, system: &LinearSystem, places: &[Place], v0: f64) -> Self {
+        let (masses, tau_s) = (system.masses, system.time_unit_s());
         let zeros = || Square::<D>::zeros_generic(size, size);
-        let next = |of: &[f64], i: usize| of.get(i + 1).copied().unwrap_or(0.0);
-        let tau_s = time_unit((0..n).map(|i| (springs[i] + next(springs, i)) / masses_kg[i]));
-        let build = |springs: &[f64], dampers: &[f64], rows: bool| {
-            let mut a = zeros();
-            for i in 0..n {
-                if rows {
-                    a[(i, n + i)] = 1.0;
-                }
-                let (k, c) = (springs[i] * tau_s * tau_s, dampers[i] * tau_s);
-                for (row, sign) in [(Some(i), -1.0), (i.checked_sub(1), 1.0)] {
-                    let Some(row) = row else { continue };
-                    let per_mass = sign / masses_kg[row];
-                    a[(n + row, i)] += per_mass * k;
-                    a[(n + row, n + i)] += per_mass * c;
-                    if i > 0 {
-                        a[(n + row, i - 1)] -= per_mass * k;
-                        a[(n + row, n + i - 1)] -= per_mass * c;
-                    }
-                }
+        let mut a = zeros();
+        // What the barrier does would stand in the columns beyond: it rests.
+        system.entries(tau_s, &mut |row, column, value| {
+            if column < system.states {
+                a[(row, column)] += value;
             }
-            a
-        };
-        let a = build(springs, dampers, true);
-        let unit_vector = |i: usize| -> Vec<f64> { (0..n).map(|j| if i == j { 1.0 } else { 0.0 }).collect() };
-        let zero_vector = vec![0.0; n];
-        // A is linear in springs and dampers, and its rows are over the masses.
-        let derivative_by = |&place: &usize| match place / n {
-            0 => {
-                let mut d = zeros();
-                for column in 0..2 * n {
-                    d[(n + place, column)] = a[(n + place, column)] / -masses_kg[place];
+        });
+        let derivative_by = |place: &Place| {
+            let mut derivative = zeros();
+            system.entries_by(*place, tau_s, &mut |row, column, value| {
+                if column < system.states {
+                    derivative[(row, column)] += value;
                 }
-                d
-            }
-            1 => build(&unit_vector(place - n), &zero_vector, false),
-            _ => build(&zero_vector, &unit_vector(place - 2 * n), false),
+            });
+            derivative
         };
-        let da = parameters.iter().map(derivative_by).collect();
+        let da = places.iter().map(derivative_by).collect();
         let mut start = OVector::<f64, D>::zeros_generic(size, U1);
-        start.rows_mut(n, n).fill(v0 * tau_s);
-        Self { masses: n, tau_s, a, da, start }
+        start.rows_mut(masses, masses).fill(v0 * tau_s);
+        Self { masses, tau_s, a, da, start }
     }
 
     /// `exp(A t)` and its derivatives, `t` in s: scaling, Taylor series, squaring, each step differentiated.
-    fn exponential(&self, t_s: f64) -> (Square<D>, Vec<Square<D>>) {
+    pub fn exponential(&self, t_s: f64) -> (Square<D>, Vec<Square<D>>) {
         let (size, _) = self.a.shape_generic();
         let t = t_s / self.tau_s;
         let norm = self.a.column_iter().map(|c| c.lp_norm(1)).fold(0.0, f64::max) * t.abs();
@@ -184,8 +118,11 @@ where
     ///
     /// The first instant is reached by one step of its own; rates come from `A z` and `A s + dA z`, not from
     /// differences.
-    fn sensitivity(&self, at: &Instants) -> Sensitivity {
+    pub fn sensitivity(&self, at: &Instants) -> Sensitivity {
         let parameters = self.da.len();
+        if parameters == 0 {
+            return Sensitivity { motions: self.march(at), derivatives: Vec::new() };
+        }
         let zero_state = || OVector::<f64, D>::zeros_generic(self.a.shape_generic().0, U1);
         let (mut z, mut s) = (self.start.clone(), vec![zero_state(); parameters]);
         if at.first_s > 0.0 {
@@ -220,5 +157,28 @@ where
             z.copy_from(&moved);
         }
         sensitivity
+    }
+
+    /// The motion alone. Even and odd instants by steps of twice the interval, side by side: one row of products that
+    /// each wait for the one before leaves the processor idle.
+    fn march(&self, at: &Instants) -> Vec<Motion> {
+        let mut motions = vec![Motion::zeros(at.samples); self.masses];
+        let (n, per_tau) = (self.masses, self.tau_s.recip());
+        let start = if at.first_s > 0.0 { self.exponential(at.first_s).0 * &self.start } else { self.start.clone() };
+        let (phi, _) = self.exponential(at.dt_s);
+        let twice = &phi * &phi;
+        let mut states = [start.clone(), &phi * start];
+        for k in (0..at.samples).step_by(2) {
+            for (odd, z) in states.iter_mut().enumerate().take(at.samples - k) {
+                let rate = &self.a * &*z;
+                for (i, motion) in motions.iter_mut().enumerate() {
+                    motion.displacement_m[k + odd] = z[i];
+                    motion.velocity_m_per_s[k + odd] = z[n + i] * per_tau;
+                    motion.acceleration_m_per_s2[k + odd] = rate[n + i] * per_tau * per_tau;
+                }
+                *z = &twice * &*z;
+            }
+        }
+        motions
     }
 }

@@ -1,10 +1,10 @@
 //! Exact steps of linear equations of motion, their derivatives, and the search for the first zero on them.
-//! May use `motion` and `kind`.
+//! May use `structure`, `motion` and `kind`.
 
 pub mod crossing;
 pub mod driven;
 pub mod exact_step;
 pub mod falling_zero;
 pub mod linear_motion;
+pub mod linear_system;
 pub mod second_order;
-pub mod stumpff;

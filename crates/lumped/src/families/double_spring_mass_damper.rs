@@ -1,12 +1,13 @@
 //! The double model: two masses, two springs, two dampers.
 
 use crumple_lti::{Complex, polynomial_roots};
-use nalgebra::{Matrix4, RowVector4, Vector4};
+use nalgebra::{Matrix4, Vector4};
 
-use crate::error::{finite, positive};
-use crate::exact::crossing::first_crossing;
 use crate::exact::exact_step::exact_step;
-use crate::{CrushEvents, LumpedError, State};
+use crate::families::chain::constants;
+use crate::families::values::{check_values, values};
+use crate::structure::connected_masses::Structure;
+use crate::{CrushEvents, LumpedError, ModelKind, State};
 
 /// Two masses in a row: barrier - (k1, c1) - chassis m1 - (k2, c2) - passenger compartment m2.
 ///
@@ -32,15 +33,14 @@ pub struct DoubleSpringMassDamper {
     pub c2_n_s_per_m: f64,
 }
 
+values!(DoubleSpringMassDamper { m1_kg, m2_kg, k1_n_per_m, k2_n_per_m, c1_n_s_per_m, c2_n_s_per_m });
+
 impl DoubleSpringMassDamper {
-    /// Refuses masses that are not positive and parameters that are not finite.
-    pub fn check(&self) -> Result<(), LumpedError> {
-        positive("m1_kg", self.m1_kg)?;
-        positive("m2_kg", self.m2_kg)?;
-        finite("k1_n_per_m", self.k1_n_per_m)?;
-        finite("k2_n_per_m", self.k2_n_per_m)?;
-        finite("c1_n_s_per_m", self.c1_n_s_per_m)?;
-        finite("c2_n_s_per_m", self.c2_n_s_per_m)
+    /// The structure it is. Errors: parameters without meaning.
+    pub fn structure(&self) -> Result<Structure, LumpedError> {
+        check_values(ModelKind::DoubleSpringMassDamper, &self.values())?;
+        let (springs, dampers) = ([self.k1_n_per_m, self.k2_n_per_m], [self.c1_n_s_per_m, self.c2_n_s_per_m]);
+        constants(&[self.m1_kg, self.m2_kg], &springs, &dampers)
     }
 
     /// The other parameter set with the same masses and the same compartment record.
@@ -93,39 +93,16 @@ impl DoubleSpringMassDamper {
         Ok(polynomial_roots(&self.characteristic_polynomial())?)
     }
 
-    /// All masses at the impact speed, m/s, nothing displaced.
-    pub(crate) fn start(impact_speed_m_per_s: f64) -> Vector4<f64> {
-        Vector4::new(0.0, 0.0, impact_speed_m_per_s, impact_speed_m_per_s)
-    }
-
-    /// The states of chassis and compartment that belong to `z = (x1, x2, x1', x2')`.
-    pub(crate) fn states(a: &Matrix4<f64>, z: &Vector4<f64>) -> [State; 2] {
+    /// The exact states of chassis and compartment at `t_s >= 0`.
+    pub fn state(&self, impact_speed_m_per_s: f64, t_s: f64) -> [State; 2] {
+        let a = self.state_matrix();
+        let z = exact_step(&a, t_s) * Vector4::new(0.0, 0.0, impact_speed_m_per_s, impact_speed_m_per_s);
         let rate = a * z;
         [0, 1].map(|i| State { displacement_m: z[i], velocity_m_per_s: z[i + 2], acceleration_m_per_s2: rate[i + 2] })
     }
 
-    /// The exact states of chassis and compartment at `t_s >= 0`.
-    pub fn state(&self, impact_speed_m_per_s: f64, t_s: f64) -> [State; 2] {
-        let a = self.state_matrix();
-        Self::states(&a, &(exact_step(&a, t_s) * Self::start(impact_speed_m_per_s)))
-    }
-
     /// Dynamic crush and rebound of chassis and compartment, by root finding on the exact solution.
-    pub fn events(&self, impact_speed_m_per_s: f64) -> Result<[CrushEvents; 2], LumpedError> {
-        let (a, poles) = (self.state_matrix(), self.poles()?);
-        Ok([0, 1].map(|mass| {
-            let mut velocity = RowVector4::zeros();
-            velocity[mass + 2] = 1.0;
-            let Some((t, z)) = first_crossing(&a, &poles, &velocity, &Self::start(impact_speed_m_per_s)) else {
-                return CrushEvents::default();
-            };
-            let rebound = first_crossing(&a, &poles, &(velocity * a), &z);
-            CrushEvents {
-                time_of_dynamic_crush_s: Some(t),
-                dynamic_crush_m: Some(z[mass]),
-                time_of_rebound_s: rebound.map(|(after, _)| t + after),
-                rebound_velocity_m_per_s: rebound.map(|(_, z)| z[mass + 2]),
-            }
-        }))
+    pub fn events(&self, impact_speed_m_per_s: f64) -> Result<Vec<CrushEvents>, LumpedError> {
+        self.structure()?.events(impact_speed_m_per_s, f64::INFINITY)
     }
 }

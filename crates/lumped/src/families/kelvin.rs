@@ -1,8 +1,10 @@
 //! The Kelvin model, in closed form.
 
-use crate::error::{finite, positive};
 use crate::exact::second_order::{Roots, SecondOrder};
-use crate::{Complex, CrushEvents, LumpedError, State};
+use crate::families::chain::constants;
+use crate::families::values::{check_values, values};
+use crate::structure::connected_masses::Structure;
+use crate::{Complex, CrushEvents, LumpedError, ModelKind, State};
 
 /// One mass on a spring and a damper in parallel: `m x'' = -k x - c x'`.
 ///
@@ -18,12 +20,13 @@ pub struct Kelvin {
     pub damping_n_s_per_m: f64,
 }
 
+values!(Kelvin { mass_kg, stiffness_n_per_m, damping_n_s_per_m });
+
 impl Kelvin {
-    /// Refuses a mass that is not positive and parameters that are not finite.
-    pub fn check(&self) -> Result<(), LumpedError> {
-        positive("mass_kg", self.mass_kg)?;
-        finite("stiffness_n_per_m", self.stiffness_n_per_m)?;
-        finite("damping_n_s_per_m", self.damping_n_s_per_m)
+    /// The structure it is. Errors: parameters without meaning.
+    pub fn structure(&self) -> Result<Structure, LumpedError> {
+        check_values(ModelKind::Kelvin, &self.values())?;
+        constants(&[self.mass_kg], &[self.stiffness_n_per_m], &[self.damping_n_s_per_m])
     }
 
     /// `x'' + (c/m) x' + (k/m) x = 0`.

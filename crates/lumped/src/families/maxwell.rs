@@ -2,9 +2,11 @@
 
 use std::f64::consts::PI;
 
-use crate::error::positive;
 use crate::exact::second_order::{Roots, SecondOrder};
-use crate::{CrushEvents, LumpedError, State};
+use crate::families::values::{check_values, values};
+use crate::structure::connected_masses::Structure;
+use crate::structure::elements::series_spring_damper::SeriesSpringDamper;
+use crate::{CrushEvents, LumpedError, ModelKind, State};
 
 /// One mass on a spring and a damper in series: `m x'' = -F`, `F' = k x' - (k/c) F`, `F(0) = 0`.
 ///
@@ -20,12 +22,14 @@ pub struct Maxwell {
     pub damping_n_s_per_m: f64,
 }
 
+values!(Maxwell { mass_kg, stiffness_n_per_m, damping_n_s_per_m });
+
 impl Maxwell {
-    /// Refuses parameters that are not positive.
-    pub fn check(&self) -> Result<(), LumpedError> {
-        positive("mass_kg", self.mass_kg)?;
-        positive("stiffness_n_per_m", self.stiffness_n_per_m)?;
-        positive("damping_n_s_per_m", self.damping_n_s_per_m)
+    /// The structure it is. Errors: parameters without meaning.
+    pub fn structure(&self) -> Result<Structure, LumpedError> {
+        check_values(ModelKind::Maxwell, &self.values())?;
+        let Self { stiffness_n_per_m, damping_n_s_per_m, .. } = *self;
+        Structure::row(&[self.mass_kg], [vec![SeriesSpringDamper { stiffness_n_per_m, damping_n_s_per_m }.into()]])
     }
 
     /// `v'' + (k/c) v' + (k/m) v = 0`.

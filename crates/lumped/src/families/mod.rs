@@ -1,9 +1,11 @@
-//! One file a family of models: what it is made of, its closed form or its equations.
-//! May use `secant`, `exact`, `motion` and `kind`.
+//! One file a family of models: what it is made of, its closed form where it has one, the names of its parameters.
+//! May use `response` and the rooms below it.
 
 pub mod chain;
+pub mod chain_parameters;
 pub mod double_spring_mass_damper;
 pub mod elastoplastic;
 pub mod kelvin;
 pub mod maxwell;
 pub mod nonlinear;
+pub mod values;

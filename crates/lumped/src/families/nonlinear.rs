@@ -1,9 +1,11 @@
 //! The two nonlinear models of the single-mass paper.
 
-use crate::error::{finite, positive};
-use crate::secant::curve::Curve;
-use crate::secant::single_mass::SecantMotion;
-use crate::{CrushEvents, LumpedError, Motion};
+use crate::families::values::{check_values, values};
+use crate::structure::connected_masses::Structure;
+use crate::structure::elements::damper::Damper;
+use crate::structure::elements::piecewise_linear::PiecewiseLinear;
+use crate::structure::elements::spring::Spring;
+use crate::{CrushEvents, LumpedError, ModelKind};
 
 /// One mass on a stiffening spring and a damper that weakens with speed: the first nonlinear model of the single-mass
 /// paper (section 4).
@@ -67,25 +69,44 @@ pub struct Nonlinear2 {
     pub v0_m_per_s: f64,
 }
 
-/// Knots must rise.
-fn rises(name: &'static str, low: f64, high: f64) -> Result<(), LumpedError> {
-    if low < high {
-        Ok(())
-    } else {
-        Err(LumpedError::Value { name, value: high, expected: "above the knot before it" })
-    }
+values!(Nonlinear1 {
+    mass_kg,
+    k1_n_per_m,
+    k2_n_per_m,
+    c1_n_s_per_m,
+    c2_n_s_per_m,
+    c3_n_s_per_m,
+    v_thresh_m_per_s,
+    crush_m,
+    v0_m_per_s
+});
+values!(Nonlinear2 {
+    mass_kg,
+    k1_n_per_m,
+    k2_n_per_m,
+    k3_n_per_m,
+    x1_m,
+    c1_n_s_per_m,
+    c2_n_s_per_m,
+    c3_n_s_per_m,
+    c4_n_s_per_m,
+    v1_m_per_s,
+    v2_m_per_s,
+    crush_m,
+    v0_m_per_s
+});
+
+/// One mass on a spring and a damper through these knots.
+fn one_mass(mass_kg: f64, spring: &[(f64, f64)], damper: &[(f64, f64)]) -> Result<Structure, LumpedError> {
+    let (spring, damper) = (Spring(PiecewiseLinear::new(spring)?), Damper(PiecewiseLinear::new(damper)?));
+    Structure::row(&[mass_kg], [vec![spring.into(), damper.into()]])
 }
 
 macro_rules! responses {
     ($model:ty) => {
         impl $model {
-            /// The motion at `k dt`, by Taylor series of order 16 from knot to knot: about `1e-15` of the largest
-            /// motion a step. Errors: a motion that leaves the range of numbers or needs more than 20,000 steps.
-            pub fn motion(&self, impact_speed_m_per_s: f64, dt_s: f64, samples: usize) -> Result<Motion, LumpedError> {
-                self.law().motion(impact_speed_m_per_s, dt_s, samples)
-            }
-
-            /// The displacement at `first_s + k dt_s` into `out`, without allocation.
+            /// The displacement at `first_s + k dt_s` into `out`. Errors: a motion that leaves the range of numbers or
+            /// needs more than 200,000 steps.
             pub fn displacement(
                 &self,
                 impact_speed_m_per_s: f64,
@@ -93,12 +114,12 @@ macro_rules! responses {
                 dt_s: f64,
                 out: &mut [f64],
             ) -> Result<(), LumpedError> {
-                self.law().displacement(impact_speed_m_per_s, first_s, dt_s, out)
+                self.structure()?.displacement(impact_speed_m_per_s, first_s, dt_s, out)
             }
 
             /// Dynamic crush and rebound within two seconds, on the series themselves.
             pub fn events(&self, impact_speed_m_per_s: f64) -> Result<CrushEvents, LumpedError> {
-                self.law().events(impact_speed_m_per_s)
+                Ok(self.structure()?.events(impact_speed_m_per_s, 2.0)?[0])
             }
         }
     };
@@ -109,63 +130,30 @@ responses!(Nonlinear2);
 
 /// Spring through two knots, damper through three.
 impl Nonlinear1 {
-    /// Refuses a mass that is not positive, knots that do not rise, values that are not finite.
-    pub fn check(&self) -> Result<(), LumpedError> {
-        positive("mass_kg", self.mass_kg)?;
-        finite("k1_n_per_m", self.k1_n_per_m)?;
-        finite("k2_n_per_m", self.k2_n_per_m)?;
-        finite("c1_n_s_per_m", self.c1_n_s_per_m)?;
-        finite("c2_n_s_per_m", self.c2_n_s_per_m)?;
-        finite("c3_n_s_per_m", self.c3_n_s_per_m)?;
-        positive("v_thresh_m_per_s", self.v_thresh_m_per_s)?;
-        positive("crush_m", self.crush_m)?;
-        positive("v0_m_per_s", self.v0_m_per_s)?;
-        rises("v0_m_per_s", self.v_thresh_m_per_s, self.v0_m_per_s)
-    }
-
-    pub(crate) fn law(&self) -> SecantMotion {
-        SecantMotion {
-            kind: crate::ModelKind::Nonlinear1,
-            mass_kg: self.mass_kg,
-            spring: Curve::new([0.0, self.crush_m], [self.k1_n_per_m, self.k2_n_per_m]),
-            damper: Curve::new(
-                [0.0, self.v_thresh_m_per_s, self.v0_m_per_s],
-                [self.c1_n_s_per_m, self.c2_n_s_per_m, self.c3_n_s_per_m],
-            ),
-        }
+    /// The structure it is. Errors: parameters without meaning.
+    pub fn structure(&self) -> Result<Structure, LumpedError> {
+        check_values(ModelKind::Nonlinear1, &self.values())?;
+        let spring = [(0.0, self.k1_n_per_m), (self.crush_m, self.k2_n_per_m)];
+        let damper = [
+            (0.0, self.c1_n_s_per_m),
+            (self.v_thresh_m_per_s, self.c2_n_s_per_m),
+            (self.v0_m_per_s, self.c3_n_s_per_m),
+        ];
+        one_mass(self.mass_kg, &spring, &damper)
     }
 }
 
 impl Nonlinear2 {
-    /// Refuses a mass that is not positive, knots that do not rise, values that are not finite.
-    pub fn check(&self) -> Result<(), LumpedError> {
-        positive("mass_kg", self.mass_kg)?;
-        finite("k1_n_per_m", self.k1_n_per_m)?;
-        finite("k2_n_per_m", self.k2_n_per_m)?;
-        finite("k3_n_per_m", self.k3_n_per_m)?;
-        finite("c1_n_s_per_m", self.c1_n_s_per_m)?;
-        finite("c2_n_s_per_m", self.c2_n_s_per_m)?;
-        finite("c3_n_s_per_m", self.c3_n_s_per_m)?;
-        finite("c4_n_s_per_m", self.c4_n_s_per_m)?;
-        positive("x1_m", self.x1_m)?;
-        positive("crush_m", self.crush_m)?;
-        rises("crush_m", self.x1_m, self.crush_m)?;
-        positive("v1_m_per_s", self.v1_m_per_s)?;
-        positive("v2_m_per_s", self.v2_m_per_s)?;
-        positive("v0_m_per_s", self.v0_m_per_s)?;
-        rises("v2_m_per_s", self.v1_m_per_s, self.v2_m_per_s)?;
-        rises("v0_m_per_s", self.v2_m_per_s, self.v0_m_per_s)
-    }
-
-    pub(crate) fn law(&self) -> SecantMotion {
-        SecantMotion {
-            kind: crate::ModelKind::Nonlinear2,
-            mass_kg: self.mass_kg,
-            spring: Curve::new([0.0, self.x1_m, self.crush_m], [self.k1_n_per_m, self.k2_n_per_m, self.k3_n_per_m]),
-            damper: Curve::new(
-                [0.0, self.v1_m_per_s, self.v2_m_per_s, self.v0_m_per_s],
-                [self.c1_n_s_per_m, self.c2_n_s_per_m, self.c3_n_s_per_m, self.c4_n_s_per_m],
-            ),
-        }
+    /// The structure it is. Errors: parameters without meaning.
+    pub fn structure(&self) -> Result<Structure, LumpedError> {
+        check_values(ModelKind::Nonlinear2, &self.values())?;
+        let spring = [(0.0, self.k1_n_per_m), (self.x1_m, self.k2_n_per_m), (self.crush_m, self.k3_n_per_m)];
+        let damper = [
+            (0.0, self.c1_n_s_per_m),
+            (self.v1_m_per_s, self.c2_n_s_per_m),
+            (self.v2_m_per_s, self.c3_n_s_per_m),
+            (self.v0_m_per_s, self.c4_n_s_per_m),
+        ];
+        one_mass(self.mass_kg, &spring, &damper)
     }
 }

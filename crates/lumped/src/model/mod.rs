@@ -1,7 +1,6 @@
-//! A model of any family: its parameters by name, its response, forces and energies, its derivatives.
+//! A model of any family: its parameters by name, and what its structure answers.
 //! May use every other room but `matching`.
 
-pub mod dynamics;
 pub mod lumped_model;
 pub mod parameters;
-pub mod sensitivity;
+pub mod simulation;

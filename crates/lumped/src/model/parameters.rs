@@ -6,20 +6,20 @@
 use std::collections::BTreeMap;
 
 use crate::{
-    DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, ModelKind, Nonlinear1, Nonlinear2,
-    ParameterKind, SecantChain, TripleSpringMassDamper,
+    Chain, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, ModelKind, Nonlinear1,
+    Nonlinear2, ParameterKind, TripleSpringMassDamper,
 };
 
 /// What a parameter of a candidate is, from the names of model and parameter in its record.
 ///
-/// A family ([`ModelKind`]) has its table, everything else is asked as a chain ([`SecantChain::parameter_kind`]). A
+/// A family ([`ModelKind`]) has its table, everything else is asked as a chain ([`Chain::parameter_kind`]). A
 /// model of another program may have parameters of its own: for these the unit counts that docs/format.md asks every
 /// name to end with. `None` for a parameter that the family does not have, or that ends in none of these units.
 pub fn parameter_kind(model: &str, name: &str) -> Option<ParameterKind> {
     if let Ok(family) = model.parse::<ModelKind>() {
         return family.parameter(name).map(|parameter| parameter.kind);
     }
-    SecantChain::parameter_kind(name).or_else(|| parameter_kind_of_unit(name))
+    Chain::parameter_kind(name).or_else(|| parameter_kind_of_unit(name))
 }
 
 /// What a number may be by the unit that its name ends with; `None` for a unit of no parameter.
@@ -37,106 +37,25 @@ impl Model {
         if let Some(name) = parameters.keys().find(|name| !names.contains(&name.as_str())) {
             return Err(LumpedError::UnknownParameter { model: kind, name: name.clone(), expected: names.join(", ") });
         }
-        let get = |i: usize| {
-            let name = names[i];
-            parameters.get(name).copied().ok_or(LumpedError::MissingParameter { model: kind, name })
+        let value = |name: &&'static str| {
+            parameters.get(*name).copied().ok_or(LumpedError::MissingParameter { model: kind, name })
         };
+        let values: Vec<f64> = names.iter().map(value).collect::<Result<_, _>>()?;
         let model = match kind {
-            ModelKind::Kelvin => {
-                Self::Kelvin(Kelvin { mass_kg: get(0)?, stiffness_n_per_m: get(1)?, damping_n_s_per_m: get(2)? })
+            ModelKind::Kelvin => Self::Kelvin(Kelvin::from_values(&values)),
+            ModelKind::Elastoplastic => Self::Elastoplastic(Elastoplastic::from_values(&values)),
+            ModelKind::Maxwell => Self::Maxwell(Maxwell::from_values(&values)),
+            ModelKind::Nonlinear1 => Self::Nonlinear1(Nonlinear1::from_values(&values)),
+            ModelKind::Nonlinear2 => Self::Nonlinear2(Nonlinear2::from_values(&values)),
+            ModelKind::DoubleSpringMassDamper => {
+                Self::DoubleSpringMassDamper(DoubleSpringMassDamper::from_values(&values))
             }
-            ModelKind::Maxwell => {
-                Self::Maxwell(Maxwell { mass_kg: get(0)?, stiffness_n_per_m: get(1)?, damping_n_s_per_m: get(2)? })
+            ModelKind::TripleSpringMassDamper => {
+                Self::TripleSpringMassDamper(TripleSpringMassDamper::from_values(&values))
             }
-            ModelKind::Elastoplastic => Self::Elastoplastic(Elastoplastic {
-                mass_kg: get(0)?,
-                loading_stiffness_n_per_m: get(1)?,
-                unloading_stiffness_n_per_m: get(2)?,
-                release: true,
-            }),
-            ModelKind::DoubleSpringMassDamper => Self::DoubleSpringMassDamper(DoubleSpringMassDamper {
-                m1_kg: get(0)?,
-                m2_kg: get(1)?,
-                k1_n_per_m: get(2)?,
-                k2_n_per_m: get(3)?,
-                c1_n_s_per_m: get(4)?,
-                c2_n_s_per_m: get(5)?,
-            }),
-            ModelKind::Nonlinear1 => Self::Nonlinear1(Nonlinear1 {
-                mass_kg: get(0)?,
-                k1_n_per_m: get(1)?,
-                k2_n_per_m: get(2)?,
-                c1_n_s_per_m: get(3)?,
-                c2_n_s_per_m: get(4)?,
-                c3_n_s_per_m: get(5)?,
-                v_thresh_m_per_s: get(6)?,
-                crush_m: get(7)?,
-                v0_m_per_s: get(8)?,
-            }),
-            ModelKind::Nonlinear2 => Self::Nonlinear2(Nonlinear2 {
-                mass_kg: get(0)?,
-                k1_n_per_m: get(1)?,
-                k2_n_per_m: get(2)?,
-                k3_n_per_m: get(3)?,
-                x1_m: get(4)?,
-                c1_n_s_per_m: get(5)?,
-                c2_n_s_per_m: get(6)?,
-                c3_n_s_per_m: get(7)?,
-                c4_n_s_per_m: get(8)?,
-                v1_m_per_s: get(9)?,
-                v2_m_per_s: get(10)?,
-                crush_m: get(11)?,
-                v0_m_per_s: get(12)?,
-            }),
-            ModelKind::TripleSpringMassDamper => Self::TripleSpringMassDamper(TripleSpringMassDamper {
-                masses_kg: [get(0)?, get(1)?, get(2)?],
-                springs_n_per_m: [get(3)?, get(4)?, get(5)?],
-                dampers_n_s_per_m: [get(6)?, get(7)?, get(8)?],
-            }),
         };
         model.check()?;
         Ok(model)
-    }
-
-    /// The values of its parameters, in the order of [`ModelKind::parameters`].
-    ///
-    /// Whether the elastoplastic model lets go is no parameter: it is a choice of whoever simulates it.
-    fn values(&self) -> Vec<f64> {
-        match self {
-            Self::Kelvin(m) => vec![m.mass_kg, m.stiffness_n_per_m, m.damping_n_s_per_m],
-            Self::Maxwell(m) => vec![m.mass_kg, m.stiffness_n_per_m, m.damping_n_s_per_m],
-            Self::Elastoplastic(m) => vec![m.mass_kg, m.loading_stiffness_n_per_m, m.unloading_stiffness_n_per_m],
-            Self::Nonlinear1(m) => vec![
-                m.mass_kg,
-                m.k1_n_per_m,
-                m.k2_n_per_m,
-                m.c1_n_s_per_m,
-                m.c2_n_s_per_m,
-                m.c3_n_s_per_m,
-                m.v_thresh_m_per_s,
-                m.crush_m,
-                m.v0_m_per_s,
-            ],
-            Self::Nonlinear2(m) => vec![
-                m.mass_kg,
-                m.k1_n_per_m,
-                m.k2_n_per_m,
-                m.k3_n_per_m,
-                m.x1_m,
-                m.c1_n_s_per_m,
-                m.c2_n_s_per_m,
-                m.c3_n_s_per_m,
-                m.c4_n_s_per_m,
-                m.v1_m_per_s,
-                m.v2_m_per_s,
-                m.crush_m,
-                m.v0_m_per_s,
-            ],
-            Self::TripleSpringMassDamper(m) => [m.masses_kg, m.springs_n_per_m, m.dampers_n_s_per_m].concat(),
-            Self::DoubleSpringMassDamper(m) => {
-                vec![m.m1_kg, m.m2_kg, m.k1_n_per_m, m.k2_n_per_m, m.c1_n_s_per_m, m.c2_n_s_per_m]
-            }
-        }
     }
 
     /// The parameters by name.

@@ -23,15 +23,6 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// No samples yet, room for this many.
-    pub(crate) fn with_capacity(samples: usize) -> Self {
-        Self {
-            displacement_m: Vec::with_capacity(samples),
-            velocity_m_per_s: Vec::with_capacity(samples),
-            acceleration_m_per_s2: Vec::with_capacity(samples),
-        }
-    }
-
     /// This many samples, all zero: to be filled in any order.
     pub(crate) fn zeros(samples: usize) -> Self {
         Self {
@@ -39,13 +30,6 @@ impl Motion {
             velocity_m_per_s: vec![0.0; samples],
             acceleration_m_per_s2: vec![0.0; samples],
         }
-    }
-
-    /// Appends one sample.
-    pub(crate) fn push(&mut self, state: State) {
-        self.displacement_m.push(state.displacement_m);
-        self.velocity_m_per_s.push(state.velocity_m_per_s);
-        self.acceleration_m_per_s2.push(state.acceleration_m_per_s2);
     }
 
     /// Index of the first sample that is not finite.

@@ -1,7 +1,6 @@
 //! What moves a model and what it answers: drive, motion, forces, energies, events, derivatives.
 //! May use nothing.
 
-pub mod chain_response;
 pub mod drive;
 pub mod dynamics;
 pub mod mass_motion;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{ParameterKind, SecantChain};
+use crumple_lumped::{Chain, ParameterKind};
 use crumple_lumped_fit::{
     ChainAssessmentOptions, ChainDual, ChainSolution, Observation, ObservedWave, SensorPlace, assess_chain,
     errors_in_words, fit_chain, note_of_errors,
@@ -131,7 +131,7 @@ fn dual(chain: &FittedChain, solution: &ChainSolution) -> Option<String> {
             let springs: Vec<String> = other
                 .parameters()
                 .iter()
-                .filter(|(name, _)| SecantChain::parameter_kind(name) != Some(ParameterKind::Mass))
+                .filter(|(name, _)| Chain::parameter_kind(name) != Some(ParameterKind::Mass))
                 .map(|(name, value)| format!("{name} {value:.1}"))
                 .collect();
             format!(

@@ -1,6 +1,6 @@
 //! `[simulate.chain.<name>]`: a chain of masses that a person states.
 
-use crumple_lumped::{LumpedError, PiecewiseLinear, SecantChain};
+use crumple_lumped::{Chain, LumpedError, PiecewiseLinear};
 use crumple_signal::value::Speed;
 use crumple_stage::records::CandidateV1;
 use crumple_stage::{MassOfTable, NumberOfTable, TakenNumbers, Usage, read_chain, typed, unknown_name};
@@ -64,12 +64,12 @@ impl ChainSettings {
     }
 
     /// The chain it states.
-    pub fn chain(&self) -> Result<SecantChain, LumpedError> {
+    pub fn chain(&self) -> Result<Chain, LumpedError> {
         let laws = |points: fn(&MassSettings) -> &[(f64, f64)]| -> Result<Vec<PiecewiseLinear>, LumpedError> {
             self.masses.iter().map(|mass| PiecewiseLinear::new(points(mass))).collect()
         };
         let masses: Vec<f64> = self.masses.iter().map(|mass| mass.mass_kg).collect();
-        SecantChain::new(&masses, &laws(|mass| &mass.stiffness_n_per_m)?, &laws(|mass| &mass.damping_n_s_per_m)?)
+        Chain::new(&masses, &laws(|mass| &mass.stiffness_n_per_m)?, &laws(|mass| &mass.damping_n_s_per_m)?)
     }
 
     /// Its id among the candidates.
@@ -99,7 +99,7 @@ impl ChainSettings {
     }
 
     /// The record of its chain, which stands beside those of solved candidates.
-    pub fn candidate(&self, chain: &SecantChain) -> CandidateV1 {
+    pub fn candidate(&self, chain: &Chain) -> CandidateV1 {
         let names: Vec<&str> = self.masses.iter().map(|mass| mass.name.as_str()).collect();
         CandidateV1 {
             model: "chain".to_owned(),

@@ -11,7 +11,7 @@ mod records;
 use std::path::PathBuf;
 
 use crumple_estimation::statistics::effective_samples;
-use crumple_lumped::{Model, ModelKind, SecantChain};
+use crumple_lumped::{Chain, Model, ModelKind};
 use crumple_signal::{Acceleration, Displacement, Sampled, TestDescription, Velocity};
 use crumple_simulate::{
     Excitation, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, beside_mass, information,
@@ -153,7 +153,7 @@ fn simulate_candidate(
     excitation: &Excitation<'_>,
 ) -> Result<Simulation, SimulateError> {
     if candidate.model == CHAIN {
-        let chain = SecantChain::from_parameters(&candidate.parameters)?;
+        let chain = Chain::from_parameters(&candidate.parameters)?;
         return simulate_chain(&chain, None, measured, window, excitation);
     }
     let kind: ModelKind = candidate.model.parse()?;

@@ -188,7 +188,7 @@ fn a_chain_that_was_fitted_is_simulated_beside_the_others() {
     let found: SimulationV1 = artifact.record("/simulation/chain/car/1").unwrap().unwrap();
     // The spring and the mass that were free, by its record.
     assert_eq!(found.fitted_parameters, Some(2));
-    let chain = SecantChain::from_parameters(&parameters).unwrap();
+    let chain = Chain::from_parameters(&parameters).unwrap();
     let events = chain.events(9.7, 2.0).unwrap().pop().unwrap();
     assert_eq!(found.dynamic_crush_m, events.dynamic_crush_m);
     assert!(artifact.waves().contains_key("chain/car/1/m1/displacement"));

@@ -1,12 +1,14 @@
 //! The elastoplastic model after an impact, in closed form.
 //!
-//! One loading and one unloading, each a piece of a cosine. What happens when a force continues or a barrier moves is
-//! in `driven.rs`.
+//! One loading and one unloading, each a piece of a cosine: starts of fits and checks of the simulated motion. What
+//! happens when a force continues or a barrier moves is the law of [`PlasticSpring`].
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::error::positive;
-use crate::{CrushEvents, LumpedError, State};
+use crate::families::values::{check_values, values};
+use crate::structure::connected_masses::Structure;
+use crate::structure::elements::plastic_spring::PlasticSpring;
+use crate::{CrushEvents, LumpedError, ModelKind, State};
 
 /// One mass on a spring that unloads stiffer than it loads.
 ///
@@ -26,12 +28,18 @@ pub struct Elastoplastic {
     pub release: bool,
 }
 
+values!(Elastoplastic { mass_kg, loading_stiffness_n_per_m, unloading_stiffness_n_per_m | release: true });
+
 impl Elastoplastic {
-    /// Refuses parameters that are not positive.
-    pub fn check(&self) -> Result<(), LumpedError> {
-        positive("mass_kg", self.mass_kg)?;
-        positive("loading_stiffness_n_per_m", self.loading_stiffness_n_per_m)?;
-        positive("unloading_stiffness_n_per_m", self.unloading_stiffness_n_per_m)
+    /// The structure it is. Errors: parameters without meaning.
+    pub fn structure(&self) -> Result<Structure, LumpedError> {
+        check_values(ModelKind::Elastoplastic, &self.values())?;
+        let spring = PlasticSpring {
+            loading_stiffness_n_per_m: self.loading_stiffness_n_per_m,
+            unloading_stiffness_n_per_m: self.unloading_stiffness_n_per_m,
+            release: self.release,
+        };
+        Structure::row(&[self.mass_kg], [vec![spring.into()]])
     }
 
     /// Angular frequencies of loading and unloading, `sqrt(k_E/m)` and `sqrt(k_P/m)`, rad/s.

@@ -6,7 +6,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::{LumpedError, ParameterKind, PiecewiseLinear, SecantChain};
+use crate::families::chain::Chain;
+use crate::{LumpedError, ParameterKind, PiecewiseLinear};
 
 /// What a coefficient is called: `k2_n_per_m`, or `k2_knot1_m` and `k2_knot1_n_per_m`.
 struct Spelling {
@@ -23,7 +24,7 @@ impl Spelling {
     fn write(&self, number: usize, law: &PiecewiseLinear, out: &mut BTreeMap<String, f64>) {
         let symbol = format!("{}{number}", self.symbol);
         let (unit, unit_of_place) = (self.value.unit_in_name(), self.place.unit_in_name());
-        if let (Some(value), 1) = (law.as_constant(), law.points().count()) {
+        if let (Some(value), 1) = (law.as_constant(), law.len()) {
             out.insert(format!("{symbol}_{unit}"), value);
             return;
         }
@@ -64,7 +65,7 @@ impl Spelling {
     }
 }
 
-impl SecantChain {
+impl Chain {
     /// Its parameters by name: `m1_kg`, `k1_n_per_m`, `c1_n_s_per_m`, `m2_kg`, ... from the barrier on; a coefficient
     /// with knots as `k1_knot1_n_per_m`, `k1_knot2_m`, `k1_knot2_n_per_m`, ... without the place of a knot at zero.
     pub fn parameters(&self) -> BTreeMap<String, f64> {
@@ -128,20 +129,20 @@ impl SecantChain {
 mod tests {
     use super::*;
 
-    fn chain() -> SecantChain {
+    fn chain() -> Chain {
         let knots = PiecewiseLinear::new(&[(0.0, 9e5), (0.2, 3.5e5)]).unwrap();
         let late = PiecewiseLinear::new(&[(1.0, 4e3), (8.0, 2e3)]).unwrap();
         let constant = PiecewiseLinear::constant;
-        SecantChain::new(&[250.0, 900.0], &[knots, constant(6e5)], &[constant(8e3), late]).unwrap()
+        Chain::new(&[250.0, 900.0], &[knots, constant(6e5)], &[constant(8e3), late]).unwrap()
     }
 
     #[test]
     fn a_chain_reads_its_own_parameters_back() {
         let names = chain().parameters();
         assert_eq!(names["k1_knot2_m"], 0.2);
-        assert!(names.keys().all(|name| SecantChain::parameter_kind(name).is_some()), "{names:?}");
+        assert!(names.keys().all(|name| Chain::parameter_kind(name).is_some()), "{names:?}");
         assert!(!names.contains_key("k1_knot1_m"));
-        assert_eq!(SecantChain::from_parameters(&names).unwrap(), chain());
+        assert_eq!(Chain::from_parameters(&names).unwrap(), chain());
     }
 
     #[test]
@@ -157,7 +158,7 @@ mod tests {
             ("c1_knot2_m_per_s", Rate),
         ];
         for (name, kind) in kinds {
-            assert_eq!(SecantChain::parameter_kind(name), Some(kind), "{name}");
+            assert_eq!(Chain::parameter_kind(name), Some(kind), "{name}");
         }
         for name in [
             "",
@@ -172,7 +173,7 @@ mod tests {
             "c1_n_per_m",
             "x1_m",
         ] {
-            assert_eq!(SecantChain::parameter_kind(name), None, "{name}");
+            assert_eq!(Chain::parameter_kind(name), None, "{name}");
         }
     }
 
@@ -180,12 +181,12 @@ mod tests {
     fn knots_of_the_same_value_keep_their_names() {
         let flat = PiecewiseLinear::new(&[(0.0, 9e5), (0.2, 3.5e5), (0.3, 3.5e5)]).unwrap();
         let constant = PiecewiseLinear::new(&[(0.0, 4e3), (2.0, 4e3)]).unwrap();
-        let chain = SecantChain::new(&[250.0], &[flat], &[constant]).unwrap();
+        let chain = Chain::new(&[250.0], &[flat], &[constant]).unwrap();
         let names = chain.parameters();
         for name in ["k1_knot3_n_per_m", "k1_knot3_m", "c1_knot1_n_s_per_m", "c1_knot2_n_s_per_m"] {
             assert!(names.contains_key(name), "{name} {names:?}");
         }
-        assert_eq!(SecantChain::from_parameters(&names).unwrap(), chain);
+        assert_eq!(Chain::from_parameters(&names).unwrap(), chain);
     }
 
     #[test]
@@ -193,7 +194,7 @@ mod tests {
         let error = |change: fn(&mut BTreeMap<String, f64>)| {
             let mut names = chain().parameters();
             change(&mut names);
-            SecantChain::from_parameters(&names).unwrap_err().to_string()
+            Chain::from_parameters(&names).unwrap_err().to_string()
         };
         let missing = error(|names| {
             names.remove("k2_n_per_m");

@@ -1,0 +1,6 @@
+//! What a structure answers: motions, derivatives, forces, energies, events; exactly or by series.
+//! May use `series`, `exact`, `structure`, `motion` and `kind`.
+
+pub mod events;
+pub mod forces_and_energies;
+pub mod motions;

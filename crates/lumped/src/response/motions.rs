@@ -1,0 +1,100 @@
+//! Motions of a structure after an impact, with their derivatives.
+//!
+//! Two ways: where every force is linear for good, one matrix exponential (and its derivatives) for the step from
+//! instant to instant; otherwise Taylor series from event to event. Both are right to rounding.
+
+use crate::error::{finite, positive};
+use crate::exact::linear_motion;
+use crate::exact::linear_system::LinearSystem;
+use crate::series::instants::Reader;
+use crate::series::walk::walk;
+use crate::structure::connected_masses::{Place, Structure};
+use crate::{Drive, Instants, LumpedError, Motion, Sensitivity};
+
+impl Structure {
+    /// The motion of every mass at these instants after an impact, and its derivatives by the parameters at `places`,
+    /// in their order.
+    ///
+    /// Analytic throughout: linear structures by the derivative of the matrix exponential, all others by the
+    /// variational equation, solved by Taylor series along with the motion; forces are continuous at an event, so that
+    /// nothing jumps there. An acceleration has a kink at an event, where one of the two one-sided derivatives is
+    /// given. Errors: a place that is none, instants that are not finite, a motion that leaves the range of numbers or
+    /// needs more than 200,000 steps.
+    pub fn sensitivity(
+        &self,
+        impact_speed_m_per_s: f64,
+        at: &Instants,
+        places: &[Place],
+    ) -> Result<Sensitivity, LumpedError> {
+        finite("impact_speed_m_per_s", impact_speed_m_per_s)?;
+        positive("dt_s", at.dt_s)?;
+        self.check_places(places)?;
+        let sensitivity = match LinearSystem::new(self).filter(|_| self.is_smooth_in(places)) {
+            Some(system) => linear_motion::sensitivity(&system, impact_speed_m_per_s, at, places),
+            None => self.by_series(impact_speed_m_per_s, at, places)?,
+        };
+        let motions = || sensitivity.motions.iter().chain(sensitivity.derivatives.iter().flatten());
+        match motions().filter_map(Motion::first_not_finite).min() {
+            Some(k) => Err(LumpedError::ChainDiverges { time_s: at.first_s + k as f64 * at.dt_s }),
+            None => Ok(sensitivity),
+        }
+    }
+
+    /// The motion of every mass at these instants after an impact. Errors: as [`sensitivity`](Self::sensitivity).
+    pub fn motions_at(&self, impact_speed_m_per_s: f64, at: &Instants) -> Result<Vec<Motion>, LumpedError> {
+        Ok(self.sensitivity(impact_speed_m_per_s, at, &[])?.motions)
+    }
+
+    /// The displacement of the last mass at `first_s + k dt_s` into `out`, without its other waves. Errors: as
+    /// [`sensitivity`](Self::sensitivity).
+    pub fn displacement(
+        &self,
+        impact_speed_m_per_s: f64,
+        first_s: f64,
+        dt_s: f64,
+        out: &mut [f64],
+    ) -> Result<(), LumpedError> {
+        let at = Instants { first_s, dt_s, samples: out.len() };
+        let last = self.masses_kg().len() - 1;
+        if self.is_linear() {
+            out.copy_from_slice(&self.motions_at(impact_speed_m_per_s, &at)?[last].displacement_m);
+            return Ok(());
+        }
+        let mut reader = Reader::new(&at);
+        walk(self, &Drive::Impact(impact_speed_m_per_s), dt_s, reader.end_s(), &[], |step, _| {
+            let instants = reader.pass(step);
+            reader.fill_displacement(step, &instants, last, out);
+            reader.goes_on()
+        })
+    }
+
+    /// Whether a change of these parameters leaves a linear structure linear: it does not where an element has knots
+    /// whose values only happen to be equal.
+    fn is_smooth_in(&self, places: &[Place]) -> bool {
+        places.iter().all(|place| match place {
+            Place::Mass(_) => true,
+            Place::Element { connection, .. } => !self.connections()[*connection].element.law().has_branches(),
+        })
+    }
+
+    fn by_series(&self, v0: f64, at: &Instants, places: &[Place]) -> Result<Sensitivity, LumpedError> {
+        let waves = || vec![Motion::zeros(at.samples); self.masses_kg().len()];
+        let mut motions = waves();
+        let mut derivatives: Vec<Vec<Motion>> = places.iter().map(|_| waves()).collect();
+        let mut reader = Reader::new(at);
+        walk(self, &Drive::Impact(v0), at.dt_s, reader.end_s(), places, |step, changes| {
+            let instants = reader.pass(step);
+            if !instants.is_empty() {
+                reader.fill_motions(step, &instants, &mut motions);
+                for (p, derivative) in derivatives.iter_mut().enumerate() {
+                    for (mass, motion) in derivative.iter_mut().enumerate() {
+                        let [x, v, a] = &changes.series(mass, p);
+                        reader.fill(step, &instants, [x, v, a], None, motion);
+                    }
+                }
+            }
+            reader.goes_on()
+        })?;
+        Ok(Sensitivity { motions, derivatives })
+    }
+}

@@ -1,0 +1,350 @@
+//! Derivatives of a motion by parameters: the variational equation along its Taylor series.
+//!
+//! A small change of the motion by a parameter p feels, on each element, the derivative of the force by compression,
+//! rate and inner state, and what p changes in the force at the motion itself. Over a step of the motion all these are
+//! known series, so the change gets its own series by the same recurrence, on the same steps. At an event forces are
+//! continuous, therefore so are the changes of displacement and velocity: the instant at which an event happens adds
+//! nothing. What an element remembers from the event on (the permanent set) is one more number that changes.
+//!
+//! Several parameters are expanded side by side ([`ABREAST`]). The derivatives are those of the motion as computed,
+//! right to rounding; an acceleration has a kink at an event, where one of its two one-sided derivatives is given.
+
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::series::step::{LinkSeries, ORDER, Series, Step};
+use crate::structure::connected_masses::{Place, Structure};
+use crate::structure::form::{Form, Strain};
+use crate::structure::law::{Branch, Law};
+
+/// Parameters whose changes are expanded side by side: each sum of products is a chain that waits for itself, and the
+/// others fill the time.
+pub(crate) const ABREAST: usize = 8;
+
+type Lanes = [f64; ABREAST];
+/// Coefficients by order, then by parameter.
+type LaneSeries = [Lanes; ORDER + 1];
+const NO_SERIES: LaneSeries = [[0.0; ABREAST]; ORDER + 1];
+
+/// Change of the motion of a node.
+#[derive(Clone)]
+struct NodeChange {
+    x: LaneSeries,
+    v: LaneSeries,
+    a: LaneSeries,
+}
+
+/// Change of what an element feels and remembers, and of its law.
+#[derive(Clone)]
+struct LinkChange {
+    u: LaneSeries,
+    w: LaneSeries,
+    z: LaneSeries,
+    has_inner: bool,
+    set: Lanes,
+    law: [Form; ABREAST],
+    inner: [Form; ABREAST],
+}
+
+/// The changes by a few parameters.
+struct Block {
+    places: [Option<Place>; ABREAST],
+    nodes: Vec<NodeChange>,
+    links: Vec<LinkChange>,
+}
+
+/// The changes by all parameters asked for.
+pub(crate) struct Changes {
+    blocks: Vec<Block>,
+    arch: Option<Arch>,
+}
+
+/// `sum += factor * terms`, lane by lane.
+#[inline(always)]
+fn add(sum: &mut Lanes, factor: f64, terms: &Lanes) {
+    for (sum, term) in sum.iter_mut().zip(terms) {
+        *sum += factor * term;
+    }
+}
+
+/// Differences lane by lane.
+#[inline(always)]
+fn minus(a: &Lanes, b: &Lanes) -> Lanes {
+    std::array::from_fn(|p| a[p] - b[p])
+}
+
+/// Coefficient `k` of the product of a series with changes.
+///
+/// In two sums that need not wait for each other; the newest coefficient comes last, so that the others need not wait
+/// for it.
+#[inline(always)]
+fn lane_product(series: &Series, change: &LaneSeries, k: usize) -> Lanes {
+    let mut sums = [[0.0; ABREAST]; 2];
+    let (series, change) = (&series[..=k], &change[..=k]);
+    let mut i = 0;
+    while i < k {
+        add(&mut sums[0], series[k - i], &change[i]);
+        add(&mut sums[1], series[k - i - 1], &change[i + 1]);
+        i += 2;
+    }
+    if i == k {
+        add(&mut sums[0], series[0], &change[k]);
+    }
+    std::array::from_fn(|p| sums[0][p] + sums[1][p])
+}
+
+/// The product of two series, term by term of the first.
+#[inline(always)]
+fn series_product(a: &Series, b: &Series) -> Series {
+    let mut product = [0.0; ORDER + 1];
+    for (i, a) in a.iter().enumerate() {
+        for (sum, b) in product[i..].iter_mut().zip(b) {
+            *sum += a * b;
+        }
+    }
+    product
+}
+
+/// Values of changes at `tau`.
+#[inline(always)]
+fn at(change: &LaneSeries, tau: f64) -> Lanes {
+    let mut sum = [0.0; ABREAST];
+    for terms in change.iter().rev() {
+        for (sum, term) in sum.iter_mut().zip(terms) {
+            *sum = *sum * tau + term;
+        }
+    }
+    sum
+}
+
+/// The place of a parameter in an element.
+fn place_in(place: Option<Place>, link: usize) -> Option<usize> {
+    match place {
+        Some(Place::Element { connection, parameter }) if connection == link => Some(parameter),
+        _ => None,
+    }
+}
+
+impl Changes {
+    /// At contact nothing has changed yet.
+    pub fn at_contact(structure: &Structure, places: &[Place]) -> Self {
+        let node = NodeChange { x: NO_SERIES, v: NO_SERIES, a: NO_SERIES };
+        let link = LinkChange {
+            u: NO_SERIES,
+            w: NO_SERIES,
+            z: NO_SERIES,
+            has_inner: false,
+            set: [0.0; ABREAST],
+            law: [Form::ZERO; ABREAST],
+            inner: [Form::ZERO; ABREAST],
+        };
+        let block = |places: &[Place]| Block {
+            places: std::array::from_fn(|p| places.get(p).copied()),
+            nodes: vec![node.clone(); structure.masses_kg().len() + 1],
+            links: structure
+                .joined()
+                .map(|(element, _)| LinkChange { has_inner: element.law().inner_rate().is_some(), ..link.clone() })
+                .collect(),
+        };
+        let blocks: Vec<Block> = places.chunks(ABREAST).map(block).collect();
+        Self { arch: (!blocks.is_empty()).then(Arch::new), blocks }
+    }
+
+    /// The series of the changes over a step of the motion.
+    pub fn expand(&mut self, structure: &Structure, step: &Step) {
+        let Some(arch) = self.arch else { return };
+        self.blocks.iter_mut().for_each(|block| block.change_laws(structure, step));
+        let law = step.law_of_one_mass();
+        let changes = self.blocks.iter().flat_map(|block| &block.links).flat_map(|link| &link.law);
+        let is_mixed = changes.map(|law| law.uw).any(|uw| uw != 0.0);
+        // All elements of one mass feel the same.
+        let links = if law.is_some() { &step.links[..1] } else { &step.links[..] };
+        let products: Vec<[Series; 3]> = arch.dispatch(|| {
+            let products = |LinkSeries { u, w, .. }: &LinkSeries| {
+                let uw = if is_mixed { series_product(u, w) } else { [0.0; ORDER + 1] };
+                [series_product(u, u), series_product(w, w), uw]
+            };
+            links.iter().map(products).collect()
+        });
+        for block in &mut self.blocks {
+            arch.dispatch(Expand { block, step, law, products: &products });
+        }
+    }
+
+    /// Takes the values at the end of a step as those of the next start.
+    pub fn advance(&mut self, length_s: f64) {
+        let Some(arch) = self.arch else { return };
+        arch.dispatch(|| {
+            for block in &mut self.blocks {
+                // The barrier does not change, nor what is not there.
+                let masses = block.nodes.len() - 1;
+                for node in &mut block.nodes[..masses] {
+                    (node.x[0], node.v[0]) = (at(&node.x, length_s), at(&node.v, length_s));
+                }
+                for link in block.links.iter_mut().filter(|link| link.has_inner) {
+                    link.z[0] = at(&link.z, length_s);
+                }
+            }
+        });
+    }
+
+    /// An element goes to its next branch, between two steps.
+    pub fn enter(&mut self, law: &dyn Law, link: usize, before: &Branch, strain: Strain, [front, rear]: [usize; 2]) {
+        for block in &mut self.blocks {
+            let by_u = minus(&block.nodes[rear].x[0], &block.nodes[front].x[0]);
+            for ((set, by_u), place) in block.links[link].set.iter_mut().zip(by_u).zip(block.places) {
+                *set = law.set_by(before, strain, by_u, place_in(place, link), *set);
+            }
+        }
+    }
+
+    /// Series of displacement, velocity and acceleration of the change of a mass by a parameter.
+    pub fn series(&self, mass: usize, parameter: usize) -> [Series; 3] {
+        let node = &self.blocks[parameter / ABREAST].nodes[mass];
+        [&node.x, &node.v, &node.a].map(|series| std::array::from_fn(|k| series[k][parameter % ABREAST]))
+    }
+}
+
+impl Block {
+    /// What each parameter changes in the law of each element on its branch.
+    fn change_laws(&mut self, structure: &Structure, step: &Step) {
+        let elements = structure.connections().iter().zip(&step.branches);
+        for (link, (change, (connection, branch))) in self.links.iter_mut().zip(elements).enumerate() {
+            let law = connection.element.law();
+            let by_set = law.force_by_set(branch);
+            for p in 0..ABREAST {
+                let own = place_in(self.places[p], link);
+                let direct = own.map_or(Form::ZERO, |parameter| law.force_by(branch, parameter));
+                change.law[p] = direct.plus(change.set[p], &by_set);
+                change.inner[p] = own.map_or(Form::ZERO, |parameter| law.inner_rate_by(parameter));
+            }
+        }
+    }
+
+    /// The changes where the acceleration is a form of displacement and velocity: all elements in one.
+    #[inline(always)]
+    fn expand_one_mass(&mut self, step: &Step, law: &Form, [xx, vv, xv]: &[Series; 3]) {
+        let (node, per_mass) = (&step.nodes[0], step.per_mass[0]);
+        let mut by = [Form::ZERO; ABREAST];
+        for (p, by) in by.iter_mut().enumerate() {
+            let own = if self.places[p] == Some(Place::Mass(0)) { -per_mass } else { 0.0 };
+            let of_links = self.links.iter().fold(Form::ZERO, |sum, link| sum.plus(-per_mass, &link.law[p]));
+            *by = of_links.plus(own, law);
+        }
+        // One list a coefficient, side by side.
+        let terms = [|f: &Form| f.u, |f: &Form| f.w, |f: &Form| f.uu, |f: &Form| f.ww, |f: &Form| f.uw];
+        let by_terms = terms.map(|term| by.map(|form| term(&form)));
+        let NodeChange { x, v, a } = &mut self.nodes[0];
+        for k in 0..=ORDER {
+            let mut now = if k == 0 { by.map(|form| form.constant) } else { [0.0; ABREAST] };
+            let (mut with_x, mut with_v) = ([0.0; ABREAST], [0.0; ABREAST]);
+            for i in 0..=k {
+                add(&mut with_x, node.x[k - i], &x[i]);
+                add(&mut with_v, node.v[k - i], &v[i]);
+            }
+            for (by, value) in by_terms.iter().zip([node.x[k], node.v[k], xx[k], vv[k], xv[k]]) {
+                add(&mut now, value, by);
+            }
+            add(&mut now, law.u, &x[k]);
+            add(&mut now, law.w, &v[k]);
+            add(&mut now, 2.0 * law.uu, &with_x);
+            add(&mut now, 2.0 * law.ww, &with_v);
+            if law.uw != 0.0 {
+                add(&mut now, law.uw, &lane_product(&node.x, v, k));
+                add(&mut now, law.uw, &lane_product(&node.v, x, k));
+            }
+            a[k] = now;
+            if k < ORDER {
+                let factor = 1.0 / (k + 1) as f64;
+                (x[k + 1], v[k + 1]) = (v[k].map(|v| v * factor), now.map(|a| a * factor));
+            }
+        }
+    }
+}
+
+/// The changes of a block over one step.
+struct Expand<'a> {
+    block: &'a mut Block,
+    step: &'a Step,
+    /// The acceleration of the only mass.
+    law: Option<Form>,
+    /// Products of compression and rate of each element, `u u`, `w w`, `u w`.
+    products: &'a [[Series; 3]],
+}
+
+impl WithSimd for Expand<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { block, step, law, products } = self;
+        if let (Some(law), Some(products)) = (law, products.first()) {
+            block.expand_one_mass(step, &law, products);
+            return;
+        }
+        let of_mass = |place: &Option<Place>| match place {
+            Some(Place::Mass(mass)) => *mass,
+            _ => usize::MAX,
+        };
+        let masses: [usize; ABREAST] = std::array::from_fn(|p| of_mass(&block.places[p]));
+        for k in 0..=ORDER {
+            for node in &mut block.nodes {
+                node.a[k] = [0.0; ABREAST];
+            }
+            for ((link, change), products) in step.links.iter().zip(&mut block.links).zip(products) {
+                let [front, rear] = link.nodes;
+                change.u[k] = minus(&block.nodes[rear].x[k], &block.nodes[front].x[k]);
+                change.w[k] = minus(&block.nodes[rear].v[k], &block.nodes[front].v[k]);
+                let force = force_change(link, change, products, k);
+                add(&mut block.nodes[rear].a[k], -1.0, &force);
+                add(&mut block.nodes[front].a[k], 1.0, &force);
+            }
+            // The barrier moves as it is driven, whatever the parameters.
+            for (mass, per_mass) in step.per_mass.iter().enumerate() {
+                let NodeChange { x, v, a } = &mut block.nodes[mass];
+                for (a, by) in a[k].iter_mut().zip(&masses) {
+                    *a = (*a - if *by == mass { step.nodes[mass].a[k] } else { 0.0 }) * per_mass;
+                }
+                if k < ORDER {
+                    let factor = 1.0 / (k + 1) as f64;
+                    (x[k + 1], v[k + 1]) = (v[k].map(|v| v * factor), a[k].map(|a| a * factor));
+                }
+            }
+        }
+    }
+}
+
+/// Coefficient `k` of the change of a force; that of the rate of the inner state goes into its series.
+#[inline(always)]
+fn force_change(link: &LinkSeries, change: &mut LinkChange, products: &[Series; 3], k: usize) -> Lanes {
+    let law = &link.law;
+    let mut force = [0.0; ABREAST];
+    add(&mut force, law.u, &change.u[k]);
+    add(&mut force, law.w, &change.w[k]);
+    if law.uu != 0.0 {
+        add(&mut force, 2.0 * law.uu, &lane_product(&link.u, &change.u, k));
+    }
+    if law.ww != 0.0 {
+        add(&mut force, 2.0 * law.ww, &lane_product(&link.w, &change.w, k));
+    }
+    if law.uw != 0.0 {
+        add(&mut force, law.uw, &lane_product(&link.u, &change.w, k));
+        add(&mut force, law.uw, &lane_product(&link.w, &change.u, k));
+    }
+    let [uu, ww, uw] = products.each_ref().map(|product| product[k]);
+    let (one, u, w, z) = (if k == 0 { 1.0 } else { 0.0 }, link.u[k], link.w[k], link.z[k]);
+    for (force, by) in force.iter_mut().zip(&change.law) {
+        *force += by.constant * one + by.u * u + by.w * w + by.z * z + by.uu * uu + by.ww * ww + by.uw * uw;
+    }
+    if let Some(inner) = &link.inner {
+        add(&mut force, law.z, &change.z[k]);
+        if k < ORDER {
+            let factor = 1.0 / (k + 1) as f64;
+            for p in 0..ABREAST {
+                let by = &change.inner[p];
+                let rate = inner.u * change.u[k][p] + inner.w * change.w[k][p] + inner.z * change.z[k][p];
+                change.z[k + 1][p] = (rate + by.u * u + by.w * w + by.z * z) * factor;
+            }
+        }
+    }
+    force
+}

@@ -1,0 +1,8 @@
+//! Motions of any structure by Taylor series from event to event, with their derivatives.
+//! May use `exact`, `structure`, `motion` and `kind`.
+
+pub mod changes;
+pub mod exit;
+pub mod instants;
+pub mod step;
+pub mod walk;

@@ -1,0 +1,310 @@
+//! One step of a motion: Taylor series of all nodes and elements on one branch of each element.
+//!
+//! With every force a [`Form`] of degree two in compression, rate and inner state, the Taylor coefficients of the
+//! motion follow from `x_(k+1) = v_k/(k+1)`, `v_(k+1) = a_k/(k+1)`, where products of series are convolutions of the
+//! coefficients known so far (the recurrence of Parker and Sochacki). A step is as long as its two last terms stay
+//! below [`REST`] of the motion.
+
+use crate::State;
+use crate::structure::connected_masses::Structure;
+use crate::structure::form::{Form, Strain};
+use crate::structure::law::Branch;
+
+/// Terms of the Taylor series.
+pub(crate) const ORDER: usize = 20;
+/// Rest of the series after a step, relative to the motion.
+pub(crate) const REST: f64 = 1e-17;
+/// Below this many metres nothing moves.
+pub(crate) const NOTHING_M: f64 = 1e-12;
+
+/// Taylor coefficients about the start of a step, lowest order first, SI units per `s^k`.
+pub(crate) type Series = [f64; ORDER + 1];
+
+/// Motion of a node.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct NodeSeries {
+    pub x: Series,
+    pub v: Series,
+    pub a: Series,
+}
+
+/// What an element feels, and its force, on the branch it is on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LinkSeries {
+    /// Indices of its front and rear node.
+    pub nodes: [usize; 2],
+    pub law: Form,
+    /// Rate of its inner state, if it has one.
+    pub inner: Option<Form>,
+    pub u: Series,
+    pub w: Series,
+    pub z: Series,
+    pub force: Series,
+}
+
+/// What drives a step: value and slope at its start of a force on a mass or of the acceleration of the barrier.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Input {
+    /// The mass that is pushed; otherwise the barrier is.
+    pub mass: Option<usize>,
+    pub value: f64,
+    pub slope: f64,
+}
+
+/// One step: series about its start, valid for `length_s`.
+#[derive(Debug, Clone)]
+pub(crate) struct Step {
+    pub start_s: f64,
+    pub length_s: f64,
+    /// Masses, then the barrier.
+    pub nodes: Vec<NodeSeries>,
+    pub links: Vec<LinkSeries>,
+    pub branches: Vec<Branch>,
+    pub input: Input,
+    pub per_mass: Vec<f64>,
+}
+
+/// Value and derivative of a polynomial.
+#[inline]
+pub(crate) fn horner(series: &Series, tau: f64) -> (f64, f64) {
+    let (mut value, mut rate) = (0.0, 0.0);
+    for term in series.iter().rev() {
+        rate = rate * tau + value;
+        value = value * tau + term;
+    }
+    (value, rate)
+}
+
+/// Value of a polynomial.
+#[inline]
+pub(crate) fn value(series: &Series, tau: f64) -> f64 {
+    series.iter().rev().fold(0.0, |sum, term| sum * tau + term)
+}
+
+/// Values of a polynomial at several instants.
+#[inline(always)]
+pub(crate) fn values<const L: usize>(series: &Series, tau: &[f64; L]) -> [f64; L] {
+    let mut sums = [0.0; L];
+    for term in series.iter().rev() {
+        for lane in 0..L {
+            sums[lane] = sums[lane] * tau[lane] + term;
+        }
+    }
+    sums
+}
+
+/// `integral from 0 to tau`.
+pub(crate) fn integral(series: &Series, tau: f64) -> f64 {
+    (0..=ORDER).rev().fold(0.0, |sum, k| sum * tau + series[k] / (k + 1) as f64) * tau
+}
+
+/// Coefficient `k` of the product of two series.
+#[inline]
+pub(crate) fn product(a: &Series, b: &Series, k: usize) -> f64 {
+    a[..=k].iter().zip(b[..=k].iter().rev()).map(|(a, b)| a * b).sum()
+}
+
+/// Largest modulus.
+pub(crate) fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |m, q| m.max(q.abs()))
+}
+
+impl NodeSeries {
+    /// The Taylor coefficients where the acceleration is a form of displacement and velocity: the sums for both squares
+    /// side by side, without the elements.
+    fn fall(&mut self, law: &Form) {
+        for k in 0..=ORDER {
+            let (x, v, half) = (&self.x, &self.v, k.div_ceil(2));
+            let (mut xx, mut vv) = (0.0, 0.0);
+            for i in (0..half).rev() {
+                xx += x[i] * x[k - i];
+                vv += v[i] * v[k - i];
+            }
+            (xx, vv) = (2.0 * xx, 2.0 * vv);
+            if k.is_multiple_of(2) {
+                xx += x[k / 2] * x[k / 2];
+                vv += v[k / 2] * v[k / 2];
+            }
+            let mixed = if law.uw == 0.0 { 0.0 } else { law.uw * product(x, v, k) };
+            let constant = if k == 0 { law.constant } else { 0.0 };
+            self.a[k] = law.u * x[k] + law.uu * xx + law.w * v[k] + law.ww * vv + mixed + constant;
+            if k < ORDER {
+                let factor = 1.0 / (k + 1) as f64;
+                (self.x[k + 1], self.v[k + 1]) = (self.v[k] * factor, self.a[k] * factor);
+            }
+        }
+    }
+}
+
+impl LinkSeries {
+    /// The strain at `tau` after the step's start.
+    pub fn strain(&self, tau: f64) -> Strain {
+        let z = if self.inner.is_some() { value(&self.z, tau) } else { 0.0 };
+        Strain { u: value(&self.u, tau), w: value(&self.w, tau), z }
+    }
+
+    /// The series of a form of its strain.
+    pub fn series(&self, form: &Form) -> Series {
+        let mut series = std::array::from_fn(|k| form.u * self.u[k] + form.w * self.w[k] + form.z * self.z[k]);
+        series[0] += form.constant;
+        for (factor, a, b) in [(form.uu, &self.u, &self.u), (form.ww, &self.w, &self.w), (form.uw, &self.u, &self.w)] {
+            if factor != 0.0 {
+                for (k, sum) in series.iter_mut().enumerate() {
+                    *sum += factor * product(a, b, k);
+                }
+            }
+        }
+        series
+    }
+}
+
+impl Step {
+    /// The structure at contact: all masses at one speed, nothing compressed. Nothing is expanded yet.
+    pub fn at_contact(structure: &Structure, speed_m_per_s: f64) -> Self {
+        let masses = structure.masses_kg().len();
+        let mut nodes = vec![NodeSeries::default(); masses + 1];
+        for node in &mut nodes[..masses] {
+            node.v[0] = speed_m_per_s;
+        }
+        let zero = [0.0; ORDER + 1];
+        let (mut links, mut branches) = (Vec::new(), Vec::new());
+        for (element, ends) in structure.joined() {
+            let law = element.law();
+            let branch = law.start(nodes[ends[1]].v[0] - nodes[ends[0]].v[0]);
+            let (force, inner) = (law.force(&branch), law.inner_rate());
+            links.push(LinkSeries { nodes: ends, law: force, inner, u: zero, w: zero, z: zero, force: zero });
+            branches.push(branch);
+        }
+        let per_mass = structure.masses_kg().iter().map(|mass| mass.recip()).collect();
+        Self { start_s: 0.0, length_s: 0.0, nodes, links, branches, input: Input::default(), per_mass }
+    }
+
+    /// The Taylor coefficients from the values at the start, which stand in place 0.
+    ///
+    /// Some `ORDER²` products for every square that a force has.
+    pub fn expand(&mut self) {
+        let Some(law) = self.law_of_one_mass() else {
+            recurrence(&mut self.nodes, &mut self.links, &self.per_mass, &self.input);
+            return;
+        };
+        self.nodes[0].fall(&law);
+        for link in &mut self.links {
+            (link.u, link.w) = (self.nodes[0].x, self.nodes[0].v);
+        }
+    }
+
+    /// The step after which the last terms of the series are [`REST`] of the motion; two terms, because the
+    /// coefficients of an even or odd function vanish in turn.
+    pub fn longest(&self) -> f64 {
+        let x = || self.nodes.iter().map(|node| &node.x).chain(self.links.iter().map(|link| &link.z));
+        let size =
+            largest(x().map(|x| x[0])).max(1e-3 * largest(self.nodes.iter().map(|node| node.v[0]))).max(NOTHING_M);
+        let bound = |k: usize| (size * REST / largest(x().map(|x| x[k])).max(f64::MIN_POSITIVE)).powf(1.0 / k as f64);
+        bound(ORDER).min(bound(ORDER - 1)).max(1e-12)
+    }
+
+    /// Whether the coefficients are numbers: each is made of all before it, so that the last ones tell.
+    pub fn is_finite(&self) -> bool {
+        self.nodes.iter().all(|node| node.v[ORDER].is_finite() && node.a[ORDER].is_finite() && node.x[0].is_finite())
+    }
+
+    /// A mass at `tau` after the start.
+    pub fn state(&self, mass: usize, tau: f64) -> State {
+        let node = &self.nodes[mass];
+        State {
+            displacement_m: value(&node.x, tau),
+            velocity_m_per_s: value(&node.v, tau),
+            acceleration_m_per_s2: value(&node.a, tau),
+        }
+    }
+
+    /// Takes the values at the end of the step as those of the next start.
+    pub fn advance(&mut self) {
+        let tau = self.length_s;
+        // A barrier that rests stays where it is.
+        let resting = usize::from(self.barrier_rests());
+        let moving = self.nodes.len() - resting;
+        for node in &mut self.nodes[..moving] {
+            let terms = node.x.iter().zip(&node.v).rev();
+            (node.x[0], node.v[0]) = terms.fold((0.0, 0.0), |(x, v), (of_x, of_v)| (x * tau + of_x, v * tau + of_v));
+        }
+        for link in self.links.iter_mut().filter(|link| link.inner.is_some()) {
+            link.z[0] = value(&link.z, tau);
+        }
+        self.start_s += tau;
+    }
+
+    /// Whether nothing moves the barrier.
+    fn barrier_rests(&self) -> bool {
+        let Input { mass, value, slope } = self.input;
+        self.nodes[self.nodes.len() - 1].v[0] == 0.0 && (mass.is_some() || (value == 0.0 && slope == 0.0))
+    }
+
+    /// The acceleration of the only mass as a form of its own displacement and velocity, if it has no other.
+    pub fn law_of_one_mass(&self) -> Option<Form> {
+        let [_, barrier] = &self.nodes[..] else { return None };
+        let is_free = self.input.mass.is_none() && self.barrier_rests() && barrier.x[0] == 0.0;
+        let mut sum = Form::ZERO;
+        for link in &self.links {
+            if !is_free || link.nodes != [1, 0] || link.inner.is_some() {
+                return None;
+            }
+            sum = sum.plus(-self.per_mass[0], &link.law);
+        }
+        Some(sum)
+    }
+
+    /// What an element feels at the start.
+    pub fn strain_now(&self, link: usize) -> Strain {
+        let LinkSeries { nodes: [front, rear], z, .. } = &self.links[link];
+        let (front, rear) = (&self.nodes[*front], &self.nodes[*rear]);
+        Strain { u: rear.x[0] - front.x[0], w: rear.v[0] - front.v[0], z: z[0] }
+    }
+}
+
+/// See [`Step::expand`].
+fn recurrence(nodes: &mut [NodeSeries], links: &mut [LinkSeries], per_mass: &[f64], input: &Input) {
+    let barrier = nodes.len() - 1;
+    let drive = |k: usize| [input.value, input.slope].get(k).copied().unwrap_or(0.0);
+    for k in 0..=ORDER {
+        for node in &mut *nodes {
+            node.a[k] = 0.0;
+        }
+        if let Some(mass) = input.mass {
+            nodes[mass].a[k] = drive(k);
+        }
+        for link in &mut *links {
+            let [front, rear] = link.nodes;
+            let law = &link.law;
+            let (u, w) = (nodes[rear].x[k] - nodes[front].x[k], nodes[rear].v[k] - nodes[front].v[k]);
+            (link.u[k], link.w[k]) = (u, w);
+            let mut force = law.u * u + law.w * w + if k == 0 { law.constant } else { 0.0 };
+            for (factor, a, b) in [(law.uu, &link.u, &link.u), (law.ww, &link.w, &link.w), (law.uw, &link.u, &link.w)] {
+                if factor != 0.0 {
+                    force += factor * product(a, b, k);
+                }
+            }
+            if let Some(inner) = link.inner {
+                let z = link.z[k];
+                force += law.z * z;
+                if k < ORDER {
+                    link.z[k + 1] = (inner.u * u + inner.w * w + inner.z * z) / (k + 1) as f64;
+                }
+            }
+            link.force[k] = force;
+            nodes[rear].a[k] -= force;
+            nodes[front].a[k] += force;
+        }
+        for (node, per_mass) in nodes.iter_mut().zip(per_mass) {
+            node.a[k] *= per_mass;
+        }
+        nodes[barrier].a[k] = if input.mass.is_none() { drive(k) } else { 0.0 };
+        if k < ORDER {
+            let factor = 1.0 / (k + 1) as f64;
+            for node in &mut *nodes {
+                node.x[k + 1] = node.v[k] * factor;
+                node.v[k + 1] = node.a[k] * factor;
+            }
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Masses and what joins them: nodes, connections, and where a parameter stands.
+
+use crate::LumpedError;
+use crate::error::positive;
+use crate::structure::element::Element;
+
+/// What an element is fixed to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Node {
+    /// The barrier.
+    Wall,
+    /// The mass of this index, from 0.
+    Mass(usize),
+}
+
+/// An element between two nodes. It is compressed by the displacement of the rear node less that of the front node, the
+/// one nearer to the barrier.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Connection {
+    /// The side nearer to the barrier.
+    pub front: Node,
+    /// The other side.
+    pub rear: Node,
+    /// What lies between.
+    pub element: Element,
+}
+
+/// Where a parameter of a structure stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// The mass of this index.
+    Mass(usize),
+    /// A parameter of an element, counted as the element says.
+    Element {
+        /// Index of the connection.
+        connection: usize,
+        /// Place among the parameters of its element.
+        parameter: usize,
+    },
+}
+
+/// Masses joined by elements, each between any two nodes: every model of this crate is one.
+///
+/// Masses are rigid and move along x alone; the barrier is a node that stands still unless it is driven. Elements
+/// between the same nodes stand in parallel: their forces add.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Structure {
+    masses_kg: Vec<f64>,
+    connections: Vec<Connection>,
+    /// Indices of the nodes of each connection; that of the barrier is the number of masses.
+    nodes: Vec<[usize; 2]>,
+}
+
+impl Structure {
+    /// Masses, kg, and what joins them. Errors: no mass, masses that are not positive, a node that is not there, an
+    /// element from a node to itself.
+    pub fn new(masses_kg: Vec<f64>, connections: Vec<Connection>) -> Result<Self, LumpedError> {
+        let n = masses_kg.len();
+        masses_kg.iter().try_for_each(|mass| positive("mass_kg", *mass))?;
+        let index = |node: Node| match node {
+            Node::Wall => n,
+            Node::Mass(i) if i < n => i,
+            Node::Mass(_) => n + 1,
+        };
+        let nodes: Vec<[usize; 2]> = connections.iter().map(|c| [index(c.front), index(c.rear)]).collect();
+        let expected = "two different nodes of the structure, which has a mass at least";
+        let wrong = |[front, rear]: &&[usize; 2]| front == rear || *front > n || *rear > n;
+        if n == 0 || nodes.iter().any(|ends| wrong(&ends)) {
+            let value = nodes.iter().position(|ends| wrong(&ends)).unwrap_or_default() as f64;
+            return Err(LumpedError::Value { name: "number of an element", value, expected });
+        }
+        Ok(Self { masses_kg, connections, nodes })
+    }
+
+    /// Masses in a row, from the barrier on, each with the elements in front of it. Errors: as [`new`](Self::new).
+    pub fn row(masses_kg: &[f64], fronts: impl IntoIterator<Item = Vec<Element>>) -> Result<Self, LumpedError> {
+        let mut connections = Vec::new();
+        for (i, elements) in fronts.into_iter().enumerate() {
+            let front = i.checked_sub(1).map_or(Node::Wall, Node::Mass);
+            connections.extend(elements.into_iter().map(|element| Connection { front, rear: Node::Mass(i), element }));
+        }
+        Self::new(masses_kg.to_vec(), connections)
+    }
+
+    /// Masses, kg.
+    pub fn masses_kg(&self) -> &[f64] {
+        &self.masses_kg
+    }
+
+    /// What joins them.
+    pub fn connections(&self) -> &[Connection] {
+        &self.connections
+    }
+
+    /// Each connection with the indices of its front and rear node; that of the barrier is the number of masses.
+    pub(crate) fn joined(&self) -> impl Iterator<Item = (&Element, [usize; 2])> {
+        self.connections.iter().map(|connection| &connection.element).zip(self.nodes.iter().copied())
+    }
+
+    /// Whether every force is linear, for good.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.connections.iter().all(|connection| connection.element.law().is_linear())
+    }
+
+    /// Refuses a place that is none.
+    pub(crate) fn check_places(&self, places: &[Place]) -> Result<(), LumpedError> {
+        let exists = |place: &Place| match *place {
+            Place::Mass(i) => i < self.masses_kg.len(),
+            Place::Element { connection, parameter } => {
+                self.connections.get(connection).is_some_and(|c| parameter < c.element.law().parameters())
+            }
+        };
+        match places.iter().position(|place| !exists(place)) {
+            Some(p) => {
+                let expected = "the place of a mass or of a parameter of an element";
+                Err(LumpedError::Value { name: "place number", value: p as f64, expected })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Names of the forces of an element: its symbols, with the number of the rear mass where there are several, and
+    /// that of the node in front where it is not the one before.
+    pub(crate) fn force_names(&self, connection: usize) -> Vec<String> {
+        let [front, rear] = self.nodes[connection].map(|node| if node == self.masses_kg.len() { 0 } else { node + 1 });
+        let ends = match self.masses_kg.len() {
+            1 => String::new(),
+            _ if front + 1 == rear => rear.to_string(),
+            _ => format!("{front}-{rear}"),
+        };
+        let symbols = self.connections[connection].element.law().symbols();
+        symbols.chars().map(|symbol| format!("{symbol}{ends}")).collect()
+    }
+}
