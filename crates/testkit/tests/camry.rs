@@ -56,7 +56,8 @@ fn check_all(summary: &Value) {
     }
     assert!(summary["ranked_by"].as_str().unwrap().contains("displacement fit"));
     let all = summary["candidates"].as_array().unwrap();
-    let fit = |id: &Value| number(all.iter().find(|c| c["id"] == *id).unwrap(), &["simulation", "fit_percent"]);
+    let fit =
+        |id: &Value| number(all.iter().find(|c| c["id"] == *id).unwrap(), &["simulation", "fit_as_measured_percent"]);
     let fits: Vec<f64> = summary["ranking"].as_array().unwrap().iter().map(fit).collect();
     // Places are given in steps of a millionth of a percent.
     assert!(fits.windows(2).all(|pair| pair[0] >= pair[1] - 1e-6), "{fits:?}");

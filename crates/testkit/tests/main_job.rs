@@ -52,7 +52,8 @@ fn a_true_model_fits_its_record_as_measured() {
     let summary = summary_of(&[], folder.path(), &fixture("double"), &[]);
     let simulation = &candidate(&summary, "double-spring-mass-damper/direct-fit/1")["simulation"];
     let (measured, plain) = (number(simulation, &["fit_as_measured_percent"]), number(simulation, &["fit_percent"]));
-    assert!(measured > 99.999_99 && plain < 99.99, "{measured} as measured, {plain} of the motion itself");
+    // CFC 60 moves the displacement by some 1e-5 m at contact, of half a metre.
+    assert!(measured > 99.999_99 && plain < 99.999_9, "{measured} as measured, {plain} of the motion itself");
 }
 
 /// Unfiltered, the only error is the trapezoidal rule's: dt² max|a'| / 12 times the loading time is below 2e-6 m for

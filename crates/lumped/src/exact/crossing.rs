@@ -73,8 +73,8 @@ where
     /// Marches by exact steps that are short against every mode still alive (1/16 of `1/|pole|`; a mode is dead after
     /// 25 time constants, when `1e-11` of it is left), then closes in on the crossing by bracketed Newton steps on the
     /// exact solution. `None` when the horizon passes without a crossing, or 25 time constants of the slowest decaying
-    /// mode, or 20 periods of an undamped one. Two crossings inside one step would be missed; so short a step makes
-    /// that a tangency to rounding.
+    /// mode, or 20 periods of an undamped one. Where the quantity turns round inside a step, which is so short that it
+    /// does so once, its extremum is looked at: two crossings close together are not missed.
     fn first_crossing(
         &self,
         poles: &[Complex],
@@ -87,8 +87,11 @@ where
         let moving = || poles.iter().filter(|p| p.norm() > 1e-7 * fastest);
         let horizon = moving().map(lifetime).fold(0.0, f64::max).min(horizon_s);
         let value = |z: &OVector<f64, D>| (row * z)[0];
+        let rate = row * &self.a;
         let (mut t, mut z) = (0.0, start.clone());
         let mut sign = value(&z);
+        // Positive where the quantity moves away from zero; a start at zero is no turn.
+        let mut away = if sign == 0.0 { 0.0 } else { sign.signum() * (&rate * &z)[0] };
         let mut steps = 0;
         while t < horizon && steps < MAX_STEPS {
             let alive = moving().filter(|p| lifetime(p) > t).map(|p| p.norm()).fold(0.0, f64::max);
@@ -102,10 +105,22 @@ where
                 }
                 if sign == 0.0 {
                     sign = f;
-                } else if f == 0.0 || (f > 0.0) != (sign > 0.0) {
-                    let (after, at) = self.refine(row, &z, h, sign);
+                }
+                let next_away = sign.signum() * (&rate * &next)[0];
+                let crosses = |f: f64| f == 0.0 || (f > 0.0) != (sign > 0.0);
+                let bracket = if crosses(f) {
+                    Some(h)
+                } else if away < 0.0 && next_away > 0.0 {
+                    let (turn, at) = self.refine(&rate, &z, h, -sign);
+                    crosses(value(&at)).then_some(turn)
+                } else {
+                    None
+                };
+                if let Some(bracket) = bracket {
+                    let (after, at) = self.refine(row, &z, bracket, sign);
                     return (t + after <= horizon_s).then_some((t + after, at));
                 }
+                away = next_away;
                 t += h;
                 z = next;
                 steps += 1;

@@ -49,12 +49,12 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     out.push_str(match ranking.best {
         Some(_) => {
-            "<p class=\"caption\">Ranked by the fit of the displacement, the model measured as the record was; AICc stands beside it, over the same window, \
-             for information. Highlighted is the best that is physical, has no parameter left on a bound of \
-             its search other than zero, the limit of what is physical, and a fit within 0.1 points of the best such \
-             candidate; of those the one with the fewest parameters left open by the record, then the one with the \
-             fewest parameters. A dual gives exactly the same record on this sensor and so the \
-             same figures.</p>\n"
+            "<p class=\"caption\">Ranked by the fit of the displacement, the model measured as the record was; AICc \
+             stands beside it, over the same window, for information. Highlighted is the best that is physical, has no \
+             parameter left on a bound of its search other than zero, the limit of what is physical, and a fit within \
+             0.1 points of the best such candidate; of those the one with the fewest parameters left open by the \
+             record, then the one with the fewest parameters. A dual gives exactly the same record on this sensor and \
+             so the same figures.</p>\n"
         }
         None => {
             "<p class=\"caption\">No candidate is called the best: that takes a physical candidate without a parameter \

@@ -31,8 +31,8 @@ pub struct Ranking {
 }
 
 impl Ranking {
-    /// Ranks by [`CandidateResult::fit_percent`]: the displacement fit as measured over the window that was compared, by
-    /// default the loading phase.
+    /// Ranks by [`CandidateResult::fit_percent`]: the displacement fit as measured over the window that was compared,
+    /// by default the loading phase.
     ///
     /// Fits are compared to a millionth of a percent, and a parameter set shares the fit of the one it is equivalent
     /// to: rounding does not decide. Equal fits stand in id order. Candidates without a fit are left out. A physical
