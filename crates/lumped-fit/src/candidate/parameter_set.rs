@@ -59,7 +59,7 @@ impl Candidate {
         self.fit.as_ref().is_some_and(|fit| fit.quantity != FitQuantity::Displacement || !fit.sensors.is_empty())
     }
 
-    /// Parameters that the fit left on a bound of the search, see [`fixed_at_bound`].
+    /// Parameters that the fit left on a bound of the search.
     pub fn fixed_at_bound(&self) -> Vec<&'static str> {
         self.fit.as_ref().map_or_else(Vec::new, |fit| fixed_at_bound(&self.model, &fit.active_bounds, fit.to_s))
     }
