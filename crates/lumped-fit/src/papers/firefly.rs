@@ -86,8 +86,8 @@ fn model_at(p: &[f64; 10], range: &[f64; 10], options: &SingleMassFitOptions) ->
 /// of the box's diagonal (single-mass paper, section 5.5; Yang 2009). A model without a response is dark. The same seed
 /// gives the same result on every machine.
 ///
-/// A population search ends near a minimum, not in it: [`fit_as_measured`](crate::fit_as_measured) is better by orders of
-/// magnitude and faster. Errors: as that fit.
+/// A population search ends near a minimum, not in it: [`fit_as_measured`](crate::fit_as_measured) is better by orders
+/// of magnitude and faster. Errors: as that fit.
 pub fn firefly_nonlinear2(
     displacement: &Signal<Displacement>,
     options: &SingleMassFitOptions,
