@@ -135,7 +135,7 @@ fn a_record_that_begins_after_contact_takes_another_speed_from_contact_and_a_zer
 fn another_time_zero_gives_what_the_whole_way_with_it_gives() {
     let a = acceleration(&Model::Nonlinear1(CAR));
     let model = Model::Kelvin(KELVIN);
-    let free = free_parameters(&model, V0, 0.6, true);
+    let free = free_parameters(&model, V0, 0.6);
     for from_contact in [false, true] {
         for from_s in [0.0, 0.02, 0.04] {
             let seen = observed(&a, 0.0, from_contact, (from_s, 0.08));
@@ -187,7 +187,7 @@ fn drawn(seen: &Observation, inputs: &InputUncertainty) -> Vec<f64> {
 fn an_uncertain_time_zero_spreads_a_late_window_as_the_whole_way_does() {
     let a = acceleration(&Model::Kelvin(KELVIN));
     let model = Model::Kelvin(KELVIN);
-    let free = free_parameters(&model, V0, 0.6, true);
+    let free = free_parameters(&model, V0, 0.6);
     let seen = observed(&a, 0.0, false, (0.03, 0.08));
     let whole: Vec<_> = drawn(&seen, &LATE)
         .into_iter()

@@ -68,14 +68,8 @@ impl FreeParameter {
 /// nonlinear model, are given by the test.
 ///
 /// `crush_m` and the impact speed set the scales: `m (v0/C)²`, N/m, and `m v0/C`, N·s/m. Inner knots of a curve stay
-/// below 0.999999 of the last one. `with_unloading`: whether the window goes beyond dynamic crush, without which no
-/// sample depends on the unloading stiffness of the elastoplastic model.
-pub fn free_parameters(
-    model: &Model,
-    impact_speed_m_per_s: f64,
-    crush_m: f64,
-    with_unloading: bool,
-) -> Vec<FreeParameter> {
+/// below 0.999999 of the last one.
+pub fn free_parameters(model: &Model, impact_speed_m_per_s: f64, crush_m: f64) -> Vec<FreeParameter> {
     let rate = impact_speed_m_per_s / crush_m;
     let values = model.parameters();
     let mass = mass_of(model);
@@ -88,7 +82,6 @@ pub fn free_parameters(
     parameters
         .iter()
         .filter(|p| !(p.kind == ParameterKind::Mass || p.of_the_test))
-        .filter(|p| with_unloading || p.name != "unloading_stiffness_n_per_m")
         .map(|&Parameter { name, kind, .. }| {
             let value = values[name];
             let (scale, limit) = match kind {

@@ -98,7 +98,7 @@ impl<'a> Fitting<'a> {
     /// fitted to the pulse alone leaves the barrier or stays attached, as meets the record better.
     pub fn minimum(&self, start: &FitStart) -> Option<Minimum> {
         let fit = |model: &Model| {
-            let mut free = free_parameters(model, self.observed.impact_speed_m_per_s, self.crush_m, true);
+            let mut free = free_parameters(model, self.observed.impact_speed_m_per_s, self.crush_m);
             if let MassFit::Shares { lower, upper } = self.task.settings.mass_fit {
                 free.extend(free_masses(model, (lower, upper)));
             }

@@ -34,7 +34,7 @@ fn made(model: Model, v0: f64) -> Truth {
 
 /// Springs and dampers with the scale of their kind: what is near zero is known to a share of that.
 fn scales(truth: &Truth) -> BTreeMap<&'static str, f64> {
-    free_parameters(&truth.model, truth.v0, truth.crush, true).iter().map(|p| (p.name, p.scale)).collect()
+    free_parameters(&truth.model, truth.v0, truth.crush).iter().map(|p| (p.name, p.scale)).collect()
 }
 
 fn mass(model: &Model) -> f64 {
@@ -180,7 +180,7 @@ fn a_model_followed_through_the_filter_comes_back_from_five_percent_away() {
 fn comes_back_from_five_percent_away(truth: &Truth) -> Result<(), String> {
     let record = &truth.record;
     let seen = observed(truth, window_end_s(truth), |_| 0.0);
-    let free = free_parameters(&truth.model, truth.v0, truth.crush, true);
+    let free = free_parameters(&truth.model, truth.v0, truth.crush);
     let mut values = truth.model.parameters();
     for (k, parameter) in free.iter().enumerate() {
         *values.get_mut(parameter.name).unwrap() *= if k % 2 == 0 { 1.05 } else { 0.97 };
@@ -281,7 +281,7 @@ fn profile_and_bootstrap_agree_with_the_linear_interval_where_the_model_is_well_
     let truth = made(Model::Kelvin(Kelvin { mass_kg: 1200.0, stiffness_n_per_m: 3.5e5, damping_n_s_per_m: 9e3 }), 13.4);
     // A tenth of a millimetre, four swings in the window.
     let seen = observed(&truth, truth.t_m.unwrap(), |t| 1e-4 * (300.0 * t).sin());
-    let free = free_parameters(&truth.model, truth.v0, truth.crush, true);
+    let free = free_parameters(&truth.model, truth.v0, truth.crush);
     let found = fit_as_measured(&truth.model, &free, &seen).unwrap();
     let assessed = assess(&found, None, AssessmentOptions { profile: true, bootstrap: 200 }).unwrap();
     let again = assess(&found, None, AssessmentOptions { profile: true, bootstrap: 200 }).unwrap();
@@ -310,7 +310,7 @@ fn a_parameter_without_effect_has_an_open_profile() {
     // Up to the dynamic crush an elastoplastic model does not know how it will unload.
     let truth = made(RELEASING, 9.7222);
     let seen = observed(&truth, 0.02, |t| 1e-4 * (300.0 * t).sin());
-    let free = free_parameters(&truth.model, truth.v0, truth.crush, true);
+    let free = free_parameters(&truth.model, truth.v0, truth.crush);
     let found = fit_as_measured(&truth.model, &free, &seen).unwrap();
     let assessed = assess(&found, None, AssessmentOptions { profile: true, bootstrap: 0 }).unwrap();
     let profile = assessed.profile.iter().find(|p| p.parameter == "unloading_stiffness_n_per_m").unwrap();
@@ -324,7 +324,7 @@ fn uncertain_inputs_move_the_parameters_as_the_closed_form_says() {
     let truth =
         made(Model::Kelvin(Kelvin { mass_kg: 873.0, stiffness_n_per_m: 321_905.0, damping_n_s_per_m: 0.0 }), 9.7222);
     let seen = observed(&truth, truth.t_m.unwrap(), |_| 0.0);
-    let free = free_parameters(&truth.model, truth.v0, truth.crush, true);
+    let free = free_parameters(&truth.model, truth.v0, truth.crush);
     let base = repeat(&truth.model, &free, &perturbed(&seen, 0.0, 0.0, 0.0, 0.0).unwrap()).unwrap();
     assert!((base["stiffness_n_per_m"] / 321_905.0 - 1.0).abs() < 1e-9);
     // k = m (v0/C)²: proportional to the mass.
