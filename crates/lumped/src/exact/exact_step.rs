@@ -1,24 +1,13 @@
-//! The matrix exponential of a two-mass system, with its derivatives along parameters.
+//! The matrix exponential of a two-mass system.
 //!
-//! Fixed size and without allocation, since a fit calls it thousands of times: about 1 µs for the exponential and
-//! 0.5 µs for each derivative. Larger and single matrices belong to `crumple-lti`.
+//! Fixed size and without allocation: about 1 µs. Larger matrices belong to `crumple-lti`.
 //!
 //! [`exact_step`] works for any `A = [0 I; -K -C]` with 2 x 2 blocks, so for the double model whatever its masses.
 
 use nalgebra::{Matrix2, Matrix4};
 
-/// Taylor terms after scaling to a norm of 1/2: the rest of the series is below `0.5^17/17! = 3e-20`, and of its
-/// derivative below `0.5^16/16! = 8e-19`.
+/// Taylor terms after scaling to a norm of 1/2: the rest of the series is below `0.5^17/17! = 3e-20`.
 const TERMS: usize = 16;
-
-/// One exact step of `z' = A z` over `dt`: `z(t + dt) = phi z(t)`, and how `phi` answers to parameters.
-#[derive(Debug, Clone, Copy)]
-pub struct ExactStep<const P: usize> {
-    /// `exp(A dt)`.
-    pub phi: Matrix4<f64>,
-    /// Derivative of `phi` along each parameter.
-    pub derivatives: [Matrix4<f64>; P],
-}
 
 /// `exp(A dt)` for `A = [0 I; -K -C]`, state `(x1, x2, v1, v2)`.
 ///
@@ -26,19 +15,6 @@ pub struct ExactStep<const P: usize> {
 /// unbalanced, the exponential of a car (K near 1e3/s²) loses three digits. Relative error about `1e-16·2^s`, with
 /// `s = log2(2 |A| dt)` squarings.
 pub fn exact_step(a: &Matrix4<f64>, dt_s: f64) -> Matrix4<f64> {
-    exact_step_with_derivatives(a, &[], dt_s).phi
-}
-
-/// As [`exact_step`], with the derivative of the result along `da[i]`, the derivative of `A` by parameter i
-/// (the Fréchet derivative, by differentiating every operation of the series).
-///
-/// Each derivative costs about half of the exponential. Errors are not reported: an `A` that is not finite gives a
-/// result that is not finite.
-pub fn exact_step_with_derivatives<const P: usize>(
-    a: &Matrix4<f64>,
-    da: &[Matrix4<f64>; P],
-    dt_s: f64,
-) -> ExactStep<P> {
     let stiffness = a.fixed_view::<2, 2>(2, 0).into_owned().amax();
     let tau = if stiffness > 0.0 { stiffness.sqrt().recip() } else { dt_s.abs().max(f64::MIN_POSITIVE) };
     let balance = |m: &Matrix4<f64>, factor: f64| {
@@ -54,37 +30,21 @@ pub fn exact_step_with_derivatives<const P: usize>(
     let squarings = if norm > 0.5 { ((2.0 * norm).log2().ceil() as i32).clamp(0, 60) } else { 0 };
     let h = dt_s * 0.5_f64.powi(squarings);
     let x = balance(a, h);
-    let dx = da.map(|d| balance(&d, h));
 
     let mut phi = Matrix4::identity() + x;
-    let mut derivatives = dx;
-    let (mut term, mut dterm) = (x, dx);
+    let mut term = x;
     for k in 2..=TERMS {
-        let factor = 1.0 / k as f64;
-        for (dt, d) in dterm.iter_mut().zip(&dx) {
-            *dt = (*dt * x + term * d) * factor;
-        }
-        term = term * x * factor;
+        term = term * x * (1.0 / k as f64);
         phi += term;
-        for (sum, dt) in derivatives.iter_mut().zip(&dterm) {
-            *sum += dt;
-        }
     }
     for _ in 0..squarings {
-        for d in &mut derivatives {
-            *d = phi * *d + *d * phi;
-        }
         phi *= phi;
     }
-    let unbalance = |m: Matrix4<f64>| {
-        let mut plain = m;
-        let upper: Matrix2<f64> = plain.fixed_view::<2, 2>(0, 2) * tau;
-        let lower: Matrix2<f64> = plain.fixed_view::<2, 2>(2, 0) / tau;
-        plain.fixed_view_mut::<2, 2>(0, 2).copy_from(&upper);
-        plain.fixed_view_mut::<2, 2>(2, 0).copy_from(&lower);
-        plain
-    };
-    ExactStep { phi: unbalance(phi), derivatives: derivatives.map(unbalance) }
+    let upper: Matrix2<f64> = phi.fixed_view::<2, 2>(0, 2) * tau;
+    let lower: Matrix2<f64> = phi.fixed_view::<2, 2>(2, 0) / tau;
+    phi.fixed_view_mut::<2, 2>(0, 2).copy_from(&upper);
+    phi.fixed_view_mut::<2, 2>(2, 0).copy_from(&lower);
+    phi
 }
 
 #[cfg(test)]
@@ -140,19 +100,5 @@ mod tests {
     fn drifts_without_stiffness() {
         let phi = exact_step(&system(0.0, 0.0), 0.25);
         assert_eq!((phi[(0, 0)], phi[(0, 2)], phi[(2, 2)]), (1.0, 0.25, 1.0));
-    }
-
-    #[test]
-    fn derivatives_agree_with_central_differences() {
-        let (k, c, t) = (400.0, 8.0, 0.05);
-        let dk = system(1.0, 0.0) - system(0.0, 0.0);
-        let dc = system(0.0, 1.0) - system(0.0, 0.0);
-        let step = exact_step_with_derivatives(&system(k, c), &[dk, dc], t);
-        let (hk, hc) = (1e-3 * k, 1e-3 * c);
-        let by_k = (exact_step(&system(k + hk, c), t) - exact_step(&system(k - hk, c), t)) / (2.0 * hk);
-        let by_c = (exact_step(&system(k, c + hc), t) - exact_step(&system(k, c - hc), t)) / (2.0 * hc);
-        // The differences err by h²/6 of the third derivative, about 1e-7 relative.
-        assert!((step.derivatives[0] - by_k).amax() < 1e-6 * by_k.amax());
-        assert!((step.derivatives[1] - by_c).amax() < 1e-6 * by_c.amax());
     }
 }
