@@ -1,0 +1,52 @@
+//! `prediction-benchmark [--bin BIN] [--cars N] [--first K] [KIND ...]`: how far predictions of other tests are off,
+//! for N made cars a kind from number K on, by the programs in the folder BIN, as Markdown. A kind is named by a part
+//! of its name.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use crumple_testkit::prediction_error::{KINDS, outcomes, tables};
+use crumple_testkit::workspace;
+
+type Failure = Box<dyn std::error::Error>;
+
+const USAGE: &str = "usage: prediction-benchmark [--bin BIN] [--cars N] [--first K] [KIND ...]";
+
+fn main() -> ExitCode {
+    match benchmark() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn benchmark() -> Result<(), Failure> {
+    let mut bin = workspace().join("target/release");
+    let (mut cars, mut first) = (50, 0);
+    let mut wanted: Vec<String> = Vec::new();
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--bin" => bin = PathBuf::from(arguments.next().ok_or(USAGE)?),
+            "--cars" => cars = arguments.next().ok_or(USAGE)?.parse()?,
+            "--first" => first = arguments.next().ok_or(USAGE)?.parse()?,
+            flag if flag.starts_with('-') => return Err(USAGE.into()),
+            kind => wanted.push(kind.to_owned()),
+        }
+    }
+    let folder = std::env::temp_dir().join(format!("prediction-benchmark-{}", std::process::id()));
+    let pipeline = workspace().join("pipelines/default.toml");
+    let asked = |name: &str| wanted.is_empty() || wanted.iter().any(|part| name.contains(part.as_str()));
+    let mut all = Vec::new();
+    for kind in KINDS.iter().filter(|kind| asked(kind.name)) {
+        all.extend(outcomes(kind, first..first + cars, &bin, &pipeline, &folder)?);
+    }
+    if all.is_empty() {
+        return Err(format!("no kind has one of these in its name: {}", wanted.join(", ")).into());
+    }
+    print!("{}", tables(&all));
+    std::fs::remove_dir_all(&folder)?;
+    Ok(())
+}

@@ -1,0 +1,32 @@
+//! The one test of a car that the programs see, as a laboratory records it.
+
+use std::fmt::Write as _;
+
+use crumple_signal::STANDARD_GRAVITY_M_PER_S2 as G;
+
+use super::car::{BEFORE, Car, DT_S, filtered};
+
+/// The range of the digitiser over the largest value of the pulse.
+const RANGE: f64 = 2.0;
+const BITS: i32 = 14;
+
+/// The compartment's record of an impact at `speed`, m/s, as CSV: CFC 1000, white noise of 0.5 to 2 % of the peak, a
+/// zero level off by up to 1 % of it, 14 bit over twice the peak at 10 kHz.
+pub(super) fn record(car: &Car, speed: f64) -> String {
+    let mut random = car.random.clone();
+    let acceleration = filtered(&car.test(speed, 1.0).acceleration, 1000.0);
+    let peak = acceleration.iter().fold(0.0_f64, |m, a| m.max(a.abs())) / G;
+    let noise = (0.005 + 0.015 * random.uniform()) * peak;
+    let zero_level = (2.0 * random.uniform() - 1.0) * 0.01 * peak;
+    let step = 2.0 * RANGE * peak / 2.0_f64.powi(BITS);
+    let mut csv = format!(
+        "# title: made for a trial of predictions\n# mass: {} kg\n# impact speed: {} km/h\ntime_s,accel (g)\n",
+        car.mass_kg(),
+        speed * 3.6
+    );
+    for (k, a) in acceleration.iter().enumerate() {
+        let measured = ((a / G + zero_level + noise * random.normal()) / step).round() * step + 0.0;
+        let _infallible = writeln!(csv, "{:.4},{measured}", (k as f64 - BEFORE as f64) * DT_S);
+    }
+    csv
+}
