@@ -20,7 +20,7 @@
 //! The library knows no files, no command line and no clock; the same input gives the same bits on any number of
 //! threads.
 //!
-//! rooms: solvers | papers chain | matching uncertainty | fit | closed_form candidate | free | record
+//! rooms: solvers | papers chain | matching uncertainty | fit | closed_form candidate extraction | free | record
 //!
 //! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model;
 //! transfer-function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two
@@ -30,6 +30,7 @@ mod candidate;
 mod chain;
 mod closed_form;
 mod error;
+mod extraction;
 mod fit;
 mod free;
 mod matching;
@@ -54,6 +55,9 @@ pub use crumple_estimation::minimise::l_shade::LShadeOptions;
 pub use crumple_estimation::statistics::{Covariance, covariance};
 pub use crumple_signal::Distribution;
 pub use error::SolveError;
+pub use extraction::extract::{extract, hats};
+pub use extraction::joint_rate::{RatePrior, extract_with_rate};
+pub use extraction::problem::{AskedCurve, Extraction, MeasuredElement, MeasuredMass, MeasuredTest};
 pub use fit::as_measured::fit_as_measured;
 pub use fit::nonlinear::nonlinear1::fit_nonlinear1;
 pub use fit::nonlinear::nonlinear2::search_nonlinear2;

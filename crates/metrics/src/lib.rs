@@ -31,6 +31,8 @@ pub use curves::iso18571::rating::{Grade, Iso18571, Iso18571Options, iso18571};
 pub use curves::residuals::{Residuals, fit_percent, residuals, rmse};
 pub use energy::average_stiffness::average_stiffness;
 pub use energy::crush_energy::{CrushStiffness, NO_DAMAGE_SPEED_M_PER_S};
+pub use energy::damage_profile::DamageProfile;
+pub use energy::wall_stiffness::{INITIAL_TO_M, KW400_FROM_M, KW400_TO_M, WallStiffness, wall_stiffness};
 pub use energy::work::energy_equivalent_speed;
 pub use error::MetricsError;
 pub use events::crash_events::{CrashEvents, DynamicCrush, Rebound, crash_events};

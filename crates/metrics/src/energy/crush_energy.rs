@@ -1,6 +1,7 @@
 //! Stiffness coefficients of CRASH3 from a barrier test.
 
 use crate::Metric;
+use crate::energy::damage_profile::DamageProfile;
 use crate::metric::definitions::{CRASH3_A, CRASH3_B, CRASH3_G, CRUSH_ENERGY};
 
 /// Speed of no damage where it is not known, m/s: 5 mph.
@@ -53,23 +54,36 @@ impl CrushStiffness {
         ]
     }
 
-    /// Energy of a damage profile of six stations C1..C6 at equal spacing over the width, J, times `1 + tan²α` for a
-    /// principal force at α from the normal, at most 45°.
-    ///
-    /// `E = (L/5)·{(A/2)(C1 + 2(C2+…+C5) + C6) + (B/6)[C1² + 2(C2²+…+C5²) + C6² + C1C2 + … + C5C6] + 5G}`: exact for
-    /// crush linear between stations. CRASH3.
-    pub fn energy(&self, width_m: f64, crush_m: &[f64; 6], force_angle_rad: f64) -> Metric {
+    /// From one barrier test with its damage profile, so that the test's own energy comes out exactly for an uneven
+    /// profile too: `v0² = b0² + 2 b0 b1 C + b1² C²`, with the means of crush and of its square over the width.
+    pub fn from_energy(
+        mass_kg: f64,
+        width_m: f64,
+        impact_speed_m_per_s: f64,
+        profile: DamageProfile<'_>,
+        b0_m_per_s: f64,
+    ) -> Option<Self> {
+        let (mean, square) = (profile.mean_m(), profile.mean_square_m2());
+        let (half, rest) = (b0_m_per_s * mean, impact_speed_m_per_s.powi(2) - b0_m_per_s.powi(2));
+        // The larger root of `square b1² + 2 half b1 - rest`, without a difference of its terms.
+        let b1_per_s = rest / (half + (half * half + square * rest).sqrt());
+        Self::from_impact_line(mass_kg, width_m, b0_m_per_s, b1_per_s)
+    }
+
+    /// Energy of a damage profile over a width, J, times `1 + tan²α` for a principal force at α from the normal, at
+    /// most 45°: `L (A C + B C²/2 + G)` with the means of crush and of its square. For six stations that is CRASH3's
+    /// `(L/5)·{(A/2)(C1 + 2(C2+…+C5) + C6) + (B/6)[C1² + 2(C2²+…+C5²) + C6² + C1C2 + … + C5C6] + 5G}`.
+    pub fn energy(&self, width_m: f64, crush_m: &[f64], force_angle_rad: f64) -> Metric {
         if !force_angle_rad.is_finite() || force_angle_rad.abs() > std::f64::consts::FRAC_PI_4 {
             return Metric::absent(&CRUSH_ENERGY, "the angle of the principal force is above 45 degrees");
         }
-        if crush_m.iter().any(|c| !c.is_finite() || *c < 0.0) || !width_m.is_finite() || width_m <= 0.0 {
-            return Metric::absent(&CRUSH_ENERGY, "a crush is negative or not finite, or the width is not positive");
-        }
-        let linear: f64 = crush_m.windows(2).map(|c| c[0] + c[1]).sum();
-        // C1² + 2(C2² + …) + C6² + C1C2 + … is the sum of p² + pq + q² over the five spans.
-        let square: f64 = crush_m.windows(2).map(|c| c[0] * c[0] + c[0] * c[1] + c[1] * c[1]).sum();
-        let spans = self.a_n_per_m / 2.0 * linear + self.b_n_per_m2 / 6.0 * square + 5.0 * self.g_n;
-        Metric::with_value(&CRUSH_ENERGY, width_m / 5.0 * spans * (1.0 + force_angle_rad.tan().powi(2)))
+        let profile = DamageProfile::new(crush_m).filter(|_| width_m.is_finite() && width_m > 0.0);
+        let Some(profile) = profile else {
+            let reason = "a crush is negative or not finite, stations are fewer than two, or the width is not positive";
+            return Metric::absent(&CRUSH_ENERGY, reason);
+        };
+        let by_crush = self.a_n_per_m * profile.mean_m() + 0.5 * self.b_n_per_m2 * profile.mean_square_m2();
+        Metric::with_value(&CRUSH_ENERGY, width_m * (by_crush + self.g_n) * (1.0 + force_angle_rad.tan().powi(2)))
     }
 }
 
@@ -90,6 +104,14 @@ mod tests {
         );
         let oblique = stiffness.energy(l, &[0.4; 6], std::f64::consts::FRAC_PI_4).value.unwrap();
         assert!((oblique / energy - 2.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn an_uneven_profile_gives_the_energy_of_its_own_test_back() {
+        let (m, l, v0, b0, crush) = (1450.0, 1.55, 13.9, 2.2352, [0.1, 0.3, 0.55, 0.6]);
+        let stiffness = CrushStiffness::from_energy(m, l, v0, DamageProfile::new(&crush).unwrap(), b0).unwrap();
+        let energy = stiffness.energy(l, &crush, 0.0).value.unwrap();
+        assert!((energy / (0.5 * m * v0 * v0) - 1.0).abs() < 1e-14);
     }
 
     #[test]

@@ -129,8 +129,14 @@ catalogue! {
     CRASH3_G = "crash3-g" "crush_stiffness_g" "N" Checked
         "G = A^2/(2B), energy a width absorbed without crush" "Campbell (1974); CRASH3";
     CRUSH_ENERGY = "crash3-energy" "crush_energy" "J" Checked
-        "crush energy of a damage profile from six stations of equal spacing, times 1 + tan^2 of the angle of \
-         force" "Campbell; CRASH3";
+        "crush energy of a damage profile from stations of equal spacing, times 1 + tan^2 of the angle of force"
+        "Campbell; CRASH3";
+    KW400 = "kw400" "kw400" "N/m" Secondary
+        "2*W/(0.4^2 - 0.025^2), W the work of the wall's force over the compartment's displacement from 25 to 400 mm: \
+         gives back the stiffness of a linear spring; bounds and divisor after secondary descriptions" "NHTSA";
+    WALL_INITIAL_STIFFNESS = "wall-initial-stiffness" "initial_wall_stiffness" "N/m" Secondary
+        "slope of the line with the least squares over the displacement through the wall's force from 25 to 200 mm"
+        "NHTSA";
     RIDE_DOWN = "ridedown-efficiency" "ride_down_efficiency" "1" Checked
         "2/v0^2 times the work of the occupant's deceleration over the vehicle's travel" "Huang, Vehicle Crash \
          Mechanics (2002)";

@@ -175,7 +175,7 @@ pub fn crush_energy(check: &mut Check<'_>) {
         CrushStiffness::from_impact_line(mass_kg, width_m, check.param("b0_ms"), check.param("b1_per_s")).unwrap();
     let crush: Vec<f64> = list(&check.case["params"]["crush_m"]).iter().map(number).collect();
     let angle = check.param_or("angle_deg", 0.0).to_radians();
-    let energy = stiffness.energy(width_m, crush.as_slice().try_into().unwrap(), angle);
+    let energy = stiffness.energy(width_m, &crush, angle);
     check.close("A_N_per_m", stiffness.a_n_per_m);
     check.close("B_N_per_m2", stiffness.b_n_per_m2);
     check.close("G_N", stiffness.g_n);

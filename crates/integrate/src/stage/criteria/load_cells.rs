@@ -1,10 +1,11 @@
 //! The force on a load-cell barrier, and its impulse against the change of momentum.
 
 use crumple_integrate::{CellSum, Motion, impulse_n_s, sum_of_cells};
-use crumple_metrics::Metric;
 use crumple_metrics::definitions::{
-    BARRIER_DELTA_V, BARRIER_DELTA_V_AS_READ, BARRIER_IMPULSE, BARRIER_PEAK, MOMENTUM_RATIO,
+    BARRIER_DELTA_V, BARRIER_DELTA_V_AS_READ, BARRIER_IMPULSE, BARRIER_PEAK, KW400, MOMENTUM_RATIO,
+    WALL_INITIAL_STIFFNESS,
 };
+use crumple_metrics::{KW400_TO_M, Metric, wall_stiffness};
 use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, Sampled, TestDescription};
 use crumple_stage::records::{ChannelFilterV1, MetricV1};
 use crumple_stage::{Inputs, Output, RefuseExt};
@@ -178,8 +179,25 @@ fn momentum(
         ratio_metric.over(time_zero_s, end_s),
     ]
     .into_iter()
+    .chain(stiffness(sum, motion, time_zero_s))
     .map(|metric| metric_record(BARRIER, &metric.counted_from(time_zero_s)))
     .collect()
+}
+
+/// KW400 and initial stiffness: the force over the displacement of the sensor, from time zero on.
+fn stiffness(sum: &CellSum, motion: &Motion, time_zero_s: f64) -> [Metric; 2] {
+    let first = sum.force.index_at_or_after(time_zero_s);
+    let pairs = (first..sum.force.len())
+        .map_while(|k| Some((motion.displacement.at(sum.force.time_s(k))?, sum.force.samples()[k])));
+    let (displacement_m, force_n): (Vec<f64>, Vec<f64>) = pairs.unzip();
+    let stiffness = wall_stiffness(&displacement_m, &force_n);
+    let reached = displacement_m.iter().position(|x| *x >= KW400_TO_M).unwrap_or(displacement_m.len());
+    let end_s = sum.force.time_s((first + reached).min(sum.force.len().saturating_sub(1)));
+    let why = "the sensor does not move 400 mm from time zero on within the record of the force";
+    [
+        Metric::of(&KW400, stiffness.map(|s| s.kw400_n_per_m), why).over(time_zero_s, end_s),
+        Metric::of(&WALL_INITIAL_STIFFNESS, stiffness.map(|s| s.initial_n_per_m), why).over(time_zero_s, end_s),
+    ]
 }
 
 /// Change of velocity by the barrier over that by the sensor, or why there is none.

@@ -107,7 +107,11 @@ impl Momentum {
         let norms: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt().max(f64::MIN_POSITIVE)).collect();
         let gram = DMatrix::from_fn(n, n, |i, j| dot(columns[i], columns[j]) / (norms[i] * norms[j]));
         let b = DVector::from_fn(n, |i, _| dot(columns[i], &self.lost) / norms[i]);
-        let x = nonnegative_least_squares(&gram, &b);
+        // The factor has the same inner products as the columns, in n rows.
+        let factor = (&gram + DMatrix::identity(n, n) * 1e-13).cholesky().map(|factor| factor.unpack());
+        let reduced = factor.and_then(|l| Some((l.transpose(), l.solve_lower_triangular(&b)?)));
+        let Some((columns, lost)) = reduced else { return (vec![0.0; n], dot(&self.lost, &self.lost)) };
+        let (x, _) = nonnegative_least_squares(&columns, &lost);
         let cost = (&gram * &x).dot(&x) - 2.0 * b.dot(&x) + dot(&self.lost, &self.lost);
         ((0..n).map(|i| x[i] / norms[i]).collect(), cost)
     }

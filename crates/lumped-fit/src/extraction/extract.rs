@@ -1,0 +1,274 @@
+//! The extraction for given rate factors: linear in everything that is unknown.
+//!
+//! For every mass and sample `m a + Σ ±F = 0`, where an element's force is `Σ φ_j(d) F_j (1 + r w)` while it loads and
+//! `Σ φ_j(d_turn) F_j - k_u (d_turn - d)` after, while that is positive: hat functions `φ_j` of the knots. Which sample
+//! is where follows from the measured deflection and the permanent set, so it is solved a few times. The idea is that
+//! of SISAME (Mentzer, NHTSA 2006): force-deflection curves and masses in one constrained fit of test data.
+
+use crumple_linalg::nonnegative_least_squares;
+use nalgebra::{DMatrix, DVector};
+
+use super::loading_history::{Phase, phases};
+use super::problem::{AskedCurve, Extraction, MeasuredElement, MeasuredTest};
+
+/// Rounds of solving and finding the sets anew at most.
+const ROUNDS: usize = 12;
+
+/// Value at `d` of the hat functions of knots, the first (where the force is zero) left out; the last slope goes on.
+pub fn hats(knots_m: &[f64], d: f64) -> Vec<f64> {
+    let mut values = vec![0.0; knots_m.len()];
+    let right = knots_m.partition_point(|knot| *knot <= d).clamp(1, knots_m.len() - 1);
+    let share = (d - knots_m[right - 1]) / (knots_m[right] - knots_m[right - 1]);
+    values[right - 1] = 1.0 - share;
+    values[right] = share;
+    values.remove(0);
+    values
+}
+
+/// Places of the unknowns in a row: forces at the knots of every curve, its unloading stiffness, free masses.
+struct Places {
+    curves: Vec<usize>,
+    masses: Vec<Vec<Option<usize>>>,
+    unknowns: usize,
+}
+
+impl Places {
+    fn new(tests: &[MeasuredTest], curves: &[AskedCurve]) -> Self {
+        let mut unknowns = 0;
+        let mut take = |count: usize| {
+            unknowns += count;
+            unknowns - count
+        };
+        // Of n knots n - 1 are free; one place more for the unloading.
+        let curves = curves.iter().map(|curve| take(curve.knots_m.len())).collect();
+        let masses = tests
+            .iter()
+            .map(|test| {
+                let last = test.masses.iter().rposition(|mass| mass.mass_kg.is_none());
+                let mass = |(i, mass): (usize, &super::problem::MeasuredMass)| {
+                    // With a total the last free mass is the rest of it.
+                    let rest = test.total_mass_kg.is_some() && Some(i) == last;
+                    (mass.mass_kg.is_none() && !rest).then(|| take(1))
+                };
+                test.masses.iter().enumerate().map(mass).collect()
+            })
+            .collect();
+        Self { curves, masses, unknowns }
+    }
+}
+
+/// Forces, unloading stiffnesses and free masses that meet the equations of motion best, none of them negative.
+///
+/// `slope_change_weight`: `λ`, m²/N², on the sum of the squared changes of slope between pieces of a curve, N/m; zero
+/// for none. `None` where a curve has fewer than two knots, a free mass has no scale (neither a given mass nor a total
+/// in its test), or the motions are not finite.
+pub fn extract(tests: &[MeasuredTest], curves: &[AskedCurve], slope_change_weight: f64) -> Option<Extraction> {
+    let places = Places::new(tests, curves);
+    if curves.iter().any(|curve| curve.knots_m.len() < 2) || tests.iter().any(without_scale) {
+        return None;
+    }
+    let mut solution: Option<(DVector<f64>, Vec<bool>)> = None;
+    let mut branches: Vec<Vec<Vec<Phase>>> = Vec::new();
+    for _ in 0..ROUNDS {
+        let now: Vec<Vec<Vec<Phase>>> =
+            tests.iter().map(|test| phases_of(test, curves, &places, solution.as_ref().map(|s| &s.0))).collect();
+        if now == branches {
+            break;
+        }
+        branches = now;
+        let (rows, right) = equations(tests, curves, &places, &branches, slope_change_weight);
+        if rows.iter().chain(right.iter()).any(|value| !value.is_finite()) {
+            return None;
+        }
+        solution = Some(nonnegative_least_squares(&rows, &right));
+    }
+    let (x, free) = solution?;
+    let (rows, right) = equations(tests, curves, &places, &branches, slope_change_weight);
+    Some(worded(tests, curves, &places, (&x, &free), (&rows, &right), slope_change_weight > 0.0))
+}
+
+/// Whether masses are free and nothing says how large all of them are.
+fn without_scale(test: &MeasuredTest) -> bool {
+    test.total_mass_kg.is_none() && test.masses.iter().all(|mass| mass.mass_kg.is_none())
+}
+
+/// Deflection, its rate and second derivative of an element at every sample.
+fn deflection(test: &MeasuredTest, element: &MeasuredElement) -> [Vec<f64>; 3] {
+    let rear = &test.masses[element.rear];
+    let less = |rear: &[f64], front: Option<&[f64]>, gap: f64| -> Vec<f64> {
+        let front = |k: usize| front.map_or(0.0, |front| front[k]);
+        rear.iter().enumerate().map(|(k, rear)| rear - front(k) - gap).collect()
+    };
+    let front = element.front.map(|i| &test.masses[i]);
+    [
+        less(&rear.displacement_m, front.map(|m| m.displacement_m.as_slice()), element.gap_m),
+        less(&rear.velocity_m_per_s, front.map(|m| m.velocity_m_per_s.as_slice()), 0.0),
+        less(&rear.acceleration_m_per_s2, front.map(|m| m.acceleration_m_per_s2.as_slice()), 0.0),
+    ]
+}
+
+/// Where every element of a test is at every sample, by the curves so far.
+fn phases_of(
+    test: &MeasuredTest,
+    curves: &[AskedCurve],
+    places: &Places,
+    solution: Option<&DVector<f64>>,
+) -> Vec<Vec<Phase>> {
+    let of = |element: &MeasuredElement| {
+        let (knots, at) = (&curves[element.curve].knots_m, places.curves[element.curve]);
+        // Before anything is known: all that comes back within a fiftieth of the turn is elastic.
+        let set_below = |turn: f64| {
+            let known = solution.filter(|x| x[at + knots.len() - 1] > 0.0);
+            known.map_or(0.98 * turn, |x| {
+                let force: f64 = hats(knots, turn).iter().enumerate().map(|(j, hat)| hat * x[at + j]).sum();
+                turn - force / x[at + knots.len() - 1]
+            })
+        };
+        let [d, w, second] = deflection(test, element);
+        phases(test.dt_s, &d, &w, &second, set_below)
+    };
+    test.elements.iter().map(of).collect()
+}
+
+/// Rows and right sides: the equations of motion over their noise, then the changes of slope.
+fn equations(
+    tests: &[MeasuredTest],
+    curves: &[AskedCurve],
+    places: &Places,
+    branches: &[Vec<Vec<Phase>>],
+    slope_change_weight: f64,
+) -> (DMatrix<f64>, DVector<f64>) {
+    let samples = |test: &MeasuredTest| test.masses.first().map_or(0, |mass| mass.acceleration_m_per_s2.len());
+    let smoothing: usize = if slope_change_weight > 0.0 { curves.iter().map(|c| c.knots_m.len() - 2).sum() } else { 0 };
+    let rows: usize = tests.iter().map(|test| test.masses.len() * samples(test)).sum::<usize>() + smoothing;
+    let mut a = DMatrix::zeros(rows, places.unknowns);
+    let mut b = DVector::zeros(rows);
+    let mut first = 0;
+    for (t, test) in tests.iter().enumerate() {
+        let n = samples(test);
+        let row = |mass: usize, k: usize| first + mass * n + k;
+        mass_terms(test, &places.masses[t], &row, (&mut a, &mut b));
+        for (element, phases) in test.elements.iter().zip(&branches[t]) {
+            let curve = &curves[element.curve];
+            let at = places.curves[element.curve];
+            let [d, w, _] = deflection(test, element);
+            for k in 0..n {
+                let mut add = |column: usize, value: f64| {
+                    a[(row(element.rear, k), column)] += value / test.masses[element.rear].noise_n;
+                    if let Some(front) = element.front {
+                        a[(row(front, k), column)] -= value / test.masses[front].noise_n;
+                    }
+                };
+                let (place, factor) = match phases[k] {
+                    Phase::Loading => (d[k], 1.0 + curve.rate_s_per_m * w[k].max(0.0)),
+                    Phase::Elastic { turn_m } => (turn_m, 1.0),
+                    Phase::Open => continue,
+                };
+                for (j, hat) in hats(&curve.knots_m, place).iter().enumerate().filter(|(_, hat)| **hat != 0.0) {
+                    add(at + j, hat * factor);
+                }
+                if let Phase::Elastic { turn_m } = phases[k] {
+                    add(at + curve.knots_m.len() - 1, d[k] - turn_m);
+                }
+            }
+        }
+        first += test.masses.len() * n;
+    }
+    if smoothing > 0 {
+        changes_of_slope(curves, places, slope_change_weight.sqrt(), first, &mut a);
+    }
+    (a, b)
+}
+
+/// `m a` of every mass: to the right where it is given, a column where it is free, the total less the others for the
+/// last of them.
+fn mass_terms(
+    test: &MeasuredTest,
+    columns: &[Option<usize>],
+    row: &dyn Fn(usize, usize) -> usize,
+    (a, b): (&mut DMatrix<f64>, &mut DVector<f64>),
+) {
+    let given: f64 = test.masses.iter().filter_map(|mass| mass.mass_kg).sum();
+    for (i, mass) in test.masses.iter().enumerate() {
+        for (k, acceleration) in mass.acceleration_m_per_s2.iter().enumerate() {
+            let acceleration = acceleration / mass.noise_n;
+            match (mass.mass_kg, columns[i], test.total_mass_kg) {
+                (Some(kg), _, _) => b[row(i, k)] -= kg * acceleration,
+                (None, Some(column), _) => a[(row(i, k), column)] += acceleration,
+                (None, None, Some(total)) => {
+                    b[row(i, k)] -= (total - given) * acceleration;
+                    for column in columns.iter().flatten() {
+                        a[(row(i, k), *column)] -= acceleration;
+                    }
+                }
+                (None, None, None) => {}
+            }
+        }
+    }
+}
+
+/// Weighted changes of slope at the inner knots of every curve, from row `first` on.
+fn changes_of_slope(curves: &[AskedCurve], places: &Places, weight: f64, first: usize, a: &mut DMatrix<f64>) {
+    let mut row = first;
+    for (curve, at) in curves.iter().zip(&places.curves) {
+        for (j, knots) in curve.knots_m.windows(3).enumerate() {
+            let (before, after) = (weight / (knots[1] - knots[0]), weight / (knots[2] - knots[1]));
+            // Knot j + 1 stands in column j; the first has none.
+            if j > 0 {
+                a[(row, at + j - 1)] += before;
+            }
+            a[(row, at + j)] -= before + after;
+            a[(row, at + j + 1)] += after;
+            row += 1;
+        }
+    }
+}
+
+/// The solution by names.
+fn worded(
+    tests: &[MeasuredTest],
+    curves: &[AskedCurve],
+    places: &Places,
+    (x, free): (&DVector<f64>, &[bool]),
+    (rows, right): (&DMatrix<f64>, &DVector<f64>),
+    smoothed: bool,
+) -> Extraction {
+    let knots = |c: usize| places.curves[c]..places.curves[c] + curves[c].knots_m.len() - 1;
+    let unloading = |c: usize| places.curves[c] + curves[c].knots_m.len() - 1;
+    let masses = tests.iter().zip(&places.masses).map(|(test, columns)| {
+        let mut masses: Vec<Option<f64>> =
+            test.masses.iter().zip(columns).map(|(mass, column)| mass.mass_kg.or(column.map(|c| x[c]))).collect();
+        let sum: f64 = masses.iter().flatten().sum();
+        if let Some(rest) = masses.iter_mut().find(|mass| mass.is_none()) {
+            *rest = test.total_mass_kg.map(|total| total - sum);
+        }
+        masses.into_iter().flatten().collect()
+    });
+    let effective_unknowns = if smoothed {
+        effective(rows, curves.iter().map(|c| c.knots_m.len() - 2).sum(), free)
+    } else {
+        free.iter().filter(|free| **free).count() as f64
+    };
+    Extraction {
+        forces_n: (0..curves.len()).map(|c| std::iter::once(0.0).chain(knots(c).map(|i| x[i])).collect()).collect(),
+        unloading_n_per_m: (0..curves.len()).map(|c| Some(x[unloading(c)]).filter(|k| *k > 0.0)).collect(),
+        masses_kg: masses.collect(),
+        objective: (rows * x - right).norm_squared(),
+        knots_at_zero: (0..curves.len())
+            .map(|c| {
+                let held = knots(c).enumerate().filter(|(_, i)| !free[*i]).map(|(j, _)| j + 1);
+                std::iter::once(0).chain(held).collect()
+            })
+            .collect(),
+        effective_unknowns,
+    }
+}
+
+/// `tr(H (H'H + λD'D)^-1 H')` over the free unknowns; the last `smoothing` rows are `√λ D`.
+fn effective(rows: &DMatrix<f64>, smoothing: usize, free: &[bool]) -> f64 {
+    let set: Vec<usize> = (0..free.len()).filter(|i| free[*i]).collect();
+    let all = rows.select_columns(&set);
+    let q = all.qr().q();
+    // Of an orthonormal basis of all rows, the part that lies in the rows of the measurement.
+    q.rows(0, q.nrows() - smoothing).norm_squared()
+}
