@@ -51,9 +51,12 @@ proptest! {
     fn hic_does_not_depend_on_time_and_grows_with_the_power_of_the_pulse(
         a in pulse(400..2000), shift in 1_usize..400, factor in 0.1..5.0_f64,
     ) {
+        // Of a resultant, as defined: of a large negative pulse and a small positive one in one row of sums, the
+        // difference keeps the rounding of the large.
+        let a: Vec<f64> = a.iter().map(|a| a.abs()).collect();
         let base = hic(&signal(0.0, &a), 0.015);
         let value = base.value.unwrap();
-        let mut later = vec![a[0].min(0.0); shift];
+        let mut later = vec![0.0; shift];
         later.extend(&a);
         // Samples in front, none above: not more than what they join (the jump to the first sample).
         let moved = hic(&signal(5.0, &a), 0.015);

@@ -10,7 +10,7 @@ use nalgebra::{Const, DMatrix, DefaultAllocator, Dim, Dyn, OMatrix, OVector, U1}
 use crate::exact::falling_zero::falling_zero;
 use crate::exact::linear_motion::LinearMotion;
 use crate::exact::linear_system::LinearSystem;
-use crate::{CrushEvents, LumpedError};
+use crate::{CrushEvents, LumpedError, Start};
 
 /// Steps after which the search gives up; at 20 ns each this is 40 ms.
 const MAX_STEPS: usize = 2_000_000;
@@ -25,12 +25,13 @@ const STAGE: usize = 64;
 /// The search ends at `horizon_s`, or earlier, when nothing moves any more. Errors: parameters so extreme that the
 /// poles are not found.
 pub(crate) fn events(system: &LinearSystem, v0: f64, horizon_s: f64) -> Result<Vec<CrushEvents>, LumpedError> {
+    let start = &Start::Impact(v0);
     match system.states {
-        2 => LinearMotion::new(Const::<2>, system, &[], v0).events(horizon_s),
-        3 => LinearMotion::new(Const::<3>, system, &[], v0).events(horizon_s),
-        4 => LinearMotion::new(Const::<4>, system, &[], v0).events(horizon_s),
-        6 => LinearMotion::new(Const::<6>, system, &[], v0).events(horizon_s),
-        n => LinearMotion::new(Dyn(n), system, &[], v0).events(horizon_s),
+        2 => LinearMotion::new(Const::<2>, system, &[], start).events(horizon_s),
+        3 => LinearMotion::new(Const::<3>, system, &[], start).events(horizon_s),
+        4 => LinearMotion::new(Const::<4>, system, &[], start).events(horizon_s),
+        6 => LinearMotion::new(Const::<6>, system, &[], start).events(horizon_s),
+        n => LinearMotion::new(Dyn(n), system, &[], start).events(horizon_s),
     }
 }
 

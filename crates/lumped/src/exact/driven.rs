@@ -104,7 +104,10 @@ impl Driven {
         let a = Rows::of_matrix(&a);
 
         let mut z = vec![0.0; states + 4];
-        z[self.masses..2 * self.masses].fill(drive.speed_m_per_s());
+        let start = drive.start();
+        for mass in 0..self.masses {
+            [z[mass], z[self.masses + mass]] = start.of_mass(mass);
+        }
         let (mut rate, mut next) = (vec![0.0; states + 4], vec![0.0; active]);
         let (mut dissipated_j, mut input_j) = (0.0, 0.0);
         for k in 0..samples {

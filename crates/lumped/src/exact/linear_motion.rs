@@ -14,7 +14,7 @@ use nalgebra::{Const, DefaultAllocator, Dim, Dyn, OMatrix, OVector, U1};
 
 use crate::exact::linear_system::LinearSystem;
 use crate::structure::connected_masses::Place;
-use crate::{Instants, Motion, Sensitivity};
+use crate::{Instants, Motion, Sensitivity, Start};
 
 /// Taylor terms after scaling to a norm of 1/2: the rest of the series is below `0.5^17/17! = 3e-20`, and of its
 /// derivative below `0.5^16/16! = 8e-19`.
@@ -36,18 +36,20 @@ where
     pub a: Square<D>,
     /// Its derivatives by the parameters asked for.
     da: Vec<Square<D>>,
-    /// The state at contact.
+    /// The state at the start.
     pub start: OVector<f64, D>,
+    /// Its derivatives by the parameters asked for.
+    start_by: Vec<OVector<f64, D>>,
 }
 
 /// The motion at these instants after an impact, with its derivatives by the parameters at `places`.
-pub(crate) fn sensitivity(system: &LinearSystem, v0: f64, at: &Instants, places: &[Place]) -> Sensitivity {
+pub(crate) fn sensitivity(system: &LinearSystem, start: &Start, at: &Instants, places: &[Place]) -> Sensitivity {
     match system.states {
-        2 => LinearMotion::new(Const::<2>, system, places, v0).sensitivity(at),
-        3 => LinearMotion::new(Const::<3>, system, places, v0).sensitivity(at),
-        4 => LinearMotion::new(Const::<4>, system, places, v0).sensitivity(at),
-        6 => LinearMotion::new(Const::<6>, system, places, v0).sensitivity(at),
-        n => LinearMotion::new(Dyn(n), system, places, v0).sensitivity(at),
+        2 => LinearMotion::new(Const::<2>, system, places, start).sensitivity(at),
+        3 => LinearMotion::new(Const::<3>, system, places, start).sensitivity(at),
+        4 => LinearMotion::new(Const::<4>, system, places, start).sensitivity(at),
+        6 => LinearMotion::new(Const::<6>, system, places, start).sensitivity(at),
+        n => LinearMotion::new(Dyn(n), system, places, start).sensitivity(at),
     }
 }
 
@@ -56,7 +58,7 @@ where
     DefaultAllocator: Allocator<D, D> + Allocator<D>,
 {
     /// `size`: number of states of the system.
-    pub fn new(size: D, system: &LinearSystem, places: &[Place], v0: f64) -> Self {
+    pub fn new(size: D, system: &LinearSystem, places: &[Place], start: &Start) -> Self {
         let (masses, tau_s) = (system.masses, system.time_unit_s());
         let zeros = || Square::<D>::zeros_generic(size, size);
         let mut a = zeros();
@@ -76,9 +78,16 @@ where
             derivative
         };
         let da = places.iter().map(derivative_by).collect();
-        let mut start = OVector::<f64, D>::zeros_generic(size, U1);
-        start.rows_mut(masses, masses).fill(v0 * tau_s);
-        Self { masses, tau_s, a, da, start }
+        let state = |of_mass: &dyn Fn(usize) -> [f64; 2]| {
+            let mut state = OVector::<f64, D>::zeros_generic(size, U1);
+            for mass in 0..masses {
+                let [x, v] = of_mass(mass);
+                (state[mass], state[masses + mass]) = (x, v * tau_s);
+            }
+            state
+        };
+        let start_by = places.iter().map(|place| state(&|mass| place.of_start(mass))).collect();
+        Self { masses, tau_s, a, da, start: state(&|mass| start.of_mass(mass)), start_by }
     }
 
     /// `exp(A t)` and its derivatives, `t` in s: scaling, Taylor series, squaring, each step differentiated.
@@ -124,10 +133,10 @@ where
             return Sensitivity { motions: self.march(at), derivatives: Vec::new() };
         }
         let zero_state = || OVector::<f64, D>::zeros_generic(self.a.shape_generic().0, U1);
-        let (mut z, mut s) = (self.start.clone(), vec![zero_state(); parameters]);
+        let (mut z, mut s) = (self.start.clone(), self.start_by.clone());
         if at.first_s > 0.0 {
             let (phi, derivatives) = self.exponential(at.first_s);
-            s = derivatives.iter().map(|d| d * &z).collect();
+            s = derivatives.iter().zip(&s).map(|(d, s)| &phi * s + d * &z).collect();
             z = phi * z;
         }
         let (phi, derivatives) = self.exponential(at.dt_s);

@@ -4,7 +4,7 @@
 //! linear in the forces of the elements, and the rows of velocities are over the masses.
 
 use crate::structure::connected_masses::{Place, Structure};
-use crate::structure::form::Form;
+use crate::structure::form::{Form, Strain};
 
 /// Force and rate of the inner state of an element, with its nodes and the place of the inner state.
 #[derive(Debug, Clone, Copy)]
@@ -38,7 +38,7 @@ impl<'a> LinearSystem<'a> {
         let mut states = 2 * masses;
         let element = |(element, nodes): (&crate::Element, [usize; 2])| {
             let law = element.law();
-            let branch = law.start(0.0);
+            let branch = law.start(Strain::default());
             let inner = law.inner_rate().map(|form| {
                 states += 1;
                 (form, states - 1)
@@ -115,9 +115,11 @@ impl<'a> LinearSystem<'a> {
                     }
                 });
             }
+            Place::ImpactSpeed | Place::Velocity(_) | Place::Position(_) => {}
             Place::Element { connection, parameter } => {
                 let law = self.structure.connections()[connection].element.law();
-                let (force, inner) = (law.force_by(&law.start(0.0), parameter), law.inner_rate_by(parameter));
+                let (force, inner) =
+                    (law.force_by(&law.start(Strain::default()), parameter), law.inner_rate_by(parameter));
                 self.element_entries(&self.elements[connection], (&force, &inner), tau_s, add);
             }
         }

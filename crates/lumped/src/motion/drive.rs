@@ -1,7 +1,10 @@
 //! What moves a model: an impact, a force, the motion of the barrier.
 //!
 //! Samples of a drive are linear between each other, as a recorder's are read everywhere in this program; a response to
-//! them is exact. A drive that is shorter than the response is zero afterwards.
+//! them is exact, and so is that to a half-sine. A drive that is shorter than the response is zero afterwards.
+
+use crate::motion::pulse::{Course, CrashPulse};
+use crate::motion::start::Start;
 
 /// What moves a model.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,14 +31,19 @@ pub enum Drive {
         /// Samples, N, as above.
         samples: Vec<f64>,
     },
+    /// Every mass from its own position at its own velocity.
+    Start(Start),
+    /// The acceleration of the barrier in the direction of crush, in between samples too; everything starts from rest.
+    BasePulse(CrashPulse),
 }
 
 impl Drive {
-    /// Speed of all masses at the start, m/s.
-    pub fn speed_m_per_s(&self) -> f64 {
+    /// Positions and speeds of all masses at the start.
+    pub fn start(&self) -> Start {
         match self {
-            Self::Impact(speed) | Self::ImpactAndForce { speed_m_per_s: speed, .. } => *speed,
-            Self::Force { .. } | Self::BaseAcceleration(_) => 0.0,
+            Self::Impact(speed) | Self::ImpactAndForce { speed_m_per_s: speed, .. } => Start::Impact(*speed),
+            Self::Start(start) => start.clone(),
+            Self::Force { .. } | Self::BaseAcceleration(_) | Self::BasePulse(_) => Start::Impact(0.0),
         }
     }
 
@@ -43,7 +51,7 @@ impl Drive {
     pub(crate) fn force(&self) -> Option<(usize, &[f64])> {
         match self {
             Self::Force { mass, samples } | Self::ImpactAndForce { mass, samples, .. } => Some((*mass, samples)),
-            Self::Impact(_) | Self::BaseAcceleration(_) => None,
+            Self::Impact(_) | Self::BaseAcceleration(_) | Self::Start(_) | Self::BasePulse(_) => None,
         }
     }
 
@@ -58,5 +66,16 @@ impl Drive {
     /// Samples of the force or of the acceleration; none for an impact.
     pub(crate) fn source(&self) -> &[f64] {
         self.force().map(|(_, samples)| samples).or(self.base()).unwrap_or(&[])
+    }
+
+    /// Stretch `number` of the input of samples `dt_s` apart, with the instant of its end, s; `None` after the last.
+    pub(crate) fn stretch(&self, number: usize, dt_s: f64) -> Option<(Course, f64)> {
+        if let Self::BasePulse(pulse) = self {
+            return pulse.stretch(number);
+        }
+        let source = self.source();
+        let value = *source.get(number)?;
+        let slope = (source.get(number + 1).copied().unwrap_or(0.0) - value) / dt_s;
+        Some((Course::Line { from_s: number as f64 * dt_s, value, slope }, (number + 1) as f64 * dt_s))
     }
 }

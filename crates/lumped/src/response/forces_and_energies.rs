@@ -4,7 +4,7 @@
 //! integrated by themselves, never taken as what is left over: linear structures by exact integrals of quadratic forms
 //! over a step, all others term by term on the Taylor series.
 
-use crate::error::{finite, positive};
+use crate::error::positive;
 use crate::exact::driven::{Driven, Instant};
 use crate::exact::linear_system::LinearSystem;
 use crate::series::instants::Reader;
@@ -13,7 +13,7 @@ use crate::series::walk::walk;
 use crate::structure::connected_masses::Structure;
 use crate::structure::form::{Form, Strain};
 use crate::structure::law::Branch;
-use crate::{Drive, Dynamics, ElementForce, Energy, Instants, LumpedError, Motion, Response};
+use crate::{Drive, Dynamics, Element, ElementForce, Energy, Instants, LumpedError, Motion, Response};
 
 impl Structure {
     /// Motions, forces and energies at `k dt`, k = 0 .. `samples`.
@@ -24,19 +24,16 @@ impl Structure {
     /// finite, a motion that leaves the range of numbers or needs more than 200,000 steps.
     pub fn dynamics(&self, drive: &Drive, dt_s: f64, samples: usize) -> Result<Dynamics, LumpedError> {
         positive("dt_s", dt_s)?;
-        finite("impact_speed_m_per_s", drive.speed_m_per_s())?;
+        self.check_drive(drive)?;
         let masses = self.masses_kg().len();
-        if let Some((mass, _)) = drive.force().filter(|(mass, _)| *mass >= masses) {
-            let expected = "the index of a mass of the model";
-            return Err(LumpedError::Value { name: "mass", value: mass as f64, expected });
-        }
         let at = Instants { first_s: 0.0, dt_s, samples };
         let mut record = Record::new(self, &at, drive);
-        let Some(system) = LinearSystem::new(self) else {
+        let Some(system) = LinearSystem::new(self).filter(|_| !matches!(drive, Drive::BasePulse(_))) else {
             record.follow_series(drive, &at)?;
             return Ok(record.dynamics);
         };
-        let branches: Vec<Branch> = self.connections().iter().map(|c| c.element.law().start(0.0)).collect();
+        let branches: Vec<Branch> =
+            self.connections().iter().map(|c| c.element.law().start(Strain::default())).collect();
         let mut k = 0;
         Driven::new(&system, drive).walk(drive, dt_s, samples, |Instant { z, rate, dissipated_j, input_j }| {
             for (mass, motion) in record.dynamics.response.motions.iter_mut().enumerate() {
@@ -52,10 +49,23 @@ impl Structure {
             record.add(k, &branches, felt, [dissipated_j, input_j]);
             k += 1;
         })?;
-        if let Drive::Impact(speed) = drive {
-            record.dynamics.response.motions = self.motions_at(*speed, &at)?;
+        if matches!(drive, Drive::Impact(_) | Drive::Start(_)) {
+            record.dynamics.response.motions = self.motions_at(drive.start(), &at)?;
         }
         Ok(record.dynamics)
+    }
+
+    /// Refuses a force on a mass that is not there, a start that does not fit, a pulse that is none.
+    pub(crate) fn check_drive(&self, drive: &Drive) -> Result<(), LumpedError> {
+        let masses = self.masses_kg().len();
+        if let Some((mass, _)) = drive.force().filter(|(mass, _)| *mass >= masses) {
+            let expected = "the index of a mass of the model";
+            return Err(LumpedError::Value { name: "mass", value: mass as f64, expected });
+        }
+        if let Drive::BasePulse(pulse) = drive {
+            pulse.check()?;
+        }
+        drive.start().check(masses)
     }
 }
 
@@ -72,7 +82,16 @@ struct Record<'a> {
 impl<'a> Record<'a> {
     fn new(structure: &'a Structure, at: &Instants, drive: &Drive) -> Self {
         let masses_kg = structure.masses_kg().to_vec();
-        let brought_in_j = 0.5 * masses_kg.iter().sum::<f64>() * drive.speed_m_per_s().powi(2);
+        let start = drive.start();
+        // Elements between masses apart from each other may be compressed.
+        let stored = |(element, nodes): (&Element, [usize; 2])| {
+            let place = |node: usize| if node < masses_kg.len() { start.of_mass(node) } else { [0.0; 2] };
+            let [[front_x, front_v], [x, v]] = nodes.map(place);
+            let strain = Strain { u: x - front_x, w: v - front_v, z: 0.0 };
+            let law = element.law();
+            law.energies(&law.start(strain), strain).iter().sum::<f64>()
+        };
+        let brought_in_j = start.kinetic_j(&masses_kg) + structure.joined().map(stored).sum::<f64>();
         let parts = structure.connections().iter().map(|c| c.element.law().symbols().len()).collect();
         let room = || Vec::with_capacity(at.samples);
         let forces = (0..structure.connections().len())
@@ -101,7 +120,7 @@ impl<'a> Record<'a> {
             let force_n = form.at(strain);
             for (part, force) in forces.by_ref().take(self.parts[link]).enumerate() {
                 force.force_n.push(force_n);
-                force.deflection_m.push(if self.parts[link] == 1 { strain.u } else { law.compression(part, strain) });
+                force.deflection_m.push(law.compression(part, strain));
             }
             let [stored_j, plastic_j] = law.energies(branch, strain);
             energy.stored_j += stored_j;
@@ -133,35 +152,39 @@ impl<'a> Record<'a> {
         })
     }
 
-    /// Power of the dampers, W: of each its force times the rate of its compression.
+    /// Power of the dampers, W.
     fn heat(&self, step: &Step) -> Series {
         let mut power = [0.0; ORDER + 1];
-        for (link, (connection, branch)) in
-            step.links.iter().zip(self.structure.connections().iter().zip(&step.branches))
-        {
-            let damping = connection.element.law().damping(branch);
-            if damping == Form::ZERO {
-                continue;
-            }
-            let (force, mut rate) = (link.series(&damping), link.w);
-            // The damper in series with a spring moves at what the spring leaves.
-            if let Some(inner) = &link.inner {
-                rate.iter_mut().zip(link.series(inner)).for_each(|(rate, inner)| *rate -= inner);
-            }
-            for (k, power) in power.iter_mut().enumerate() {
-                *power += product(&force, &rate, k);
+        for link in 0..step.links.len() {
+            if let Some(of_link) = heat_of(self.structure, step, link) {
+                power.iter_mut().zip(of_link).for_each(|(sum, term)| *sum += term);
             }
         }
         power
     }
 }
 
+/// Power that an element turns into heat, W: force of its damper times the rate of its compression; `None` where it
+/// does not.
+pub(crate) fn heat_of(structure: &Structure, step: &Step, link: usize) -> Option<Series> {
+    let damping = structure.connections()[link].element.law().damping(&step.branches[link]);
+    if damping == Form::ZERO {
+        return None;
+    }
+    let link = &step.links[link];
+    let (force, mut rate) = (link.series(&damping), link.w);
+    // The damper in series with a spring moves at what the spring leaves.
+    if let Some(inner) = &link.inner {
+        rate.iter_mut().zip(link.series(inner)).for_each(|(rate, inner)| *rate -= inner);
+    }
+    Some(std::array::from_fn(|k| product(&force, &rate, k)))
+}
+
 /// Power of the drive, W: force times velocity where it acts; the barrier gets the forces of the elements on it.
 fn work(step: &Step) -> Series {
     let input = &step.input;
     if let Some(mass) = input.mass {
-        let v = &step.nodes[mass].v;
-        return std::array::from_fn(|k| input.value * v[k] + if k == 0 { 0.0 } else { input.slope * v[k - 1] });
+        return std::array::from_fn(|k| product(&input.terms, &step.nodes[mass].v, k));
     }
     let barrier = step.nodes.len() - 1;
     let mut power = [0.0; ORDER + 1];

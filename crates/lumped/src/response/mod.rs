@@ -1,6 +1,10 @@
 //! What a structure answers: motions, derivatives, forces, energies, events; exactly or by series.
 //! May use `series`, `exact`, `structure`, `motion` and `kind`.
 
+pub mod collisions;
+pub mod element_paths;
 pub mod events;
 pub mod forces_and_energies;
 pub mod motions;
+pub mod occupants;
+pub mod partners;

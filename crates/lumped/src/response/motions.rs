@@ -3,35 +3,36 @@
 //! Two ways: where every force is linear for good, one matrix exponential (and its derivatives) for the step from
 //! instant to instant; otherwise Taylor series from event to event. Both are right to rounding.
 
-use crate::error::{finite, positive};
+use crate::error::positive;
 use crate::exact::linear_motion;
 use crate::exact::linear_system::LinearSystem;
 use crate::series::instants::Reader;
 use crate::series::walk::walk;
 use crate::structure::connected_masses::{Place, Structure};
-use crate::{Drive, Instants, LumpedError, Motion, Sensitivity};
+use crate::{Drive, Instants, LumpedError, Motion, Sensitivity, Start};
 
 impl Structure {
-    /// The motion of every mass at these instants after an impact, and its derivatives by the parameters at `places`,
-    /// in their order.
+    /// The motion of every mass at these instants after the start, and its derivatives by the parameters at `places`,
+    /// in their order. A number for a start is an impact speed, m/s.
     ///
     /// Analytic throughout: linear structures by the derivative of the matrix exponential, all others by the
     /// variational equation, solved by Taylor series along with the motion; forces are continuous at an event, so that
     /// nothing jumps there. An acceleration has a kink at an event, where one of the two one-sided derivatives is
-    /// given. Errors: a place that is none, instants that are not finite, a motion that leaves the range of numbers or
-    /// needs more than 200,000 steps.
+    /// given. Errors: a place that is none, instants or a start that are not finite, a motion that leaves the range of
+    /// numbers or needs more than 200,000 steps.
     pub fn sensitivity(
         &self,
-        impact_speed_m_per_s: f64,
+        start: impl Into<Start>,
         at: &Instants,
         places: &[Place],
     ) -> Result<Sensitivity, LumpedError> {
-        finite("impact_speed_m_per_s", impact_speed_m_per_s)?;
+        let start = start.into();
+        start.check(self.masses_kg().len())?;
         positive("dt_s", at.dt_s)?;
         self.check_places(places)?;
         let sensitivity = match LinearSystem::new(self).filter(|_| self.is_smooth_in(places)) {
-            Some(system) => linear_motion::sensitivity(&system, impact_speed_m_per_s, at, places),
-            None => self.by_series(impact_speed_m_per_s, at, places)?,
+            Some(system) => linear_motion::sensitivity(&system, &start, at, places),
+            None => self.by_series(start, at, places)?,
         };
         let motions = || sensitivity.motions.iter().chain(sensitivity.derivatives.iter().flatten());
         match motions().filter_map(Motion::first_not_finite).min() {
@@ -40,9 +41,9 @@ impl Structure {
         }
     }
 
-    /// The motion of every mass at these instants after an impact. Errors: as [`sensitivity`](Self::sensitivity).
-    pub fn motions_at(&self, impact_speed_m_per_s: f64, at: &Instants) -> Result<Vec<Motion>, LumpedError> {
-        Ok(self.sensitivity(impact_speed_m_per_s, at, &[])?.motions)
+    /// The motion of every mass at these instants after the start. Errors: as [`sensitivity`](Self::sensitivity).
+    pub fn motions_at(&self, start: impl Into<Start>, at: &Instants) -> Result<Vec<Motion>, LumpedError> {
+        Ok(self.sensitivity(start, at, &[])?.motions)
     }
 
     /// The displacement of the last mass at `first_s + k dt_s` into `out`, without its other waves. Errors: as
@@ -72,17 +73,17 @@ impl Structure {
     /// whose values only happen to be equal.
     fn is_smooth_in(&self, places: &[Place]) -> bool {
         places.iter().all(|place| match place {
-            Place::Mass(_) => true,
             Place::Element { connection, .. } => !self.connections()[*connection].element.law().has_branches(),
+            _ => true,
         })
     }
 
-    fn by_series(&self, v0: f64, at: &Instants, places: &[Place]) -> Result<Sensitivity, LumpedError> {
+    fn by_series(&self, start: Start, at: &Instants, places: &[Place]) -> Result<Sensitivity, LumpedError> {
         let waves = || vec![Motion::zeros(at.samples); self.masses_kg().len()];
         let mut motions = waves();
         let mut derivatives: Vec<Vec<Motion>> = places.iter().map(|_| waves()).collect();
         let mut reader = Reader::new(at);
-        walk(self, &Drive::Impact(v0), at.dt_s, reader.end_s(), places, |step, changes| {
+        walk(self, &Drive::Start(start), at.dt_s, reader.end_s(), places, |step, changes| {
             let instants = reader.pass(step);
             if !instants.is_empty() {
                 reader.fill_motions(step, &instants, &mut motions);

@@ -125,8 +125,8 @@ fn place_in(place: Option<Place>, link: usize) -> Option<usize> {
 }
 
 impl Changes {
-    /// At contact nothing has changed yet.
-    pub fn at_contact(structure: &Structure, places: &[Place]) -> Self {
+    /// At the start nothing has changed yet but the start itself.
+    pub fn at_start(structure: &Structure, places: &[Place]) -> Self {
         let node = NodeChange { x: NO_SERIES, v: NO_SERIES, a: NO_SERIES };
         let link = LinkChange {
             u: NO_SERIES,
@@ -137,13 +137,18 @@ impl Changes {
             law: [Form::ZERO; ABREAST],
             inner: [Form::ZERO; ABREAST],
         };
-        let block = |places: &[Place]| Block {
-            places: std::array::from_fn(|p| places.get(p).copied()),
-            nodes: vec![node.clone(); structure.masses_kg().len() + 1],
-            links: structure
+        let block = |places: &[Place]| {
+            let links = structure
                 .joined()
                 .map(|(element, _)| LinkChange { has_inner: element.law().inner_rate().is_some(), ..link.clone() })
-                .collect(),
+                .collect();
+            let mut nodes = vec![node.clone(); structure.masses_kg().len() + 1];
+            for (p, place) in places.iter().enumerate() {
+                for (mass, node) in nodes[..structure.masses_kg().len()].iter_mut().enumerate() {
+                    [node.x[0][p], node.v[0][p]] = place.of_start(mass);
+                }
+            }
+            Block { places: std::array::from_fn(|p| places.get(p).copied()), nodes, links }
         };
         let blocks: Vec<Block> = places.chunks(ABREAST).map(block).collect();
         Self { arch: (!blocks.is_empty()).then(Arch::new), blocks }

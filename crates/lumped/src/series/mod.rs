@@ -6,3 +6,4 @@ pub mod exit;
 pub mod instants;
 pub mod step;
 pub mod walk;
+pub mod zeros;

@@ -5,10 +5,11 @@
 //! coefficients known so far (the recurrence of Parker and Sochacki). A step is as long as its two last terms stay
 //! below [`REST`] of the motion.
 
-use crate::State;
+use crate::motion::pulse::Course;
 use crate::structure::connected_masses::Structure;
 use crate::structure::form::{Form, Strain};
 use crate::structure::law::Branch;
+use crate::{Start, State};
 
 /// Terms of the Taylor series.
 pub(crate) const ORDER: usize = 20;
@@ -42,13 +43,20 @@ pub(crate) struct LinkSeries {
     pub force: Series,
 }
 
-/// What drives a step: value and slope at its start of a force on a mass or of the acceleration of the barrier.
+/// What drives a step: the series of a force on a mass or of the acceleration of the barrier.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Input {
     /// The mass that is pushed; otherwise the barrier is.
     pub mass: Option<usize>,
-    pub value: f64,
-    pub slope: f64,
+    pub terms: Series,
+}
+
+/// A change of branch at the start of a step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Entry {
+    pub link: usize,
+    pub before: Branch,
+    pub after: Branch,
 }
 
 /// One step: series about its start, valid for `length_s`.
@@ -60,6 +68,8 @@ pub(crate) struct Step {
     pub nodes: Vec<NodeSeries>,
     pub links: Vec<LinkSeries>,
     pub branches: Vec<Branch>,
+    /// How the elements came to their branches at the start.
+    pub entered: Vec<Entry>,
     pub input: Input,
     pub per_mass: Vec<f64>,
 }
@@ -107,6 +117,25 @@ pub(crate) fn product(a: &Series, b: &Series, k: usize) -> f64 {
 /// Largest modulus.
 pub(crate) fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |m, q| m.max(q.abs()))
+}
+
+impl Input {
+    /// The series about `t_s` of an input.
+    pub fn of_course(mass: Option<usize>, course: &Course, t_s: f64) -> Self {
+        let mut terms = [0.0; ORDER + 1];
+        match *course {
+            Course::Line { from_s, value, slope } => (terms[0], terms[1]) = (value + slope * (t_s - from_s), slope),
+            Course::Sine { peak, frequency } => {
+                let (sine, cosine) = (frequency * t_s).sin_cos();
+                let mut factor = peak;
+                for (k, term) in terms.iter_mut().enumerate() {
+                    *term = factor * [sine, cosine, -sine, -cosine][k % 4];
+                    factor *= frequency / (k + 1) as f64;
+                }
+            }
+        }
+        Self { mass, terms }
+    }
 }
 
 impl NodeSeries {
@@ -159,24 +188,25 @@ impl LinkSeries {
 }
 
 impl Step {
-    /// The structure at contact: all masses at one speed, nothing compressed. Nothing is expanded yet.
-    pub fn at_contact(structure: &Structure, speed_m_per_s: f64) -> Self {
+    /// The structure at the start. Nothing is expanded yet.
+    pub fn at_start(structure: &Structure, start: &Start) -> Self {
         let masses = structure.masses_kg().len();
         let mut nodes = vec![NodeSeries::default(); masses + 1];
-        for node in &mut nodes[..masses] {
-            node.v[0] = speed_m_per_s;
+        for (mass, node) in nodes[..masses].iter_mut().enumerate() {
+            [node.x[0], node.v[0]] = start.of_mass(mass);
         }
         let zero = [0.0; ORDER + 1];
         let (mut links, mut branches) = (Vec::new(), Vec::new());
         for (element, ends) in structure.joined() {
             let law = element.law();
-            let branch = law.start(nodes[ends[1]].v[0] - nodes[ends[0]].v[0]);
+            let branch = law.start(strain_between(&nodes, ends));
             let (force, inner) = (law.force(&branch), law.inner_rate());
             links.push(LinkSeries { nodes: ends, law: force, inner, u: zero, w: zero, z: zero, force: zero });
             branches.push(branch);
         }
         let per_mass = structure.masses_kg().iter().map(|mass| mass.recip()).collect();
-        Self { start_s: 0.0, length_s: 0.0, nodes, links, branches, input: Input::default(), per_mass }
+        let entered = Vec::new();
+        Self { start_s: 0.0, length_s: 0.0, nodes, links, branches, entered, input: Input::default(), per_mass }
     }
 
     /// The Taylor coefficients from the values at the start, which stand in place 0.
@@ -236,8 +266,8 @@ impl Step {
 
     /// Whether nothing moves the barrier.
     fn barrier_rests(&self) -> bool {
-        let Input { mass, value, slope } = self.input;
-        self.nodes[self.nodes.len() - 1].v[0] == 0.0 && (mass.is_some() || (value == 0.0 && slope == 0.0))
+        let Input { mass, terms } = &self.input;
+        self.nodes[self.nodes.len() - 1].v[0] == 0.0 && (mass.is_some() || terms.iter().all(|term| *term == 0.0))
     }
 
     /// The acceleration of the only mass as a form of its own displacement and velocity, if it has no other.
@@ -256,22 +286,26 @@ impl Step {
 
     /// What an element feels at the start.
     pub fn strain_now(&self, link: usize) -> Strain {
-        let LinkSeries { nodes: [front, rear], z, .. } = &self.links[link];
-        let (front, rear) = (&self.nodes[*front], &self.nodes[*rear]);
-        Strain { u: rear.x[0] - front.x[0], w: rear.v[0] - front.v[0], z: z[0] }
+        let LinkSeries { nodes, z, .. } = &self.links[link];
+        Strain { z: z[0], ..strain_between(&self.nodes, *nodes) }
     }
+}
+
+/// Compression between two nodes and its rate at the start of a step.
+fn strain_between(nodes: &[NodeSeries], [front, rear]: [usize; 2]) -> Strain {
+    let (front, rear) = (&nodes[front], &nodes[rear]);
+    Strain { u: rear.x[0] - front.x[0], w: rear.v[0] - front.v[0], z: 0.0 }
 }
 
 /// See [`Step::expand`].
 fn recurrence(nodes: &mut [NodeSeries], links: &mut [LinkSeries], per_mass: &[f64], input: &Input) {
     let barrier = nodes.len() - 1;
-    let drive = |k: usize| [input.value, input.slope].get(k).copied().unwrap_or(0.0);
     for k in 0..=ORDER {
         for node in &mut *nodes {
             node.a[k] = 0.0;
         }
         if let Some(mass) = input.mass {
-            nodes[mass].a[k] = drive(k);
+            nodes[mass].a[k] = input.terms[k];
         }
         for link in &mut *links {
             let [front, rear] = link.nodes;
@@ -298,7 +332,7 @@ fn recurrence(nodes: &mut [NodeSeries], links: &mut [LinkSeries], per_mass: &[f6
         for (node, per_mass) in nodes.iter_mut().zip(per_mass) {
             node.a[k] *= per_mass;
         }
-        nodes[barrier].a[k] = if input.mass.is_none() { drive(k) } else { 0.0 };
+        nodes[barrier].a[k] = if input.mass.is_none() { input.terms[k] } else { 0.0 };
         if k < ORDER {
             let factor = 1.0 / (k + 1) as f64;
             for node in &mut *nodes {

@@ -8,17 +8,17 @@
 
 use crate::series::changes::Changes;
 use crate::series::exit::{LinkGuard, Tolerance, ends_at_once, first_exit};
-use crate::series::step::{Input, Step};
+use crate::series::step::{Entry, Input, Step};
 use crate::structure::connected_masses::{Place, Structure};
-use crate::{Drive, LumpedError};
+use crate::{Drive, LumpedError, Start};
 
 /// Steps after which the motion is given up.
 const MAX_STEPS: usize = 200_000;
 
 /// A motion on its way.
-struct Walk<'a> {
+pub(crate) struct Walk<'a> {
     structure: &'a Structure,
-    step: Step,
+    pub step: Step,
     guards: Vec<LinkGuard>,
     changes: Changes,
 }
@@ -38,8 +38,10 @@ impl Walk<'_> {
         let (law, strain) = (self.structure.connections()[link].element.law(), self.step.strain_now(link));
         let before = self.step.branches[link];
         self.changes.enter(law, link, &before, strain, self.step.links[link].nodes);
-        self.step.branches[link] = law.enter(&before, guard.next, strain);
-        self.step.links[link].law = law.force(&self.step.branches[link]);
+        let after = law.enter(&before, guard.next, strain);
+        self.step.entered.push(Entry { link, before, after });
+        self.step.branches[link] = after;
+        self.step.links[link].law = law.force(&after);
         self.gather_guards();
     }
 
@@ -58,6 +60,58 @@ impl Walk<'_> {
             }
         }
     }
+
+    /// Walks on to `end_s`, see [`walk`].
+    pub fn follow(
+        &mut self,
+        drive: &Drive,
+        dt_s: f64,
+        end_s: f64,
+        mut visit: impl FnMut(&Step, &Changes) -> bool,
+    ) -> Result<(), LumpedError> {
+        self.gather_guards();
+        let mass = drive.force().map(|(mass, _)| mass);
+        let mut number = 0;
+        for _ in 0..MAX_STEPS {
+            let t = self.step.start_s;
+            if t >= end_s {
+                return Ok(());
+            }
+            let stretch = drive.stretch(number, dt_s);
+            let until = stretch.map_or(end_s, |(_, until)| end_s.min(until));
+            self.step.input = stretch.map_or(Input::default(), |(course, _)| Input::of_course(mass, &course, t));
+            let (reach_s, near) = self.expand(until - t);
+            if !self.step.is_finite() {
+                return Err(LumpedError::ChainDiverges { time_s: t });
+            }
+            let exit = first_exit(&self.step, &self.guards, reach_s, near);
+            self.step.length_s = exit.map_or(reach_s, |(tau, _)| tau);
+            self.changes.expand(self.structure, &self.step);
+            if !visit(&self.step, &self.changes) {
+                return Ok(());
+            }
+            self.step.entered.clear();
+            self.changes.advance(self.step.length_s);
+            self.step.advance();
+            if let Some((_, exit)) = exit {
+                self.enter(exit);
+            } else if self.step.start_s >= until * (1.0 - f64::EPSILON) {
+                self.step.start_s = until;
+            }
+            if stretch.is_some_and(|(_, until)| self.step.start_s >= until) {
+                number += 1;
+            }
+        }
+        Err(LumpedError::ChainDiverges { time_s: self.step.start_s })
+    }
+}
+
+impl<'a> Walk<'a> {
+    /// At the start, with the derivatives by the parameters at `places`.
+    pub fn new(structure: &'a Structure, start: &Start, places: &[Place]) -> Self {
+        let changes = Changes::at_start(structure, places);
+        Self { structure, step: Step::at_start(structure, start), guards: Vec::new(), changes }
+    }
 }
 
 /// Walks from the start to `end_s`, with the derivatives by the parameters at `places`; `visit` returns whether to go
@@ -71,48 +125,7 @@ pub(crate) fn walk(
     dt_s: f64,
     end_s: f64,
     places: &[Place],
-    mut visit: impl FnMut(&Step, &Changes) -> bool,
+    visit: impl FnMut(&Step, &Changes) -> bool,
 ) -> Result<(), LumpedError> {
-    let source = drive.source();
-    let at = |k: usize| source.get(k).copied().unwrap_or(0.0);
-    let step = Step::at_contact(structure, drive.speed_m_per_s());
-    let changes = Changes::at_contact(structure, places);
-    let mut walk = Walk { structure, step, guards: Vec::new(), changes };
-    walk.gather_guards();
-    let mass = drive.force().map(|(mass, _)| mass);
-    let mut segment = 0;
-    for _ in 0..MAX_STEPS {
-        let t = walk.step.start_s;
-        if t >= end_s {
-            return Ok(());
-        }
-        let is_driven = segment < source.len();
-        let until = if is_driven { end_s.min((segment + 1) as f64 * dt_s) } else { end_s };
-        walk.step.input = Input::default();
-        if is_driven {
-            let slope = (at(segment + 1) - at(segment)) / dt_s;
-            walk.step.input = Input { mass, value: at(segment) + slope * (t - segment as f64 * dt_s), slope };
-        }
-        let (reach_s, near) = walk.expand(until - t);
-        if !walk.step.is_finite() {
-            return Err(LumpedError::ChainDiverges { time_s: t });
-        }
-        let exit = first_exit(&walk.step, &walk.guards, reach_s, near);
-        walk.step.length_s = exit.map_or(reach_s, |(tau, _)| tau);
-        walk.changes.expand(structure, &walk.step);
-        if !visit(&walk.step, &walk.changes) {
-            return Ok(());
-        }
-        walk.changes.advance(walk.step.length_s);
-        walk.step.advance();
-        if let Some((_, exit)) = exit {
-            walk.enter(exit);
-        } else if walk.step.start_s >= until * (1.0 - f64::EPSILON) {
-            walk.step.start_s = until;
-        }
-        if is_driven && walk.step.start_s >= (segment + 1) as f64 * dt_s {
-            segment += 1;
-        }
-    }
-    Err(LumpedError::ChainDiverges { time_s: walk.step.start_s })
+    Walk::new(structure, &drive.start(), places).follow(drive, dt_s, end_s, visit)
 }

@@ -5,9 +5,10 @@ use crate::error::positive;
 use crate::structure::element::Element;
 
 /// What an element is fixed to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Node {
     /// The barrier.
+    #[default]
     Wall,
     /// The mass of this index, from 0.
     Mass(usize),
@@ -30,6 +31,12 @@ pub struct Connection {
 pub enum Place {
     /// The mass of this index.
     Mass(usize),
+    /// The speed of all masses at the start, m/s.
+    ImpactSpeed,
+    /// The velocity of the mass of this index at the start, m/s.
+    Velocity(usize),
+    /// The position of the mass of this index at the start, m.
+    Position(usize),
     /// A parameter of an element, counted as the element says.
     Element {
         /// Index of the connection.
@@ -37,6 +44,18 @@ pub enum Place {
         /// Place among the parameters of its element.
         parameter: usize,
     },
+}
+
+impl Place {
+    /// Derivative of position and velocity of a mass at the start.
+    pub(crate) fn of_start(&self, mass: usize) -> [f64; 2] {
+        match self {
+            Self::ImpactSpeed => [0.0, 1.0],
+            Self::Velocity(i) if *i == mass => [0.0, 1.0],
+            Self::Position(i) if *i == mass => [1.0, 0.0],
+            _ => [0.0, 0.0],
+        }
+    }
 }
 
 /// Masses joined by elements, each between any two nodes: every model of this crate is one.
@@ -82,6 +101,24 @@ impl Structure {
         Self::new(masses_kg.to_vec(), connections)
     }
 
+    /// Masses `(name, kg)` and elements `(front, rear, element)` between them; `wall` is the barrier. Errors: as
+    /// [`new`](Self::new), a name that no mass has.
+    pub fn named<'a>(
+        masses: &[(&str, f64)],
+        elements: impl IntoIterator<Item = (&'a str, &'a str, Element)>,
+    ) -> Result<Self, LumpedError> {
+        let node = |name: &str| match masses.iter().position(|(mass, _)| *mass == name) {
+            Some(mass) => Ok(Node::Mass(mass)),
+            None if name == "wall" => Ok(Node::Wall),
+            None => Err(LumpedError::ChainParameter { problem: "has no mass of the name", name: name.to_owned() }),
+        };
+        let join = |(front, rear, element): (&str, &str, Element)| {
+            Ok(Connection { front: node(front)?, rear: node(rear)?, element })
+        };
+        let connections = elements.into_iter().map(join).collect::<Result<_, LumpedError>>()?;
+        Self::new(masses.iter().map(|(_, kg)| *kg).collect(), connections)
+    }
+
     /// Masses, kg.
     pub fn masses_kg(&self) -> &[f64] {
         &self.masses_kg
@@ -105,7 +142,8 @@ impl Structure {
     /// Refuses a place that is none.
     pub(crate) fn check_places(&self, places: &[Place]) -> Result<(), LumpedError> {
         let exists = |place: &Place| match *place {
-            Place::Mass(i) => i < self.masses_kg.len(),
+            Place::ImpactSpeed => true,
+            Place::Mass(i) | Place::Velocity(i) | Place::Position(i) => i < self.masses_kg.len(),
             Place::Element { connection, parameter } => {
                 self.connections.get(connection).is_some_and(|c| parameter < c.element.law().parameters())
             }

@@ -1,6 +1,7 @@
 //! The list of elements: a new one is a file in `elements/` and a line here.
 
 use crate::structure::elements::damper::Damper;
+use crate::structure::elements::force_deflection::ForceDeflection;
 use crate::structure::elements::plastic_spring::PlasticSpring;
 use crate::structure::elements::series_spring_damper::SeriesSpringDamper;
 use crate::structure::elements::spring::Spring;
@@ -40,4 +41,6 @@ elements! {
     SeriesSpringDamper,
     /// A spring that unloads stiffer than it loads, about a permanent set.
     PlasticSpring,
+    /// A structure that is crushed: a curve of force over deflection with an unloading stiffness.
+    ForceDeflection,
 }

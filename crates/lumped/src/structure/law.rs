@@ -5,6 +5,7 @@
 //! without a jump. What a branch remembers (the permanent set) may depend on parameters: [`Law::set_by`] says how it
 //! changes when the branch begins, [`Law::force_by_set`] what that changes in the force.
 
+use crate::motion::collision::ElementEvent;
 use crate::structure::form::{Form, Strain};
 
 /// The branch an element is on, and what it remembers.
@@ -16,6 +17,8 @@ pub struct Branch {
     pub set: f64,
     /// Largest compression so far, m.
     pub crush: f64,
+    /// Plastic work so far, less what the branch itself tells, J.
+    pub plastic_j: f64,
 }
 
 /// A branch ends where `form` falls through zero; the next one has the number `next`.
@@ -38,8 +41,8 @@ pub trait Law {
     /// Whether its force has more than one branch, whatever the values of its parameters.
     fn has_branches(&self) -> bool;
 
-    /// The branch it starts on, without compression, compressed at the rate `w`.
-    fn start(&self, w: f64) -> Branch;
+    /// The branch it starts on.
+    fn start(&self, strain: Strain) -> Branch;
 
     /// Force, N, positive in compression.
     fn force(&self, branch: &Branch) -> Form;
@@ -50,6 +53,11 @@ pub trait Law {
     /// The branch that follows on the line `next`.
     fn enter(&self, branch: &Branch, next: usize, _strain: Strain) -> Branch {
         Branch { line: next, ..*branch }
+    }
+
+    /// What a change of branch is, if it is one to tell of.
+    fn event(&self, _before: &Branch, _after: &Branch) -> Option<ElementEvent> {
+        None
     }
 
     /// Rate of the inner state, m/s; `None` without one.
@@ -80,16 +88,27 @@ pub trait Law {
     /// Energy that it can give back, and energy turned into plastic deformation so far, J.
     fn energies(&self, branch: &Branch, strain: Strain) -> [f64; 2];
 
-    /// Force of its damper, N: heat is this times the rate of the compression less that of the inner state.
+    /// Force of its damper, or what the rate adds to its force, N: heat is this times the rate of the compression less
+    /// that of the inner state.
     fn damping(&self, _branch: &Branch) -> Form {
         Form::ZERO
+    }
+
+    /// Whether that heat is the rate effect of a structure and not of a damper.
+    fn has_rate_effect(&self) -> bool {
+        false
     }
 
     /// Symbols of the parts whose forces are written: springs `k`, dampers `c`.
     fn symbols(&self) -> &'static str;
 
-    /// Compression of one of its parts, m.
-    fn compression(&self, _part: usize, strain: Strain) -> f64 {
+    /// How far it is deflected, m: the compression, without a gap.
+    fn deflection(&self, strain: Strain) -> f64 {
         strain.u
+    }
+
+    /// Deflection of one of its parts, m.
+    fn compression(&self, _part: usize, strain: Strain) -> f64 {
+        self.deflection(strain)
     }
 }

@@ -23,8 +23,8 @@ impl Law for Damper {
         self.0.len() > 1
     }
 
-    fn start(&self, w: f64) -> Branch {
-        Branch { line: self.0.line_at(w, 0.0), ..Branch::default() }
+    fn start(&self, s: Strain) -> Branch {
+        Branch { line: self.0.line_at(s.w, 0.0), ..Branch::default() }
     }
 
     fn force(&self, branch: &Branch) -> Form {

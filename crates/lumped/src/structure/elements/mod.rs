@@ -1,7 +1,10 @@
-//! The elements: springs and dampers with any number of knots, both in series, a spring that unloads stiffer.
-//! May use `structure/form` and `structure/law`.
+//! The elements: springs and dampers with knots, both in series, an elastoplastic spring, force-deflection curves.
+//! May use `structure/form`, `structure/law` and `motion`.
 
+pub mod crush_curve;
 pub mod damper;
+pub mod force_deflection;
+pub mod in_series;
 pub mod piecewise_linear;
 pub mod plastic_spring;
 pub mod series_spring_damper;

@@ -46,8 +46,8 @@ impl Law for PlasticSpring {
         true
     }
 
-    fn start(&self, w: f64) -> Branch {
-        Branch { line: if w > 0.0 { LOADING } else { UNLOADING }, ..Branch::default() }
+    fn start(&self, s: Strain) -> Branch {
+        Branch { line: if s.u > 0.0 || s.w > 0.0 { LOADING } else { UNLOADING }, ..Branch::default() }
     }
 
     fn force(&self, branch: &Branch) -> Form {
@@ -75,7 +75,7 @@ impl Law for PlasticSpring {
 
     fn enter(&self, branch: &Branch, next: usize, strain: Strain) -> Branch {
         match branch.line {
-            LOADING => Branch { line: next, set: strain.u * self.lasting(), crush: strain.u },
+            LOADING => Branch { line: next, set: strain.u * self.lasting(), crush: strain.u, ..*branch },
             _ => Branch { line: next, ..*branch },
         }
     }

@@ -27,7 +27,7 @@ impl Law for SeriesSpringDamper {
         false
     }
 
-    fn start(&self, _: f64) -> Branch {
+    fn start(&self, _: Strain) -> Branch {
         Branch::default()
     }
 

@@ -1,0 +1,157 @@
+//! What happens in a collision: the state of masses and elements at an instant, the turn, the peaks, the events.
+
+use crate::motion::mass_motion::State;
+
+/// Where the energy of an element is, J.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ElementEnergy {
+    /// What it can give back.
+    pub stored_j: f64,
+    /// Turned into plastic deformation so far.
+    pub plastic_j: f64,
+    /// Lost to the rate effect of a structure so far.
+    pub rate_j: f64,
+    /// Turned into heat by dampers so far.
+    pub damped_j: f64,
+}
+
+impl ElementEnergy {
+    /// Work done on the element so far, J: the sum of all.
+    pub fn work_j(&self) -> f64 {
+        self.stored_j + self.plastic_j + self.rate_j + self.damped_j
+    }
+}
+
+/// An element at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ElementState {
+    /// How far it is compressed, its gap taken off, m.
+    pub deflection_m: f64,
+    /// Force, N, positive in compression.
+    pub force_n: f64,
+    /// Permanent set after its last turn, m.
+    pub permanent_set_m: f64,
+    /// Where its energy is.
+    pub energy: ElementEnergy,
+}
+
+/// Everything at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moment {
+    /// After the start, s.
+    pub time_s: f64,
+    /// Every mass.
+    pub masses: Vec<State>,
+    /// Every element, as they were joined.
+    pub elements: Vec<ElementState>,
+    /// `derivatives[p][mass]`: derivatives of displacement, velocity and acceleration by the p-th parameter asked for.
+    pub derivatives: Vec<Vec<State>>,
+}
+
+/// Where the relative velocity of two bodies is first zero: dynamic crush, or the common velocity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Turn {
+    /// Their approach since the start, m: dynamic crush, mutual crush.
+    pub crush_m: f64,
+    /// Everything at that time.
+    pub moment: Moment,
+    /// Derivative of the time by every parameter asked for; `None` where the relative acceleration is zero, so that
+    /// the velocities only touch.
+    pub time_by: Option<Vec<f64>>,
+    /// Derivative of the crush by every parameter asked for.
+    pub crush_by: Vec<f64>,
+}
+
+/// A largest value and when it was there first.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Extremum {
+    /// After the start, s.
+    pub time_s: f64,
+    /// In the unit of the quantity.
+    pub value: f64,
+}
+
+/// What an element comes to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ElementEvent {
+    /// A knot of its curve.
+    Knot,
+    /// The end of loading.
+    Turn,
+    /// The end of contact.
+    Open,
+    /// Contact, for the first time or again.
+    Contact,
+    /// The curve, after an unloading.
+    Reload,
+    /// The force limit.
+    Cap,
+    /// The force falls below the limit again.
+    Uncap,
+}
+
+impl ElementEvent {
+    /// In one word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Knot => "knot",
+            Self::Turn => "turn",
+            Self::Open => "open",
+            Self::Contact => "contact",
+            Self::Reload => "reload",
+            Self::Cap => "cap",
+            Self::Uncap => "uncap",
+        }
+    }
+}
+
+/// A collision from its start to an instant after it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Collision {
+    /// Masses, kg.
+    pub masses_kg: Vec<f64>,
+    /// Kinetic energy at the start, J.
+    pub kinetic_start_j: f64,
+    /// Velocity of the centre of mass at the start, m/s.
+    pub velocity_of_centre_of_mass_start_m_per_s: f64,
+    /// Dynamic crush or common velocity of the last mass and the body it is seen from; `None` if not reached.
+    pub turn: Option<Turn>,
+    /// Everything at the instants asked for.
+    pub instants: Vec<Moment>,
+    /// Everything at the end.
+    pub end: Moment,
+    /// Largest size of the acceleration of the last mass, m/s².
+    pub peak_acceleration: Extremum,
+    /// Largest force on the barrier, N; `None` if nothing stands between it and the masses.
+    pub peak_wall_force: Option<Extremum>,
+    /// When the force on the barrier went to zero for the last time, s; `None` if it did not.
+    pub separation_s: Option<f64>,
+    /// What the elements came to: instant, s, index of the element, event.
+    pub events: Vec<(f64, usize, ElementEvent)>,
+}
+
+impl Collision {
+    /// Kinetic energy at one time, J.
+    pub fn kinetic_j(&self, moment: &Moment) -> f64 {
+        let of_mass = |(mass, state): (&f64, &State)| 0.5 * mass * state.velocity_m_per_s.powi(2);
+        self.masses_kg.iter().zip(&moment.masses).map(of_mass).sum()
+    }
+
+    /// Momentum at one time, N·s.
+    pub fn momentum_n_s(&self, moment: &Moment) -> f64 {
+        self.masses_kg.iter().zip(&moment.masses).map(|(mass, state)| mass * state.velocity_m_per_s).sum()
+    }
+
+    /// Velocity of the centre of mass at one time, m/s.
+    pub fn velocity_of_centre_of_mass_m_per_s(&self, moment: &Moment) -> f64 {
+        self.momentum_n_s(moment) / self.masses_kg.iter().sum::<f64>()
+    }
+
+    /// Coefficient of restitution against the barrier: what of the velocity of the centre of mass comes back after
+    /// separation. `None` without one. The least velocity of the compartment alone is another number.
+    pub fn coefficient_of_restitution(&self) -> Option<f64> {
+        let [before, after] =
+            [self.velocity_of_centre_of_mass_start_m_per_s, self.velocity_of_centre_of_mass_m_per_s(&self.end)];
+        (self.separation_s.is_some() && before != 0.0).then_some(-after / before)
+    }
+}

@@ -1,0 +1,232 @@
+//! Collisions of any structure: with a barrier, of two bodies, under a pulse of the base; events, peaks, energies.
+
+use crate::motion::collision::{Collision, ElementEnergy, ElementState, Extremum, Moment, Turn};
+use crate::response::forces_and_energies::heat_of;
+use crate::series::changes::Changes;
+use crate::series::step::{Series, Step, integral, value};
+use crate::series::walk::walk;
+use crate::series::zeros::{falls, largest};
+use crate::structure::connected_masses::{Node, Place, Structure};
+use crate::structure::form::Form;
+use crate::{Drive, LumpedError, State};
+
+/// What is asked of a collision beside its end.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct CollisionQuestions {
+    /// The body from which the last mass is seen: the barrier, or a mass of the other vehicle.
+    pub seen_from: Node,
+    /// Instants at which everything is wanted, s.
+    pub instants_s: Vec<f64>,
+    /// Parameters by which derivatives are wanted.
+    pub places: Vec<Place>,
+}
+
+impl Structure {
+    /// A collision up to `until_s`: the turn (dynamic crush or common velocity), separation, peaks, events of the
+    /// elements, the energies of each of them, all on the exact solution, with derivatives by the parameters asked for.
+    ///
+    /// Errors: a drive, place or node that does not fit the structure, an end that is not positive, an instant that is
+    /// not between start and end, a motion that cannot be followed.
+    pub fn collision(
+        &self,
+        drive: &Drive,
+        until_s: f64,
+        questions: &CollisionQuestions,
+    ) -> Result<Collision, LumpedError> {
+        self.check_drive(drive)?;
+        self.check_places(&questions.places)?;
+        crate::error::positive("until_s", until_s)?;
+        let masses = self.masses_kg().len();
+        let refuse = |name, value, expected| Err(LumpedError::Value { name, value, expected });
+        if let Some(t) = questions.instants_s.iter().find(|t| !(0.0..=until_s).contains(*t)) {
+            return refuse("instant, s", *t, "a time between start and end");
+        }
+        let seen_from = match questions.seen_from {
+            Node::Wall => masses,
+            Node::Mass(i) if i + 1 < masses => i,
+            Node::Mass(i) => return refuse("body the last mass is seen from", i as f64, "the index of another mass"),
+        };
+        let mut watch = Watch::new(self, questions, seen_from, until_s);
+        // A drive without samples: any spacing will do.
+        walk(self, drive, until_s, until_s, &questions.places, |step, changes| {
+            watch.see(step, changes);
+            true
+        })?;
+        watch.tell(drive, until_s)
+    }
+}
+
+/// What was seen of a collision so far.
+struct Watch<'a> {
+    structure: &'a Structure,
+    questions: &'a CollisionQuestions,
+    seen_from: usize,
+    until_s: f64,
+    /// Heat of every element up to the step, J.
+    heat_j: Vec<f64>,
+    approaches: bool,
+    turn: Option<Turn>,
+    instants: Vec<Option<Moment>>,
+    end: Option<Moment>,
+    peak_acceleration: Extremum,
+    peak_wall_force: Extremum,
+    /// Elements on the barrier, with the sign of their force on it.
+    on_wall: Vec<(usize, f64)>,
+    is_pressed: bool,
+    separation_s: Option<f64>,
+    events: Vec<(f64, usize, crate::ElementEvent)>,
+}
+
+impl<'a> Watch<'a> {
+    fn new(structure: &'a Structure, questions: &'a CollisionQuestions, seen_from: usize, until_s: f64) -> Self {
+        let wall = structure.masses_kg().len();
+        let on_wall = |(link, (_, [front, rear])): (usize, (_, [usize; 2]))| match (front == wall, rear == wall) {
+            (true, _) => Some((link, 1.0)),
+            (_, true) => Some((link, -1.0)),
+            _ => None,
+        };
+        Self {
+            structure,
+            questions,
+            seen_from,
+            until_s,
+            heat_j: vec![0.0; structure.connections().len()],
+            approaches: false,
+            turn: None,
+            instants: vec![None; questions.instants_s.len()],
+            end: None,
+            peak_acceleration: Extremum::default(),
+            peak_wall_force: Extremum::default(),
+            on_wall: structure.joined().enumerate().filter_map(on_wall).collect(),
+            is_pressed: false,
+            separation_s: None,
+            events: Vec::new(),
+        }
+    }
+
+    fn see(&mut self, step: &Step, changes: &Changes) {
+        let heat: Vec<Option<Series>> = (0..step.links.len()).map(|link| heat_of(self.structure, step, link)).collect();
+        let (last, stop) = (self.structure.masses_kg().len() - 1, step.start_s + step.length_s);
+        for entry in &step.entered {
+            let law = self.structure.connections()[entry.link].element.law();
+            if let Some(event) = law.event(&entry.before, &entry.after) {
+                self.events.push((step.start_s, entry.link, event));
+            }
+        }
+        self.see_wall(step);
+        largest(&step.nodes[last].a, f64::abs, step.start_s, step.length_s, &mut self.peak_acceleration);
+        if self.turn.is_none() {
+            let (rear, front) = (&step.nodes[last].v, &step.nodes[self.seen_from].v);
+            let relative: Series = std::array::from_fn(|k| rear[k] - front[k]);
+            self.approaches |= relative[0] > 0.0 && step.start_s == 0.0;
+            if let Some(tau) = falls(&relative, step.length_s, &mut self.approaches) {
+                self.turn = Some(self.turn_at(step, changes, &heat, tau));
+            }
+        }
+        for (k, t) in self.questions.instants_s.iter().enumerate() {
+            if self.instants[k].is_none() && *t <= stop {
+                self.instants[k] = Some(self.moment(step, changes, &heat, t - step.start_s));
+            }
+        }
+        if stop >= self.until_s * (1.0 - 2.0 * f64::EPSILON) {
+            self.end = Some(self.moment(step, changes, &heat, step.length_s));
+        }
+        for (sum, heat) in self.heat_j.iter_mut().zip(&heat) {
+            *sum += heat.as_ref().map_or(0.0, |heat| integral(heat, step.length_s));
+        }
+    }
+
+    /// The force on the barrier over a step.
+    fn see_wall(&mut self, step: &Step) {
+        let is_pressed = self.on_wall.iter().any(|(link, _)| step.links[*link].law != Form::ZERO);
+        if is_pressed {
+            let mut force = [0.0; crate::series::step::ORDER + 1];
+            for (link, sign) in &self.on_wall {
+                let link = &step.links[*link];
+                force.iter_mut().zip(link.series(&link.law)).for_each(|(sum, term)| *sum += sign * term);
+            }
+            largest(&force, f64::abs, step.start_s, step.length_s, &mut self.peak_wall_force);
+            self.separation_s = None;
+        } else if self.is_pressed {
+            self.separation_s = Some(step.start_s);
+        }
+        self.is_pressed = is_pressed;
+    }
+
+    /// Everything at `tau` after the start of a step.
+    fn moment(&self, step: &Step, changes: &Changes, heat: &[Option<Series>], tau: f64) -> Moment {
+        let element = |link: usize| {
+            let law = self.structure.connections()[link].element.law();
+            let (series, branch) = (&step.links[link], &step.branches[link]);
+            let strain = series.strain(tau);
+            let [stored_j, plastic_j] = law.energies(branch, strain);
+            let heat_j = self.heat_j[link] + heat[link].as_ref().map_or(0.0, |heat| integral(heat, tau));
+            let [rate_j, damped_j] = if law.has_rate_effect() { [heat_j, 0.0] } else { [0.0, heat_j] };
+            ElementState {
+                deflection_m: law.deflection(strain),
+                force_n: series.law.at(strain),
+                permanent_set_m: branch.set,
+                energy: ElementEnergy { stored_j, plastic_j, rate_j, damped_j },
+            }
+        };
+        let masses = self.structure.masses_kg().len();
+        let change = |p: usize, mass: usize| {
+            let [displacement_m, velocity_m_per_s, acceleration_m_per_s2] =
+                changes.series(mass, p).map(|series| value(&series, tau));
+            State { displacement_m, velocity_m_per_s, acceleration_m_per_s2 }
+        };
+        Moment {
+            time_s: step.start_s + tau,
+            masses: (0..masses).map(|mass| step.state(mass, tau)).collect(),
+            elements: (0..step.links.len()).map(element).collect(),
+            derivatives: (0..self.questions.places.len())
+                .map(|p| (0..masses).map(|mass| change(p, mass)).collect())
+                .collect(),
+        }
+    }
+
+    /// The turn: its time changes by the change of the relative velocity over the relative deceleration, its crush by
+    /// the change of the relative position alone, for the relative velocity is zero.
+    fn turn_at(&self, step: &Step, changes: &Changes, heat: &[Option<Series>], tau: f64) -> Turn {
+        let moment = self.moment(step, changes, heat, tau);
+        let (last, front) = (moment.masses.len() - 1, step.state(self.seen_from, tau));
+        let rear = moment.masses[last];
+        let deceleration = front.acceleration_m_per_s2 - rear.acceleration_m_per_s2;
+        let relative = |p: usize, of: fn(&State) -> f64| {
+            let states = &moment.derivatives[p];
+            of(&states[last]) - states.get(self.seen_from).map_or(0.0, of)
+        };
+        let places = 0..self.questions.places.len();
+        let size = rear.acceleration_m_per_s2.abs() + front.acceleration_m_per_s2.abs();
+        let touches_only = deceleration.abs() <= 1e-12 * size || size == 0.0;
+        Turn {
+            crush_m: rear.displacement_m - front.displacement_m,
+            time_by: (!touches_only)
+                .then(|| places.clone().map(|p| relative(p, |s| s.velocity_m_per_s) / deceleration).collect()),
+            crush_by: places.map(|p| relative(p, |s| s.displacement_m)).collect(),
+            moment,
+        }
+    }
+
+    fn tell(self, drive: &Drive, until_s: f64) -> Result<Collision, LumpedError> {
+        let masses_kg = self.structure.masses_kg().to_vec();
+        let (start, total) = (drive.start(), masses_kg.iter().sum::<f64>());
+        let momentum: f64 = masses_kg.iter().enumerate().map(|(i, mass)| mass * start.of_mass(i)[1]).sum();
+        let instants: Option<Vec<Moment>> = self.instants.into_iter().collect();
+        let (Some(instants), Some(end)) = (instants, self.end) else {
+            return Err(LumpedError::ChainDiverges { time_s: until_s });
+        };
+        Ok(Collision {
+            kinetic_start_j: start.kinetic_j(&masses_kg),
+            velocity_of_centre_of_mass_start_m_per_s: momentum / total,
+            masses_kg,
+            turn: self.turn,
+            instants,
+            end,
+            peak_acceleration: self.peak_acceleration,
+            peak_wall_force: (!self.on_wall.is_empty()).then_some(self.peak_wall_force),
+            separation_s: self.separation_s,
+            events: self.events,
+        })
+    }
+}
