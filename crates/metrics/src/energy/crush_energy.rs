@@ -16,6 +16,8 @@ pub struct CrushStiffness {
     pub b_n_per_m2: f64,
     /// Energy a width absorbed without crush, `A²/(2B)`, N.
     pub g_n: f64,
+    /// Impact speed over residual crush, 1/s, of the line `V = b0 + b1·C_res`.
+    pub b1_per_s: f64,
 }
 
 impl CrushStiffness {
@@ -31,7 +33,8 @@ impl CrushStiffness {
         let a_n_per_m = mass_kg * b0_m_per_s * b1_per_s / width_m;
         let b_n_per_m2 = mass_kg * b1_per_s * b1_per_s / width_m;
         let g_n = mass_kg * b0_m_per_s * b0_m_per_s / (2.0 * width_m);
-        [a_n_per_m, b_n_per_m2, g_n].iter().all(|x| x.is_finite()).then_some(Self { a_n_per_m, b_n_per_m2, g_n })
+        let stiffness = Self { a_n_per_m, b_n_per_m2, g_n, b1_per_s };
+        [a_n_per_m, b_n_per_m2, g_n].iter().all(|x| x.is_finite()).then_some(stiffness)
     }
 
     /// From one barrier test, `b1 = (v0 - b0)/C_res`; b0 is 2.2352 m/s (5 mph) unless it is known.
@@ -116,7 +119,7 @@ mod tests {
 
     #[test]
     fn impossible_damage_is_absent() {
-        let stiffness = CrushStiffness { a_n_per_m: 1.0, b_n_per_m2: 1.0, g_n: 1.0 };
+        let stiffness = CrushStiffness { a_n_per_m: 1.0, b_n_per_m2: 1.0, g_n: 1.0, b1_per_s: 1.0 };
         assert!(stiffness.energy(1.6, &[0.4; 6], 1.0).value.is_none());
         assert!(stiffness.energy(1.6, &[-0.4; 6], 0.0).value.is_none());
         assert!(stiffness.energy(1.6, &[f64::NAN; 6], 0.0).value.is_none());
