@@ -57,11 +57,12 @@ pub use exact::exact_step::exact_step;
 pub use families::chain::{Chain, TripleSpringMassDamper};
 pub use families::double_spring_mass_damper::DoubleSpringMassDamper;
 pub use families::elastoplastic::Elastoplastic;
+pub use families::force_deflection::CrushedStructure;
 pub use families::kelvin::Kelvin;
 pub use families::maxwell::Maxwell;
 pub use families::nonlinear::{Nonlinear1, Nonlinear2};
 pub use kind::model_kind::ModelKind;
-pub use kind::parameter::{Parameter, ParameterKind};
+pub use kind::parameter::{MOST_KNOTS, Parameter, ParameterKind};
 pub use matching::coefficient_matching::{
     Certificate, CoefficientMatch, CoefficientMatching, MatchRoot, MatchedSolution, Reading, matching_sensitivity,
 };

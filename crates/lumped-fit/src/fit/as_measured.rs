@@ -49,6 +49,14 @@ pub fn fit_as_measured(model: &Model, free: &[FreeParameter], observed: &Observa
     })
 }
 
+/// The minimum near a start that is close already, by one descent; else as [`fit_as_measured`].
+pub(crate) fn fit_nearby(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Minimum> {
+    let coordinates = FreeModel { template: *model, free: free.to_vec() };
+    let problem = near(&coordinates, observed);
+    let best = problem.follow(&coordinates.start())?;
+    finish(&problem, &best, best.evaluations)
+}
+
 /// One descent and the hops from its end, with coordinates fixed to those of `free`.
 fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Minimum> {
     let coordinates = FreeModel { template: *model, free: free.to_vec() };

@@ -82,15 +82,17 @@ pub fn free_parameters(model: &Model, impact_speed_m_per_s: f64, crush_m: f64) -
     parameters
         .iter()
         .filter(|p| !(p.kind == ParameterKind::Mass || p.of_the_test))
-        .map(|&Parameter { name, kind, .. }| {
-            let value = values[name];
+        .filter_map(|&Parameter { name, kind, .. }| {
+            let value = *values.get(name)?;
             let (scale, limit) = match kind {
                 ParameterKind::Damping => (mass * rate, f64::INFINITY),
                 ParameterKind::Stiffness => (mass * rate * rate, f64::INFINITY),
+                ParameterKind::Force => (mass * rate * impact_speed_m_per_s, f64::INFINITY),
                 kind => (0.0, last_knot(kind)),
             };
             let unit = value;
-            FreeParameter { name, kind, value, unit, scale, logarithmic: true, limit, lowest: 0.0 }.described_at(value)
+            let parameter = FreeParameter { name, kind, value, unit, scale, logarithmic: true, limit, lowest: 0.0 };
+            Some(parameter.described_at(value))
         })
         .collect()
 }

@@ -5,6 +5,7 @@ pub mod closed_forms;
 pub mod explanations;
 pub mod extent;
 pub mod fitting;
+pub mod force_deflection;
 pub mod nearly_rigid;
 pub mod sensors;
 pub mod settings;

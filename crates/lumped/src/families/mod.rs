@@ -5,6 +5,7 @@ pub mod chain;
 pub mod chain_parameters;
 pub mod double_spring_mass_damper;
 pub mod elastoplastic;
+pub mod force_deflection;
 pub mod kelvin;
 pub mod maxwell;
 pub mod nonlinear;

@@ -21,11 +21,13 @@ pub enum ModelKind {
     DoubleSpringMassDamper,
     /// Three masses in a row.
     TripleSpringMassDamper,
+    /// One mass behind a structure that is crushed along a force-deflection curve.
+    ForceDeflection,
 }
 
 impl ModelKind {
     /// All kinds.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Kelvin,
         Self::Elastoplastic,
         Self::Maxwell,
@@ -33,6 +35,7 @@ impl ModelKind {
         Self::Nonlinear2,
         Self::DoubleSpringMassDamper,
         Self::TripleSpringMassDamper,
+        Self::ForceDeflection,
     ];
 
     /// The name in candidate ids and pipeline files.
@@ -45,6 +48,7 @@ impl ModelKind {
             Self::Nonlinear2 => "nonlinear-2",
             Self::DoubleSpringMassDamper => "double-spring-mass-damper",
             Self::TripleSpringMassDamper => "triple-spring-mass-damper",
+            Self::ForceDeflection => "force-deflection",
         }
     }
 }

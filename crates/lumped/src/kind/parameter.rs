@@ -18,13 +18,18 @@ pub enum ParameterKind {
     Length,
     /// A rate of compression at which a damper has a knot, m/s.
     Rate,
+    /// The force of a structure at a knot of its curve, N.
+    Force,
+    /// Share by which a force grows with the rate of compression, s/m.
+    RateFactor,
 }
 
 impl ParameterKind {
-    /// All kinds.
-    pub const ALL: [Self; 5] = [Self::Mass, Self::Stiffness, Self::Damping, Self::Length, Self::Rate];
+    /// All kinds; one whose unit ends like another's comes first.
+    pub const ALL: [Self; 7] =
+        [Self::Mass, Self::Stiffness, Self::Damping, Self::RateFactor, Self::Length, Self::Rate, Self::Force];
 
-    /// SI unit as it is printed: `kg`, `N/m`, `N·s/m`, `m`, `m/s`.
+    /// SI unit as it is printed: `kg`, `N/m`, `N·s/m`, `m`, `m/s`, `N`, `s/m`.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Mass => "kg",
@@ -32,10 +37,13 @@ impl ParameterKind {
             Self::Damping => "N·s/m",
             Self::Length => "m",
             Self::Rate => "m/s",
+            Self::Force => "N",
+            Self::RateFactor => "s/m",
         }
     }
 
-    /// SI unit as it stands in the name of a parameter: `kg`, `n_per_m`, `n_s_per_m`, `m`, `m_per_s`.
+    /// SI unit as it stands in the name of a parameter: `kg`, `n_per_m`, `n_s_per_m`, `m`,
+    /// `m_per_s`, `n`, `s_per_m`.
     pub const fn unit_in_name(self) -> &'static str {
         match self {
             Self::Mass => "kg",
@@ -43,6 +51,8 @@ impl ParameterKind {
             Self::Damping => "n_s_per_m",
             Self::Length => "m",
             Self::Rate => "m_per_s",
+            Self::Force => "n",
+            Self::RateFactor => "s_per_m",
         }
     }
 
@@ -60,8 +70,8 @@ pub struct Parameter {
     pub name: &'static str,
     /// What it is.
     pub kind: ParameterKind,
-    /// Whether it is a number of the test, dynamic crush or impact speed, at which the last knot stands: no fit changes
-    /// it.
+    /// Whether it is given, by the test (dynamic crush or impact speed, where the last knot stands) or by a rule (where
+    /// the knots of a crushed structure stand, its unloading, its rate factor): no fit changes it.
     pub of_the_test: bool,
 }
 
@@ -143,6 +153,35 @@ const TRIPLE: [Parameter; 9] = [
     Parameter::damper("c3_n_s_per_m"),
 ];
 
+/// A parameter that a rule gives.
+const fn by_rule(name: &'static str, kind: ParameterKind) -> Parameter {
+    Parameter { name, kind, of_the_test: true }
+}
+
+/// Knots of a crushed structure at most, that at zero not counted.
+pub const MOST_KNOTS: usize = 14;
+const KNOT_FORCES: [&str; MOST_KNOTS] = [
+    "knot1_n", "knot2_n", "knot3_n", "knot4_n", "knot5_n", "knot6_n", "knot7_n", "knot8_n", "knot9_n", "knot10_n",
+    "knot11_n", "knot12_n", "knot13_n", "knot14_n",
+];
+const KNOT_DEFLECTIONS: [&str; MOST_KNOTS] = [
+    "knot1_m", "knot2_m", "knot3_m", "knot4_m", "knot5_m", "knot6_m", "knot7_m", "knot8_m", "knot9_m", "knot10_m",
+    "knot11_m", "knot12_m", "knot13_m", "knot14_m",
+];
+/// Mass, forces at the knots, unloading, rate factor, places of the knots. A model has as many knots as it needs.
+const FORCE_DEFLECTION: [Parameter; 3 + 2 * MOST_KNOTS] = {
+    let mut parameters = [Parameter::mass("mass_kg"); 3 + 2 * MOST_KNOTS];
+    let mut j = 0;
+    while j < MOST_KNOTS {
+        parameters[1 + j] = Parameter::new(KNOT_FORCES[j], ParameterKind::Force);
+        parameters[3 + MOST_KNOTS + j] = by_rule(KNOT_DEFLECTIONS[j], ParameterKind::Length);
+        j += 1;
+    }
+    parameters[1 + MOST_KNOTS] = by_rule("unloading_stiffness_n_per_m", ParameterKind::Stiffness);
+    parameters[2 + MOST_KNOTS] = by_rule("rate_s_per_m", ParameterKind::RateFactor);
+    parameters
+};
+
 /// The names of a table.
 const fn names<const N: usize>(parameters: &[Parameter; N]) -> [&'static str; N] {
     let mut names = [""; N];
@@ -157,7 +196,8 @@ const fn names<const N: usize>(parameters: &[Parameter; N]) -> [&'static str; N]
 impl ModelKind {
     /// Its parameters, masses first: the order in which solvers and derivatives count them.
     ///
-    /// A name occurs once; the last knots of the nonlinear models come last.
+    /// A name occurs once; the last knots of the nonlinear models come last. Of the knots of a crushed structure a model
+    /// has as many as it needs.
     pub const fn parameters(self) -> &'static [Parameter] {
         match self {
             Self::Kelvin | Self::Maxwell => &SPRING_AND_DAMPER,
@@ -166,6 +206,7 @@ impl ModelKind {
             Self::Nonlinear2 => &NONLINEAR_2,
             Self::DoubleSpringMassDamper => &DOUBLE,
             Self::TripleSpringMassDamper => &TRIPLE,
+            Self::ForceDeflection => &FORCE_DEFLECTION,
         }
     }
 
@@ -178,6 +219,7 @@ impl ModelKind {
             Self::Nonlinear2 => const { &names(&NONLINEAR_2) },
             Self::DoubleSpringMassDamper => const { &names(&DOUBLE) },
             Self::TripleSpringMassDamper => const { &names(&TRIPLE) },
+            Self::ForceDeflection => const { &names(&FORCE_DEFLECTION) },
         }
     }
 

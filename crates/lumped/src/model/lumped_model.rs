@@ -4,8 +4,8 @@
 //! knows its masses and the [`Structure`] it is a name for. What a family is made of is in `families/`.
 
 use crate::{
-    DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, ModelKind, Nonlinear1, Nonlinear2,
-    ParameterKind, Structure, TripleSpringMassDamper,
+    CrushedStructure, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, ModelKind, Nonlinear1,
+    Nonlinear2, ParameterKind, Structure, TripleSpringMassDamper,
 };
 
 /// A lumped model with its parameters.
@@ -25,6 +25,8 @@ pub enum Model {
     DoubleSpringMassDamper(DoubleSpringMassDamper),
     /// Engine, suspension and chassis, compartment.
     TripleSpringMassDamper(TripleSpringMassDamper),
+    /// A structure that is crushed.
+    ForceDeflection(CrushedStructure),
 }
 
 /// The same of whatever family a model is.
@@ -38,6 +40,7 @@ macro_rules! of_family {
             Model::Nonlinear2($family) => $what,
             Model::DoubleSpringMassDamper($family) => $what,
             Model::TripleSpringMassDamper($family) => $what,
+            Model::ForceDeflection($family) => $what,
         }
     };
 }
@@ -53,6 +56,7 @@ impl Model {
             Self::Nonlinear2(_) => ModelKind::Nonlinear2,
             Self::DoubleSpringMassDamper(_) => ModelKind::DoubleSpringMassDamper,
             Self::TripleSpringMassDamper(_) => ModelKind::TripleSpringMassDamper,
+            Self::ForceDeflection(_) => ModelKind::ForceDeflection,
         }
     }
 
@@ -67,7 +71,8 @@ impl Model {
         of_family!(self, model => model.structure())
     }
 
-    /// The values of its parameters, in the order of [`ModelKind::parameters`].
+    /// The values of its parameters, in the order of [`ModelKind::parameters`]; not a number for a knot it does not
+    /// have.
     ///
     /// Whether the elastoplastic model lets go is no parameter: it is a choice of whoever simulates it.
     pub(crate) fn values(&self) -> Vec<f64> {

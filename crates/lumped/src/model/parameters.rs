@@ -6,8 +6,8 @@
 use std::collections::BTreeMap;
 
 use crate::{
-    Chain, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, ModelKind, Nonlinear1,
-    Nonlinear2, ParameterKind, TripleSpringMassDamper,
+    Chain, CrushedStructure, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, ModelKind,
+    Nonlinear1, Nonlinear2, ParameterKind, TripleSpringMassDamper,
 };
 
 /// What a parameter of a candidate is, from the names of model and parameter in its record.
@@ -29,7 +29,8 @@ pub fn parameter_kind_of_unit(name: &str) -> Option<ParameterKind> {
 }
 
 impl Model {
-    /// Builds a model from named parameters: exactly those of [`ModelKind::parameter_names`].
+    /// Builds a model from named parameters: exactly those of [`ModelKind::parameter_names`], of the knots of a crushed
+    /// structure the first ones; without a rate factor it has none.
     ///
     /// An elastoplastic model gets `release = true`: after rebound a vehicle leaves the barrier.
     pub fn from_parameters(kind: ModelKind, parameters: &BTreeMap<String, f64>) -> Result<Self, LumpedError> {
@@ -38,7 +39,14 @@ impl Model {
             return Err(LumpedError::UnknownParameter { model: kind, name: name.clone(), expected: names.join(", ") });
         }
         let value = |name: &&'static str| {
-            parameters.get(*name).copied().ok_or(LumpedError::MissingParameter { model: kind, name })
+            let optional = match kind.parameter(name).map(|parameter| parameter.kind) {
+                Some(ParameterKind::RateFactor) => Some(0.0),
+                Some(ParameterKind::Force | ParameterKind::Length) if kind == ModelKind::ForceDeflection => {
+                    Some(f64::NAN)
+                }
+                _ => None,
+            };
+            parameters.get(*name).copied().or(optional).ok_or(LumpedError::MissingParameter { model: kind, name })
         };
         let values: Vec<f64> = names.iter().map(value).collect::<Result<_, _>>()?;
         let model = match kind {
@@ -53,6 +61,7 @@ impl Model {
             ModelKind::TripleSpringMassDamper => {
                 Self::TripleSpringMassDamper(TripleSpringMassDamper::from_values(&values))
             }
+            ModelKind::ForceDeflection => Self::ForceDeflection(CrushedStructure::from_values(&values)?),
         };
         model.check()?;
         Ok(model)
@@ -62,7 +71,8 @@ impl Model {
     ///
     /// The same names and numbers that [`from_parameters`](Self::from_parameters) takes.
     pub fn parameters(&self) -> BTreeMap<String, f64> {
-        self.kind().parameter_names().iter().map(|name| (*name).to_owned()).zip(self.values()).collect()
+        let named = self.kind().parameter_names().iter().map(|name| (*name).to_owned()).zip(self.values());
+        named.filter(|(_, value)| !value.is_nan()).collect()
     }
 
     /// Whether the parameters describe a passive structure: springs positive, dampers positive or zero. The
@@ -70,12 +80,13 @@ impl Model {
     pub fn is_physical(&self) -> bool {
         let nonlinear = matches!(self, Self::Nonlinear1(_) | Self::Nonlinear2(_));
         let may_vanish = |kind| match kind {
-            ParameterKind::Damping => true,
+            ParameterKind::Damping | ParameterKind::Force | ParameterKind::RateFactor => true,
             ParameterKind::Stiffness => nonlinear,
             ParameterKind::Mass | ParameterKind::Length | ParameterKind::Rate => false,
         };
         let parameters = self.kind().parameters().iter().zip(self.values());
-        parameters.into_iter().all(|(parameter, value)| value > 0.0 || (value == 0.0 && may_vanish(parameter.kind)))
+        let mut given = parameters.filter(|(_, value)| !value.is_nan());
+        given.all(|(parameter, value)| value > 0.0 || (value == 0.0 && may_vanish(parameter.kind)))
     }
 }
 

@@ -10,7 +10,7 @@ pub fn parameter_order<'a>(model: &str, name: &'a str) -> (usize, &'a str) {
         Some(ParameterKind::Mass) => 0,
         Some(ParameterKind::Stiffness) => 1,
         Some(ParameterKind::Damping) => 2,
-        Some(ParameterKind::Length | ParameterKind::Rate) | None => 3,
+        Some(ParameterKind::Length | ParameterKind::Rate | ParameterKind::Force | ParameterKind::RateFactor) | None => 3,
     };
     (place, name)
 }
@@ -35,6 +35,8 @@ fn of_kind(kind: ParameterKind) -> (f64, &'static str) {
         ParameterKind::Damping => (KILO, "kN·s/m"),
         ParameterKind::Length => (MILLI, "mm"),
         ParameterKind::Rate => (1.0, "m/s"),
+        ParameterKind::Force => (KILO, "kN"),
+        ParameterKind::RateFactor => (1.0, "s/m"),
     }
 }
 

@@ -64,6 +64,8 @@ pub fn parameters_line(id: &str, candidate: &CandidateV1) -> String {
                 ParameterKind::Damping => format!("{symbol} {:.3} kN s/m", value / 1e3),
                 ParameterKind::Stiffness => format!("{symbol} {:.2} kN/m", value / 1e3),
                 ParameterKind::Rate => format!("{symbol} {value:.3} m/s"),
+                ParameterKind::Force => format!("{symbol} {:.1} kN", value / 1e3),
+                ParameterKind::RateFactor => format!("{symbol} {value:.4} s/m"),
                 ParameterKind::Length => format!("{symbol} {:.1} mm", 1e3 * value),
                 ParameterKind::Mass => format!("{symbol} {value:.1} kg"),
             }

@@ -1,0 +1,153 @@
+//! The force-deflection curve of a structure that is crushed, behind it one mass.
+//!
+//! Places of the knots follow from the record, their forces are read off it ([`extract`]) and then fitted as measured.
+//! The unloading stiffness follows from the restitution. The rate factor is a stated prior: one test passes each crush
+//! once, so any rate factor fits with another curve.
+
+use crumple_lumped::{CrushedStructure, MOST_KNOTS, Model};
+use crumple_signal::{Displacement, Note, Notes, Signal};
+
+use crate::fit::as_measured::fit_nearby;
+use crate::free::free_parameter::free_parameters;
+use crate::solvers::extent::{Extent, extent_of};
+use crate::solvers::fitting::{FitStart, Fitting};
+use crate::solvers::task::Task;
+use crate::{AskedCurve, Candidate, MeasuredElement, MeasuredMass, MeasuredTest, SolveError, extract};
+
+/// Rate factor of a vehicle's structure, s/m, where no test tells: mild steel columns of 60 to 100 mm between 40 and
+/// 64 km/h have 0.006 to 0.012 by the law of Cowper and Symonds.
+pub const RATE_PRIOR_S_PER_M: f64 = 0.008;
+/// Restitution of a full frontal test near 56 km/h, where the record does not show the rebound: 0.1 to 0.2.
+const USUAL_RESTITUTION: f64 = 0.15;
+/// Least unloading stiffness over the steepest slope of the curve: below one, unloading would give back more than was
+/// put in.
+const STIFFER: f64 = 1.05;
+/// Time between two knots, s: half a period of what CFC 60 passes of a wave, with as much again for noise.
+const KNOT_SPACING_S: f64 = 0.009;
+/// Knots at least, beside that at zero.
+const FEWEST_KNOTS: usize = 3;
+
+/// Displacement, velocity and acceleration from contact to the end of the loading.
+struct Loading {
+    dt_s: f64,
+    displacement_m: Vec<f64>,
+    velocity_m_per_s: Vec<f64>,
+    acceleration_m_per_s2: Vec<f64>,
+}
+
+impl Loading {
+    /// By differences of the displacement, which is a sum of sums: the second difference is the mean of three
+    /// neighbours of the acceleration.
+    fn of(displacement: &Signal<Displacement>, time_zero_s: f64, to_s: f64) -> Self {
+        let (x, dt_s) = (displacement.samples(), displacement.dt_s());
+        let first = displacement.index_at_or_after(time_zero_s).max(1);
+        let last = displacement.index_at_or_after(time_zero_s + to_s).min(x.len().saturating_sub(1));
+        let each = |of: &dyn Fn(usize) -> f64| (first..last).map(of).collect::<Vec<f64>>();
+        Self {
+            dt_s,
+            displacement_m: each(&|k| x[k]),
+            velocity_m_per_s: each(&|k| (x[k + 1] - x[k - 1]) / (2.0 * dt_s)),
+            acceleration_m_per_s2: each(&|k| (x[k + 1] - 2.0 * x[k] + x[k - 1]) / (dt_s * dt_s)),
+        }
+    }
+
+    /// Deflections of so many knots, equal in time and so closer where the mass is slower, which is where the record
+    /// says more of the curve; the last at the largest deflection.
+    fn places(&self, knots: usize) -> Vec<f64> {
+        let last = self.displacement_m.len() - 1;
+        let mut places = vec![0.0];
+        for j in 1..=knots {
+            let place = self.displacement_m[last * j / knots];
+            if places.last().is_some_and(|before| place > before + 1e-6) {
+                places.push(place);
+            }
+        }
+        places
+    }
+}
+
+/// A curve with knots by the record, of the pulse's displacement alone: a sensor on a mass in front changes nothing.
+pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
+    let to_s = task.settings.fit_to_s.or(extent.stops.then_some(extent.time_s));
+    let Some((displacement, fitting)) = task.test.displacement.zip(Fitting::of_pulse(task, to_s)?) else {
+        notes.warning(format!("{}: not fitted, there is no displacement", task.model));
+        return Ok(Vec::new());
+    };
+    let loading = Loading::of(displacement, task.test.time_zero_s, extent.time_s);
+    let fits = knot_counts(extent.time_s).filter_map(|knots| curve(task, &loading, knots, &extent, &fitting));
+    let best = fits.min_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((minimum, _)) = best else {
+        notes.warning(format!("{}: not fitted, no curve follows the displacement", task.model));
+        return Ok(Vec::new());
+    };
+    let remarks = remarks(task, &minimum.model);
+    Ok(vec![fitting.candidate(&FitStart::computed(minimum.model), minimum, 1, &remarks)])
+}
+
+/// How many knots are tried.
+fn knot_counts(to_s: f64) -> impl Iterator<Item = usize> {
+    let most = ((to_s / KNOT_SPACING_S).round() as usize).clamp(FEWEST_KNOTS, MOST_KNOTS);
+    most..=most
+}
+
+/// The curve with so many knots, read off the motion and fitted as measured, and its criterion.
+fn curve(
+    task: &Task<'_>,
+    loading: &Loading,
+    knots: usize,
+    extent: &Extent,
+    fitting: &Fitting<'_>,
+) -> Option<(crate::Minimum, f64)> {
+    let (mass_kg, v0) = (task.test.mass_kg, task.test.impact_speed_m_per_s);
+    let knots_m = loading.places(knots);
+    let mass = MeasuredMass {
+        mass_kg: Some(mass_kg),
+        displacement_m: loading.displacement_m.clone(),
+        velocity_m_per_s: loading.velocity_m_per_s.clone(),
+        acceleration_m_per_s2: loading.acceleration_m_per_s2.clone(),
+        noise_n: 1.0,
+    };
+    let elements = vec![MeasuredElement { front: None, rear: 0, curve: 0, gap_m: 0.0 }];
+    let test = MeasuredTest { dt_s: loading.dt_s, masses: vec![mass], elements, total_mass_kg: None };
+    let asked = AskedCurve { knots_m: knots_m.clone(), rate_s_per_m: RATE_PRIOR_S_PER_M };
+    let forces_n = extract(&[test], &[asked], 0.0)?.forces_n.swap_remove(0);
+    let read: Vec<(f64, f64)> = knots_m.into_iter().zip(forces_n).skip(1).collect();
+    let start = Model::ForceDeflection(structure(task, &read, extent)?);
+    let free = free_parameters(&start, v0, extent.crush_m);
+    let minimum = fit_nearby(&start, &free, &fitting.observed)?;
+    let rmse = minimum.rmse_m();
+    Some((minimum, rmse))
+}
+
+/// The structure with these knots: stiff enough in unloading that the restitution is that of the test.
+fn structure(task: &Task<'_>, knots: &[(f64, f64)], extent: &Extent) -> Option<CrushedStructure> {
+    let (mass_kg, v0) = (task.test.mass_kg, task.test.impact_speed_m_per_s);
+    let restitution = task.test.coefficient_of_restitution.filter(|e| *e > 0.0).unwrap_or(USUAL_RESTITUTION);
+    let stiff = 1e3 * mass_kg * (v0 / extent.crush_m).powi(2) * knots.len() as f64;
+    let steep = CrushedStructure::new(mass_kg, knots, stiff, RATE_PRIOR_S_PER_M).ok()?;
+    let at_turn = knots.last()?.1;
+    let by_restitution = at_turn * at_turn / (mass_kg * (v0 * restitution).powi(2));
+    let points = steep.knots();
+    let slopes = points.windows(2).map(|pair| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0));
+    let steepest = slopes.fold(0.0, f64::max);
+    CrushedStructure::new(mass_kg, knots, by_restitution.max(STIFFER * steepest), RATE_PRIOR_S_PER_M).ok()
+}
+
+/// What was assumed.
+fn remarks(task: &Task<'_>, model: &Model) -> Vec<String> {
+    let knots = if let Model::ForceDeflection(structure) = model { structure.knots().len() - 1 } else { 0 };
+    let unloading = if task.test.coefficient_of_restitution.is_some_and(|e| e > 0.0) {
+        "of the test".to_owned()
+    } else {
+        format!("{USUAL_RESTITUTION}, the usual one of a full frontal test: the record shows none")
+    };
+    vec![
+        format!("{knots} knots beside that at zero, as many as the record carries"),
+        format!("unloading stiffness from the restitution {unloading}"),
+        format!(
+            "rate factor {RATE_PRIOR_S_PER_M} s/m is a prior, +- 0.005: one test does not tell it; two tests at other \
+             speeds do"
+        ),
+    ]
+}
