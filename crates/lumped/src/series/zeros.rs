@@ -42,12 +42,19 @@ pub(crate) fn turns(
 /// was before the step, for at its start may stand the rounding of a zero; says so of its end.
 pub(crate) fn falls(series: &Series, length_s: f64, is_positive: &mut bool) -> Option<f64> {
     let parts = parts(length_s);
-    let mut looks: Vec<f64> = Vec::with_capacity(2 * PARTS);
-    turns(series, 0.0, &parts, PARTS, |_, bottom, is_lowest| looks.extend(is_lowest.then_some(bottom)));
-    looks.extend(parts);
-    looks.sort_by(f64::total_cmp);
+    // The ends of the parts, and what is lowest within one: before its end.
+    let mut looks = [f64::NAN; 2 * PARTS];
+    for (look, end) in looks.iter_mut().skip(1).step_by(2).zip(parts) {
+        *look = end;
+    }
+    turns(series, 0.0, &parts, PARTS, |_, bottom, is_lowest| {
+        let part = parts.partition_point(|end| *end < bottom);
+        if is_lowest && part < PARTS {
+            looks[2 * part] = bottom;
+        }
+    });
     let mut low = 0.0;
-    for high in looks {
+    for high in looks.into_iter().filter(|look| !look.is_nan()) {
         let at = value(series, high);
         if *is_positive && at <= 0.0 {
             return Some(falling_zero(low, high, |tau| horner(series, tau)));
