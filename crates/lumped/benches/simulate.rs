@@ -6,7 +6,10 @@
 
 use std::hint::black_box;
 
-use crumple_lumped::{DoubleSpringMassDamper, Drive, Model, exact_step};
+use crumple_lumped::{
+    CollisionQuestions, DoubleSpringMassDamper, Drive, ForceDeflection, ForceDeflectionParameter, Instants, Model,
+    Place, Structure, exact_step,
+};
 use crumple_testkit::stopwatch::best_us;
 use crumple_testkit::table_5;
 
@@ -108,6 +111,41 @@ fn compartment_displacements(
     }
 }
 
+/// A structure that is crushed: one mass, eight knots, without and with a rate factor.
+fn time_force_deflection() {
+    let knots = [0.0, 0.0297, 0.0816, 0.162, 0.253, 0.382, 0.525, 0.678]
+        .into_iter()
+        .zip([0.0, 83280.0, 127_300.0, 187_700.0, 176_400.0, 248_600.0, 324_800.0, 420_000.0]);
+    let front = ForceDeflection::new(&knots.collect::<Vec<_>>(), 1.82e7).unwrap();
+    let of = |front: ForceDeflection| Structure::row(&[1500.0], [vec![front.into()]]).unwrap();
+    let plain = of(front.clone());
+    let all = Instants { first_s: 0.0, dt_s: 1e-4, samples: 2001 };
+    let few = Instants { first_s: 0.0, dt_s: 1e-3, samples: 200 };
+    time("force-deflection, one mass, eight knots, 0.2 s at 10 kHz, three waves", "40", || {
+        black_box(plain.motions_at(black_box(15.0), &all).unwrap());
+    });
+    let mut picked = vec![0.0; 189];
+    time("  the same, displacement at 189 instants, as a propagation uses it", "20", || {
+        plain.displacement(black_box(15.0), 0.0, 1e-3, &mut picked).unwrap();
+    });
+    let questions = CollisionQuestions::default();
+    time("  the same, crush, peaks, separation, energies", "40", || {
+        black_box(plain.collision(&Drive::Impact(black_box(15.0)), 0.2, &questions).unwrap());
+    });
+    let place = |knot| {
+        let parameter = front.place_of(ForceDeflectionParameter::KnotForce(knot)).unwrap();
+        Place::Element { connection: 0, parameter }
+    };
+    let places: Vec<Place> = (1..8).map(place).collect();
+    time("  the same, 200 instants with derivatives by seven knot forces", "-", || {
+        black_box(plain.sensitivity(black_box(15.0), &few, &places).unwrap());
+    });
+    let rated = of(front.with_rate(0.01).unwrap());
+    time("  with a rate factor, 0.2 s at 10 kHz, three waves", "40", || {
+        black_box(rated.motions_at(black_box(15.0), &all).unwrap());
+    });
+}
+
 fn main() {
     let double = DoubleSpringMassDamper {
         m1_kg: 291.0,
@@ -118,6 +156,7 @@ fn main() {
         c2_n_s_per_m: 6e3,
     };
     let nonlinear = table_5();
+    time_force_deflection();
     let waves = vec![vec![1.0_f64; 2501]; 6];
     time("memory pass: six waves of 2,501 samples copied", "-", || {
         black_box(waves.clone());

@@ -1,6 +1,6 @@
 //! Masses and elements against a barrier or against each other.
 
-use crumple_lumped::{Collision, CollisionQuestions, Drive, ElementState, Moment, Node, State};
+use crumple_lumped::{Collision, CollisionQuestions, Drive, ElementState, Moment, State};
 use serde_json::{Map, Value, json};
 
 use crate::fields::Fields;
@@ -9,14 +9,7 @@ use crate::model::{Case, force_deflection, say};
 pub fn answer(inputs: &Fields) -> Result<Value, String> {
     let case = Case::of(inputs)?;
     let instants_s = if inputs.get("checkpoints_s").is_some() { inputs.numbers("checkpoints_s")? } else { Vec::new() };
-    let seen_from = match inputs.get("relative_to") {
-        None => Node::Wall,
-        Some(name) => {
-            let mass = case.masses.iter().position(|mass| Some(mass.as_str()) == name.as_str());
-            mass.map(Node::Mass).ok_or_else(|| format!("no body {name}"))?
-        }
-    };
-    let questions = CollisionQuestions { seen_from, instants_s, ..CollisionQuestions::default() };
+    let questions = CollisionQuestions { seen_from: case.seen_from, instants_s, ..CollisionQuestions::default() };
     let drive = Drive::Start(case.start.clone());
     let collision = case.structure.collision(&drive, inputs.number("until_s")?, &questions).map_err(say)?;
     if inputs.get("fronts_in_series").is_some() {

@@ -1,18 +1,20 @@
 //! Masses and elements of a case as a structure.
 
 use crumple_lumped::{
-    Damper, Element, Extrapolation, ForceDeflection, PiecewiseLinear, SeriesSpringDamper, Spring, Start, Structure,
+    Damper, Element, Extrapolation, ForceDeflection, Node, PiecewiseLinear, SeriesSpringDamper, Spring, Start,
+    Structure,
 };
 
 use crate::fields::Fields;
 
 /// A structure with the names of the case.
 pub struct Case {
-    pub masses: Vec<String>,
     /// Name of each element, and the connections it is made of.
     pub elements: Vec<(String, Vec<usize>)>,
     pub structure: Structure,
     pub start: Start,
+    /// The body from which the last mass is seen.
+    pub seen_from: Node,
 }
 
 /// An error of the product in words.
@@ -62,7 +64,7 @@ fn elements(fields: &Fields) -> Result<Vec<Element>, String> {
 }
 
 impl Case {
-    /// From the fields `masses` and `elements`.
+    /// From the fields `masses`, `elements` and `relative_to`.
     pub fn of(inputs: &Fields) -> Result<Self, String> {
         let (mut masses, mut positions_m, mut velocities_m_per_s) = (Vec::new(), Vec::new(), Vec::new());
         for mass in inputs.objects("masses")? {
@@ -82,7 +84,13 @@ impl Case {
         }
         let by_name: Vec<(&str, f64)> = masses.iter().map(|(name, kg)| (name.as_str(), *kg)).collect();
         let structure = Structure::named(&by_name, joined).map_err(say)?;
-        let masses = masses.iter().map(|(name, _)| name.clone()).collect();
-        Ok(Self { masses, elements: names, structure, start: Start::Each { positions_m, velocities_m_per_s } })
+        let seen_from = match inputs.get("relative_to") {
+            None => Node::Wall,
+            Some(name) => {
+                let mass = masses.iter().position(|(mass, _)| Some(mass.as_str()) == name.as_str());
+                mass.map(Node::Mass).ok_or_else(|| format!("no body {name}"))?
+            }
+        };
+        Ok(Self { elements: names, structure, start: Start::Each { positions_m, velocities_m_per_s }, seen_from })
     }
 }

@@ -51,10 +51,12 @@ pub fn answer(inputs: &Fields) -> Result<Value, String> {
     let questions = CollisionQuestions {
         instants_s: vec![inputs.number("checkpoint_s")?],
         places: places.collect::<Result<_, String>>()?,
-        ..CollisionQuestions::default()
+        seen_from: case.seen_from,
     };
     let drive = Drive::Start(case.start.clone());
     let found = case.structure.collision(&drive, model.number("until_s")?, &questions).map_err(say)?;
+    // Instants of another question to the same model.
+    let _ = model.get("checkpoints_s");
     model.all_read()?;
     let turn = found.turn.as_ref().ok_or("no dynamic crush")?;
     let time_by = turn.time_by.as_ref().ok_or("the time has no derivative")?;

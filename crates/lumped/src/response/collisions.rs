@@ -64,6 +64,8 @@ struct Watch<'a> {
     until_s: f64,
     /// Heat of every element up to the step, J.
     heat_j: Vec<f64>,
+    /// Power on the step that turns into heat, of the elements where some does.
+    power: Vec<Option<Series>>,
     approaches: bool,
     turn: Option<Turn>,
     instants: Vec<Option<Moment>>,
@@ -91,6 +93,7 @@ impl<'a> Watch<'a> {
             seen_from,
             until_s,
             heat_j: vec![0.0; structure.connections().len()],
+            power: vec![None; structure.connections().len()],
             approaches: false,
             turn: None,
             instants: vec![None; questions.instants_s.len()],
@@ -105,7 +108,9 @@ impl<'a> Watch<'a> {
     }
 
     fn see(&mut self, step: &Step, changes: &Changes) {
-        let heat: Vec<Option<Series>> = (0..step.links.len()).map(|link| heat_of(self.structure, step, link)).collect();
+        for (link, power) in self.power.iter_mut().enumerate() {
+            *power = heat_of(self.structure, step, link);
+        }
         let (last, stop) = (self.structure.masses_kg().len() - 1, step.start_s + step.length_s);
         for entry in &step.entered {
             let law = self.structure.connections()[entry.link].element.law();
@@ -120,19 +125,19 @@ impl<'a> Watch<'a> {
             let relative: Series = std::array::from_fn(|k| rear[k] - front[k]);
             self.approaches |= relative[0] > 0.0 && step.start_s == 0.0;
             if let Some(tau) = falls(&relative, step.length_s, &mut self.approaches) {
-                self.turn = Some(self.turn_at(step, changes, &heat, tau));
+                self.turn = Some(self.turn_at(step, changes, tau));
             }
         }
         for (k, t) in self.questions.instants_s.iter().enumerate() {
             if self.instants[k].is_none() && *t <= stop {
-                self.instants[k] = Some(self.moment(step, changes, &heat, t - step.start_s));
+                self.instants[k] = Some(self.moment(step, changes, t - step.start_s));
             }
         }
         if stop >= self.until_s * (1.0 - 2.0 * f64::EPSILON) {
-            self.end = Some(self.moment(step, changes, &heat, step.length_s));
+            self.end = Some(self.moment(step, changes, step.length_s));
         }
-        for (sum, heat) in self.heat_j.iter_mut().zip(&heat) {
-            *sum += heat.as_ref().map_or(0.0, |heat| integral(heat, step.length_s));
+        for (sum, power) in self.heat_j.iter_mut().zip(&self.power) {
+            *sum += power.as_ref().map_or(0.0, |power| integral(power, step.length_s));
         }
     }
 
@@ -154,13 +159,13 @@ impl<'a> Watch<'a> {
     }
 
     /// Everything at `tau` after the start of a step.
-    fn moment(&self, step: &Step, changes: &Changes, heat: &[Option<Series>], tau: f64) -> Moment {
+    fn moment(&self, step: &Step, changes: &Changes, tau: f64) -> Moment {
         let element = |link: usize| {
             let law = self.structure.connections()[link].element.law();
             let (series, branch) = (&step.links[link], &step.branches[link]);
             let strain = series.strain(tau);
             let [stored_j, plastic_j] = law.energies(branch, strain);
-            let heat_j = self.heat_j[link] + heat[link].as_ref().map_or(0.0, |heat| integral(heat, tau));
+            let heat_j = self.heat_j[link] + self.power[link].as_ref().map_or(0.0, |power| integral(power, tau));
             let [rate_j, damped_j] = if law.has_rate_effect() { [heat_j, 0.0] } else { [0.0, heat_j] };
             ElementState {
                 deflection_m: law.deflection(strain),
@@ -187,8 +192,8 @@ impl<'a> Watch<'a> {
 
     /// The turn: its time changes by the change of the relative velocity over the relative deceleration, its crush by
     /// the change of the relative position alone, for the relative velocity is zero.
-    fn turn_at(&self, step: &Step, changes: &Changes, heat: &[Option<Series>], tau: f64) -> Turn {
-        let moment = self.moment(step, changes, heat, tau);
+    fn turn_at(&self, step: &Step, changes: &Changes, tau: f64) -> Turn {
+        let moment = self.moment(step, changes, tau);
         let (last, front) = (moment.masses.len() - 1, step.state(self.seen_from, tau));
         let rear = moment.masses[last];
         let deceleration = front.acceleration_m_per_s2 - rear.acceleration_m_per_s2;

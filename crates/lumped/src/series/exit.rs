@@ -1,18 +1,19 @@
 //! Where a step leaves the branches it was made on.
 //!
-//! Which branches hold from an event on is asked of the series: a guard that is zero at the start must be positive a
-//! sixteenth of the step later, or its branch ends there and the series is made again. A guard closer to zero than
-//! [`ON_A_GUARD`] of the motion counts as zero, because a difference of two displacements is no better known.
+//! Which branches hold from an event on is asked of the series: a guard that is zero at the start must become positive
+//! first, or its branch ends there and the series is made again. A guard closer to zero than [`ON_A_GUARD`] of the
+//! motion counts as zero, because a difference of two displacements is no better known.
 
 use crate::exact::falling_zero::falling_zero;
-use crate::series::step::{LinkSeries, NOTHING_M, ORDER, Series, Step, horner, largest, values};
+use crate::series::step::{LinkSeries, NOTHING_M, ORDER, Series, Step, horner, largest, value, values};
+use crate::series::zeros::{PARTS, turns};
 use crate::structure::form::{Form, Strain};
 use crate::structure::law::Guard;
 
-/// Share of a step after which a guard that is zero at its start must be positive.
+/// Share of a step within which a guard that is zero at its start must become positive.
 const INSIDE: f64 = 1.0 / 16.0;
-/// Parts of a step on which a guard is looked at, so that one out and back within the step is seen.
-const PARTS: usize = 8;
+/// That share is looked at from its four-thousandth on, each time four times as far: what comes back within it counts.
+const LOOKS: i32 = 6;
 /// A guard is zero if it is nearer than this, relative to the motion: rounding of a difference of displacements.
 const ON_A_GUARD: f64 = 1e-13;
 
@@ -68,9 +69,18 @@ pub(crate) fn ends_at_once(step: &Step, guards: &[LinkGuard], reach_s: f64, near
     let falls = |guard: &&LinkGuard| {
         let (form, link) = (&guard.guard.form, &step.links[guard.link]);
         let near = near.of_form(form, link);
-        form.at(now(link)) <= near && form.at(link.strain(reach_s * INSIDE)) < -near
+        form.at(now(link)) <= near && leaves_zero(form, link, reach_s, near).1 < -near
     };
     guards.iter().find(falls).copied()
+}
+
+/// Where a form that is zero at the start is something first, and what.
+fn leaves_zero(form: &Form, link: &LinkSeries, reach_s: f64, near: f64) -> (f64, f64) {
+    let look = |k: i32| {
+        let tau = reach_s * INSIDE * 0.25_f64.powi(k);
+        (tau, form.at(link.strain(tau)))
+    };
+    (1..=LOOKS).rev().map(look).find(|(_, value)| value.abs() > near).unwrap_or_else(|| look(0))
 }
 
 /// Where a guard first falls through zero within `length` seconds: the instant and the guard. `None` if all stay
@@ -97,13 +107,25 @@ pub(crate) fn first_exit(step: &Step, guards: &[LinkGuard], length: f64, near: T
             continue;
         }
         let series = link.series(form);
-        // On a guard the motion was found to go inwards.
+        // On a guard the motion was found to go inwards; it may be back soon.
+        let near = near.of_form(form, link);
+        let from = match length * INSIDE {
+            _ if start > near => 0.0,
+            inside if value(&series, inside) > 0.0 => inside,
+            _ => leaves_zero(form, link, length, near).0,
+        };
         let parts: [f64; PARTS] = std::array::from_fn(|part| first * (part + 1) as f64 / PARTS as f64);
-        let from = if start > near.of_form(form, link) { 0.0 } else { length * INSIDE };
         let is_beyond = values(&series, &parts).map(|distance| distance < 0.0);
-        let high = (0..PARTS).find(|part| parts[*part] > from && is_beyond[*part]);
-        let Some(part) = high else { continue };
-        let (low, high) = (parts[..part].last().copied().unwrap_or(0.0).max(from), parts[part]);
+        let part = (0..PARTS).find(|part| parts[*part] > from && is_beyond[*part]);
+        let beyond = part.map(|part| (parts[..part].last().copied().unwrap_or(0.0).max(from), parts[part]));
+        // Out and back between two looks.
+        let mut dip = None;
+        turns(&series, from, &parts, part.unwrap_or(PARTS), |low, bottom, is_lowest| {
+            if is_lowest && dip.is_none() && value(&series, bottom) < -near {
+                dip = Some((low, bottom));
+            }
+        });
+        let Some((low, high)) = dip.or(beyond) else { continue };
         first = falling_zero(low, high, |tau| horner(&series, tau));
         exit = Some((first, *guard));
     }

@@ -142,15 +142,16 @@ impl NodeSeries {
     /// The Taylor coefficients where the acceleration is a form of displacement and velocity: the sums for both squares
     /// side by side, without the elements.
     fn fall(&mut self, law: &Form) {
+        let has_squares = law.uu != 0.0 || law.ww != 0.0;
         for k in 0..=ORDER {
-            let (x, v, half) = (&self.x, &self.v, k.div_ceil(2));
+            let (x, v, half) = (&self.x, &self.v, if has_squares { k.div_ceil(2) } else { 0 });
             let (mut xx, mut vv) = (0.0, 0.0);
             for i in (0..half).rev() {
                 xx += x[i] * x[k - i];
                 vv += v[i] * v[k - i];
             }
             (xx, vv) = (2.0 * xx, 2.0 * vv);
-            if k.is_multiple_of(2) {
+            if has_squares && k.is_multiple_of(2) {
                 xx += x[k / 2] * x[k / 2];
                 vv += v[k / 2] * v[k / 2];
             }
