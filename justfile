@@ -19,6 +19,7 @@ integrate := quote(bin / "crumple-integrate")
 identify := quote(bin / "crumple-identify")
 parameter_solve := quote(bin / "crumple-parameter-solve")
 simulate := quote(bin / "crumple-simulate")
+predict := quote(bin / "crumple-predict")
 report := quote(bin / "crumple-report")
 
 [private]
@@ -32,15 +33,29 @@ default:
 [no-exit-message]
 run record *args: build
     @{{ quote(bin / "crumple-run") }} --project {{ quote(justfile_directory()) }} \
-        --pipeline {{ quote(pipeline) }} --out {{ quote(out) }} --flags {{ quote(flags) }} \
+        --pipeline {{ quote(pipeline) }} --out {{ quote(out) }} --flags {{ quote(flags) }} --optional predict \
         --stage {{ quote(ingest) }} RECORD -o 1-ingest.mcap \
         --stage {{ quote(filter) }} 1-ingest.mcap -o 2-filter.mcap \
         --stage {{ quote(integrate) }} 2-filter.mcap -o 3-integrate.mcap \
         --stage {{ quote(identify) }} 2-filter.mcap 3-integrate.mcap -o 4-identify.mcap \
         --stage {{ quote(parameter_solve) }} 2-filter.mcap 3-integrate.mcap 4-identify.mcap -o 5-parameter-solve.mcap \
         --stage {{ quote(simulate) }} 2-filter.mcap 3-integrate.mcap 5-parameter-solve.mcap -o 6-simulate.mcap \
+        --stage {{ quote(predict) }} 3-integrate.mcap 5-parameter-solve.mcap -o 7-predict.mcap \
         --stage {{ quote(report) }} 1-ingest.mcap 2-filter.mcap 3-integrate.mcap 4-identify.mcap 5-parameter-solve.mcap \
-                 6-simulate.mcap -o report.html summary.json \
+                 6-simulate.mcap 7-predict.mcap -o report.html summary.json \
+        -- "$@"
+
+# Writes 7-predict.mcap of that run again, with the speeds of its pipeline and those asked for, and the report and the summary.
+# The models of a run at other speeds and masses: `just predict runs/crash/default --speed 40km/h,64km/h [--mass 1500kg] [--candidate ID]`.
+[group('pipeline')]
+[no-cd]
+[no-exit-message]
+predict folder *args: build
+    @shift; {{ quote(bin / "crumple-run") }} --project {{ quote(justfile_directory()) }} \
+        --pipeline {{ quote(pipeline) }} --again {{ quote(folder) }} --flags {{ quote(flags) }} \
+        --stage {{ quote(predict) }} 3-integrate.mcap 5-parameter-solve.mcap RECORD -o 7-predict.mcap \
+        --stage {{ quote(report) }} 1-ingest.mcap 2-filter.mcap 3-integrate.mcap 4-identify.mcap 5-parameter-solve.mcap \
+                 6-simulate.mcap 7-predict.mcap -o report.html summary.json \
         -- "$@"
 
 # Semantic comparison of two run folders or artifacts: exit 0 same, 1 different, 2 trouble.
@@ -149,7 +164,7 @@ ci-full:
 [group('development')]
 shell-files: build
     @mkdir -p target/shell
-    @for program in ingest filter integrate identify parameter-solve simulate report diff artifact run; do \
+    @for program in ingest filter integrate identify parameter-solve simulate predict report diff artifact run; do \
         for kind in bash zsh fish man; do \
             {{ quote(bin) }}/crumple-$program --generate $kind > target/shell/crumple-$program.$kind; \
         done; \

@@ -73,6 +73,75 @@ fn candidate() -> CandidateV1 {
     }
 }
 
+fn recommendation() -> RecommendationV1 {
+    RecommendationV1 {
+        recommended: Some("kelvin/closed-form/1".to_owned()),
+        recommended_because: "the only one".to_owned(),
+        simplest: None,
+        simplest_because: "none".to_owned(),
+        closest: Some("kelvin/closed-form/1".to_owned()),
+        closest_because: "99 %".to_owned(),
+        evidence: Some(RecommendationEvidenceV1 {
+            quantity: "acceleration".to_owned(),
+            as_measured: true,
+            from_s: 0.0,
+            to_s: 0.0742,
+            samples: 743,
+            effective_samples: 15.5,
+        }),
+        priors: vec![PriorV1 { name: "class".to_owned(), statement: "plastic".to_owned(), source: "tests".to_owned() }],
+        candidates: vec![RatedCandidateV1 {
+            id: "kelvin/closed-form/1".to_owned(),
+            class: "damped".to_owned(),
+            adequate: true,
+            not_adequate_because: None,
+            parameters: 2,
+            determined: 1,
+            misfit: Some(4.5),
+            fit_as_measured_percent: Some(99.0),
+            coefficient_of_restitution: Some(0.25),
+            force_misfit_percent: None,
+            aicc: Some(-12.5),
+            aicc_difference: Some(0.0),
+            priors: vec![PriorTermV1 { name: "class".to_owned(), term: 10.0 }],
+            difference_with_priors: Some(0.0),
+        }],
+    }
+}
+
+fn prediction() -> PredictionV1 {
+    PredictionV1 {
+        candidate: "kelvin/closed-form/1".to_owned(),
+        recommended: true,
+        names: vec!["recommended".to_owned()],
+        impact_speed_m_per_s: 17.5,
+        mass_kg: 1500.0,
+        partner: None,
+        dynamic_crush_m: Some(0.75),
+        time_of_dynamic_crush_s: Some(0.074),
+        delta_v_m_per_s: Some(19.5),
+        coefficient_of_restitution: Some(0.125),
+        peak_acceleration_m_per_s2: Some(310.0),
+        olc_m_per_s2: None,
+        energy: Some(PredictedEnergyV1 { kinetic_at_impact_j: 8.0, kinetic_at_rest_j: 1.5, absorbed_j: 6.5 }),
+        extrapolates: true,
+        intervals: vec![PredictedIntervalV1 {
+            name: "dynamic_crush_m".to_owned(),
+            level: 0.9,
+            low: 0.7,
+            high: 0.8,
+            interval_by: "parameters 100 % of the variance".to_owned(),
+        }],
+        notes: vec!["extrapolates".to_owned()],
+        against: Some(AgainstTestV1 {
+            test: "a car".to_owned(),
+            dynamic_crush_error_percent: Some(-1.5),
+            held: vec!["dynamic_crush_m".to_owned()],
+            ..AgainstTestV1::default()
+        }),
+    }
+}
+
 fn test() -> TestV1 {
     TestV1 {
         title: "NCAP <frontal>".into(),
@@ -381,6 +450,8 @@ fn the_layout_of_every_record_type_is_frozen() {
         }],
         fit_as_measured_percent: Some(99.1),
     });
+    freeze(&recommendation());
+    freeze(&prediction());
     freeze(&MatchingV1 {
         m1_kg: 284.4,
         m2_kg: 1137.6,

@@ -17,10 +17,13 @@
 //! filter, integration; where that is not known, on the motion itself), and the candidate is made from that minimum.
 //! [`assess`] works there too.
 //!
+//! [`choose`] names the candidate for prediction, the simplest and the closest: evidence as measured, and what is known
+//! of vehicles as terms of its own.
+//!
 //! The library knows no files, no command line and no clock; the same input gives the same bits on any number of
 //! threads.
 //!
-//! rooms: solvers | papers chain | matching uncertainty | fit | closed_form candidate extraction | free | record
+//! rooms: solvers | papers chain | matching uncertainty | fit | closed_form candidate selection extraction | free | record
 //!
 //! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model;
 //! transfer-function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two
@@ -36,6 +39,7 @@ mod free;
 mod matching;
 mod papers;
 mod record;
+mod selection;
 mod solvers;
 mod uncertainty;
 
@@ -79,6 +83,9 @@ pub use record::measurement::{IntegrationRule, Measurement, TwoPassFilter};
 pub use record::observation::{Observation, ObservedWave, RESOLUTION_M, UNKNOWN_FILTER_M};
 pub use record::sensor::{Sensor, SensorFit, SensorPlace, errors_in_words, note_of_errors};
 pub use record::test_data::TestData;
+pub use selection::choice::{CandidateSelection, Choice, ComparedRecord, Rated, choose};
+pub use selection::compared_candidate::{ComparedCandidate, EnergyClass, depends_on_rate};
+pub use selection::prior::{Prior, SelectionRules};
 pub use solvers::settings::SolveSettings;
 pub use solvers::solve::solve;
 pub use solvers::table::{DEFAULT_MODELS, MODELS, Solver, solvers_of};

@@ -68,7 +68,7 @@ pub use matching::coefficient_matching::{
 };
 pub use matching::physical_coordinates::{PhysicalCoordinates, RealisedModel};
 pub use model::lumped_model::Model;
-pub use model::parameters::{parameter_kind, parameter_kind_of_unit};
+pub use model::parameters::{parameter_kind, parameter_kind_of_unit, structure_of};
 pub use motion::collision::{Collision, ElementEnergy, ElementEvent, ElementState, Extremum, Moment, Turn};
 pub use motion::drive::Drive;
 pub use motion::dynamics::{Dynamics, ElementForce, Energy};

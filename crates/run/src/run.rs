@@ -11,7 +11,7 @@ use crumple_stage::{ExitStatus, Usage, say};
 use crate::command::options::Options;
 use crate::command::pipeline::Pipeline;
 use crate::command::program::{Program, own_program};
-use crate::command::stages::Stage;
+use crate::command::stages::{Stage, Stages};
 use crate::command::words::{request_for_information, words};
 use crate::folder::lock::{LockedFolder, is_at};
 use crate::folder::ours::refuse_files_of_others;
@@ -26,26 +26,36 @@ use crate::steps::take_over::take_over;
 /// Runs all stages. Exit code 4 of a stage (no acceptable result, diagnosis written) does not stop the run: the report
 /// shows the diagnosis, and the last stage decides. Any other failure does.
 pub fn run(options: Options) -> anyhow::Result<ExitStatus> {
-    let stages = &options.stages.0;
-    let (Some(record), Some(first)) = (options.record.first(), stages.first()) else {
-        return Err(Usage::new("a record and a stage are needed").into());
-    };
-    if record.as_encoded_bytes().starts_with(b"-") {
+    let Some(first) = options.stages.0.first() else { return Err(Usage::new("a stage is needed").into()) };
+    if options.again.is_none() && options.record.first().is_none_or(|r| r.as_encoded_bytes().starts_with(b"-")) {
         return Err(Usage::new("the record comes first: just run RECORD [flags of crumple-ingest]").into());
     }
     if options.asks_for_information() {
         return information(first, &options);
     }
+    let (pipeline, path) = match &options.again {
+        Some(made) => (Pipeline::of_run(made, &options.pipeline, &options.project), folder_of_a_run(made)?),
+        None => {
+            let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
+            let path = options.folder(&pipeline)?;
+            (pipeline, path)
+        }
+    };
+    let (in_use, left_out) =
+        options.stages.in_use(|name| !options.optional.iter().any(|o| o == name) || pipeline.has_table(name));
+    let stages = &in_use.0;
     let programs = stages.iter().map(|stage| program_of(stage, &options.flags)).collect::<anyhow::Result<Vec<_>>>()?;
-    let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
-    let folder = LockedFolder::lock(&options.folder(&pipeline)?)?;
-    refuse_files_of_others(folder.path(), options.stages.outputs())?;
+    let folder = LockedFolder::lock(&path)?;
+    if options.again.is_none() {
+        refuse_files_of_others(folder.path(), options.stages.outputs())?;
+    }
     if folder.is_locked() {
         sweep(folder.path(), options.stages.outputs())
             .with_context(|| format!("cannot remove what an earlier run left in {}", folder.path().display()))?;
     }
+    remove_left_out(folder.path(), &left_out, stages)?;
 
-    let run = Run { options: &options, pipeline, folder };
+    let run = Run { options: &options, stages: &in_use, pipeline, folder };
     let mut status = ExitStatus::Done;
     for (number, (stage, program)) in stages.iter().zip(&programs).enumerate() {
         let before = File::open(run.folder.path().join(stage.output())).ok().filter(|_| number == 0);
@@ -56,7 +66,7 @@ pub fn run(options: Options) -> anyhow::Result<ExitStatus> {
                     say_which_stage_failed(stage, failure);
                 }
                 if number == 0 && failure == ExitStatus::Usage {
-                    say_whose_flags(&options.record[1..], stages);
+                    say_whose_flags(options.flags_of_the_first(), stages);
                 }
                 return Ok(run.failed(failure));
             }
@@ -71,6 +81,27 @@ pub fn run(options: Options) -> anyhow::Result<ExitStatus> {
         }
     }
     Ok(status)
+}
+
+/// The folder of a run that was made.
+fn folder_of_a_run(made: &Path) -> Result<PathBuf, Usage> {
+    let has_results = made.join("1-ingest.mcap").is_file() || made.join("summary.json").is_file();
+    if has_results {
+        return Ok(made.to_owned());
+    }
+    let problem = format!("{} is no folder of a run", made.display());
+    Err(Usage::new(problem).hint("runs/NAME-OF-RECORD/NAME-OF-PIPELINE, which just run made"))
+}
+
+/// Removes what stages that are left out wrote once, the reports made from it first.
+fn remove_left_out(folder: &Path, left_out: &[String], stages: &[Stage]) -> anyhow::Result<()> {
+    let stale: Vec<PathBuf> = left_out.iter().map(|name| folder.join(name)).filter(|path| path.exists()).collect();
+    if stale.is_empty() {
+        return Ok(());
+    }
+    let reports = stages.iter().filter(|stage| !stage.writes_an_artifact()).flat_map(|stage| &stage.outputs);
+    let files: Vec<PathBuf> = reports.map(|name| folder.join(name)).chain(stale).collect();
+    remove_in_order(&files).with_context(|| format!("cannot remove stale results in {}", folder.display()))
 }
 
 /// What the first stage prints about itself or the record, in place of a run.
@@ -94,6 +125,7 @@ fn information(first: &Stage, options: &Options) -> anyhow::Result<ExitStatus> {
 /// A run on its way.
 struct Run<'a> {
     options: &'a Options,
+    stages: &'a Stages,
     pipeline: Pipeline,
     folder: LockedFolder,
 }
@@ -102,7 +134,7 @@ impl Run<'_> {
     /// Runs one stage. Where it ends with a result, this stands in the run folder.
     fn stage(&self, number: usize, stage: &Stage, program: &Program) -> anyhow::Result<Ending> {
         let folder = self.folder.path();
-        let dependents: Vec<PathBuf> = self.options.stages.dependents(number).map(|name| folder.join(name)).collect();
+        let dependents: Vec<PathBuf> = self.stages.dependents(number).map(|name| folder.join(name)).collect();
         if is_own(stage, program) {
             let output = folder.join(stage.output());
             let mut arguments = self.arguments(stage, &output);
@@ -142,7 +174,7 @@ impl Run<'_> {
 
     /// The exit status of a run that failed; a report from before is named as that.
     fn failed(&self, status: ExitStatus) -> ExitStatus {
-        let report = self.options.stages.0.last().map(|stage| self.folder.path().join(stage.output()));
+        let report = self.stages.0.last().map(|stage| self.folder.path().join(stage.output()));
         if report.is_some_and(|report| report.exists()) {
             say(format_args!("note: the report in {} is that of an earlier run", self.folder.path().display()));
         }

@@ -220,7 +220,9 @@ fn names_with_blanks_quotes_and_dollars_are_taken_as_they_are() {
     }
     let bin = project.join("programs of \"mine\"");
     let release = binary("crumple-run").parent().unwrap().to_owned();
-    for stage in ["ingest", "filter", "integrate", "identify", "parameter-solve", "simulate", "report", "run"] {
+    for stage in
+        ["ingest", "filter", "integrate", "identify", "parameter-solve", "simulate", "predict", "report", "run"]
+    {
         let name = format!("crumple-{stage}");
         fs::copy(release.join(&name), bin.join(&name)).unwrap();
     }
@@ -230,7 +232,7 @@ fn names_with_blanks_quotes_and_dollars_are_taken_as_they_are() {
     // Newer than the links: nothing is to be built.
     fs::write(bin.join(".crumple-built"), "").unwrap();
     fs::copy(fixture("kelvin"), caller.join("a record's $x; it.csv")).unwrap();
-    fs::write(caller.join("my own.toml"), "[parameter-solve]\nmodels = [\"kelvin\"]\n").unwrap();
+    fs::write(caller.join("my own.toml"), "[parameter-solve]\nmodels = [\"kelvin\"]\n[predict]\n").unwrap();
     let run = |variables: &[&str]| {
         let output = Command::new("just")
             .current_dir(&caller)

@@ -35,14 +35,14 @@ fn a_run_folder_holds_what_the_design_says() {
     assert_eq!(number(&summary, &["test", "mass_kg"]), 873.0);
     assert_eq!(number(&summary, &["test", "sample_rate_hz"]), 10_000.0);
     assert_eq!(summary["test"]["channel"], "accel_g");
-    for key in ["events", "metrics", "models", "candidates", "best", "notes"] {
+    for key in ["events", "metrics", "models", "candidates", "best", "recommended", "predictions", "notes"] {
         assert!(!summary[key].is_null(), "{key} is missing");
     }
     for candidate in summary["candidates"].as_array().unwrap() {
         assert!(candidate["simulation"]["fit_percent"].is_number(), "{candidate}");
     }
     let leftovers = std::fs::read_dir(folder.path()).unwrap().count();
-    assert_eq!(leftovers, 8, "something else lies in the run folder");
+    assert_eq!(leftovers, 9, "something else lies in the run folder");
 }
 
 /// A true model, compared as the record was measured, is not charged with what the filter does to the jump at contact.

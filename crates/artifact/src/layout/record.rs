@@ -10,8 +10,8 @@ use crate::layout::finite::first_non_finite;
 use crate::layout::schema::viewer_safe_schema;
 use crate::records::{
     ArxScanV1, CandidateV1, ChannelFilterV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1, IdentificationV1,
-    MatchingV1, MetricsV1, ModesV1, NotesV1, QualityV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1,
-    StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1, WaveBlockV1,
+    MatchingV1, MetricsV1, ModesV1, NotesV1, PredictionV1, QualityV1, RecommendationV1, ResponseV1, SelectionV1,
+    ShapesV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1, WaveBlockV1,
 };
 
 /// A type that may stand in an artifact.
@@ -87,7 +87,9 @@ record! {
     MetricsV1 => "crumple.Metrics.v1",
     ModesV1 => "crumple.Modes.v1",
     NotesV1 => "crumple.Notes.v1",
+    PredictionV1 => "crumple.Prediction.v1",
     QualityV1 => "crumple.Quality.v1",
+    RecommendationV1 => "crumple.Recommendation.v1",
     ResponseV1 => "crumple.Response.v1",
     SelectionV1 => "crumple.Selection.v1",
     SimulationV1 => "crumple.Simulation.v1",

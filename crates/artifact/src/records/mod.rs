@@ -10,11 +10,13 @@
 mod fitted;
 mod identified;
 mod measured;
+mod predicted;
 mod run;
 
 pub use fitted::{
     CandidateV1, EnergyV1, FitV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, OtherSensorV1,
-    PhysicalCoordinatesV1, ProfileV1, RatingV1, ReplicatesV1, SensorFitV1, SimulationV1, UncertaintyV1,
+    PhysicalCoordinatesV1, PriorTermV1, PriorV1, ProfileV1, RatedCandidateV1, RatingV1, RecommendationEvidenceV1,
+    RecommendationV1, ReplicatesV1, SensorFitV1, SimulationV1, UncertaintyV1,
 };
 pub use identified::{
     ArxScanModelV1, ArxScanV1, EvidenceV1, ExponentialSumV1, ExponentialTermV1, IdentificationV1, ModeV1, ModesV1,
@@ -25,4 +27,5 @@ pub use measured::{
     ChannelFilterV1, ChannelV1, CorridorPointV1, EventIntervalV1, EventsV1, MetricV1, MetricsV1, MissingIntervalV1,
     QualityV1, SourceV1, TestV1, WaveBlockV1,
 };
+pub use predicted::{AgainstTestV1, PredictedEnergyV1, PredictedIntervalV1, PredictionV1};
 pub use run::{DiagnosisV1, NotesV1};

@@ -255,10 +255,7 @@ impl Observation {
     }
 
     /// The same of anything that `respond` gives the motions of.
-    pub(crate) fn misfit_of(
-        &self,
-        respond: impl Fn(&Instants) -> Result<Sensitivity, LumpedError>,
-    ) -> Option<Vec<f64>> {
+    pub fn misfit_of(&self, respond: impl Fn(&Instants) -> Result<Sensitivity, LumpedError>) -> Option<Vec<f64>> {
         let mut misfit = Vec::with_capacity(self.rows());
         for wave in &self.waves {
             let response = wave.response(self.impact_speed_m_per_s, &respond).ok()?;

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use crate::{
     Chain, CrushedStructure, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, ModelKind,
-    Nonlinear1, Nonlinear2, ParameterKind, TripleSpringMassDamper,
+    Nonlinear1, Nonlinear2, ParameterKind, Structure, TripleSpringMassDamper,
 };
 
 /// What a parameter of a candidate is, from the names of model and parameter in its record.
@@ -20,6 +20,15 @@ pub fn parameter_kind(model: &str, name: &str) -> Option<ParameterKind> {
         return family.parameter(name).map(|parameter| parameter.kind);
     }
     Chain::parameter_kind(name).or_else(|| parameter_kind_of_unit(name))
+}
+
+/// The structure of a candidate, from the names of model and parameters in its record: of a family ([`ModelKind`]), or
+/// of a `chain`. Errors: a name that is neither, and what the parameters are refused for.
+pub fn structure_of(model: &str, parameters: &BTreeMap<String, f64>) -> Result<Structure, LumpedError> {
+    if model == "chain" {
+        return Chain::from_parameters(parameters)?.structure();
+    }
+    Model::from_parameters(model.parse()?, parameters)?.structure()
 }
 
 /// What a number may be by the unit that its name ends with; `None` for a unit of no parameter.
@@ -116,6 +125,15 @@ mod tests {
         assert_eq!(parameter_kind("sled", "payload_kg"), Some(ParameterKind::Mass));
         assert_eq!(parameter_kind("sled", "gap_m"), Some(ParameterKind::Length));
         assert_eq!(parameter_kind("sled", "friction_1"), None);
+    }
+
+    #[test]
+    fn a_structure_is_that_of_the_family_or_of_the_chain() {
+        let model = Model::Kelvin(Kelvin { mass_kg: 900.0, stiffness_n_per_m: 3e5, damping_n_s_per_m: 2e3 });
+        assert_eq!(structure_of("kelvin", &model.parameters()), model.structure());
+        let chain = Chain::with_constants(&[200.0, 700.0], &[3e5, 4e5], &[1e3, 2e3]).unwrap();
+        assert_eq!(structure_of("chain", &chain.parameters()), chain.structure());
+        assert!(matches!(structure_of("sled", &chain.parameters()), Err(LumpedError::UnknownModel { .. })));
     }
 
     #[test]

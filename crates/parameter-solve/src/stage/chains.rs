@@ -23,12 +23,16 @@ struct Sensor {
     place: SensorPlace,
 }
 
-/// Candidates of every chain, with their ids.
-pub fn fit_chains(
-    settings: &StageSettings,
-    input: &Inputs,
-    out: &mut Output,
-) -> anyhow::Result<Vec<(String, CandidateV1)>> {
+/// A candidate of a chain.
+pub struct ChainCandidate {
+    pub id: String,
+    pub record: CandidateV1,
+    /// Whether masses were fitted that this record does not divide.
+    pub division_undecided: bool,
+}
+
+/// Candidates of every chain.
+pub fn fit_chains(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Vec<ChainCandidate>> {
     if settings.chain.is_empty() {
         return Ok(Vec::new());
     }
@@ -84,7 +88,8 @@ pub fn fit_chains(
                 out.summary(text);
             }
             let subject = (chain, solution, assessed.as_ref(), total_kg);
-            records.push((id, record(subject, &observed, &sensors, &events.channel)));
+            let record = record(subject, &observed, &sensors, &events.channel);
+            records.push(ChainCandidate { id, record, division_undecided: solution.division_undecided });
         }
     }
     Ok(records)

@@ -1,7 +1,7 @@
 //! The program: reads the events and the motion, solves, assesses, writes the candidates.
 //! May use `crumple_stage` and the estimators of `crumple-lumped-fit`.
 //!
-//! rooms: chains from_events from_exponentials from_models | records | assess | inputs | options
+//! rooms: chains from_events from_exponentials from_models | records recommend | assess | inputs | options
 
 mod assess;
 mod chains;
@@ -10,6 +10,7 @@ mod from_exponentials;
 mod from_models;
 mod inputs;
 mod options;
+mod recommend;
 mod records;
 
 use std::path::PathBuf;
@@ -29,6 +30,7 @@ use crate::stage::inputs::record::Record;
 use crate::stage::options::chain_table::FittedChain;
 use crate::stage::options::flags::Options;
 use crate::stage::options::settings::StageSettings;
+use crate::stage::recommend::recommendation::recommend;
 use crate::stage::records::candidate::{parameters_line, record};
 use crate::stage::records::matching::matching_record;
 use crate::stage::records::uncertainty::summary_text;
@@ -87,6 +89,7 @@ impl Stage for ParameterSolve {
         assessments.resize(candidates.len(), None);
         warn_of_flags_without_effect(settings, &candidates, &assessments, out);
         warn_of_bounds(&candidates, out);
+        let mut records = Vec::with_capacity(candidates.len());
         for (candidate, assessed) in candidates.iter().zip(&assessments) {
             let record = record(candidate, assessed.as_ref(), &channel);
             out.put(&format!("/parameters/{}", candidate.id()), &record)?;
@@ -96,13 +99,18 @@ impl Stage for ParameterSolve {
             if let Some(text) = text.filter(|text| !text.is_empty()) {
                 out.summary(text);
             }
+            records.push((candidate.id(), record));
         }
         let chains = fit_chains(settings, input, out)?;
-        for (id, chain) in &chains {
-            out.put(&format!("/parameters/{id}"), chain)?;
-            out.summary(parameters_line(id, chain));
+        let mut undecided = Vec::new();
+        for chain in chains {
+            out.put(&format!("/parameters/{}", chain.id), &chain.record)?;
+            out.summary(parameters_line(&chain.id, &chain.record));
+            undecided.extend(chain.division_undecided.then(|| chain.id.clone()));
+            records.push((chain.id, chain.record));
         }
-        Ok(if candidates.is_empty() && chains.is_empty() {
+        recommend(settings, input, &records, &undecided, out)?;
+        Ok(if records.is_empty() {
             Outcome::NoAcceptableResult("no model could be solved for; the notes say why".to_owned())
         } else {
             Outcome::Done

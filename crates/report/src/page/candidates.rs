@@ -48,6 +48,12 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         ));
     }
     out.push_str(match ranking.best {
+        _ if run.recommendation.is_some() => {
+            "<p class=\"caption\">Ranked by the fit of the displacement, the model measured as the record was; AICc \
+             stands beside it, over the same window, for information. Highlighted is the model recommended for \
+             predictions, which need not be the one that follows this record closest: “Which model to use” says why. A \
+             dual gives exactly the same record on this sensor and so the same figures.</p>\n"
+        }
         Some(_) => {
             "<p class=\"caption\">Ranked by the fit of the displacement, the model measured as the record was; AICc \
              stands beside it, over the same window, for information. Highlighted is the best that is physical, has no \
@@ -121,7 +127,7 @@ fn row(out: &mut String, candidate: &CandidateResult, ranking: &Ranking) {
          <td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td \
          class=\"n\">{}</td></tr>\n",
         if best { " class=\"best\"" } else { "" },
-        if best { "<span class=\"star\" title=\"best physical candidate\">★</span> " } else { "" },
+        if best { "<span class=\"star\" title=\"recommended for predictions\">★</span> " } else { "" },
         parameters(candidate),
         if record.physical { "yes" } else { "<span class=\"no\">no</span>" },
         number(candidate.fit_percent(), &|v| decimals(v, 2)),

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::{candidates, channels, energy, header, models, numbers, ratings, remarks};
+use super::{candidates, channels, energy, header, models, numbers, predictions, ratings, recommendation, remarks};
 use crate::drawing::figure::Figure;
 use crate::figures::all::all_figures;
 use crate::text::escape::{html, json_in_script};
@@ -59,6 +59,8 @@ impl Page {
                 pair_open = false;
             }
         }
+        recommendation::write(&mut body, run);
+        predictions::write(&mut body, run);
         candidates::write(&mut body, run, ranking);
         ratings::write(&mut body, run, ranking);
         energy::write(&mut body, run, ranking);

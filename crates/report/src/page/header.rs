@@ -152,7 +152,7 @@ fn cards(out: &mut String, run: &Run, ranking: &Ranking) {
         (None, false) => Some(ranking.no_best.as_deref().map_or_else(|| "no candidate qualifies".to_owned(), html)),
         (None, true) => None,
     };
-    card("Best model, fit", fit, 1.0, 2, "%", None, remark);
+    card("Recommended model, fit", fit, 1.0, 2, "%", None, remark);
     if !cards.is_empty() {
         out.push_str(&format!("<div class=\"cards\">\n{cards}</div>\n"));
     }

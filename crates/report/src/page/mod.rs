@@ -8,6 +8,8 @@ pub mod energy;
 pub mod header;
 pub mod models;
 pub mod numbers;
+pub mod predictions;
 pub mod ratings;
+pub mod recommendation;
 pub mod remarks;
 pub mod uncertainty;

@@ -172,7 +172,11 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
 /// Why a closer fit is not called the best: undetermined parameters, or more of them than the record gives reason for.
 fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
     if let Some(reason) = ranking.no_best.as_deref().filter(|_| !ranking.order.is_empty()) {
-        return vec![format!("No model is called the best: {reason}.")];
+        return vec![format!("No model is recommended: {reason}.")];
+    }
+    if run.recommendation.is_some() {
+        // The table of the choice says it.
+        return Vec::new();
     }
     let fit = CandidateResult::fit_percent;
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));

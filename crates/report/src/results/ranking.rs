@@ -21,14 +21,21 @@ pub const WORTH_NAMING_PERCENT: f64 = 50.0;
 pub struct Ranking {
     /// Every candidate with a fit, physical or not, best first.
     pub order: Vec<String>,
-    /// Of the candidates that qualify and fit within 0.1 percentage points of the best of them, the one of which this
-    /// record leaves the fewest parameters undetermined; among equals the one with the fewest parameters, then the one
-    /// that fits best. A chain of two whose masses were looked for by a sensor on the last one alone stands behind all
-    /// others.
+    /// The candidate that is recommended for predictions. Where the artifacts hold no recommendation, the best by the
+    /// displacement fit: of the candidates that qualify and fit within 0.1 percentage points of the best of them, the
+    /// one of which this record leaves the fewest parameters undetermined; among equals the one with the fewest
+    /// parameters, then the one that fits best. A chain of two whose masses were looked for by a sensor on the last one
+    /// alone stands behind all others.
     pub best: Option<String>,
-    /// Why this run can have no best, whatever fits.
+    /// Why the best is that one, or why there is none.
+    pub because: String,
+    /// Why this run has no best.
     pub no_best: Option<String>,
 }
+
+/// Why a best was chosen without a recommendation.
+const BY_FIT: &str = "by the displacement fit alone: the artifacts hold no /recommendation (crumple-parameter-solve \
+                      writes it)";
 
 impl Ranking {
     /// Ranks by [`CandidateResult::fit_percent`]: the displacement fit as measured over the window that was compared,
@@ -53,18 +60,26 @@ impl Ranking {
         Self {
             order: fitted.iter().map(|(_, candidate)| candidate.id.clone()).collect(),
             best: best_of_the_good(&fitted).map(|candidate| candidate.id.clone()),
+            because: BY_FIT.to_owned(),
             no_best: None,
         }
     }
 
-    /// As [`Ranking::of_candidates`], without a best where the pulse is no crush along the vehicle: a model of springs
-    /// that stop a mass is no explanation of a lateral or vertical record, nor, beyond its window, of one that never
-    /// stops.
+    /// As [`Ranking::of_candidates`], the best that of the recommendation where there is one; without one no best where
+    /// the pulse is no crush along the vehicle: a model of springs that stop a mass is no explanation of a lateral or
+    /// vertical record, nor, beyond its window, of one that never stops.
     pub fn of_run(run: &Run) -> Self {
         let mut ranking = Self::of_candidates(&run.candidates);
+        if let Some(choice) = &run.recommendation {
+            ranking.best.clone_from(&choice.recommended);
+            ranking.because.clone_from(&choice.recommended_because);
+            ranking.no_best = choice.recommended.is_none().then(|| choice.recommended_because.clone());
+            return ranking;
+        }
         ranking.no_best = no_crush(run);
-        if ranking.no_best.is_some() {
+        if let Some(reason) = &ranking.no_best {
             ranking.best = None;
+            ranking.because.clone_from(reason);
         }
         ranking
     }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::{
-    CandidateV1, ChannelFilterV1, EventsV1, IdentificationV1, MatchingV1, MetricV1, ModeV1, ResponseV1, SimulationV1,
-    StabilizationV1, TransferFunctionV1,
+    CandidateV1, ChannelFilterV1, EventsV1, IdentificationV1, MatchingV1, MetricV1, ModeV1, PredictionV1,
+    RecommendationV1, ResponseV1, SimulationV1, StabilizationV1, TransferFunctionV1,
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
@@ -37,6 +37,10 @@ pub struct Run {
     pub stabilizations: Vec<StabilizationV1>,
     /// What coefficient matching found, by the id of the identified model.
     pub matchings: Vec<(String, MatchingV1)>,
+    /// Which candidate to use, and why; `None`: an artifact of before, or of another program.
+    pub recommendation: Option<RecommendationV1>,
+    /// Impacts that were predicted, in their order.
+    pub predictions: Vec<PredictionV1>,
     /// Candidates in id order: by model, method and the number at the end.
     pub candidates: Vec<CandidateResult>,
     /// Number of responses in the simulate stage's artifact; `None`: there is no such artifact.

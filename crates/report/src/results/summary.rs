@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_artifact::records::{EventsV1, FitV1, MetricV1, ModeV1, SimulationV1, UncertaintyV1};
+use crumple_artifact::records::{EventsV1, FitV1, MetricV1, ModeV1, PredictionV1, SimulationV1, UncertaintyV1};
 use serde::Serialize;
 
 use crate::results::ranking::compare_ids;
@@ -21,6 +21,16 @@ pub struct Summary<'a> {
     other_metrics: Vec<OtherMetricSummary<'a>>,
     models: Vec<ModelSummary<'a>>,
     candidates: Vec<CandidateSummary<'a>>,
+    /// Candidate for the prediction of other tests, and why, or why none.
+    recommended: Option<&'a str>,
+    recommended_because: &'a str,
+    /// Adequate candidate with the fewest parameters, all determined.
+    simplest: Option<&'a str>,
+    simplest_because: Option<&'a str>,
+    /// Candidate that follows the record closest.
+    closest: Option<&'a str>,
+    closest_because: Option<&'a str>,
+    /// The same as `recommended`.
     best: Option<String>,
     /// Why this run can have none, whatever fits.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -36,6 +46,7 @@ pub struct Summary<'a> {
     /// Those with an AICc by that, lowest first.
     ranking_by_aicc: Vec<String>,
     matching_best: Option<MatchingSummary<'a>>,
+    predictions: &'a [PredictionV1],
     notes: Vec<String>,
     other_channels: Vec<&'a str>,
     missing: &'a [String],
@@ -121,10 +132,11 @@ struct MatchingSummary<'a> {
 
 /// Sums a run up.
 ///
-/// `best` is the physical candidate with the best displacement fit ([`Ranking`]). A metric name that several channels
-/// carry stands for the pulse channel.
-pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
+/// `best` is the recommended candidate ([`Ranking`]). A metric name that several channels carry stands for the pulse
+/// channel.
+pub fn summary<'a>(run: &'a Run, ranking: &'a Ranking) -> Summary<'a> {
     let channel = run.channel_id();
+    let choice = run.recommendation.as_ref();
     let test = &run.test;
     Summary {
         schema: "crumple.summary.v1",
@@ -163,6 +175,12 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
                 notes: &candidate.record.notes,
             })
             .collect(),
+        recommended: ranking.best.as_deref(),
+        recommended_because: &ranking.because,
+        simplest: choice.and_then(|choice| choice.simplest.as_deref()),
+        simplest_because: choice.map(|choice| choice.simplest_because.as_str()),
+        closest: choice.and_then(|choice| choice.closest.as_deref()),
+        closest_because: choice.map(|choice| choice.closest_because.as_str()),
         best: ranking.best.clone(),
         no_best: ranking.no_best.clone(),
         best_undetermined: ranking
@@ -185,6 +203,7 @@ pub fn summary<'a>(run: &'a Run, ranking: &Ranking) -> Summary<'a> {
             fit_percent: candidate.fit_percent(),
             physical: candidate.record.physical,
         }),
+        predictions: &run.predictions,
         notes: run.notes.iter().map(|note| format!("{}: {}", note.stage, note.note)).collect(),
         other_channels: test.channels.iter().map(|c| c.id.as_str()).filter(|id| Some(*id) != channel).collect(),
         missing: &run.missing,

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
-    CandidateV1, ChannelFilterV1, DiagnosisV1, IdentificationV1, MetricsV1, ModesV1, NotesV1, ResponseV1, SimulationV1,
-    StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1,
+    CandidateV1, ChannelFilterV1, DiagnosisV1, IdentificationV1, MetricsV1, ModesV1, NotesV1, PredictionV1, ResponseV1,
+    SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1,
 };
 use crumple_report::{
     CandidateResult, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord, compare_ids,
@@ -35,6 +35,8 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
     let stabilizations = inputs.records::<StabilizationV1>("/stabilisation/")?;
     run.stabilizations = stabilizations.into_iter().map(|(_, record)| record).collect();
     run.matchings = inputs.records("/matching/")?;
+    run.recommendation = inputs.record_if("/recommendation")?;
+    run.predictions = predictions(inputs)?;
     let simulations: BTreeMap<String, SimulationV1> = inputs.records("/simulation/")?.into_iter().collect();
     let stage_ran = inputs.artifacts().iter().any(|artifact| artifact.stage() == Some("simulate"));
     run.responses = (stage_ran || !simulations.is_empty()).then_some(simulations.len());
@@ -58,6 +60,13 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
             .into());
     }
     Ok(run)
+}
+
+/// Predictions by their number.
+fn predictions(inputs: &Inputs) -> anyhow::Result<Vec<PredictionV1>> {
+    let mut numbered = inputs.records::<PredictionV1>("/prediction/")?;
+    numbered.sort_by_key(|(n, _)| (n.parse::<u64>().unwrap_or(u64::MAX), n.clone()));
+    Ok(numbered.into_iter().map(|(_, prediction)| prediction).collect())
 }
 
 /// The pulse channel's waves. Which acceleration is raw and which filtered follows from the stage that wrote it; where

@@ -25,7 +25,7 @@ use crumple_stage::{ExitStatus, Usage, be_quiet, check_pipeline, load_artifacts,
                   4 not one candidate could be simulated (both files are written)."
 )]
 pub struct Cli {
-    /// Artifacts of a run, 1-ingest.mcap to 6-simulate.mcap or any of them, in any order.
+    /// Artifacts of a run, 1-ingest.mcap to 7-predict.mcap or any of them, in any order.
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
 
@@ -178,10 +178,14 @@ fn lines(run: &Run, ranking: &Ranking) -> Vec<String> {
     if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
         let fit = best.fit_percent().unwrap_or(f64::NAN);
         let open = best.undetermined_in_words().map_or_else(String::new, |open| format!("; {open}"));
-        lines.push(format!("best model: {}, displacement fit {} %{open}", best.name_with_dual(), decimals(fit, 2)));
+        lines.push(format!(
+            "recommended model: {}, displacement fit {} %{open}",
+            best.name_with_dual(),
+            decimals(fit, 2)
+        ));
     }
     if let Some(reason) = ranking.no_best.as_deref().filter(|_| !ranking.order.is_empty()) {
-        lines.push(format!("no best model: {reason}"));
+        lines.push(format!("no recommended model: {reason}"));
     }
     let warnings = run.notes.iter().filter(|n| n.note.severity == Severity::Warning).count();
     if warnings > 0 {

@@ -39,12 +39,20 @@ pub struct Options {
     #[arg(long, value_name = "FOLDER", allow_hyphen_values = true)]
     pub(crate) out: Option<OsString>,
 
+    /// Stage that is left out where the pipeline file has no table of its name; what it wrote once is removed.
+    #[arg(long, value_name = "STAGE")]
+    pub(crate) optional: Vec<String>,
+
+    /// Runs these stages again in the folder of a run that was made; behind `--` stand flags of the first of them.
+    #[arg(long, value_name = "FOLDER", allow_hyphen_values = true, conflicts_with = "out")]
+    pub(crate) again: Option<PathBuf>,
+
     /// Flags for every stage, as one would type them.
     #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
     pub(crate) flags: String,
 
     /// The record, and flags of the stage that reads it.
-    #[arg(last = true, required = true, value_name = "RECORD")]
+    #[arg(last = true, required_unless_present = "again", value_name = "RECORD")]
     pub(crate) record: Vec<OsString>,
 }
 
@@ -63,8 +71,13 @@ impl Options {
         Ok(self.project.join("runs").join(stem).join(&pipeline.name))
     }
 
-    /// Whether the flags after the record ask what the first stage prints about itself or the record.
+    /// The flags of the first stage: all that stands behind the record.
+    pub(crate) fn flags_of_the_first(&self) -> &[OsString] {
+        if self.again.is_some() { &self.record } else { self.record.get(1..).unwrap_or_default() }
+    }
+
+    /// Whether they ask what the first stage prints about itself or the record.
     pub(crate) fn asks_for_information(&self) -> bool {
-        request_for_information(self.record.iter().skip(1).map(|flag| flag.to_string_lossy())).is_some()
+        request_for_information(self.flags_of_the_first().iter().map(|flag| flag.to_string_lossy())).is_some()
     }
 }

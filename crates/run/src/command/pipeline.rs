@@ -26,6 +26,24 @@ impl Pipeline {
     }
 }
 
+impl Pipeline {
+    /// Whether the file has a table of this name. One that cannot be read has: the stages say why.
+    pub(crate) fn has_table(&self, name: &str) -> bool {
+        let text = std::fs::read_to_string(&self.file).ok();
+        let table: Option<toml::Table> = text.and_then(|text| text.parse().ok());
+        table.is_none_or(|table| table.contains_key(name))
+    }
+
+    /// The pipeline of a run that was made: that of its summary where the project has it, else what is typed.
+    pub(crate) fn of_run(folder: &Path, typed: &str, project: &Path) -> Self {
+        let summary = std::fs::read_to_string(folder.join("summary.json")).ok();
+        let summary: Option<serde_json::Value> = summary.and_then(|text| serde_json::from_str(&text).ok());
+        let name = summary.as_ref().and_then(|summary| summary["pipeline"].as_str());
+        let made = name.map(|name| Self::resolve(name, project)).filter(|made| made.file.is_file());
+        made.unwrap_or_else(|| Self::resolve(typed, project))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -46,5 +64,22 @@ mod tests {
         assert_eq!(resolved("none.toml"), pair("/project/pipelines/none.toml", "none"));
         assert_eq!(resolved("./my own.toml"), pair("./my own.toml", "my own"));
         assert_eq!(resolved("/else/where/p.toml"), pair("/else/where/p.toml", "p"));
+    }
+
+    #[test]
+    fn a_table_is_looked_for_in_the_file_and_the_pipeline_of_a_run_in_its_summary() {
+        let project = tempfile::tempdir().unwrap();
+        let folder = project.path().join("pipelines");
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(folder.join("a.toml"), "[predict]\n").unwrap();
+        std::fs::write(folder.join("b.toml"), "[ingest]\n").unwrap();
+        let has = |name: &str| Pipeline::resolve(name, project.path()).has_table("predict");
+        assert_eq!([has("a"), has("b"), has("missing")], [true, false, true]);
+        let of_run = || Pipeline::of_run(project.path(), "a", project.path()).name;
+        assert_eq!(of_run(), "a");
+        std::fs::write(project.path().join("summary.json"), "{\"pipeline\": \"b\"}").unwrap();
+        assert_eq!(of_run(), "b");
+        std::fs::write(project.path().join("summary.json"), "{\"pipeline\": \"elsewhere\"}").unwrap();
+        assert_eq!(of_run(), "a");
     }
 }

@@ -49,6 +49,18 @@ impl Stages {
         self.0.iter().skip(stage + 1).rev().flat_map(|later| later.outputs.iter().map(String::as_str))
     }
 
+    /// The stages that are in use, without what the others would have written among their inputs; and the outputs of
+    /// the others.
+    pub(crate) fn in_use(&self, is_in_use: impl Fn(&str) -> bool) -> (Self, Vec<String>) {
+        let (used, others): (Vec<Stage>, Vec<Stage>) = self.0.iter().cloned().partition(|s| is_in_use(s.name()));
+        let left_out: Vec<String> = others.into_iter().flat_map(|stage| stage.outputs).collect();
+        let without = |mut stage: Stage| {
+            stage.inputs.retain(|input| !left_out.contains(input));
+            stage
+        };
+        (Self(used.into_iter().map(without).collect()), left_out)
+    }
+
     /// Names of all outputs.
     pub(crate) fn outputs(&self) -> impl Iterator<Item = &str> {
         self.0.iter().flat_map(|stage| stage.outputs.iter().map(String::as_str))
@@ -129,6 +141,8 @@ mod tests {
         assert_eq!((report.inputs.as_slice(), report.name()), (&["1-ingest.mcap".to_owned()][..], "report"));
         assert_eq!(stages.dependents(0).collect::<Vec<_>>(), ["report.html", "summary.json"]);
         assert_eq!(stages.dependents(1).count(), 0);
+        let (without, left_out) = Stages(stages.0.clone()).in_use(|name| name != "ingest");
+        assert_eq!((without.0.len(), without.0[0].inputs.len(), left_out), (1, 0, vec!["1-ingest.mcap".to_owned()]));
         assert!(parsed(&["--stage", "a", "b", "--stage", "c", "d", "-o", "e"]).is_err());
     }
 }

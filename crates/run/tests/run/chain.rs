@@ -118,6 +118,24 @@ impl Chain {
         command
     }
 
+    /// The same with more options of the run itself.
+    pub fn run_with(&self, record: &str, options: &[&str]) -> Command {
+        let mut command = Command::new(&self.program);
+        let plain = self.run(record);
+        command.args(options).args(plain.get_args()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    /// Simulation and report again in a folder, with flags of the first.
+    pub fn again(&self, folder: &Path, flags: &[&str]) -> Command {
+        let mut command = Command::new(&self.program);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        command.arg("--project").arg(self.root.path()).arg("--again").arg(folder);
+        command.args(["--stage", self.command(RESULTS[5]), RESULTS[4], "RECORD", "-o", RESULTS[5]]);
+        command.args(["--stage", self.command(RESULTS[6]), RESULTS[5], "-o", RESULTS[6], RESULTS[7], "--"]).args(flags);
+        command
+    }
+
     /// Content of every file in the folder by name, temporary files too.
     pub fn contents(&self) -> BTreeMap<String, String> {
         let entries = fs::read_dir(self.folder()).unwrap().map(|entry| entry.unwrap().path());

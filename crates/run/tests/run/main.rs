@@ -6,4 +6,5 @@ mod chain;
 mod endings;
 mod folders;
 mod killed;
+mod optional;
 mod together;

@@ -2,8 +2,8 @@
 //! a stage does.
 
 /// Stages in the order of the pipeline.
-pub(crate) const STAGES: [&str; 7] =
-    ["ingest", "filter", "integrate", "identify", "parameter-solve", "simulate", "report"];
+pub(crate) const STAGES: [&str; 8] =
+    ["ingest", "filter", "integrate", "identify", "parameter-solve", "simulate", "predict", "report"];
 
 /// Position of a stage in the pipeline; programs from elsewhere come last.
 pub(crate) fn stage_order(stage: Option<&str>) -> usize {
@@ -12,7 +12,7 @@ pub(crate) fn stage_order(stage: Option<&str>) -> usize {
 
 /// The binary that writes a topic, e.g. `/events` -> `crumple-integrate`.
 pub(crate) fn writer_of(topic: &str) -> &'static str {
-    const WRITERS: [(&str, &str); 19] = [
+    const WRITERS: [(&str, &str); 21] = [
         ("/test", "crumple-ingest"),
         ("/quality/", "crumple-ingest"),
         ("/filter/", "crumple-filter"),
@@ -28,7 +28,9 @@ pub(crate) fn writer_of(topic: &str) -> &'static str {
         ("/selection/", "crumple-identify"),
         ("/matching/", "crumple-parameter-solve"),
         ("/parameters/", "crumple-parameter-solve"),
+        ("/recommendation", "crumple-parameter-solve"),
         ("/simulation/", "crumple-simulate"),
+        ("/prediction/", "crumple-predict"),
         ("/wave/", "crumple-filter or crumple-ingest"),
         ("/notes", "any stage"),
         ("/diagnosis", "any stage"),

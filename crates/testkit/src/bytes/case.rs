@@ -19,13 +19,14 @@ pub struct Case {
 }
 
 /// Stages of a run after ingest: the program, its artifact, and the artifacts it reads, by their numbers.
-const STAGES: [(&str, &str, &[usize]); 6] = [
+const STAGES: [(&str, &str, &[usize]); 7] = [
     ("ingest", "1-ingest.mcap", &[]),
     ("filter", "2-filter.mcap", &[1]),
     ("integrate", "3-integrate.mcap", &[2]),
     ("identify", "4-identify.mcap", &[2, 3]),
     ("parameter-solve", "5-parameter-solve.mcap", &[2, 3, 4]),
     ("simulate", "6-simulate.mcap", &[2, 3, 5]),
+    ("predict", "7-predict.mcap", &[3, 5]),
 ];
 
 fn words(text: &str) -> impl Iterator<Item = String> + '_ {
@@ -81,7 +82,7 @@ mod tests {
     #[test]
     fn a_run_hands_every_stage_the_artifacts_it_reads() {
         let run = Case::run("run/a/default".to_owned(), "records/a.csv", "pipelines/default.toml");
-        assert_eq!(run.steps.len(), 7);
+        assert_eq!(run.steps.len(), 8);
         assert_eq!(
             run.steps[4].arguments.join(" "),
             "run/a/default/2-filter.mcap run/a/default/3-integrate.mcap run/a/default/4-identify.mcap \

@@ -7,7 +7,7 @@ use super::case::{Case, Step};
 use super::method_flags::{
     CHAINS, IDENTIFY, IDENTIFY_PROCESS, SOLVE, SOLVE_IDENTIFIED, SOLVE_SENSORS, SOLVER_VARIANTS, SOLVERS,
 };
-use super::stage_flags::{DIFF, FILTER, INGEST, INTEGRATE, INTEGRATE_OCCUPANTS, PROGRAMS, SIMULATE};
+use super::stage_flags::{DIFF, FILTER, INGEST, INTEGRATE, INTEGRATE_OCCUPANTS, PREDICT, PROGRAMS, SIMULATE};
 
 /// Cases that may run at the same time, and those that need their results.
 pub type Phases = Vec<Vec<Case>>;
@@ -62,6 +62,7 @@ fn of_stages() -> Vec<Case> {
     add("identify", DOUBLE, IDENTIFY);
     add("parameter-solve", DOUBLE, SOLVE);
     add("simulate", DOUBLE, SIMULATE);
+    add("predict", DOUBLE, PREDICT);
     let named = |kind: &str, name: &str| format!("{kind}-{name}");
     for (name, flags) in INGEST {
         cases.push(Case::on("ingest", name, &["records/double.csv".to_owned()], flags));

@@ -66,6 +66,16 @@ pub const SIMULATE: &[(&str, &str)] = &[
     ("usage-drive", "--drive=force"),
 ];
 
+pub const PREDICT: &[(&str, &str)] = &[
+    ("own", ""),
+    ("range", "--speed=20..80/20km/h"),
+    ("masses", "--speed=40km/h,64km/h --mass=1300kg,1800kg"),
+    ("candidate", "--speed=56km/h --candidate=double-spring-mass-damper/direct-fit/1"),
+    ("inputs", "--speed-uncertainty=1km/h --mass-uncertainty=20kg"),
+    ("usage-candidate", "--candidate=double/direct-fit/1"),
+    ("usage-speed", "--speed=0km/h"),
+];
+
 /// Comparing the runs of `double` and `noisy`.
 pub const DIFF: &[(&str, &str)] = &[
     ("plain", ""),
@@ -77,5 +87,15 @@ pub const DIFF: &[(&str, &str)] = &[
 ];
 
 /// Every program, for its help.
-pub const PROGRAMS: [&str; 9] =
-    ["ingest", "filter", "integrate", "identify", "parameter-solve", "simulate", "report", "diff", "artifact"];
+pub const PROGRAMS: [&str; 10] = [
+    "ingest",
+    "filter",
+    "integrate",
+    "identify",
+    "parameter-solve",
+    "simulate",
+    "predict",
+    "report",
+    "diff",
+    "artifact",
+];

@@ -57,11 +57,12 @@ pub fn number(value: &serde_json::Value, path: &[&str]) -> f64 {
 }
 
 /// The names of a run folder's artifacts in order.
-pub const ARTIFACTS: [&str; 6] = [
+pub const ARTIFACTS: [&str; 7] = [
     "1-ingest.mcap",
     "2-filter.mcap",
     "3-integrate.mcap",
     "4-identify.mcap",
     "5-parameter-solve.mcap",
     "6-simulate.mcap",
+    "7-predict.mcap",
 ];

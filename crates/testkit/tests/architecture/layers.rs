@@ -19,6 +19,7 @@ pub const LAYERS: [&[&str]; 7] = [
         "identify",
         "parameter-solve",
         "simulate",
+        "predict",
         "report",
         "diff",
         "artifact-cli",

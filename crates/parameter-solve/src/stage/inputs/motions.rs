@@ -56,7 +56,7 @@ pub fn sensor_wave(
 }
 
 /// The motion of a channel.
-fn motion(input: &Inputs, channel: &str, quantity: FitQuantity, mass_kg: f64) -> anyhow::Result<Sampled> {
+pub fn motion(input: &Inputs, channel: &str, quantity: FitQuantity, mass_kg: f64) -> anyhow::Result<Sampled> {
     let hint = "crumple-integrate writes the motion of the pulse and of the channels named with --channels there";
     let wave = |what: &str| {
         let id = format!("{channel}/{what}");

@@ -164,6 +164,25 @@ pub struct Options {
     #[arg(long, value_name = "NUMBER")]
     pub repetitions: Option<usize>,
 
+    /// Choice of candidates: what a model without plastic deformation is charged beside the evidence; 0 takes this term
+    /// off [default: 10]
+    #[arg(long, value_name = "NUMBER")]
+    pub plastic_prior: Option<f64>,
+
+    /// Choice of candidates: coefficient of restitution of vehicles in general, where the record shows none [default:
+    /// 0.15]
+    #[arg(long, value_name = "NUMBER")]
+    pub restitution_prior: Option<f64>,
+
+    /// Choice of candidates: standard deviation of the logarithm of the restitution; 0 takes this term off [default:
+    /// 0.35]
+    #[arg(long, value_name = "NUMBER")]
+    pub restitution_deviation: Option<f64>,
+
+    /// Choice of candidates: displacement fit as measured from which a model is adequate, percent [default: 90]
+    #[arg(long, value_name = "PERCENT")]
+    pub adequate_fit: Option<f64>,
+
     /// Chains of masses to be fitted, stated in the pipeline file: `[parameter-solve.chain.<name>]`.
     #[arg(skip)]
     pub chain: toml::Table,

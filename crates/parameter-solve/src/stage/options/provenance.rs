@@ -39,6 +39,10 @@ struct Provenance<'a> {
     paper: Option<&'static str>,
     #[serde(flatten)]
     assessment: &'a AssessmentSettings,
+    plastic_prior: f64,
+    restitution_prior: f64,
+    restitution_deviation: f64,
+    adequate_fit_percent: f64,
     #[serde(skip_serializing_if = "is_empty")]
     chain: &'a [FittedChain],
 }
@@ -86,6 +90,10 @@ impl<'a> Provenance<'a> {
             stay_attached: !solve.release,
             paper: settings.paper,
             assessment: &settings.assessment,
+            plastic_prior: settings.selection.plastic_prior,
+            restitution_prior: settings.selection.restitution_prior,
+            restitution_deviation: settings.selection.restitution_deviation,
+            adequate_fit_percent: settings.selection.adequate_fit_percent,
             chain: &settings.chain,
         }
     }

@@ -3,7 +3,7 @@
 use crumple_lumped::ModelKind;
 use crumple_lumped_fit::{
     DEFAULT_MODELS, FireflyOptions, FireflyUnits, FitQuantity, LShadeOptions, METHODS, MODELS, MassFit, MassSplit,
-    Method, REPETITIONS, SensorPlace, SolveSettings,
+    Method, REPETITIONS, SelectionRules, SensorPlace, SolveSettings,
 };
 use crumple_signal::value::{Mass, Time};
 use crumple_stage::{Usage, nearest};
@@ -38,6 +38,8 @@ pub struct StageSettings {
     pub chain: Vec<FittedChain>,
     /// What the library is asked for.
     pub solve: SolveSettings,
+    /// How a candidate is chosen.
+    pub selection: SelectionRules,
 }
 
 /// Replicates of an interval: none, or as many as have a 2.5 % quantile and the memory holds.
@@ -111,7 +113,9 @@ impl TryFrom<Options> for StageSettings {
             firefly,
         };
         let assessment = assessment_settings(&options)?;
+        let selection = selection_rules(&options)?;
         Ok(Self {
+            selection,
             mass_kg: options.mass.map(Mass::si),
             front_mass_fraction: fraction.unwrap_or(FRONT_MASS_FRACTION),
             paper,
@@ -175,6 +179,34 @@ fn assessment_settings(options: &Options) -> Result<AssessmentSettings, Usage> {
             options.time_zero_uncertainty.map(|u| u.distribution).unwrap_or_default(),
         ],
         repetitions: replicates("repetitions", options.repetitions.unwrap_or(REPETITIONS))?,
+    })
+}
+
+/// How a candidate is chosen.
+fn selection_rules(options: &Options) -> Result<SelectionRules, Usage> {
+    let default = SelectionRules::default();
+    let number = |name: &str, given: Option<f64>, default: f64, (low, high): (f64, f64)| match given {
+        Some(value) if !(value >= low && value <= high) => {
+            Err(Usage::new(format!("{name} is {value}, expected a number from {low} to {high}")))
+        }
+        given => Ok(given.unwrap_or(default)),
+    };
+    Ok(SelectionRules {
+        plastic_prior: number("plastic-prior", options.plastic_prior, default.plastic_prior, (0.0, 1e3))?,
+        restitution_prior: number(
+            "restitution-prior",
+            options.restitution_prior,
+            default.restitution_prior,
+            (0.01, 1.0),
+        )?,
+        restitution_deviation: number(
+            "restitution-deviation",
+            options.restitution_deviation,
+            default.restitution_deviation,
+            (0.0, 10.0),
+        )?,
+        adequate_fit_percent: number("adequate-fit", options.adequate_fit, default.adequate_fit_percent, (0.0, 100.0))?,
+        ..default
     })
 }
 
@@ -281,6 +313,10 @@ mod tests {
             Options { bias_uncertainty: "0.05 g uniform".parse().ok(), ..Options::default() },
             Options { time_zero_uncertainty: "0.5 ms".parse().ok(), ..Options::default() },
             Options { repetitions: Some(50), ..Options::default() },
+            Options { plastic_prior: Some(0.0), ..Options::default() },
+            Options { restitution_prior: Some(0.1), ..Options::default() },
+            Options { restitution_deviation: Some(0.5), ..Options::default() },
+            Options { adequate_fit: Some(95.0), ..Options::default() },
         ] {
             assert_ne!(json(options), default);
         }

@@ -1,0 +1,100 @@
+//! Record: which candidate to use for what, and why.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Which candidate to use, and what spoke for it. Topic `/recommendation`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RecommendationV1 {
+    /// Candidate for the prediction of other tests; `null`: none qualifies.
+    pub recommended: Option<String>,
+    /// Why this one, or why none, in one sentence.
+    pub recommended_because: String,
+    /// Adequate candidate with the fewest parameters, all of them determined.
+    pub simplest: Option<String>,
+    /// Why this one, or why none.
+    pub simplest_because: String,
+    /// Candidate that follows the record closest.
+    pub closest: Option<String>,
+    /// Why this one, or why none.
+    pub closest_because: String,
+    /// What the information criterion was computed from; `null`: nothing could be compared.
+    pub evidence: Option<RecommendationEvidenceV1>,
+    /// What is known beside the record, as squared terms.
+    #[serde(default)]
+    pub priors: Vec<PriorV1>,
+    /// All candidates, best with priors first, then those that are not adequate.
+    #[serde(default)]
+    pub candidates: Vec<RatedCandidateV1>,
+}
+
+/// What the information criterion was computed from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RecommendationEvidenceV1 {
+    /// Quantity compared, e.g. `acceleration`.
+    pub quantity: String,
+    /// Whether the models were sampled and filtered as the record was.
+    pub as_measured: bool,
+    /// Compared window: start, s after time zero.
+    pub from_s: f64,
+    /// Compared window: end.
+    pub to_s: f64,
+    /// Samples compared.
+    pub samples: u64,
+    /// Independent samples that all candidates are compared with.
+    pub effective_samples: f64,
+}
+
+/// One piece of prior knowledge.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PriorV1 {
+    /// Name, e.g. `restitution`.
+    pub name: String,
+    /// What it says, in words and numbers.
+    pub statement: String,
+    /// Where it comes from.
+    pub source: String,
+}
+
+/// One candidate in the choice.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RatedCandidateV1 {
+    /// Candidate.
+    pub id: String,
+    /// What takes the energy: `plastic`, `damped` or `elastic`.
+    pub class: String,
+    /// Whether its model describes the record.
+    pub adequate: bool,
+    /// Why it is not adequate.
+    pub not_adequate_because: Option<String>,
+    /// Free numbers that it was charged for.
+    pub parameters: u32,
+    /// Of these, how many the record determines.
+    pub determined: u32,
+    /// Root mean square misfit as measured, unit of the quantity of the evidence.
+    pub misfit: Option<f64>,
+    /// Displacement fit as measured, percent.
+    pub fit_as_measured_percent: Option<f64>,
+    /// Coefficient of restitution of the model in the test.
+    pub coefficient_of_restitution: Option<f64>,
+    /// Misfit of the wall's force, percent of its root mean square, where the record has one.
+    pub force_misfit_percent: Option<f64>,
+    /// Corrected Akaike criterion as measured, without priors; `null`: too few independent samples for its parameters.
+    pub aicc: Option<f64>,
+    /// The same above the lowest of the adequate candidates.
+    pub aicc_difference: Option<f64>,
+    /// What each prior adds.
+    #[serde(default)]
+    pub priors: Vec<PriorTermV1>,
+    /// Criterion with all priors above the lowest of the adequate candidates.
+    pub difference_with_priors: Option<f64>,
+}
+
+/// What a prior adds to the criterion of a candidate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PriorTermV1 {
+    /// Name of the prior.
+    pub name: String,
+    /// Its squared term.
+    pub term: f64,
+}

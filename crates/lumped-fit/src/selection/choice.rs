@@ -1,0 +1,410 @@
+//! The choice: which candidate is for prediction, which is the simplest, which follows the record closest.
+//!
+//! Evidence is the corrected Akaike criterion of misfits as measured, with one number of independent samples for all;
+//! prior knowledge adds squared terms. Differences below 2 say nothing, above 10 they decide (Burnham & Anderson 2002,
+//! section 2.6): no percent of fit overrules them.
+
+use std::cmp::Ordering;
+
+use crate::selection::compared_candidate::ComparedCandidate;
+use crate::selection::evidence::{criterion, independent_samples, visible_misfit};
+use crate::selection::prior::{Prior, SelectionRules};
+
+/// Criteria that differ by less are equal: among them the fewest parameters.
+const EQUAL: f64 = 2.0;
+/// Misfits up to this factor above the least give the number of independent samples: a bad fit gains nothing by being
+/// smooth.
+const COMPARABLE: f64 = 2.0;
+/// Fits that differ by less, percentage points, are the same: rounding does not decide.
+const FIT_STEP: f64 = 1e-6;
+
+/// What all candidates are compared with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ComparedRecord {
+    /// Root mean square of the record over the window, unit of the misfits.
+    pub rms: f64,
+    /// Independent samples that its filter lets through at most; infinite where it is not known.
+    pub most_samples: f64,
+    /// Restitution that the test shows.
+    pub restitution: Option<f64>,
+}
+
+/// A name of the choice: a candidate, or none, and why.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choice {
+    /// Place of the candidate among those given.
+    pub candidate: Option<usize>,
+    /// Why, in one sentence.
+    pub because: String,
+}
+
+/// One candidate with what was counted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rated {
+    /// Why it is not adequate; `None`: it is.
+    pub not_adequate: Option<String>,
+    /// Root mean square misfit, unit of the record.
+    pub misfit: Option<f64>,
+    /// Criterion without priors.
+    pub aicc: Option<f64>,
+    /// The same above the lowest of the adequate.
+    pub difference: Option<f64>,
+    /// What each prior adds.
+    pub terms: Vec<(&'static str, f64)>,
+    /// Criterion with priors above the lowest of the adequate.
+    pub difference_with_priors: Option<f64>,
+}
+
+impl Rated {
+    fn is_adequate(&self) -> bool {
+        self.not_adequate.is_none()
+    }
+}
+
+/// The three names, and all that was counted for them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CandidateSelection {
+    /// For prediction.
+    pub recommended: Choice,
+    /// Fewest parameters, all of them determined.
+    pub simplest: Choice,
+    /// Closest to the record.
+    pub closest: Choice,
+    /// In the order of the candidates.
+    pub rated: Vec<Rated>,
+    /// Independent samples that all were compared with; `None`: none is adequate.
+    pub samples: Option<f64>,
+    /// Priors in use.
+    pub priors: Vec<Prior>,
+}
+
+/// Chooses among candidates of which none is the dual of another: the same model twice is one.
+///
+/// *Adequate*: physical, no parameter on a bound of its search, a displacement fit of at least
+/// [`SelectionRules::adequate_fit_percent`]. *Recommended*: of the adequate whose numbers the record determines, and
+/// whose wall force is within its limit, the lowest criterion with priors; within 2 of it the fewest parameters.
+/// *Simplest*: of the adequate with all numbers determined the fewest, then the lowest criterion. *Closest*: of the
+/// physical the best displacement fit.
+pub fn choose(candidates: &[ComparedCandidate], record: &ComparedRecord, rules: &SelectionRules) -> CandidateSelection {
+    let mut rated: Vec<Rated> = candidates
+        .iter()
+        .map(|candidate| Rated {
+            not_adequate: not_adequate(candidate, rules),
+            misfit: candidate.misfit.as_deref().and_then(rms),
+            aicc: None,
+            difference: None,
+            terms: rules.terms(candidate, record.restitution),
+            difference_with_priors: None,
+        })
+        .collect();
+    let samples = shared_samples(candidates, &rated, record);
+    if let Some(samples) = samples {
+        rate(candidates, &mut rated, record, samples);
+    }
+    let all = ComparedCandidates { candidates, rated: &rated, rules };
+    let (recommended, simplest, closest) = (all.recommended(samples), all.simplest(), all.closest());
+    CandidateSelection { recommended, simplest, closest, rated, samples, priors: rules.priors(record.restitution) }
+}
+
+fn rms(misfit: &[f64]) -> Option<f64> {
+    let mean_square = misfit.iter().map(|e| e * e).sum::<f64>() / misfit.len() as f64;
+    Some(mean_square.sqrt()).filter(|rms| rms.is_finite())
+}
+
+/// Why a candidate is not adequate.
+fn not_adequate(candidate: &ComparedCandidate, rules: &SelectionRules) -> Option<String> {
+    if !candidate.physical {
+        return Some("it is no passive structure".to_owned());
+    }
+    if !candidate.on_bound.is_empty() {
+        return Some(format!("on a bound of its search: {}", candidate.on_bound.join(", ")));
+    }
+    let limit = rules.adequate_fit_percent;
+    match candidate.fit_percent {
+        Some(fit) if fit >= limit => candidate.misfit.is_none().then(|| "it has no response to compare".to_owned()),
+        Some(fit) => Some(format!("its displacement fit of {fit:.1} % is below {limit} %")),
+        None => Some("it has no displacement to compare".to_owned()),
+    }
+}
+
+/// The smallest number of independent samples among adequate candidates with comparable misfits.
+fn shared_samples(candidates: &[ComparedCandidate], rated: &[Rated], record: &ComparedRecord) -> Option<f64> {
+    let adequate = candidates.iter().zip(rated).filter(|(_, rated)| rated.is_adequate());
+    let misfits: Vec<&[f64]> = adequate.filter_map(|(candidate, _)| candidate.misfit.as_deref()).collect();
+    let least = misfits.iter().map(|misfit| visible_misfit(misfit, record.rms)).reduce(f64::min)?;
+    misfits
+        .iter()
+        .filter(|misfit| visible_misfit(misfit, record.rms) <= COMPARABLE * least)
+        .map(|misfit| independent_samples(misfit, record.rms, record.most_samples))
+        .reduce(f64::min)
+}
+
+/// Fills in the criteria.
+fn rate(candidates: &[ComparedCandidate], rated: &mut [Rated], record: &ComparedRecord, samples: f64) {
+    for (candidate, rated) in candidates.iter().zip(rated.iter_mut()) {
+        let misfit = candidate.misfit.as_deref();
+        rated.aicc = misfit.and_then(|misfit| criterion(misfit, record.rms, samples, candidate.parameters));
+    }
+    let with_priors = |rated: &Rated| Some(rated.aicc? + rated.terms.iter().map(|(_, term)| term).sum::<f64>());
+    let least = |of: &dyn Fn(&Rated) -> Option<f64>| {
+        rated.iter().filter(|rated| rated.is_adequate()).filter_map(of).reduce(f64::min)
+    };
+    let (lowest, lowest_with_priors) = (least(&|rated| rated.aicc), least(&with_priors));
+    for rated in rated.iter_mut() {
+        rated.difference = rated.aicc.zip(lowest).map(|(aicc, lowest)| aicc - lowest);
+        rated.difference_with_priors = with_priors(rated).zip(lowest_with_priors).map(|(total, lowest)| total - lowest);
+    }
+}
+
+/// All that the three names are chosen from.
+struct ComparedCandidates<'a> {
+    candidates: &'a [ComparedCandidate],
+    rated: &'a [Rated],
+    rules: &'a SelectionRules,
+}
+
+impl ComparedCandidates<'_> {
+    fn none(because: impl Into<String>) -> Choice {
+        Choice { candidate: None, because: because.into() }
+    }
+
+    fn adequate(&self) -> impl Iterator<Item = usize> {
+        (0..self.candidates.len()).filter(|k| self.rated[*k].is_adequate())
+    }
+
+    /// The criterion with priors above the lowest; infinite without one.
+    fn total(&self, k: usize) -> f64 {
+        self.rated[k].difference_with_priors.unwrap_or(f64::INFINITY)
+    }
+
+    /// Why an adequate candidate is not for prediction.
+    fn not_for_prediction(&self, k: usize) -> Option<String> {
+        let candidate = &self.candidates[k];
+        if self.rated[k].aicc.is_none() {
+            return Some(format!("{} free numbers are too many for this record", candidate.parameters));
+        }
+        if !candidate.open.is_empty() {
+            let (open, of) = (candidate.open.len(), candidate.parameters);
+            return Some(format!("{open} of its {of} numbers are not determined"));
+        }
+        let force = candidate.force_misfit_percent.filter(|force| *force > self.rules.force_limit_percent);
+        force.map(|force| format!("it misses the force on the wall by {force:.0} %"))
+    }
+
+    fn recommended(&self, samples: Option<f64>) -> Choice {
+        let Some(samples) = samples else { return Self::none(self.why_none_is_adequate()) };
+        let qualified: Vec<usize> = self.adequate().filter(|k| self.not_for_prediction(*k).is_none()).collect();
+        let Some(lowest) = qualified.iter().map(|k| self.total(*k)).reduce(f64::min) else {
+            let reasons: Vec<String> = self
+                .adequate()
+                .filter_map(|k| Some(format!("{}: {}", self.candidates[k].id, self.not_for_prediction(k)?)))
+                .collect();
+            return Self::none(format!("no adequate candidate qualifies ({})", reasons.join("; ")));
+        };
+        let equal = qualified.iter().copied().filter(|k| self.total(*k) <= lowest + EQUAL);
+        let best = equal.min_by(|a, b| self.by_parameters(*a, *b)).unwrap_or(qualified[0]);
+        let of_others = qualified.iter().copied().filter(|k| *k != best);
+        let next = of_others.min_by(|a, b| self.total(*a).total_cmp(&self.total(*b)));
+        let candidate = &self.candidates[best];
+        let mut because = format!(
+            "{}, all {} numbers determined, {}",
+            candidate.class.name(),
+            candidate.parameters,
+            match next {
+                Some(next) => self.beside_the_next(best, next),
+                None => "the only adequate candidate that qualifies".to_owned(),
+            }
+        );
+        because.push_str(&format!(" (evidence as measured with priors, {samples:.0} independent samples)"));
+        let passed_over = self
+            .adequate()
+            .filter(|k| self.total(*k) < self.total(best))
+            .filter_map(|k| Some((k, self.not_for_prediction(k)?)))
+            .min_by(|(a, _), (b, _)| self.total(*a).total_cmp(&self.total(*b)));
+        if let Some((k, why)) = passed_over {
+            let (id, better) = (&self.candidates[k].id, self.total(best) - self.total(k));
+            because.push_str(&format!("; {id} stands {better:.1} lower, but {why}"));
+        }
+        Choice { candidate: Some(best), because }
+    }
+
+    /// How the criterion stands to that of the next.
+    fn beside_the_next(&self, best: usize, next: usize) -> String {
+        let (id, gap) = (&self.candidates[next].id, self.total(next) - self.total(best));
+        if gap.abs() < EQUAL {
+            format!("equal to {id} within {EQUAL} and with no more numbers")
+        } else {
+            let weight = if gap > 10.0 { "decisive" } else { "weak" };
+            format!("its criterion {gap:.1} below that of {id}, which is {weight}")
+        }
+    }
+
+    fn simplest(&self) -> Choice {
+        let determined: Vec<usize> = self.adequate().filter(|k| self.candidates[*k].open.is_empty()).collect();
+        let Some(simplest) = determined.iter().copied().min_by(|a, b| self.by_parameters(*a, *b)) else {
+            return Self::none(match self.adequate().count() {
+                0 => self.why_none_is_adequate(),
+                n => format!("each of the {n} adequate candidates has a number that the record does not determine"),
+            });
+        };
+        let candidate = &self.candidates[simplest];
+        let fit = candidate.fit_percent.unwrap_or(0.0);
+        let count = match candidate.parameters {
+            1 => "one number, determined".to_owned(),
+            n => format!("{n} numbers, all determined"),
+        };
+        Choice { candidate: Some(simplest), because: format!("{count}, displacement fit as measured {fit:.2} %") }
+    }
+
+    fn closest(&self) -> Choice {
+        let step = |k: usize| self.candidates[k].fit_percent.map(|fit| (fit / FIT_STEP).round());
+        let physical = (0..self.candidates.len()).filter(|k| self.candidates[*k].physical && step(*k).is_some());
+        let closest = physical.min_by(|a, b| {
+            step(*b).unwrap_or(0.0).total_cmp(&step(*a).unwrap_or(0.0)).then_with(|| self.by_parameters(*a, *b))
+        });
+        let Some(closest) = closest else { return Self::none("no physical candidate has a displacement to compare") };
+        let candidate = &self.candidates[closest];
+        let fit = candidate.fit_percent.unwrap_or(0.0);
+        let (open, of) = (candidate.open.len() + candidate.on_bound.len(), candidate.parameters);
+        let open = if open == 0 { String::new() } else { format!("; {open} of its {of} numbers not determined") };
+        let because = format!("displacement fit as measured {fit:.2} %, the best of a physical candidate{open}");
+        Choice { candidate: Some(closest), because }
+    }
+
+    /// Fewest numbers first, then the lowest criterion, then the order given.
+    fn by_parameters(&self, a: usize, b: usize) -> Ordering {
+        let count = |k: usize| self.candidates[k].parameters;
+        count(a).cmp(&count(b)).then_with(|| self.total(a).total_cmp(&self.total(b))).then_with(|| a.cmp(&b))
+    }
+
+    fn why_none_is_adequate(&self) -> String {
+        if self.candidates.is_empty() {
+            return "there is no candidate".to_owned();
+        }
+        let reason =
+            |k: usize| self.rated[k].not_adequate.as_ref().map(|why| format!("{}: {why}", self.candidates[k].id));
+        let reasons: Vec<String> = (0..self.candidates.len()).filter_map(reason).collect();
+        format!("no candidate is adequate ({})", reasons.join("; "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::selection::compared_candidate::EnergyClass;
+
+    /// A misfit of noise of this size that is told apart from sample to sample.
+    fn candidate(id: &str, class: EnergyClass, parameters: usize, misfit: f64) -> ComparedCandidate {
+        let signs = [1.0, -1.0, -1.0, 1.0, 1.0, 1.0, -1.0, 1.0, -1.0, -1.0];
+        ComparedCandidate {
+            id: id.to_owned(),
+            class,
+            parameters,
+            open: Vec::new(),
+            on_bound: Vec::new(),
+            physical: true,
+            misfit: Some((0..40).map(|k| misfit * signs[k % 10]).collect()),
+            fit_percent: Some(99.0 - misfit),
+            restitution: Some(0.15),
+            force_misfit_percent: None,
+        }
+    }
+
+    const RECORD: ComparedRecord = ComparedRecord { rms: 100.0, most_samples: 20.0, restitution: Some(0.15) };
+
+    fn ids(candidates: &[ComparedCandidate], rules: &SelectionRules) -> [Option<String>; 3] {
+        let selection = choose(candidates, &RECORD, rules);
+        [selection.recommended, selection.simplest, selection.closest]
+            .map(|choice| choice.candidate.map(|k| candidates[k].id.clone()))
+    }
+
+    fn some(names: [&str; 3]) -> [Option<String>; 3] {
+        names.map(|name| Some(name.to_owned()))
+    }
+
+    #[test]
+    fn a_damped_model_must_win_by_more_than_the_prior() {
+        // 20 ln((2/1.5)^2) = 11.5, less 2 for a number more and 2.2 for the correction: the prior of 10 holds.
+        let plastic = candidate("plastic", EnergyClass::Plastic, 2, 2.0);
+        let near = candidate("damped", EnergyClass::Damped, 3, 1.5);
+        let rules = SelectionRules::default();
+        assert_eq!(ids(&[plastic.clone(), near.clone()], &rules), some(["plastic", "plastic", "damped"]));
+        let without = SelectionRules { plastic_prior: 0.0, ..rules };
+        assert_eq!(ids(&[plastic.clone(), near], &without), some(["damped", "plastic", "damped"]));
+        // 20 ln 16 = 55.
+        let far = candidate("damped", EnergyClass::Damped, 3, 0.5);
+        assert_eq!(ids(&[plastic, far], &rules), some(["damped", "plastic", "damped"]));
+    }
+
+    #[test]
+    fn a_tenth_of_a_point_of_fit_does_not_overrule_a_difference_above_10() {
+        let mut small = candidate("small", EnergyClass::Damped, 2, 1.0);
+        let true_one = candidate("true", EnergyClass::Damped, 4, 0.5);
+        small.fit_percent = Some(99.95);
+        assert_eq!(ids(&[small, true_one], &SelectionRules::default()), some(["true", "small", "small"]));
+    }
+
+    #[test]
+    fn what_the_record_leaves_open_is_not_for_prediction() {
+        let mut open = candidate("open", EnergyClass::Plastic, 5, 0.2);
+        open.open = vec!["k3".to_owned()];
+        let determined = candidate("determined", EnergyClass::Plastic, 2, 1.0);
+        let both = [open.clone(), determined];
+        assert_eq!(ids(&both, &SelectionRules::default()), some(["determined", "determined", "open"]));
+        let selection = choose(&both, &RECORD, &SelectionRules::default());
+        assert!(selection.recommended.because.contains("but 1 of its 5 numbers are not determined"));
+        let [recommended, simplest, closest] = ids(&[open], &SelectionRules::default());
+        assert_eq!((recommended, simplest, closest.as_deref()), (None, None, Some("open")));
+    }
+
+    #[test]
+    fn what_is_not_adequate_has_no_say() {
+        let good = candidate("good", EnergyClass::Plastic, 2, 1.0);
+        let mut bound = candidate("bound", EnergyClass::Plastic, 2, 0.1);
+        bound.on_bound = vec!["k".to_owned()];
+        let mut active = candidate("active", EnergyClass::Plastic, 2, 0.1);
+        active.physical = false;
+        let mut poor = candidate("poor", EnergyClass::Plastic, 1, 3.0);
+        poor.fit_percent = Some(60.0);
+        let all = [good, bound, active, poor];
+        assert_eq!(ids(&all, &SelectionRules::default()), some(["good", "good", "bound"]));
+        let selection = choose(&all, &RECORD, &SelectionRules::default());
+        let why: Vec<_> = selection.rated.iter().map(|rated| rated.not_adequate.as_deref()).collect();
+        assert_eq!(
+            why,
+            [
+                None,
+                Some("on a bound of its search: k"),
+                Some("it is no passive structure"),
+                Some("its displacement fit of 60.0 % is below 90 %")
+            ]
+        );
+        let none = choose(&all[3..], &RECORD, &SelectionRules::default());
+        assert_eq!((none.recommended.candidate, none.samples), (None, None));
+        assert!(choose(&[], &RECORD, &SelectionRules::default()).closest.candidate.is_none());
+    }
+
+    #[test]
+    fn too_many_numbers_and_a_missed_wall_are_refused() {
+        let many = candidate("many", EnergyClass::Plastic, 18, 0.01);
+        let mut wall = candidate("wall", EnergyClass::Plastic, 2, 0.5);
+        wall.force_misfit_percent = Some(42.0);
+        let good = candidate("good", EnergyClass::Plastic, 2, 0.9);
+        let names = ids(&[many, wall, good], &SelectionRules::default());
+        assert_eq!(names[0].as_deref(), Some("good"));
+    }
+
+    #[test]
+    fn a_restitution_unlike_that_of_the_test_costs() {
+        let mut bouncy = candidate("bouncy", EnergyClass::Plastic, 2, 1.0);
+        bouncy.restitution = Some(0.6);
+        let plain = candidate("plain", EnergyClass::Plastic, 2, 1.0);
+        let selection = choose(&[bouncy, plain], &RECORD, &SelectionRules::default());
+        // (ln 4/0.35)^2.
+        assert!((selection.rated[0].terms[1].1 - (4.0_f64.ln() / 0.35).powi(2)).abs() < 1e-12);
+        assert_eq!(selection.recommended.candidate, Some(1));
+        let wide = SelectionRules { restitution_deviation: 0.0, plastic_prior: 0.0, ..SelectionRules::default() };
+        assert!(wide.terms(&candidate("a", EnergyClass::Elastic, 1, 1.0), None).is_empty());
+        assert!(wide.priors(None).is_empty());
+    }
+}

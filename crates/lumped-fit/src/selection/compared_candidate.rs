@@ -1,0 +1,112 @@
+//! A candidate in the choice: what its fit and its model say of it.
+
+use std::collections::BTreeMap;
+
+use crumple_lumped::{ModelKind, ParameterKind, parameter_kind};
+
+/// What takes the energy of the impact in a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum EnergyClass {
+    /// Plastic deformation.
+    Plastic,
+    /// Dampers.
+    Damped,
+    /// Nothing: springs give all of it back.
+    Elastic,
+}
+
+impl EnergyClass {
+    /// The class of a candidate, from the names of model and parameters in its record.
+    pub fn of(model: &str, parameters: &BTreeMap<String, f64>) -> Self {
+        let plastic = match model.parse::<ModelKind>() {
+            Ok(ModelKind::Elastoplastic) => true,
+            Ok(
+                ModelKind::Kelvin
+                | ModelKind::Maxwell
+                | ModelKind::Nonlinear1
+                | ModelKind::Nonlinear2
+                | ModelKind::DoubleSpringMassDamper
+                | ModelKind::TripleSpringMassDamper,
+            )
+            | Err(_) => false,
+        };
+        if plastic {
+            Self::Plastic
+        } else if depends_on_rate(model, parameters) {
+            Self::Damped
+        } else {
+            Self::Elastic
+        }
+    }
+
+    /// Its name in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plastic => "plastic",
+            Self::Damped => "damped",
+            Self::Elastic => "elastic",
+        }
+    }
+}
+
+/// Whether a force of the model depends on a rate.
+pub fn depends_on_rate(model: &str, parameters: &BTreeMap<String, f64>) -> bool {
+    parameters.iter().any(|(name, value)| match parameter_kind(model, name) {
+        Some(ParameterKind::Damping) => *value != 0.0,
+        // A rate is the place of a damper's knot.
+        Some(ParameterKind::Mass | ParameterKind::Stiffness | ParameterKind::Length | ParameterKind::Rate) | None => {
+            false
+        }
+    })
+}
+
+/// One candidate in the choice.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ComparedCandidate {
+    /// Its id.
+    pub id: String,
+    /// What takes the energy.
+    pub class: EnergyClass,
+    /// Free numbers.
+    pub parameters: usize,
+    /// Of these, what the record does not determine, in words.
+    pub open: Vec<String>,
+    /// Parameters on a bound of their search other than zero, in words.
+    pub on_bound: Vec<String>,
+    /// Whether no spring or damper is negative.
+    pub physical: bool,
+    /// Model less record as measured, the quantity of the evidence at every sample of the window; `None`: the model has
+    /// no response.
+    pub misfit: Option<Vec<f64>>,
+    /// Displacement fit as measured, percent.
+    pub fit_percent: Option<f64>,
+    /// Coefficient of restitution of the model in the test; `None`: it does not come back.
+    pub restitution: Option<f64>,
+    /// Misfit of the wall's force, percent of its root mean square; `None`: the record has no such force.
+    pub force_misfit_percent: Option<f64>,
+}
+
+impl ComparedCandidate {
+    /// How many of its numbers the record determines.
+    pub fn determined(&self) -> usize {
+        self.parameters.saturating_sub(self.open.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_class_is_that_of_the_model_and_of_its_dampers() {
+        let kelvin = |c: f64| [("mass_kg", 1.0), ("stiffness_n_per_m", 2.0), ("damping_n_s_per_m", c)];
+        let class = |model: &str, parameters: &[(&str, f64)]| {
+            EnergyClass::of(model, &parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect())
+        };
+        assert_eq!(class("kelvin", &kelvin(3.0)), EnergyClass::Damped);
+        assert_eq!(class("kelvin", &kelvin(0.0)), EnergyClass::Elastic);
+        assert_eq!(class("elastoplastic", &[]), EnergyClass::Plastic);
+        assert_eq!(class("chain", &[("c1_n_s_per_m", 5.0)]), EnergyClass::Damped);
+        assert_eq!(class("nonlinear-2", &[("v1_m_per_s", 5.0)]), EnergyClass::Elastic);
+    }
+}

@@ -1,0 +1,98 @@
+//! How much a record says for one model over another: the corrected Akaike criterion of misfits as measured.
+
+use std::f64::consts::{PI, SQRT_2};
+
+use crumple_estimation::statistics::InformationCriteria;
+
+use crate::record::measurement::TwoPassFilter;
+
+/// Autocorrelation at which its sum ends: below it, noise of the estimate.
+const UNCORRELATED: f64 = 0.05;
+/// Share of a record's root mean square to which a sensor is known: a misfit below it says nothing.
+const SENSOR: f64 = 1e-3;
+/// Independent samples that a criterion needs beside the numbers it charges: with one, its correction for short records
+/// is infinite.
+const TO_SPARE: f64 = 2.0;
+
+/// Root mean square of a misfit with what no sensor knows of a record, a thousandth of its own, in quadrature. Infinite
+/// without samples.
+pub fn visible_misfit(misfit: &[f64], record_rms: f64) -> f64 {
+    let mean_square = misfit.iter().map(|e| e * e).sum::<f64>() / misfit.len() as f64;
+    let rms = mean_square.sqrt().hypot(SENSOR * record_rms);
+    if rms.is_finite() { rms } else { f64::INFINITY }
+}
+
+/// Independent samples in a misfit of `N` samples: `N/(1 + 2 sum rho_k)`, summed up to where the autocorrelation first
+/// falls below 0.05; at most what the filter lets through.
+///
+/// What no sensor knows counts as white noise: a misfit below it is worth all samples, however smooth it is.
+pub fn independent_samples(misfit: &[f64], record_rms: f64, most: f64) -> f64 {
+    let power = misfit.len() as f64 * visible_misfit(misfit, record_rms).powi(2);
+    if power <= 0.0 || !power.is_finite() {
+        return most.min(misfit.len() as f64);
+    }
+    let at_lag = |lag: usize| misfit[lag..].iter().zip(misfit).map(|(a, b)| a * b).sum::<f64>() / power;
+    let sum: f64 = (1..misfit.len()).map(at_lag).take_while(|rho| *rho >= UNCORRELATED).sum();
+    (misfit.len() as f64 / (1.0 + 2.0 * sum)).min(most)
+}
+
+impl TwoPassFilter {
+    /// Noise bandwidth of both passes, Hz: `3 pi sqrt(2)/16` of the frequency that each was designed for, `tan(pi f T)
+    /// = w` with `a0/b1 = w²/(2 - 2 w²)`; 104.1 Hz for CFC 60 after ISO 6487.
+    ///
+    /// Of two Butterworth passes of second order: the integral of `1/(1 + (f/f0)^4)²` over the frequency.
+    pub fn noise_bandwidth_hz(&self, dt_s: f64) -> f64 {
+        let [a0, _, _, b1, _] = self.coefficients;
+        let ratio = a0 / b1;
+        let w = (2.0 * ratio / (1.0 + 2.0 * ratio)).sqrt();
+        3.0 * PI * SQRT_2 / 16.0 * w.atan() / (PI * dt_s)
+    }
+}
+
+/// The corrected Akaike criterion of a misfit with so many free numbers, its own level of noise counted as one more.
+///
+/// `record_rms` is the root mean square of the record. `None`: fewer than two independent samples more than numbers.
+pub fn criterion(misfit: &[f64], record_rms: f64, samples: f64, parameters: usize) -> Option<f64> {
+    let charged = parameters + 1;
+    if misfit.is_empty() || samples < charged as f64 + TO_SPARE {
+        return None;
+    }
+    let loss = visible_misfit(misfit, record_rms).powi(2);
+    Some(InformationCriteria::new(loss, samples, charged).aicc).filter(|aicc| aicc.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slow_misfit_is_worth_few_samples_and_white_noise_as_many_as_pass_the_filter() {
+        let slow: Vec<f64> = (0..1000).map(|k| (f64::from(k) * 2.0 * PI / 1000.0).sin()).collect();
+        assert!(independent_samples(&slow, 1.0, f64::INFINITY) < 4.0);
+        // A tenth of what the sensor knows: rho_1 is below 1/100.
+        assert_eq!(independent_samples(&slow, 1e4, f64::INFINITY), 1000.0);
+        let signs: Vec<f64> = (0..1000).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        assert_eq!(independent_samples(&signs, 1.0, f64::INFINITY), 1000.0);
+        assert_eq!(independent_samples(&signs, 1.0, 25.0), 25.0);
+        assert_eq!(independent_samples(&[0.0; 7], 0.0, 25.0), 7.0);
+    }
+
+    #[test]
+    fn the_bandwidth_is_that_of_the_class() {
+        // CFC 60 at 10 kHz by ISO 6487: designed for 60 Hz times 25/12 = 125 Hz; a0 is given to six digits, which is
+        // 1e-4 Hz in the frequency.
+        let coefficients = [0.001_460_32, 0.002_920_64, 0.001_460_32, 1.889_033, -0.894_874];
+        let filter = TwoPassFilter { coefficients, samples_added: 0 };
+        let expected = 3.0 * PI * SQRT_2 / 16.0 * 125.0;
+        assert!((filter.noise_bandwidth_hz(1e-4) - expected).abs() < 0.02, "{}", filter.noise_bandwidth_hz(1e-4));
+    }
+
+    #[test]
+    fn as_many_numbers_as_samples_have_no_criterion() {
+        let misfit = vec![1.0; 100];
+        assert_eq!(criterion(&misfit, 100.0, 9.0, 7), None);
+        // 10 ln(1 + 0.01) + 2 2 + 2 2 3/(10 - 2 - 1).
+        let by_hand = 10.0 * 1.01_f64.ln() + 4.0 + 12.0 / 7.0;
+        assert!((criterion(&misfit, 100.0, 10.0, 1).unwrap() - by_hand).abs() < 1e-12);
+    }
+}

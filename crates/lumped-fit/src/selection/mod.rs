@@ -1,0 +1,7 @@
+//! Which candidate to use: evidence as measured, prior knowledge of vehicles, and the choice with its reasons.
+//! May use `record`.
+
+pub mod choice;
+pub mod compared_candidate;
+pub mod evidence;
+pub mod prior;

@@ -1,0 +1,142 @@
+//! The choice among the candidates of a run, as a record and in words.
+
+use crumple_lumped_fit::{CandidateSelection, Choice, ComparedCandidate, Rated, choose};
+use crumple_signal::Axis;
+use crumple_stage::records::{
+    CandidateV1, EventsV1, PriorTermV1, PriorV1, RatedCandidateV1, RecommendationEvidenceV1, RecommendationV1,
+};
+use crumple_stage::{Inputs, Output};
+
+use crate::stage::options::settings::StageSettings;
+use crate::stage::recommend::compared_candidates::{Comparison, Submitted};
+
+/// Chooses and writes `/recommendation`. `undecided`: ids of chains whose masses were fitted and not divided.
+pub fn recommend(
+    settings: &StageSettings,
+    input: &Inputs,
+    candidates: &[(String, CandidateV1)],
+    undecided: &[String],
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    if candidates.is_empty() {
+        return Ok(());
+    }
+    let comparison = match compared(settings, input)? {
+        Ok(comparison) => comparison,
+        Err(because) => {
+            out.summary(format!("none recommended: {because}"));
+            return out.put("/recommendation", &without(&because));
+        }
+    };
+    let submitted: Vec<Submitted<'_>> = candidates
+        .iter()
+        .enumerate()
+        .filter(|(k, (_, record))| !is_dual(record, &candidates[..*k]))
+        .map(|(_, (id, record))| Submitted { id, record, division_undecided: undecided.contains(id) })
+        .collect();
+    let candidates = comparison.candidates(&submitted);
+    let selection = choose(&candidates, &comparison.record(), &settings.selection);
+    let record = recommendation_record(&candidates, &selection, &comparison);
+    for (name, id, because) in [
+        ("recommended", &record.recommended, &record.recommended_because),
+        ("simplest", &record.simplest, &record.simplest_because),
+        ("closest", &record.closest, &record.closest_because),
+    ] {
+        out.summary(format!("{name}: {}, {because}", id.as_deref().unwrap_or("none")));
+    }
+    out.put("/recommendation", &record)
+}
+
+/// What the candidates are compared with, or why they are not.
+fn compared(settings: &StageSettings, input: &Inputs) -> anyhow::Result<Result<Comparison, String>> {
+    let Some(events) = input.record_if::<EventsV1>("/events")? else {
+        return Ok(Err("without crash events there is no record to compare the candidates with".to_owned()));
+    };
+    let test = input.test()?;
+    if let Some(axis) = test.channel(&events.channel).and_then(|channel| channel.axis).filter(|axis| *axis != Axis::X) {
+        let channel = &events.channel;
+        return Ok(Err(format!("channel {channel} is along {axis}, and the models are of a crush along x")));
+    }
+    if events.time_of_dynamic_crush_s.is_none() || events.dynamic_crush_m.is_none_or(|crush| crush <= 0.0) {
+        let reason = "the record shows no crush that comes to an end: its velocity never reaches zero";
+        return Ok(Err(reason.to_owned()));
+    }
+    let speed = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s);
+    let Some((mass_kg, speed)) = settings.mass_kg.or(test.mass_kg).zip(speed) else {
+        return Ok(Err("the test has no mass or no impact speed".to_owned()));
+    };
+    let comparison = Comparison::read(settings, input, &events, (mass_kg, speed))?;
+    Ok(comparison.ok_or_else(|| "no acceleration and displacement of the pulse up to dynamic crush".to_owned()))
+}
+
+/// Whether an earlier candidate gives exactly the same record.
+fn is_dual(record: &CandidateV1, earlier: &[(String, CandidateV1)]) -> bool {
+    record.equivalent_to.as_ref().is_some_and(|other| earlier.iter().any(|(id, _)| id == other))
+}
+
+fn without(because: &str) -> RecommendationV1 {
+    RecommendationV1 {
+        recommended_because: because.to_owned(),
+        simplest_because: because.to_owned(),
+        closest_because: because.to_owned(),
+        ..RecommendationV1::default()
+    }
+}
+
+fn recommendation_record(
+    candidates: &[ComparedCandidate],
+    selection: &CandidateSelection,
+    comparison: &Comparison,
+) -> RecommendationV1 {
+    let id = |choice: &Choice| choice.candidate.map(|k| candidates[k].id.clone());
+    let wave = comparison.wave();
+    let evidence = selection.samples.map(|effective_samples| RecommendationEvidenceV1 {
+        quantity: wave.quantity.name().to_owned(),
+        as_measured: comparison.is_as_measured(),
+        from_s: wave.time_s(0),
+        to_s: wave.time_s(wave.samples.len() - 1),
+        samples: wave.samples.len() as u64,
+        effective_samples,
+    });
+    let priors = selection.priors.iter().map(|prior| PriorV1 {
+        name: prior.name.to_owned(),
+        statement: prior.statement.clone(),
+        source: prior.source.to_owned(),
+    });
+    let mut rated: Vec<(&ComparedCandidate, &Rated)> = candidates.iter().zip(&selection.rated).collect();
+    let key = |rated: &Rated| (rated.not_adequate.is_some(), rated.difference_with_priors.unwrap_or(f64::MAX));
+    rated.sort_by(|(_, a), (_, b)| {
+        let (a, b) = (key(a), key(b));
+        a.0.cmp(&b.0).then_with(|| a.1.total_cmp(&b.1))
+    });
+    RecommendationV1 {
+        recommended: id(&selection.recommended),
+        recommended_because: selection.recommended.because.clone(),
+        simplest: id(&selection.simplest),
+        simplest_because: selection.simplest.because.clone(),
+        closest: id(&selection.closest),
+        closest_because: selection.closest.because.clone(),
+        evidence,
+        priors: priors.collect(),
+        candidates: rated.into_iter().map(|(candidate, rated)| rated_record(candidate, rated)).collect(),
+    }
+}
+
+fn rated_record(candidate: &ComparedCandidate, rated: &Rated) -> RatedCandidateV1 {
+    RatedCandidateV1 {
+        id: candidate.id.clone(),
+        class: candidate.class.name().to_owned(),
+        adequate: rated.not_adequate.is_none(),
+        not_adequate_because: rated.not_adequate.clone(),
+        parameters: candidate.parameters as u32,
+        determined: candidate.determined() as u32,
+        misfit: rated.misfit,
+        fit_as_measured_percent: candidate.fit_percent,
+        coefficient_of_restitution: candidate.restitution,
+        force_misfit_percent: candidate.force_misfit_percent,
+        aicc: rated.aicc,
+        aicc_difference: rated.difference,
+        priors: rated.terms.iter().map(|(name, term)| PriorTermV1 { name: (*name).to_owned(), term: *term }).collect(),
+        difference_with_priors: rated.difference_with_priors,
+    }
+}

@@ -1,0 +1,26 @@
+//! Predicts impacts that were not made with the models of a test that was.
+//!
+//! A [`Candidate`] is a structure whose parameters one test gave. [`predict`] lets it meet the wall at other speeds and
+//! with other masses and says what comes out ([`Outcome`]), how sure that is, and whether the model is asked beyond
+//! what was tested. Added mass goes to the rearmost mass, the compartment; springs and dampers stay.
+//!
+//! Intervals hold what is known: the parameters' covariance as measured, the inputs, what adequate models differ by,
+//! a rate effect that one test hardly shows, and the force beyond the tested crush. They do not hold what no model of
+//! this test can know: a part that was not reached, another failure mode, another overlap.
+//!
+//! Quantities are SI; displacement is crush, positive towards the barrier.
+//!
+//! rooms: stage | intervals | impact
+
+mod error;
+mod impact;
+mod intervals;
+mod predict;
+
+pub use error::PredictError;
+pub use impact::candidate::{Candidate, ParameterSpread};
+pub use impact::outcome::{Energy, Outcome, Quantity, Wave};
+pub use impact::reach::Reach;
+pub use intervals::directions::Directions;
+pub use intervals::sources::{INTERVAL_LEVEL, Inputs, Interval};
+pub use predict::{Prediction, Scenario, TestedImpact, predict};

@@ -1,0 +1,81 @@
+//! Candidates as the library takes them, and which of them are to predict.
+
+use crumple_predict::{Candidate, ParameterSpread};
+use crumple_stage::records::{CandidateV1, RecommendationV1};
+use crumple_stage::unknown_name;
+
+/// A candidate that is to predict.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Named {
+    /// Its place among the candidates.
+    pub place: usize,
+    /// The names it has in the choice.
+    pub names: Vec<&'static str>,
+}
+
+/// All candidates, with what the choice says of them.
+pub fn candidates(records: &[(String, CandidateV1)], choice: Option<&RecommendationV1>) -> Vec<Candidate> {
+    let difference = |id: &str| {
+        let rated = choice?.candidates.iter().find(|rated| rated.id == id)?;
+        rated.difference_with_priors.filter(|_| rated.adequate)
+    };
+    records
+        .iter()
+        .map(|(id, record)| Candidate {
+            id: id.clone(),
+            model: record.model.clone(),
+            parameters: record.parameters.clone(),
+            spread: record.uncertainty.as_ref().map(|known| ParameterSpread {
+                standard_deviation: known.standard_deviation.clone(),
+                order: known.order.clone(),
+                correlation: known.correlation.clone(),
+                open: record.undetermined().into_iter().map(str::to_owned).collect(),
+            }),
+            difference: difference(id),
+        })
+        .collect()
+}
+
+/// Those asked for; else the recommended, the simplest and the closest. Where nobody chose, every physical candidate
+/// but for duals. Errors: an id that none has, with the nearest.
+pub fn named(
+    candidates: &[Candidate],
+    records: &[(String, CandidateV1)],
+    choice: Option<&RecommendationV1>,
+    asked: &[String],
+) -> anyhow::Result<Vec<Named>> {
+    let place = |id: &str| candidates.iter().position(|candidate| candidate.id == id);
+    let chosen: Vec<(&'static str, Option<&str>)> = choice.map_or_else(Vec::new, |choice| {
+        vec![
+            ("recommended", choice.recommended.as_deref()),
+            ("simplest", choice.simplest.as_deref()),
+            ("closest", choice.closest.as_deref()),
+        ]
+    });
+    let names = |place: usize| {
+        let id = Some(candidates[place].id.as_str());
+        chosen.iter().filter(|(_, other)| *other == id).map(|(name, _)| *name).collect()
+    };
+    let mut places = Vec::new();
+    if asked.is_empty() && choice.is_some() {
+        places.extend(chosen.iter().filter_map(|(_, id)| place((*id)?)));
+    } else if asked.is_empty() {
+        let is_dual = |k: usize| {
+            let other = records[k].1.equivalent_to.as_deref();
+            other.is_some_and(|other| records[..k].iter().any(|(id, _)| id == other))
+        };
+        places.extend((0..records.len()).filter(|k| records[*k].1.physical && !is_dual(*k)));
+    }
+    for id in asked {
+        let ids: Vec<&str> = candidates.iter().map(|candidate| candidate.id.as_str()).collect();
+        let unknown = || unknown_name(&format!("the artifacts hold no candidate {id:?}"), id, &ids);
+        places.push(place(id).ok_or_else(unknown)?);
+    }
+    let mut named: Vec<Named> = Vec::new();
+    for place in places {
+        if !named.iter().any(|other| other.place == place) {
+            named.push(Named { place, names: names(place) });
+        }
+    }
+    Ok(named)
+}

@@ -1,0 +1,106 @@
+//! The program: reads candidates and which of them are named, predicts, writes predictions and their waves.
+//! Uses the library and `crumple_stage`.
+
+mod inputs;
+mod options;
+mod records;
+mod speeds;
+mod table;
+
+use std::path::PathBuf;
+
+use crumple_predict::{Candidate, Scenario, TestedImpact, predict};
+use crumple_stage::records::{CandidateV1, EventsV1, RecommendationV1, TestV1};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, Refused, Stage};
+
+use crate::stage::inputs::{candidates, named};
+use crate::stage::options::{Options, Settings};
+use crate::stage::records::{record, write_waves};
+use crate::stage::table::{Row, header, line, what_if};
+
+/// The stage.
+pub struct Predict;
+
+impl Stage for Predict {
+    const NAME: &'static str = "predict";
+    const ABOUT: &'static str = "Predicts impacts at other speeds and masses with the candidates of a test.";
+    type Options = Options;
+    type Settings = Settings;
+    type Input = Inputs;
+
+    fn resolve(options: Options) -> anyhow::Result<Settings> {
+        Settings::new(options)
+    }
+
+    fn load(paths: &[PathBuf], _: &Settings) -> anyhow::Result<Loaded<Inputs>> {
+        crumple_stage::load_artifacts(paths)
+    }
+
+    fn run(settings: &Settings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
+        let test = input.test()?;
+        let events: EventsV1 = input.record("/events")?;
+        let records: Vec<(String, CandidateV1)> = input.records("/parameters/")?;
+        if records.is_empty() {
+            return Err(input.missing("/parameters/"));
+        }
+        let choice: Option<RecommendationV1> = input.record_if("/recommendation")?;
+        let tested_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
+            Refused::new("neither the events nor the test have an impact speed")
+                .hint("--impact-speed 35km/h at crumple-ingest")
+        })?;
+        let candidates: Vec<Candidate> = candidates(&records, choice.as_ref());
+        let named = named(&candidates, &records, choice.as_ref(), &settings.candidates)?;
+        out.put("/test", &TestV1::from(&test))?;
+        if settings.taken_as_km_per_h {
+            out.notes().info("a range of speeds without a unit is taken as km/h");
+        }
+        if named.is_empty() {
+            let because = choice.map_or_else(String::new, |choice| format!(": {}", choice.recommended_because));
+            let reason = format!("none of the candidates is for predictions{because}; name one with --candidate");
+            return Ok(Outcome::NoAcceptableResult(reason));
+        }
+        let scenarios = scenarios(settings, tested_m_per_s);
+        let places: Vec<usize> = named.iter().map(|named| named.place).collect();
+        let tested = TestedImpact { speed_m_per_s: tested_m_per_s };
+        let predictions = predict(&candidates, &places, tested, settings.inputs(), &scenarios);
+        out.summary(header());
+        let mut rows = Vec::new();
+        for (scenario, of_named) in scenarios.iter().zip(predictions) {
+            for (name, result) in named.iter().zip(of_named) {
+                let candidate = &candidates[name.place];
+                let prediction = match result {
+                    Ok(prediction) => prediction,
+                    Err(error) => {
+                        let speed = 3.6 * scenario.speed_m_per_s;
+                        out.notes().warning(format!("{} at {speed:.1} km/h: not predicted, {error}", candidate.id));
+                        continue;
+                    }
+                };
+                let record = record(candidate, &name.names, *scenario, &prediction);
+                let n = rows.len() + 1;
+                out.put(&format!("/prediction/{n}"), &record)?;
+                out.summary(line(&record));
+                write_waves(n, prediction.wave, out)?;
+                rows.push(Row { speed_m_per_s: scenario.speed_m_per_s, record });
+            }
+        }
+        what_if(&rows).into_iter().for_each(|line| out.summary(line));
+        Ok(if rows.is_empty() {
+            Outcome::NoAcceptableResult("no impact could be predicted; the notes say why".to_owned())
+        } else {
+            Outcome::Done
+        })
+    }
+}
+
+/// Every mass with every speed.
+fn scenarios(settings: &Settings, tested_m_per_s: f64) -> Vec<Scenario> {
+    let masses: Vec<Option<f64>> = match settings.masses_kg[..] {
+        [] => vec![None],
+        _ => settings.masses_kg.iter().copied().map(Some).collect(),
+    };
+    let own = [tested_m_per_s];
+    let speeds = if settings.speeds_m_per_s.is_empty() { &own[..] } else { &settings.speeds_m_per_s };
+    let at = |mass_kg| speeds.iter().map(move |speed_m_per_s| Scenario { speed_m_per_s: *speed_m_per_s, mass_kg });
+    masses.into_iter().flat_map(at).collect()
+}

@@ -1,0 +1,120 @@
+//! Flags and pipeline keys of the stage, and the settings they come to.
+
+use crumple_predict::Inputs;
+use crumple_signal::value::{Mass, Speed};
+use crumple_signal::{Distribution, Uncertain};
+use crumple_stage::Usage;
+use serde::{Deserialize, Serialize};
+
+use crate::stage::speeds::speeds;
+
+/// Speeds closer than this are one, m/s.
+const SAME: f64 = 1e-9;
+
+/// Flags and keys; what is not given has the default named in its text.
+#[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Options {
+    /// Impact speeds to predict, e.g. 40km/h,64km/h, or a range 20..80/5 km/h; beside those of --speeds [default: none]
+    #[arg(long, value_name = "SPEED", value_delimiter = ',')]
+    pub speed: Vec<String>,
+
+    /// The standing list of speeds, of the pipeline [default: the speed of the test, where --speed gives none either]
+    #[arg(long, value_name = "SPEED", value_delimiter = ',')]
+    pub speeds: Vec<String>,
+
+    /// Masses of the vehicle, e.g. 1300kg,1500kg: what is added to the tested mass sits in the compartment [default:
+    /// that of the test]
+    #[arg(long, value_name = "MASS", value_delimiter = ',')]
+    pub mass: Vec<Mass>,
+
+    /// Candidates to predict with, by their ids [default: the recommended, the simplest and the closest]
+    #[arg(long, value_name = "ID", value_delimiter = ',')]
+    pub candidate: Vec<String>,
+
+    /// Uncertainty of the impact speed, e.g. "0.1 km/h uniform" (half width) or "0.1 km/h normal" (standard deviation)
+    /// [default: 0.1 km/h uniform]
+    #[arg(long, value_name = "SPEED")]
+    pub speed_uncertainty: Option<Uncertain<Speed>>,
+
+    /// Uncertainty of the mass, likewise [default: 0 kg]
+    #[arg(long, value_name = "MASS")]
+    pub mass_uncertainty: Option<Uncertain<Mass>>,
+}
+
+/// Options with every default filled in.
+#[derive(Debug, Serialize)]
+pub struct Settings {
+    /// Rising; none: that of the test.
+    pub speeds_m_per_s: Vec<f64>,
+    /// As given; none: that of the test.
+    pub masses_kg: Vec<f64>,
+    pub candidates: Vec<String>,
+    /// Standard deviations.
+    pub speed_deviation_m_per_s: f64,
+    pub mass_deviation_kg: f64,
+    /// Whether a range came without a unit.
+    #[serde(skip)]
+    pub taken_as_km_per_h: bool,
+}
+
+impl Settings {
+    /// The settings with defaults filled in and values checked.
+    pub fn new(options: Options) -> anyhow::Result<Self> {
+        let (mut all, mut taken_as_km_per_h) = (Vec::new(), false);
+        for text in options.speeds.iter().chain(&options.speed) {
+            let (speeds, without_unit) = speeds(text)?;
+            all.extend(speeds);
+            taken_as_km_per_h |= without_unit;
+        }
+        all.sort_by(f64::total_cmp);
+        all.dedup_by(|a, b| (*a - *b).abs() < SAME);
+        let masses_kg: Vec<f64> = options.mass.iter().map(|mass| mass.si()).collect();
+        if let Some(mass) = masses_kg.iter().find(|mass| !(**mass > 0.0 && mass.is_finite())) {
+            return Err(Usage::new(format!("mass is {mass} kg, expected a positive mass")).into());
+        }
+        let usual = Uncertain { size: Speed::from_si(0.1 / 3.6), distribution: Distribution::Uniform };
+        let speed = options.speed_uncertainty.unwrap_or(usual);
+        let mass = options.mass_uncertainty.map_or(0.0, |mass| deviation(mass.size.si(), mass.distribution));
+        Ok(Self {
+            speeds_m_per_s: all,
+            masses_kg,
+            candidates: options.candidate,
+            speed_deviation_m_per_s: deviation(speed.size.si(), speed.distribution),
+            mass_deviation_kg: mass,
+            taken_as_km_per_h,
+        })
+    }
+
+    /// How uncertain the inputs are.
+    pub fn inputs(&self) -> Inputs {
+        Inputs { speed_m_per_s: self.speed_deviation_m_per_s, mass_kg: self.mass_deviation_kg }
+    }
+}
+
+/// Standard deviation; of a uniform distribution the half width over the root of 3.
+fn deviation(size: f64, distribution: Distribution) -> f64 {
+    match distribution {
+        Distribution::Normal => size,
+        Distribution::Uniform => size / 3.0_f64.sqrt(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn speeds_of_the_pipeline_and_of_the_flag_are_one_rising_list() {
+        let options = Options {
+            speeds: vec!["56 km/h".to_owned(), "40 km/h".to_owned()],
+            speed: vec!["36..40/2 km/h".to_owned()],
+            ..Options::default()
+        };
+        let settings = Settings::new(options).unwrap();
+        let km_per_h: Vec<f64> = settings.speeds_m_per_s.iter().map(|v| (v * 3.6).round()).collect();
+        assert_eq!(km_per_h, [36.0, 38.0, 40.0, 56.0]);
+        assert!((settings.inputs().speed_m_per_s - 0.1 / 3.6 / 3.0_f64.sqrt()).abs() < 1e-15);
+        assert!(Settings::new(Options { mass: vec![Mass::from_si(0.0)], ..Options::default() }).is_err());
+    }
+}

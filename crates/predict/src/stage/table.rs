@@ -1,0 +1,108 @@
+//! Predictions as lines for a person.
+
+use crumple_stage::records::PredictionV1;
+
+/// Standard gravity, m/s².
+const G: f64 = 9.806_65;
+
+/// A prediction that was written.
+pub struct Row {
+    pub speed_m_per_s: f64,
+    pub record: PredictionV1,
+}
+
+/// Titles of the columns of [`line`].
+pub fn header() -> String {
+    format!(
+        "{:>6} {:>7} {:>8} {:>15} {:>6} {:>6} {:>6} {:>6}  candidate",
+        "km/h", "kg", "crush mm", "90 %", "t_m ms", "dv", "peak g", "e"
+    )
+}
+
+/// One prediction.
+pub fn line(record: &PredictionV1) -> String {
+    let number = |value: Option<f64>, factor: f64, digits: usize| {
+        value.map_or_else(|| "-".to_owned(), |value| format!("{:.digits$}", factor * value))
+    };
+    let interval = record.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
+    let interval = interval.map_or_else(|| "-".to_owned(), |i| format!("{:.1}..{:.1}", 1e3 * i.low, 1e3 * i.high));
+    let names = if record.names.is_empty() { String::new() } else { format!(" ({})", record.names.join(", ")) };
+    format!(
+        "{:>6.1} {:>7.1} {:>8} {:>15} {:>6} {:>6} {:>6} {:>6}  {}{names}{}",
+        3.6 * record.impact_speed_m_per_s,
+        record.mass_kg,
+        number(record.dynamic_crush_m, 1e3, 1),
+        interval,
+        number(record.time_of_dynamic_crush_s, 1e3, 1),
+        number(record.delta_v_m_per_s, 3.6, 1),
+        number(record.peak_acceleration_m_per_s2, 1.0 / G, 1),
+        number(record.coefficient_of_restitution, 1.0, 3),
+        record.candidate,
+        if record.extrapolates { ", extrapolates" } else { "" },
+    )
+}
+
+/// Crush in mm of the first candidate over speed and mass, where several of both were asked for.
+pub fn what_if(rows: &[Row]) -> Vec<String> {
+    let Some(first) = rows.first() else { return Vec::new() };
+    let candidate = &first.record.candidate;
+    let own: Vec<&Row> = rows.iter().filter(|row| row.record.candidate == *candidate).collect();
+    let (mut speeds, mut masses): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+    for row in &own {
+        if !speeds.contains(&row.speed_m_per_s) {
+            speeds.push(row.speed_m_per_s);
+        }
+        if !masses.contains(&row.record.mass_kg) {
+            masses.push(row.record.mass_kg);
+        }
+    }
+    if speeds.len() < 2 || masses.len() < 2 {
+        return Vec::new();
+    }
+    let cell = |speed: f64, mass: f64| {
+        let row = own.iter().find(|row| row.speed_m_per_s == speed && row.record.mass_kg == mass);
+        let crush = row.and_then(|row| row.record.dynamic_crush_m);
+        crush.map_or_else(|| format!("{:>9}", "-"), |crush| format!("{:>9.1}", 1e3 * crush))
+    };
+    let head: String = masses.iter().map(|mass| format!("{:>9}", format!("{mass:.0} kg"))).collect();
+    let mut lines = vec![format!("crush in mm, {candidate}:"), format!("{:>11}{head}", "")];
+    lines.extend(speeds.iter().map(|speed| {
+        let cells: String = masses.iter().map(|mass| cell(*speed, *mass)).collect();
+        format!("{:>6.1} km/h{cells}", 3.6 * speed)
+    }));
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(speed_m_per_s: f64, mass_kg: f64, crush: f64) -> Row {
+        let record = PredictionV1 {
+            candidate: "kelvin/closed-form/1".to_owned(),
+            impact_speed_m_per_s: speed_m_per_s,
+            mass_kg,
+            dynamic_crush_m: Some(crush),
+            ..PredictionV1::default()
+        };
+        Row { speed_m_per_s, record }
+    }
+
+    #[test]
+    fn a_table_of_speed_and_mass_needs_several_of_both() {
+        let rows = [row(10.0, 1000.0, 0.4), row(12.5, 1000.0, 0.5), row(10.0, 1200.0, 0.44), row(12.5, 1200.0, 0.55)];
+        assert_eq!(what_if(&rows[..2]), Vec::<String>::new());
+        let lines = what_if(&rows);
+        assert_eq!(lines[0], "crush in mm, kelvin/closed-form/1:");
+        assert_eq!(lines[1], "             1000 kg  1200 kg");
+        assert_eq!(lines[2], "  36.0 km/h    400.0    440.0");
+        assert_eq!(lines[3], "  45.0 km/h    500.0    550.0");
+    }
+
+    #[test]
+    fn what_is_not_reached_is_a_stroke() {
+        let mut never = row(10.0, 1000.0, 0.4).record;
+        never.dynamic_crush_m = None;
+        assert!(line(&never).starts_with("  36.0  1000.0        -               -"), "{}", line(&never));
+    }
+}
