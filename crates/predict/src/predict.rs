@@ -236,7 +236,8 @@ impl Impact<'_> {
         if self.candidate.depends_on_rate() {
             return 0.0;
         }
-        by_rate_effect(self.scenario.speed_m_per_s, self.test.speed_m_per_s, beyond)
+        let has_one = self.candidate.has_rate_factor();
+        by_rate_effect(self.scenario.speed_m_per_s, self.test.speed_m_per_s, beyond, has_one)
     }
 
     /// By the slope of the force from the tested crush on to the one predicted.
@@ -338,7 +339,7 @@ mod tests {
         let prediction = at(&[open], Inputs::default(), 12.0, None);
         assert_eq!(prediction.limited, 1);
         // A linear curve: the open stiffness moves the crush of both impacts alike, the rate effect is left.
-        let left = 1.644_853_6 * by_rate_effect(12.0, 15.0, false);
+        let left = 1.644_853_6 * by_rate_effect(12.0, 15.0, false, false);
         assert!((half_width(&prediction) - left).abs() < 1e-3, "{}", half_width(&prediction));
     }
 

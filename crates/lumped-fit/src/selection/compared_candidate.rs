@@ -19,7 +19,7 @@ impl EnergyClass {
     /// The class of a candidate, from the names of model and parameters in its record.
     pub fn of(model: &str, parameters: &BTreeMap<String, f64>) -> Self {
         let plastic = match model.parse::<ModelKind>() {
-            Ok(ModelKind::Elastoplastic) => true,
+            Ok(ModelKind::Elastoplastic | ModelKind::ForceDeflection) => true,
             Ok(
                 ModelKind::Kelvin
                 | ModelKind::Maxwell
@@ -53,10 +53,16 @@ impl EnergyClass {
 pub fn depends_on_rate(model: &str, parameters: &BTreeMap<String, f64>) -> bool {
     parameters.iter().any(|(name, value)| match parameter_kind(model, name) {
         Some(ParameterKind::Damping) => *value != 0.0,
-        // A rate is the place of a damper's knot.
-        Some(ParameterKind::Mass | ParameterKind::Stiffness | ParameterKind::Length | ParameterKind::Rate) | None => {
-            false
-        }
+        // A rate is the place of a damper's knot; a rate factor of a structure is a prior and small.
+        Some(
+            ParameterKind::Mass
+            | ParameterKind::Stiffness
+            | ParameterKind::Length
+            | ParameterKind::Rate
+            | ParameterKind::Force
+            | ParameterKind::RateFactor,
+        )
+        | None => false,
     })
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{Structure, structure_of};
+use crumple_lumped::{ParameterKind, Structure, parameter_kind, structure_of};
 use crumple_lumped_fit::{EnergyClass, depends_on_rate};
 
 use crate::error::PredictError;
@@ -44,6 +44,12 @@ impl Candidate {
     /// Whether a force of it depends on a rate.
     pub fn depends_on_rate(&self) -> bool {
         depends_on_rate(&self.model, &self.parameters)
+    }
+
+    /// Whether it has a rate factor of a structure, which is a prior.
+    pub fn has_rate_factor(&self) -> bool {
+        let is_one = |name: &String| parameter_kind(&self.model, name) == Some(ParameterKind::RateFactor);
+        self.parameters.iter().any(|(name, value)| is_one(name) && *value != 0.0)
     }
 
     /// Its structure, with a total mass where one is asked for: what is added or taken away is the compartment's.

@@ -9,7 +9,7 @@ const HALF_WIDTH: f64 = 1.644_853_626_951_472_7;
 const RATE_EFFECT: f64 = 0.008;
 /// Its standard deviation.
 const RATE_DEVIATION: f64 = 0.005;
-/// What a rate effect that the model lacks does to crush at another speed: `2 r/3` for each m/s. A curve read at one
+/// What a rate effect that the model lacks, or does not know better, does to crush at another speed: `2 r/3` for each m/s. A curve read at one
 /// speed holds the mean factor `1 + 2 r v0/3` of that speed (one mass, constant force).
 const CRUSH_BY_RATE: f64 = 2.0 / 3.0;
 /// Beyond the tested crush it does twice as much: towards its end the curve read at one speed is too flat.
@@ -61,9 +61,9 @@ pub(crate) fn interval(value: f64, variances: &Variances) -> Option<Interval> {
 }
 
 /// Relative standard deviation of the crush by a rate effect that the model lacks, `sqrt(r² + s²) 2/3 |v - v_test|`,
-/// doubled beyond the tested crush.
-pub(crate) fn by_rate_effect(speed: f64, tested: f64, beyond: bool) -> f64 {
-    let size = RATE_EFFECT.hypot(RATE_DEVIATION);
+/// doubled beyond the tested crush. A model with the mean effect as a prior of its own (`has_one`) misses `s` alone.
+pub(crate) fn by_rate_effect(speed: f64, tested: f64, beyond: bool, has_one: bool) -> f64 {
+    let size = if has_one { RATE_DEVIATION } else { RATE_EFFECT.hypot(RATE_DEVIATION) };
     let factor = if beyond { BEYOND_TESTED } else { 1.0 };
     factor * CRUSH_BY_RATE * size * (speed - tested).abs()
 }
@@ -99,9 +99,9 @@ mod tests {
     #[test]
     fn the_rate_effect_of_one_percent_is_that_of_a_constant_force() {
         // At r = 1 %, 40 km/h after 56: a rate-free curve errs by 3 % of crush; here r is the root of 0.8^2 + 0.5^2 %.
-        let at_40 = by_rate_effect(40.0 / 3.6, 56.0 / 3.6, false);
+        let at_40 = by_rate_effect(40.0 / 3.6, 56.0 / 3.6, false, false);
         assert!((at_40 - 0.89e-4_f64.sqrt() * 2.0 / 3.0 * 16.0 / 3.6).abs() < 1e-12, "{at_40}");
-        assert_eq!(by_rate_effect(15.0, 15.0, true), 0.0);
+        assert_eq!(by_rate_effect(15.0, 15.0, true, false), 0.0);
     }
 
     #[test]
