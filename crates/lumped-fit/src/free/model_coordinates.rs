@@ -153,6 +153,8 @@ impl ModelCoordinates {
                     let scale = damper * of_rear(parameter.name);
                     push(place, Map::Logarithm(scale), DAMPER_BOUNDS, searched);
                 }
+                // Of a crushed structure, which is read off the record and not searched for.
+                ParameterKind::Force | ParameterKind::RateFactor => {}
                 // Masses stand in front of all others.
                 ParameterKind::Stiffness | ParameterKind::Mass => {
                     let scale = spring * of_rear(parameter.name);

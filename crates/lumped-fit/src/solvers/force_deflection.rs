@@ -5,7 +5,7 @@
 //! once, so any rate factor fits with another curve.
 
 use crumple_lumped::{CrushedStructure, MOST_KNOTS, Model};
-use crumple_signal::{Displacement, Note, Notes, Signal};
+use crumple_signal::{Displacement, Notes, Signal};
 
 use crate::fit::as_measured::fit_nearby;
 use crate::free::free_parameter::free_parameters;
