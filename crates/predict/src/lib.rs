@@ -18,6 +18,7 @@ mod intervals;
 mod predict;
 
 pub use error::PredictError;
+pub use impact::against::MadeTest;
 pub use impact::candidate::{Candidate, ParameterSpread};
 pub use impact::outcome::{Energy, Outcome, Quantity, Wave};
 pub use impact::reach::Reach;

@@ -265,3 +265,31 @@ fn the_bytes_are_the_same_for_any_number_of_threads() {
     };
     assert_eq!(bytes("1"), bytes("3"));
 }
+
+#[test]
+fn a_prediction_is_compared_with_another_test_at_its_speed_and_mass() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &both(), Some(&choice()));
+    let other = folder.path().join("other");
+    std::fs::create_dir(&other).unwrap();
+    // Twice the mass: the plastic model itself made this test.
+    let heavy = Model::Elastoplastic(Elastoplastic { mass_kg: 1746.0, ..PLASTIC });
+    let events = heavy.events(IMPACT_SPEED_M_PER_S).unwrap();
+    let builder = integrated(&heavy, Some(1746.0), &events, None);
+    let provenance = Provenance::new("integrate", "0", "{}".to_owned(), Vec::new());
+    builder.unwrap().write(&other.join("3-integrate.mcap"), &provenance, Compression::None).unwrap();
+    let output = run(folder.path(), &["--speed", "20km/h", "--against", other.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let predictions = predictions(folder.path());
+    assert!(predictions[..2].iter().all(|p| p.against.is_none()));
+    let [plastic, kelvin] = &predictions[2..] else { panic!("{predictions:?}") };
+    assert_eq!((plastic.candidate.as_str(), plastic.mass_kg), (PLASTIC_ID, 1746.0));
+    let against = plastic.against.as_ref().unwrap();
+    assert!(against.dynamic_crush_error_percent.unwrap().abs() < 1e-9, "{against:?}");
+    assert!(against.held.iter().any(|name| name == "dynamic_crush_m"), "{against:?}");
+    // The damper takes some of the crush.
+    assert!(kelvin.against.as_ref().unwrap().dynamic_crush_error_percent.unwrap() < -1.0);
+    assert!(stderr(&output).contains("the interval holds the crush"), "{}", stderr(&output));
+    let nowhere = run(folder.path(), &["--against", "nowhere"]);
+    assert_eq!(nowhere.status.code(), Some(2), "{}", stderr(&nowhere));
+}

@@ -145,11 +145,18 @@ fn let_go(motion: &mut Motion, rebound_s: f64, dt_s: f64) {
     }
 }
 
+/// An acceleration from contact on through CFC 60, as a laboratory records it: zero before.
+pub(crate) fn through_cfc_60(acceleration: &[f64], dt_s: f64) -> Option<Vec<f64>> {
+    let before = (BEFORE_CONTACT_S / dt_s).round() as usize;
+    let mut samples = vec![0.0; before];
+    samples.extend_from_slice(acceleration);
+    let mut filtered = through_class(&samples, dt_s, CLASS_HZ)?;
+    Some(filtered.split_off(before))
+}
+
 /// Largest deceleration through CFC 60.
 fn peak(motion: &Motion, dt_s: f64) -> Option<f64> {
-    let mut samples = vec![0.0; (BEFORE_CONTACT_S / dt_s).round() as usize];
-    samples.extend_from_slice(&motion.acceleration_m_per_s2);
-    let filtered = through_class(&samples, dt_s, CLASS_HZ)?;
+    let filtered = through_cfc_60(&motion.acceleration_m_per_s2, dt_s)?;
     filtered.into_iter().map(|a| -a).reduce(f64::max).filter(|peak| *peak > 0.0)
 }
 

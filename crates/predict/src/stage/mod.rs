@@ -1,6 +1,7 @@
 //! The program: reads candidates and which of them are named, predicts, writes predictions and their waves.
 //! Uses the library and `crumple_stage`.
 
+mod against;
 mod inputs;
 mod options;
 mod records;
@@ -13,6 +14,7 @@ use crumple_predict::{Candidate, Scenario, TestedImpact, predict};
 use crumple_stage::records::{CandidateV1, EventsV1, RecommendationV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, Refused, Stage};
 
+use crate::stage::against::OtherTest;
 use crate::stage::inputs::{candidates, named};
 use crate::stage::options::{Options, Settings};
 use crate::stage::records::{record, write_waves};
@@ -26,17 +28,24 @@ impl Stage for Predict {
     const ABOUT: &'static str = "Predicts impacts at other speeds and masses with the candidates of a test.";
     type Options = Options;
     type Settings = Settings;
-    type Input = Inputs;
+    type Input = Read;
 
     fn resolve(options: Options) -> anyhow::Result<Settings> {
         Settings::new(options)
     }
 
-    fn load(paths: &[PathBuf], _: &Settings) -> anyhow::Result<Loaded<Inputs>> {
-        crumple_stage::load_artifacts(paths)
+    fn load(paths: &[PathBuf], settings: &Settings) -> anyhow::Result<Loaded<Read>> {
+        let mut loaded = crumple_stage::load_artifacts(paths)?;
+        let mut other = None;
+        if let Some(folder) = &settings.against {
+            let (test, digests) = against::read(folder)?;
+            loaded.digests.extend(digests);
+            other = Some(test);
+        }
+        Ok(loaded.map(|inputs| Read { inputs, other }))
     }
 
-    fn run(settings: &Settings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
+    fn run(settings: &Settings, Read { inputs: input, other }: &Read, out: &mut Output) -> anyhow::Result<Outcome> {
         let test = input.test()?;
         let events: EventsV1 = input.record("/events")?;
         let records: Vec<(String, CandidateV1)> = input.records("/parameters/")?;
@@ -59,13 +68,15 @@ impl Stage for Predict {
             let reason = format!("none of the candidates is for predictions{because}; name one with --candidate");
             return Ok(Outcome::NoAcceptableResult(reason));
         }
-        let scenarios = scenarios(settings, tested_m_per_s);
+        let scenarios = scenarios(settings, tested_m_per_s, other.as_ref());
         let places: Vec<usize> = named.iter().map(|named| named.place).collect();
         let tested = TestedImpact { speed_m_per_s: tested_m_per_s };
         let predictions = predict(&candidates, &places, tested, settings.inputs(), &scenarios);
         out.summary(header());
         let mut rows = Vec::new();
-        for (scenario, of_named) in scenarios.iter().zip(predictions) {
+        for (place, (scenario, of_named)) in scenarios.iter().zip(predictions).enumerate() {
+            // The impact of the other test comes last.
+            let other = other.as_ref().filter(|_| place + 1 == scenarios.len());
             for (name, result) in named.iter().zip(of_named) {
                 let candidate = &candidates[name.place];
                 let prediction = match result {
@@ -76,10 +87,12 @@ impl Stage for Predict {
                         continue;
                     }
                 };
-                let record = record(candidate, &name.names, *scenario, &prediction);
+                let mut record = record(candidate, &name.names, *scenario, &prediction);
+                record.against = other.map(|other| other.beside(&prediction));
                 let n = rows.len() + 1;
                 out.put(&format!("/prediction/{n}"), &record)?;
                 out.summary(line(&record));
+                record.against.iter().for_each(|against| out.summary(against::words(against)));
                 write_waves(n, prediction.wave, out)?;
                 rows.push(Row { speed_m_per_s: scenario.speed_m_per_s, record });
             }
@@ -93,14 +106,22 @@ impl Stage for Predict {
     }
 }
 
-/// Every mass with every speed.
-fn scenarios(settings: &Settings, tested_m_per_s: f64) -> Vec<Scenario> {
+/// What the stage works on.
+pub struct Read {
+    inputs: Inputs,
+    /// The test that predictions are compared with.
+    other: Option<OtherTest>,
+}
+
+/// Every mass with every speed, and last the impact of another test.
+fn scenarios(settings: &Settings, tested_m_per_s: f64, other: Option<&OtherTest>) -> Vec<Scenario> {
     let masses: Vec<Option<f64>> = match settings.masses_kg[..] {
         [] => vec![None],
         _ => settings.masses_kg.iter().copied().map(Some).collect(),
     };
     let own = [tested_m_per_s];
-    let speeds = if settings.speeds_m_per_s.is_empty() { &own[..] } else { &settings.speeds_m_per_s };
+    let none_asked = settings.speeds_m_per_s.is_empty() && other.is_none();
+    let speeds = if none_asked { &own[..] } else { &settings.speeds_m_per_s };
     let at = |mass_kg| speeds.iter().map(move |speed_m_per_s| Scenario { speed_m_per_s: *speed_m_per_s, mass_kg });
-    masses.into_iter().flat_map(at).collect()
+    masses.into_iter().flat_map(at).chain(other.map(OtherTest::scenario)).collect()
 }

@@ -1,5 +1,7 @@
 //! Flags and pipeline keys of the stage, and the settings they come to.
 
+use std::path::PathBuf;
+
 use crumple_predict::Inputs;
 use crumple_signal::value::{Mass, Speed};
 use crumple_signal::{Distribution, Uncertain};
@@ -32,6 +34,10 @@ pub struct Options {
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     pub candidate: Vec<String>,
 
+    /// Run folder of another test: predicted at its speed and mass, and compared with it [default: none]
+    #[arg(long, value_name = "FOLDER")]
+    pub against: Option<PathBuf>,
+
     /// Uncertainty of the impact speed, e.g. "0.1 km/h uniform" (half width) or "0.1 km/h normal" (standard deviation)
     /// [default: 0.1 km/h uniform]
     #[arg(long, value_name = "SPEED")]
@@ -53,6 +59,9 @@ pub struct Settings {
     /// Standard deviations.
     pub speed_deviation_m_per_s: f64,
     pub mass_deviation_kg: f64,
+    /// The digests of its artifacts are among those of the inputs.
+    #[serde(skip)]
+    pub against: Option<PathBuf>,
     /// Whether a range came without a unit.
     #[serde(skip)]
     pub taken_as_km_per_h: bool,
@@ -80,6 +89,7 @@ impl Settings {
             speeds_m_per_s: all,
             masses_kg,
             candidates: options.candidate,
+            against: options.against,
             speed_deviation_m_per_s: deviation(speed.size.si(), speed.distribution),
             mass_deviation_kg: mass,
             taken_as_km_per_h,

@@ -46,6 +46,11 @@ impl<I> Loaded<I> {
     pub fn new(input: I, digests: Vec<InputDigest>) -> Self {
         Self { input, digests, diagnosed: Diagnosed::default() }
     }
+
+    /// With something beside what the artifacts hold.
+    pub fn map<J>(self, beside: impl FnOnce(I) -> J) -> Loaded<J> {
+        Loaded { input: beside(self.input), digests: self.digests, diagnosed: self.diagnosed }
+    }
 }
 
 /// Artifacts of earlier stages, in the order of the pipeline whatever the order they were given in.

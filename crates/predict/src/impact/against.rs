@@ -1,0 +1,92 @@
+//! A prediction beside a test that was made.
+
+use crumple_metrics::{Iso18571Options, iso18571};
+use crumple_signal::Sampled;
+
+use crate::impact::outcome::{Outcome, Quantity, Wave, through_cfc_60};
+
+/// A test that was made.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MadeTest {
+    /// Dynamic crush, m.
+    pub dynamic_crush_m: Option<f64>,
+    /// Its time, s after time zero.
+    pub time_of_dynamic_crush_s: Option<f64>,
+    /// Coefficient of restitution.
+    pub coefficient_of_restitution: Option<f64>,
+    /// Largest deceleration, m/s².
+    pub peak_m_per_s2: Option<f64>,
+    /// Acceleration of the compartment as filtered, counted from time zero.
+    pub acceleration: Option<Sampled>,
+}
+
+impl MadeTest {
+    /// What it says of a quantity.
+    pub fn get(&self, quantity: Quantity) -> Option<f64> {
+        match quantity {
+            Quantity::DynamicCrush => self.dynamic_crush_m,
+            Quantity::TimeOfDynamicCrush => self.time_of_dynamic_crush_s,
+            Quantity::Restitution => self.coefficient_of_restitution,
+            Quantity::Peak => self.peak_m_per_s2,
+            Quantity::DeltaV | Quantity::Olc => None,
+        }
+    }
+
+    /// Predicted less measured, percent of the measured.
+    pub fn error_percent(&self, outcome: &Outcome, quantity: Quantity) -> Option<f64> {
+        let (predicted, measured) = (outcome.get(quantity)?, self.get(quantity)?);
+        (measured != 0.0).then(|| 100.0 * (predicted / measured - 1.0))
+    }
+
+    /// Score of the predicted acceleration by ISO/TS 18571 up to the dynamic crush of the test, through CFC 60 as a
+    /// laboratory would filter it; the record is interpolated linearly to the instants of the prediction, 10 kHz.
+    /// `None`: one of both is too short.
+    pub fn iso18571_score(&self, wave: &Wave) -> Option<f64> {
+        let measured = self.acceleration.as_ref()?;
+        let predicted = through_cfc_60(&wave.compartment()?.acceleration_m_per_s2, wave.dt_s)?;
+        let samples = (self.time_of_dynamic_crush_s? / wave.dt_s) as usize + 1;
+        let record: Vec<f64> = (0..samples).map_while(|k| measured.at(k as f64 * wave.dt_s)).collect();
+        let predicted = predicted.get(..record.len())?.to_vec();
+        let grid = |samples| Sampled::new(0.0, wave.dt_s, samples).ok();
+        iso18571(&grid(record)?, &grid(predicted)?, &Iso18571Options::default()).ok()?.overall
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crumple_lumped::{Elastoplastic, Model};
+
+    use super::*;
+    use crate::impact::outcome::impact;
+
+    #[test]
+    fn a_test_that_was_the_prediction_scores_1_and_another_less() {
+        let structure = |k: f64| {
+            let model = Elastoplastic {
+                mass_kg: 1000.0,
+                loading_stiffness_n_per_m: k,
+                unloading_stiffness_n_per_m: 1.6e7,
+                release: true,
+            };
+            Model::Elastoplastic(model).structure().unwrap()
+        };
+        let (outcome, wave) = impact(&structure(4e5), 15.0, 1e-4).unwrap();
+        let filtered = through_cfc_60(&wave.compartment().unwrap().acceleration_m_per_s2, 1e-4).unwrap();
+        let made = MadeTest {
+            dynamic_crush_m: outcome.get(Quantity::DynamicCrush),
+            time_of_dynamic_crush_s: outcome.get(Quantity::TimeOfDynamicCrush),
+            coefficient_of_restitution: outcome.get(Quantity::Restitution),
+            peak_m_per_s2: outcome.get(Quantity::Peak),
+            acceleration: Sampled::new(0.0, 1e-4, filtered).ok(),
+        };
+        assert_eq!(made.error_percent(&outcome, Quantity::DynamicCrush), Some(0.0));
+        // Equal curves rate 1; interpolation between equal instants is a rounding.
+        assert!((made.iso18571_score(&wave).unwrap() - 1.0).abs() < 1e-6);
+        let (stiffer, other) = impact(&structure(5e5), 15.0, 1e-4).unwrap();
+        // Crush goes as one over the root of the stiffness.
+        let error = made.error_percent(&stiffer, Quantity::DynamicCrush).unwrap();
+        assert!((error - 100.0 * (0.8_f64.sqrt() - 1.0)).abs() < 1e-6, "{error}");
+        assert!(made.iso18571_score(&other).unwrap() < 0.95);
+        assert_eq!(MadeTest::default().iso18571_score(&wave), None);
+    }
+}

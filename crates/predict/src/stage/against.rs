@@ -1,0 +1,89 @@
+//! A test that was made, from its run folder, and a prediction beside it.
+
+use std::path::{Path, PathBuf};
+
+use crumple_predict::{MadeTest, Prediction, Quantity, Scenario};
+use crumple_signal::Sampled;
+use crumple_stage::records::{AgainstTestV1, EventsV1, MetricsV1};
+use crumple_stage::{InputDigest, Inputs, Refused, Usage, load_artifacts};
+
+/// A test to compare with.
+#[derive(Debug)]
+pub struct OtherTest {
+    title: String,
+    scenario: Scenario,
+    made: MadeTest,
+}
+
+/// Reads the test in a run folder. Errors: no such folder, artifacts that cannot be read, no speed.
+pub fn read(folder: &Path) -> anyhow::Result<(OtherTest, Vec<InputDigest>)> {
+    let present = |name: &str| Some(folder.join(name)).filter(|path| path.is_file());
+    let Some(integrated) = present("3-integrate.mcap") else {
+        let problem = format!("{} holds no 3-integrate.mcap", folder.display());
+        return Err(Usage::new(problem).hint("--against runs/NAME-OF-RECORD/NAME-OF-PIPELINE").into());
+    };
+    let paths: Vec<PathBuf> = [Some(integrated), present("2-filter.mcap")].into_iter().flatten().collect();
+    let loaded = load_artifacts(&paths)?;
+    Ok((other_test(&loaded.input)?, loaded.digests))
+}
+
+fn other_test(input: &Inputs) -> anyhow::Result<OtherTest> {
+    let test = input.test()?;
+    let events: EventsV1 = input.record("/events")?;
+    let speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s);
+    let speed_m_per_s = speed_m_per_s.ok_or_else(|| Refused::new("the other test has no impact speed"))?;
+    let metrics = input.record_if::<MetricsV1>("/metrics")?.map(|metrics| metrics.0).unwrap_or_default();
+    let peak = metrics.iter().find(|metric| metric.name == "peak_acceleration" && metric.channel == events.channel);
+    let from_time_zero =
+        |wave: &Sampled| Sampled::new(wave.t0_s() - events.time_zero_s, wave.dt_s(), wave.samples().to_vec()).ok();
+    let made = MadeTest {
+        dynamic_crush_m: events.dynamic_crush_m,
+        time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
+        coefficient_of_restitution: events.coefficient_of_restitution,
+        peak_m_per_s2: peak.and_then(|metric| metric.value).map(f64::abs),
+        acceleration: input.wave_if(&events.channel).and_then(|wave| from_time_zero(&wave.sampled)),
+    };
+    Ok(OtherTest { title: test.title, scenario: Scenario { speed_m_per_s, mass_kg: test.mass_kg }, made })
+}
+
+impl OtherTest {
+    /// The impact that it was.
+    pub fn scenario(&self) -> Scenario {
+        self.scenario
+    }
+
+    /// The prediction of it beside it.
+    pub fn beside(&self, prediction: &Prediction) -> AgainstTestV1 {
+        let error = |quantity: Quantity| self.made.error_percent(&prediction.outcome, quantity);
+        let difference = |quantity: Quantity| Some(prediction.outcome.get(quantity)? - self.made.get(quantity)?);
+        let held = Quantity::ALL.iter().zip(&prediction.intervals).filter(|(quantity, interval)| {
+            let pair = interval.as_ref().zip(self.made.get(**quantity));
+            pair.is_some_and(|(interval, measured)| interval.low <= measured && measured <= interval.high)
+        });
+        AgainstTestV1 {
+            test: self.title.clone(),
+            dynamic_crush_error_percent: error(Quantity::DynamicCrush),
+            time_of_dynamic_crush_error_percent: error(Quantity::TimeOfDynamicCrush),
+            peak_acceleration_error_percent: error(Quantity::Peak),
+            coefficient_of_restitution_error: difference(Quantity::Restitution),
+            iso18571_score: self.made.iso18571_score(&prediction.wave),
+            held: held.map(|(quantity, _)| quantity.field().to_owned()).collect(),
+        }
+    }
+}
+
+/// A line for a person.
+pub fn words(against: &AgainstTestV1) -> String {
+    let percent = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:+.1} %"));
+    let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:+.3}"));
+    let score = against.iso18571_score.map_or_else(|| "-".to_owned(), |score| format!("{score:.3}"));
+    let crush = if against.held.iter().any(|name| name == "dynamic_crush_m") { "holds" } else { "does not hold" };
+    format!(
+        "  against {:?}: crush {}, its time {}, peak {}, e {}, ISO/TS 18571 {score}; the interval {crush} the crush",
+        against.test,
+        percent(against.dynamic_crush_error_percent),
+        percent(against.time_of_dynamic_crush_error_percent),
+        percent(against.peak_acceleration_error_percent),
+        number(against.coefficient_of_restitution_error),
+    )
+}
