@@ -12,7 +12,7 @@ use crate::free::free_parameter::free_parameters;
 use crate::solvers::extent::{Extent, extent_of};
 use crate::solvers::fitting::{FitStart, Fitting};
 use crate::solvers::task::Task;
-use crate::{AskedCurve, Candidate, MeasuredElement, MeasuredMass, MeasuredTest, SolveError, extract};
+use crate::{AskedCurve, Candidate, MeasuredElement, MeasuredMass, MeasuredTest, Minimum, SolveError, extract};
 
 /// Rate factor of a vehicle's structure, s/m, where no test tells: mild steel columns of 60 to 100 mm between 40 and
 /// 64 km/h have 0.006 to 0.012 by the law of Cowper and Symonds.
@@ -24,6 +24,10 @@ const USUAL_RESTITUTION: f64 = 0.15;
 const STIFFER: f64 = 1.05;
 /// Time between two knots, s: half a period of what CFC 60 passes of a wave, with as much again for noise.
 const KNOT_SPACING_S: f64 = 0.009;
+/// The last piece of a curve, at least, over its largest deflection: beyond it the curve goes on with its slope.
+const LAST_PIECE: f64 = 0.12;
+/// The first piece, at least.
+const LEAST_PIECE: f64 = 1e-3;
 /// Knots at least, beside that at zero.
 const FEWEST_KNOTS: usize = 3;
 
@@ -51,18 +55,15 @@ impl Loading {
         }
     }
 
-    /// Deflections of so many knots, equal in time and so closer where the mass is slower, which is where the record
-    /// says more of the curve; the last at the largest deflection.
+    /// Deflections of so many knots or fewer, equal in time and so closer where the mass is slower, which is where the
+    /// record says more of the curve; the last at the largest deflection, the piece before it long enough that its slope
+    /// may go on beyond.
     fn places(&self, knots: usize) -> Vec<f64> {
         let last = self.displacement_m.len() - 1;
-        let mut places = vec![0.0];
-        for j in 1..=knots {
-            let place = self.displacement_m[last * j / knots];
-            if places.last().is_some_and(|before| place > before + 1e-6) {
-                places.push(place);
-            }
-        }
-        places
+        let end = self.displacement_m[last];
+        let inner = (1..knots).map(|j| self.displacement_m[last * j / knots]);
+        let inner = inner.filter(|place| *place > LEAST_PIECE * end && *place < (1.0 - LAST_PIECE) * end);
+        std::iter::once(0.0).chain(inner).chain([end]).collect()
     }
 }
 
@@ -75,30 +76,31 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
         return Ok(Vec::new());
     };
     let loading = Loading::of(displacement, task.test.time_zero_s, extent.time_s);
-    let fits = knot_counts(extent.time_s).filter_map(|knots| curve(task, &loading, knots, &extent, &fitting));
-    let best = fits.min_by(|a, b| a.1.total_cmp(&b.1));
-    let Some((minimum, _)) = best else {
+    let mut candidates = Vec::new();
+    for knots in knot_counts(extent.time_s) {
+        let Some(minimum) = curve(task, &loading, knots, &extent, &fitting) else { continue };
+        let remarks = remarks(task, &minimum.model);
+        let start = FitStart::computed(minimum.model);
+        candidates.push(fitting.candidate(&start, minimum, candidates.len() + 1, &remarks));
+    }
+    if candidates.is_empty() {
         notes.warning(format!("{}: not fitted, no curve follows the displacement", task.model));
-        return Ok(Vec::new());
-    };
-    let remarks = remarks(task, &minimum.model);
-    Ok(vec![fitting.candidate(&FitStart::computed(minimum.model), minimum, 1, &remarks)])
+    }
+    Ok(candidates)
 }
 
-/// How many knots are tried.
+/// How many knots are tried: as many as the record carries, two thirds and half of them. Which is for prediction
+/// follows from the evidence, as between any two candidates.
 fn knot_counts(to_s: f64) -> impl Iterator<Item = usize> {
     let most = ((to_s / KNOT_SPACING_S).round() as usize).clamp(FEWEST_KNOTS, MOST_KNOTS);
-    most..=most
+    let mut counts = vec![most, (2 * most).div_ceil(3), most.div_ceil(2)];
+    counts.retain(|knots| *knots >= FEWEST_KNOTS);
+    counts.dedup();
+    counts.into_iter()
 }
 
-/// The curve with so many knots, read off the motion and fitted as measured, and its criterion.
-fn curve(
-    task: &Task<'_>,
-    loading: &Loading,
-    knots: usize,
-    extent: &Extent,
-    fitting: &Fitting<'_>,
-) -> Option<(crate::Minimum, f64)> {
+/// The curve with so many knots, read off the motion and fitted as measured.
+fn curve(task: &Task<'_>, loading: &Loading, knots: usize, extent: &Extent, fitting: &Fitting<'_>) -> Option<Minimum> {
     let (mass_kg, v0) = (task.test.mass_kg, task.test.impact_speed_m_per_s);
     let knots_m = loading.places(knots);
     let mass = MeasuredMass {
@@ -115,9 +117,7 @@ fn curve(
     let read: Vec<(f64, f64)> = knots_m.into_iter().zip(forces_n).skip(1).collect();
     let start = Model::ForceDeflection(structure(task, &read, extent)?);
     let free = free_parameters(&start, v0, extent.crush_m);
-    let minimum = fit_nearby(&start, &free, &fitting.observed)?;
-    let rmse = minimum.rmse_m();
-    Some((minimum, rmse))
+    fit_nearby(&start, &free, &fitting.observed)
 }
 
 /// The structure with these knots: stiff enough in unloading that the restitution is that of the test.
@@ -143,7 +143,7 @@ fn remarks(task: &Task<'_>, model: &Model) -> Vec<String> {
         format!("{USUAL_RESTITUTION}, the usual one of a full frontal test: the record shows none")
     };
     vec![
-        format!("{knots} knots beside that at zero, as many as the record carries"),
+        format!("{knots} knots beside that at zero; the record carries one every 9 ms"),
         format!("unloading stiffness from the restitution {unloading}"),
         format!(
             "rate factor {RATE_PRIOR_S_PER_M} s/m is a prior, +- 0.005: one test does not tell it; two tests at other \

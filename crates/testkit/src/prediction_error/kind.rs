@@ -113,7 +113,8 @@ fn linear(mass_kg: f64, scale_m: f64, between: &mut impl FnMut(f64, f64) -> f64)
     }
 }
 
-/// A front mass of 15 to 35 % behind a structure that folds, the compartment behind a stiffer one.
+/// A front mass of 15 to 35 % behind a structure that folds, the compartment behind one that is half as strong again or
+/// twice as strong: what stands between engine and occupants is to hold.
 fn two_masses(
     mass_kg: f64,
     scale_m: f64,
@@ -131,7 +132,7 @@ fn two_masses(
         rate_s_per_m,
         restitution,
     );
-    let rear = buckling(mean_n * between(0.8, 1.1), 0.3 * scale_m, None, between);
+    let rear = buckling(mean_n * between(1.5, 2.0), 0.3 * scale_m, None, between);
     let rear = plastic(rear, mass_kg - engine, 0.4 * scale_m, rate_s_per_m, restitution);
     Structure {
         masses_kg: vec![engine, mass_kg - engine],
