@@ -81,8 +81,9 @@ pub struct CandidateSelection {
 /// Chooses among candidates of which none is the dual of another: the same model twice is one.
 ///
 /// *Adequate*: physical, no parameter on a bound of its search, a displacement fit of at least
-/// [`SelectionRules::adequate_fit_percent`]. *Recommended*: of the adequate whose numbers the record determines, and
-/// whose wall force is within its limit, the lowest criterion with priors; within 2 of it the fewest parameters.
+/// [`SelectionRules::adequate_fit_percent`]. *Recommended*: of the adequate whose numbers the record determines as far as
+/// they are felt at other speeds, and whose wall force is within its limit, the lowest criterion with priors; within 2
+/// of it the fewest parameters.
 /// *Simplest*: of the adequate with all numbers determined the fewest, then the lowest criterion. *Closest*: of the
 /// physical the best displacement fit.
 pub fn choose(candidates: &[ComparedCandidate], record: &ComparedRecord, rules: &SelectionRules) -> CandidateSelection {
@@ -183,9 +184,9 @@ impl ComparedCandidates<'_> {
         if self.rated[k].aicc.is_none() {
             return Some(format!("{} free numbers are too many for this record", candidate.parameters));
         }
-        if !candidate.open.is_empty() {
-            let (open, of) = (candidate.open.len(), candidate.parameters);
-            return Some(format!("{open} of its {of} numbers are not determined"));
+        if !candidate.open_and_felt.is_empty() {
+            let (open, of) = (candidate.open_and_felt.len(), candidate.parameters);
+            return Some(format!("{open} of its {of} numbers are not determined and felt at other speeds"));
         }
         let force = candidate.force_misfit_percent.filter(|force| *force > self.rules.force_limit_percent);
         force.map(|force| format!("it misses the force on the wall by {force:.0} %"))
@@ -207,9 +208,11 @@ impl ComparedCandidates<'_> {
         let next = of_others.min_by(|a, b| self.total(*a).total_cmp(&self.total(*b)));
         let candidate = &self.candidates[best];
         let mut because = format!(
-            "{}, all {} numbers determined, {}",
+            "{}, {} of {} numbers determined{}, {}",
             candidate.class.name(),
+            candidate.determined(),
             candidate.parameters,
+            if candidate.open.is_empty() { "" } else { ", the others hardly felt at other speeds" },
             match next {
                 Some(next) => self.beside_the_next(best, next),
                 None => "the only adequate candidate that qualifies".to_owned(),
@@ -301,6 +304,7 @@ mod tests {
             class,
             parameters,
             open: Vec::new(),
+            open_and_felt: Vec::new(),
             on_bound: Vec::new(),
             physical: true,
             misfit: Some((0..40).map(|k| misfit * signs[k % 10]).collect()),
@@ -349,10 +353,14 @@ mod tests {
         let mut open = candidate("open", EnergyClass::Plastic, 5, 0.2);
         open.open = vec!["k3".to_owned()];
         let determined = candidate("determined", EnergyClass::Plastic, 2, 1.0);
+        // Not felt at other speeds, it stands in the way of the simplest alone.
+        let unfelt = [open.clone(), determined.clone()];
+        assert_eq!(ids(&unfelt, &SelectionRules::default()), some(["open", "determined", "open"]));
+        open.open_and_felt.clone_from(&open.open);
         let both = [open.clone(), determined];
         assert_eq!(ids(&both, &SelectionRules::default()), some(["determined", "determined", "open"]));
         let selection = choose(&both, &RECORD, &SelectionRules::default());
-        assert!(selection.recommended.because.contains("but 1 of its 5 numbers are not determined"));
+        assert!(selection.recommended.because.contains("but 1 of its 5 numbers are not determined and felt"));
         let [recommended, simplest, closest] = ids(&[open], &SelectionRules::default());
         assert_eq!((recommended, simplest, closest.as_deref()), (None, None, Some("open")));
     }

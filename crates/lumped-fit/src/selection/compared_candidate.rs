@@ -77,6 +77,8 @@ pub struct ComparedCandidate {
     pub parameters: usize,
     /// Of these, what the record does not determine, in words.
     pub open: Vec<String>,
+    /// Of these, what would change the crush at other speeds if it were another, in words.
+    pub open_and_felt: Vec<String>,
     /// Parameters on a bound of their search other than zero, in words.
     pub on_bound: Vec<String>,
     /// Whether no spring or damper is negative.

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use crate::stage::inputs::motions::motion;
 use crate::stage::options::settings::StageSettings;
+use crate::stage::recommend::felt::is_felt;
 
 /// A crash is over in two seconds or never.
 const HORIZON_S: f64 = 2.0;
@@ -102,14 +103,17 @@ impl Comparison {
         let is_zero = |name: &str| record.parameters.get(name).is_some_and(|value| *value == 0.0);
         let bounds = record.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
         let mut open: Vec<String> = record.undetermined().into_iter().map(str::to_owned).collect();
+        let mut open_and_felt: Vec<String> = open.iter().filter(|name| is_felt(record, name, speed)).cloned().collect();
         if candidate.division_undecided {
             open.push("the division of the mass".to_owned());
+            open_and_felt.extend(open.last().cloned());
         }
         ComparedCandidate {
             id: candidate.id.to_owned(),
             class: EnergyClass::of(&record.model, &record.parameters),
             parameters: free_numbers(record).max(open.len()),
             open,
+            open_and_felt,
             on_bound: bounds.iter().filter(|name| !is_zero(name)).cloned().collect(),
             physical: record.physical,
             misfit: misfit(&self.acceleration),

@@ -2,4 +2,5 @@
 //! May use `inputs` and `options`.
 
 pub mod compared_candidates;
+pub mod felt;
 pub mod recommendation;
