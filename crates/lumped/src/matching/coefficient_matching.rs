@@ -13,26 +13,26 @@
 use nalgebra::Matrix4;
 
 use crate::error::{finite, positive};
-use crate::matching::cubic::cubic_roots;
+use crate::matching::cubic::{CubicRoot, CubicUncertainty, cubic_roots};
 use crate::matching::double_double::{ComplexDd, Dd};
 use crate::{Complex, DoubleSpringMassDamper, LumpedError};
 
 /// Relative size below which a discriminant counts as zero: two mirror solutions coincide, or a root lies on the
 /// border between real and complex ones.
 const NOISE: f64 = 1e-26;
-/// The same at a double root of the cubic, whose place is uncertain by the square root of the noise of its discriminant
-/// over the distance of the third root; and the most of it, so that the equations are still met to 1e-12.
-const OWN_DUAL: (f64, f64) = (1e-13, 1e-12);
+/// By how much a coefficient or a mass given as a binary number may be off, relative: four roundings, as many as it
+/// takes to compute one.
+const ROUNDING: f64 = 2.0 * f64::EPSILON;
 /// Smale's bound for an approximate zero, `(13 - 3 sqrt 17)/4`.
 const ALPHA: f64 = 0.157_670_780_786_5;
 
 /// How the given numbers are meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Reading {
-    /// As the binary numbers they are.
+    /// As binary numbers, each right to four roundings: solutions that are equal within those are equal.
     #[default]
     Binary,
-    /// As the decimal numbers they are written as: `0.1` is one tenth. Matters next to multiple solutions only.
+    /// As the decimal numbers they are written as, exactly: `0.1` is one tenth. Matters next to multiple solutions only.
     Decimal,
 }
 
@@ -48,6 +48,8 @@ impl Reading {
 /// The polynomial `s^4 + t s^3 + u s^2 + v s + w` to be met and the masses to meet it with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoefficientMatching {
+    /// Relative uncertainty of the numbers.
+    rounding: f64,
     polynomial: [Dd; 4],
     m1: Dd,
     m2: Dd,
@@ -156,7 +158,8 @@ impl CoefficientMatching {
     fn with_masses(polynomial: [Dd; 4], m1_kg: f64, m2_kg: f64, reading: Reading) -> Result<Self, LumpedError> {
         positive("m1_kg", m1_kg)?;
         positive("m2_kg", m2_kg)?;
-        Ok(Self { polynomial, m1: reading.read(m1_kg), m2: reading.read(m2_kg) })
+        let rounding = if reading == Reading::Binary { ROUNDING } else { 0.0 };
+        Ok(Self { rounding, polynomial, m1: reading.read(m1_kg), m2: reading.read(m2_kg) })
     }
 
     /// `t, u, v, w`.
@@ -166,7 +169,7 @@ impl CoefficientMatching {
 
     /// The same polynomial with other masses.
     pub fn with(&self, m1_kg: f64, m2_kg: f64) -> Result<Self, LumpedError> {
-        Self::with_masses(self.polynomial, m1_kg, m2_kg, Reading::Binary)
+        Ok(Self { rounding: self.rounding, ..Self::with_masses(self.polynomial, m1_kg, m2_kg, Reading::Binary)? })
     }
 
     /// The bound `rho = (t u v - v^2 - t^2 w)/v^2` of `m2/m1`: with a stable polynomial, every real solution is
@@ -198,89 +201,33 @@ impl CoefficientMatching {
     ///
     /// In double-double arithmetic throughout: rounding of the results to f64 is all that is lost, also at double
     /// roots. Real parameters are right to a few `1e-16` of the larger of each pair, `c1/m1` beside `c2/mr`, except
-    /// where the given coefficients themselves leave them uncertain: see [`matching_sensitivity`].
+    /// where the given coefficients themselves leave them uncertain: see [`matching_sensitivity`]. Roots of the cubic
+    /// and dual solutions that are equal within the rounding of the coefficients ([`Reading`]) are one, with its
+    /// multiplicity: such a polynomial is as near to one with equal solutions as to one with none there.
     pub fn solve(&self) -> CoefficientMatch {
         // Time in units that make the coefficients of size one; a power of two loses nothing.
         let size = self.polynomial.iter().enumerate().map(|(k, c)| c.hi.abs().powf(1.0 / (k + 1) as f64));
         let size = size.fold(0.0, f64::max);
         let unit = if size > 0.0 { size.log2().round().exp2() } else { 1.0 };
-        let mut power = 1.0;
-        let [t, u, v, w] = self.polynomial.map(|c| {
-            power *= unit;
-            c.scale(1.0 / power)
-        });
-        let one = Dd::of(1.0);
-        let kappa = one + self.m2 / self.m1;
+        let equations = ScaledEquations::new(self, unit);
+        let zetas = equations.roots();
         let reduced = self.m1 * self.m2 / (self.m1 + self.m2);
-        let cubic = [u.scale(-2.0), u * u + t * v - (kappa * w).scale(4.0), kappa * (v * v) + t * t * w - t * u * v];
-        let zetas = cubic_roots(cubic[0], cubic[1], cubic[2]);
-
-        let solutions_with = |most_blur: f64| {
-            let mut solutions = Vec::with_capacity(6);
-            for (place, root) in zetas.iter().enumerate() {
-                let zeta = root.value;
-                let [ct, ck] = [t, kappa].map(ComplexDd::real);
-                let rest = ComplexDd::real(u) - zeta;
-                let square_1 =
-                    denoise(ct * ct - (ck * zeta).scale(Dd::of(4.0)), t.hi * t.hi + 4.0 * kappa.hi * zeta.norm());
-                let kw = (kappa * w).scale(4.0);
-                let square_0 = denoise(rest * rest - ComplexDd::real(kw), rest.norm().powi(2) + kw.hi.abs());
-                let product = ct * rest - ComplexDd::real((kappa * v).scale(2.0));
-                // The larger by its root, the other by division: no sign to guess and nothing lost in the smaller.
-                // Where a set is its own dual the root of the cubic is double. Coefficients off by a rounding split it
-                // by less than can be seen, so it is known to the square root of the noise only; without this the four
-                // sets there would come out complex, though two of them are real for every polynomial.
-                let third = zetas.iter().map(|other| (other.value - zeta).norm()).fold(0.0, f64::max) / u.hi.abs();
-                let blur = (OWN_DUAL.0 / third).min(most_blur);
-                let own_dual = root.multiplicity > 1
-                    && square_1.norm() <= blur * (t.hi * t.hi + kappa.hi * u.hi.abs())
-                    && square_0.norm() <= blur * (rest.norm().powi(2) + kw.hi.abs());
-                let coincide = own_dual || (square_1.norm() == 0.0 && square_0.norm() == 0.0);
-                let (r1, r0) = if coincide {
-                    (ComplexDd::default(), ComplexDd::default())
-                } else if square_1.norm() * (1.0 + rest.norm().powi(2)) >= square_0.norm() * (1.0 + t.hi * t.hi) {
-                    let r1 = square_1.sqrt();
-                    (r1, product / r1)
-                } else {
-                    let r0 = square_0.sqrt();
-                    (product / r0, r0)
-                };
-                let first = self.solution([ct, rest, r1, r0], reduced, unit);
-                let base = solutions.len();
-                if coincide {
-                    solutions.push(MatchedSolution {
-                        dual: base,
-                        root: place,
-                        multiplicity: 2 * root.multiplicity,
-                        ..first
-                    });
-                } else {
-                    let second = self.solution([ct, rest, -r1, -r0], reduced, unit);
-                    solutions.push(MatchedSolution {
-                        dual: base + 1,
-                        root: place,
-                        multiplicity: root.multiplicity,
-                        ..first
-                    });
-                    solutions.push(MatchedSolution {
-                        dual: base,
-                        root: place,
-                        multiplicity: root.multiplicity,
-                        ..second
-                    });
-                }
+        let mut solutions = Vec::with_capacity(6);
+        for (place, root) in zetas.iter().enumerate() {
+            let (sums, r) = equations.sums_and_differences(root);
+            let base = solutions.len();
+            let coincide = r.iter().all(|r| r.norm() == 0.0);
+            let multiplicity = if coincide { 2 * root.multiplicity } else { root.multiplicity };
+            let mut put = |r: [ComplexDd; 2], dual: usize| {
+                let solution = self.solution([sums[0], sums[1], r[0], r[1]], reduced, unit);
+                solutions.push(MatchedSolution { dual, root: place, multiplicity, ..solution });
+            };
+            put(r, if coincide { base } else { base + 1 });
+            if !coincide {
+                put(r.map(|r| -r), base);
             }
-            solutions
-        };
-        // Two are real for every polynomial. Where none is, a set is its own dual at a root that is almost triple, and
-        // so known still worse.
-        let mut solutions = solutions_with(OWN_DUAL.1);
-        for wider in [1e1, 1e2, 1e3] {
-            if solutions.iter().any(|solution: &MatchedSolution| solution.real) {
-                break;
-            }
-            solutions = solutions_with(wider * OWN_DUAL.1);
         }
+        let cubic = equations.cubic();
         let roots = zetas
             .iter()
             .map(|root| MatchRoot {
@@ -355,6 +302,94 @@ impl CoefficientMatching {
     pub fn mass_split_sweep(&self, front_fractions: &[f64]) -> Result<Vec<CoefficientMatch>, LumpedError> {
         let total = (self.m1 + self.m2).value();
         front_fractions.iter().map(|f| Ok(self.with(f * total, (1.0 - f) * total)?.solve())).collect()
+    }
+}
+
+/// The equations in a unit of time that makes them of size one, with `kappa = 1 + m2/m1`.
+struct ScaledEquations {
+    t: Dd,
+    u: Dd,
+    v: Dd,
+    w: Dd,
+    kappa: Dd,
+    rounding: f64,
+}
+
+impl ScaledEquations {
+    fn new(given: &CoefficientMatching, unit: f64) -> Self {
+        let mut power = 1.0;
+        let [t, u, v, w] = given.polynomial.map(|c| {
+            power *= unit;
+            c.scale(1.0 / power)
+        });
+        Self { t, u, v, w, kappa: Dd::of(1.0) + given.m2 / given.m1, rounding: given.rounding }
+    }
+
+    /// Coefficients of the cubic in `zeta`, without the leading 1: `r1² r0² - (r1 r0)²` over `-4 kappa`.
+    fn cubic(&self) -> [Dd; 3] {
+        let Self { t, u, v, w, kappa, .. } = *self;
+        let kw = (kappa * w).scale(4.0);
+        [u.scale(-2.0), u * u + t * v - kw, kappa * (v * v) + t * t * w - t * u * v]
+    }
+
+    /// `r1²`, `r0²` and `r1 r0` at a `zeta`, each with the sum of the moduli of its parts.
+    fn squares_and_product(&self, zeta: ComplexDd) -> [(ComplexDd, f64); 3] {
+        let [t, u, v, w, kappa] = [self.t, self.u, self.v, self.w, self.kappa].map(ComplexDd::real);
+        let [two, four] = [2.0, 4.0].map(Dd::of);
+        let rest = u - zeta;
+        let ([kz, kw], kv) = ([kappa * zeta, kappa * w].map(|x| x.scale(four)), (kappa * v).scale(two));
+        let of_rest = u.norm() + zeta.norm();
+        [
+            (t * t - kz, t.norm().powi(2) + kz.norm()),
+            (rest * rest - kw, rest.norm() * of_rest + kw.norm()),
+            (t * rest - kv, t.norm() * of_rest + kv.norm()),
+        ]
+    }
+
+    /// The roots of the cubic, those that are equal within the rounding of the coefficients as one.
+    ///
+    /// With each of the parts of `r1²`, `r0²` and `r1 r0` right to two roundings, as products are, the cubic is
+    /// uncertain by what `(r1² ± a)(r0² ± b) - (r1 r0 ± c)²` is over `4 kappa`. That is least where a solution is
+    /// its own dual and all three are zero.
+    fn roots(&self) -> Vec<CubicRoot> {
+        let Self { t, u, v, w, kappa, rounding } = *self;
+        let value = |zeta: Dd| {
+            let [(square_1, a), (square_0, b), (product, c)] = self.squares_and_product(ComplexDd::real(zeta));
+            let [a, b, c] = [a, b, c].map(|size| 2.0 * rounding * size);
+            let first = square_1.norm() * b + square_0.norm() * a + 2.0 * product.norm() * c;
+            (first + a * b + c * c) / (4.0 * kappa.hi)
+        };
+        let parts = 2.0 / 3.0 * u.hi * u.hi + (t * v).hi.abs() + 4.0 * (kappa * w).hi.abs();
+        cubic_roots(self.cubic(), &CubicUncertainty { value: &value, slope: 2.0 * rounding * parts })
+    }
+
+    /// `t` and `u - zeta`, `r1` and `r0` of one of the two dual solutions at a root; `r1 = r0 = 0` where they are one.
+    fn sums_and_differences(&self, root: &CubicRoot) -> ([ComplexDd; 2], [ComplexDd; 2]) {
+        let [t, u] = [self.t, self.u].map(ComplexDd::real);
+        // A solution is its own dual where `r1` is zero at a multiple root: `r0` is zero there too.
+        let own_dual = ComplexDd::real(self.t * self.t / self.kappa.scale(4.0));
+        let beyond = root.value - own_dual;
+        let [_, (square_0, size_0), (product, size)] = self.squares_and_product(own_dual);
+        let noise = 2.0 * self.rounding;
+        let meets_all = square_0.norm() <= noise * size_0 && product.norm() <= noise * size;
+        if root.multiplicity > 1 && beyond.norm() <= root.radius && (meets_all || beyond.re.hi >= 0.0) {
+            return ([t, u - own_dual], [ComplexDd::default(); 2]);
+        }
+        let rest = u - root.value;
+        let [(square_1, size_1), (square_0, size_0), (product, _)] = self.squares_and_product(root.value);
+        let (square_1, square_0) = (denoise(square_1, size_1), denoise(square_0, size_0));
+        // The larger by its root, the other by division: no sign to guess and nothing lost in the smaller.
+        let larger = square_1.norm() * (1.0 + rest.norm().powi(2)) >= square_0.norm() * (1.0 + t.norm().powi(2));
+        let differences = if square_1.norm() == 0.0 && square_0.norm() == 0.0 {
+            [ComplexDd::default(); 2]
+        } else if larger {
+            let r1 = square_1.sqrt();
+            [r1, product / r1]
+        } else {
+            let r0 = square_0.sqrt();
+            [product / r0, r0]
+        };
+        ([t, rest], differences)
     }
 }
 

@@ -7,7 +7,7 @@
 use crate::matching::double_double::{ComplexDd, Dd};
 
 /// Relative size below which a combination of the coefficients counts as zero: some hundred roundings of double-double
-/// arithmetic. Two roots closer than about `1e-14` of their size are taken as one double root.
+/// arithmetic. Of exact coefficients two roots closer than about `1e-14` of their size are taken as one double root.
 const NOISE: f64 = 1e-29;
 
 /// One root.
@@ -15,15 +15,30 @@ const NOISE: f64 = 1e-29;
 pub(crate) struct CubicRoot {
     pub value: ComplexDd,
     pub multiplicity: usize,
+    /// How far from `value` the roots that are taken as one may lie; 0 for a single root.
+    pub radius: f64,
+}
+
+/// How far the cubic is uncertain, because its coefficients are.
+pub(crate) struct CubicUncertainty<'a> {
+    /// Of its value at a point.
+    pub value: &'a dyn Fn(Dd) -> f64,
+    /// Of its slope.
+    pub slope: f64,
 }
 
 /// The roots of `z^3 + a z^2 + b z + c`, real ones first; multiplicities sum to three.
 ///
-/// Shifted to `y^3 + p y + q`. The root of largest modulus stands alone on its side of zero, so Newton's method finds
-/// it without harm however close the other two are; those follow from the discriminant
-/// `D = (y1-y2)^2 (y1-y3)^2 (y2-y3)^2`, whose sign says how many roots are real. Within rounding `D` of zero is a
-/// double root in closed form: no digits are lost there and no root.
-pub(crate) fn cubic_roots(a: Dd, b: Dd, c: Dd) -> Vec<CubicRoot> {
+/// Shifted to `y^3 + p y + q`. Where the cubic is zero within its uncertainty at a point without slope,
+/// `y = ±(-p/3)^(1/2)`, that point is a double root and the third is near `-2 y`; where `p` and `q` both are, zero is a
+/// triple root. A cubic that near has such roots too, so that none is lost to the complex numbers by a rounding of the
+/// coefficients. Else the root of largest modulus stands alone on its side of zero, so Newton's method finds it
+/// without harm however close the other two are; those follow from the discriminant
+/// `D = (y1-y2)^2 (y1-y3)^2 (y2-y3)^2`, whose sign says how many roots are real.
+///
+/// A slope uncertain by `d` moves the value at a point without slope by `d^2/(2 |y''|)`, `y'' = 6 y`, beside what
+/// `uncertainty` says of the value there.
+pub(crate) fn cubic_roots([a, b, c]: [Dd; 3], uncertainty: &CubicUncertainty<'_>) -> Vec<CubicRoot> {
     let third = Dd::of(1.0) / Dd::of(3.0);
     let shift = -a * third;
     let square = a * a;
@@ -31,34 +46,41 @@ pub(crate) fn cubic_roots(a: Dd, b: Dd, c: Dd) -> Vec<CubicRoot> {
     let q = c - a * b * third + square * a * (Dd::of(2.0) / Dd::of(27.0));
     let p_noise = NOISE * (b.hi.abs() + square.hi);
     let q_noise = NOISE * (c.hi.abs() + (a * b).hi.abs() + (square * a).hi.abs());
-    let real = |y: Dd, multiplicity| {
+    let real = |y: Dd, multiplicity, radius| {
         let z = y + shift;
         // A root at zero is one exactly.
         let z = if z.hi.abs() <= NOISE * (y.hi.abs() + shift.hi.abs()) { Dd::ZERO } else { z };
-        CubicRoot { value: ComplexDd::real(z), multiplicity }
+        CubicRoot { value: ComplexDd::real(z), multiplicity, radius }
     };
-    if p.hi.abs() <= p_noise && q.hi.abs() <= q_noise {
-        return vec![real(Dd::ZERO, 3)];
+    let slope_noise = p_noise + uncertainty.slope;
+    let value_noise = q_noise + (uncertainty.value)(shift);
+    if p.hi.abs() <= slope_noise && q.hi.abs() <= value_noise {
+        return vec![real(Dd::ZERO, 3, value_noise.cbrt())];
+    }
+    let flat = (-p * third).sqrt();
+    let twice = if q.hi < 0.0 { -flat } else { flat };
+    let curvature = 6.0 * flat.hi;
+    let value_noise = q_noise
+        + flat.hi * p_noise
+        + NOISE * q.hi.abs()
+        + (uncertainty.value)(twice + shift)
+        + 0.5 * slope_noise * slope_noise / curvature;
+    if p.hi < 0.0 && (q.abs() - (flat * flat * flat).scale(2.0)).hi.abs() <= value_noise {
+        // A parabola of this height spreads its zeros so far; twice that, as the noise is an estimate.
+        let radius = 2.0 * (2.0 * value_noise / curvature).sqrt();
+        return vec![real(newton(p, q, -2.0 * twice.hi), 1, 0.0), real(twice, 2, radius)];
     }
     let discriminant = -(p * p * p).scale(4.0) - (q * q).scale(27.0);
-    let noise = 12.0 * p.hi * p.hi * p_noise + 54.0 * q.hi.abs() * q_noise + NOISE * 27.0 * q.hi * q.hi;
-    if discriminant.hi.abs() <= noise && p.hi != 0.0 {
-        let alone = q.scale(3.0) / p;
-        return vec![real(alone, 1), real(alone.scale(-0.5), 2)];
-    }
     let alone = newton(p, q, start(p.hi, q.hi, discriminant.hi));
     let slope = (alone * alone).scale(3.0) + p;
     let half_gap = discriminant.abs().sqrt() / slope.abs().scale(2.0);
     let middle = alone.scale(-0.5);
     if discriminant.hi > 0.0 {
-        return vec![real(alone, 1), real(middle - half_gap, 1), real(middle + half_gap, 1)];
+        return vec![real(alone, 1, 0.0), real(middle - half_gap, 1, 0.0), real(middle + half_gap, 1, 0.0)];
     }
     let upper = ComplexDd { re: middle + shift, im: half_gap };
-    vec![
-        real(alone, 1),
-        CubicRoot { value: upper, multiplicity: 1 },
-        CubicRoot { value: upper.conj(), multiplicity: 1 },
-    ]
+    let single = |value| CubicRoot { value, multiplicity: 1, radius: 0.0 };
+    vec![real(alone, 1, 0.0), single(upper), single(upper.conj())]
 }
 
 /// The root of largest modulus (three real ones) or the only real one, in f64.
@@ -103,9 +125,13 @@ fn newton(p: Dd, q: Dd, start: f64) -> Dd {
 mod tests {
     use super::*;
 
+    fn exact(coefficients: [Dd; 3]) -> Vec<CubicRoot> {
+        cubic_roots(coefficients, &CubicUncertainty { value: &|_| 0.0, slope: 0.0 })
+    }
+
     fn roots_of(r: [f64; 3]) -> Vec<CubicRoot> {
         let [x, y, z] = r.map(Dd::of);
-        cubic_roots(-(x + y + z), x * y + y * z + z * x, -(x * y * z))
+        exact([-(x + y + z), x * y + y * z + z * x, -(x * y * z)])
     }
 
     #[test]
@@ -133,15 +159,15 @@ mod tests {
     #[test]
     fn one_real_root_leaves_a_conjugate_pair() {
         // (z - 2)(z^2 + 2 z + 5)
-        let roots = cubic_roots(Dd::of(0.0), Dd::of(1.0), Dd::of(-10.0));
+        let roots = exact([Dd::of(0.0), Dd::of(1.0), Dd::of(-10.0)]);
         assert_eq!(roots[0].value.value(), crate::Complex::new(2.0, 0.0));
         assert_eq!(roots[1].value.value(), crate::Complex::new(-1.0, 2.0));
         assert_eq!(roots[2].value.value(), crate::Complex::new(-1.0, -2.0));
         // z^3 - 8: the shifted cubic has p = 0.
-        let roots = cubic_roots(Dd::ZERO, Dd::ZERO, Dd::of(-8.0));
+        let roots = exact([Dd::ZERO, Dd::ZERO, Dd::of(-8.0)]);
         assert_eq!(roots[0].value.value(), crate::Complex::new(2.0, 0.0));
         // z^3 + 8 z: q = 0.
-        let roots = cubic_roots(Dd::ZERO, Dd::of(4.0), Dd::ZERO);
+        let roots = exact([Dd::ZERO, Dd::of(4.0), Dd::ZERO]);
         assert_eq!(roots[0].value.value(), crate::Complex::new(0.0, 0.0));
         assert_eq!(roots[1].value.value(), crate::Complex::new(0.0, 2.0));
     }
