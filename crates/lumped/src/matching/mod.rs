@@ -5,3 +5,4 @@ pub mod coefficient_matching;
 pub mod cubic;
 pub mod double_double;
 pub mod physical_coordinates;
+pub(crate) mod scaled_equations;
