@@ -194,7 +194,7 @@ pub(crate) fn assess_at(
     (theta, on_bound): (&[f64], &[bool]),
     options: AssessmentOptions,
 ) -> Option<Assessment> {
-    let sensitivities = derivatives(problem, theta, &problem.bounds())? * problem.unit;
+    let sensitivities = derivatives(problem, theta)? * problem.unit;
     let misfit = problem.misfit(theta)?;
     let (coordinates, observed) = (problem.coordinates, problem.observed);
     let at = AtMinimum { coordinates, observed, theta, on_bound, misfit: &misfit, sensitivities: &sensitivities };
