@@ -225,9 +225,9 @@ impl Response for Beside {
         out.iter().all(|r| r.is_finite())
     }
 
-    fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
-        let Some(model) = self.model(theta) else { return Some(false) };
-        let Ok(response) = model.sensitivity(V0, &self.instants(), &PLACES) else { return Some(false) };
+    fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> bool {
+        let Some(model) = self.model(theta) else { return false };
+        let Ok(response) = model.sensitivity(V0, &self.instants(), &PLACES) else { return false };
         let p = self.parameters(theta);
         for (j, theta_j) in theta.iter().enumerate() {
             // A logarithm changes its parameter by the parameter itself, a share by what it is a share of; v1 follows
@@ -239,7 +239,7 @@ impl Response for Beside {
                 out[(k, j)] = (by(j) * own + follows) / CRUSH;
             }
         }
-        Some(true)
+        true
     }
 }
 

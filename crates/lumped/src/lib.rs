@@ -53,7 +53,6 @@ mod structure;
 
 pub use crumple_lti::Complex;
 pub use error::LumpedError;
-pub use exact::exact_step::exact_step;
 pub use families::chain::{Chain, TripleSpringMassDamper};
 pub use families::double_spring_mass_damper::DoubleSpringMassDamper;
 pub use families::elastoplastic::Elastoplastic;

@@ -1,7 +1,6 @@
 //! Bounded Levenberg-Marquardt for any number of parameters: the one descent of all least-squares problems.
 //!
-//! Minimises `sum r_i(theta)²` within `lower <= theta <= upper`. Sensitivities are the problem's own where it has them,
-//! else differences (one-sided in the descent: relative error near 1e-8; central at the minimum: near 1e-10). Unknowns
+//! Minimises `sum r_i(theta)²` within `lower <= theta <= upper` on the sensitivities that the problem gives. Unknowns
 //! should be of size one: the caller scales. Each iteration solves `min |J d + r|² + lambda |D d|²` by QR of the
 //! triangle of `J`, never by normal equations; `D` has the largest column norms seen (Marquardt), `lambda` follows
 //! Nielsen's gain ratio. An unknown on a bound beyond which the cost falls is fixed for the step, and no step leaves
@@ -11,7 +10,6 @@
 
 use crumple_linalg::{TriangularFactor, dot};
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 
 use super::stop_reason::StopReason;
 
@@ -25,11 +23,8 @@ pub trait Response: Sync {
     fn exact(&self) -> f64 {
         0.0
     }
-    /// Fills the first columns of `out` with the derivatives of the residuals; `None` if the problem has none of its
-    /// own and differences must do, `Some(false)` where they are not finite.
-    fn sensitivities(&self, _theta: &[f64], _out: &mut DMatrix<f64>) -> Option<bool> {
-        None
-    }
+    /// Fills the first columns of `out` with the derivatives of the residuals; `false` where they are not finite.
+    fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> bool;
 }
 
 /// What a descent asks of a problem. Every [`Response`] is one, its residuals being all that is known at a point; a
@@ -44,7 +39,7 @@ pub(super) trait LeastSquares: Sync {
     /// As [`Response::exact`].
     fn exact_cost(&self) -> f64;
     /// As [`Response::sensitivities`].
-    fn sensitivities_at(&self, theta: &[f64], point: &Self::Point, out: &mut DMatrix<f64>) -> Option<bool>;
+    fn sensitivities_at(&self, theta: &[f64], point: &Self::Point, out: &mut DMatrix<f64>) -> bool;
 }
 
 impl<R: Response> LeastSquares for R {
@@ -63,7 +58,7 @@ impl<R: Response> LeastSquares for R {
         self.exact()
     }
 
-    fn sensitivities_at(&self, theta: &[f64], _point: &Vec<f64>, out: &mut DMatrix<f64>) -> Option<bool> {
+    fn sensitivities_at(&self, theta: &[f64], _point: &Vec<f64>, out: &mut DMatrix<f64>) -> bool {
         self.sensitivities(theta, out)
     }
 }
@@ -108,17 +103,12 @@ pub struct Optimum {
     pub stop: StopReason,
 }
 
-/// Difference step in units of the parameters, which are of size one: rounding of the response (1e-15) over it and its
-/// square meet near 1e-8 of the sensitivities.
-const DIFFERENCE: f64 = 1e-7;
 /// Largest cosine between the residuals and a sensitivity that counts as orthogonal: rounding.
 const ORTHOGONAL: f64 = 1e-14;
 /// Largest step of an unknown, which is of size one, that counts as standing still: rounding.
 const STANDING: f64 = 1e-14;
 /// Damping above which a step is too short to change the cost: rounding is all that is left.
 const DAMPING_LIMIT: f64 = 1e12;
-/// Step of the central differences at a minimum, in the same units.
-const CENTRAL_DIFFERENCE: f64 = 1e-5;
 
 /// The linearised problem, reduced by QR: `|J d + r|² = |R d + q|² + rest`.
 struct Linear {
@@ -184,7 +174,7 @@ pub(super) fn descent<L: LeastSquares>(
         return Some(Descent { theta, point, cost, linear: None, on_bound, iterations, evaluations, stop });
     }
     let mut matrix = DMatrix::zeros(problem.residuals_at(&point).len(), n + 1);
-    let mut linear = linearise(problem, &theta, &point, bounds, &mut matrix, &mut evaluations)?;
+    let mut linear = linearise(problem, &theta, &point, &mut matrix, &mut evaluations)?;
     let mut on_bound = fixed_at_bound(&theta, &linear, bounds);
     let mut scale = vec![0.0; n];
     let (mut lambda, mut growth) = (1e-3, 2.0);
@@ -220,7 +210,7 @@ pub(super) fn descent<L: LeastSquares>(
                 let done = decrease <= small && predicted <= small;
                 end = done.then_some(StopReason::CostConverged).or_else(|| ended(next_cost, iterations));
                 if end.is_none() || linearised {
-                    let there = linearise(problem, &next, &next_point, bounds, &mut matrix, &mut evaluations);
+                    let there = linearise(problem, &next, &next_point, &mut matrix, &mut evaluations);
                     // A finite cost and no finite sensitivities: stay with the last point that has both.
                     let Some(there) = there else { break StopReason::NoImprovement };
                     linear = there;
@@ -247,24 +237,15 @@ fn linearise<L: LeastSquares>(
     problem: &L,
     theta: &[f64],
     point: &L::Point,
-    bounds: &Bounds,
     matrix: &mut DMatrix<f64>,
     evaluations: &mut u64,
 ) -> Option<Linear> {
     let (n, residuals) = (theta.len(), problem.residuals_at(point));
     matrix.fill(0.0);
-    match problem.sensitivities_at(theta, point, matrix) {
-        Some(true) => *evaluations += 1,
-        Some(false) => return None,
-        None => {
-            let columns: Vec<(Option<Vec<f64>>, u64)> =
-                (0..n).into_par_iter().map(|i| difference(problem, theta, residuals, bounds, i)).collect();
-            for (i, (column, spent)) in columns.into_iter().enumerate() {
-                *evaluations += spent;
-                matrix.column_mut(i).copy_from_slice(&column?);
-            }
-        }
+    if !problem.sensitivities_at(theta, point, matrix) {
+        return None;
     }
+    *evaluations += 1;
     matrix.column_mut(n).copy_from_slice(residuals);
     let mut triangle = TriangularFactor::new(n + 1);
     // Never J'J: it would square the condition of the sensitivities.
@@ -290,61 +271,10 @@ fn predicted_decrease(linear: &Linear, step: &[f64]) -> f64 {
     square(before) - square(&after)
 }
 
-/// The derivatives of the residuals at a minimum from central differences, one-sided at a bound; `None` where one has
-/// no finite response. Off by a third of the squared step times the third derivative, and rounding over the step: both
-/// near 1e-10.
-pub fn central_differences(problem: &impl Response, theta: &[f64], bounds: &Bounds) -> Option<DMatrix<f64>> {
-    let rows = problem.rows();
-    let mut jacobian = DMatrix::zeros(rows, theta.len());
-    let mut moved = theta.to_vec();
-    let (mut above, mut below) = (vec![0.0; rows], vec![0.0; rows]);
-    for j in 0..theta.len() {
-        let up = (theta[j] + CENTRAL_DIFFERENCE).min(bounds.upper[j]);
-        let down = (theta[j] - CENTRAL_DIFFERENCE).max(bounds.lower[j]);
-        for (coordinate, out) in [(up, &mut above), (down, &mut below)] {
-            moved[j] = coordinate;
-            if !problem.residuals(&moved, out) {
-                return None;
-            }
-        }
-        moved[j] = theta[j];
-        for (k, (a, b)) in above.iter().zip(&below).enumerate() {
-            jacobian[(k, j)] = (a - b) / (up - down);
-        }
-    }
-    Some(jacobian)
-}
-
-/// The derivatives of the residuals at a minimum: the problem's own, or central differences where it has none.
-pub fn derivatives(problem: &impl Response, theta: &[f64], bounds: &Bounds) -> Option<DMatrix<f64>> {
+/// The derivatives of the residuals at a minimum; `None` where they are not finite.
+pub fn derivatives(problem: &impl Response, theta: &[f64]) -> Option<DMatrix<f64>> {
     let mut jacobian = DMatrix::zeros(problem.rows(), theta.len());
-    if problem.sensitivities(theta, &mut jacobian) == Some(true) {
-        return Some(jacobian);
-    }
-    central_differences(problem, theta, bounds)
-}
-
-/// The derivative by one of theta from a difference, if there is a finite response on either side, and the evaluations
-/// spent.
-fn difference(
-    problem: &impl LeastSquares,
-    theta: &[f64],
-    residuals: &[f64],
-    bounds: &Bounds,
-    i: usize,
-) -> (Option<Vec<f64>>, u64) {
-    let mut moved = theta.to_vec();
-    // Inwards from a bound, else forwards.
-    let forwards = theta[i] + DIFFERENCE <= bounds.upper[i];
-    for (spent, step) in (1..).zip(if forwards { [DIFFERENCE, -DIFFERENCE] } else { [-DIFFERENCE, DIFFERENCE] }) {
-        moved[i] = theta[i] + step;
-        let by = moved[i] - theta[i];
-        if let Some(point) = problem.point(&moved) {
-            let there = problem.residuals_at(&point);
-            return (Some(there.iter().zip(residuals).map(|(a, b)| (a - b) / by).collect()), spent);
-        }
-    }
-    (None, 2)
+    problem.sensitivities(theta, &mut jacobian).then_some(jacobian)
 }
 
 /// Unknowns on a bound with the descent direction pointing outwards.

@@ -222,12 +222,12 @@ impl<S: Separable> LeastSquares for Projected<'_, S> {
         EXACT * EXACT * self.0.targets().iter().map(|y| dot(y, y)).sum::<f64>()
     }
 
-    fn sensitivities_at(&self, theta: &[f64], point: &Point, out: &mut DMatrix<f64>) -> Option<bool> {
-        let Some(jacobian) = projected_jacobian(self.0, theta, point) else { return Some(false) };
+    fn sensitivities_at(&self, theta: &[f64], point: &Point, out: &mut DMatrix<f64>) -> bool {
+        let Some(jacobian) = projected_jacobian(self.0, theta, point) else { return false };
         for (mut out, column) in out.column_iter_mut().zip(&jacobian) {
             out.copy_from_slice(column);
         }
-        Some(true)
+        true
     }
 }
 

@@ -13,7 +13,7 @@ use crate::candidate::minimum::Minimum;
 use crate::candidate::parameter_words::all_in_words;
 use crate::free::free_parameter::mass_of;
 use crate::record::window::Window;
-use crate::{FitQuantity, Method, SensorFit};
+use crate::{FitQuantity, Method, Observation, ObservedWave, SensorFit};
 use crumple_estimation::minimise::levenberg_marquardt::Optimum;
 
 /// One set of parameters, with how it was found and what was assumed.
@@ -123,6 +123,41 @@ impl Fit {
                 .map(|(name, _)| *name)
                 .collect(),
             sensors: Vec::new(),
+        }
+    }
+}
+
+impl<N> Fit<N> {
+    /// The record of a fit to waves with these root mean square errors, each in its unit. `sensors`: channel and number
+    /// of the mass of each wave, none where they are not told apart; `descent`: iterations, evaluations and why it
+    /// stopped.
+    pub(crate) fn of_waves(
+        observed: &Observation,
+        rmse: &[f64],
+        sensors: Vec<(String, usize)>,
+        descent: (u32, u64, StopReason),
+        active_bounds: Vec<N>,
+    ) -> Self {
+        let (first, level) = (&observed.waves[0], observed.noise_levels(rmse)[0]);
+        let sensor = |(((channel, mass), rmse), wave): (((String, usize), &f64), &ObservedWave)| SensorFit {
+            channel,
+            mass,
+            quantity: wave.quantity,
+            rmse: *rmse,
+            noise: level / wave.weight,
+        };
+        let (iterations, evaluations, stop_reason) = descent;
+        Self {
+            from_s: first.time_s(0),
+            to_s: first.time_s(first.samples.len() - 1),
+            samples: observed.rows(),
+            quantity: first.quantity,
+            rmse: rmse[0],
+            iterations,
+            evaluations,
+            stop_reason,
+            active_bounds,
+            sensors: sensors.into_iter().zip(rmse).zip(&observed.waves).map(sensor).collect(),
         }
     }
 }

@@ -390,7 +390,7 @@ impl Parameterisation for ChainCoordinates {
     }
 
     /// `dp/d(ln p) = p`; a free mass takes what it gains from the rest of the total. Places count as [`Chain::places`].
-    fn derivatives_by_coordinate(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>> {
+    fn derivatives_by_coordinate(&self, theta: &[f64]) -> Vec<Vec<(usize, f64)>> {
         let n = self.masses.len();
         // A first knot above zero holds down to zero, where the law has a knot of its own.
         let beyond_zero = |points: &[(f64, f64)]| usize::from(points[0].0 > 0.0);
@@ -411,7 +411,7 @@ impl Parameterisation for ChainCoordinates {
                 ChainNumber::Damper(i, j) => at_knot(n + knots(&self.springs), &self.dampers, (i, j), value),
             }
         };
-        Some(self.free.iter().zip(theta).map(changes).collect())
+        self.free.iter().zip(theta).map(changes).collect()
     }
 }
 

@@ -13,7 +13,7 @@ use crate::fit::problem::Problem;
 use crate::fit::search::{Search, search};
 use crate::free::parameterisation::Parameterisation;
 use crate::uncertainty::assessment::{Assessment, AssessmentOptions, AtMinimum};
-use crate::{Fit, Observation, ObservedWave, SensorFit, SolveError};
+use crate::{Fit, Observation, SolveError};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, derivatives};
 
 /// Rounds of weighing sensors seen through their filters, and the change of a weight that is worth another.
@@ -153,29 +153,12 @@ fn solution(problem: &Problem<'_, ChainCoordinates>, minimum: &Optimum, evaluati
     let (coordinates, waves) = (problem.coordinates, problem.observed);
     let chain = coordinates.model(&minimum.theta)?;
     let misfit = problem.misfit(&minimum.theta)?;
-    let rmse = waves.rmse(&misfit);
     let on_bound = coordinates.names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
-    let (first, level) = (waves.waves.first()?, *waves.noise_levels(&rmse).first()?);
     let masses = coordinates.masses();
-    let sensor = |(wave, rmse): (&ObservedWave, &f64)| SensorFit {
-        channel: String::new(),
-        mass: wave.mass.unwrap_or(masses - 1) + 1,
-        quantity: wave.quantity,
-        rmse: *rmse,
-        noise: level / wave.weight,
-    };
-    let fit = Fit {
-        from_s: first.time_s(0),
-        to_s: first.time_s(first.samples.len() - 1),
-        samples: misfit.len(),
-        quantity: first.quantity,
-        rmse: rmse[0],
-        iterations: minimum.iterations,
-        evaluations,
-        stop_reason: minimum.stop,
-        active_bounds: on_bound.map(|(name, _)| name.clone()).collect(),
-        sensors: waves.waves.iter().zip(&rmse).map(sensor).collect(),
-    };
+    let sensors = waves.waves.iter().map(|wave| (String::new(), wave.mass.unwrap_or(masses - 1) + 1)).collect();
+    let descent = (minimum.iterations, evaluations, minimum.stop);
+    let fit =
+        Fit::of_waves(waves, &waves.rmse(&misfit), sensors, descent, on_bound.map(|(name, _)| name.clone()).collect());
     let free_masses = (0..coordinates.names.len()).any(|i| coordinates.is_mass(i));
     Some(ChainSolution {
         chain,
@@ -194,7 +177,7 @@ pub(crate) fn assess_at(
     (theta, on_bound): (&[f64], &[bool]),
     options: AssessmentOptions,
 ) -> Option<Assessment> {
-    let sensitivities = derivatives(problem, theta, &problem.bounds())? * problem.unit;
+    let sensitivities = derivatives(problem, theta)? * problem.unit;
     let misfit = problem.misfit(theta)?;
     let (coordinates, observed) = (problem.coordinates, problem.observed);
     let at = AtMinimum { coordinates, observed, theta, on_bound, misfit: &misfit, sensitivities: &sensitivities };

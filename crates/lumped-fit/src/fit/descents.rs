@@ -41,19 +41,14 @@ pub(crate) fn all(problem: &impl Response, points: Vec<Vec<f64>>, bounds: &Bound
     (ends, evaluations)
 }
 
-/// The ends that are not at the place of a better one; `sorted` by cost, and so is the result.
+/// The best ends that are not at the place of a better one, the numbers of a place all nearer than [`APART`], twice as
+/// many as are reported at most; `sorted` by cost, and so is the result.
 pub(crate) fn distinct(coordinates: &impl Parameterisation, sorted: Vec<Optimum>) -> Vec<Optimum> {
-    distinct_places(sorted, 2 * REPORTED, |theta| coordinates.place(theta))
-}
-
-/// The first `limit` ends that are not at the place of a better one, the numbers of a place all nearer than
-/// [`APART`]; `sorted` by cost, and so is the result.
-pub(crate) fn distinct_places(sorted: Vec<Optimum>, limit: usize, place: impl Fn(&[f64]) -> Vec<f64>) -> Vec<Optimum> {
-    let mut kept: Vec<(Optimum, Vec<f64>)> = Vec::with_capacity(limit);
+    let mut kept: Vec<(Optimum, Vec<f64>)> = Vec::new();
     for minimum in sorted {
-        let here = place(&minimum.theta);
+        let here = coordinates.place(&minimum.theta);
         let same = |there: &[f64]| here.iter().zip(there).all(|(a, b)| (a - b).abs() < APART);
-        if kept.len() < limit && !kept.iter().any(|(_, there)| same(there)) {
+        if kept.len() < 2 * REPORTED && !kept.iter().any(|(_, there)| same(there)) {
             kept.push((minimum, here));
         }
     }

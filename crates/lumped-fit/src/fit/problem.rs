@@ -91,20 +91,19 @@ impl<C: Parameterisation> Response for Problem<'_, C> {
         true
     }
 
-    /// `w/u d(model)/d(theta_j)`, by the chain rule over the parameters that coordinate `j` moves. `None` where the
-    /// model has no derivatives of its own.
-    fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
-        let derivatives = self.coordinates.derivatives_by_coordinate(theta)?;
+    /// `w/u d(model)/d(theta_j)`, by the chain rule over the parameters that coordinate `j` moves.
+    fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> bool {
+        let Some(model) = self.coordinates.model(theta) else { return false };
+        let derivatives = self.coordinates.derivatives_by_coordinate(theta);
         let places = places(&derivatives);
-        let model = self.coordinates.model(theta)?;
         let v0 = self.observed.impact_speed_m_per_s;
         let respond = |at: &_, places: &[usize]| self.coordinates.sensitivity(&model, v0, at, places);
         let mut first = 0;
         for wave in &self.observed.waves {
-            let Ok(by_place) = wave.derivatives(&places, respond) else { return Some(false) };
+            let Ok(by_place) = wave.derivatives(&places, respond) else { return false };
             let rows = wave.samples.len();
             if by_place.iter().any(|derivative| derivative.len() != rows) {
-                return Some(false);
+                return false;
             }
             let scale = wave.weight / self.unit;
             for (j, by) in derivatives.iter().enumerate() {
@@ -118,6 +117,6 @@ impl<C: Parameterisation> Response for Problem<'_, C> {
             }
             first += rows;
         }
-        Some(out.columns(0, derivatives.len()).iter().all(|x| x.is_finite()))
+        out.columns(0, derivatives.len()).iter().all(|x| x.is_finite())
     }
 }

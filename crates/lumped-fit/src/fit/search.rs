@@ -5,17 +5,15 @@
 
 use crumple_estimation::minimise::StopReason;
 use crumple_estimation::minimise::l_shade::{LShadeOptions, l_shade};
-use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response};
+use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response};
 
-use crate::fit::descents::{SEARCH_SAMPLES, all, bounds, distinct};
+use crate::fit::descents::{SEARCH_SAMPLES, all, distinct};
 use crate::fit::halton_starts::start;
-use crate::fit::multistart::MultiStart;
+use crate::fit::multistart::{bounds_of_search, hop, multistart};
 use crate::fit::problem::Problem;
 use crate::free::parameterisation::Parameterisation;
 use crate::record::observation::{Observation, ObservedWave};
 
-/// Relative residual below which a minimum is the exact model: rounding of a response of size one.
-const EXACT: f64 = 1e-14;
 /// Rounds of finding noise levels and minimum in turn, and the change of a weight that is worth another.
 const WEIGHINGS: usize = 12;
 const WORTH_ANOTHER: f64 = 1e-3;
@@ -62,7 +60,7 @@ pub(crate) fn search(coordinates: &impl Parameterisation, observed: &Observation
         Search::Starts(count, given) => multi_start(&coarse, *count, given),
         Search::LShade(options) => global(&coarse, options, &mut remarks),
     };
-    let settings = bounds(coordinates, 200, 1e-15);
+    let settings = bounds_of_search(coordinates);
     let mut follow = |observed: &Observation, ends: Vec<Optimum>| {
         let points = ends.into_iter().map(|m| m.theta).collect();
         let (ends, spent) = all(&Problem::new(coordinates, observed, 0.0), points, &settings);
@@ -87,16 +85,7 @@ fn multi_start(problem: &Problem<'_, impl Parameterisation>, count: usize, given
     let lower: Vec<f64> = axes.iter().map(|axis| axis.box_lower).collect();
     let upper: Vec<f64> = axes.iter().map(|axis| axis.box_upper).collect();
     let points = given.iter().cloned().chain((0..count).map(|k| start(k, &lower, &upper))).collect();
-    searched(problem, &bounds(problem.coordinates, 200, 1e-15)).search(points)
-}
-
-/// The search for the minima of this problem.
-fn searched<'a, C: Parameterisation>(
-    problem: &'a Problem<'a, C>,
-    bounds: &'a Bounds,
-) -> MultiStart<'a, Problem<'a, C>, impl Fn(&[f64]) -> Vec<f64>> {
-    let exact = EXACT * EXACT * problem.rows() as f64;
-    MultiStart { problem, bounds, exact, place: |theta: &[f64]| problem.coordinates.place(theta) }
+    multistart(problem, points)
 }
 
 /// L-SHADE over the box of the starts, half as wide again on each side within the bounds, then a descent from its
@@ -122,9 +111,8 @@ fn global(
             f64::INFINITY
         }
     });
-    let settings = bounds(problem.coordinates, 200, 1e-15);
-    let (minima, descent) = all(problem, vec![theta(&population.point)], &settings);
-    let (minima, hops) = searched(problem, &settings).hop(minima);
+    let (minima, descent) = all(problem, vec![theta(&population.point)], &bounds_of_search(problem.coordinates));
+    let (minima, hops) = hop(problem, minima);
     let spent = descent + hops;
     let level = |cost: f64| (cost / rows as f64).sqrt();
     remarks.push(format!(

@@ -76,14 +76,14 @@ impl Parameterisation for FreeModel {
     }
 
     /// Each coordinate moves its own parameter; a mass that is free is taken from the last one.
-    fn derivatives_by_coordinate(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>> {
+    fn derivatives_by_coordinate(&self, theta: &[f64]) -> Vec<Vec<(usize, f64)>> {
         let names = self.template.kind().parameter_names();
         let place = |name: &str| names.iter().position(|other| *other == name);
         let rest = rest_mass(&self.template, &self.free).and_then(|(name, _)| place(name));
         let changes = |(parameter, x): (&FreeParameter, &f64)| {
             let slope = parameter.slope(*x);
             let taken = rest.filter(|_| parameter.kind == ParameterKind::Mass).map(|rest| (rest, -slope));
-            Some(std::iter::once((place(parameter.name)?, slope)).chain(taken).collect())
+            place(parameter.name).map(|own| (own, slope)).into_iter().chain(taken).collect()
         };
         self.free.iter().zip(theta).map(changes).collect()
     }

@@ -32,12 +32,8 @@ pub(crate) struct Coordinate {
     place: usize,
     /// How the parameter follows.
     map: Map,
-    /// Bounds of the descent.
-    pub lower: f64,
-    pub upper: f64,
-    /// Where searches start: inside the bounds.
-    pub box_lower: f64,
-    pub box_upper: f64,
+    /// Its bounds, and where searches start.
+    pub axis: Axis,
 }
 
 /// A model with its known and its free parameters, and how the free ones follow from coordinates.
@@ -110,15 +106,9 @@ impl ModelCoordinates {
             let name = names[place];
             let logarithm = matches!(map, Map::Logarithm(_));
             let to = |x: f64| if logarithm { x.ln() } else { x };
-            free.push(Coordinate {
-                name,
-                place,
-                map,
-                lower: to(bounds.0),
-                upper: to(bounds.1),
-                box_lower: to(searched.0),
-                box_upper: to(searched.1),
-            });
+            let ((lower, upper), (box_lower, box_upper)) = (bounds, searched);
+            let [lower, upper, box_lower, box_upper] = [lower, upper, box_lower, box_upper].map(to);
+            free.push(Coordinate { name, place, map, axis: Axis { lower, upper, box_lower, box_upper } });
         };
         if let MassFit::Shares { lower, upper } = fit {
             for place in 0..masses_kg.len().saturating_sub(1) {
@@ -213,44 +203,9 @@ impl ModelCoordinates {
                 }
             };
             // A zero has no logarithm: the bound stands for it.
-            x.max(c.lower).min(c.upper)
+            x.max(c.axis.lower).min(c.axis.upper)
         };
         self.free.iter().map(coordinate).collect()
-    }
-
-    /// For each coordinate the places of the parameters that it moves and their derivatives by it, its own parameter
-    /// first.
-    ///
-    /// `dp/dx = p` for a logarithm, the scale for a share. A knot that is a share of another moves with it. A mass
-    /// that takes a larger share of `left` grows by `left` and makes those behind it lose in proportion to their
-    /// values.
-    fn changes(&self, theta: &[f64]) -> Vec<Vec<(usize, f64)>> {
-        let values = self.values(theta);
-        let masses = self.kind.parameters().iter().filter(|p| p.kind == ParameterKind::Mass).count();
-        self.free
-            .iter()
-            .zip(theta)
-            .map(|(coordinate, x)| {
-                let place = coordinate.place;
-                match coordinate.map {
-                    Map::Logarithm(_) => vec![(place, values[place])],
-                    Map::Share(scale) => {
-                        let follows = |c: &&Coordinate| c.map == Map::ShareOf(place);
-                        let follower = self.free.iter().find(follows);
-                        let itself = (place, scale);
-                        std::iter::once(itself).chain(follower.map(|c| (c.place, values[c.place] / x))).collect()
-                    }
-                    Map::ShareOf(of) => vec![(place, values[of])],
-                    Map::MassShare => {
-                        // Its itself mass grows by what the others behind it lose in proportion.
-                        let left: f64 = values[place..masses].iter().sum();
-                        let behind = left - values[place];
-                        let loses = |i: usize| (i, -left * values[i] / behind);
-                        std::iter::once((place, left)).chain((place + 1..masses).map(loses)).collect()
-                    }
-                }
-            })
-            .collect()
     }
 }
 
@@ -259,9 +214,7 @@ impl Parameterisation for ModelCoordinates {
 
     /// Bounds and start range of each coordinate.
     fn axes(&self) -> Vec<Axis> {
-        let axis =
-            |c: &Coordinate| Axis { lower: c.lower, upper: c.upper, box_lower: c.box_lower, box_upper: c.box_upper };
-        self.free.iter().map(axis).collect()
+        self.free.iter().map(|c| c.axis).collect()
     }
 
     /// The model at a point; `None` where its parameters are not physical.
@@ -297,8 +250,39 @@ impl Parameterisation for ModelCoordinates {
         shared.map(f64::ln).to_vec()
     }
 
-    fn derivatives_by_coordinate(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>> {
-        Some(self.changes(theta))
+    /// For each coordinate the places of the parameters that it moves and their derivatives by it, its own parameter
+    /// first.
+    ///
+    /// `dp/dx = p` for a logarithm, the scale for a share. A knot that is a share of another moves with it. A mass
+    /// that takes a larger share of `left` grows by `left` and makes those behind it lose in proportion to their
+    /// values.
+    fn derivatives_by_coordinate(&self, theta: &[f64]) -> Vec<Vec<(usize, f64)>> {
+        let values = self.values(theta);
+        let masses = self.kind.parameters().iter().filter(|p| p.kind == ParameterKind::Mass).count();
+        self.free
+            .iter()
+            .zip(theta)
+            .map(|(coordinate, x)| {
+                let place = coordinate.place;
+                match coordinate.map {
+                    Map::Logarithm(_) => vec![(place, values[place])],
+                    Map::Share(scale) => {
+                        let follows = |c: &&Coordinate| c.map == Map::ShareOf(place);
+                        let follower = self.free.iter().find(follows);
+                        let itself = (place, scale);
+                        std::iter::once(itself).chain(follower.map(|c| (c.place, values[c.place] / x))).collect()
+                    }
+                    Map::ShareOf(of) => vec![(place, values[of])],
+                    Map::MassShare => {
+                        // Its itself mass grows by what the others behind it lose in proportion.
+                        let left: f64 = values[place..masses].iter().sum();
+                        let behind = left - values[place];
+                        let loses = |i: usize| (i, -left * values[i] / behind);
+                        std::iter::once((place, left)).chain((place + 1..masses).map(loses)).collect()
+                    }
+                }
+            })
+            .collect()
     }
 }
 
@@ -321,14 +305,16 @@ mod tests {
                 .free
                 .iter()
                 .enumerate()
-                .map(|(k, c)| c.box_lower + (c.box_upper - c.box_lower) * (0.3 + 0.05 * k as f64))
+                .map(|(k, Coordinate { axis, .. })| {
+                    axis.box_lower + (axis.box_upper - axis.box_lower) * (0.3 + 0.05 * k as f64)
+                })
                 .collect();
             let model = coordinates.model(&theta).unwrap();
             for (a, b) in coordinates.theta(&model).iter().zip(&theta) {
                 // Two roundings of a logarithm.
                 assert!((a - b).abs() < 1e-13, "{kind}");
             }
-            for (j, by) in coordinates.changes(&theta).iter().enumerate() {
+            for (j, by) in coordinates.derivatives_by_coordinate(&theta).iter().enumerate() {
                 let moved = |h: f64| {
                     let mut theta = theta.clone();
                     theta[j] += h;

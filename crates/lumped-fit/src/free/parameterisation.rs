@@ -42,9 +42,8 @@ pub(crate) trait Parameterisation: Sync {
         theta.to_vec()
     }
 
-    /// For each coordinate the places of the parameters that it moves, and their derivatives by it. `None` where the
-    /// model has no derivatives of its own: descents then use differences.
-    fn derivatives_by_coordinate(&self, theta: &[f64]) -> Option<Vec<Vec<(usize, f64)>>>;
+    /// For each coordinate the places of the parameters that it moves, and their derivatives by it.
+    fn derivatives_by_coordinate(&self, theta: &[f64]) -> Vec<Vec<(usize, f64)>>;
 }
 
 /// The places that any coordinate moves, each once, in rising order: those whose derivatives of the motion are

@@ -11,8 +11,7 @@ use crate::record::sensor::{errors_in_words, note_of_errors};
 use crate::solvers::shared_mass::{pulse, sensors_of};
 use crate::solvers::task::{Task, mass_count};
 use crate::{
-    Candidate, Fit, MassFit, Measurement, Minimum, Observation, ObservedWave, Sensor, SensorFit, SolveError,
-    bounds_remark,
+    Candidate, Fit, MassFit, Measurement, Minimum, Observation, ObservedWave, Sensor, SolveError, bounds_remark,
 };
 
 /// Rounds of weighing sensors, and the change of a weight that is worth another one.
@@ -140,25 +139,16 @@ impl<'a> Fitting<'a> {
     /// broken side constraints for notes.
     pub fn candidate(&self, start: &FitStart, minimum: Minimum, index: usize, remarks: &[String]) -> Candidate {
         let model = minimum.model;
-        let first = &self.observed.waves[0];
-        let rmse = self.observed.rmse(&minimum.misfit_m);
-        let noise = self.observed.noise_levels(&rmse)[0];
         let mut active_bounds = start.on_bound.clone();
         active_bounds.retain(|name| minimum.free.iter().all(|p| p.name != *name));
         let stopped = minimum.free.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
         active_bounds.extend(stopped.map(|(p, _)| p.name));
-        let fit = Fit {
-            from_s: first.time_s(0),
-            to_s: first.time_s(first.samples.len() - 1),
-            samples: self.observed.rows(),
-            quantity: first.quantity,
-            rmse: rmse[0],
-            iterations: start.iterations + minimum.iterations,
-            evaluations: start.evaluations + minimum.evaluations,
-            stop_reason: minimum.stop_reason,
-            active_bounds,
-            sensors: if self.task.fits_displacement_alone() { Vec::new() } else { self.sensor_fits(&rmse, noise) },
-        };
+        // The displacement of the pulse alone needs no name.
+        let several = !self.task.fits_displacement_alone();
+        let named = self.sensors.iter().filter(|_| several).map(|(mass, s)| (s.channel.to_owned(), mass + 1)).collect();
+        let descent =
+            (start.iterations + minimum.iterations, start.evaluations + minimum.evaluations, minimum.stop_reason);
+        let fit = Fit::of_waves(&self.observed, &self.observed.rmse(&minimum.misfit_m), named, descent, active_bounds);
         let mut notes = remarks.iter().map(Note::info).collect::<Vec<_>>();
         notes.push(window_note(&fit));
         if self.sensors.len() > 1 {
@@ -175,18 +165,6 @@ impl<'a> Fitting<'a> {
             notes.push(Note::info(text));
         }
         Candidate { fit: Some(fit), minimum: Some(minimum), index, ..computed(self.task, model, notes) }
-    }
-
-    fn sensor_fits(&self, rmse: &[f64], noise: f64) -> Vec<SensorFit> {
-        let all = self.sensors.iter().zip(rmse).zip(&self.observed.waves);
-        all.map(|(((mass, sensor), rmse), wave)| SensorFit {
-            channel: sensor.channel.to_owned(),
-            mass: mass + 1,
-            quantity: sensor.quantity,
-            rmse: *rmse,
-            noise: noise / wave.weight,
-        })
-        .collect()
     }
 
     /// The side conditions of the first nonlinear model: order of the coefficients, crush and time of the record.

@@ -64,12 +64,15 @@ fn walk(path: &str, key: &str, expected: &Value, found: &Value, tolerance: f64, 
             }
         }),
         (Value::Array(wanted), Value::Array(has)) => {
+            // Equal solutions stand side by side in one list, and once with their multiplicity in the other.
+            let (wanted, has) =
+                if wanted.len() == has.len() { (wanted.clone(), has.clone()) } else { (counted(wanted), counted(has)) };
             if wanted.len() != has.len() {
                 return Some(format!("{path}: {} entries instead of {}", has.len(), wanted.len()));
             }
             let scale = ONE_SCALE.contains(&key).then(|| largest(expected)).or(scale);
             if !UNORDERED.contains(&key) {
-                let pairs = wanted.iter().zip(has).enumerate();
+                let pairs = wanted.iter().zip(&has).enumerate();
                 return pairs.map(|(k, (a, b))| (format!("{path}[{k}]"), a, b)).find_map(|(here, a, b)| {
                     let key = if key == "eigenvector" { "" } else { key };
                     walk(&here, key, a, b, tolerance, scale)
@@ -93,6 +96,22 @@ fn walk(path: &str, key: &str, expected: &Value, found: &Value, tolerance: f64, 
         }
         _ => (expected != found).then(differs).flatten(),
     }
+}
+
+/// The entries as often as they count. A list whose entries repeat gives each a multiplicity of 1, or none.
+fn counted(list: &[Value]) -> Vec<Value> {
+    let entries = list.iter().flat_map(|entry| {
+        let times = entry["multiplicity"].as_u64().unwrap_or(1) as usize;
+        std::iter::repeat_n(entry.clone(), times)
+    });
+    entries.map(without_multiplicity).collect()
+}
+
+fn without_multiplicity(mut entry: Value) -> Value {
+    if let Some(map) = entry.as_object_mut() {
+        map.remove("multiplicity");
+    }
+    entry
 }
 
 fn largest(value: &Value) -> f64 {

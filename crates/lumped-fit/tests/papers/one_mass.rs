@@ -103,6 +103,10 @@ pub fn maxwell(i: &Inputs<'_>) -> Result<Value, String> {
     let square = k / m - a * a;
     let b = square.abs().sqrt();
     let rest = m * v0 / c;
+    // x = C1 + e^(a t) (C2 cos b t + C3 sin b t), or C1 + C2 e^((a+b) t) + C3 e^((a-b) t) for real exponents; at the
+    // start x = 0, x' = v0, x'' = 0.
+    let swing = (v0 + a * rest) / b;
+    let (c2, c3) = if square > 0.0 { (-rest, swing) } else { (0.5 * (swing - rest), -0.5 * (swing + rest)) };
     let e = model.events(v0);
     Ok(json!({
         "a": a,
@@ -110,8 +114,8 @@ pub fn maxwell(i: &Inputs<'_>) -> Result<Value, String> {
         "kind": if square > 0.0 { "imaginary" } else { "real" },
         "x_inf": rest,
         "C1": rest,
-        "C2": -rest,
-        "C3": (v0 + a * rest) / b,
+        "C2": c2,
+        "C3": c3,
         "t_m": e.time_of_dynamic_crush_s,
         "C": e.dynamic_crush_m,
         "t_rebound": e.time_of_rebound_s,

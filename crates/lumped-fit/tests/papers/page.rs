@@ -100,8 +100,14 @@ fn cell(text: &str) -> String {
 /// Printed values of an item and whether each is ticked, sorted.
 pub type Ticks = Vec<(String, bool)>;
 
-/// The ticks of every item.
-pub fn ticks() -> Result<BTreeMap<String, Ticks>, String> {
+/// The ticks of an item, and the names of the values that a case file may compare though the paper prints none.
+pub struct Shown {
+    pub ticks: Ticks,
+    pub not_printed: Vec<String>,
+}
+
+/// What is shown of every item.
+pub fn shown() -> Result<BTreeMap<String, Shown>, String> {
     let table: Value = serde_json::from_str(TABLE).map_err(|e| e.to_string())?;
     let items = table["items"].as_array().cloned().unwrap_or_default();
     let text = |value: &Value, name: &str| value[name].as_str().unwrap_or_default().to_owned();
@@ -120,7 +126,9 @@ pub fn ticks() -> Result<BTreeMap<String, Ticks>, String> {
             })
             .collect();
         ticks.sort();
-        Ok((id, ticks))
+        let names = item["not_printed"].as_array().into_iter().flatten();
+        let not_printed = names.filter_map(|name| name.as_str().map(str::to_owned)).collect();
+        Ok((id, Shown { ticks, not_printed }))
     };
     items.iter().map(of).collect()
 }

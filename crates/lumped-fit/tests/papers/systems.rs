@@ -61,6 +61,7 @@ pub fn realization(i: &Inputs<'_>) -> Result<Value, String> {
             .map_err(text)?;
     let discrete = discretize_zero_order_hold(&continuous, dt).map_err(text)?;
     let (ad, bd) = (discrete.a.clone(), discrete.b.clone());
+    // As many as the two Hankel matrices of an eigensystem realization hold: alpha + beta, and the direct one.
     let mut markov = vec![d];
     let mut state = bd.clone();
     for _ in 0..rows + columns {
@@ -73,7 +74,7 @@ pub fn realization(i: &Inputs<'_>) -> Result<Value, String> {
     Ok(json!({
         "A_discrete": rows_of(&ad),
         "B_discrete": bd.as_slice(),
-        "markov_parameters": markov[..21.min(markov.len())],
+        "markov_parameters": markov,
         "hankel_singular_values_first": svd.values.iter().take(n + 1).collect::<Vec<_>>(),
         "discrete_eigenvalues": complexes(eigenvalues(&ad).map_err(text)?),
     }))

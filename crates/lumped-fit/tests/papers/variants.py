@@ -143,6 +143,32 @@ def match(name, m1, m2, polynomial, roots=None):
     })
 
 
+def maxwell(name, m, k, c, v0):
+    """The mass behind a spring and a damper in series, at rest relative to them at the start; real exponents."""
+    m, k, c, v0 = F(m), F(k), F(c), F(str(v0))
+    a, b = -k / (2 * c), mp.sqrt((k / (2 * c)) ** 2 - k / m)
+    # x(0) = 0, x'(0) = v0, x''(0) = 0.
+    first, second, third = mp.lu_solve(
+        mp.matrix([[1, 1, 1], [0, a + b, a - b], [0, (a + b) ** 2, (a - b) ** 2]]), mp.matrix([0, v0, 0]))
+    put(name, "maxwell", {"m": float(m), "k": float(k), "c": float(c), "v0": float(v0)}, {
+        "a": num(a), "b": num(b), "kind": "real", "x_inf": num(first),
+        "C1": num(first), "C2": num(second), "C3": num(third), "t_m": None, "C": None,
+    })
+
+
+def realization(name, a, b, c, d, dt, rows, columns):
+    n = len(a)
+    block = mp.expm(mp.matrix([[*a[i], b[i]] for i in range(n)] + [[0] * (n + 1)]) * F(str(dt)))
+    discrete, state = block[:n, :n], block[:n, n]
+    markov = [F(d)]
+    for _ in range(rows + columns):
+        markov.append(sum(F(str(c[i])) * state[i] for i in range(n)))
+        state = discrete * state
+    put(name, "realization", {"A": a, "B": b, "C": c, "D": d, "dt": dt, "alpha": rows, "beta": columns}, {
+        "markov_parameters": [num(x) for x in markov],
+    })
+
+
 def expanded(roots):
     p = [mp.mpc(1)]
     for r in roots:
@@ -169,6 +195,9 @@ match("match-heavy-front", 800, 400, [12.5, 2500, 9000, 500000])
 match_roots("match-two-pairs", 300, 600, [mp.mpc(-3, 20), mp.mpc(-3, -20), mp.mpc(-8, 60), mp.mpc(-8, -60)])
 match_roots("match-double-pole", 300, 600, [mp.mpc(-5), mp.mpc(-5), mp.mpc(-40), mp.mpc(-90)])
 match_roots("match-double-pair", 300, 600, [mp.mpc(-6, 30), mp.mpc(-6, -30)] * 2)
+match("match-equal-roots", 500, 500, ["93.6", "1001.16", "3516.696", "3932.6634"])
+maxwell("maxwell-real", 873, 500000, 4000, 9.7222)
+realization("realization-tall", [[-3, 40], [-40, -5]], [1, 2], [0.5, -1], 0.25, 0.01, 6, 4)
 put("coefficients-triple-root", "roots_to_coefficients", {"roots": [-7.0, -7.0, -7.0, -2.0]}, {
     "coefficients_descending_monic": [num(x) for x in expanded([mp.mpc(-7)] * 3 + [mp.mpc(-2)])],
 })

@@ -3,7 +3,6 @@
 
 pub mod crossing;
 pub mod driven;
-pub mod exact_step;
 pub mod falling_zero;
 pub mod linear_motion;
 pub mod linear_system;

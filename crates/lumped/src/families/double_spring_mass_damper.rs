@@ -1,13 +1,12 @@
 //! The double model: two masses, two springs, two dampers.
 
 use crumple_lti::{Complex, polynomial_roots};
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::Matrix4;
 
-use crate::exact::exact_step::exact_step;
 use crate::families::chain::constants;
 use crate::families::values::{check_values, values};
 use crate::structure::connected_masses::Structure;
-use crate::{CrushEvents, LumpedError, ModelKind, State};
+use crate::{CrushEvents, LumpedError, ModelKind};
 
 /// Two masses in a row: barrier - (k1, c1) - chassis m1 - (k2, c2) - passenger compartment m2.
 ///
@@ -91,14 +90,6 @@ impl DoubleSpringMassDamper {
     /// extreme that the roots of the characteristic polynomial are not found.
     pub fn poles(&self) -> Result<Vec<Complex>, LumpedError> {
         Ok(polynomial_roots(&self.characteristic_polynomial())?)
-    }
-
-    /// The exact states of chassis and compartment at `t_s >= 0`.
-    pub fn state(&self, impact_speed_m_per_s: f64, t_s: f64) -> [State; 2] {
-        let a = self.state_matrix();
-        let z = exact_step(&a, t_s) * Vector4::new(0.0, 0.0, impact_speed_m_per_s, impact_speed_m_per_s);
-        let rate = a * z;
-        [0, 1].map(|i| State { displacement_m: z[i], velocity_m_per_s: z[i + 2], acceleration_m_per_s2: rate[i + 2] })
     }
 
     /// Dynamic crush and rebound of chassis and compartment, by root finding on the exact solution.

@@ -8,7 +8,7 @@ use std::f64::consts::FRAC_PI_2;
 use crate::families::values::{check_values, values};
 use crate::structure::connected_masses::Structure;
 use crate::structure::elements::plastic_spring::PlasticSpring;
-use crate::{CrushEvents, LumpedError, ModelKind, State};
+use crate::{CrushEvents, LumpedError, ModelKind};
 
 /// One mass on a spring that unloads stiffer than it loads.
 ///
@@ -61,39 +61,6 @@ impl Elastoplastic {
         crush * (1.0 - self.loading_stiffness_n_per_m / self.unloading_stiffness_n_per_m)
     }
 
-    /// The exact state at `t_s >= 0`.
-    pub fn state(&self, impact_speed_m_per_s: f64, t_s: f64) -> State {
-        let (loading, unloading) = self.frequencies();
-        let t_m = FRAC_PI_2 / loading;
-        if t_s <= t_m {
-            let (sine, cosine) = (loading * t_s).sin_cos();
-            return State {
-                displacement_m: impact_speed_m_per_s / loading * sine,
-                velocity_m_per_s: impact_speed_m_per_s * cosine,
-                acceleration_m_per_s2: -impact_speed_m_per_s * loading * sine,
-            };
-        }
-        let set = self.permanent_set_m(impact_speed_m_per_s);
-        let rebound_depth =
-            impact_speed_m_per_s / loading * self.loading_stiffness_n_per_m / self.unloading_stiffness_n_per_m;
-        let since = t_s - t_m;
-        let opens = FRAC_PI_2 / unloading;
-        if self.release && since >= opens {
-            let velocity = -rebound_depth * unloading;
-            return State {
-                displacement_m: set + velocity * (since - opens),
-                velocity_m_per_s: velocity,
-                acceleration_m_per_s2: 0.0,
-            };
-        }
-        let (sine, cosine) = (unloading * since).sin_cos();
-        State {
-            displacement_m: set + rebound_depth * cosine,
-            velocity_m_per_s: -rebound_depth * unloading * sine,
-            acceleration_m_per_s2: -rebound_depth * unloading * unloading * cosine,
-        }
-    }
-
     /// Dynamic crush and rebound, closed form.
     pub fn events(&self, impact_speed_m_per_s: f64) -> CrushEvents {
         let (loading, unloading) = self.frequencies();
@@ -104,48 +71,5 @@ impl Elastoplastic {
             time_of_rebound_s: Some(t_m + FRAC_PI_2 / unloading),
             rebound_velocity_m_per_s: Some(-impact_speed_m_per_s * self.coefficient_of_restitution()),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn returns_the_square_of_the_restitution_as_energy() {
-        let model = Elastoplastic {
-            mass_kg: 900.0,
-            loading_stiffness_n_per_m: 3e5,
-            unloading_stiffness_n_per_m: 1.2e7,
-            release: true,
-        };
-        let v0 = 12.0;
-        let after = model.state(v0, 1.0);
-        let returned = after.velocity_m_per_s.powi(2) / (v0 * v0);
-        // Three roundings.
-        assert!((returned - 3e5 / 1.2e7).abs() < 1e-15);
-        // Absorbed: the triangle under loading minus that under unloading.
-        let events = model.events(v0);
-        let crush = events.dynamic_crush_m.unwrap();
-        let depth = crush - model.permanent_set_m(v0);
-        let absorbed = 0.5 * 3e5 * crush * crush - 0.5 * 1.2e7 * depth * depth;
-        let lost = 0.5 * 900.0 * (v0 * v0 - after.velocity_m_per_s.powi(2));
-        // Ten roundings of numbers near 6e4 J.
-        assert!((absorbed - lost).abs() < 1e-9, "{absorbed} {lost}");
-    }
-
-    #[test]
-    fn displacement_and_force_are_continuous_at_the_crush() {
-        let model = Elastoplastic {
-            mass_kg: 900.0,
-            loading_stiffness_n_per_m: 3e5,
-            unloading_stiffness_n_per_m: 1.2e7,
-            release: false,
-        };
-        let t = model.events(12.0).time_of_dynamic_crush_s.unwrap();
-        let (before, after) = (model.state(12.0, t - 1e-9), model.state(12.0, t + 1e-9));
-        assert!((before.displacement_m - after.displacement_m).abs() < 1e-12);
-        // The slopes of the force differ, its value does not: 1e-9 s at rest changes it by less than 1e-6 m/s².
-        assert!((before.acceleration_m_per_s2 - after.acceleration_m_per_s2).abs() < 1e-6);
     }
 }

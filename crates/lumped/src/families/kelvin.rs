@@ -4,7 +4,7 @@ use crate::exact::second_order::{Roots, SecondOrder};
 use crate::families::chain::constants;
 use crate::families::values::{check_values, values};
 use crate::structure::connected_masses::Structure;
-use crate::{Complex, CrushEvents, LumpedError, ModelKind, State};
+use crate::{CrushEvents, LumpedError, ModelKind, State};
 
 /// One mass on a spring and a damper in parallel: `m x'' = -k x - c x'`.
 ///
@@ -45,16 +45,6 @@ impl Kelvin {
     /// Damping ratio `c/(2 sqrt(k m))`; `None` without a positive stiffness.
     pub fn damping_ratio(&self) -> Option<f64> {
         self.natural_frequency_rad_per_s().map(|w| 0.5 * self.damping_n_s_per_m / (self.mass_kg * w))
-    }
-
-    /// The two poles, 1/s.
-    pub fn poles(&self) -> [Complex; 2] {
-        let equation = self.equation();
-        let a = equation.half_damping;
-        match equation.roots() {
-            Roots::Complex { w } => [Complex::new(-a, w), Complex::new(-a, -w)],
-            Roots::Real { s, upper } => [Complex::new(upper, 0.0), Complex::new(-a - s, 0.0)],
-        }
     }
 
     /// The exact state at `t_s >= 0`.

@@ -13,34 +13,32 @@
 use nalgebra::Matrix4;
 
 use crate::error::{finite, positive};
-use crate::matching::cubic::cubic_roots;
-use crate::matching::double_double::{ComplexDd, Dd};
+use crate::matching::double_length::{ComplexDoubleLength, ComplexQuad, DoubleLength, Quad, decimal, real};
+use crate::matching::scaled_equations::{ScaledEquations, denoise};
 use crate::{Complex, DoubleSpringMassDamper, LumpedError};
 
-/// Relative size below which a discriminant counts as zero: two mirror solutions coincide, or a root lies on the
-/// border between real and complex ones.
-const NOISE: f64 = 1e-26;
-/// The same at a double root of the cubic, whose place is uncertain by the square root of the noise of its discriminant
-/// over the distance of the third root; and the most of it, so that the equations are still met to 1e-12.
-const OWN_DUAL: (f64, f64) = (1e-13, 1e-12);
+/// By how much a coefficient or a mass given as a binary number may be off, relative: four roundings, as many as it
+/// takes to compute one.
+const ROUNDING: f64 = 2.0 * f64::EPSILON;
 /// Smale's bound for an approximate zero, `(13 - 3 sqrt 17)/4`.
 const ALPHA: f64 = 0.157_670_780_786_5;
 
 /// How the given numbers are meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Reading {
-    /// As the binary numbers they are.
+    /// As binary numbers, each right to four roundings: solutions that are equal within those are equal.
     #[default]
     Binary,
-    /// As the decimal numbers they are written as: `0.1` is one tenth. Matters next to multiple solutions only.
+    /// As the decimal numbers they are written as, exactly: `0.1` is one tenth. Matters next to multiple solutions
+    /// only.
     Decimal,
 }
 
 impl Reading {
-    fn read(self, x: f64) -> Dd {
+    fn read(self, x: f64) -> Quad {
         match self {
-            Self::Binary => Dd::of(x),
-            Self::Decimal => Dd::of_decimal(x),
+            Self::Binary => Quad::from(x),
+            Self::Decimal => decimal(x),
         }
     }
 }
@@ -48,9 +46,11 @@ impl Reading {
 /// The polynomial `s^4 + t s^3 + u s^2 + v s + w` to be met and the masses to meet it with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoefficientMatching {
-    polynomial: [Dd; 4],
-    m1: Dd,
-    m2: Dd,
+    /// Relative uncertainty of the numbers.
+    rounding: f64,
+    polynomial: [Quad; 4],
+    m1: Quad,
+    m2: Quad,
 }
 
 /// All parameter sets of the double model with a given characteristic polynomial.
@@ -130,22 +130,22 @@ impl CoefficientMatching {
     /// The polynomial with these four poles, multiplied out in double length. Errors: as [`new`](Self::new), and poles
     /// that are not real or in conjugate pairs.
     pub fn from_poles(poles: &[Complex; 4], m1_kg: f64, m2_kg: f64, reading: Reading) -> Result<Self, LumpedError> {
-        let mut product = [ComplexDd::default(); 5];
-        product[0] = ComplexDd::real(Dd::of(1.0));
+        let mut product = [real(Quad::ZERO); 5];
+        product[0] = real(Quad::ONE);
         for (degree, pole) in poles.iter().enumerate() {
             finite("real part of a pole", pole.re)?;
             finite("imaginary part of a pole", pole.im)?;
-            let root = ComplexDd { re: reading.read(pole.re), im: reading.read(pole.im) };
+            let root = ComplexQuad::new(reading.read(pole.re), reading.read(pole.im));
             for k in (0..=degree).rev() {
-                product[k + 1] = product[k + 1] - product[k] * root;
+                product[k + 1] -= product[k] * root;
             }
         }
         let size = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
         for (k, c) in product.iter().enumerate().skip(1) {
-            if c.im.hi.abs() > 1e-9 * size.powf(k as f64) {
+            if c.im.0.abs() > 1e-9 * size.powf(k as f64) {
                 return Err(LumpedError::Value {
                     name: "imaginary part of the polynomial",
-                    value: c.im.hi,
+                    value: c.im.0,
                     expected: "0: poles that are real or come in conjugate pairs",
                 });
             }
@@ -153,20 +153,21 @@ impl CoefficientMatching {
         Self::with_masses([1, 2, 3, 4].map(|k| product[k].re), m1_kg, m2_kg, reading)
     }
 
-    fn with_masses(polynomial: [Dd; 4], m1_kg: f64, m2_kg: f64, reading: Reading) -> Result<Self, LumpedError> {
+    fn with_masses(polynomial: [Quad; 4], m1_kg: f64, m2_kg: f64, reading: Reading) -> Result<Self, LumpedError> {
         positive("m1_kg", m1_kg)?;
         positive("m2_kg", m2_kg)?;
-        Ok(Self { polynomial, m1: reading.read(m1_kg), m2: reading.read(m2_kg) })
+        let rounding = if reading == Reading::Binary { ROUNDING } else { 0.0 };
+        Ok(Self { rounding, polynomial, m1: reading.read(m1_kg), m2: reading.read(m2_kg) })
     }
 
     /// `t, u, v, w`.
     pub fn polynomial(&self) -> [f64; 4] {
-        self.polynomial.map(Dd::value)
+        self.polynomial.map(DoubleLength::value)
     }
 
     /// The same polynomial with other masses.
     pub fn with(&self, m1_kg: f64, m2_kg: f64) -> Result<Self, LumpedError> {
-        Self::with_masses(self.polynomial, m1_kg, m2_kg, Reading::Binary)
+        Ok(Self { rounding: self.rounding, ..Self::with_masses(self.polynomial, m1_kg, m2_kg, Reading::Binary)? })
     }
 
     /// The bound `rho = (t u v - v^2 - t^2 w)/v^2` of `m2/m1`: with a stable polynomial, every real solution is
@@ -178,12 +179,12 @@ impl CoefficientMatching {
     /// chain.
     pub fn largest_mass_ratio(&self) -> Option<f64> {
         let [t, u, v, w] = self.polynomial;
-        if t == Dd::ZERO && v == Dd::ZERO {
+        if t == Quad::ZERO && v == Quad::ZERO {
             let spread = u * u - w.scale(4.0);
-            return (u.hi > 0.0 && w.hi > 0.0 && spread.hi > 0.0).then(|| (spread / w.scale(4.0)).value());
+            return (u.0 > 0.0 && w.0 > 0.0 && spread.0 > 0.0).then(|| (spread / w.scale(4.0)).value());
         }
         let routh = t * u * v - v * v - t * t * w;
-        let stable = self.polynomial.iter().all(|x| x.hi > 0.0) && routh.hi > 0.0;
+        let stable = self.polynomial.iter().all(|x| x.0 > 0.0) && routh.0 > 0.0;
         stable.then(|| (routh / (v * v)).value())
     }
 
@@ -196,91 +197,33 @@ impl CoefficientMatching {
     /// `r1 r0 = t (u - zeta) - 2 kappa v`. So there are six with multiplicity; two, four or six of them real, never
     /// none.
     ///
-    /// In double-double arithmetic throughout: rounding of the results to f64 is all that is lost, also at double
+    /// In double-length arithmetic throughout: rounding of the results to f64 is all that is lost, also at double
     /// roots. Real parameters are right to a few `1e-16` of the larger of each pair, `c1/m1` beside `c2/mr`, except
-    /// where the given coefficients themselves leave them uncertain: see [`matching_sensitivity`].
+    /// where the given coefficients themselves leave them uncertain: see [`matching_sensitivity`]. Roots of the cubic
+    /// and dual solutions that are equal within the rounding of the coefficients ([`Reading`]) are one, with its
+    /// multiplicity: such a polynomial is as near to one with equal solutions as to one with none there.
     pub fn solve(&self) -> CoefficientMatch {
-        // Time in units that make the coefficients of size one; a power of two loses nothing.
-        let size = self.polynomial.iter().enumerate().map(|(k, c)| c.hi.abs().powf(1.0 / (k + 1) as f64));
-        let size = size.fold(0.0, f64::max);
-        let unit = if size > 0.0 { size.log2().round().exp2() } else { 1.0 };
-        let mut power = 1.0;
-        let [t, u, v, w] = self.polynomial.map(|c| {
-            power *= unit;
-            c.scale(1.0 / power)
-        });
-        let one = Dd::of(1.0);
-        let kappa = one + self.m2 / self.m1;
+        let kappa = Quad::ONE + self.m2 / self.m1;
+        let equations = ScaledEquations::new(self.polynomial, kappa, self.rounding);
+        let unit = equations.unit;
+        let zetas = equations.roots();
         let reduced = self.m1 * self.m2 / (self.m1 + self.m2);
-        let cubic = [u.scale(-2.0), u * u + t * v - (kappa * w).scale(4.0), kappa * (v * v) + t * t * w - t * u * v];
-        let zetas = cubic_roots(cubic[0], cubic[1], cubic[2]);
-
-        let solutions_with = |most_blur: f64| {
-            let mut solutions = Vec::with_capacity(6);
-            for (place, root) in zetas.iter().enumerate() {
-                let zeta = root.value;
-                let [ct, ck] = [t, kappa].map(ComplexDd::real);
-                let rest = ComplexDd::real(u) - zeta;
-                let square_1 =
-                    denoise(ct * ct - (ck * zeta).scale(Dd::of(4.0)), t.hi * t.hi + 4.0 * kappa.hi * zeta.norm());
-                let kw = (kappa * w).scale(4.0);
-                let square_0 = denoise(rest * rest - ComplexDd::real(kw), rest.norm().powi(2) + kw.hi.abs());
-                let product = ct * rest - ComplexDd::real((kappa * v).scale(2.0));
-                // The larger by its root, the other by division: no sign to guess and nothing lost in the smaller.
-                // Where a set is its own dual the root of the cubic is double. Coefficients off by a rounding split it
-                // by less than can be seen, so it is known to the square root of the noise only; without this the four
-                // sets there would come out complex, though two of them are real for every polynomial.
-                let third = zetas.iter().map(|other| (other.value - zeta).norm()).fold(0.0, f64::max) / u.hi.abs();
-                let blur = (OWN_DUAL.0 / third).min(most_blur);
-                let own_dual = root.multiplicity > 1
-                    && square_1.norm() <= blur * (t.hi * t.hi + kappa.hi * u.hi.abs())
-                    && square_0.norm() <= blur * (rest.norm().powi(2) + kw.hi.abs());
-                let coincide = own_dual || (square_1.norm() == 0.0 && square_0.norm() == 0.0);
-                let (r1, r0) = if coincide {
-                    (ComplexDd::default(), ComplexDd::default())
-                } else if square_1.norm() * (1.0 + rest.norm().powi(2)) >= square_0.norm() * (1.0 + t.hi * t.hi) {
-                    let r1 = square_1.sqrt();
-                    (r1, product / r1)
-                } else {
-                    let r0 = square_0.sqrt();
-                    (product / r0, r0)
-                };
-                let first = self.solution([ct, rest, r1, r0], reduced, unit);
-                let base = solutions.len();
-                if coincide {
-                    solutions.push(MatchedSolution {
-                        dual: base,
-                        root: place,
-                        multiplicity: 2 * root.multiplicity,
-                        ..first
-                    });
-                } else {
-                    let second = self.solution([ct, rest, -r1, -r0], reduced, unit);
-                    solutions.push(MatchedSolution {
-                        dual: base + 1,
-                        root: place,
-                        multiplicity: root.multiplicity,
-                        ..first
-                    });
-                    solutions.push(MatchedSolution {
-                        dual: base,
-                        root: place,
-                        multiplicity: root.multiplicity,
-                        ..second
-                    });
-                }
+        let mut solutions = Vec::with_capacity(6);
+        for (place, root) in zetas.iter().enumerate() {
+            let (sums, r) = equations.sums_and_differences(root);
+            let base = solutions.len();
+            let coincide = r.iter().all(|r| r.modulus() == 0.0);
+            let multiplicity = if coincide { 2 * root.multiplicity } else { root.multiplicity };
+            let mut put = |r: [ComplexQuad; 2], dual: usize| {
+                let solution = self.solution([sums[0], sums[1], r[0], r[1]], reduced, unit);
+                solutions.push(MatchedSolution { dual, root: place, multiplicity, ..solution });
+            };
+            put(r, if coincide { base } else { base + 1 });
+            if !coincide {
+                put(r.map(|r| -r), base);
             }
-            solutions
-        };
-        // Two are real for every polynomial. Where none is, a set is its own dual at a root that is almost triple, and
-        // so known still worse.
-        let mut solutions = solutions_with(OWN_DUAL.1);
-        for wider in [1e1, 1e2, 1e3] {
-            if solutions.iter().any(|solution: &MatchedSolution| solution.real) {
-                break;
-            }
-            solutions = solutions_with(wider * OWN_DUAL.1);
         }
+        let cubic = equations.cubic();
         let roots = zetas
             .iter()
             .map(|root| MatchRoot {
@@ -301,25 +244,25 @@ impl CoefficientMatching {
 
     /// Half sums and differences: `c1/m1 = (t + r1)/2`, `c2/mr = (t - r1)/2`, the same of the springs with `u - zeta`
     /// and `r0`. `unit` is the unit of time, 1/s, that `t, rest, r1, r0` are in.
-    fn solution(&self, [t, rest, r1, r0]: [ComplexDd; 4], reduced: Dd, unit: f64) -> MatchedSolution {
-        let half = |sum: ComplexDd, a: ComplexDd, b: ComplexDd, scale: Dd| {
-            denoise(sum, a.norm() + b.norm()).scale(scale * Dd::of(0.5))
+    fn solution(&self, [t, rest, r1, r0]: [ComplexQuad; 4], reduced: Quad, unit: f64) -> MatchedSolution {
+        let half = |sum: ComplexQuad, a: ComplexQuad, b: ComplexQuad, scale: Quad| {
+            denoise(sum, a.modulus() + b.modulus()).scale(scale * Quad::from(0.5))
         };
-        let [rate, square] = [unit, unit * unit].map(Dd::of);
+        let [rate, square] = [unit, unit * unit].map(Quad::from);
         let c1 = half(t + r1, t, r1, self.m1 * rate);
         let c2 = half(t - r1, t, r1, reduced * rate);
         let k1 = half(rest + r0, rest, r0, self.m1 * square);
         let k2 = half(rest - r0, rest, r0, reduced * square);
         let values = [k1, k2, c1, c2];
-        let real = values.iter().all(|z| z.im == Dd::ZERO);
-        let [k1_n_per_m, k2_n_per_m, c1_n_s_per_m, c2_n_s_per_m] = values.map(ComplexDd::value);
+        let is_real = values.iter().all(|z| z.im == Quad::ZERO);
+        let [k1_n_per_m, k2_n_per_m, c1_n_s_per_m, c2_n_s_per_m] = values.map(ComplexDoubleLength::value);
         MatchedSolution {
             k1_n_per_m,
             k2_n_per_m,
             c1_n_s_per_m,
             c2_n_s_per_m,
-            real,
-            physical: real && [k1, k2].iter().all(|z| z.re.hi > 0.0) && [c1, c2].iter().all(|z| z.re.hi >= 0.0),
+            real: is_real,
+            physical: is_real && [k1, k2].iter().all(|z| z.re.0 > 0.0) && [c1, c2].iter().all(|z| z.re.0 >= 0.0),
             multiplicity: 1,
             dual: 0,
             root: 0,
@@ -332,18 +275,18 @@ impl CoefficientMatching {
     /// `max |sum of the terms|/(sum of their moduli)` over the four equations: some `1e-16` for parameters rounded to
     /// f64.
     fn residual(&self, parameters: [Complex; 4]) -> f64 {
-        let [k1, k2, c1, c2] = parameters.map(|z| ComplexDd { re: Dd::of(z.re), im: Dd::of(z.im) });
-        let [m1, m2] = [self.m1, self.m2].map(ComplexDd::real);
-        let [t, u, v, w] = self.polynomial.map(|c| ComplexDd::real(-(c * self.m1 * self.m2)));
-        let equations: [&[ComplexDd]; 4] = [
+        let [k1, k2, c1, c2] = parameters.map(|z| ComplexQuad::new(Quad::from(z.re), Quad::from(z.im)));
+        let [m1, m2] = [self.m1, self.m2].map(real);
+        let [t, u, v, w] = self.polynomial.map(|c| real(-(c * self.m1 * self.m2)));
+        let equations: [&[ComplexQuad]; 4] = [
             &[m1 * c2, m2 * c1, m2 * c2, t],
             &[m1 * k2, m2 * k1, m2 * k2, c1 * c2, u],
             &[c1 * k2, c2 * k1, v],
             &[k1 * k2, w],
         ];
-        let mismatch = |terms: &[ComplexDd]| {
-            let sum = terms.iter().fold(ComplexDd::default(), |sum, &x| sum + x).norm();
-            let size: f64 = terms.iter().map(|x| x.norm()).sum();
+        let mismatch = |terms: &[ComplexQuad]| {
+            let sum = terms.iter().fold(real(Quad::ZERO), |sum, &x| sum + x).modulus();
+            let size: f64 = terms.iter().map(|x| x.modulus()).sum();
             if size > 0.0 { sum / size } else { 0.0 }
         };
         equations.into_iter().map(mismatch).fold(0.0, f64::max)
@@ -356,12 +299,6 @@ impl CoefficientMatching {
         let total = (self.m1 + self.m2).value();
         front_fractions.iter().map(|f| Ok(self.with(f * total, (1.0 - f) * total)?.solve())).collect()
     }
-}
-
-/// Sets to zero the real or imaginary part that is rounding of numbers of this size, so that a real solution is real.
-fn denoise(x: ComplexDd, size: f64) -> ComplexDd {
-    let clean = |part: Dd| if part.hi.abs() <= NOISE * size { Dd::ZERO } else { part };
-    ComplexDd { re: clean(x.re), im: clean(x.im) }
 }
 
 /// Real solutions first, by `k1`; then complex ones by the real and imaginary part of `k1`.
@@ -380,18 +317,18 @@ fn ordered(solutions: Vec<MatchedSolution>) -> Vec<MatchedSolution> {
 }
 
 /// Alpha theory at `z`: `beta = |f/f'|`, `gamma = max |f^(k)/(k! f')|^(1/(k-1))`.
-fn certify([a, b, c]: [Dd; 3], z: ComplexDd, unit: f64) -> Option<Certificate> {
-    let [ca, cb, cc] = [a, b, c].map(ComplexDd::real);
+fn certify([a, b, c]: [Quad; 3], z: ComplexQuad, unit: f64) -> Option<Certificate> {
+    let [ca, cb, cc] = [a, b, c].map(real);
     let f = ((z + ca) * z + cb) * z + cc;
     // Rounding of the evaluation itself bounds what can be proved.
-    let size = z.norm();
-    let noise = 1e-31 * (size.powi(3) + a.hi.abs() * size * size + b.hi.abs() * size + c.hi.abs());
-    let slope = ((z.scale(Dd::of(3.0)) + ca.scale(Dd::of(2.0))) * z + cb).norm();
-    let curvature = (z.scale(Dd::of(3.0)) + ca).norm();
+    let size = z.modulus();
+    let noise = 1e-31 * (size.powi(3) + a.0.abs() * size * size + b.0.abs() * size + c.0.abs());
+    let slope = ((z.scale(Quad::from(3.0)) + ca.scale(Quad::from(2.0))) * z + cb).modulus();
+    let curvature = (z.scale(Quad::from(3.0)) + ca).modulus();
     if slope == 0.0 {
         return None;
     }
-    let beta = (f.norm() + noise) / slope;
+    let beta = (f.modulus() + noise) / slope;
     let gamma = (curvature / slope).max((1.0 / slope).sqrt());
     let alpha = beta * gamma;
     (alpha < ALPHA).then_some(Certificate { alpha, radius: 2.0 * beta * unit * unit })

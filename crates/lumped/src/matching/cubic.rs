@@ -1,64 +1,86 @@
-//! Roots of a real cubic with their multiplicities, in double-double arithmetic.
+//! Roots of a real cubic with their multiplicities, in double-length arithmetic.
 //!
 //! Cardano's formula subtracts cube roots that may be equal, and Newton's method crawls at a multiple root. Here one
 //! root that is always well apart from the others is found first, by Newton's method in double length from a closed
 //! form in f64; the other two follow from it and the discriminant.
 
-use crate::matching::double_double::{ComplexDd, Dd};
+use crate::matching::double_length::{ComplexQuad, DoubleLength, Quad, real};
 
-/// Relative size below which a combination of the coefficients counts as zero: some hundred roundings of double-double
-/// arithmetic. Two roots closer than about `1e-14` of their size are taken as one double root.
+/// Relative size below which a combination of the coefficients counts as zero: some hundred roundings of double-length
+/// arithmetic. Of exact coefficients two roots closer than about `1e-14` of their size are taken as one double root.
 const NOISE: f64 = 1e-29;
 
 /// One root.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct CubicRoot {
-    pub value: ComplexDd,
+    pub value: ComplexQuad,
     pub multiplicity: usize,
+    /// How far from `value` the roots that are taken as one may lie; 0 for a single root.
+    pub radius: f64,
+}
+
+/// How far the cubic is uncertain, because its coefficients are.
+pub(crate) struct CubicUncertainty<'a> {
+    /// Of its value at a point.
+    pub value: &'a dyn Fn(Quad) -> f64,
+    /// Of its slope.
+    pub slope: f64,
 }
 
 /// The roots of `z^3 + a z^2 + b z + c`, real ones first; multiplicities sum to three.
 ///
-/// Shifted to `y^3 + p y + q`. The root of largest modulus stands alone on its side of zero, so Newton's method finds
-/// it without harm however close the other two are; those follow from the discriminant
-/// `D = (y1-y2)^2 (y1-y3)^2 (y2-y3)^2`, whose sign says how many roots are real. Within rounding `D` of zero is a
-/// double root in closed form: no digits are lost there and no root.
-pub(crate) fn cubic_roots(a: Dd, b: Dd, c: Dd) -> Vec<CubicRoot> {
-    let third = Dd::of(1.0) / Dd::of(3.0);
+/// Shifted to `y^3 + p y + q`. Where the cubic is zero within its uncertainty at a point without slope,
+/// `y = ±(-p/3)^(1/2)`, that point is a double root and the third is near `-2 y`; where `p` and `q` both are, zero is a
+/// triple root. A cubic that near has such roots too, so that none is lost to the complex numbers by a rounding of the
+/// coefficients. Else the root of largest modulus stands alone on its side of zero, so Newton's method finds it
+/// without harm however close the other two are; those follow from the discriminant
+/// `D = (y1-y2)^2 (y1-y3)^2 (y2-y3)^2`, whose sign says how many roots are real.
+///
+/// A slope uncertain by `d` moves the value at a point without slope by `d^2/(2 |y''|)`, `y'' = 6 y`, beside what
+/// `uncertainty` says of the value there.
+pub(crate) fn cubic_roots([a, b, c]: [Quad; 3], uncertainty: &CubicUncertainty<'_>) -> Vec<CubicRoot> {
+    let third = Quad::ONE / Quad::from(3.0);
     let shift = -a * third;
     let square = a * a;
     let p = b - square * third;
-    let q = c - a * b * third + square * a * (Dd::of(2.0) / Dd::of(27.0));
-    let p_noise = NOISE * (b.hi.abs() + square.hi);
-    let q_noise = NOISE * (c.hi.abs() + (a * b).hi.abs() + (square * a).hi.abs());
-    let real = |y: Dd, multiplicity| {
+    let q = c - a * b * third + square * a * (Quad::from(2.0) / Quad::from(27.0));
+    let p_noise = NOISE * (b.0.abs() + square.0);
+    let q_noise = NOISE * (c.0.abs() + (a * b).0.abs() + (square * a).0.abs());
+    let real = |y: Quad, multiplicity, radius| {
         let z = y + shift;
         // A root at zero is one exactly.
-        let z = if z.hi.abs() <= NOISE * (y.hi.abs() + shift.hi.abs()) { Dd::ZERO } else { z };
-        CubicRoot { value: ComplexDd::real(z), multiplicity }
+        let z = if z.0.abs() <= NOISE * (y.0.abs() + shift.0.abs()) { Quad::ZERO } else { z };
+        CubicRoot { value: real(z), multiplicity, radius }
     };
-    if p.hi.abs() <= p_noise && q.hi.abs() <= q_noise {
-        return vec![real(Dd::ZERO, 3)];
+    let slope_noise = p_noise + uncertainty.slope;
+    let value_noise = q_noise + (uncertainty.value)(shift);
+    if p.0.abs() <= slope_noise && q.0.abs() <= value_noise {
+        return vec![real(Quad::ZERO, 3, value_noise.cbrt())];
+    }
+    let flat = (-p * third).sqrt();
+    let twice = if q.0 < 0.0 { -flat } else { flat };
+    let curvature = 6.0 * flat.0;
+    let value_noise = q_noise
+        + flat.0 * p_noise
+        + NOISE * q.0.abs()
+        + (uncertainty.value)(twice + shift)
+        + 0.5 * slope_noise * slope_noise / curvature;
+    if p.0 < 0.0 && (q.abs() - (flat * flat * flat).scale(2.0)).0.abs() <= value_noise {
+        // A parabola of this height spreads its zeros so far; twice that, as the noise is an estimate.
+        let radius = 2.0 * (2.0 * value_noise / curvature).sqrt();
+        return vec![real(newton(p, q, -2.0 * twice.0), 1, 0.0), real(twice, 2, radius)];
     }
     let discriminant = -(p * p * p).scale(4.0) - (q * q).scale(27.0);
-    let noise = 12.0 * p.hi * p.hi * p_noise + 54.0 * q.hi.abs() * q_noise + NOISE * 27.0 * q.hi * q.hi;
-    if discriminant.hi.abs() <= noise && p.hi != 0.0 {
-        let alone = q.scale(3.0) / p;
-        return vec![real(alone, 1), real(alone.scale(-0.5), 2)];
-    }
-    let alone = newton(p, q, start(p.hi, q.hi, discriminant.hi));
+    let alone = newton(p, q, start(p.0, q.0, discriminant.0));
     let slope = (alone * alone).scale(3.0) + p;
     let half_gap = discriminant.abs().sqrt() / slope.abs().scale(2.0);
     let middle = alone.scale(-0.5);
-    if discriminant.hi > 0.0 {
-        return vec![real(alone, 1), real(middle - half_gap, 1), real(middle + half_gap, 1)];
+    if discriminant.0 > 0.0 {
+        return vec![real(alone, 1, 0.0), real(middle - half_gap, 1, 0.0), real(middle + half_gap, 1, 0.0)];
     }
-    let upper = ComplexDd { re: middle + shift, im: half_gap };
-    vec![
-        real(alone, 1),
-        CubicRoot { value: upper, multiplicity: 1 },
-        CubicRoot { value: upper.conj(), multiplicity: 1 },
-    ]
+    let upper = ComplexQuad::new(middle + shift, half_gap);
+    let single = |value| CubicRoot { value, multiplicity: 1, radius: 0.0 };
+    vec![real(alone, 1, 0.0), single(upper), single(upper.conj())]
 }
 
 /// The root of largest modulus (three real ones) or the only real one, in f64.
@@ -78,21 +100,21 @@ fn start(p: f64, q: f64, discriminant: f64) -> f64 {
 }
 
 /// `y³ + p y + q = 0`. Ends when a step is below `1e-30` of the root, where the slope vanishes, or after 80 steps.
-fn newton(p: Dd, q: Dd, start: f64) -> Dd {
-    let mut y = Dd::of(start);
+fn newton(p: Quad, q: Quad, start: f64) -> Quad {
+    let mut y = Quad::from(start);
     // From an f64 start two steps are enough; next to a triple root each gains one bit only.
     for _ in 0..80 {
         let square = y * y;
         let slope = square.scale(3.0) + p;
-        if slope.hi == 0.0 {
+        if slope.0 == 0.0 {
             break;
         }
         let step = (square * y + p * y + q) / slope;
-        if !step.hi.is_finite() {
+        if !step.0.is_finite() {
             break;
         }
-        y = y - step;
-        if step.hi.abs() <= 1e-30 * y.hi.abs() {
+        y -= step;
+        if step.0.abs() <= 1e-30 * y.0.abs() {
             break;
         }
     }
@@ -102,10 +124,15 @@ fn newton(p: Dd, q: Dd, start: f64) -> Dd {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::matching::double_length::ComplexDoubleLength;
+
+    fn exact(coefficients: [Quad; 3]) -> Vec<CubicRoot> {
+        cubic_roots(coefficients, &CubicUncertainty { value: &|_| 0.0, slope: 0.0 })
+    }
 
     fn roots_of(r: [f64; 3]) -> Vec<CubicRoot> {
-        let [x, y, z] = r.map(Dd::of);
-        cubic_roots(-(x + y + z), x * y + y * z + z * x, -(x * y * z))
+        let [x, y, z] = r.map(Quad::from);
+        exact([-(x + y + z), x * y + y * z + z * x, -(x * y * z)])
     }
 
     #[test]
@@ -133,15 +160,15 @@ mod tests {
     #[test]
     fn one_real_root_leaves_a_conjugate_pair() {
         // (z - 2)(z^2 + 2 z + 5)
-        let roots = cubic_roots(Dd::of(0.0), Dd::of(1.0), Dd::of(-10.0));
+        let roots = exact([Quad::from(0.0), Quad::ONE, Quad::from(-10.0)]);
         assert_eq!(roots[0].value.value(), crate::Complex::new(2.0, 0.0));
         assert_eq!(roots[1].value.value(), crate::Complex::new(-1.0, 2.0));
         assert_eq!(roots[2].value.value(), crate::Complex::new(-1.0, -2.0));
         // z^3 - 8: the shifted cubic has p = 0.
-        let roots = cubic_roots(Dd::ZERO, Dd::ZERO, Dd::of(-8.0));
+        let roots = exact([Quad::ZERO, Quad::ZERO, Quad::from(-8.0)]);
         assert_eq!(roots[0].value.value(), crate::Complex::new(2.0, 0.0));
         // z^3 + 8 z: q = 0.
-        let roots = cubic_roots(Dd::ZERO, Dd::of(4.0), Dd::ZERO);
+        let roots = exact([Quad::ZERO, Quad::from(4.0), Quad::ZERO]);
         assert_eq!(roots[0].value.value(), crate::Complex::new(0.0, 0.0));
         assert_eq!(roots[1].value.value(), crate::Complex::new(0.0, 2.0));
     }

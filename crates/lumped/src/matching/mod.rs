@@ -3,5 +3,6 @@
 
 pub mod coefficient_matching;
 pub mod cubic;
-pub mod double_double;
+pub mod double_length;
 pub mod physical_coordinates;
+pub(crate) mod scaled_equations;

@@ -77,14 +77,14 @@ impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
 
     /// Derivatives of both by each coordinate, from the analytic sensitivities of the model; places of the mass and
     /// of the last knots are left out.
-    fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> Option<bool> {
-        let Some(model) = (self.model)(theta) else { return Some(false) };
+    fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> bool {
+        let Some(model) = (self.model)(theta) else { return false };
         let derivatives = (self.derivatives)(theta, self.options);
         let places: Vec<usize> = (1..model.kind().parameter_names().len() - 2).collect();
         let n = self.window.samples.len();
         let v0 = self.options.impact_speed_m_per_s;
         let at = Instants { first_s: self.window.first_s, dt_s: self.window.dt_s, samples: n };
-        let Ok(response) = model.sensitivity(v0, &at, &places) else { return Some(false) };
+        let Ok(response) = model.sensitivity(v0, &at, &places) else { return false };
         for (j, by) in derivatives.iter().enumerate() {
             out.column_mut(j).fill(0.0);
             for (place, factor) in by {
@@ -96,7 +96,7 @@ impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
         }
         if let Some((weight, _)) = self.conditions {
             let at = Instants { first_s: self.options.time_of_dynamic_crush_s, dt_s: self.window.dt_s, samples: 1 };
-            let Ok(response) = model.sensitivity(v0, &at, &places) else { return Some(false) };
+            let Ok(response) = model.sensitivity(v0, &at, &places) else { return false };
             for (j, (place, factor)) in
                 derivatives.iter().enumerate().flat_map(|(j, by)| by.iter().map(move |b| (j, b)))
             {
@@ -105,7 +105,7 @@ impl<F: Fn(&[f64]) -> Option<Model> + Sync> Response for Displacements<'_, F> {
                 out[(n + 1, j)] += weight.sqrt() * factor * motion.velocity_m_per_s[0] / v0;
             }
         }
-        Some(true)
+        true
     }
 }
 

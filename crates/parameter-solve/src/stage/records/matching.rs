@@ -2,6 +2,7 @@
 
 use crumple_lumped_fit::{Candidate, Matched};
 use crumple_stage::records::{MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, PhysicalCoordinatesV1};
+use nalgebra::SMatrix;
 
 /// What goes to `/matching/<model id>`.
 pub fn matching_record(matched: &Matched, source: &str) -> MatchingV1 {
@@ -68,18 +69,10 @@ pub fn matching_record(matched: &Matched, source: &str) -> MatchingV1 {
             .iter()
             .map(|(place, physical)| PhysicalCoordinatesV1 {
                 candidate: matched.candidates[*place].id(),
-                mass_kg: physical.mass_kg.row_iter().map(|row| row.iter().copied().collect()).collect(),
-                damping_n_s_per_m: physical
-                    .damping_n_s_per_m
-                    .row_iter()
-                    .map(|row| row.iter().copied().collect())
-                    .collect(),
-                stiffness_n_per_m: physical
-                    .stiffness_n_per_m
-                    .row_iter()
-                    .map(|row| row.iter().copied().collect())
-                    .collect(),
-                transformation: physical.transformation.row_iter().map(|row| row.iter().copied().collect()).collect(),
+                mass_kg: rows(&physical.mass_kg),
+                damping_n_s_per_m: rows(&physical.damping_n_s_per_m),
+                stiffness_n_per_m: rows(&physical.stiffness_n_per_m),
+                transformation: rows(&physical.transformation),
                 condition: physical.condition,
                 residual: physical.residual,
                 chassis_mismatch: physical.chassis_mismatch,
@@ -87,4 +80,9 @@ pub fn matching_record(matched: &Matched, source: &str) -> MatchingV1 {
             })
             .collect(),
     }
+}
+
+/// A matrix row by row.
+fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
 }
