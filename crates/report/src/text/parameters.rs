@@ -10,7 +10,9 @@ pub fn parameter_order<'a>(model: &str, name: &'a str) -> (usize, &'a str) {
         Some(ParameterKind::Mass) => 0,
         Some(ParameterKind::Stiffness) => 1,
         Some(ParameterKind::Damping) => 2,
-        Some(ParameterKind::Length | ParameterKind::Rate | ParameterKind::Force | ParameterKind::RateFactor) | None => 3,
+        Some(ParameterKind::Length | ParameterKind::Rate | ParameterKind::Force | ParameterKind::RateFactor) | None => {
+            3
+        }
     };
     (place, name)
 }
