@@ -1,6 +1,6 @@
 //! Curves, and masses, extracted from motions that the truth makes; curves of several tests with one rate factor.
 
-use crumple_lumped::{CollisionQuestions, Drive, ForceDeflection, Start, Structure};
+use crumple_lumped::{CollisionQuestions, Drive, ForceDeflection, Node, Start, Structure};
 use crumple_lumped_fit::{
     AskedCurve, Extraction, MeasuredElement, MeasuredMass, MeasuredTest, extract, extract_with_rate,
 };
@@ -41,15 +41,15 @@ pub fn of_one_test(inputs: &Fields) -> Result<Value, String> {
         masses.iter_mut().for_each(|mass| mass.mass_kg = None);
     }
     let (mut curves, mut elements) = (Vec::new(), Vec::new());
-    for element in truth.objects("elements")? {
-        let place = |name: &str| case.masses.iter().position(|mass| mass == name);
+    for (element, connection) in truth.objects("elements")?.iter().zip(case.structure.connections()) {
+        let place = |node: Node| if let Node::Mass(i) = node { Some(i) } else { None };
         elements.push(MeasuredElement {
-            front: place(element.text("front")?),
-            rear: place(element.text("rear")?).ok_or("an element without a mass behind it")?,
+            front: place(connection.front),
+            rear: place(connection.rear).ok_or("an element without a mass behind it")?,
             curve: curves.len(),
             gap_m: element.number_or("gap_m", 0.0)?,
         });
-        curves.push(asked(&element)?);
+        curves.push(asked(element)?);
     }
     let test = MeasuredTest { dt_s, masses, elements, total_mass_kg: masses_free.then_some(total) };
     let found = extract(&[test], &curves, 0.0).ok_or("nothing was extracted")?;
