@@ -24,6 +24,7 @@ fn model(kind: ModelKind) -> Model {
         ModelKind::Nonlinear2 => return Model::Nonlinear2(table_5()),
         ModelKind::DoubleSpringMassDamper => &[375.0, 1125.0, 9e5, 1e6, 6e3, 9e3],
         ModelKind::TripleSpringMassDamper => &[200.0, 300.0, 1000.0, 8e5, 9e5, 1e6, 6e3, 5e3, 9e3],
+        ModelKind::ForceDeflection => &[],
     };
     let named: BTreeMap<String, f64> =
         kind.parameter_names().iter().map(|n| (*n).to_owned()).zip(values.iter().copied()).collect();
@@ -116,7 +117,8 @@ fn settings(method: Method, truth: &Model) -> SolveSettings {
 
 #[test]
 fn every_model_comes_back_from_every_quantity() {
-    for kind in ModelKind::ALL {
+    // A crushed structure has knots by the record, not those of the truth: see force_deflection.rs.
+    for kind in ModelKind::ALL.into_iter().filter(|kind| *kind != ModelKind::ForceDeflection) {
         let truth = with_knot_at_crush(model(kind));
         for quantity in FitQuantity::ALL {
             let places = match kind {

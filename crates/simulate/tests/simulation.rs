@@ -123,6 +123,11 @@ fn every_model_kind_is_simulated_from_its_named_parameters() {
             "v0_m_per_s" => 10.0,
             "x1_m" => 0.3,
             "crush_m" => 0.5,
+            "rate_s_per_m" => 0.008,
+            name if name.starts_with("knot") => {
+                let number: f64 = name[4..name.len() - 2].parse().unwrap();
+                if name.ends_with("_m") { 0.1 * number } else { 3e4 }
+            }
             name if name.ends_with("_kg") => 500.0,
             name if name.contains("n_s_per_m") => 2e4,
             _ => 4e5,

@@ -16,6 +16,12 @@ pub fn in_words(model: &Model, name: &str) -> String {
     let speed = |v: f64| format!("at {v:.2} m/s");
     let at_contact = || "at contact".to_owned();
     let at_rest = || "at rest".to_owned();
+    match (kind, stem.strip_prefix("knot")) {
+        (ParameterKind::Force, Some(number)) => return format!("force at knot {number}"),
+        (ParameterKind::Length, Some(number)) => return format!("deflection of knot {number}"),
+        (ParameterKind::RateFactor, _) => return "rate factor".to_owned(),
+        _ => {}
+    }
     let place = match (model, stem.as_str()) {
         (Model::Nonlinear1(_) | Model::Nonlinear2(_), "k1") => Some(at_contact()),
         (Model::Nonlinear1(_) | Model::Nonlinear2(_), "c1") => Some(at_rest()),

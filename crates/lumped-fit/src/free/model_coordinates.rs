@@ -294,7 +294,8 @@ mod tests {
     fn coordinates_read_back_and_their_derivatives_agree_with_differences() {
         let scale =
             Scale { impact_speed_m_per_s: 10.0, length_s: 0.1, crush_m: 0.6, release: true, compartment_alone: false };
-        for kind in ModelKind::ALL {
+        // Nothing of a crushed structure is searched for.
+        for kind in ModelKind::ALL.into_iter().filter(|kind| *kind != ModelKind::ForceDeflection) {
             let masses: &[f64] = match kind {
                 ModelKind::DoubleSpringMassDamper => &[300.0, 900.0],
                 ModelKind::TripleSpringMassDamper => &[200.0, 100.0, 900.0],
