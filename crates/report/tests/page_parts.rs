@@ -504,7 +504,7 @@ fn the_choice_and_the_predictions_stand_on_the_page_and_in_the_summary() {
     })));
     run.predictions = vec![record(serde_json::json!({
         "candidate": "elastoplastic/closed-form/1", "recommended": true, "names": ["recommended"],
-        "impact_speed_m_per_s": 17.777_777_777_777_779, "mass_kg": 1500.0, "partner": null, "dynamic_crush_m": 0.8407,
+        "impact_speed_m_per_s": 17.78, "mass_kg": 1500.0, "partner": null, "dynamic_crush_m": 0.8407,
         "time_of_dynamic_crush_s": 0.074, "delta_v_m_per_s": 20.0, "coefficient_of_restitution": 0.159,
         "peak_acceleration_m_per_s2": 377.0, "olc_m_per_s2": null, "energy": null, "extrapolates": true,
         "intervals": [
