@@ -481,3 +481,52 @@ fn the_intervals_of_events_stand_on_their_cards() {
         "{page}"
     );
 }
+
+#[test]
+fn the_choice_and_the_predictions_stand_on_the_page_and_in_the_summary() {
+    let mut run = crash();
+    run.candidates = vec![
+        candidate("kelvin/closed-form/1", &[("stiffness_n_per_m", 3e5)], 99.0),
+        candidate("elastoplastic/closed-form/1", &[("loading_stiffness_n_per_m", 3e5)], 97.0),
+    ];
+    run.recommendation = Some(record(serde_json::json!({
+        "recommended": "elastoplastic/closed-form/1", "recommended_because": "plastic",
+        "simplest": null, "simplest_because": "each has an open number",
+        "closest": "kelvin/closed-form/1", "closest_because": "99 %",
+        "evidence": null,
+        "priors": [{"name": "class", "statement": "plastic < damped", "source": "tests"}],
+        "candidates": [{
+            "id": "elastoplastic/closed-form/1", "class": "plastic", "adequate": true, "not_adequate_because": null,
+            "parameters": 2, "determined": 1, "misfit": 3.0, "fit_as_measured_percent": 97.0,
+            "coefficient_of_restitution": 0.15, "force_misfit_percent": null, "aicc": 7.0, "aicc_difference": 2.5,
+            "priors": [{"name": "class", "term": 0.0}], "difference_with_priors": 0.0
+        }]
+    })));
+    run.predictions = vec![record(serde_json::json!({
+        "candidate": "elastoplastic/closed-form/1", "recommended": true, "names": ["recommended"],
+        "impact_speed_m_per_s": 17.78, "mass_kg": 1500.0, "partner": null, "dynamic_crush_m": 0.8407,
+        "time_of_dynamic_crush_s": 0.074, "delta_v_m_per_s": 20.0, "coefficient_of_restitution": 0.159,
+        "peak_acceleration_m_per_s2": 377.0, "olc_m_per_s2": null, "energy": null, "extrapolates": true,
+        "intervals": [
+            {"name": "dynamic_crush_m", "level": 0.9, "low": 0.803, "high": 0.878, "interval_by": "rate effect"}
+        ],
+        "notes": ["extrapolates: element 1"]
+    }))];
+    let ranking = Ranking::of_run(&run);
+    assert_eq!((ranking.best.as_deref(), ranking.order.len()), (Some("elastoplastic/closed-form/1"), 2));
+    let html = page(&run);
+    for text in [
+        "Elastoplastic, closed form 1</strong>, plastic.",
+        "Simplest: <strong>none</strong>, each has an open number.",
+        "plastic &lt; damped",
+        "<td class=\"n\">64.0</td><td class=\"n\">1500</td>",
+        "841<br><span title=\"rate effect\">[803 to 878]</span>",
+        "<summary>extrapolates</summary><ul><li>extrapolates: element 1</li></ul>",
+    ] {
+        assert!(html.contains(text), "{text}");
+    }
+    let json = serde_json::from_str::<serde_json::Value>(&summary(&run, &ranking).to_json().unwrap()).unwrap();
+    assert_eq!((&json["best"], &json["recommended"]), (&json["recommended"], &"elastoplastic/closed-form/1".into()));
+    assert_eq!((&json["closest"], &json["simplest"]), (&"kelvin/closed-form/1".into(), &serde_json::Value::Null));
+    assert_eq!(json["predictions"][0]["dynamic_crush_m"], 0.8407);
+}

@@ -81,11 +81,10 @@ pub struct CandidateSelection {
 /// Chooses among candidates of which none is the dual of another: the same model twice is one.
 ///
 /// *Adequate*: physical, no parameter on a bound of its search, a displacement fit of at least
-/// [`SelectionRules::adequate_fit_percent`]. *Recommended*: of the adequate whose numbers the record determines as far as
-/// they are felt at other speeds, and whose wall force is within its limit, the lowest criterion with priors; within 2
-/// of it the fewest parameters.
-/// *Simplest*: of the adequate with all numbers determined the fewest, then the lowest criterion. *Closest*: of the
-/// physical the best displacement fit.
+/// [`SelectionRules::adequate_fit_percent`]. *Recommended*: of the adequate whose numbers the record determines as far
+/// as they are felt at other speeds, and whose wall force is within its limit, the lowest criterion with priors; within
+/// 2 of it the fewest parameters. *Simplest*: of the adequate with all numbers determined the fewest, then the lowest
+/// criterion. *Closest*: of the physical the best displacement fit.
 pub fn choose(candidates: &[ComparedCandidate], record: &ComparedRecord, rules: &SelectionRules) -> CandidateSelection {
     let mut rated: Vec<Rated> = candidates
         .iter()

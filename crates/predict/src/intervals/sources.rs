@@ -37,6 +37,9 @@ pub struct Interval {
     pub by: String,
 }
 
+/// Least share of the variance that is named.
+const NAMED: f64 = 0.005;
+
 /// What is not known, each with its name.
 pub(crate) const SOURCES: [&str; 6] = ["parameters", "speed", "mass", "models", "rate effect", "extrapolation"];
 
@@ -50,7 +53,7 @@ pub(crate) fn interval(value: f64, variances: &Variances) -> Option<Interval> {
         return None;
     }
     let half = HALF_WIDTH * total.sqrt();
-    let shares = SOURCES.iter().zip(variances).filter(|(_, variance)| **variance > 0.0);
+    let shares = SOURCES.iter().zip(variances).filter(|(_, variance)| **variance >= NAMED * total && total > 0.0);
     let shares: Vec<String> =
         shares.map(|(name, variance)| format!("{name} {:.0} %", 100.0 * variance / total)).collect();
     let by = match shares.len() {
