@@ -61,7 +61,10 @@ fn every_model_gives_its_candidates_and_duals_point_at_each_other() {
             "nonlinear-1/direct-fit/1",
             "nonlinear-2/direct-fit/1",
             "double-spring-mass-damper/direct-fit/1",
-            "double-spring-mass-damper/direct-fit/2"
+            "double-spring-mass-damper/direct-fit/2",
+            "force-deflection/direct-fit/1",
+            "force-deflection/direct-fit/2",
+            "force-deflection/direct-fit/3"
         ]
     );
     assert_eq!(found[5].equivalent_id().as_ref(), Some(&ids[6]));

@@ -267,7 +267,8 @@ proptest! {
         let near = counted(&found).into_iter().filter(|p| {
             (p[1] / k2 - 1.0).norm() < 1e-2 && (p[3] / c2 - 1.0).norm() < 1e-2 && (p[0] / (mu * k2) - 1.0).norm() < 1e-2
         });
-        prop_assert_eq!(near.count(), 4);
+        // Others may be near too.
+        prop_assert!(near.count() >= 4);
     }
 
     #[test]

@@ -93,7 +93,7 @@ mod tests {
         assert!((turn.unwrap() - 0.6).abs() < 1e-14);
         assert_eq!(phases[10], Phase::Loading);
         // Open from 0.58 m on, until the end: it does not come back.
-        assert_eq!(phases[110], Phase::Open);
+        assert_eq!(phases[190], Phase::Open);
         assert_eq!(*phases.last().unwrap(), Phase::Open);
     }
 }
