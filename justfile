@@ -118,7 +118,7 @@ golden: build
         done; \
     done
 
-# The simulated waveforms are the bulk; one fixture keeps them, the others their figures in summary.json.
+# The simulated and predicted waveforms are the bulk; one fixture keeps them, the others their figures in summary.json.
 # Writes the committed results of the fixtures again. Say in CHANGELOG.md why the numbers changed.
 [group('development')]
 golden-update: build
@@ -126,7 +126,7 @@ golden-update: build
         rm -rf "$fixture/golden"; \
         just flags=-q out="$fixture/golden" run "$fixture/crash.csv"; \
         rm -f "$fixture/golden/report.html"; \
-        [ "$(basename "$fixture")" = double ] || rm -f "$fixture/golden/6-simulate.mcap"; \
+        [ "$(basename "$fixture")" = double ] || rm -f "$fixture/golden/6-simulate.mcap" "$fixture/golden/7-predict.mcap"; \
     done
 
 # For changes that must not change a byte: `just bytes A` before, `just bytes B` after, `just bytes --compare A B [--content | --masked]`;
@@ -144,6 +144,11 @@ bytes *args:
 [group('development')]
 interval-benchmark *args: build
     @cargo run --quiet --package crumple-testkit --bin interval-benchmark -- --bin {{ quote(bin) }} "$@"
+
+# How far predictions of other tests are off, 50 made cars a kind: `just prediction-benchmark [--cars N] [--first K] [KIND ...]`.
+[group('development')]
+prediction-benchmark *args: build
+    @cargo run --quiet --package crumple-testkit --bin prediction-benchmark -- --bin {{ quote(bin) }} "$@"
 
 # The three papers' numbers, recomputed and compared: writes docs/papers.md, ends with `N of M items`.
 [group('development')]
