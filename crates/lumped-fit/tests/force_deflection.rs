@@ -61,8 +61,8 @@ fn a_curve_holds_at_speeds_that_were_not_tested() {
     assert!((restitution(found) - restitution(&truth)).abs() < 5e-3);
 }
 
-/// Another rate factor than the prior's errs as far as one test cannot tell: for 0.008 s/m too much or too little, 2.6 %
-/// of crush at 40 km/h (constant force: 2/3 of 0.008 times 16 km/h is 2.4 %).
+/// Another rate factor than the prior's errs as far as one test cannot tell: for 0.008 s/m too much or too little, 2.6
+/// % of crush at 40 km/h (constant force: 2/3 of 0.008 times 16 km/h is 2.4 %).
 #[test]
 fn a_rate_factor_that_one_test_cannot_tell_errs_as_far_as_the_prior_says() {
     let error = |rate: f64| {

@@ -56,8 +56,8 @@ impl Loading {
     }
 
     /// Deflections of so many knots or fewer, equal in time and so closer where the mass is slower, which is where the
-    /// record says more of the curve; the last at the largest deflection, the piece before it long enough that its slope
-    /// may go on beyond.
+    /// record says more of the curve; the last at the largest deflection, the piece before it long enough that its
+    /// slope may go on beyond.
     fn places(&self, knots: usize) -> Vec<f64> {
         let last = self.displacement_m.len() - 1;
         let end = self.displacement_m[last];

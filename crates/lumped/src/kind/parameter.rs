@@ -196,8 +196,8 @@ const fn names<const N: usize>(parameters: &[Parameter; N]) -> [&'static str; N]
 impl ModelKind {
     /// Its parameters, masses first: the order in which solvers and derivatives count them.
     ///
-    /// A name occurs once; the last knots of the nonlinear models come last. Of the knots of a crushed structure a model
-    /// has as many as it needs.
+    /// A name occurs once; the last knots of the nonlinear models come last. Of the knots of a crushed structure a
+    /// model has as many as it needs.
     pub const fn parameters(self) -> &'static [Parameter] {
         match self {
             Self::Kelvin | Self::Maxwell => &SPRING_AND_DAMPER,

@@ -9,8 +9,8 @@ const HALF_WIDTH: f64 = 1.644_853_626_951_472_7;
 const RATE_EFFECT: f64 = 0.008;
 /// Its standard deviation.
 const RATE_DEVIATION: f64 = 0.005;
-/// What a rate effect that the model lacks, or does not know better, does to crush at another speed: `2 r/3` for each m/s. A curve read at one
-/// speed holds the mean factor `1 + 2 r v0/3` of that speed (one mass, constant force).
+/// What a rate effect that the model lacks, or does not know better, does to crush at another speed: `2 r/3` for each
+/// m/s. A curve read at one speed holds the mean factor `1 + 2 r v0/3` of that speed (one mass, constant force).
 const CRUSH_BY_RATE: f64 = 2.0 / 3.0;
 /// Beyond the tested crush it does twice as much: towards its end the curve read at one speed is too flat.
 const BEYOND_TESTED: f64 = 2.0;

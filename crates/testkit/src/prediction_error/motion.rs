@@ -151,7 +151,8 @@ mod tests {
         Structure { masses_kg: vec![1500.0], joints: vec![Joint { front: None, rear: 0, part }] }
     }
 
-    /// A linear spring: crush `v0/omega` at a quarter of the period; the step of 1e-5 s leaves its own size in the time.
+    /// A linear spring: crush `v0/omega` at a quarter of the period; the step of 1e-5 s leaves its own size in the
+    /// time.
     #[test]
     fn a_linear_spring_swings_as_it_must() {
         let (k, v0) = (1.2e6, 15.0);

@@ -108,7 +108,7 @@ impl Momentum {
         let gram = DMatrix::from_fn(n, n, |i, j| dot(columns[i], columns[j]) / (norms[i] * norms[j]));
         let b = DVector::from_fn(n, |i, _| dot(columns[i], &self.lost) / norms[i]);
         // The factor has the same inner products as the columns, in n rows.
-        let factor = (&gram + DMatrix::identity(n, n) * 1e-13).cholesky().map(|factor| factor.unpack());
+        let factor = (&gram + DMatrix::identity(n, n) * 1e-13).cholesky().map(nalgebra::Cholesky::unpack);
         let reduced = factor.and_then(|l| Some((l.transpose(), l.solve_lower_triangular(&b)?)));
         let Some((columns, lost)) = reduced else { return (vec![0.0; n], dot(&self.lost, &self.lost)) };
         let (x, _) = nonnegative_least_squares(&columns, &lost);
