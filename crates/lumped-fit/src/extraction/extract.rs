@@ -272,3 +272,91 @@ fn effective(rows: &DMatrix<f64>, smoothing: usize, free: &[bool]) -> f64 {
     // Of an orthonormal basis of all rows, the part that lies in the rows of the measurement.
     q.rows(0, q.nrows() - smoothing).norm_squared()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::extraction::problem::MeasuredMass;
+
+    const DT_S: f64 = 1e-3;
+
+    /// A mass that runs on at one speed, so that its deflection is known, and the acceleration that a force gives it.
+    fn mass(kg: Option<f64>, d: &[f64], acceleration: impl Fn(usize) -> f64) -> MeasuredMass {
+        MeasuredMass {
+            mass_kg: kg,
+            displacement_m: d.to_vec(),
+            velocity_m_per_s: vec![(d[1] - d[0]) / DT_S; d.len()],
+            acceleration_m_per_s2: (0..d.len()).map(acceleration).collect(),
+            noise_n: 1.0,
+        }
+    }
+
+    fn test(masses: Vec<MeasuredMass>, elements: Vec<MeasuredElement>, total_mass_kg: Option<f64>) -> MeasuredTest {
+        MeasuredTest { dt_s: DT_S, masses, elements, total_mass_kg }
+    }
+
+    const FRONT: MeasuredElement = MeasuredElement { front: None, rear: 0, curve: 0, gap_m: 0.0 };
+    const KNOTS: [f64; 4] = [0.0, 0.1, 0.25, 0.5];
+
+    /// Straight between knots, by hand: 0, 100, 60, 160 kN.
+    fn force(d: f64) -> f64 {
+        match d {
+            d if d < 0.1 => 1e6 * d,
+            d if d < 0.25 => 1e5 - 4e4 / 0.15 * (d - 0.1),
+            d => 6e4 + 4e5 * (d - 0.25),
+        }
+    }
+
+    fn near(found: &[f64], wanted: &[f64]) -> bool {
+        // Rounding of inner products of some hundred terms.
+        found.len() == wanted.len() && found.iter().zip(wanted).all(|(a, b)| (a - b).abs() <= 1e-10 * b.abs() + 1e-6)
+    }
+
+    #[test]
+    fn a_curve_comes_back_with_the_rate_factor_that_it_was_made_with() {
+        let d: Vec<f64> = (1..120).map(|k| 0.005 * f64::from(k)).collect();
+        let (rate, w) = (0.02, 5.0);
+        let car = mass(Some(1200.0), &d, |k| -force(d[k]) * (1.0 + rate * w) / 1200.0);
+        let asked = AskedCurve { knots_m: KNOTS.to_vec(), rate_s_per_m: rate };
+        let found = extract(&[test(vec![car], vec![FRONT], None)], &[asked], 0.0).unwrap();
+        assert!(near(&found.forces_n[0], &[0.0, 1e5, 6e4, 1.6e5]), "{found:?}");
+        assert_eq!((found.unloading_n_per_m[0], &found.knots_at_zero[0]), (None, &vec![0]));
+        assert!((found.effective_unknowns - 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_force_that_would_pull_is_held_at_zero_and_smoothing_takes_unknowns_away() {
+        let d: Vec<f64> = (1..100).map(|k| 0.005 * f64::from(k)).collect();
+        let pulling = |d: f64| if d < 0.2 { -2e4 } else { 3e5 * (d - 0.2) };
+        let car = || mass(Some(1000.0), &d, |k| -pulling(d[k]) / 1000.0);
+        let asked = [AskedCurve { knots_m: KNOTS.to_vec(), rate_s_per_m: 0.0 }];
+        let of = |weight: f64| extract(&[test(vec![car()], vec![FRONT], None)], &asked, weight).unwrap();
+        let found = of(0.0);
+        assert_eq!(found.knots_at_zero[0][..2], [0, 1]);
+        assert!(found.forces_n[0].iter().all(|force| *force >= 0.0));
+        let smooth = of(1e-2);
+        assert!(smooth.effective_unknowns < found.effective_unknowns && smooth.objective > found.objective);
+    }
+
+    #[test]
+    fn the_division_of_a_total_follows_from_one_curve_of_the_front() {
+        // The front mass is held by the wall through the curve and pushed by the rear mass, whose way swings: if it
+        // followed that of the front, another curve would do for another division.
+        let d: Vec<f64> = (1..100).map(|k| 0.004 * f64::from(k)).collect();
+        let behind: Vec<f64> = d.iter().enumerate().map(|(k, d)| 1.25 * d + 2e-3 * (0.3 * k as f64).sin()).collect();
+        let rear = |k: usize| 4e5 * (behind[k] - d[k]).max(0.0);
+        let first = mass(None, &d, |k| (rear(k) - force(d[k])) / 300.0);
+        let second = mass(None, &behind, |k| -rear(k) / 1100.0);
+        let elements = vec![FRONT, MeasuredElement { front: Some(0), rear: 1, curve: 1, gap_m: 0.0 }];
+        let curves = [
+            AskedCurve { knots_m: KNOTS.to_vec(), rate_s_per_m: 0.0 },
+            AskedCurve { knots_m: vec![0.0, 0.1], rate_s_per_m: 0.0 },
+        ];
+        let both = |total| extract(&[test(vec![first.clone(), second.clone()], elements.clone(), total)], &curves, 0.0);
+        let found = both(Some(1400.0)).unwrap();
+        assert!(near(&found.masses_kg[0], &[300.0, 1100.0]), "{found:?}");
+        assert!(near(&found.forces_n[1], &[0.0, 4e4]), "{found:?}");
+        // Motions alone know ratios only.
+        assert_eq!(both(None), None);
+    }
+}
