@@ -16,9 +16,13 @@ fn car(rate_s_per_m: f64) -> Model {
 }
 
 fn solved(truth: &Model) -> Vec<Candidate> {
-    let response = truth.respond(V0, DT, 1501).unwrap();
+    solved_at(truth, DT)
+}
+
+fn solved_at(truth: &Model, dt_s: f64) -> Vec<Candidate> {
+    let response = truth.respond(V0, dt_s, (0.15 / dt_s).round() as usize + 1).unwrap();
     let displacement: Signal<Displacement> =
-        Signal::new(0.0, DT, response.compartment().displacement_m.clone()).unwrap();
+        Signal::new(0.0, dt_s, response.compartment().displacement_m.clone()).unwrap();
     let events = truth.events(V0).unwrap();
     let test = TestData {
         mass_kg: MASS_KG,
@@ -72,4 +76,14 @@ fn a_rate_factor_that_one_test_cannot_tell_errs_as_far_as_the_prior_says() {
     let (without, twice) = (error(0.0), error(2.0 * RATE_PRIOR_S_PER_M));
     assert!((0.015..0.035).contains(&without), "{without}");
     assert!((-0.035..-0.015).contains(&twice), "{twice}");
+}
+
+/// Samples alone say no more of a curve, and too few of them say nothing: no candidate, and no panic.
+#[test]
+fn a_curve_does_not_depend_on_the_sampling_and_needs_some_samples() {
+    let truth = car(RATE_PRIOR_S_PER_M);
+    let crush_of = |dt_s: f64| crush(&solved_at(&truth, dt_s)[0].model, 40.0 / 3.6);
+    // The two start from knots a sample apart.
+    assert!((crush_of(1e-5) / crush_of(1e-4) - 1.0).abs() < 2e-3);
+    assert!(solved_at(&truth, 7e-3).is_empty());
 }

@@ -30,6 +30,8 @@ const LAST_PIECE: f64 = 0.12;
 const LEAST_PIECE: f64 = 1e-3;
 /// Knots at least, beside that at zero.
 const FEWEST_KNOTS: usize = 3;
+/// Samples of the motion that a curve is read from: fewer say nothing of its knots, more nothing further.
+const SAMPLES: std::ops::Range<usize> = 12..1000;
 
 /// Displacement, velocity and acceleration from contact to the end of the loading.
 struct Loading {
@@ -40,19 +42,24 @@ struct Loading {
 }
 
 impl Loading {
-    /// By differences of the displacement, which is a sum of sums: the second difference is the mean of three
-    /// neighbours of the acceleration.
-    fn of(displacement: &Signal<Displacement>, time_zero_s: f64, to_s: f64) -> Self {
-        let (x, dt_s) = (displacement.samples(), displacement.dt_s());
-        let first = displacement.index_at_or_after(time_zero_s).max(1);
-        let last = displacement.index_at_or_after(time_zero_s + to_s).min(x.len().saturating_sub(1));
-        let each = |of: &dyn Fn(usize) -> f64| (first..last).map(of).collect::<Vec<f64>>();
-        Self {
+    /// By differences of the displacement, which is a sum of sums: the second difference is a mean of neighbours of the
+    /// acceleration. `None` with too few samples, or where the vehicle does not move towards the barrier.
+    fn of(displacement: &Signal<Displacement>, time_zero_s: f64, to_s: f64) -> Option<Self> {
+        let x = displacement.samples();
+        let from = displacement.index_at_or_after(time_zero_s);
+        let to = displacement.index_at_or_after(time_zero_s + to_s).min(x.len());
+        let stride = (to.saturating_sub(from) / SAMPLES.end).max(1);
+        let (first, last) = (from.max(stride), to.min(x.len().saturating_sub(stride)));
+        let each = |of: &dyn Fn(usize) -> f64| (first..last).step_by(stride).map(of).collect::<Vec<f64>>();
+        let dt_s = stride as f64 * displacement.dt_s();
+        let loading = Self {
             dt_s,
             displacement_m: each(&|k| x[k]),
-            velocity_m_per_s: each(&|k| (x[k + 1] - x[k - 1]) / (2.0 * dt_s)),
-            acceleration_m_per_s2: each(&|k| (x[k + 1] - 2.0 * x[k] + x[k - 1]) / (dt_s * dt_s)),
-        }
+            velocity_m_per_s: each(&|k| (x[k + stride] - x[k - stride]) / (2.0 * dt_s)),
+            acceleration_m_per_s2: each(&|k| (x[k + stride] - 2.0 * x[k] + x[k - stride]) / (dt_s * dt_s)),
+        };
+        let end = loading.displacement_m.last().copied().unwrap_or_default();
+        (loading.displacement_m.len() >= SAMPLES.start && end > 0.0).then_some(loading)
     }
 
     /// Deflections of so many knots or fewer, equal in time and so closer where the mass is slower, which is where the
@@ -78,7 +85,8 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     let loading = Loading::of(displacement, task.test.time_zero_s, extent.time_s);
     let mut candidates = Vec::new();
     for knots in knot_counts(extent.time_s) {
-        let Some(minimum) = curve(task, &loading, knots, &extent, &fitting) else { continue };
+        let minimum = loading.as_ref().and_then(|loading| curve(task, loading, knots, &extent, &fitting));
+        let Some(minimum) = minimum else { continue };
         let remarks = remarks(task, &minimum.model);
         let start = FitStart::computed(minimum.model);
         candidates.push(fitting.candidate(&start, minimum, candidates.len() + 1, &remarks));
