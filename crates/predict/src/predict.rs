@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crumple_lumped_fit::EnergyClass;
 use rayon::prelude::*;
 
 use crate::error::PredictError;
@@ -10,7 +11,9 @@ use crate::impact::outcome::{Energy, Outcome, Quantity, Wave, energy, impact};
 use crate::impact::reach::Reach;
 use crate::intervals::directions::{Direction, Directions};
 use crate::intervals::models::weights;
-use crate::intervals::sources::{Inputs, Interval, Variances, by_extrapolation, by_rate_effect, interval};
+use crate::intervals::sources::{
+    Inputs, Interval, Variances, by_extrapolation, by_masses_in_front, by_rate_effect, interval,
+};
 
 /// Sampling interval of the waves, s: 10 kHz, as a laboratory records.
 const SAMPLING_S: f64 = 1e-4;
@@ -62,6 +65,10 @@ pub struct Prediction {
 struct AtTest {
     reach: Reach,
     outcome: Outcome,
+    /// How many masses it has.
+    masses: usize,
+    /// Their sum, kg.
+    mass_kg: f64,
     /// Largest force over the mass at the end of the crush, m/s².
     deceleration: Option<f64>,
     /// For each direction the relative changes of the numbers in the test.
@@ -125,6 +132,8 @@ impl AtTest {
             .collect();
         Ok(Self {
             reach: Reach::new(&structure, &wave, speed),
+            masses: structure.masses_kg().len(),
+            mass_kg: structure.masses_kg().iter().sum(),
             deceleration: at_crush(&wave, &outcome),
             outcome,
             changes,
@@ -186,7 +195,11 @@ impl Impact<'_> {
             mass_kg: Some(factor * mass_kg),
             ..scenario
         });
-        let by_crush = [self.by_rate_effect(beyond.is_some()), self.by_extrapolation(&wave, &outcome)];
+        let by_crush = [
+            self.by_rate_effect(beyond.is_some()),
+            self.by_extrapolation(&wave, &outcome),
+            self.by_masses_in_front(&outcome, mass_kg),
+        ];
         let intervals = Quantity::ALL.map(|quantity| {
             let value = outcome.get(quantity)?;
             let q = quantity as usize;
@@ -194,7 +207,7 @@ impl Impact<'_> {
                 others.iter().filter_map(|(other, weight)| Some(weight * (other.get(quantity)? - value).powi(2)));
             let of_crush = by_crush.map(|share| (quantity.power_of_crush() * share * value).powi(2));
             let variances: Variances =
-                [by_parameters[q], by_speed[q], by_mass[q], models.sum(), of_crush[0], of_crush[1]];
+                [by_parameters[q], by_speed[q], by_mass[q], models.sum(), of_crush[0], of_crush[1], of_crush[2]];
             interval(value, &variances)
         });
         let energy = energy(&structure, speed, &outcome)?;
@@ -237,7 +250,21 @@ impl Impact<'_> {
             return 0.0;
         }
         let has_one = self.candidate.has_rate_factor();
-        by_rate_effect(self.scenario.speed_m_per_s, self.test.speed_m_per_s, beyond, has_one)
+        let one_mass = self.at_test.masses == 1;
+        by_rate_effect(self.scenario.speed_m_per_s, self.test.speed_m_per_s, beyond, has_one, one_mass)
+    }
+
+    /// Of a plastic structure with one mass, by what stands in front of the compartment.
+    fn by_masses_in_front(&self, outcome: &Outcome, mass_kg: f64) -> f64 {
+        let crush = outcome.get(Quantity::DynamicCrush).zip(self.at_test.outcome.get(Quantity::DynamicCrush));
+        match crush {
+            Some((crush, tested))
+                if crush > 0.0 && self.at_test.masses == 1 && self.candidate.class() == EnergyClass::Plastic =>
+            {
+                by_masses_in_front(crush / tested, mass_kg / self.at_test.mass_kg)
+            }
+            _ => 0.0,
+        }
     }
 
     /// By the slope of the force from the tested crush on to the one predicted.
@@ -339,7 +366,8 @@ mod tests {
         let prediction = at(&[open], Inputs::default(), 12.0, None);
         assert_eq!(prediction.limited, 1);
         // A linear curve: the open stiffness moves the crush of both impacts alike, the rate effect is left.
-        let left = 1.644_853_6 * by_rate_effect(12.0, 15.0, false, false);
+        let left = f64::hypot(by_rate_effect(12.0, 15.0, false, false, true), by_masses_in_front(0.8, 1.0));
+        let left = 1.644_853_6 * left;
         assert!((half_width(&prediction) - left).abs() < 1e-3, "{}", half_width(&prediction));
     }
 
