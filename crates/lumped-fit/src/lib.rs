@@ -70,7 +70,7 @@ pub use fit::nonlinear::problem::conditions_at_crush;
 pub use fit::options::SingleMassFitOptions;
 pub use free::free_parameter::{FreeParameter, free_masses, free_parameters, mass_of};
 pub use free::mass_split::{MassSplit, masses, triple_masses};
-pub use free::model_coordinates::MassFit;
+pub use free::search_coordinates::MassFit;
 pub use matching::coefficient_matching::{Identified, Matched, Quartic, match_identified};
 pub use matching::coefficient_spread::CoefficientSpread;
 pub use papers::era_amplitude_ratios::{front_from_amplitudes, rear_from_amplitudes};

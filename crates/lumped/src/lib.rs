@@ -71,7 +71,7 @@ pub use model::parameters::{parameter_kind, parameter_kind_of_unit, structure_of
 pub use motion::collision::{Collision, ElementEnergy, ElementEvent, ElementState, Extremum, Moment, Turn};
 pub use motion::drive::Drive;
 pub use motion::dynamics::{Dynamics, ElementForce, Energy};
-pub use motion::mass_motion::{CrushEvents, Motion, Response, State};
+pub use motion::mass_motion::{CrushEvents, Motion, Response, State, Waves};
 pub use motion::pulse::CrashPulse;
 pub use motion::sensitivity::{Instants, Sensitivity};
 pub use motion::start::Start;

@@ -95,6 +95,27 @@ impl Chain {
         (0..self.masses_kg.len()).map(Place::Mass).chain(of_laws.into_iter().flatten()).collect()
     }
 
+    /// Masses, kg, then the values of the springs at their knots, N/m, and of the dampers, N·s/m: the first of
+    /// [`places`](Self::places).
+    pub fn values(&self) -> Vec<f64> {
+        let laws = self.springs.iter().chain(&self.dampers);
+        self.masses_kg.iter().copied().chain(laws.flat_map(PiecewiseLinear::points).map(|(_, value)| value)).collect()
+    }
+
+    /// The same chain with other [`values`](Self::values); knots stay where they are. Errors: masses that are not
+    /// positive, values that are not finite or too few.
+    pub fn with_values(&self, values: &[f64]) -> Result<Self, LumpedError> {
+        let mut values = values.iter().copied();
+        let mut next = || values.next().unwrap_or(f64::NAN);
+        let masses: Vec<f64> = self.masses_kg.iter().map(|_| next()).collect();
+        let mut law = |law: &PiecewiseLinear| {
+            PiecewiseLinear::new(&law.points().map(|(knot, _)| (knot, next())).collect::<Vec<_>>())
+        };
+        let springs = self.springs.iter().map(&mut law).collect::<Result<Vec<_>, _>>()?;
+        let dampers = self.dampers.iter().map(&mut law).collect::<Result<Vec<_>, _>>()?;
+        Self::new(&masses, &springs, &dampers)
+    }
+
     /// Motions, forces and energies at `k dt`, k = 0 .. `samples`. Errors: as [`Structure::dynamics`].
     pub fn dynamics(&self, drive: &Drive, dt_s: f64, samples: usize) -> Result<Dynamics, LumpedError> {
         self.structure()?.dynamics(drive, dt_s, samples)
