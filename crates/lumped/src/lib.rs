@@ -82,10 +82,9 @@ pub use response::partners::{Partner, PartnerCollision, PartnerOutcome, collide}
 pub use structure::connected_masses::{Connection, Node, Place, Structure};
 pub use structure::element::Element;
 pub use structure::elements::crush_curve::Extrapolation;
-pub use structure::elements::damper::Damper;
 pub use structure::elements::force_deflection::{ForceDeflection, ForceDeflectionParameter};
 pub use structure::elements::in_series::InSeries;
 pub use structure::elements::piecewise_linear::PiecewiseLinear;
 pub use structure::elements::plastic_spring::PlasticSpring;
+pub use structure::elements::secant::{Damper, Spring};
 pub use structure::elements::series_spring_damper::SeriesSpringDamper;
-pub use structure::elements::spring::Spring;

@@ -4,6 +4,7 @@ use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Respons
 use nalgebra::DMatrix;
 
 use crate::Observation;
+use crate::fit::at_crush::AtCrush;
 use crate::fit::descents::bounds;
 use crate::free::coordinates::{Coordinates, moved_numbers};
 use crate::free::parametric::Parametric;
@@ -27,14 +28,16 @@ pub(crate) struct Problem<'a, M> {
     /// One unit of residual, in the unit of the first wave.
     pub unit: f64,
     /// Residual below which the model is the record.
-    exact: f64,
+    pub exact: f64,
+    /// Conditions at dynamic crush, two rows more.
+    pub at_crush: Option<AtCrush>,
 }
 
 impl<'a, M: Parametric> Problem<'a, M> {
     /// The comparison of a model with these waves. A descent ends where residuals are below `exact` at every sample;
     /// 0: never for that.
     pub fn new(coordinates: &'a Coordinates<M>, observed: &'a Observation, exact: f64) -> Self {
-        Self { coordinates, observed, unit: observed.scale_m(), exact }
+        Self { coordinates, observed, unit: observed.scale_m(), exact, at_crush: None }
     }
 
     /// Weighted misfit at every sample of every wave, in the unit of the first.
@@ -71,9 +74,9 @@ impl<'a, M: Parametric> Problem<'a, M> {
 }
 
 impl<M: Parametric> Response for Problem<'_, M> {
-    /// One residual for each sample of each wave.
+    /// One residual for each sample of each wave, and two for the conditions where they are set.
     fn rows(&self) -> usize {
-        self.observed.rows()
+        self.observed.rows() + if self.at_crush.is_some() { 2 } else { 0 }
     }
 
     /// Sum of squares of a residual that counts as none.
@@ -83,11 +86,17 @@ impl<M: Parametric> Response for Problem<'_, M> {
 
     /// `w (model - record)/u`.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
-        let Some(misfit) = self.misfit(theta) else { return false };
-        for (out, misfit) in out.iter_mut().zip(misfit) {
+        let Some(structure) = self.coordinates.structure(theta) else { return false };
+        let Some(misfit) = self.observed.misfit_of(&structure) else { return false };
+        let (of_waves, of_conditions) = out.split_at_mut(misfit.len());
+        for (out, misfit) in of_waves.iter_mut().zip(misfit) {
             *out = misfit / self.unit;
         }
-        true
+        if let Some(at_crush) = &self.at_crush {
+            let Some((rows, _)) = at_crush.rows(&structure, &[]) else { return false };
+            of_conditions.copy_from_slice(&rows);
+        }
+        out.iter().all(|x| x.is_finite())
     }
 
     /// `w/u d(model)/d(theta_j)`, by the chain rule over the parameters that coordinate `j` moves.
@@ -115,6 +124,17 @@ impl<M: Parametric> Response for Problem<'_, M> {
                 }
             }
             first += rows;
+        }
+        if let Some(at_crush) = &self.at_crush {
+            let Some((_, by_number)) = at_crush.rows(&structure, &places) else { return false };
+            for (j, by) in derivatives.iter().enumerate() {
+                for row in 0..2 {
+                    let part = |(number, factor): &(usize, f64)| {
+                        moved.binary_search(number).map_or(0.0, |p| factor * by_number[p][row])
+                    };
+                    out[(first + row, j)] = by.iter().map(part).sum();
+                }
+            }
         }
         out.columns(0, derivatives.len()).iter().all(|x| x.is_finite())
     }

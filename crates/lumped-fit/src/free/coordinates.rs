@@ -29,6 +29,8 @@ pub(crate) enum Map {
     Share(f64),
     /// `p = x p[of]`: a knot as a share of the next one, so that they stay in order.
     ShareOf(usize),
+    /// `p = p[of] + unit x`: no smaller than another, which stands before it among those that are free.
+    Above(usize, f64),
     /// The mass `p` takes this share of what the masses before it leave of the total; the last mass is the rest.
     MassShare,
 }
@@ -54,11 +56,11 @@ impl FreeNumber {
         matches!(self.map, Map::Logarithm(_))
     }
 
-    /// The number at a coordinate, in the unit of its name; a share of another number is that share.
+    /// The number at a coordinate, in the unit of its name; of one that follows from others, its distance or share.
     pub fn value(&self, x: f64) -> f64 {
         match self.map {
             Map::Logarithm(unit) => unit * x.exp(),
-            Map::Share(unit) => unit * x,
+            Map::Share(unit) | Map::Above(_, unit) => unit * x,
             Map::ShareOf(_) | Map::MassShare => x,
         }
     }
@@ -67,7 +69,7 @@ impl FreeNumber {
     pub fn coordinate(&self, value: f64) -> f64 {
         match self.map {
             Map::Logarithm(unit) => (value / unit).ln(),
-            Map::Share(unit) => value / unit,
+            Map::Share(unit) | Map::Above(_, unit) => value / unit,
             Map::ShareOf(_) | Map::MassShare => value,
         }
     }
@@ -98,6 +100,9 @@ pub(crate) struct Coordinates<M> {
     pub rest: Option<usize>,
     /// Whether nothing tells a model from its dual.
     pub duals_are_one: bool,
+    /// Two knots of a curve that are tried in either order and put in rising order: index of the place and of the value
+    /// of each.
+    pub either_order: Option<[[usize; 2]; 2]>,
 }
 
 impl<M: Parametric> Coordinates<M> {
@@ -106,7 +111,7 @@ impl<M: Parametric> Coordinates<M> {
         let (known, places) = (template.values(), template.places());
         let masses = places.iter().zip(&known).filter(|(place, _)| matches!(place, Place::Mass(_)));
         let total_kg = masses.map(|(_, kg)| kg).sum();
-        Self { template, known, places, free, total_kg, rest: None, duals_are_one: false }
+        Self { template, known, places, free, total_kg, rest: None, duals_are_one: false, either_order: None }
     }
 
     /// Number of masses; they stand first.
@@ -133,6 +138,7 @@ impl<M: Parametric> Coordinates<M> {
             let value = values[number.index];
             match number.map {
                 Map::ShareOf(of) => value / values[of],
+                Map::Above(of, _) => number.coordinate(value - values[of]),
                 Map::MassShare => {
                     let share = value / left;
                     left -= value;
@@ -146,11 +152,26 @@ impl<M: Parametric> Coordinates<M> {
 
     /// Every number at a point.
     pub fn values(&self, theta: &[f64]) -> Vec<f64> {
+        let mut values = self.as_tried(theta);
+        if let Some([low, high]) = self.exchanged_knots(&values) {
+            (0..2).for_each(|k| values.swap(low[k], high[k]));
+        }
+        values
+    }
+
+    /// The two knots that are tried in falling order.
+    fn exchanged_knots(&self, tried: &[f64]) -> Option<[[usize; 2]; 2]> {
+        self.either_order.filter(|[low, high]| tried[low[0]] > tried[high[0]])
+    }
+
+    /// Every number at a point, knots in the order in which they are tried.
+    fn as_tried(&self, theta: &[f64]) -> Vec<f64> {
         let mut values = self.known.clone();
         let mut left = self.total_kg;
         for (number, x) in self.free.iter().zip(theta) {
             values[number.index] = match number.map {
                 Map::ShareOf(of) => x * values[of],
+                Map::Above(of, _) => values[of] + number.value(*x),
                 Map::MassShare => {
                     let mass = x * left;
                     left -= mass;
@@ -184,9 +205,14 @@ impl<M: Parametric> Coordinates<M> {
     /// is free takes from the rest; one that takes a larger share of `left` grows by `left` and makes those behind it
     /// lose in proportion to their values.
     pub fn derivatives(&self, theta: &[f64]) -> Vec<Vec<(usize, f64)>> {
-        let values = self.values(theta);
+        let values = self.as_tried(theta);
+        let exchanged = self.exchanged_knots(&values);
         let moved = |(number, x): (&FreeNumber, &f64)| {
-            let own = number.index;
+            let mut own = number.index;
+            if let Some([low, high]) = exchanged {
+                let pairs = low.into_iter().zip(high).flat_map(|(a, b)| [(a, b), (b, a)]);
+                own = pairs.into_iter().find(|(from, _)| *from == own).map_or(own, |(_, to)| to);
+            }
             match number.map {
                 Map::MassShare => {
                     let masses = self.masses();
@@ -201,7 +227,14 @@ impl<M: Parametric> Coordinates<M> {
                     let rest = self.rest.filter(|_| number.kind == ParameterKind::Mass).map(|rest| (rest, -slope));
                     let follower = self.free.iter().find(|other| other.map == Map::ShareOf(own));
                     let follows = follower.map(|other| (other.index, values[other.index] / x));
-                    std::iter::once((own, slope)).chain(rest).chain(follows).collect()
+                    let mut moved: Vec<_> = std::iter::once((own, slope)).chain(rest).chain(follows).collect();
+                    for other in &self.free {
+                        let is_above = |of: usize| moved.iter().any(|(index, _)| *index == of);
+                        if matches!(other.map, Map::Above(of, _) if is_above(of)) {
+                            moved.push((other.index, slope));
+                        }
+                    }
+                    moved
                 }
             }
         };

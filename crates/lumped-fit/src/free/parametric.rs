@@ -39,7 +39,7 @@ impl Parametric for Model {
         self.places()
     }
 
-    /// Of a double model the four coefficients of the characteristic polynomial, the product of the dampers, and a mass.
+    /// Of a double model the four coefficients of the characteristic polynomial, the product of the dampers, a mass.
     fn shared_by_duals(&self) -> Option<Vec<f64>> {
         let Self::DoubleSpringMassDamper(model) = self else { return None };
         let [_, t, u, v, w] = model.characteristic_polynomial();

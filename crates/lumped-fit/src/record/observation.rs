@@ -11,7 +11,6 @@ use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure};
 use crumple_signal::{Displacement, Sampled, Signal};
 
 use crate::record::measurement::motion_of;
-use crate::record::window::{FEWEST, Window};
 use crate::{FitQuantity, Measurement, SolveError};
 
 /// A wave of a test and the samples of it that are compared.
@@ -101,6 +100,8 @@ pub const UNKNOWN_FILTER_M: f64 = 1e-5;
 /// their largest value.
 const USUAL_CRUSH_M: f64 = 0.5;
 
+/// Fewest samples of a record or wave that are compared.
+pub(crate) const FEWEST: usize = 12;
 /// Least noise level of a wave, as a share of its root mean square.
 const LEAST_LEVEL: f64 = 1e-6;
 
@@ -171,14 +172,8 @@ impl ObservedWave {
         (self.samples.iter().map(|x| x * x).sum::<f64>() / self.samples.len() as f64).sqrt()
     }
 
-    /// The samples with their instants.
-    pub(crate) fn window(&self) -> Window {
-        let dt_s = self.measurement.dt_s * self.stride as f64;
-        Window { first_s: self.time_s(0).max(0.0), dt_s, samples: self.samples.clone() }
-    }
-
     /// The instants of the samples, s after contact.
-    fn instants(&self) -> Instants {
+    pub(crate) fn instants(&self) -> Instants {
         let dt_s = self.measurement.dt_s * self.stride as f64;
         Instants { first_s: self.time_s(0).max(0.0), dt_s, samples: self.samples.len() }
     }
@@ -353,21 +348,22 @@ mod tests {
     use super::*;
 
     /// The value is the time in ms.
-    fn picked(from_s: f64, to_s: f64) -> Result<Window, SolveError> {
+    fn picked(from_s: f64, to_s: f64) -> Result<ObservedWave, SolveError> {
         let samples = (0..2501).map(|k| f64::from(k) * 0.1 - 50.0).collect();
         let record = Sampled::new(-0.05, 1e-4, samples).unwrap();
         let measurement = Measurement::of_samples(&record, 0.0);
         let what = (None, FitQuantity::Displacement);
-        ObservedWave::new(&record, what, 0.0, measurement, (from_s, to_s), 250).map(|wave| wave.window())
+        ObservedWave::new(&record, what, 0.0, measurement, (from_s, to_s), 250)
     }
 
     #[test]
     fn picks_samples_of_the_window_only() {
-        let window = picked(0.0, 0.075).unwrap();
+        let wave = picked(0.0, 0.075).unwrap();
+        let Instants { first_s, dt_s, samples } = wave.instants();
         // 751 samples, every fourth.
-        assert_eq!((window.samples.len(), window.dt_s), (188, 4e-4));
-        assert!(window.samples[0].abs() < 1e-9 && window.first_s.abs() < 1e-12);
-        assert!((window.samples[187] - 74.8).abs() < 1e-9 && (window.last_s() - 0.0748).abs() < 1e-12);
+        assert_eq!((samples, dt_s), (188, 4e-4));
+        assert!(wave.samples[0].abs() < 1e-9 && first_s.abs() < 1e-12);
+        assert!((wave.samples[187] - 74.8).abs() < 1e-9 && (wave.time_s(187) - 0.0748).abs() < 1e-12);
     }
 
     #[test]

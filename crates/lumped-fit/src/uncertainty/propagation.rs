@@ -13,8 +13,7 @@ use crumple_signal::Distribution;
 
 use crate::fit::as_measured::near;
 use crate::free::coordinates::Coordinates;
-use crate::record::observation::{Observation, ObservedWave};
-use crate::record::window::FEWEST;
+use crate::record::observation::{FEWEST, Observation, ObservedWave};
 use crate::uncertainty::block_bootstrap::percentile;
 use crate::{FitQuantity, FreeParameter, Measurement};
 

@@ -5,9 +5,8 @@ use crumple_lti::{Complex, polynomial_roots};
 use crate::error::{finite, row_of_masses};
 use crate::families::values::check_values;
 use crate::structure::connected_masses::{Place, Structure};
-use crate::structure::elements::damper::Damper;
 use crate::structure::elements::piecewise_linear::PiecewiseLinear;
-use crate::structure::elements::spring::Spring;
+use crate::structure::elements::secant::{Damper, Spring};
 use crate::{CrushEvents, Drive, Dynamics, Instants, LumpedError, ModelKind, Motion, Response, Sensitivity};
 
 /// Any number of masses in a row: barrier - (k1, c1) - m1 - (k2, c2) - m2 - ... - mN, the compartment last.

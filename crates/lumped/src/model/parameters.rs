@@ -82,8 +82,9 @@ impl Model {
         })
     }
 
-    /// The same model with other values, in the order of [`values`](Self::values). Whether an elastoplastic model leaves
-    /// the barrier is no parameter, and kept. Errors: as of the [`structure`](Self::structure), which checks them.
+    /// The same model with other values, in the order of [`values`](Self::values). Whether an elastoplastic model
+    /// leaves the barrier is no parameter, and kept. Whether the values have a meaning is not checked: its
+    /// [`structure`](Self::structure) does. Errors: a curve with knots that do not rise.
     pub fn with_values(&self, values: &[f64]) -> Result<Self, LumpedError> {
         let mut model = Self::of_values(self.kind(), values)?;
         if let (Self::Elastoplastic(new), Self::Elastoplastic(old)) = (&mut model, self) {
