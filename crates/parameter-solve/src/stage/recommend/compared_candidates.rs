@@ -1,6 +1,6 @@
 //! What each candidate brings into the choice: its misfit as measured, its restitution, what the record leaves open.
 
-use crumple_lumped::{Instants, ParameterKind, Sensitivity, Structure, parameter_kind, structure_of};
+use crumple_lumped::{ParameterKind, parameter_kind, structure_of};
 use crumple_lumped_fit::{
     ComparedCandidate, ComparedRecord, EnergyClass, FitQuantity, Measurement, Observation, ObservedWave,
     crush_error_at_lower_speeds,
@@ -97,7 +97,7 @@ impl Comparison {
     fn candidate(&self, candidate: &Submitted<'_>) -> ComparedCandidate {
         let record = candidate.record;
         let structure = structure_of(&record.model, &record.parameters).ok();
-        let misfit = |observed: &Observation| misfit(observed, structure.as_ref()?);
+        let misfit = |observed: &Observation| observed.misfit_of(structure.as_ref()?);
         let speed = self.acceleration.impact_speed_m_per_s;
         let events = structure.as_ref().and_then(|structure| structure.events(speed, HORIZON_S).ok());
         let rebound = events.and_then(|events| events.last()?.rebound_velocity_m_per_s);
@@ -144,14 +144,6 @@ impl Comparison {
         let size = norm(&mut samples.iter().map(|x| x - mean));
         (size > 0.0).then(|| 100.0 * (1.0 - norm(&mut misfit.iter().copied()) / size))
     }
-}
-
-/// Model less record as measured.
-fn misfit(observed: &Observation, structure: &Structure) -> Option<Vec<f64>> {
-    let speed = observed.impact_speed_m_per_s;
-    observed.misfit_of(|at: &Instants| {
-        Ok(Sensitivity { motions: structure.motions_at(speed, at)?, derivatives: Vec::new() })
-    })
 }
 
 /// Numbers that the record was asked for; of a candidate that nobody assessed all but its masses.
