@@ -72,6 +72,13 @@ diff a b *args: build
 show artifact *args: build
     @{{ quote(bin / "crumple-artifact") }} show "$@"
 
+# Static force-deflection curves of a run's recommended candidate: `just curve runs/crash/default [--candidate ID] [--format csv|ls-dyna|madymo|pc-crash] [--to 900mm]`.
+[group('pipeline')]
+[no-cd]
+[no-exit-message]
+curve folder *args: build
+    @shift; {{ quote(bin / "crumple-artifact") }} curve {{ quote(folder / "5-parameter-solve.mcap") }} "$@"
+
 # Release build of all binaries. Asks cargo only if a source is newer than the last build: cargo alone takes 0.2 s to see that nothing is to do.
 [group('development')]
 build:

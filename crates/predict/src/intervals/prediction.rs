@@ -66,8 +66,8 @@ pub(crate) struct Impact<'a> {
     pub scenario: Scenario,
 }
 
-/// What a front of one side makes unsure of its crush: relative standard deviations by a rate effect, by the force beyond
-/// the tested crush and by masses in front of the compartment, and the crush, m.
+/// What a front of one side makes unsure of its crush: relative standard deviations by a rate effect, by the force
+/// beyond the tested crush and by masses in front of the compartment, and the crush, m.
 #[derive(Clone, Copy, Default)]
 struct CrushDoubt {
     shares: [f64; 3],
