@@ -58,21 +58,6 @@ impl Structure {
         Ok(self.sensitivity(start, at, &[])?.motions)
     }
 
-    /// The displacement of the last mass at `first_s + k dt_s` into `out`, without its other waves. Errors: as
-    /// [`sensitivity`](Self::sensitivity).
-    pub fn displacement(
-        &self,
-        impact_speed_m_per_s: f64,
-        first_s: f64,
-        dt_s: f64,
-        out: &mut [f64],
-    ) -> Result<(), LumpedError> {
-        let at = Instants { first_s, dt_s, samples: out.len() };
-        let motions = self.sensitivity_of(Waves::Displacement, impact_speed_m_per_s, &at, &[])?.motions;
-        out.copy_from_slice(&motions[motions.len() - 1].displacement_m);
-        Ok(())
-    }
-
     /// Whether a change of these parameters leaves a linear structure linear: it does not where an element has knots
     /// whose values only happen to be equal.
     fn is_smooth_in(&self, places: &[Place]) -> bool {
