@@ -538,6 +538,13 @@ fn the_layout_of_every_record_type_is_frozen() {
         constant_run_from_s: Some(0.03),
         end_level: Some(-1.5),
     });
+    freeze(&DamageV1 {
+        residual_crush_m: vec![0.38, 0.466, 0.511, 0.518, 0.489, 0.37],
+        damage_width_m: None,
+        vehicle_width_m: Some(1.839),
+        classification: Some("12FDEW2".into()),
+        from: "DPD1-DPD6, VEHWID".into(),
+    });
     freeze(&ChannelFilterV1 {
         cfc: Some(60),
         mode: "iso6487".into(),

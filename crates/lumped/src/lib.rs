@@ -73,7 +73,7 @@ pub use motion::collision::{
 };
 pub use motion::drive::Drive;
 pub use motion::dynamics::{Dynamics, ElementForce, Energy};
-pub use motion::mass_motion::{CrushEvents, Motion, Response, State};
+pub use motion::mass_motion::{CrushEvents, Motion, Response, State, Waves};
 pub use motion::pulse::CrashPulse;
 pub use motion::sensitivity::{Instants, Sensitivity};
 pub use motion::start::Start;
@@ -85,10 +85,9 @@ pub use response::partners::{Partner, PartnerCollision, PartnerOutcome, collide}
 pub use structure::connected_masses::{Connection, Node, Place, Structure};
 pub use structure::element::Element;
 pub use structure::elements::crush_curve::Extrapolation;
-pub use structure::elements::damper::Damper;
 pub use structure::elements::force_deflection::{ForceDeflection, ForceDeflectionParameter};
 pub use structure::elements::in_series::InSeries;
 pub use structure::elements::piecewise_linear::PiecewiseLinear;
 pub use structure::elements::plastic_spring::PlasticSpring;
+pub use structure::elements::secant::{Damper, Spring};
 pub use structure::elements::series_spring_damper::SeriesSpringDamper;
-pub use structure::elements::spring::Spring;

@@ -60,7 +60,7 @@ pub fn predict(
 mod tests {
     use super::*;
     use crate::impact::candidate::ParameterSpread;
-    use crate::intervals::sources::by_rate_effect;
+    use crate::intervals::sources::{by_masses_in_front, by_rate_effect};
 
     fn elastoplastic(difference: Option<f64>) -> Candidate {
         let names = ["loading_stiffness_n_per_m", "unloading_stiffness_n_per_m"].map(str::to_owned);
@@ -146,7 +146,8 @@ mod tests {
         let prediction = at(&[open], Inputs::default(), 12.0, None);
         assert_eq!(prediction.support.limited, 1);
         // A linear curve: the open stiffness moves the crush of both impacts alike, the rate effect is left.
-        let left = 1.644_853_6 * by_rate_effect(12.0, 15.0, false, false);
+        let left = f64::hypot(by_rate_effect(12.0, 15.0, false, false, true), by_masses_in_front(0.8, 1.0));
+        let left = 1.644_853_6 * left;
         assert!((half_width(&prediction) - left).abs() < 1e-3, "{}", half_width(&prediction));
     }
 

@@ -1,6 +1,6 @@
 //! Simulates a model on the grid of a test and compares the two.
 
-use crumple_lumped::{Chain, CrushEvents, Drive, Dynamics, Instants, LumpedError, Model, Motion, Sensitivity};
+use crumple_lumped::{Chain, CrushEvents, Drive, Dynamics, LumpedError, Model, Motion, Structure};
 use crumple_lumped_fit::FitQuantity;
 use crumple_metrics::{fit_percent, rmse};
 use crumple_signal::Sampled;
@@ -54,7 +54,7 @@ pub fn simulate_driven(
         })
     })?;
     simulation.comparison.fit_as_measured_percent =
-        free_flight.then(|| fit_as_measured(test, &simulation, v0, |at| model.sensitivity(v0, at, &[]))).flatten();
+        free_flight.then(|| fit_as_measured(test, &simulation, v0, &model.structure().ok()?)).flatten();
     Ok(simulation)
 }
 
@@ -94,21 +94,14 @@ pub fn simulate_chain(
     })?;
     simulation.compartment = compartment.unwrap_or(simulation.compartment);
     if let Excitation::Impact = excitation {
-        simulation.comparison.fit_as_measured_percent = fit_as_measured(test, &simulation, v0, |at| {
-            Ok(Sensitivity { motions: chain.motions_at(v0, at)?, derivatives: Vec::new() })
-        });
+        simulation.comparison.fit_as_measured_percent = fit_as_measured(test, &simulation, v0, &chain.structure()?);
     }
     Ok(simulation)
 }
 
 /// Fit of the displacement, percent, of a model that was sampled, filtered and integrated as the record: the samples of
 /// the record from time zero to the end of the window. `None` without two samples, or without a response.
-fn fit_as_measured(
-    test: &Measured<'_>,
-    simulation: &Simulation,
-    v0: f64,
-    respond: impl FnOnce(&Instants) -> Result<Sensitivity, LumpedError>,
-) -> Option<f64> {
+fn fit_as_measured(test: &Measured<'_>, simulation: &Simulation, v0: f64, structure: &Structure) -> Option<f64> {
     let measurement = &test.measurement;
     let first = measurement.contact_index();
     let last = (first..test.displacement.len())
@@ -116,7 +109,7 @@ fn fit_as_measured(
         .last()?;
     let behind = simulation.masses.len() > simulation.compartment + 1;
     let what = (behind.then_some(simulation.compartment), FitQuantity::Displacement);
-    let modelled = measurement.of_motion(what, v0, last, respond).ok()?;
+    let modelled = measurement.of_structure(what, v0, last, structure).ok()?;
     fit_percent(test.displacement.samples().get(first..=last)?, modelled.get(first..=last)?)
 }
 

@@ -2,9 +2,8 @@
 
 use crate::families::values::{check_values, values};
 use crate::structure::connected_masses::Structure;
-use crate::structure::elements::damper::Damper;
 use crate::structure::elements::piecewise_linear::PiecewiseLinear;
-use crate::structure::elements::spring::Spring;
+use crate::structure::elements::secant::{Damper, Spring};
 use crate::{CrushEvents, LumpedError, ModelKind};
 
 /// One mass on a stiffening spring and a damper that weakens with speed: the first nonlinear model of the single-mass

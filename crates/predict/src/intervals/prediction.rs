@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crumple_lumped::{OccupantMotion, Structure};
+use crumple_lumped_fit::EnergyClass;
 use rayon::prelude::*;
 
 use crate::error::PredictError;
@@ -13,7 +14,9 @@ use crate::impact::scenario::Scenario;
 use crate::impact::setting::Setting;
 use crate::intervals::directions::Direction;
 use crate::intervals::partner::PreparedPartner;
-use crate::intervals::sources::{Inputs, Interval, Variances, by_extrapolation, by_rate_effect, interval};
+use crate::intervals::sources::{
+    Inputs, Interval, Variances, by_extrapolation, by_masses_in_front, by_rate_effect, interval,
+};
 use crate::intervals::tested::{COARSE_S, SAMPLING_S, Tested, at_crush, half_difference, relative};
 
 /// Relative step of speed and mass for their derivatives.
@@ -63,11 +66,11 @@ pub(crate) struct Impact<'a> {
     pub scenario: Scenario,
 }
 
-/// What a front of one side makes unsure of its crush: relative standard deviations by a rate effect and by the force
-/// beyond the tested crush, and the crush, m.
+/// What a front of one side makes unsure of its crush: relative standard deviations by a rate effect, by the force beyond
+/// the tested crush and by masses in front of the compartment, and the crush, m.
 #[derive(Clone, Copy, Default)]
 struct CrushDoubt {
-    shares: [f64; 2],
+    shares: [f64; 3],
     crush_m: f64,
 }
 
@@ -92,9 +95,10 @@ impl Impact<'_> {
         let variances = self.by_parameters(&structure, &outcome);
         let by_speed = self.by_speed(&structure, inputs.speed_m_per_s);
         let by_mass = self.by_mass(mass_kg, inputs.mass_kg);
-        let own_doubt = doubt(self.tested, own_speed, own.beyond.is_some(), &wave, &outcome, Side::Own);
+        let own_doubt = doubt(self.tested, (own_speed, mass_kg), own.beyond.is_some(), &wave, &outcome, Side::Own);
         let partner_doubt = partner.as_ref().map_or_else(CrushDoubt::default, |(tested, speed, support)| {
-            doubt(tested, *speed, support.beyond.is_some(), &wave, &outcome, Side::Partner)
+            let partner_kg = self.setting.opponent.map_or(0.0, |other| other.structure.masses_kg().iter().sum());
+            doubt(tested, (*speed, partner_kg), support.beyond.is_some(), &wave, &outcome, Side::Partner)
         });
         let intervals = Quantity::ALL.map(|quantity| {
             let value = outcome.get(quantity)?;
@@ -102,7 +106,7 @@ impl Impact<'_> {
             let models = others.iter().chain(&partner_others);
             let models =
                 models.filter_map(|(other, weight)| Some(weight * (other.get(quantity)? - value).powi(2))).sum();
-            let by_crush = [0, 1].map(|k| {
+            let by_crush = [0, 1, 2].map(|k| {
                 let scaled = |doubt: &CrushDoubt| (quantity.power_of_crush() * doubt.shares[k] * value).powi(2);
                 match quantity.side() {
                     Side::Own => scaled(&own_doubt),
@@ -112,7 +116,7 @@ impl Impact<'_> {
                     }
                 }
             });
-            let all: Variances = [variances[q], by_speed[q], by_mass[q], models, by_crush[0], by_crush[1]];
+            let all: Variances = [variances[q], by_speed[q], by_mass[q], models, by_crush[0], by_crush[1], by_crush[2]];
             interval(value, &all)
         });
         let energy = match &both {
@@ -244,13 +248,22 @@ fn by_step(deviation: f64, at: impl Fn(f64) -> Option<Outcome>) -> [f64; QUANTIT
     half_difference(at(1.0 + STEP), at(1.0 - STEP)).map(|change| (change / STEP * deviation).powi(2))
 }
 
-/// What the front of one side makes unsure: `speed` is that of an impact on a wall with the energy it takes.
-fn doubt(tested: &Tested<'_>, speed: f64, beyond: bool, wave: &Wave, outcome: &Outcome, side: Side) -> CrushDoubt {
+/// What the front of one side makes unsure: `speed` is that of an impact on a wall with the energy it takes, `mass_kg`
+/// the mass of the side.
+fn doubt(
+    tested: &Tested<'_>,
+    (speed, mass_kg): (f64, f64),
+    beyond: bool,
+    wave: &Wave,
+    outcome: &Outcome,
+    side: Side,
+) -> CrushDoubt {
     let candidate = tested.candidate;
+    let one_mass = tested.masses == 1;
     let rate = if candidate.depends_on_rate() {
         0.0
     } else {
-        by_rate_effect(speed, tested.reach.speed_m_per_s, beyond, candidate.has_rate_factor())
+        by_rate_effect(speed, tested.reach.speed_m_per_s, beyond, candidate.has_rate_factor(), one_mass)
     };
     let crush = if side == Side::Partner { Quantity::PartnerCrush } else { Quantity::DynamicCrush };
     let (crush_m, tested_m) = (outcome.get(crush), tested.outcome.get(Quantity::DynamicCrush));
@@ -261,5 +274,9 @@ fn doubt(tested: &Tested<'_>, speed: f64, beyond: bool, wave: &Wave, outcome: &O
         let slope = ends.map_or(1.0, |(here, there)| (1.0 - there / here) / (1.0 - tested_m / crush));
         by_extrapolation(crush / tested_m, slope)
     });
-    CrushDoubt { shares: [rate, extrapolation], crush_m: crush_m.unwrap_or(0.0) }
+    let in_front = crush_m
+        .zip(tested_m)
+        .filter(|(crush, _)| *crush > 0.0 && one_mass && candidate.class() == EnergyClass::Plastic)
+        .map_or(0.0, |(crush, tested_m)| by_masses_in_front(crush / tested_m, mass_kg / tested.mass_kg));
+    CrushDoubt { shares: [rate, extrapolation, in_front], crush_m: crush_m.unwrap_or(0.0) }
 }

@@ -21,6 +21,10 @@ pub(crate) struct Tested<'a> {
     pub directions: Directions,
     pub reach: Reach,
     pub outcome: Outcome,
+    /// How many masses it has.
+    pub masses: usize,
+    /// Their sum, kg.
+    pub mass_kg: f64,
     /// Deceleration of the compartment at the end of the crush, m/s².
     pub deceleration: Option<f64>,
     /// For each direction the relative changes of the numbers in the test.
@@ -51,7 +55,9 @@ impl<'a> Tested<'a> {
             .collect();
         let reach = Reach::new(&structure, &wave, Side::Own, speed);
         let deceleration = at_crush(&wave, Side::Own, &outcome);
-        Ok(Self { candidate, directions, reach, outcome, deceleration, changes })
+        let masses = structure.masses_kg();
+        let (masses, mass_kg) = (masses.len(), masses.iter().sum());
+        Ok(Self { candidate, directions, reach, outcome, masses, mass_kg, deceleration, changes })
     }
 }
 

@@ -184,6 +184,15 @@ pub struct Options {
     #[arg(long, value_name = "PERCENT")]
     pub adequate_fit: Option<f64>,
 
+    /// Choice of candidates: error of the crush at lower speeds, beside what the record itself shows, up to which a
+    /// plastic model is taken for its criterion, percent [default: 1]
+    #[arg(long, value_name = "PERCENT")]
+    pub lower_speed_limit: Option<f64>,
+
+    /// Rate factor of a force-deflection curve, s/m: a prior, force grows by this share for each m/s [default: 0.004]
+    #[arg(long, value_name = "S_PER_M")]
+    pub rate_factor: Option<f64>,
+
     /// Chains of masses to be fitted, stated in the pipeline file: `[parameter-solve.chain.<name>]`.
     #[arg(skip)]
     pub chain: toml::Table,
