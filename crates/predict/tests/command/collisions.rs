@@ -1,8 +1,8 @@
 //! Collisions with another vehicle, moving barriers, occupants.
 
 use crumple_artifact::Artifact;
-use crumple_artifact::records::{PredictedCollisionV1, PredictionV1};
-use crumple_lumped::{Elastoplastic, Kelvin, Model};
+use crumple_artifact::records::{FitV1, PredictedCollisionV1, PredictionV1, SensorFitV1};
+use crumple_lumped::{Chain, Elastoplastic, Kelvin, Model};
 
 use super::{
     KELVIN, KELVIN_ID, PLASTIC, PLASTIC_ID, both, candidate, choice, predictions, run, run_folder, stderr, write,
@@ -187,6 +187,41 @@ fn an_occupant_rides_in_the_pulse_at_the_wall() {
     for name in ["occupant.peak_acceleration_m_per_s2", "occupant.largest_excursion_m", "occupant.ride_down_share"] {
         assert!(names.contains(&name), "{names:?}");
     }
+}
+
+#[test]
+fn a_chain_that_ends_with_an_occupant_is_no_vehicle() {
+    let folder = tempfile::tempdir().unwrap();
+    let sensor = |channel: &str, mass: u32| SensorFitV1 {
+        channel: channel.to_owned(),
+        mass,
+        quantity: "displacement".to_owned(),
+        rmse: 0.0,
+        noise: 1.0,
+    };
+    let chain = Chain::with_constants(&[798.0, 75.0], &[3e5, 6e4], &[2e3, 1e3]).unwrap();
+    let mut sled = candidate(&Model::Kelvin(KELVIN));
+    (sled.model, sled.parameters) = ("chain".to_owned(), chain.parameters());
+    sled.fit = Some(FitV1 {
+        channel: "pulse".to_owned(),
+        quantity: "displacement".to_owned(),
+        from_s: 0.0,
+        to_s: 0.08,
+        samples: 801,
+        rmse: 0.0,
+        iterations: 1,
+        evaluations: 1,
+        stop_reason: "cost-converged".to_owned(),
+        active_bounds: Vec::new(),
+        sensors: vec![sensor("pulse", 1), sensor("chest", 2)],
+    });
+    let all = [both(), vec![("chain/sled/1", sled)]].concat();
+    write(folder.path(), &all, None);
+    assert_eq!(run(folder.path(), &["--speed", "30km/h"]).status.code(), Some(0));
+    assert!(predictions(folder.path()).iter().all(|prediction| prediction.candidate != "chain/sled/1"));
+    let output = run(folder.path(), &["--candidate", "chain/sled/1"]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("is an occupant"), "{}", stderr(&output));
 }
 
 #[test]

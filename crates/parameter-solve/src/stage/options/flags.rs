@@ -82,8 +82,9 @@ pub struct Options {
     /// Sensors to fit together, as place=channel: compartment=93,front=103 [default: compartment=<the pulse>]
     ///
     /// Places: compartment (the last mass), front or engine (the mass next to the barrier), chassis (the one in front
-    /// of the compartment), m1, m2, ... A sensor in front tells the two dual double models apart. The motion of every
-    /// channel comes from crumple-integrate (--channels there).
+    /// of the compartment), occupant (the last mass of a chain where it is called so, behind the compartment), m1, m2,
+    /// ... A sensor in front tells the two dual double models apart. The motion of every channel comes from
+    /// crumple-integrate (--channels there).
     #[arg(long, value_name = "PLACE=CHANNEL", value_delimiter = ',')]
     pub sensors: Vec<String>,
 
