@@ -5,5 +5,6 @@ pub mod fit_quantity;
 pub mod measurement;
 pub mod observation;
 pub mod sensor;
+pub mod sensor_noise;
 pub mod test_data;
 pub mod window;

@@ -9,3 +9,4 @@ pub mod conditioned_propagation;
 pub mod identifiability;
 pub mod profile_likelihood;
 pub mod propagation;
+pub(crate) mod source_misfit;
