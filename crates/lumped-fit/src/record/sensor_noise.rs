@@ -38,8 +38,8 @@ impl SensorNoise {
     /// The noise of the sensor of a wave. `None` where the steps to the wave, or the acceleration before the event, are
     /// not known, and for a recorder that shows no noise there: muted, or a computed record.
     ///
-    /// The pre-event samples have lost their mean, which is the zero level: `n` samples of autocorrelation time `τ` have
-    /// the variance `s² / (1 - τ/n)`.
+    /// The pre-event samples have lost their mean, which is the zero level: `n` samples of autocorrelation time `τ`
+    /// have the variance `s² / (1 - τ/n)`.
     pub fn of(wave: &ObservedWave) -> Option<Self> {
         let measurement = &wave.measurement;
         let quiet = measurement.before_event.filter(|quiet| quiet.noise > 0.0 && quiet.noise_samples > 1)?;
@@ -91,8 +91,8 @@ impl SensorNoise {
         (variance <= EXPLAINED * self.variance).then(|| Self { variance: pooled, freedom: both, ..self.clone() })
     }
 
-    /// An acceleration misfit in units of the noise: sums of squares of it rise by one where a slow change of the model is
-    /// one standard deviation away.
+    /// An acceleration misfit in units of the noise: sums of squares of it rise by one where a slow change of the model
+    /// is one standard deviation away.
     ///
     /// Noise of variance `s²` and autocorrelation time `τ` has the density of white noise of variance `s² τ` at low
     /// frequencies. A zero level read from `n` samples is one more unknown, that `n` samples hold at zero: of the mean
@@ -118,9 +118,9 @@ impl SensorNoise {
     /// `U' Λ U` for the rows `U` of the compared samples of the wave and the covariance `Λ` that the noise and the zero
     /// level have there, in squared weighted units of the wave.
     ///
-    /// With the sums `S` of the integration, the filter `H` and `m` that takes the mean before the event, white noise `n`
-    /// becomes the error `S (H n - 1 m'n)`: columns `H S'u - m 1'S'u`. An integration that starts with the record runs
-    /// over the noise from which the zero level was read, and the two cancel in part.
+    /// With the sums `S` of the integration, the filter `H` and `m` that takes the mean before the event, white noise
+    /// `n` becomes the error `S (H n - 1 m'n)`: columns `H S'u - m 1'S'u`. An integration that starts with the record
+    /// runs over the noise from which the zero level was read, and the two cancel in part.
     pub fn middle(&self, wave: &ObservedWave, rows: &DMatrix<f64>) -> DMatrix<f64> {
         let mut columns = Vec::with_capacity(rows.ncols());
         for column in rows.column_iter() {

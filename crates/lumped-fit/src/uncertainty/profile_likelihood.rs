@@ -63,8 +63,9 @@ impl Profiled<'_> {
     /// Sets each free parameter to values away from the minimum, fits all others again from the neighbouring value, and
     /// ends the interval where `2 ln L` has fallen by 3.84: chi-square, one degree of freedom, 95 %.
     ///
-    /// Up to 24 values on each side with growing steps, then six bisections. A side that does not rise so far, or ends at
-    /// a bound of the search, is open: the parameter is not identifiable. Where zero is reached first, zero is the end.
+    /// Up to 24 values on each side with growing steps, then six bisections. A side that does not rise so far, or ends
+    /// at a bound of the search, is open: the parameter is not identifiable. Where zero is reached first, zero is the
+    /// end.
     pub fn profiles(&self) -> Vec<Profile> {
         (0..self.at.len()).into_par_iter().map(|i| self.profile(i)).collect()
     }

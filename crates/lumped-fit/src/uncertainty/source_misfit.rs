@@ -14,12 +14,12 @@ use crate::fit::problem::Problem;
 use crate::free::free_numbers::FreeNumbers;
 use crate::record::observation::{Observation, ObservedWave};
 use crate::record::sensor_noise::{SensorNoise, as_acceleration};
-use crate::uncertainty::assessment::Ends;
 use crate::uncertainty::profile_likelihood::{Profiled, RISE_95};
 
 /// Steps of the descent to the least misfit.
 const DESCENT: u32 = 200;
-/// Relative decrease of the misfit that is worth another step: some 20 degrees of freedom, of which it is a small share.
+/// Relative decrease of the misfit that is worth another step: some 20 degrees of freedom, of which it is a small
+/// share.
 const WORTH_A_STEP: f64 = 1e-6;
 /// How far the response may be from straight at the end of a linear interval, in units of the noise: ends are then off
 /// by half a standard deviation of two at most.
@@ -80,18 +80,18 @@ impl<'a, C: FreeNumbers> AtSource<'a, C> {
         AccelerationMisfit { problem: near(self.coordinates, &self.dense), noises: &self.noises }
     }
 
-    /// The 95 % intervals, by profile of the likelihood of the accelerations, of the coordinates along which the response
-    /// is not straight from the minimum `theta` to the ends of the linear interval. They hold the minimum too.
+    /// The 95 % intervals, by profile of the likelihood of the accelerations, of the coordinates along which the
+    /// response is not straight from the minimum `theta` to the ends of the linear interval. They hold the minimum too.
     ///
-    /// The others move along the covariance, `h P_i/P_ii`; straight is a response that misses what the sensitivities say
-    /// by less than [`STRAIGHT`]. The fall of the likelihood is that of Student's distribution for the degrees of freedom
-    /// of the noise.
+    /// The others move along the covariance, `h P_i/P_ii`; straight is a response that misses what the sensitivities
+    /// say by less than [`STRAIGHT`]. The fall of the likelihood is that of Student's distribution for the degrees of
+    /// freedom of the noise.
     pub fn curved(
         &self,
         names: &[String],
         (theta, kept): (&[f64], &[usize]),
         covariance: &Covariance,
-    ) -> Vec<(usize, Ends)> {
+    ) -> Vec<(usize, (Option<f64>, Option<f64>))> {
         let misfit = self.misfit();
         let free = self.coordinates;
         let bounds: Vec<(f64, f64)> = free.axes().iter().map(|axis| (axis.lower, axis.upper)).collect();
@@ -199,8 +199,8 @@ impl<'a, C: FreeNumbers> Straight<'a, C> {
         Some(Self { misfit, theta, at_minimum: misfit.at(theta)?, sensitivities: derivatives(misfit, theta)? })
     }
 
-    /// Whether the response is straight up to both ends of the linear interval of coordinate `kept[k]`. A share of a scale
-    /// that is cut at zero is looked at up to there; one that leaves the bounds of a logarithm is not straight.
+    /// Whether the response is straight up to both ends of the linear interval of coordinate `kept[k]`. A share of a
+    /// scale that is cut at zero is looked at up to there; one that leaves the bounds of a logarithm is not straight.
     fn along(&self, bounds: &[(f64, f64)], (k, kept): (usize, &[usize]), covariance: &Covariance) -> bool {
         let half = covariance.half_width[k];
         if !half.is_finite() {

@@ -41,8 +41,8 @@ pub struct BeforeEvent {
 impl BeforeEvent {
     /// In the usual window ([`PreEventWindow`]) of a filtered acceleration, contact at `time_zero_s` of its axis.
     ///
-    /// `end_s`: what is left out of the noise at the first sample, because a filter that mirrors the record there passes
-    /// more of it. `None` where less than 10 ms are left.
+    /// `end_s`: what is left out of the noise at the first sample, because a filter that mirrors the record there
+    /// passes more of it. `None` where less than 10 ms are left.
     pub fn of(filtered: &Sampled, time_zero_s: f64, end_s: f64) -> Option<Self> {
         let window = PreEventWindow::default();
         let whole = pre_event(filtered, window)?;

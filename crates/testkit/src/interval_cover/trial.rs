@@ -118,8 +118,8 @@ fn blend(name: &str, number: usize) -> u64 {
     name.bytes().fold(number as u64, |seed, byte| seed.wrapping_mul(1_099_511_628_211) ^ u64::from(byte))
 }
 
-/// Counts the intervals of the candidate whose masses move most like those of the car: a record cannot tell duals apart,
-/// and both are given; their springs and dampers may be near each other, the motion of the front is not.
+/// Counts the intervals of the candidate whose masses move most like those of the car: a record cannot tell duals
+/// apart, and both are given; their springs and dampers may be near each other, the motion of the front is not.
 fn count(family: &Family, car: &Car, printed: &str) -> Cover {
     let truth = car.model.parameters();
     let prefix = format!("/parameters/{}/", family.id);
