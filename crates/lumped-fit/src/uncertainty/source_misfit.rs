@@ -16,6 +16,9 @@ use crate::record::observation::{Observation, ObservedWave};
 use crate::record::sensor_noise::{SensorNoise, as_acceleration};
 use crate::uncertainty::profile_likelihood::{Profiled, RISE_95};
 
+/// Both ends of an interval; `None`: open.
+type Ends = (Option<f64>, Option<f64>);
+
 /// Steps of the descent to the least misfit.
 const DESCENT: u32 = 200;
 /// Relative decrease of the misfit that is worth another step: some 20 degrees of freedom, of which it is a small
@@ -91,7 +94,7 @@ impl<'a, C: FreeNumbers> AtSource<'a, C> {
         names: &[String],
         (theta, kept): (&[f64], &[usize]),
         covariance: &Covariance,
-    ) -> Vec<(usize, (Option<f64>, Option<f64>))> {
+    ) -> Vec<(usize, Ends)> {
         let misfit = self.misfit();
         let free = self.coordinates;
         let bounds: Vec<(f64, f64)> = free.axes().iter().map(|axis| (axis.lower, axis.upper)).collect();
