@@ -5,4 +5,5 @@ pub mod fit_quantity;
 pub mod measurement;
 pub mod observation;
 pub mod sensor;
+pub mod sensor_noise;
 pub mod test_data;
