@@ -22,8 +22,9 @@ const BISECTIONS: usize = 60;
 ///
 /// The fit is repeated at eight other shares, the masses in front in their proportion to each other and the total kept.
 /// The interval reaches from the 2.5th to the 97.5th percentile of the mixture of all shares: at each one a normal
-/// distribution, in logarithms where no end is zero, of the width of the interval there. A parameter that is open at
-/// one of them is open; so are all where one of the fits fails. Standard deviation and correlation stay those at the
+/// distribution, in logarithms where no end is zero, of the width of the interval there. Shares
+/// without a fit, or where the record leaves the parameter open, and those beyond, are left out; a parameter that is
+/// open at the assumed share is open. Standard deviation and correlation stay those at the
 /// share of the minimum. Nothing changes for one mass, or where masses are fitted.
 pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_width: f64) {
     let masses = masses_of(&minimum.model);
@@ -50,13 +51,22 @@ pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_
         }
         nodes.extend(side);
     }
-    let nodes: Option<Vec<_>> = nodes.into_iter().collect();
     for (name, ends) in &mut assessment.interval {
-        let of_name = |nodes: Vec<BTreeMap<String, (f64, Ends)>>| {
-            nodes.into_iter().map(|node| node.get(name).copied()).collect::<Option<Vec<_>>>()
-        };
-        *ends = nodes.clone().and_then(of_name).map_or((None, None), |nodes| mixture(&nodes));
+        let of_name: Vec<Option<[f64; 3]>> = nodes.iter().map(|node| closed(node.as_ref()?.get(name)?)).collect();
+        *ends = mixture(around_the_assumed(&of_name, STEPS as usize).as_slice());
     }
+}
+
+/// The closed intervals from the assumed share on, both ways, up to the first that is not closed; none where that at the
+/// assumed share is open.
+fn around_the_assumed(nodes: &[Option<[f64; 3]>], assumed: usize) -> Vec<[f64; 3]> {
+    let first = nodes[..=assumed].iter().rposition(Option::is_none).map_or(0, |open| open + 1);
+    nodes[first..].iter().map_while(|node| *node).take(if first > assumed { 0 } else { nodes.len() }).collect()
+}
+
+/// Low end, value and high end of a closed interval.
+fn closed((value, (low, high)): &(f64, Ends)) -> Option<[f64; 3]> {
+    Some([(*low)?, *value, (*high)?])
 }
 
 /// The minimum near this one with another share in front; `None` for a share without masses, or without a fit.
@@ -87,13 +97,15 @@ fn with_values(minimum: &Minimum, assessment: &Assessment) -> BTreeMap<String, (
 }
 
 /// The 95 % interval of the mixture over shares from one end to the other, of values and intervals at equal distances.
-fn mixture(nodes: &[(f64, Ends)]) -> Ends {
-    let closed: Option<Vec<[f64; 3]>> =
-        nodes.iter().map(|(value, (low, high))| Some([(*low)?, *value, (*high)?])).collect();
-    let Some(closed) = closed else { return (None, None) };
-    let logarithmic = closed.iter().all(|[low, ..]| *low > 0.0);
+fn mixture(nodes: &[[f64; 3]]) -> Ends {
+    match nodes {
+        [] => return (None, None),
+        [[low, _, high]] => return (Some(*low), Some(*high)),
+        _ => {}
+    }
+    let logarithmic = nodes.iter().all(|[low, ..]| *low > 0.0);
     let coordinate = |x: f64| if logarithmic { x.ln() } else { x };
-    let closed: Vec<[f64; 3]> = closed.into_iter().map(|ends| ends.map(coordinate)).collect();
+    let closed: Vec<[f64; 3]> = nodes.iter().map(|ends| ends.map(coordinate)).collect();
     let at = |k: usize| -> [f64; 3] {
         let place = (k as f64 + 0.5) / SHARES as f64 * (closed.len() - 1) as f64;
         let node = (place as usize).min(closed.len() - 2);
@@ -132,8 +144,8 @@ fn normal_distribution(z: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn node(value: f64, half: f64) -> (f64, Ends) {
-        (value, (Some(value - half), Some(value + half)))
+    fn node(value: f64, half: f64) -> [f64; 3] {
+        [value - half, value, value + half]
     }
 
     #[test]
@@ -145,8 +157,17 @@ mod tests {
         let spread: Vec<_> = (-4..=4).map(|k| node(f64::from(k), 1e-6)).collect();
         let (low, high) = mixture(&spread);
         assert!((low.unwrap() + 3.8).abs() < 0.06 && (high.unwrap() - 3.8).abs() < 0.06, "{low:?} {high:?}");
-        let mut open = spread;
-        open[3].1.0 = None;
-        assert_eq!(mixture(&open), (None, None));
+    }
+
+    #[test]
+    fn shares_beyond_one_that_is_open_are_left_out() {
+        let mut nodes: Vec<Option<[f64; 3]>> = (0..9).map(|k| Some(node(f64::from(k), 0.1))).collect();
+        (nodes[2], nodes[7]) = (None, None);
+        let values = |nodes: &[Option<[f64; 3]>]| -> Vec<f64> {
+            around_the_assumed(nodes, 4).iter().map(|node| node[1]).collect()
+        };
+        assert_eq!(values(&nodes), [3.0, 4.0, 5.0, 6.0]);
+        nodes[4] = None;
+        assert_eq!(mixture(&around_the_assumed(&nodes, 4)), (None, None));
     }
 }
