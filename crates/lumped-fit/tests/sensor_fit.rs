@@ -118,7 +118,7 @@ fn settings(method: Method, truth: &Model) -> SolveSettings {
 #[test]
 fn every_model_comes_back_from_every_quantity() {
     // A crushed structure has knots by the record, not those of the truth: see force_deflection.rs.
-    for kind in ModelKind::ALL.into_iter().filter(|kind| *kind != ModelKind::ForceDeflection) {
+    for kind in ModelKind::ALL.into_iter().filter(|kind| kind.name() != "force-deflection") {
         let truth = with_knot_at_crush(model(kind));
         for quantity in FitQuantity::ALL {
             let places = match kind {

@@ -378,6 +378,10 @@ impl Parameterisation for ChainCoordinates {
         self.built(&masses, &springs, &dampers).ok()
     }
 
+    fn masses_kg(&self, model: &Chain) -> Vec<f64> {
+        model.masses_kg().to_vec()
+    }
+
     /// Motions and their derivatives, with knots or without.
     fn sensitivity(
         &self,

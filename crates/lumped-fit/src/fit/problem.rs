@@ -1,11 +1,13 @@
 //! A model of which some numbers are free, compared with the waves of a test.
 
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
+use crumple_lumped::{Instants, LumpedError, Sensitivity};
 use nalgebra::DMatrix;
 
 use crate::Observation;
 use crate::fit::descents::bounds;
 use crate::free::parameterisation::{Parameterisation, places};
+use crate::record::wall_force::with_wall_force;
 
 /// Iterations of one descent at most.
 const ITERATIONS: u32 = 200;
@@ -36,11 +38,27 @@ impl<'a, C: Parameterisation> Problem<'a, C> {
         Self { coordinates, observed, unit: observed.scale_m(), exact }
     }
 
+    /// Motions and their derivatives, behind those of the masses the force on the wall where that is observed.
+    fn sensitivity(
+        &self,
+        model: &C::Model,
+        v0: f64,
+        at: &Instants,
+        places: &[usize],
+    ) -> Result<Sensitivity, LumpedError> {
+        let response = self.coordinates.sensitivity(model, v0, at, places)?;
+        Ok(if self.observed.has_wall() {
+            with_wall_force(response, &self.coordinates.masses_kg(model), places)
+        } else {
+            response
+        })
+    }
+
     /// Weighted misfit at every sample of every wave, in the unit of the first.
     pub fn misfit(&self, theta: &[f64]) -> Option<Vec<f64>> {
         let model = self.coordinates.model(theta)?;
         let v0 = self.observed.impact_speed_m_per_s;
-        self.observed.misfit_of(|at| self.coordinates.sensitivity(&model, v0, at, &[]))
+        self.observed.misfit_of(|at| self.sensitivity(&model, v0, at, &[]))
     }
 
     /// Root mean square misfit of every wave, in its unit.
@@ -97,7 +115,7 @@ impl<C: Parameterisation> Response for Problem<'_, C> {
         let derivatives = self.coordinates.derivatives_by_coordinate(theta);
         let places = places(&derivatives);
         let v0 = self.observed.impact_speed_m_per_s;
-        let respond = |at: &_, places: &[usize]| self.coordinates.sensitivity(&model, v0, at, places);
+        let respond = |at: &_, places: &[usize]| self.sensitivity(&model, v0, at, places);
         let mut first = 0;
         for wave in &self.observed.waves {
             let Ok(by_place) = wave.derivatives(&places, respond) else { return false };

@@ -64,6 +64,10 @@ impl Parameterisation for FreeModel {
         with_parameters(&self.template, &values)
     }
 
+    fn masses_kg(&self, model: &Model) -> Vec<f64> {
+        model.masses_kg()
+    }
+
     /// That of the model itself.
     fn sensitivity(
         &self,

@@ -28,6 +28,9 @@ pub(crate) trait Parameterisation: Sync {
     /// The model at a point; `None` where its parameters are not physical.
     fn model(&self, theta: &[f64]) -> Option<Self::Model>;
 
+    /// Masses of the model, kg, from the barrier on: its first parameters.
+    fn masses_kg(&self, model: &Self::Model) -> Vec<f64>;
+
     /// The motion of every mass, and its derivatives by the parameters at these places.
     fn sensitivity(
         &self,

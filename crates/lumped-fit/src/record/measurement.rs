@@ -249,7 +249,7 @@ impl Measurement {
         }
         let end = added + samples.min(last.min(self.samples.saturating_sub(1)) + 1);
         let seen = &mut waves[added..end];
-        if quantity != FitQuantity::Acceleration {
+        if matches!(quantity, FitQuantity::Velocity | FitQuantity::Displacement) {
             self.integrate(seen, quantity, v0_m_per_s, zero, gap);
         }
         std::array::from_fn(|lane| seen.iter().map(|values| values[lane]).collect())
@@ -365,7 +365,7 @@ impl WithSimd for Together<'_> {
 impl TwoPassFilter {
     /// Samples after which a pass has forgotten its input: as many as its slowest pole takes to fall to
     /// [`FORGOTTEN`]. At least the two inputs that an output depends on; without limit where a pole does not decay.
-    fn memory_samples(&self) -> usize {
+    pub(crate) fn memory_samples(&self) -> usize {
         let [.., b1, b2] = self.coefficients;
         // Roots of z² - b1 z - b2.
         let square = b1 * b1 + 4.0 * b2;
@@ -375,6 +375,15 @@ impl TwoPassFilter {
         }
         let samples = (FORGOTTEN.ln() / largest.ln()).ceil();
         if largest < 1.0 && samples.is_finite() { samples.max(2.0) as usize } else { usize::MAX }
+    }
+
+    /// What the filter makes of a wave of which nothing is cut off: as the filter stage.
+    pub(crate) fn filtered(&self, wave: &[f64]) -> Vec<f64> {
+        let added = self.samples_added.min(wave.len().saturating_sub(1));
+        let mut waves: Vec<[f64; 1]> =
+            std::iter::repeat_n(0.0, added).chain(wave.iter().copied()).map(|x| [x]).collect();
+        self.run(&mut waves, added);
+        waves[added..added + wave.len()].iter().map(|[x]| *x).collect()
     }
 
     /// Forward and backward over all but the first `added` waves, with the same extension and the same start of each

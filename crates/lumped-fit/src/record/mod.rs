@@ -6,4 +6,5 @@ pub mod measurement;
 pub mod observation;
 pub mod sensor;
 pub mod test_data;
+pub mod wall_force;
 pub mod window;

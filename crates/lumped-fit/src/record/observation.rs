@@ -11,13 +11,14 @@ use crumple_lumped::{Instants, LumpedError, Model, Sensitivity};
 use crumple_signal::{Displacement, Sampled, Signal};
 
 use crate::record::measurement::motion_of;
+use crate::record::wall_force::with_wall_force;
 use crate::record::window::{FEWEST, Window};
 use crate::{FitQuantity, Measurement, SolveError};
 
 /// A wave of a test and the samples of it that are compared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservedWave {
-    /// Index of its mass from the barrier on; `None`: the compartment.
+    /// Index of its mass from the barrier on; that after the last is the wall. `None`: the compartment.
     pub mass: Option<usize>,
     /// What it says.
     pub quantity: FitQuantity,
@@ -103,6 +104,9 @@ const USUAL_CRUSH_M: f64 = 0.5;
 
 /// Least noise level of a wave, as a share of its root mean square.
 const LEAST_LEVEL: f64 = 1e-6;
+/// The same of an accelerometer beside load cells, which have another gain: that of an accelerometer is known to 1 %,
+/// and meeting it closer than that is worth nothing against the force.
+const LEAST_LEVEL_BESIDE_FORCE: f64 = 0.01;
 
 impl ObservedWave {
     /// At most `limit` samples from `from_s` to `to_s` after contact. `wave` is on the grid of the measurement, as far
@@ -243,6 +247,12 @@ impl Observation {
         Ok(Self { impact_speed_m_per_s, waves: vec![wave] })
     }
 
+    /// Whether one of the waves is the force on the wall: then motions have to have it, and every wave says whose it
+    /// is.
+    pub(crate) fn has_wall(&self) -> bool {
+        self.waves.iter().any(|wave| wave.quantity == FitQuantity::Force)
+    }
+
     /// Samples of all waves.
     pub fn rows(&self) -> usize {
         self.waves.iter().map(|wave| wave.samples.len()).sum()
@@ -251,7 +261,10 @@ impl Observation {
     /// `w (model - record)` at every sample of every wave, in the unit of the first; `None` without a finite
     /// response.
     pub fn misfit(&self, model: &Model) -> Option<Vec<f64>> {
-        self.misfit_of(|at| model.sensitivity(self.impact_speed_m_per_s, at, &[]))
+        self.misfit_of(|at| {
+            let response = model.sensitivity(self.impact_speed_m_per_s, at, &[])?;
+            Ok(if self.has_wall() { with_wall_force(response, &model.masses_kg(), &[]) } else { response })
+        })
     }
 
     /// The same of anything that `respond` gives the motions of.
@@ -326,10 +339,14 @@ impl Observation {
     }
 
     /// The noise level of each wave, in its unit: that stated, else its root mean square misfit, at least a millionth
-    /// of the wave.
+    /// of the wave, and of an accelerometer a hundredth where the force on the wall stands beside it.
     pub fn noise_levels(&self, rmse: &[f64]) -> Vec<f64> {
+        let least = |wave: &ObservedWave| {
+            let beside_force = self.has_wall() && wave.quantity != FitQuantity::Force;
+            wave.size() * if beside_force { LEAST_LEVEL_BESIDE_FORCE } else { LEAST_LEVEL }
+        };
         let level_of = |(wave, rmse): (&ObservedWave, &f64)| {
-            wave.noise.unwrap_or_else(|| rmse.max(LEAST_LEVEL * wave.size())).max(f64::MIN_POSITIVE)
+            wave.noise.unwrap_or_else(|| rmse.max(least(wave))).max(f64::MIN_POSITIVE)
         };
         self.waves.iter().zip(rmse).map(level_of).collect()
     }

@@ -14,11 +14,12 @@ use crate::{FitQuantity, Measurement};
 const ERRORS: &str = "root mean square errors ";
 
 /// The root mean square error of each sensor with its channel and place: `8.1 mm at 93 (compartment)`. Displacements
-/// are given in mm, other quantities in their SI unit.
+/// are given in mm, forces in kN, other quantities in their SI unit.
 pub fn errors_in_words<'a>(errors: impl IntoIterator<Item = (f64, FitQuantity, &'a str, String)>) -> String {
     let error_text = |(rmse, quantity, channel, place): (f64, FitQuantity, &str, String)| {
         let (value, unit) = match quantity {
             FitQuantity::Displacement => (1e3 * rmse, "mm"),
+            FitQuantity::Force => (1e-3 * rmse, "kN"),
             other => (rmse, other.unit()),
         };
         format!("{value:.4} {unit} at {channel} ({place})")
@@ -33,7 +34,7 @@ pub fn note_of_errors(errors: &str, seen: Option<&str>) -> String {
     format!("{ERRORS}{seen}{errors}; residuals weighted by the noise level of each sensor")
 }
 
-/// The mass of a model that a sensor sits on.
+/// The mass of a model that a sensor sits on, or the wall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SensorPlace {
     /// The last mass.
@@ -44,17 +45,21 @@ pub enum SensorPlace {
     Chassis,
     /// A mass by its number from the barrier on, from 1.
     Mass(usize),
+    /// The wall, whose force is measured.
+    Wall,
 }
 
 impl SensorPlace {
     /// Index of the mass, from the barrier on, in a model of so many masses; `None` if the model has no such mass. A
-    /// model of one mass has a compartment only; in one of two, front and chassis are the same mass.
+    /// model of one mass has a compartment only; in one of two, front and chassis are the same mass. The wall stands
+    /// behind the last: see [`with_wall_force`](crate::record::wall_force::with_wall_force).
     pub fn mass(self, masses: usize) -> Option<usize> {
         match self {
             Self::Compartment => masses.checked_sub(1),
             Self::Front => (masses > 1).then_some(0),
             Self::Chassis => (masses > 1).then(|| masses - 2),
             Self::Mass(number) => (number >= 1 && number <= masses).then(|| number - 1),
+            Self::Wall => Some(masses),
         }
     }
 }
@@ -66,6 +71,7 @@ impl fmt::Display for SensorPlace {
             Self::Front => f.write_str("front"),
             Self::Chassis => f.write_str("chassis"),
             Self::Mass(number) => write!(f, "m{number}"),
+            Self::Wall => f.write_str("wall"),
         }
     }
 }
@@ -78,13 +84,14 @@ impl FromStr for SensorPlace {
             "compartment" => Ok(Self::Compartment),
             "front" | "engine" => Ok(Self::Front),
             "chassis" => Ok(Self::Chassis),
+            "wall" => Ok(Self::Wall),
             _ => text
                 .strip_prefix('m')
                 .and_then(|number| number.parse().ok())
                 .filter(|number| *number > 0)
                 .map(Self::Mass)
                 .ok_or_else(|| {
-                    format!("no place of a sensor: {text:?}; expected compartment, front, chassis or m1, m2, ...")
+                    format!("no place of a sensor: {text:?}; expected compartment, front, chassis, wall or m1, m2, ...")
                 }),
         }
     }
@@ -113,7 +120,7 @@ pub struct Sensor<'a> {
 pub struct SensorFit {
     /// Its channel.
     pub channel: String,
-    /// Number of its mass, from 1 at the barrier.
+    /// Number of its mass, from 1 at the barrier; 0: the wall.
     pub mass: usize,
     /// What was fitted.
     pub quantity: FitQuantity,

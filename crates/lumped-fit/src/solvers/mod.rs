@@ -6,6 +6,7 @@ pub mod explanations;
 pub mod extent;
 pub mod fitting;
 pub mod force_deflection;
+pub mod load_paths;
 pub mod nearly_rigid;
 pub mod sensors;
 pub mod settings;

@@ -1,6 +1,7 @@
 //! What a model answers: its structure's motions, forces, energies, events and derivatives, in the model's own names.
 
 use crate::families::chain::places_of_constants;
+use crate::families::load_paths::CrushedLoadPaths;
 use crate::kind::parameter::MOST_KNOTS;
 use crate::structure::connected_masses::Place;
 use crate::{CrushEvents, Drive, Dynamics, Instants, LumpedError, Model, ModelKind, Response, Sensitivity};
@@ -34,6 +35,7 @@ fn places(model: &Model) -> Vec<Place> {
             let (forces, deflections) = ((0..MOST_KNOTS).map(|j| (0, 2 * j)), (0..MOST_KNOTS).map(|j| (0, 2 * j + 1)));
             knots(&forces.chain([(0, after), (0, after + 1)]).chain(deflections).collect::<Vec<_>>())
         }
+        ModelKind::LoadPaths => CrushedLoadPaths::places(&model.values()),
     }
 }
 

@@ -161,6 +161,10 @@ fn waves(
     let mass_kg = settings.mass_kg.or(input.test()?.mass_kg).unwrap_or(1.0);
     let (mut waves, mut sensors) = (Vec::new(), Vec::new());
     for (place, channel) in stated_places(settings, &events.channel) {
+        // A chain is fitted to motions; how far it misses the wall's force is scored.
+        if place == SensorPlace::Wall {
+            continue;
+        }
         let Some(mass) = place.mass(masses) else {
             out.notes().info(format!(
                 "chain {}: sensor {channel} is on the {place}, which this chain does not have: not fitted",

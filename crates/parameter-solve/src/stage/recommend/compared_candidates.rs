@@ -2,7 +2,7 @@
 
 use crumple_lumped::{Instants, ParameterKind, Sensitivity, Structure, parameter_kind, structure_of};
 use crumple_lumped_fit::{
-    ComparedCandidate, ComparedRecord, EnergyClass, FitQuantity, Measurement, Observation, ObservedWave,
+    ComparedCandidate, ComparedRecord, EnergyClass, FitQuantity, Measurement, Observation, ObservedWave, WallForce,
 };
 use crumple_signal::{Displacement, Sampled};
 use crumple_stage::records::{CandidateV1, EventsV1};
@@ -32,6 +32,8 @@ pub struct Comparison {
     /// Displacement of the pulse: what closest means.
     displacement: Observation,
     tested_restitution: Option<f64>,
+    /// Force on the wall up to separation.
+    wall: Option<WallForce>,
 }
 
 impl Comparison {
@@ -58,10 +60,15 @@ impl Comparison {
         let displacement = observe(&displacement, FitQuantity::Displacement)?;
         let acceleration = observe(&acceleration, FitQuantity::Acceleration)?;
         let tested_restitution = events.coefficient_of_restitution.filter(|e| *e > 0.0);
+        let wall = input.wall_force(events)?.and_then(|(force, steps)| {
+            let to_s = events.end_of_contact_s(force.end_s());
+            WallForce::new(&force, events.time_zero_s, steps.into(), to_s).ok()
+        });
         Ok(acceleration.zip(displacement).map(|(acceleration, displacement)| Self {
             acceleration,
             displacement,
             tested_restitution,
+            wall,
         }))
     }
 
@@ -100,6 +107,11 @@ impl Comparison {
         let speed = self.acceleration.impact_speed_m_per_s;
         let events = structure.as_ref().and_then(|structure| structure.events(speed, HORIZON_S).ok());
         let rebound = events.and_then(|events| events.last()?.rebound_velocity_m_per_s);
+        let force_misfit_percent = self
+            .wall
+            .as_ref()
+            .zip(structure.as_ref())
+            .and_then(|(wall, structure)| wall.misfit_percent(structure, speed));
         let is_zero = |name: &str| record.parameters.get(name).is_some_and(|value| *value == 0.0);
         let bounds = record.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
         let mut open: Vec<String> = record.undetermined().into_iter().map(str::to_owned).collect();
@@ -119,7 +131,7 @@ impl Comparison {
             misfit: misfit(&self.acceleration),
             fit_percent: misfit(&self.displacement).and_then(|misfit| self.fit_percent(&misfit)),
             restitution: rebound.map(|rebound| -rebound / speed),
-            force_misfit_percent: None,
+            force_misfit_percent,
         }
     }
 
