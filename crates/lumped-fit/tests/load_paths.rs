@@ -43,9 +43,9 @@ fn path(knots: &[(f64, f64)], unloading: f64) -> Option<LoadPath> {
 
 /// A front that folds and a firewall twice as strong; with rails past the engine or without.
 fn car(rails: bool) -> Model {
-    let front = path(&[(0.03, 1.1e5), (0.1, 1.3e5), (0.2, 1.7e5), (0.33, 2.6e5), (0.5, 3.6e5)], 2.5e7);
-    let rear = path(&[(0.02, 1.2e5), (0.08, 1.9e5), (0.16, 2.8e5), (0.3, 4.6e5)], 2.5e7);
-    let parallel = path(&[(0.05, 5e4), (0.2, 9e4), (0.4, 1.1e5), (0.7, 1.6e5)], 2.5e7).filter(|_| rails);
+    let front = path(&[(0.12, 1.1e5), (0.28, 2e5), (0.4, 2.5e5), (0.6, 3.8e5)], 2.5e7);
+    let rear = path(&[(0.06, 1.4e5), (0.14, 2.5e5), (0.3, 4.2e5)], 2.5e7);
+    let parallel = path(&[(0.15, 8e4), (0.4, 1.1e5), (0.7, 1.6e5)], 2.5e7).filter(|_| rails);
     Model::LoadPaths(CrushedLoadPaths { m1_kg: ENGINE_KG, m2_kg: TOTAL_KG - ENGINE_KG, paths: [front, rear, parallel] })
 }
 
@@ -100,6 +100,7 @@ fn solved(truth: &Model, mass_fit: MassFit, split: f64, with_wall: bool) -> Vec<
         methods: vec![Method::DirectFit],
         split: MassSplit::FrontFraction(split),
         mass_fit,
+        fit_samples: 100,
         ..SolveSettings::default()
     };
     let mut notes = Notes::new();
@@ -137,15 +138,13 @@ fn curves_come_back_and_hold_at_other_speeds() {
     assert!(paths(found).paths[2].is_none(), "nothing asks for a path past the engine: {:?}", candidates[0].notes);
     for path in [0, 1] {
         let gap = gap(found, &truth, path);
-        eprintln!("path {path}: {gap}");
-        // Knots at other places than those of the truth, 9 ms apart: up to 0.14 m in front, over bends of a tenth of
-        // the force.
-        assert!(gap < 0.1, "{path}: {gap}");
+        // Knots at other places than those of the truth: 0.1 m between knots over a bend of 4e5 N/m is a quarter of
+        // that, 1e4 N, of forces of 2 to 4e5 N.
+        assert!(gap < 0.05, "{path}: {gap}");
     }
     for speed in [40.0 / 3.6, 64.0 / 3.6] {
         let error = crush(found, speed) / crush(&truth, speed) - 1.0;
-        eprintln!("{speed}: {error}");
-        // A tenth of the force over a piece of the curve, half of it in the crush, both ways: 1 %.
+        // A twentieth of the force over one piece of the curve in five: 1 % of the energy, and of the crush.
         assert!(error.abs() < 0.01, "{speed}: {error}");
     }
 }
@@ -157,8 +156,15 @@ fn rails_past_the_engine_are_found_where_they_are() {
     let with_rails = candidates.iter().filter(|candidate| paths(&candidate.model).paths[2].is_some()).count();
     assert!(with_rails > 0, "{:?}", candidates.iter().map(|c| &c.notes).collect::<Vec<_>>());
     let error = |speed: f64| crush(&candidates[0].model, speed) / crush(&truth, speed) - 1.0;
-    eprintln!("{with_rails} {} {}", error(40.0 / 3.6), error(64.0 / 3.6));
-    assert!(error(40.0 / 3.6).abs() < 0.015 && error(64.0 / 3.6).abs() < 0.015);
+    // One test passes every deflection once: the same force less past the engine and more through it moves both masses
+    // alike, and only the number of knots says how it divides. A tenth of the force that goes the other way is 3 to 4 %
+    // of the crush at another speed.
+    assert!(error(40.0 / 3.6).abs() < 0.04 && error(64.0 / 3.6).abs() < 0.04);
+    // What comes together at the wall is known all the same.
+    let force = wall(&truth);
+    let wall = WallForce::new(&force, 0.0, MEASUREMENT, 0.1).unwrap();
+    let misfit = wall.misfit_percent(&candidates[0].model.structure().unwrap(), V0).unwrap();
+    assert!(misfit < 5.0, "{misfit}");
 }
 
 #[test]
@@ -169,13 +175,11 @@ fn the_force_on_the_wall_gives_the_masses_and_is_met() {
     let candidates = solved(&truth, shares, 0.33, true);
     let found = &candidates[0].model;
     let engine_kg = paths(found).m1_kg;
-    eprintln!("engine {engine_kg}");
     // The total and the force are known: what is left is that of knots at other places.
     assert!((engine_kg / ENGINE_KG - 1.0).abs() < 0.03, "{engine_kg}");
     let force = wall(&truth);
     let wall = WallForce::new(&force, 0.0, MEASUREMENT, 0.1).unwrap();
     let misfit = |model: &Model| wall.misfit_percent(&model.structure().unwrap(), V0).unwrap();
-    eprintln!("force {} {}", misfit(&truth), misfit(found));
     // Sample by sample the same sums in another order.
     assert!(misfit(&truth) < 1e-6);
     assert!(misfit(found) < 5.0, "{}", misfit(found));

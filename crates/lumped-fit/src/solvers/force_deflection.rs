@@ -76,8 +76,8 @@ impl Loading {
     }
 }
 
-/// Curves with knots by the record: of one mass to the pulse's displacement alone, and where a sensor sits on the engine,
-/// of two masses to both (`load_paths`). A force on the wall is fitted with them if it is among the sensors.
+/// Curves with knots by the record: of one mass to the pulse's displacement alone, and where a sensor sits on the
+/// engine, of two masses to both (`load_paths`). A force on the wall is fitted with them if it is among the sensors.
 pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
     let to_s = task.settings.fit_to_s.or(extent.stops.then_some(extent.time_s));

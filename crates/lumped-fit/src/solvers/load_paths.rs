@@ -1,8 +1,8 @@
 //! Engine and compartment behind load paths that are crushed, where a sensor sits on the engine too.
 //!
-//! With sensors on both masses the motion at both ends of every path is known, and its force is linear in its knots: one
-//! bounded least squares problem gives all curves, and the masses where they are free ([`extract`]). The fit as measured
-//! to all sensors refines them. The path past the engine is taken where the accelerations of both ask for it, and the
+//! With sensors on both masses the motion at both ends of every path is known, and its force is linear in its knots:
+//! one bounded least squares problem gives all curves, and the masses where they are free ([`extract`]). The fit as
+//! measured to all sensors refines them. The path past the engine is taken where the accelerations of both ask for it, and the
 //! force on the wall where that is fitted.
 
 use crumple_estimation::statistics::InformationCriteria;
@@ -236,8 +236,8 @@ impl Motions {
         model.check().is_ok().then_some(model)
     }
 
-    /// The accelerations of both in the window, as measured, and the force on the wall where that is fitted; `None` where
-    /// they cannot be compared.
+    /// The accelerations of both in the window, as measured, and the force on the wall where that is fitted; `None`
+    /// where they cannot be compared.
     fn observed(&self, task: &Task<'_>) -> Option<Observation> {
         let wave = |mass: usize| {
             let from = self.window.0 - 1;
@@ -260,9 +260,9 @@ impl Motions {
     }
 }
 
-/// Whether the accelerations of engine and compartment, and the force on the wall beside them, ask for the path that one of the fits has more: a corrected Akaike
-/// criterion that is lower with it, of both waves together, each with the fewer independent samples of the two fits
-/// where their misfits are comparable, else with those of the better.
+/// Whether the accelerations of engine and compartment, and the force on the wall beside them, ask for the path that
+/// one of the fits has more: a corrected Akaike criterion that is lower with it, of all waves together, each with the
+/// fewer independent samples of the two fits where their misfits are comparable, else with those of the better.
 fn asks_for(accelerations: &Observation, without: &Minimum, with: &Minimum) -> bool {
     let misfits = |minimum: &Minimum| accelerations.misfit(&minimum.model);
     let (Some(a), Some(b)) = (misfits(without), misfits(with)) else { return false };

@@ -10,6 +10,7 @@ use crate::{
 
 /// A lumped model with its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "copied once a fit, not once a sample")]
 pub enum Model {
     /// Spring and damper in parallel.
     Kelvin(Kelvin),

@@ -34,8 +34,8 @@ fn table(out: &mut String, choice: &RecommendationV1) {
         })
         .collect();
     let force = if has_force(choice) {
-        "<th scope=\"col\" class=\"n\"><abbr title=\"Force on the wall: model less measured, root mean square over that \
-         of the measured, from contact to separation, both filtered alike.\">Wall force, %</abbr></th>"
+        "<th scope=\"col\" class=\"n\"><abbr title=\"Force on the wall: model less measured, root mean square over \
+         that of the measured, from contact to separation, both filtered alike.\">Wall force, %</abbr></th>"
     } else {
         ""
     };

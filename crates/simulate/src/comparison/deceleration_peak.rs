@@ -7,8 +7,8 @@ const BEFORE_CONTACT_S: f64 = 0.04;
 /// Channel frequency class of vehicle structures, Hz.
 const CLASS_HZ: f64 = 60.0;
 
-/// Largest deceleration through CFC 60, m/s², negative, of an acceleration from contact on. `None` where the interval is
-/// too coarse for the class, or nothing slows down.
+/// Largest deceleration through CFC 60, m/s², negative, of an acceleration from contact on. `None` where the interval
+/// is too coarse for the class, or nothing slows down.
 pub fn deceleration_peak(acceleration_m_per_s2: &[f64], dt_s: f64) -> Option<f64> {
     let before = (BEFORE_CONTACT_S / dt_s).round().min(1e6) as usize;
     let mut samples = vec![0.0; before];
