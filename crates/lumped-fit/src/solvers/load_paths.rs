@@ -2,8 +2,8 @@
 //!
 //! With sensors on both masses the motion at both ends of every path is known, and its force is linear in its knots:
 //! one bounded least squares problem gives all curves, and the masses where they are free ([`extract`]). The fit as
-//! measured to all sensors refines them. The path past the engine is taken where the accelerations of both ask for it, and the
-//! force on the wall where that is fitted.
+//! measured to all sensors refines them. The path past the engine is taken where the accelerations of both ask for it,
+//! and the force on the wall where that is fitted.
 
 use crumple_estimation::statistics::InformationCriteria;
 use crumple_lumped::{CrushedLoadPaths, LOAD_PATHS, LoadPath, MOST_KNOTS_OF_PATH, Model, ModelKind};
