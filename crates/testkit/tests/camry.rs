@@ -11,7 +11,7 @@ use crumple_testkit::pipeline::{number, summary_of};
 use crumple_testkit::shared;
 use serde_json::Value;
 
-const FAMILIES: [&str; 8] = [
+const FAMILIES: [&str; 7] = [
     "kelvin",
     "elastoplastic",
     "maxwell",
@@ -19,7 +19,6 @@ const FAMILIES: [&str; 8] = [
     "nonlinear-2",
     "double-spring-mass-damper",
     "triple-spring-mass-damper",
-    "force-deflection",
 ];
 
 /// Runs the pipeline for two sensors with these flags more for parameter-solve.
