@@ -90,7 +90,7 @@ pub use record::wall_force::WallForce;
 pub use selection::choice::{CandidateSelection, Choice, ComparedRecord, Rated, choose};
 pub use selection::compared_candidate::{ComparedCandidate, EnergyClass, depends_on_rate};
 pub use selection::prior::{Prior, SelectionRules};
-pub use solvers::force_deflection::RATE_PRIOR_S_PER_M;
+pub use solvers::crush_curves::assumptions::RATE_PRIOR_S_PER_M;
 pub use solvers::settings::SolveSettings;
 pub use solvers::solve::solve;
 pub use solvers::table::{DEFAULT_MODELS, MODELS, Solver, solvers_of};

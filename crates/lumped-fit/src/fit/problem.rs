@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use crate::Observation;
 use crate::fit::descents::bounds;
 use crate::free::parameterisation::{Parameterisation, places};
-use crate::record::wall_force::with_wall_force;
+use crate::record::wall_response::with_wall_force;
 
 /// Iterations of one descent at most.
 const ITERATIONS: u32 = 200;

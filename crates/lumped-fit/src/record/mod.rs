@@ -7,4 +7,5 @@ pub mod observation;
 pub mod sensor;
 pub mod test_data;
 pub mod wall_force;
+pub mod wall_response;
 pub mod window;

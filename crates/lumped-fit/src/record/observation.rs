@@ -11,7 +11,7 @@ use crumple_lumped::{Instants, LumpedError, Model, Sensitivity};
 use crumple_signal::{Displacement, Sampled, Signal};
 
 use crate::record::measurement::motion_of;
-use crate::record::wall_force::with_wall_force;
+use crate::record::wall_response::with_wall_force;
 use crate::record::window::{FEWEST, Window};
 use crate::{FitQuantity, Measurement, SolveError};
 

@@ -52,7 +52,7 @@ pub enum SensorPlace {
 impl SensorPlace {
     /// Index of the mass, from the barrier on, in a model of so many masses; `None` if the model has no such mass. A
     /// model of one mass has a compartment only; in one of two, front and chassis are the same mass. The wall stands
-    /// behind the last: see [`with_wall_force`](crate::record::wall_force::with_wall_force).
+    /// behind the last.
     pub fn mass(self, masses: usize) -> Option<usize> {
         match self {
             Self::Compartment => masses.checked_sub(1),

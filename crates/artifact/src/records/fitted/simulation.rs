@@ -72,8 +72,8 @@ pub struct SimulationV1 {
     /// Velocity of the compartment there, m/s, negative.
     #[serde(default)]
     pub rebound_velocity_m_per_s: Option<f64>,
-    /// Largest deceleration of the model's compartment through CFC 60, m/s², negative as in the record; `null` where the
-    /// record is too coarse for that class.
+    /// Largest deceleration of the model's compartment through CFC 60, m/s², negative as in the record; `null` where
+    /// the record is too coarse for that class.
     #[serde(default)]
     pub peak_acceleration_m_per_s2: Option<f64>,
 }

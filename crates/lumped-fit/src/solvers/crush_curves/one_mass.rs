@@ -8,24 +8,18 @@ use crumple_lumped::{CrushedStructure, MOST_KNOTS, Model};
 use crumple_signal::{Displacement, Notes, Signal};
 
 use crate::free::free_parameter::free_parameters;
+use crate::solvers::crush_curves::assumptions::{KNOT_SPACING_S, RATE_PRIOR_S_PER_M, USUAL_RESTITUTION};
+use crate::solvers::crush_curves::load_paths;
 use crate::solvers::extent::{Extent, extent_of};
 use crate::solvers::fitting::{FitStart, Fitting};
-use crate::solvers::load_paths;
 use crate::solvers::task::Task;
 use crate::{
     AskedCurve, Candidate, MeasuredElement, MeasuredMass, MeasuredTest, Minimum, SensorPlace, SolveError, extract,
 };
 
-/// Rate factor of a vehicle's structure, s/m, where no test tells: mild steel columns of 60 to 100 mm between 40 and
-/// 64 km/h have 0.006 to 0.012 by the law of Cowper and Symonds.
-pub const RATE_PRIOR_S_PER_M: f64 = 0.008;
-/// Restitution of a full frontal test near 56 km/h, where the record does not show the rebound: 0.1 to 0.2.
-pub(super) const USUAL_RESTITUTION: f64 = 0.15;
 /// Least unloading stiffness over the steepest slope of the curve: below one, unloading would give back more than was
 /// put in.
 const STIFFER: f64 = 1.05;
-/// Time between two knots, s: half a period of what CFC 60 passes of a wave, with as much again for noise.
-pub(super) const KNOT_SPACING_S: f64 = 0.009;
 /// The last piece of a curve, at least, over its largest deflection: beyond it the curve goes on with its slope.
 const LAST_PIECE: f64 = 0.12;
 /// The first piece, at least.

@@ -11,9 +11,9 @@ use crumple_signal::{Displacement, Notes, Sampled, Signal};
 
 use crate::free::free_parameter::{free_masses, free_parameters};
 use crate::selection::evidence::{independent_samples, visible_misfit};
+use crate::solvers::crush_curves::assumptions::{KNOT_SPACING_S, RATE_PRIOR_S_PER_M, USUAL_RESTITUTION};
 use crate::solvers::extent::Extent;
 use crate::solvers::fitting::{FitStart, Fitting};
-use crate::solvers::force_deflection::{KNOT_SPACING_S, RATE_PRIOR_S_PER_M, USUAL_RESTITUTION};
 use crate::solvers::task::Task;
 use crate::{
     AskedCurve, Candidate, FitQuantity, MassFit, MeasuredElement, MeasuredMass, MeasuredTest, MeasuredThrough,
