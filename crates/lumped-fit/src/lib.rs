@@ -66,13 +66,13 @@ pub use extraction::problem::{
     AskedCurve, Extraction, MeasuredElement, MeasuredMass, MeasuredTest, MeasuredThrough, MeasuredWall,
 };
 pub use fit::as_measured::fit_as_measured;
+pub use fit::at_crush::conditions_at_crush;
 pub use fit::nonlinear::nonlinear1::fit_nonlinear1;
 pub use fit::nonlinear::nonlinear2::search_nonlinear2;
-pub use fit::nonlinear::problem::conditions_at_crush;
 pub use fit::options::SingleMassFitOptions;
 pub use free::free_parameter::{FreeParameter, free_masses, free_parameters, mass_of};
 pub use free::mass_split::{MassSplit, masses, triple_masses};
-pub use free::model_coordinates::MassFit;
+pub use free::search_coordinates::MassFit;
 pub use matching::coefficient_matching::{Identified, Matched, Quartic, match_identified};
 pub use matching::coefficient_spread::CoefficientSpread;
 pub use papers::era_amplitude_ratios::{front_from_amplitudes, rear_from_amplitudes};
@@ -87,10 +87,12 @@ pub use record::observation::{Observation, ObservedWave, RESOLUTION_M, UNKNOWN_F
 pub use record::sensor::{Sensor, SensorFit, SensorPlace, errors_in_words, note_of_errors};
 pub use record::test_data::TestData;
 pub use record::wall_force::WallForce;
-pub use selection::choice::{CandidateSelection, Choice, ComparedRecord, Rated, choose};
+pub use selection::choice::{CandidateSelection, Choice, choose};
 pub use selection::compared_candidate::{ComparedCandidate, EnergyClass, depends_on_rate};
+pub use selection::lower_speeds::crush_error_at_lower_speeds;
 pub use selection::prior::{Prior, SelectionRules};
-pub use solvers::crush_curves::assumptions::RATE_PRIOR_S_PER_M;
+pub use selection::rating::{ComparedRecord, Rated};
+pub use solvers::crush_curves::assumptions::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
 pub use solvers::settings::SolveSettings;
 pub use solvers::solve::solve;
 pub use solvers::table::{DEFAULT_MODELS, MODELS, Solver, solvers_of};

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crumple_lumped::Motion;
+use crumple_lumped::{Motion, Waves};
 
 /// What of a motion is fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
@@ -40,6 +40,23 @@ impl FitQuantity {
             Self::Velocity => "m/s",
             Self::Acceleration => "m/s^2",
             Self::Force => "N",
+        }
+    }
+
+    /// What is asked of a motion for it.
+    pub(crate) const fn waves(self) -> Waves {
+        match self {
+            Self::Displacement => Waves::Displacement,
+            Self::Velocity => Waves::Velocity,
+            Self::Acceleration | Self::Force => Waves::Acceleration,
+        }
+    }
+
+    /// What is recorded before filter and integration: the acceleration, of the wall its force.
+    pub(crate) const fn recorded(self) -> Self {
+        match self {
+            Self::Force => Self::Force,
+            _ => Self::Acceleration,
         }
     }
 

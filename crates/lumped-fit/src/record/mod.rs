@@ -8,4 +8,3 @@ pub mod sensor;
 pub mod test_data;
 pub mod wall_force;
 pub mod wall_response;
-pub mod window;

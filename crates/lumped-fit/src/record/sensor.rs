@@ -45,6 +45,8 @@ pub enum SensorPlace {
     Chassis,
     /// A mass by its number from the barrier on, from 1.
     Mass(usize),
+    /// The occupant, who is the last mass of a chain that says so, behind the compartment.
+    Occupant,
     /// The wall, whose force is measured.
     Wall,
 }
@@ -59,7 +61,17 @@ impl SensorPlace {
             Self::Front => (masses > 1).then_some(0),
             Self::Chassis => (masses > 1).then(|| masses - 2),
             Self::Mass(number) => (number >= 1 && number <= masses).then(|| number - 1),
+            Self::Occupant => None,
             Self::Wall => Some(masses),
+        }
+    }
+
+    /// The same in a model whose last mass is the occupant, so that the compartment is the one in front of it.
+    pub fn mass_before_occupant(self, masses: usize) -> Option<usize> {
+        match self {
+            Self::Occupant => masses.checked_sub(1).filter(|last| *last > 0),
+            Self::Mass(_) | Self::Wall => self.mass(masses),
+            _ => self.mass(masses.saturating_sub(1)),
         }
     }
 }
@@ -71,6 +83,7 @@ impl fmt::Display for SensorPlace {
             Self::Front => f.write_str("front"),
             Self::Chassis => f.write_str("chassis"),
             Self::Mass(number) => write!(f, "m{number}"),
+            Self::Occupant => f.write_str("occupant"),
             Self::Wall => f.write_str("wall"),
         }
     }
@@ -84,6 +97,7 @@ impl FromStr for SensorPlace {
             "compartment" => Ok(Self::Compartment),
             "front" | "engine" => Ok(Self::Front),
             "chassis" => Ok(Self::Chassis),
+            "occupant" => Ok(Self::Occupant),
             "wall" => Ok(Self::Wall),
             _ => text
                 .strip_prefix('m')
@@ -91,7 +105,10 @@ impl FromStr for SensorPlace {
                 .filter(|number| *number > 0)
                 .map(Self::Mass)
                 .ok_or_else(|| {
-                    format!("no place of a sensor: {text:?}; expected compartment, front, chassis, wall or m1, m2, ...")
+                    format!(
+                        "no place of a sensor: {text:?}; expected compartment, front, chassis, occupant, wall or m1, \
+                         m2, ..."
+                    )
                 }),
         }
     }

@@ -1,10 +1,9 @@
 //! The force on the wall of a test, and how far a model misses it.
 
-use crumple_lumped::{LumpedError, Sensitivity, Structure};
+use crumple_lumped::Structure;
 use crumple_signal::Sampled;
 
 use crate::record::observation::ObservedWave;
-use crate::record::wall_response::with_wall_force;
 use crate::{FitQuantity, Measurement, SolveError};
 
 /// A measured force on the wall, from contact to the end of its window.
@@ -31,11 +30,7 @@ impl WallForce {
     /// model, filtered as that measured, less the one measured, over the root mean square of that. `None` for a record
     /// of zeros, and where the model has no response.
     pub fn misfit_percent(&self, structure: &Structure, impact_speed_m_per_s: f64) -> Option<f64> {
-        let respond = |at: &_| -> Result<Sensitivity, LumpedError> {
-            let motions = structure.motions_at(impact_speed_m_per_s, at)?;
-            Ok(with_wall_force(Sensitivity { motions, derivatives: Vec::new() }, structure.masses_kg(), &[]))
-        };
-        let force = self.wave.response(impact_speed_m_per_s, respond).ok()?;
+        let force = self.wave.response(impact_speed_m_per_s, structure).ok()?;
         let missed: f64 = force.iter().zip(&self.wave.samples).map(|(model, record)| (model - record).powi(2)).sum();
         let measured: f64 = self.wave.samples.iter().map(|force| force * force).sum();
         let same_length = force.len() == self.wave.samples.len();

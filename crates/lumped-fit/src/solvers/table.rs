@@ -7,6 +7,7 @@ use std::sync::LazyLock;
 use crumple_lumped::ModelKind;
 use crumple_signal::Notes;
 
+use crate::solvers::crush_curves::assumptions::ONE_MASS_RATE_S_PER_M;
 use crate::solvers::crush_curves::one_mass;
 use crate::solvers::task::{Needs, Task};
 use crate::solvers::{closed_forms, sensors, single_mass};
@@ -105,6 +106,7 @@ impl Default for SolveSettings {
             triple: None,
             mass_fit: MassFit::Known,
             quantity: FitQuantity::Displacement,
+            rate_factor_s_per_m: ONE_MASS_RATE_S_PER_M,
             release: true,
             fit_from_s: 0.0,
             fit_to_s: None,

@@ -165,7 +165,8 @@ fn waves(
         if place == SensorPlace::Wall {
             continue;
         }
-        let Some(mass) = place.mass(masses) else {
+        let mass = if chain.has_occupant() { place.mass_before_occupant(masses) } else { place.mass(masses) };
+        let Some(mass) = mass else {
             out.notes().info(format!(
                 "chain {}: sensor {channel} is on the {place}, which this chain does not have: not fitted",
                 chain.name

@@ -36,7 +36,8 @@ impl std::error::Error for TrialError {}
 
 /// Cars of a kind, those of the numbers given, through the programs in `bin` with the pipeline in `pipeline`.
 ///
-/// A car and its noise follow from its kind and number alone. Errors: a program that is missing or fails.
+/// Every car leaves its records and artifacts in a folder of its own. A car and its noise follow from its kind and
+/// number alone. Errors: a program that is missing or fails.
 pub fn outcomes(
     kind: &Kind,
     numbers: std::ops::Range<usize>,
@@ -49,9 +50,7 @@ pub fn outcomes(
         .map(|number| {
             let folder = folder.join(number.to_string());
             let programs = Programs { bin, pipeline, folder: &folder };
-            let outcome = trial(kind, number, &programs)?;
-            fs::remove_dir_all(&folder).map_err(|error| TrialError::File(folder.clone(), error))?;
-            Ok(outcome)
+            trial(kind, number, &programs)
         })
         .collect()
 }

@@ -1,8 +1,9 @@
 //! What each candidate brings into the choice: its misfit as measured, its restitution, what the record leaves open.
 
-use crumple_lumped::{Instants, ParameterKind, Sensitivity, Structure, parameter_kind, structure_of};
+use crumple_lumped::{ParameterKind, parameter_kind, structure_of};
 use crumple_lumped_fit::{
     ComparedCandidate, ComparedRecord, EnergyClass, FitQuantity, Measurement, Observation, ObservedWave, WallForce,
+    crush_error_at_lower_speeds,
 };
 use crumple_signal::{Displacement, Sampled};
 use crumple_stage::records::{CandidateV1, EventsV1};
@@ -103,7 +104,7 @@ impl Comparison {
     fn candidate(&self, candidate: &Submitted<'_>) -> ComparedCandidate {
         let record = candidate.record;
         let structure = structure_of(&record.model, &record.parameters).ok();
-        let misfit = |observed: &Observation| misfit(observed, structure.as_ref()?);
+        let misfit = |observed: &Observation| observed.misfit_of(structure.as_ref()?);
         let speed = self.acceleration.impact_speed_m_per_s;
         let events = structure.as_ref().and_then(|structure| structure.events(speed, HORIZON_S).ok());
         let rebound = events.and_then(|events| events.last()?.rebound_velocity_m_per_s);
@@ -120,19 +121,31 @@ impl Comparison {
             open.push("the division of the mass".to_owned());
             open_and_felt.extend(open.last().cloned());
         }
+        let class = EnergyClass::of(&record.model, &record.parameters);
+        let of_displacement = misfit(&self.displacement);
         ComparedCandidate {
             id: candidate.id.to_owned(),
-            class: EnergyClass::of(&record.model, &record.parameters),
+            class,
             parameters: free_numbers(record).max(open.len()),
             open,
             open_and_felt,
             on_bound: bounds.iter().filter(|name| !is_zero(name)).cloned().collect(),
             physical: record.physical,
             misfit: misfit(&self.acceleration),
-            fit_percent: misfit(&self.displacement).and_then(|misfit| self.fit_percent(&misfit)),
+            fit_percent: of_displacement.as_ref().and_then(|misfit| self.fit_percent(misfit)),
             restitution: rebound.map(|rebound| -rebound / speed),
             force_misfit_percent,
+            crush_error_at_lower_speeds: of_displacement
+                .filter(|_| class == EnergyClass::Plastic)
+                .and_then(|misfit| self.crush_error_at_lower_speeds(&misfit)),
         }
+    }
+
+    fn crush_error_at_lower_speeds(&self, misfit: &[f64]) -> Option<f64> {
+        let wave = &self.displacement.waves[0];
+        let model: Vec<f64> = wave.samples.iter().zip(misfit).map(|(x, misfit)| x + misfit).collect();
+        let spacing_s = wave.time_s(1) - wave.time_s(0);
+        crush_error_at_lower_speeds(&wave.samples, &model, spacing_s, self.displacement.impact_speed_m_per_s)
     }
 
     /// `100 (1 - |x - xh| / |x - mean x|)` of the displacement.
@@ -143,14 +156,6 @@ impl Comparison {
         let size = norm(&mut samples.iter().map(|x| x - mean));
         (size > 0.0).then(|| 100.0 * (1.0 - norm(&mut misfit.iter().copied()) / size))
     }
-}
-
-/// Model less record as measured.
-fn misfit(observed: &Observation, structure: &Structure) -> Option<Vec<f64>> {
-    let speed = observed.impact_speed_m_per_s;
-    observed.misfit_of(|at: &Instants| {
-        Ok(Sensitivity { motions: structure.motions_at(speed, at)?, derivatives: Vec::new() })
-    })
 }
 
 /// Numbers that the record was asked for; of a candidate that nobody assessed all but its masses.
