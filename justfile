@@ -147,7 +147,7 @@ bytes *args:
     @[ {{ quote(bin) }} != {{ quote(env("CARGO_TARGET_DIR", justfile_directory() / "target") / "release") }} ] || [ "${1-}" = --compare ] || just --justfile {{ quote(justfile()) }} build
     @cargo run --quiet --manifest-path {{ quote(justfile_directory() / "Cargo.toml") }} --package crumple-testkit --bin bytes -- --bin {{ quote(bin) }} "$@"
 
-# How often the 95 % intervals of fitted parameters hold the truth, 300 made records a family: `just interval-benchmark [--records N] [FAMILY ...]`.
+# How often the 95 % intervals of fitted parameters hold the truth, 300 made records a family: `just interval-benchmark [--records N] [--first K] [FAMILY ...]`.
 [group('development')]
 interval-benchmark *args: build
     @cargo run --quiet --package crumple-testkit --bin interval-benchmark -- --bin {{ quote(bin) }} "$@"

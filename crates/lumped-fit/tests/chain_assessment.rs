@@ -42,6 +42,7 @@ fn observed(error: impl Fn(usize, usize) -> f64) -> Observation {
         filter: None,
         from_contact: true,
         rule: IntegrationRule::Exact,
+        before_event: None,
     };
     let wave = |(mass, x): (usize, Vec<f64>)| {
         let x = x.iter().enumerate().map(|(k, x)| x + error(mass, k)).collect();
@@ -273,6 +274,7 @@ fn knots_seen_through_a_filter_are_profiled_and_repeated_with_every_uncertain_in
         filter: Some(filter),
         from_contact: false,
         rule: IntegrationRule::Trapezoid,
+        before_event: None,
     };
     // What a Kelvin model gives, taken for a spring that could have softened and did not.
     let kelvin = Kelvin { mass_kg: 1200.0, stiffness_n_per_m: 5e5, damping_n_s_per_m: 9e3 };

@@ -21,6 +21,7 @@ const EXACT: Measurement = Measurement {
     filter: None,
     from_contact: true,
     rule: IntegrationRule::Exact,
+    before_event: None,
 };
 
 fn linear(masses: &[f64], springs: &[f64], dampers: &[f64]) -> Chain {

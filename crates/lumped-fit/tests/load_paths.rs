@@ -35,6 +35,7 @@ const MEASUREMENT: Measurement = Measurement {
     filter: Some(FILTER),
     from_contact: false,
     rule: IntegrationRule::Trapezoid,
+    before_event: None,
 };
 
 fn path(knots: &[(f64, f64)], unloading: f64) -> Option<LoadPath> {

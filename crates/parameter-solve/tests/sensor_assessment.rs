@@ -55,6 +55,7 @@ fn write_record(path: &Path) {
         filter: Some(filter),
         from_contact: false,
         rule: IntegrationRule::Trapezoid,
+        before_event: None,
     };
     let mut builder = ArtifactBuilder::new();
     let test = TestDescription {

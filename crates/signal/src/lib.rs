@@ -21,7 +21,7 @@ pub use description::channel_selection::{is_pattern, resolve_channels};
 pub use description::test_description::{PulseError, Source, TestDescription};
 pub use notes::note::{Note, Notes, Severity};
 pub use samples::pre_event::{PreEvent, PreEventWindow, pre_event};
-pub use samples::recording_steps::RecordingSteps;
+pub use samples::recording_steps::{BeforeEvent, RecordingSteps};
 pub use samples::signal::{Sampled, Signal, SignalError};
 pub use units::gravity::STANDARD_GRAVITY_M_PER_S2;
 pub use units::quantity::{Acceleration, Displacement, Force, Quantity, QuantityKind, Velocity};

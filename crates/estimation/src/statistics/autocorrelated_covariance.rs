@@ -38,6 +38,28 @@ pub struct Covariance {
     pub effective_samples: f64,
 }
 
+/// The residuals of one wave, and what is known of their errors.
+#[derive(Clone, Copy)]
+pub struct Block<'a> {
+    /// Residuals of the wave.
+    pub samples: usize,
+    /// What the wave is known to at best, in the unit of the residuals.
+    pub resolution: f64,
+    /// The error of its sensor, where that was measured apart from the residuals.
+    pub sensor: Option<SensorError<'a>>,
+}
+
+/// An error of known covariance `Λ`.
+#[derive(Clone, Copy)]
+pub struct SensorError<'a> {
+    /// `U' Λ U` for the rows `U` of the wave, in squared units of the residuals.
+    pub middle: &'a dyn Fn(&DMatrix<f64>) -> DMatrix<f64>,
+    /// Degrees of freedom of its level.
+    pub freedom: f64,
+    /// Whether it is all that the residuals hold; else the residuals' own covariance is added.
+    pub explains_residuals: bool,
+}
+
 /// The sandwich `P = (J'J)^-1 J' Λ J (J'J)^-1` from sensitivities `j_m` and residuals, both in metres.
 ///
 /// `Λ` is the banded matrix of the residuals' autocovariance with triangular weights (Newey & West 1987), three times
@@ -48,15 +70,17 @@ pub struct Covariance {
 /// second. Linear: right while the response is straight over the interval; true only if the model is. `None` for no
 /// parameters, more parameters than samples, or a parameter without any effect.
 pub fn covariance(j_m: &DMatrix<f64>, residuals_m: &[f64], resolution_m: f64) -> Option<Covariance> {
-    covariance_of_blocks(j_m, residuals_m, &[(residuals_m.len(), resolution_m)])
+    let block = Block { samples: residuals_m.len(), resolution: resolution_m, sensor: None };
+    covariance_of_blocks(j_m, residuals_m, &[block])
 }
 
-/// The same for residuals of several waves, one after the other, in one unit: `(samples, resolution)` of each. Errors
-/// hang together within a wave, not from one to another; each wave pays for as many parameters as it has part in the
-/// fit.
-pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[(usize, f64)]) -> Option<Covariance> {
+/// The same for residuals of several waves, one after the other, in one unit. Errors hang together within a wave, not
+/// from one to another; each wave pays for as many parameters as it has part in the fit. The error of a sensor enters
+/// with its own covariance, and Student's factor for its own degrees of freedom; where it explains the residuals, their
+/// autocovariance is left out.
+pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[Block<'_>]) -> Option<Covariance> {
     let (n, p) = j_m.shape();
-    let whole = blocks.iter().map(|(samples, _)| samples).sum::<usize>() == n && blocks.iter().all(|b| b.0 > 0);
+    let whole = blocks.iter().map(|b| b.samples).sum::<usize>() == n && blocks.iter().all(|b| b.samples > 0);
     if p == 0 || n <= p || residuals_m.len() != n || !whole {
         return None;
     }
@@ -74,10 +98,12 @@ pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[(
     let mut effective_samples = 0.0;
     let mut noise = DMatrix::zeros(rank, rank);
     let mut resolution = DMatrix::zeros(rank, rank);
+    // Of the sensors, and the same times the square of Student's factor.
+    let (mut sensors, mut widened) = (DMatrix::zeros(rank, rank), DMatrix::zeros(rank, rank));
     // Trace of the noise as the autocorrelation times give it.
     let mut expected = 0.0;
     let mut first = 0;
-    for (samples, resolution_m) in blocks.iter().copied() {
+    for &Block { samples, resolution: resolution_m, sensor } in blocks {
         let residuals = &residuals_m[first..first + samples];
         let rows = u.rows(first, samples).into_owned();
         first += samples;
@@ -87,12 +113,19 @@ pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[(
         let time = geyer_autocorrelation_time(residuals);
         let time = time * (1.0 + REMOVED * part * p as f64 * time / samples as f64);
         effective_samples += (samples as f64 / time).max(1.0);
-        let covariance = autocovariance(residuals, samples);
-        let band = (BAND * first_zero_lag(&covariance)).min(samples - 1);
-        let weights: Vec<f64> =
-            covariance[..=band].iter().enumerate().map(|(k, c)| c * (1.0 - k as f64 / (band + 1) as f64)).collect();
-        noise += middle(&rows, &weights);
-        expected += part * rank as f64 * covariance[0] * time;
+        if let Some(sensor) = sensor {
+            let of_sensor = (sensor.middle)(&rows);
+            widened += &of_sensor * student_95(sensor.freedom).powi(2);
+            sensors += of_sensor;
+        }
+        if !sensor.is_some_and(|sensor| sensor.explains_residuals) {
+            let covariance = autocovariance(residuals, samples);
+            let band = (BAND * first_zero_lag(&covariance)).min(samples - 1);
+            let weights: Vec<f64> =
+                covariance[..=band].iter().enumerate().map(|(k, c)| c * (1.0 - k as f64 / (band + 1) as f64)).collect();
+            noise += middle(&rows, &weights);
+            expected += part * rank as f64 * covariance[0] * time;
+        }
         let length = (samples / RESOLUTION_SHARE).max(1);
         let weights: Vec<f64> =
             (0..length).map(|k| resolution_m * resolution_m * (1.0 - k as f64 / length as f64)).collect();
@@ -107,15 +140,17 @@ pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[(
 
     // (J'J)^-1 J' = D^-1 V S^-1 U'.
     let back = DMatrix::from_fn(p, rank, |i, k| svd.right[(i, k)] / svd.values[k] / norms[i]);
-    let of_noise = &back * noise * back.transpose();
-    let of_resolution = &back * resolution * back.transpose();
+    let propagated = |middle: DMatrix<f64>| &back * middle * back.transpose();
+    let (of_noise, of_resolution) = (propagated(noise), propagated(resolution));
+    let (of_sensors, widened) = (propagated(sensors), propagated(widened));
     let t = student_95(freedom);
     let half_width = DVector::from_fn(p, |i, _| {
         // A direction without effect leaves every parameter that has part in it open.
         if (rank..p).any(|k| svd.right[(i, k)].abs() > 1e-6) {
             f64::INFINITY
         } else {
-            (t * t * of_noise[(i, i)].max(0.0) + 1.96 * 1.96 * of_resolution[(i, i)].max(0.0)).sqrt()
+            let known = widened[(i, i)].max(0.0) + 1.96 * 1.96 * of_resolution[(i, i)].max(0.0);
+            (t * t * of_noise[(i, i)].max(0.0) + known).sqrt()
         }
     });
     // The weakest direction in the coordinates themselves, where one unit means the same for all.
@@ -123,7 +158,7 @@ pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[(
     let weakest = plain.right.column(p - 1).into_owned();
     let weakest_change_m = plain.values[p - 1] / (n as f64).sqrt();
     let condition = if rank == p { svd.values[0] / svd.values[p - 1] } else { f64::INFINITY };
-    let matrix = of_noise + of_resolution;
+    let matrix = of_noise + of_sensors + of_resolution;
     let finite = matrix.iter().all(|x| x.is_finite()) && half_width.iter().all(|x| !x.is_nan());
     finite.then_some(Covariance { matrix, half_width, condition, rank, weakest, weakest_change_m, effective_samples })
 }

@@ -8,7 +8,7 @@ mod quantile;
 mod residual_tests;
 mod standard_deviation;
 
-pub use autocorrelated_covariance::{Covariance, covariance, covariance_of_blocks};
+pub use autocorrelated_covariance::{Block, Covariance, SensorError, covariance, covariance_of_blocks, student_95};
 pub use autocorrelation::{
     autocovariance, autoregressive_effective_samples, effective_samples, first_zero_lag, geyer_autocorrelation_time,
     lag_1_autocorrelation, sokal_autocorrelation_time,

@@ -223,6 +223,7 @@ mod tests {
                 filter: Some(FILTER),
                 from_contact,
                 rule: IntegrationRule::Trapezoid,
+                before_event: None,
             };
             let x = measurement.displacement(model, 13.0, 1199).unwrap();
             let x = Signal::<Displacement>::new(-0.010_03, 1e-4, x.iter().map(|x| 1.01 * x).collect()).unwrap();

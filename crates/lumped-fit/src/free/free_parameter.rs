@@ -102,7 +102,7 @@ pub fn free_masses(model: &Model, (lower, upper): (f64, f64)) -> Vec<FreeParamet
 }
 
 /// Names and values of the masses of a model, kg, from the barrier on.
-fn masses_of(model: &Model) -> Vec<(&'static str, f64)> {
+pub(crate) fn masses_of(model: &Model) -> Vec<(&'static str, f64)> {
     let values = model.parameters();
     let masses = model.kind().parameters().iter().filter(|p| p.kind == ParameterKind::Mass);
     masses.map(|p| (p.name, values[p.name])).collect()

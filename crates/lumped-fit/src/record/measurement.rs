@@ -6,7 +6,7 @@
 //! that wait for themselves. Where the steps are not known, the motion itself is compared.
 
 use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure};
-use crumple_signal::{RecordingSteps, Sampled};
+use crumple_signal::{BeforeEvent, RecordingSteps, Sampled};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -53,6 +53,8 @@ pub struct Measurement {
     pub from_contact: bool,
     /// Its rule.
     pub rule: IntegrationRule,
+    /// What the filtered acceleration shows before the event, m/s²; `None`: not known.
+    pub before_event: Option<BeforeEvent>,
 }
 
 /// Share to which a filter's memory has to fall before it is neglected: 1e-10 of 1000 m/s² over 10 ms moves no
@@ -77,6 +79,7 @@ impl From<RecordingSteps> for Measurement {
                 .map(|(coefficients, samples_added)| TwoPassFilter { coefficients, samples_added }),
             from_contact: steps.from_contact,
             rule: if steps.forward_euler { IntegrationRule::ForwardEuler } else { IntegrationRule::Trapezoid },
+            before_event: steps.before_event,
         };
         if steps.known { measurement } else { measurement.exact() }
     }
@@ -131,6 +134,7 @@ impl Measurement {
             filter: None,
             from_contact: true,
             rule: IntegrationRule::Exact,
+            before_event: None,
         }
     }
 
@@ -393,7 +397,7 @@ impl TwoPassFilter {
     /// Forward and backward over all but the first `added` waves, with the same extension and the same start of each
     /// pass as the filter stage; every lane by itself. The extension stands before and after them.
     #[inline(always)]
-    fn run<const N: usize>(&self, waves: &mut Vec<[f64; N]>, added: usize) {
+    pub(crate) fn run<const N: usize>(&self, waves: &mut Vec<[f64; N]>, added: usize) {
         let samples = waves.len() - added;
         if samples < 4 {
             return;

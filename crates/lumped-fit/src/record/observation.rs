@@ -171,6 +171,13 @@ impl ObservedWave {
         self.measurement.time_s(self.first + index * self.stride)
     }
 
+    /// The same window with every sample of the record.
+    #[must_use]
+    pub(crate) fn dense(&self) -> Self {
+        let (first, samples) = self.record.picked(&self.measurement, self.first as f64, self.last(), 1);
+        Self { first, stride: 1, samples, ..self.clone() }
+    }
+
     /// Root mean square of the samples.
     pub fn size(&self) -> f64 {
         (self.samples.iter().map(|x| x * x).sum::<f64>() / self.samples.len() as f64).sqrt()

@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_estimation::statistics::{Covariance, covariance_of_blocks, lag_1_autocorrelation};
+use crumple_estimation::statistics::{Block, Covariance, SensorError, covariance_of_blocks, lag_1_autocorrelation};
 use crumple_lumped::{Model, ParameterKind};
 use nalgebra::DMatrix;
 
@@ -19,6 +19,7 @@ use crate::record::observation::Observation;
 use crate::uncertainty::block_bootstrap::{BlockBootstrap, replicate};
 use crate::uncertainty::identifiability::{NamedCoordinate, weakest_direction};
 use crate::uncertainty::profile_likelihood::{Profile, Profiled};
+use crate::uncertainty::source_misfit::AtSource;
 
 /// What is computed beyond the covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -30,7 +31,7 @@ pub struct AssessmentOptions {
 }
 
 /// Both ends of an interval; `None`: open.
-type Ends = (Option<f64>, Option<f64>);
+pub(crate) type Ends = (Option<f64>, Option<f64>);
 /// A 95 % interval by parameter, in its unit; `None`: open on that side, the record does not bound it.
 pub type Intervals = BTreeMap<String, (Option<f64>, Option<f64>)>;
 
@@ -115,7 +116,8 @@ impl<M: Parametric> AtMinimum<'_, M> {
         let assessed = |i: &usize| (!self.on_bound[*i] || on_zero(*i)) && self.sensitivities.column(*i).norm() > 0.0;
         let kept: Vec<usize> = (0..theta.len()).filter(assessed).collect();
         let columns = self.sensitivities.select_columns(&kept);
-        let covariance = covariance_of_blocks(&columns, self.misfit, &self.observed.blocks())?;
+        let source = AtSource::of(self.coordinates, self.observed, theta, &kept);
+        let covariance = self.covariance(&columns, source.as_ref())?;
         let mut standard_deviation = BTreeMap::new();
         let mut interval: Intervals = names.iter().map(|name| (name.clone(), (None, None))).collect();
         for (k, &i) in kept.iter().enumerate() {
@@ -129,6 +131,10 @@ impl<M: Parametric> AtMinimum<'_, M> {
                 standard_deviation.insert(names[i].clone(), deviation * slope.abs());
             }
             interval.insert(names[i].clone(), around(value, half, free[i].is_logarithmic(), slope));
+        }
+        if let Some(source) = source.filter(|source| given.is_none() && source.explains()) {
+            let curved = source.curved(&names, (theta, &kept), &covariance);
+            interval.extend(curved.into_iter().map(|(i, ends)| (names[i].clone(), ends)));
         }
         // A mass that a bound holds leaves the rest of the total open too.
         let is_mass = |i: &usize| free[*i].kind == ParameterKind::Mass;
@@ -162,9 +168,29 @@ impl<M: Parametric> AtMinimum<'_, M> {
             residual_autocorrelation: waves.iter().map(|misfit| lag_1_autocorrelation(misfit)).sum::<f64>()
                 / waves.len() as f64,
             effective_samples: covariance.effective_samples,
-            profile: if options.profile { self.profiles(&names, &kept, &covariance, &rest_name) } else { Vec::new() },
+            profile: if options.profile { self.profiles(&names, (&kept, &covariance), &rest_name) } else { Vec::new() },
             bootstrap: (options.bootstrap > 0).then(|| self.bootstrap(options.bootstrap, names, rest_name)).flatten(),
         })
+    }
+
+    /// The covariance from the noise of the sensors where that is known, and from the misfit where the noise does not
+    /// explain it.
+    fn covariance(&self, columns: &DMatrix<f64>, source: Option<&AtSource<'_, M>>) -> Option<Covariance> {
+        let waves = &self.observed.waves;
+        let noises = source.map(|source| &source.noises);
+        let middle_of = |k: usize| {
+            move |rows: &DMatrix<f64>| noises.map_or_else(|| rows.tr_mul(rows), |of| of[k].0.middle(&waves[k], rows))
+        };
+        let middles: Vec<_> = (0..waves.len()).map(middle_of).collect();
+        let sensor = |k: usize| {
+            let (noise, explains_residuals) = &noises?[k];
+            let explains_residuals = *explains_residuals;
+            Some(SensorError { middle: &middles[k], freedom: noise.freedom, explains_residuals })
+        };
+        let blocks = self.observed.blocks().into_iter().enumerate();
+        let blocks: Vec<Block<'_>> =
+            blocks.map(|(k, (samples, resolution))| Block { samples, resolution, sensor: sensor(k) }).collect();
+        covariance_of_blocks(columns, self.misfit, &blocks)
     }
 
     fn named(&self, i: usize, names: &[String]) -> NamedCoordinate {
@@ -177,8 +203,7 @@ impl<M: Parametric> AtMinimum<'_, M> {
     fn profiles(
         &self,
         names: &[String],
-        kept: &[usize],
-        covariance: &Covariance,
+        (kept, covariance): (&[usize], &Covariance),
         rest: &Option<String>,
     ) -> Vec<Profile> {
         let (free, theta) = (&self.coordinates.free, self.theta);
@@ -186,6 +211,9 @@ impl<M: Parametric> AtMinimum<'_, M> {
         let bounds: Vec<(f64, f64)> = free.iter().map(|number| (number.axis.lower, number.axis.upper)).collect();
         let half_width = |i| kept.iter().position(|&k| k == i).map(|k| covariance.half_width[k]);
         let expected: Vec<Option<f64>> = (0..theta.len()).map(half_width).collect();
+        let floor = self.observed.unresolved();
+        let least = self.misfit.iter().map(|r| (r / problem.unit).powi(2)).sum::<f64>() + floor;
+        let effective_samples = covariance.effective_samples.max(theta.len() as f64 + 1.0);
         let mut profiles = Profiled {
             names,
             at: theta,
@@ -193,10 +221,9 @@ impl<M: Parametric> AtMinimum<'_, M> {
             value: &|i, coordinate| free[i].value(coordinate),
             ends_at_zero: &|i| !free[i].is_logarithmic(),
             refit: &|fixed, coordinate, others| problem.follow_others(fixed, coordinate, others),
-            misfit: self.misfit,
-            observed: self.observed,
+            // The sum of squares with that of the resolution.
+            rise: &|cost| effective_samples * ((cost + floor) / least).ln(),
             expected: &expected,
-            effective_samples: covariance.effective_samples,
         }
         .profiles();
         profiles.extend(rest.as_ref().and_then(|rest| self.profile_of_the_rest(rest, &profiles)));

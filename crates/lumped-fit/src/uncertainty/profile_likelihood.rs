@@ -2,10 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::record::observation::Observation;
-
 /// Rise of `2 ln L` that ends a 95 % interval of one parameter: chi-square with one degree of freedom.
-const RISE_95: f64 = 3.841_459;
+pub(crate) const RISE_95: f64 = 3.841_459;
 /// Grid points on each side at most.
 const POINTS: usize = 24;
 /// The first step as a share of the half-width that the linearisation expects.
@@ -38,7 +36,7 @@ impl Profile {
 }
 
 /// Fits the other parameters with one fixed: which one, its coordinate, start coordinates of the others. Gives the
-/// coordinates of the minimum and its sum of squares, in squared units of [`Observation::scale_m`].
+/// coordinates of the minimum and its sum of squares.
 pub(crate) type Refit<'a> = &'a (dyn Fn(usize, f64, &[f64]) -> Option<(Vec<f64>, f64)> + Sync);
 
 /// A minimum whose parameters can be fixed one at a time.
@@ -55,38 +53,32 @@ pub(crate) struct Profiled<'a> {
     pub ends_at_zero: &'a (dyn Fn(usize) -> bool + Sync),
     /// How the others are fitted again.
     pub refit: Refit<'a>,
-    /// Weighted misfit at the minimum, in the unit of the first wave.
-    pub misfit: &'a [f64],
-    /// What the misfit is of: its resolution and unit.
-    pub observed: &'a Observation,
+    /// The rise of `2 ln L` above the minimum at a sum of squares.
+    pub rise: &'a (dyn Fn(f64) -> f64 + Sync),
     /// Half-width of the linear interval of each coordinate, where there is one; it sets the first step.
     pub expected: &'a [Option<f64>],
-    /// Independent samples that the misfit is worth.
-    pub effective_samples: f64,
 }
 
 impl Profiled<'_> {
     /// Sets each free parameter to values away from the minimum, fits all others again from the neighbouring value, and
-    /// ends the interval where the likelihood has fallen by `2 d(ln L) = Ne ln(S/S_min) = 3.84`: chi-square, one degree
-    /// of freedom, 95 %.
+    /// ends the interval where `2 ln L` has fallen by 3.84: chi-square, one degree of freedom, 95 %.
     ///
-    /// `S` is the sum of squared residuals plus that of the resolution, `Ne` the effective number of samples, at least
-    /// one more than there are parameters. Up to 24 values on each side with growing steps, then six bisections. A side
-    /// that does not rise so far, or ends at a bound of the search, is open: the parameter is not identifiable. Where
-    /// zero is reached first, zero is the end.
+    /// Up to 24 values on each side with growing steps, then six bisections. A side that does not rise so far, or ends
+    /// at a bound of the search, is open: the parameter is not identifiable. Where zero is reached first, zero is the
+    /// end.
     pub fn profiles(&self) -> Vec<Profile> {
-        (0..self.at.len())
-            .into_par_iter()
-            .map(|i| {
-                let side = Side::new(self, i);
-                let (low, mut points) = side.walk(-1.0);
-                let (high, above) = side.walk(1.0);
-                points.reverse();
-                points.push(((self.value)(i, self.at[i]), 0.0));
-                points.extend(above);
-                Profile { parameter: self.names[i].clone(), low, high, points }
-            })
-            .collect()
+        (0..self.at.len()).into_par_iter().map(|i| self.profile(i)).collect()
+    }
+
+    /// The profile of one parameter.
+    pub fn profile(&self, i: usize) -> Profile {
+        let side = Side::new(self, i);
+        let (low, mut points) = side.walk(-1.0);
+        let (high, above) = side.walk(1.0);
+        points.reverse();
+        points.push(((self.value)(i, self.at[i]), 0.0));
+        points.extend(above);
+        Profile { parameter: self.names[i].clone(), low, high, points }
     }
 }
 
@@ -95,30 +87,21 @@ struct Side<'a> {
     /// The minimum, and which of its parameters is fixed.
     of: &'a Profiled<'a>,
     fixed: usize,
-    effective_samples: f64,
-    /// Sum of squares at the minimum with that of the resolution, in squared units of the problem.
-    least: f64,
-    /// Sum of squares of the resolution, in the same unit.
-    floor: f64,
     /// First step of the coordinate.
     first_step: f64,
 }
 
 impl<'a> Side<'a> {
     fn new(of: &'a Profiled<'a>, fixed: usize) -> Self {
-        let unit = of.observed.scale_m();
-        let floor = of.observed.unresolved();
-        let least = of.misfit.iter().map(|r| (r / unit).powi(2)).sum::<f64>() + floor;
         let expected = of.expected.get(fixed).copied().flatten();
         let first_step = (FIRST_SHARE * expected.unwrap_or(1.0)).clamp(STEPS.0, STEPS.1);
-        let effective_samples = of.effective_samples.max(of.at.len() as f64 + 1.0);
-        Self { of, fixed, effective_samples, least, floor, first_step }
+        Self { of, fixed, first_step }
     }
 
     /// The rise of `2 ln L` with the parameter at `coordinate`, and the coordinates of the others there.
     fn rise(&self, coordinate: f64, start: &[f64]) -> Option<(Vec<f64>, f64)> {
         let (theta, cost) = (self.of.refit)(self.fixed, coordinate, start)?;
-        let rise = self.effective_samples * ((cost + self.floor) / self.least).ln();
+        let rise = (self.of.rise)(cost);
         rise.is_finite().then_some((theta, rise))
     }
 

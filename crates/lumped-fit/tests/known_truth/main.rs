@@ -151,6 +151,7 @@ fn measurement(truth: &Truth) -> Measurement {
         filter: Some(cfc_60(truth.dt_s)),
         from_contact: false,
         rule: IntegrationRule::Trapezoid,
+        before_event: None,
     }
 }
 

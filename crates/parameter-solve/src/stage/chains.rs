@@ -70,6 +70,7 @@ pub fn fit_chains(settings: &StageSettings, input: &Inputs, out: &mut Output) ->
                 propagation: found.propagation,
                 repeated: "fit",
                 through_filter: observed.is_as_measured(),
+                front_mass_uncertainty: 0.0,
             });
             let (inner, repeated) = (
                 assessed.as_ref().map(|assessed| &assessed.assessment),

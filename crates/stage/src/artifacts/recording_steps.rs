@@ -1,7 +1,7 @@
 //! What the artifacts say of how the motion of a channel came about.
 
 use crumple_artifact::records::{ChannelFilterV1, EventsV1};
-use crumple_signal::{Acceleration, RecordingSteps, Sampled};
+use crumple_signal::{Acceleration, BeforeEvent, RecordingSteps, Sampled};
 
 use crate::artifacts::inputs::Inputs;
 use crate::error::RefuseExt;
@@ -42,6 +42,8 @@ impl Inputs {
             && as_sampled
             && (filter.is_some() || unfiltered)
             && matches!(rule, None | Some("trapezoid" | "forward-euler"));
+        let end_s = filter.map_or(0.0, |(_, added)| added as f64 * dt_s);
+        let before_event = acceleration.as_ref().and_then(|wave| BeforeEvent::of(wave, events.time_zero_s, end_s));
         Ok(RecordingSteps {
             dt_s,
             first_s: t0_s - events.time_zero_s,
@@ -49,6 +51,7 @@ impl Inputs {
             two_pass_filter: filter.filter(|_| known),
             from_contact: events.start.as_deref() != Some("record-start"),
             forward_euler: rule == Some("forward-euler"),
+            before_event,
             known,
         })
     }

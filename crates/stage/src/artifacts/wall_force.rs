@@ -37,6 +37,8 @@ impl Inputs {
             two_pass_filter: filters.pop().filter(|_| known),
             from_contact: false,
             forward_euler: false,
+            // What is not known of a sum of load cells are their gains more than their noise.
+            before_event: None,
             known,
         };
         Ok(Some((force, steps)))

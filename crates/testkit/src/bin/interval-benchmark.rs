@@ -1,7 +1,7 @@
-//! `interval-benchmark --bin BIN [--records N] [FAMILY ...]`: how often the 95 % intervals of fitted parameters hold
-//! the truth, by the programs in the folder BIN, as a Markdown table. A family is named by a part of its name.
+//! `interval-benchmark --bin BIN [--records N] [--first K] [FAMILY ...]`: how often the 95 % intervals of fitted
+//! parameters hold the truth, by the programs in the folder BIN, as a Markdown table. Records are numbered from K on,
+//! 0 by default: another K draws other cars. A family is named by a part of its name.
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use crumple_testkit::interval_cover::{FAMILIES, cover_of};
@@ -9,7 +9,7 @@ use crumple_testkit::workspace;
 
 type Failure = Box<dyn std::error::Error>;
 
-const USAGE: &str = "usage: interval-benchmark [--bin BIN] [--records N] [FAMILY ...]";
+const USAGE: &str = "usage: interval-benchmark [--bin BIN] [--records N] [--first K] [FAMILY ...]";
 
 fn main() -> ExitCode {
     match benchmark() {
@@ -23,13 +23,14 @@ fn main() -> ExitCode {
 
 fn benchmark() -> Result<ExitCode, Failure> {
     let mut bin = workspace().join("target/release");
-    let mut records = 300;
+    let (mut first, mut records) = (0, 300);
     let mut wanted: Vec<String> = Vec::new();
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
-            "--bin" => bin = PathBuf::from(arguments.next().ok_or(USAGE)?),
+            "--bin" => bin = std::path::absolute(arguments.next().ok_or(USAGE)?)?,
             "--records" => records = arguments.next().ok_or(USAGE)?.parse()?,
+            "--first" => first = arguments.next().ok_or(USAGE)?.parse()?,
             flag if flag.starts_with('-') => return Err(USAGE.into()),
             family => wanted.push(family.to_owned()),
         }
@@ -39,7 +40,7 @@ fn benchmark() -> Result<ExitCode, Failure> {
     println!("|---|---|---|---|---|---|");
     let asked = |name: &str| wanted.is_empty() || wanted.iter().any(|part| name.contains(part.as_str()));
     for family in FAMILIES.iter().filter(|family| asked(family.name)) {
-        print!("{}", cover_of(family, records, &bin, &folder)?.rows(family.name));
+        print!("{}", cover_of(family, first..first + records, &bin, &folder)?.rows(family.name));
     }
     std::fs::remove_dir_all(&folder)?;
     Ok(ExitCode::SUCCESS)

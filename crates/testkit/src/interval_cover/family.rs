@@ -62,7 +62,7 @@ pub const FAMILIES: &[Family] = &[
     Family {
         name: "double, split known",
         id: "double-spring-mass-damper/direct-fit",
-        flags: &["--models", "double-spring-mass-damper", "--method", "direct-fit"],
+        flags: &["--models", "double-spring-mass-damper", "--method", "direct-fit", "--front-mass-uncertainty", "0"],
         draw: Draw::Double { front: (0.25, 0.25), engine: false },
     },
     Family {

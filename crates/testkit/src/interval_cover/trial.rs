@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::io;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Mutex;
@@ -12,9 +13,14 @@ use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{LumpedError, Model};
 use serde_json::Value;
 
+use super::car::Car;
 use super::cover::Cover;
 use super::family::Family;
 use super::record::record;
+
+/// Interval, s, and number of the instants at which motions are compared: up to 100 ms.
+const INTERVAL_S: f64 = 1e-3;
+const INSTANTS: usize = 101;
 
 /// Why a trial could not be made.
 #[derive(Debug)]
@@ -39,17 +45,17 @@ impl std::fmt::Display for CoverError {
 
 impl std::error::Error for CoverError {}
 
-/// The cover of a family's intervals over `records` cars, those of the numbers 0 to `records - 1`.
+/// The cover of a family's intervals over the cars of these numbers.
 ///
 /// Cars run beside each other; a car and its noise follow from its number and the family alone, so the counts are the
 /// same for any number of threads. Errors: a program that is missing or fails.
-pub fn cover_of(family: &Family, records: usize, bin: &Path, folder: &Path) -> Result<Cover, CoverError> {
-    let next = AtomicUsize::new(0);
+pub fn cover_of(family: &Family, records: Range<usize>, bin: &Path, folder: &Path) -> Result<Cover, CoverError> {
+    let next = AtomicUsize::new(records.start);
     let total = Mutex::new(Ok(Cover::default()));
     let work = || {
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
-            if number >= records {
+            if number >= records.end {
                 return;
             }
             let one = trial(family, number, bin, &folder.join(number.to_string()));
@@ -104,7 +110,7 @@ fn trial(family: &Family, number: usize, bin: &Path, folder: &Path) -> Result<Co
     arguments.extend(family.flags);
     let printed = step("parameter-solve", &arguments)?;
     fs::remove_dir_all(folder).map_err(at)?;
-    Ok(count(family, &car.model, &printed))
+    Ok(count(family, &car, &printed))
 }
 
 /// A seed that depends on the family and the number.
@@ -112,19 +118,23 @@ fn blend(name: &str, number: usize) -> u64 {
     name.bytes().fold(number as u64, |seed, byte| seed.wrapping_mul(1_099_511_628_211) ^ u64::from(byte))
 }
 
-/// Counts the intervals of the candidate nearest to the truth: a record cannot tell duals apart, and both are given.
-fn count(family: &Family, model: &Model, printed: &str) -> Cover {
-    let truth = model.parameters();
+/// Counts the intervals of the candidate whose masses move most like those of the car: a record cannot tell duals
+/// apart, and both are given; their springs and dampers may be near each other, the motion of the front is not.
+fn count(family: &Family, car: &Car, printed: &str) -> Cover {
+    let truth = car.model.parameters();
     let prefix = format!("/parameters/{}/", family.id);
     let records = printed.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
     let candidates = records.filter(|record| record["topic"].as_str().is_some_and(|topic| topic.starts_with(&prefix)));
+    let displacements = |model: &Model| {
+        let response = model.respond(car.impact_speed_m_per_s, INTERVAL_S, INSTANTS).ok()?;
+        Some(response.motions.into_iter().flat_map(|motion| motion.displacement_m).collect::<Vec<f64>>())
+    };
+    let true_motion = displacements(&car.model).unwrap_or_default();
     let distance = |candidate: &Value| -> f64 {
-        let parameters = candidate["data"]["parameters"].as_object();
-        let logarithm = |(name, value): (&String, &Value)| {
-            let (value, truth) = (value.as_f64()?, *truth.get(name)?);
-            Some((value.max(1e-9) / truth).ln().powi(2))
-        };
-        parameters.into_iter().flatten().filter_map(logarithm).sum()
+        let parameters = serde_json::from_value(candidate["data"]["parameters"].clone()).unwrap_or_default();
+        let model = Model::from_parameters(car.model.kind(), &parameters).ok();
+        let motion = model.and_then(|model| displacements(&model));
+        motion.map_or(f64::INFINITY, |x| x.iter().zip(&true_motion).map(|(x, truth)| (x - truth).powi(2)).sum())
     };
     let mut cover = Cover::default();
     let Some(nearest) = candidates.min_by(|a, b| distance(a).total_cmp(&distance(b))) else {

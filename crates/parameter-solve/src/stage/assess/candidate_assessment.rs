@@ -11,4 +11,6 @@ pub struct CandidateAssessment {
     pub repeated: &'static str,
     /// Whether the model was followed through the filter of the record.
     pub through_filter: bool,
+    /// Half width of the share of the mass in front that is in the intervals; 0: none.
+    pub front_mass_uncertainty: f64,
 }

@@ -3,7 +3,7 @@
 use crumple_lumped::{Model, ParameterKind};
 use crumple_lumped_fit::{
     AssessmentOptions, Candidate, FollowedEvents, MassFit, Method, Minimum, Observation, Propagation, assess,
-    largest_draw, propagate, propagate_closed_form, propagate_conditioned, unloads_rigidly,
+    largest_draw, propagate, propagate_closed_form, propagate_conditioned, unloads_rigidly, widen_by_mass_split,
 };
 use crumple_stage::Output;
 use crumple_stage::records::EventsV1;
@@ -82,6 +82,13 @@ impl Assessor<'_> {
             // Without any mass that was followed there is no word on the rest of the total.
             assessment.interval.entry(rest.name.to_owned()).or_insert((None, None));
         }
+        let of_several = matches!(candidate.model, Model::DoubleSpringMassDamper(_) | Model::TripleSpringMassDamper(_));
+        let given = self.settings.solve.triple.is_some() && matches!(candidate.model, Model::TripleSpringMassDamper(_));
+        let front_mass_uncertainty =
+            if of_several && at_minimum && !given { asked.front_mass_uncertainty } else { 0.0 };
+        if front_mass_uncertainty > 0.0 {
+            widen_by_mass_split(minimum, &mut assessment, front_mass_uncertainty);
+        }
         let repeated = match candidate.method {
             Method::ClosedForm if candidate.fit.is_none() => "closed form",
             _ if is_conditioned(candidate) => "fit, from its own minimum each time,",
@@ -92,6 +99,7 @@ impl Assessor<'_> {
             propagation: self.propagation(candidate, minimum),
             repeated,
             through_filter: minimum.observed.is_as_measured(),
+            front_mass_uncertainty,
         })
     }
 

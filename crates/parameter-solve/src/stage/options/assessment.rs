@@ -9,6 +9,8 @@ use serde::Serialize;
 pub struct AssessmentSettings {
     pub profile: bool,
     pub bootstrap: usize,
+    /// Half width of the share of the mass in front; 0 where masses are given or fitted.
+    pub front_mass_uncertainty: f64,
     pub mass_uncertainty_kg: f64,
     pub speed_uncertainty_m_per_s: f64,
     pub bias_uncertainty_m_per_s2: f64,

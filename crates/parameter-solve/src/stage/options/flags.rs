@@ -120,6 +120,11 @@ pub struct Options {
     #[arg(long, value_name = "SHARE")]
     pub front_mass_fraction: Option<f64>,
 
+    /// How far that share may be off, up or down, all values alike: enters the intervals of the double and triple model
+    /// [default: 0.1 of an assumed share, 0 of a given one]
+    #[arg(long, value_name = "SHARE")]
+    pub front_mass_uncertainty: Option<f64>,
+
     /// Start of the fit window after time zero [default: 0 s]
     #[arg(long, value_name = "TIME")]
     pub fit_from: Option<Time>,

@@ -17,6 +17,8 @@ const FIT_SAMPLES: usize = 250;
 const FIT_STARTS: usize = 24;
 /// Engine and front structure of a passenger car are about a quarter of it: an assumption, which a note states.
 const FRONT_MASS_FRACTION: f64 = 0.25;
+/// Between 15 and 35 % in front, transverse engines and long fronts alike.
+const FRONT_MASS_UNCERTAINTY: f64 = 0.1;
 
 /// Rate factor at most, s/m: the force is doubled at 10 m/s.
 const MOST_RATE_S_PER_M: f64 = 0.1;
@@ -166,9 +168,33 @@ fn triple_masses(options: &Options) -> Result<Option<[f64; 3]>, Usage> {
     })
 }
 
+/// How far the share of the mass in front may be off: by default not at all where masses are given or fitted.
+fn front_mass_uncertainty(options: &Options) -> Result<f64, Usage> {
+    let split = mass_split(options);
+    let (share, by_fraction) = match split {
+        MassSplit::FrontFraction(share) => (share, true),
+        _ => (FRONT_MASS_FRACTION, false),
+    };
+    let fitted = options.fit_masses.as_deref().is_some_and(|how| how != "known");
+    let assumed = by_fraction && options.front_mass_fraction.is_none() && !fitted;
+    match options.front_mass_uncertainty {
+        None => Ok(if assumed { FRONT_MASS_UNCERTAINTY } else { 0.0 }),
+        Some(half) if !(half >= 0.0 && half < share.min(1.0 - share)) => Err(Usage::new(format!(
+            "front-mass-uncertainty is {half} of a share of {share}, expected at least 0 and less than {}",
+            share.min(1.0 - share)
+        ))),
+        Some(half) if half > 0.0 && (!by_fraction || fitted) => Err(Usage::new(format!(
+            "front-mass-uncertainty is {half}, but the masses are {}",
+            if fitted { "fitted" } else { "given" }
+        ))),
+        Some(half) => Ok(half),
+    }
+}
+
 /// What is assessed beyond the covariance, and how uncertain the inputs are.
 fn assessment_settings(options: &Options) -> Result<AssessmentSettings, Usage> {
     Ok(AssessmentSettings {
+        front_mass_uncertainty: front_mass_uncertainty(options)?,
         profile: options.profile.unwrap_or(false),
         bootstrap: replicates("bootstrap", options.bootstrap.unwrap_or(0))?,
         mass_uncertainty_kg: options.mass_uncertainty.map_or(0.0, |u| u.size.si()),
@@ -309,6 +335,24 @@ mod tests {
     }
 
     #[test]
+    fn a_share_of_the_mass_is_uncertain_where_it_is_assumed() {
+        let half =
+            |options| StageSettings::try_from(options).map(|settings| settings.assessment.front_mass_uncertainty);
+        assert_eq!(half(Options::default()), Ok(0.1));
+        assert_eq!(half(Options { front_mass_fraction: Some(0.3), ..Options::default() }), Ok(0.0));
+        assert_eq!(half(Options { m1: Some(Mass::from_si(300.0)), ..Options::default() }), Ok(0.0));
+        assert_eq!(half(Options { fit_masses: Some("free".to_owned()), ..Options::default() }), Ok(0.0));
+        assert_eq!(half(Options { front_mass_uncertainty: Some(0.0), ..Options::default() }), Ok(0.0));
+        let given =
+            Options { front_mass_fraction: Some(0.3), front_mass_uncertainty: Some(0.05), ..Options::default() };
+        assert_eq!(half(given), Ok(0.05));
+        assert!(half(Options { front_mass_uncertainty: Some(0.25), ..Options::default() }).is_err());
+        let masses =
+            Options { m1: Some(Mass::from_si(300.0)), front_mass_uncertainty: Some(0.1), ..Options::default() };
+        assert!(half(masses).is_err());
+    }
+
+    #[test]
     fn everything_that_changes_the_result_is_in_the_provenance() {
         let json = |options| serde_json::to_string(&StageSettings::try_from(options).unwrap()).unwrap();
         let default = json(Options::default());
@@ -319,6 +363,7 @@ mod tests {
             Options { m1: Some(Mass::from_si(900.0)), ..Options::default() },
             Options { m2: Some(Mass::from_si(900.0)), ..Options::default() },
             Options { front_mass_fraction: Some(0.3), ..Options::default() },
+            Options { front_mass_uncertainty: Some(0.05), ..Options::default() },
             Options { fit_from: Some(Time::from_si(0.01)), ..Options::default() },
             Options { fit_to: Some(Time::from_si(0.05)), ..Options::default() },
             Options { fit_quantity: Some("velocity".to_owned()), ..Options::default() },

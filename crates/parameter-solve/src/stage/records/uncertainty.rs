@@ -14,7 +14,13 @@ pub fn uncertainty_record(assessed: &CandidateAssessment) -> UncertaintyV1 {
     let j = &assessed.assessment;
     let side = |of: fn(&Ends) -> Option<f64>| j.interval.iter().map(|(name, ends)| (name.clone(), of(ends))).collect();
     UncertaintyV1 {
-        method: linearised(assessed.through_filter),
+        method: match assessed.front_mass_uncertainty {
+            0.0 => linearised(assessed.through_filter),
+            half => format!(
+                "{}, and a share of the mass in front that may be {half} off",
+                linearised(assessed.through_filter)
+            ),
+        },
         standard_deviation: j.standard_deviation.clone(),
         condition: j.condition,
         interval_low: side(|ends| ends.0),

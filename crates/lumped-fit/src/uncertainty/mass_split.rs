@@ -1,0 +1,152 @@
+//! The assumed division of the mass, in the intervals of models of several masses.
+//!
+//! One accelerometer does not tell how the mass divides. Every share in front has its own parameters, which follow the
+//! record alike; what is not known of the share is not known of them.
+
+use std::collections::BTreeMap;
+
+use crate::candidate::minimum::Minimum;
+use crate::fit::as_measured::fit_nearby;
+use crate::free::free_parameter::{FreeParameter, masses_of};
+use crate::uncertainty::assessment::{Assessment, AssessmentOptions, Ends, assess};
+
+/// Shares on each side of the assumed one at which the fit is repeated, each from the one before.
+const STEPS: i32 = 4;
+/// Shares between which the mixture interpolates.
+const SHARES: usize = 80;
+/// Bisections of an end of the mixture.
+const BISECTIONS: usize = 60;
+
+/// Widens the intervals of an assessment by a share of the mass in front of the last one that lies anywhere within
+/// `half_width` of that of the minimum.
+///
+/// The fit is repeated at eight other shares, the masses in front in their proportion to each other and the total kept.
+/// The interval reaches from the 2.5th to the 97.5th percentile of the mixture of all shares: at each one a normal
+/// distribution, in logarithms where no end is zero, of the width of the interval there. A parameter that is open at
+/// one of them is open; so are all where one of the fits fails. Standard deviation and correlation stay those at the
+/// share of the minimum. Nothing changes for one mass, or where masses are fitted.
+pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_width: f64) {
+    let masses = masses_of(&minimum.model);
+    let total: f64 = masses.iter().map(|(_, kg)| kg).sum();
+    let Some((_, last)) = masses.last().filter(|_| masses.len() > 1) else { return };
+    let front = 1.0 - last / total;
+    let is_mass = |p: &FreeParameter| masses.iter().any(|(name, _)| *name == p.name);
+    if half_width <= 0.0 || minimum.free.iter().any(is_mass) {
+        return;
+    }
+    // By share from the smallest on, each with the value and the interval of every parameter.
+    let mut nodes: Vec<Option<BTreeMap<String, (f64, Ends)>>> = Vec::new();
+    for direction in [-1.0, 1.0] {
+        let mut before = Some(minimum.clone());
+        let mut side = Vec::new();
+        for step in 1..=STEPS {
+            let share = front + direction * half_width * f64::from(step) / f64::from(STEPS);
+            before = before.and_then(|before| at_share(&before, share, total));
+            side.push(before.as_ref().and_then(intervals_at));
+        }
+        if direction < 0.0 {
+            side.reverse();
+            side.push(Some(with_values(minimum, assessment)));
+        }
+        nodes.extend(side);
+    }
+    let nodes: Option<Vec<_>> = nodes.into_iter().collect();
+    for (name, ends) in &mut assessment.interval {
+        let of_name = |nodes: Vec<BTreeMap<String, (f64, Ends)>>| {
+            nodes.into_iter().map(|node| node.get(name).copied()).collect::<Option<Vec<_>>>()
+        };
+        *ends = nodes.clone().and_then(of_name).map_or((None, None), |nodes| mixture(&nodes));
+    }
+}
+
+/// The minimum near this one with another share in front; `None` for a share without masses, or without a fit.
+fn at_share(minimum: &Minimum, share: f64, total_kg: f64) -> Option<Minimum> {
+    if !(share > 0.0 && share < 1.0) {
+        return None;
+    }
+    // Masses stand first.
+    let mut values = minimum.model.values();
+    let (last, others) = values[..masses_of(&minimum.model).len()].split_last_mut()?;
+    let in_front: f64 = others.iter().sum();
+    others.iter_mut().for_each(|kg| *kg *= share * total_kg / in_front);
+    *last = (1.0 - share) * total_kg;
+    let model = minimum.model.with_values(&values).ok()?;
+    let free: Vec<FreeParameter> = minimum.free.iter().map(|p| p.described_at(p.value)).collect();
+    fit_nearby(&model, &free, &minimum.observed)
+}
+
+fn intervals_at(minimum: &Minimum) -> Option<BTreeMap<String, (f64, Ends)>> {
+    Some(with_values(minimum, &assess(minimum, None, AssessmentOptions::default())?))
+}
+
+/// The value of every parameter with its interval.
+fn with_values(minimum: &Minimum, assessment: &Assessment) -> BTreeMap<String, (f64, Ends)> {
+    let values = minimum.model.parameters();
+    let with_value = |(name, ends): (&String, &Ends)| Some((name.clone(), (*values.get(name)?, *ends)));
+    assessment.interval.iter().filter_map(with_value).collect()
+}
+
+/// The 95 % interval of the mixture over shares from one end to the other, of values and intervals at equal distances.
+fn mixture(nodes: &[(f64, Ends)]) -> Ends {
+    let closed: Option<Vec<[f64; 3]>> =
+        nodes.iter().map(|(value, (low, high))| Some([(*low)?, *value, (*high)?])).collect();
+    let Some(closed) = closed else { return (None, None) };
+    let logarithmic = closed.iter().all(|[low, ..]| *low > 0.0);
+    let coordinate = |x: f64| if logarithmic { x.ln() } else { x };
+    let closed: Vec<[f64; 3]> = closed.into_iter().map(|ends| ends.map(coordinate)).collect();
+    let at = |k: usize| -> [f64; 3] {
+        let place = (k as f64 + 0.5) / SHARES as f64 * (closed.len() - 1) as f64;
+        let node = (place as usize).min(closed.len() - 2);
+        let share = place - node as f64;
+        std::array::from_fn(|end| closed[node][end] + share * (closed[node + 1][end] - closed[node][end]))
+    };
+    let shares: Vec<[f64; 3]> = (0..SHARES).map(at).collect();
+    let below = |x: f64| {
+        let one = |[low, value, high]: &[f64; 3]| {
+            let half = if x < *value { value - low } else { high - value };
+            normal_distribution(1.96 * (x - value) / half.max(f64::MIN_POSITIVE))
+        };
+        shares.iter().map(one).sum::<f64>() / SHARES as f64
+    };
+    let lowest = shares.iter().map(|[low, ..]| *low).fold(f64::INFINITY, f64::min);
+    let highest = shares.iter().map(|[.., high]| *high).fold(f64::NEG_INFINITY, f64::max);
+    let end = |level: f64| {
+        let (mut low, mut high) = (lowest, highest);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if below(middle) < level { low = middle } else { high = middle }
+        }
+        let x = 0.5 * (low + high);
+        if logarithmic { x.exp() } else { x }
+    };
+    (Some(end(0.025)), Some(end(0.975)))
+}
+
+/// The normal distribution function within 2e-4: a logistic curve (Bowling et al., J. Industrial Engineering and
+/// Management 2(1), 2009).
+fn normal_distribution(z: f64) -> f64 {
+    1.0 / (1.0 + (-(1.5976 * z + 0.070_56 * z.powi(3))).exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn node(value: f64, half: f64) -> (f64, Ends) {
+        (value, (Some(value - half), Some(value + half)))
+    }
+
+    #[test]
+    fn a_mixture_is_the_interval_where_the_share_does_nothing_and_the_share_where_noise_does_nothing() {
+        // Not in logarithms, since an end is below zero: one interval, to the 2e-4 of the distribution function.
+        let (low, high) = mixture(&[node(1.0, 2.0); 9]);
+        assert!((low.unwrap() + 1.0).abs() < 0.01 && (high.unwrap() - 3.0).abs() < 0.01, "{low:?} {high:?}");
+        // Evenly spread from -4 to 4: 95 % of it, to half of the 80th part between two shares.
+        let spread: Vec<_> = (-4..=4).map(|k| node(f64::from(k), 1e-6)).collect();
+        let (low, high) = mixture(&spread);
+        assert!((low.unwrap() + 3.8).abs() < 0.06 && (high.unwrap() - 3.8).abs() < 0.06, "{low:?} {high:?}");
+        let mut open = spread;
+        open[3].1.0 = None;
+        assert_eq!(mixture(&open), (None, None));
+    }
+}
