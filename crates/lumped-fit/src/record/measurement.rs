@@ -5,13 +5,13 @@
 //! of the acceleration, with no impact speed. Eight waves go through side by side: filter and sums are recursions
 //! that wait for themselves. Where the steps are not known, the motion itself is compared.
 
-use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure};
+use crumple_lumped::{Instants, LumpedError, Model, Place, Structure};
 use crumple_signal::{BeforeEvent, RecordingSteps, Sampled};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::FitQuantity;
-use crate::record::wall_response::response_of;
+use crate::record::wall_response::{motion_of, response_of};
 
 /// A filter of second order that is run forward and backward over the record, as the filter stage records it (ISO
 /// 6487, SAE J211).
@@ -345,11 +345,6 @@ impl Measurement {
         }
         around
     }
-}
-
-/// The motion of this mass; `None` for `mass`, or beyond the last: of the compartment.
-pub(crate) fn motion_of(motions: &[Motion], mass: Option<usize>) -> Option<&Motion> {
-    mass.and_then(|mass| motions.get(mass)).or(motions.last())
 }
 
 /// Several waves through one measurement, compiled for each width of the processor's vectors. Each lane is computed

@@ -10,8 +10,7 @@ use std::sync::Arc;
 use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure};
 use crumple_signal::{Displacement, Sampled, Signal};
 
-use crate::record::measurement::motion_of;
-use crate::record::wall_response::response_of;
+use crate::record::wall_response::{motion_of, response_of};
 use crate::{FitQuantity, Measurement, SolveError};
 
 /// A wave of a test and the samples of it that are compared.

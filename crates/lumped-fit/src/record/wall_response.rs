@@ -24,6 +24,11 @@ pub(crate) fn response_of(
     })
 }
 
+/// The motion of this mass; `None` for `mass`, or beyond the last: of the last, the compartment or the wall behind it.
+pub(crate) fn motion_of(motions: &[Motion], mass: Option<usize>) -> Option<&Motion> {
+    mass.and_then(|mass| motions.get(mass)).or(motions.last())
+}
+
 /// The response with the wall behind its masses, kg: the force `-Σ m_i a_i`, N, and its derivatives.
 fn with_wall_force(mut response: Sensitivity, masses_kg: &[f64], places: &[Place]) -> Sensitivity {
     let force_of = |motions: &[Motion]| -> Vec<f64> {
