@@ -467,6 +467,10 @@ fn the_layout_of_every_record_type_is_frozen() {
             note: Some("interval: the compared window".to_owned()),
         }],
         fit_as_measured_percent: Some(99.1),
+        force_misfit_percent: Some(18.5),
+        coefficient_of_restitution: Some(0.15),
+        rebound_velocity_m_per_s: Some(-2.4),
+        peak_acceleration_m_per_s2: Some(-400.0),
     });
     freeze(&recommendation());
     freeze(&prediction());

@@ -62,7 +62,9 @@ pub use crumple_signal::Distribution;
 pub use error::SolveError;
 pub use extraction::extract::{extract, hats};
 pub use extraction::joint_rate::{RatePrior, extract_with_rate};
-pub use extraction::problem::{AskedCurve, Extraction, MeasuredElement, MeasuredMass, MeasuredTest};
+pub use extraction::problem::{
+    AskedCurve, Extraction, MeasuredElement, MeasuredMass, MeasuredTest, MeasuredThrough, MeasuredWall,
+};
 pub use fit::as_measured::fit_as_measured;
 pub use fit::at_crush::conditions_at_crush;
 pub use fit::nonlinear::nonlinear1::fit_nonlinear1;
@@ -84,12 +86,13 @@ pub use record::measurement::{IntegrationRule, Measurement, TwoPassFilter};
 pub use record::observation::{Observation, ObservedWave, RESOLUTION_M, UNKNOWN_FILTER_M};
 pub use record::sensor::{Sensor, SensorFit, SensorPlace, errors_in_words, note_of_errors};
 pub use record::test_data::TestData;
+pub use record::wall_force::WallForce;
 pub use selection::choice::{CandidateSelection, Choice, choose};
 pub use selection::compared_candidate::{ComparedCandidate, EnergyClass, depends_on_rate};
 pub use selection::lower_speeds::crush_error_at_lower_speeds;
 pub use selection::prior::{Prior, SelectionRules};
 pub use selection::rating::{ComparedRecord, Rated};
-pub use solvers::force_deflection::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
+pub use solvers::crush_curves::assumptions::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
 pub use solvers::settings::SolveSettings;
 pub use solvers::solve::solve;
 pub use solvers::table::{DEFAULT_MODELS, MODELS, Solver, solvers_of};

@@ -45,7 +45,7 @@ fn exact(truth: &Chain, masses: &[usize], quantity: FitQuantity) -> Observation 
         let samples = match quantity {
             FitQuantity::Displacement => &motion.displacement_m,
             FitQuantity::Velocity => &motion.velocity_m_per_s,
-            FitQuantity::Acceleration => &motion.acceleration_m_per_s2,
+            FitQuantity::Acceleration | FitQuantity::Force => &motion.acceleration_m_per_s2,
         };
         let record = Sampled::new(0.0, DT, samples.clone()).unwrap();
         ObservedWave::new(&record, (Some(*mass), quantity), 0.0, EXACT, (0.0, END_S), 250).unwrap()

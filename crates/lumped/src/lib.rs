@@ -13,6 +13,7 @@
 //! - [`Maxwell`]: spring and damper in series.
 //! - [`Nonlinear1`], [`Nonlinear2`]: secant spring and damper with piecewise-linear coefficients.
 //! - [`DoubleSpringMassDamper`]: chassis and passenger compartment, two of each.
+//! - [`CrushedStructure`] and [`CrushedLoadPaths`]: one mass or two behind structures crushed along curves.
 //! - [`TripleSpringMassDamper`] and [`Chain`]: three and any number of masses, coefficients constant or piecewise
 //!   linear.
 //!
@@ -58,10 +59,11 @@ pub use families::double_spring_mass_damper::DoubleSpringMassDamper;
 pub use families::elastoplastic::Elastoplastic;
 pub use families::force_deflection::CrushedStructure;
 pub use families::kelvin::Kelvin;
+pub use families::load_paths::{CrushedLoadPaths, LoadPath};
 pub use families::maxwell::Maxwell;
 pub use families::nonlinear::{Nonlinear1, Nonlinear2};
 pub use kind::model_kind::ModelKind;
-pub use kind::parameter::{MOST_KNOTS, Parameter, ParameterKind};
+pub use kind::parameter::{LOAD_PATHS, MOST_KNOTS, MOST_KNOTS_OF_PATH, Parameter, ParameterKind};
 pub use matching::coefficient_matching::{
     Certificate, CoefficientMatch, CoefficientMatching, MatchRoot, MatchedSolution, Reading, matching_sensitivity,
 };

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{Chain, CrushedStructure, Instants, Model, ModelKind, Motion};
+use crumple_lumped::{Chain, CrushedLoadPaths, CrushedStructure, Instants, LoadPath, Model, ModelKind, Motion};
 
 const V0: f64 = 9.7222;
 
@@ -12,6 +12,13 @@ fn model(kind: ModelKind) -> Model {
     if kind == ModelKind::ForceDeflection {
         let knots = [(0.05, 9e4), (0.12, 8e4), (0.3, 1.6e5), (0.5, 2.2e5)];
         return Model::ForceDeflection(CrushedStructure::new(873.0, &knots, 9e6, 0.012).unwrap());
+    }
+    if kind == ModelKind::LoadPaths {
+        let path = |knots: &[(f64, f64)], unloading| Some(LoadPath::new(knots, unloading, 0.012).unwrap());
+        let front = path(&[(0.06, 7e4), (0.2, 9e4), (0.4, 1.2e5)], 8e6);
+        let rear = path(&[(0.03, 5e4), (0.2, 1.1e5)], 9e6);
+        let parallel = path(&[(0.1, 4e4), (0.3, 5e4), (0.5, 9e4)], 7e6);
+        return Model::LoadPaths(CrushedLoadPaths { m1_kg: 200.0, m2_kg: 673.0, paths: [front, rear, parallel] });
     }
     let values: &[f64] = match kind {
         ModelKind::Kelvin => &[873.0, 3.2e5, 6e3],
@@ -23,7 +30,7 @@ fn model(kind: ModelKind) -> Model {
         }
         ModelKind::DoubleSpringMassDamper => &[300.0, 900.0, 5e5, 7e5, 6e3, 9e3],
         ModelKind::TripleSpringMassDamper => &[150.0, 200.0, 900.0, 6e5, 5e5, 7e5, 6e3, 4e3, 9e3],
-        ModelKind::ForceDeflection => &[],
+        ModelKind::ForceDeflection | ModelKind::LoadPaths => &[],
     };
     let named: BTreeMap<String, f64> =
         kind.parameter_names().iter().map(|n| (*n).to_owned()).zip(values.iter().copied()).collect();

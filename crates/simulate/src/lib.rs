@@ -21,7 +21,8 @@ mod drive;
 mod error;
 mod simulate;
 
-pub use comparison::information::{Information, information, parameters_of};
+pub use comparison::deceleration_peak::deceleration_peak;
+pub use comparison::information::{Information, information, numbers_of, parameters_of};
 pub use comparison::other_sensor::{OtherSensor, SensorFit, beside, beside_mass, is_on_engine};
 pub use comparison::ratings::{Rating, ratings};
 pub use comparison::simulation::{Comparison, Measured, Simulation, Window};

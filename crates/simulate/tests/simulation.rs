@@ -123,9 +123,10 @@ fn every_model_kind_is_simulated_from_its_named_parameters() {
             "v0_m_per_s" => 10.0,
             "x1_m" => 0.3,
             "crush_m" => 0.5,
-            "rate_s_per_m" => 0.008,
-            name if name.starts_with("knot") => {
-                let number: f64 = name[4..name.len() - 2].parse().unwrap();
+            name if name.ends_with("rate_s_per_m") => 0.008,
+            name if name.contains("knot") => {
+                let digits = name.chars().filter(char::is_ascii_digit).collect::<String>();
+                let number: f64 = digits.parse().unwrap();
                 if name.ends_with("_m") { 0.1 * number } else { 3e4 }
             }
             name if name.ends_with("_kg") => 500.0,

@@ -1,8 +1,10 @@
-//! The public frontal test NHTSA 10146 with every model family: the compartment alone, and the compartment with the
-//! engine.
+//! The public frontal test NHTSA 10146 with every model family: the compartment alone, the compartment with the engine,
+//! and both with the force on the wall.
 
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
+use std::fs;
+use std::io::Read;
 use std::path::Path;
 
 use crumple_testkit::pipeline::{number, summary_of};
@@ -113,4 +115,63 @@ fn the_engine_sensor_decides_between_the_duals() {
     // Models of one mass cannot use it: the same parameters as from the compartment alone.
     let kelvin = candidates(&summary, "kelvin").into_iter().find(|c| c["method"] == "direct-fit").unwrap();
     assert!(kelvin["fit"]["sensors"].as_array().is_none_or(Vec::is_empty), "{kelvin}");
+}
+
+/// The record with the load cells of its barrier beside it, as it is downloaded.
+fn with_load_cells(folder: &Path) -> tempfile::TempDir {
+    let whole = tempfile::tempdir().unwrap();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if name.starts_with("v10146.") {
+            fs::write(whole.path().join(name), fs::read(&path).unwrap()).unwrap();
+        }
+    }
+    let mut cells = zip::ZipArchive::new(fs::File::open(folder.join("v10146_barrier_fx.zip")).unwrap()).unwrap();
+    for k in 0..cells.len() {
+        let mut entry = cells.by_index(k).unwrap();
+        let name = entry.name().unwrap().rsplit('/').next().unwrap().to_owned();
+        let mut bytes = Vec::new();
+        entry.read_to_end(&mut bytes).unwrap();
+        fs::write(whole.path().join(name), bytes).unwrap();
+    }
+    whole
+}
+
+/// The least misfit of the wall's force among the crushed structures of two masses, percent, and that candidate.
+fn nearest_to_the_wall(summary: &Value) -> (f64, Value) {
+    let two_masses =
+        candidates(summary, "force-deflection").into_iter().filter(|c| c["parameters"]["m1_kg"].is_number());
+    let misfit = |c: &Value| number(c, &["simulation", "force_misfit_percent"]);
+    let nearest = two_masses.min_by(|a, b| misfit(a).total_cmp(&misfit(b))).expect("candidates of two masses");
+    (misfit(nearest), nearest.clone())
+}
+
+fn rmse_at(candidate: &Value, channel: &str) -> f64 {
+    let sensors = candidate["fit"]["sensors"].as_array().unwrap();
+    number(sensors.iter().find(|sensor| sensor["channel"] == channel).unwrap(), &["rmse"])
+}
+
+#[test]
+fn two_masses_predict_the_force_on_the_wall_and_meet_it_closer_when_it_is_fitted() {
+    let Some(folder) = shared("data/nhtsa-v10146-camry-frontal") else { return };
+    let whole = with_load_cells(&folder);
+    let record = whole.path().join("v10146.EV5");
+    let of_sensors = summary(&record, "");
+    for candidate in of_sensors["candidates"].as_array().unwrap() {
+        // Every model is scored, whatever it was fitted to.
+        assert!(candidate["simulation"]["force_misfit_percent"].is_number(), "{candidate}");
+        assert!(candidate["simulation"]["coefficient_of_restitution"].is_number(), "{candidate}");
+        assert!(candidate["simulation"]["peak_acceleration_m_per_s2"].is_number(), "{candidate}");
+    }
+    let crush = number(&of_sensors, &["events", "dynamic_crush_m"]);
+    let (predicted, of_two) = nearest_to_the_wall(&of_sensors);
+    // The accelerations themselves, times the masses, miss it by 21 %.
+    assert!(predicted < 24.0, "{predicted}");
+    // Both sensors within a hundredth of the crush, to which their gains are known.
+    assert!(rmse_at(&of_two, "93") < 0.01 * crush && rmse_at(&of_two, "95") < 0.01 * crush, "{of_two}");
+    let of_wall = summary(&record, "--sensors engine=95,wall");
+    let (fitted, of_two) = nearest_to_the_wall(&of_wall);
+    assert!(fitted < 17.0, "{fitted}");
+    assert!(rmse_at(&of_two, "93") < 0.01 * crush && rmse_at(&of_two, "95") < 0.01 * crush, "{of_two}");
 }

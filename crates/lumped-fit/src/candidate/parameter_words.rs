@@ -16,6 +16,16 @@ pub fn in_words(model: &Model, name: &str) -> String {
     let speed = |v: f64| format!("at {v:.2} m/s");
     let at_contact = || "at contact".to_owned();
     let at_rest = || "at rest".to_owned();
+    if let Model::LoadPaths(_) = model
+        && let Some((path, rest)) = stem.split_once(' ')
+    {
+        return match (kind, rest.strip_prefix("knot")) {
+            (ParameterKind::Force, Some(number)) => format!("force at knot {number} of the {path} load path"),
+            (ParameterKind::Length, Some(number)) => format!("deflection of knot {number} of the {path} load path"),
+            (ParameterKind::RateFactor, _) => format!("rate factor of the {path} load path"),
+            _ => format!("unloading stiffness of the {path} load path"),
+        };
+    }
     match (kind, stem.strip_prefix("knot")) {
         (ParameterKind::Force, Some(number)) => return format!("force at knot {number}"),
         (ParameterKind::Length, Some(number)) => return format!("deflection of knot {number}"),

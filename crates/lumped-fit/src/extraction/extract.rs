@@ -2,7 +2,8 @@
 //!
 //! For every mass and sample `m a + Σ ±F = 0`, where an element's force is `Σ φ_j(d) F_j (1 + r w)` while it loads and
 //! `Σ φ_j(d_turn) F_j - k_u (d_turn - d)` after, while that is positive: hat functions `φ_j` of the knots. Which sample
-//! is where follows from the measured deflection and the permanent set, so it is solved a few times. The idea is that
+//! is where follows from the measured deflection and the permanent set, so it is solved a few times. Forces go through
+//! the filter of the accelerations: left out, it puts a third of itself into the first knots. The idea is that
 //! of SISAME (Mentzer, NHTSA 2006): force-deflection curves and masses in one constrained fit of test data.
 
 use crumple_linalg::nonnegative_least_squares;
@@ -61,10 +62,15 @@ impl Places {
 ///
 /// `slope_change_weight`: `λ`, m²/N², on the sum of the squared changes of slope between pieces of a curve, N/m; zero
 /// for none. `None` where a curve has fewer than two knots, a free mass has no scale (neither a given mass nor a total
-/// in its test), or the motions are not finite.
+/// nor a wall force in its
+/// test), a sample is compared that is not there, or the motions are not finite.
 pub fn extract(tests: &[MeasuredTest], curves: &[AskedCurve], slope_change_weight: f64) -> Option<Extraction> {
     let places = Places::new(tests, curves);
-    if curves.iter().any(|curve| curve.knots_m.len() < 2) || tests.iter().any(without_scale) {
+    let cut_short = |test: &MeasuredTest| {
+        let through = test.through.iter().flat_map(|through| &through.compared);
+        through.copied().any(|k| k >= samples(test))
+    };
+    if curves.iter().any(|curve| curve.knots_m.len() < 2) || tests.iter().any(|t| without_scale(t) || cut_short(t)) {
         return None;
     }
     let mut solution: Option<(DVector<f64>, Vec<bool>)> = None;
@@ -89,7 +95,7 @@ pub fn extract(tests: &[MeasuredTest], curves: &[AskedCurve], slope_change_weigh
 
 /// Whether masses are free and nothing says how large all of them are.
 fn without_scale(test: &MeasuredTest) -> bool {
-    test.total_mass_kg.is_none() && test.masses.iter().all(|mass| mass.mass_kg.is_none())
+    test.total_mass_kg.is_none() && test.wall.is_none() && test.masses.iter().all(|mass| mass.mass_kg.is_none())
 }
 
 /// Deflection, its rate and second derivative of an element at every sample.
@@ -138,46 +144,92 @@ fn equations(
     branches: &[Vec<Vec<Phase>>],
     slope_change_weight: f64,
 ) -> (DMatrix<f64>, DVector<f64>) {
-    let samples = |test: &MeasuredTest| test.masses.first().map_or(0, |mass| mass.acceleration_m_per_s2.len());
     let smoothing: usize = if slope_change_weight > 0.0 { curves.iter().map(|c| c.knots_m.len() - 2).sum() } else { 0 };
-    let rows: usize = tests.iter().map(|test| test.masses.len() * samples(test)).sum::<usize>() + smoothing;
+    let blocks = |test: &MeasuredTest| test.masses.len() + usize::from(test.wall.is_some());
+    let compared = |test: &MeasuredTest| match &test.through {
+        Some(through) => through.compared.clone(),
+        None => (0..samples(test)).collect(),
+    };
+    let rows: usize = tests.iter().map(|test| blocks(test) * compared(test).len()).sum::<usize>() + smoothing;
     let mut a = DMatrix::zeros(rows, places.unknowns);
     let mut b = DVector::zeros(rows);
     let mut first = 0;
     for (t, test) in tests.iter().enumerate() {
-        let n = samples(test);
-        let row = |mass: usize, k: usize| first + mass * n + k;
-        mass_terms(test, &places.masses[t], &row, (&mut a, &mut b));
-        for (element, phases) in test.elements.iter().zip(&branches[t]) {
-            let curve = &curves[element.curve];
-            let at = places.curves[element.curve];
-            let [d, w, _] = deflection(test, element);
-            for k in 0..n {
-                let mut add = |column: usize, value: f64| {
-                    a[(row(element.rear, k), column)] += value / test.masses[element.rear].noise_n;
-                    if let Some(front) = element.front {
-                        a[(row(front, k), column)] -= value / test.masses[front].noise_n;
+        let (n, compared) = (samples(test), compared(test));
+        let row = |block: usize, k: usize| block * n + k;
+        let mut all = DMatrix::zeros(blocks(test) * n, places.unknowns);
+        let mut right = DVector::zeros(blocks(test) * n);
+        element_terms(test, curves, places, &branches[t], &mut all);
+        if let Some(filter) = test.through.as_ref().and_then(|through| through.filter) {
+            for column in 0..places.unknowns {
+                for block in 0..blocks(test) {
+                    let mut wave = all.view_mut((row(block, 0), column), (n, 1));
+                    if wave.iter().any(|value| *value != 0.0) {
+                        let filtered = filter.filtered(wave.clone_owned().as_slice());
+                        wave.copy_from_slice(&filtered);
                     }
-                };
-                let (place, factor) = match phases[k] {
-                    Phase::Loading => (d[k], 1.0 + curve.rate_s_per_m * w[k].max(0.0)),
-                    Phase::Elastic { turn_m } => (turn_m, 1.0),
-                    Phase::Open => continue,
-                };
-                for (j, hat) in hats(&curve.knots_m, place).iter().enumerate().filter(|(_, hat)| **hat != 0.0) {
-                    add(at + j, hat * factor);
-                }
-                if let Phase::Elastic { turn_m } = phases[k] {
-                    add(at + curve.knots_m.len() - 1, d[k] - turn_m);
                 }
             }
         }
-        first += test.masses.len() * n;
+        mass_terms(test, &places.masses[t], &row, (&mut all, &mut right));
+        if let Some(wall) = &test.wall {
+            let force = wall.force_n.iter().take(n).enumerate();
+            force.for_each(|(k, force)| right[row(test.masses.len(), k)] = force / wall.noise_n);
+        }
+        for block in 0..blocks(test) {
+            for k in &compared {
+                a.row_mut(first).copy_from(&all.row(row(block, *k)));
+                b[first] = right[row(block, *k)];
+                first += 1;
+            }
+        }
     }
     if smoothing > 0 {
         changes_of_slope(curves, places, slope_change_weight.sqrt(), first, &mut a);
     }
     (a, b)
+}
+
+/// Samples of the motions.
+fn samples(test: &MeasuredTest) -> usize {
+    test.masses.first().map_or(0, |mass| mass.acceleration_m_per_s2.len())
+}
+
+/// The forces of the elements on masses and wall, by the unknowns: one block of samples a mass, the wall's after them.
+fn element_terms(
+    test: &MeasuredTest,
+    curves: &[AskedCurve],
+    places: &Places,
+    branches: &[Vec<Phase>],
+    a: &mut DMatrix<f64>,
+) {
+    let n = samples(test);
+    for (element, phases) in test.elements.iter().zip(branches) {
+        let curve = &curves[element.curve];
+        let at = places.curves[element.curve];
+        let [d, w, _] = deflection(test, element);
+        for k in 0..n {
+            let mut add = |column: usize, value: f64| {
+                a[(element.rear * n + k, column)] += value / test.masses[element.rear].noise_n;
+                match (element.front, &test.wall) {
+                    (Some(front), _) => a[(front * n + k, column)] -= value / test.masses[front].noise_n,
+                    (None, Some(wall)) => a[(test.masses.len() * n + k, column)] += value / wall.noise_n,
+                    (None, None) => {}
+                }
+            };
+            let (place, factor) = match phases[k] {
+                Phase::Loading => (d[k], 1.0 + curve.rate_s_per_m * w[k].max(0.0)),
+                Phase::Elastic { turn_m } => (turn_m, 1.0),
+                Phase::Open => continue,
+            };
+            for (j, hat) in hats(&curve.knots_m, place).iter().enumerate().filter(|(_, hat)| **hat != 0.0) {
+                add(at + j, hat * factor);
+            }
+            if let Phase::Elastic { turn_m } = phases[k] {
+                add(at + curve.knots_m.len() - 1, d[k] - turn_m);
+            }
+        }
+    }
 }
 
 /// `m a` of every mass: to the right where it is given, a column where it is free, the total less the others for the
@@ -292,7 +344,7 @@ mod tests {
     }
 
     fn test(masses: Vec<MeasuredMass>, elements: Vec<MeasuredElement>, total_mass_kg: Option<f64>) -> MeasuredTest {
-        MeasuredTest { dt_s: DT_S, masses, elements, total_mass_kg }
+        MeasuredTest { dt_s: DT_S, masses, elements, total_mass_kg, wall: None, through: None }
     }
 
     const FRONT: MeasuredElement = MeasuredElement { front: None, rear: 0, curve: 0, gap_m: 0.0 };

@@ -1,5 +1,5 @@
 //! Force-deflection curves and masses read off measured motions: a bounded linear least squares problem.
-//! Uses no other room.
+//! May use `record`.
 
 pub mod extract;
 pub mod joint_rate;

@@ -1,5 +1,7 @@
 //! What is measured, what is asked for, what comes out.
 
+use crate::TwoPassFilter;
+
 /// A curve that is asked for: the elements of every test that follow it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AskedCurve {
@@ -37,6 +39,24 @@ pub struct MeasuredMass {
     pub noise_n: f64,
 }
 
+/// A force on the wall, measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredWall {
+    /// Force at every sample, N, positive in compression: the sum over the elements that touch the wall.
+    pub force_n: Vec<f64>,
+    /// Standard deviation of it, N.
+    pub noise_n: f64,
+}
+
+/// What accelerations and wall force went through before they were recorded, and the samples of them that are compared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredThrough {
+    /// The filter: the forces of the elements go through it too. `None`: none.
+    pub filter: Option<TwoPassFilter>,
+    /// Samples whose equations of motion count; a filter looks at the others too.
+    pub compared: Vec<usize>,
+}
+
 /// A test: masses and elements, sampled together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredTest {
@@ -48,6 +68,10 @@ pub struct MeasuredTest {
     pub elements: Vec<MeasuredElement>,
     /// Sum of all masses, kg, where some are free.
     pub total_mass_kg: Option<f64>,
+    /// Force on the wall, where it was measured.
+    pub wall: Option<MeasuredWall>,
+    /// How accelerations and wall force were measured; `None`: as they are, all samples.
+    pub through: Option<MeasuredThrough>,
 }
 
 /// What was extracted.

@@ -1,4 +1,4 @@
-//! The quantity of a motion that is fitted: displacement, velocity or acceleration.
+//! The quantity that is fitted: displacement, velocity or acceleration of a mass, or the force on the wall.
 
 use std::fmt;
 use std::str::FromStr;
@@ -15,10 +15,12 @@ pub enum FitQuantity {
     Velocity,
     /// Acceleration, m/s²: what the sensor measures; stiff structures show here.
     Acceleration,
+    /// Force on the wall, N, positive in compression.
+    Force,
 }
 
 impl FitQuantity {
-    /// All of them.
+    /// Those of a mass.
     pub const ALL: [Self; 3] = [Self::Displacement, Self::Velocity, Self::Acceleration];
 
     /// The name in options and records.
@@ -27,6 +29,7 @@ impl FitQuantity {
             Self::Displacement => "displacement",
             Self::Velocity => "velocity",
             Self::Acceleration => "acceleration",
+            Self::Force => "force",
         }
     }
 
@@ -36,6 +39,7 @@ impl FitQuantity {
             Self::Displacement => "m",
             Self::Velocity => "m/s",
             Self::Acceleration => "m/s^2",
+            Self::Force => "N",
         }
     }
 
@@ -44,16 +48,24 @@ impl FitQuantity {
         match self {
             Self::Displacement => Waves::Displacement,
             Self::Velocity => Waves::Velocity,
-            Self::Acceleration => Waves::Acceleration,
+            Self::Acceleration | Self::Force => Waves::Acceleration,
         }
     }
 
-    /// Its samples in a motion, in its unit.
+    /// What is recorded before filter and integration: the acceleration, of the wall its force.
+    pub(crate) const fn recorded(self) -> Self {
+        match self {
+            Self::Force => Self::Force,
+            _ => Self::Acceleration,
+        }
+    }
+
+    /// Its samples in a motion, in its unit. The motion of the wall has its force in the place of the acceleration.
     pub(crate) fn of(self, motion: &Motion) -> &[f64] {
         match self {
             Self::Displacement => &motion.displacement_m,
             Self::Velocity => &motion.velocity_m_per_s,
-            Self::Acceleration => &motion.acceleration_m_per_s2,
+            Self::Acceleration | Self::Force => &motion.acceleration_m_per_s2,
         }
     }
 }

@@ -5,12 +5,13 @@
 //! of the acceleration, with no impact speed. Eight waves go through side by side: filter and sums are recursions
 //! that wait for themselves. Where the steps are not known, the motion itself is compared.
 
-use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure, Waves};
+use crumple_lumped::{Instants, LumpedError, Model, Place, Structure};
 use crumple_signal::{BeforeEvent, RecordingSteps, Sampled};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::FitQuantity;
+use crate::record::wall_response::{motion_of, response_of};
 
 /// A filter of second order that is run forward and backward over the record, as the filter stage records it (ISO
 /// 6487, SAE J211).
@@ -150,7 +151,7 @@ impl Measurement {
         last: usize,
         structure: &Structure,
     ) -> Result<Vec<f64>, LumpedError> {
-        let respond = |waves, at: Instants| structure.sensitivity_of(waves, v0_m_per_s, &at, &[]);
+        let respond = |quantity, at: Instants| response_of(quantity, structure, v0_m_per_s, &at, &[]);
         let Some(samples) = self.samples_of_the_model(last) else {
             return Ok(self.seen(&[], quantity, v0_m_per_s, last));
         };
@@ -158,13 +159,13 @@ impl Measurement {
             let before = self.contact_index();
             let samples = (last + 1).saturating_sub(before);
             let at = Instants { first_s: self.time_s(before).max(0.0), dt_s: self.dt_s, samples };
-            let motions = respond(quantity.waves(), at)?.motions;
+            let motions = respond(quantity, at)?.motions;
             let mut seen = vec![if quantity == FitQuantity::Velocity { v0_m_per_s } else { 0.0 }; before];
             seen.extend(motion_of(&motions, mass).map_or(&[][..], |motion| quantity.of(motion)));
             return Ok(seen);
         }
         let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples };
-        let motions = respond(Waves::Acceleration, at)?.motions;
+        let motions = respond(quantity.recorded(), at)?.motions;
         let acceleration = motion_of(&motions, mass).map_or(&[][..], |m| &m.acceleration_m_per_s2);
         Ok(self.seen(acceleration, quantity, v0_m_per_s, last))
     }
@@ -183,7 +184,7 @@ impl Measurement {
         };
         let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples };
         let of_some = |places: &[Place]| -> Result<Vec<Vec<f64>>, LumpedError> {
-            let response = structure.sensitivity_of(Waves::Acceleration, v0_m_per_s, &at, places)?;
+            let response = response_of(quantity.recorded(), structure, v0_m_per_s, &at, places)?;
             let motions = response.derivatives.iter().map(|motions| motion_of(motions, mass));
             let accelerations: Vec<&[f64]> =
                 motions.map(|motion| motion.map_or(&[][..], |motion| &motion.acceleration_m_per_s2)).collect();
@@ -256,7 +257,7 @@ impl Measurement {
         }
         let end = added + samples.min(last.min(self.samples.saturating_sub(1)) + 1);
         let seen = &mut waves[added..end];
-        if quantity != FitQuantity::Acceleration {
+        if matches!(quantity, FitQuantity::Velocity | FitQuantity::Displacement) {
             self.integrate(seen, quantity, v0_m_per_s, zero, gap);
         }
         std::array::from_fn(|lane| seen.iter().map(|values| values[lane]).collect())
@@ -346,11 +347,6 @@ impl Measurement {
     }
 }
 
-/// The motion of this mass; `None` for `mass`, or beyond the last: of the compartment.
-pub(crate) fn motion_of(motions: &[Motion], mass: Option<usize>) -> Option<&Motion> {
-    mass.and_then(|mass| motions.get(mass)).or(motions.last())
-}
-
 /// Several waves through one measurement, compiled for each width of the processor's vectors. Each lane is computed
 /// by itself, in the same order: the result is the same to the last bit on every machine.
 struct Together<'a> {
@@ -382,6 +378,15 @@ impl TwoPassFilter {
         }
         let samples = (FORGOTTEN.ln() / largest.ln()).ceil();
         if largest < 1.0 && samples.is_finite() { samples.max(2.0) as usize } else { usize::MAX }
+    }
+
+    /// What the filter makes of a wave of which nothing is cut off: as the filter stage.
+    pub(crate) fn filtered(&self, wave: &[f64]) -> Vec<f64> {
+        let added = self.samples_added.min(wave.len().saturating_sub(1));
+        let mut waves: Vec<[f64; 1]> =
+            std::iter::repeat_n(0.0, added).chain(wave.iter().copied()).map(|x| [x]).collect();
+        self.run(&mut waves, added);
+        waves[added..added + wave.len()].iter().map(|[x]| *x).collect()
     }
 
     /// Forward and backward over all but the first `added` waves, with the same extension and the same start of each

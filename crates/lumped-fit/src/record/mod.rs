@@ -7,3 +7,5 @@ pub mod observation;
 pub mod sensor;
 pub mod sensor_noise;
 pub mod test_data;
+pub mod wall_force;
+pub mod wall_response;

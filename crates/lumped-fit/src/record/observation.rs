@@ -10,13 +10,13 @@ use std::sync::Arc;
 use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure};
 use crumple_signal::{Displacement, Sampled, Signal};
 
-use crate::record::measurement::motion_of;
+use crate::record::wall_response::{motion_of, response_of};
 use crate::{FitQuantity, Measurement, SolveError};
 
 /// A wave of a test and the samples of it that are compared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservedWave {
-    /// Index of its mass from the barrier on; `None`: the compartment.
+    /// Index of its mass from the barrier on; that after the last is the wall. `None`: the compartment.
     pub mass: Option<usize>,
     /// What it says.
     pub quantity: FitQuantity,
@@ -104,6 +104,9 @@ const USUAL_CRUSH_M: f64 = 0.5;
 pub(crate) const FEWEST: usize = 12;
 /// Least noise level of a wave, as a share of its root mean square.
 const LEAST_LEVEL: f64 = 1e-6;
+/// The same of an accelerometer beside load cells, which have another gain: that of an accelerometer is known to 1 %,
+/// and meeting it closer than that is worth nothing against the force.
+const LEAST_LEVEL_BESIDE_FORCE: f64 = 0.01;
 
 impl ObservedWave {
     /// At most `limit` samples from `from_s` to `to_s` after contact. `wave` is on the grid of the measurement, as far
@@ -194,8 +197,7 @@ impl ObservedWave {
     pub(crate) fn response(&self, v0_m_per_s: f64, structure: &Structure) -> Result<Vec<f64>, LumpedError> {
         let what = (self.mass, self.quantity);
         if self.measurement.is_exact() {
-            let waves = self.quantity.waves();
-            let motions = structure.sensitivity_of(waves, v0_m_per_s, &self.instants(), &[])?.motions;
+            let motions = response_of(self.quantity, structure, v0_m_per_s, &self.instants(), &[])?.motions;
             return Ok(self.of_motions(&motions));
         }
         Ok(self.picked(&self.measurement.of_structure(what, v0_m_per_s, self.last(), structure)?))
@@ -210,8 +212,7 @@ impl ObservedWave {
     ) -> Result<Vec<Vec<f64>>, LumpedError> {
         let what = (self.mass, self.quantity);
         if self.measurement.is_exact() {
-            let waves = self.quantity.waves();
-            let response = structure.sensitivity_of(waves, v0_m_per_s, &self.instants(), places)?;
+            let response = response_of(self.quantity, structure, v0_m_per_s, &self.instants(), places)?;
             return Ok(response.derivatives.iter().map(|motions| self.of_motions(motions)).collect());
         }
         let all = self.measurement.derivatives(what, v0_m_per_s, self.last(), (structure, places))?;
@@ -243,6 +244,11 @@ impl Observation {
         let what = (None, FitQuantity::Displacement);
         let wave = ObservedWave::new(displacement, what, time_zero_s, measurement, window_s, limit)?;
         Ok(Self { impact_speed_m_per_s, waves: vec![wave] })
+    }
+
+    /// Whether one of the waves is the force on the wall.
+    fn has_wall(&self) -> bool {
+        self.waves.iter().any(|wave| wave.quantity == FitQuantity::Force)
     }
 
     /// Samples of all waves.
@@ -328,10 +334,14 @@ impl Observation {
     }
 
     /// The noise level of each wave, in its unit: that stated, else its root mean square misfit, at least a millionth
-    /// of the wave.
+    /// of the wave, and of an accelerometer a hundredth where the force on the wall stands beside it.
     pub fn noise_levels(&self, rmse: &[f64]) -> Vec<f64> {
+        let least = |wave: &ObservedWave| {
+            let beside_force = self.has_wall() && wave.quantity != FitQuantity::Force;
+            wave.size() * if beside_force { LEAST_LEVEL_BESIDE_FORCE } else { LEAST_LEVEL }
+        };
         let level_of = |(wave, rmse): (&ObservedWave, &f64)| {
-            wave.noise.unwrap_or_else(|| rmse.max(LEAST_LEVEL * wave.size())).max(f64::MIN_POSITIVE)
+            wave.noise.unwrap_or_else(|| rmse.max(least(wave))).max(f64::MIN_POSITIVE)
         };
         self.waves.iter().zip(rmse).map(level_of).collect()
     }

@@ -14,11 +14,12 @@ use crate::{FitQuantity, Measurement};
 const ERRORS: &str = "root mean square errors ";
 
 /// The root mean square error of each sensor with its channel and place: `8.1 mm at 93 (compartment)`. Displacements
-/// are given in mm, other quantities in their SI unit.
+/// are given in mm, forces in kN, other quantities in their SI unit.
 pub fn errors_in_words<'a>(errors: impl IntoIterator<Item = (f64, FitQuantity, &'a str, String)>) -> String {
     let error_text = |(rmse, quantity, channel, place): (f64, FitQuantity, &str, String)| {
         let (value, unit) = match quantity {
             FitQuantity::Displacement => (1e3 * rmse, "mm"),
+            FitQuantity::Force => (1e-3 * rmse, "kN"),
             other => (rmse, other.unit()),
         };
         format!("{value:.4} {unit} at {channel} ({place})")
@@ -33,7 +34,7 @@ pub fn note_of_errors(errors: &str, seen: Option<&str>) -> String {
     format!("{ERRORS}{seen}{errors}; residuals weighted by the noise level of each sensor")
 }
 
-/// The mass of a model that a sensor sits on.
+/// The mass of a model that a sensor sits on, or the wall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SensorPlace {
     /// The last mass.
@@ -46,11 +47,14 @@ pub enum SensorPlace {
     Mass(usize),
     /// The occupant, who is the last mass of a chain that says so, behind the compartment.
     Occupant,
+    /// The wall, whose force is measured.
+    Wall,
 }
 
 impl SensorPlace {
     /// Index of the mass, from the barrier on, in a model of so many masses; `None` if the model has no such mass. A
-    /// model of one mass has a compartment only; in one of two, front and chassis are the same mass.
+    /// model of one mass has a compartment only; in one of two, front and chassis are the same mass. The wall stands
+    /// behind the last.
     pub fn mass(self, masses: usize) -> Option<usize> {
         match self {
             Self::Compartment => masses.checked_sub(1),
@@ -58,6 +62,7 @@ impl SensorPlace {
             Self::Chassis => (masses > 1).then(|| masses - 2),
             Self::Mass(number) => (number >= 1 && number <= masses).then(|| number - 1),
             Self::Occupant => None,
+            Self::Wall => Some(masses),
         }
     }
 
@@ -65,7 +70,7 @@ impl SensorPlace {
     pub fn mass_before_occupant(self, masses: usize) -> Option<usize> {
         match self {
             Self::Occupant => masses.checked_sub(1).filter(|last| *last > 0),
-            Self::Mass(_) => self.mass(masses),
+            Self::Mass(_) | Self::Wall => self.mass(masses),
             _ => self.mass(masses.saturating_sub(1)),
         }
     }
@@ -79,6 +84,7 @@ impl fmt::Display for SensorPlace {
             Self::Chassis => f.write_str("chassis"),
             Self::Mass(number) => write!(f, "m{number}"),
             Self::Occupant => f.write_str("occupant"),
+            Self::Wall => f.write_str("wall"),
         }
     }
 }
@@ -92,6 +98,7 @@ impl FromStr for SensorPlace {
             "front" | "engine" => Ok(Self::Front),
             "chassis" => Ok(Self::Chassis),
             "occupant" => Ok(Self::Occupant),
+            "wall" => Ok(Self::Wall),
             _ => text
                 .strip_prefix('m')
                 .and_then(|number| number.parse().ok())
@@ -99,7 +106,8 @@ impl FromStr for SensorPlace {
                 .map(Self::Mass)
                 .ok_or_else(|| {
                     format!(
-                        "no place of a sensor: {text:?}; expected compartment, front, chassis, occupant or m1, m2, ..."
+                        "no place of a sensor: {text:?}; expected compartment, front, chassis, occupant, wall or m1, \
+                         m2, ..."
                     )
                 }),
         }
@@ -129,7 +137,7 @@ pub struct Sensor<'a> {
 pub struct SensorFit {
     /// Its channel.
     pub channel: String,
-    /// Number of its mass, from 1 at the barrier.
+    /// Number of its mass, from 1 at the barrier; 0: the wall.
     pub mass: usize,
     /// What was fitted.
     pub quantity: FitQuantity,

@@ -73,7 +73,7 @@ impl SensorNoise {
         let smoothed = match wave.quantity {
             FitQuantity::Displacement => (6.0 * lag(0) + 8.0 * lag(1) + 2.0 * lag(2)) / 16.0,
             FitQuantity::Velocity => 0.5 * (lag(0) + lag(1)),
-            FitQuantity::Acceleration => 1.0,
+            FitQuantity::Acceleration | FitQuantity::Force => 1.0,
         };
         let n = misfit.len() as f64;
         let power = |column: &[f64]| self.filtered(&wave.measurement.filter, column).iter().map(|w| w * w).sum::<f64>();
@@ -146,7 +146,7 @@ pub(crate) fn as_acceleration(quantity: FitQuantity, dt_s: f64, wave: &[f64]) ->
     match quantity {
         FitQuantity::Displacement => wave.windows(3).map(|x| (x[0] - 2.0 * x[1] + x[2]) / (dt_s * dt_s)).collect(),
         FitQuantity::Velocity => wave.windows(2).map(|v| (v[1] - v[0]) / dt_s).collect(),
-        FitQuantity::Acceleration => wave.to_vec(),
+        FitQuantity::Acceleration | FitQuantity::Force => wave.to_vec(),
     }
 }
 
@@ -161,7 +161,7 @@ fn summed_back(wave: &ObservedWave, u: impl Iterator<Item = f64>) -> Vec<f64> {
     let sums = match wave.quantity {
         FitQuantity::Displacement => 2,
         FitQuantity::Velocity => 1,
-        FitQuantity::Acceleration => 0,
+        FitQuantity::Acceleration | FitQuantity::Force => 0,
     };
     if sums == 2 && start < contact && contact < back.len() {
         // The displacement is shifted to zero at contact.

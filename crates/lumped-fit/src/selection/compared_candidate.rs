@@ -19,7 +19,7 @@ impl EnergyClass {
     /// The class of a candidate, from the names of model and parameters in its record.
     pub fn of(model: &str, parameters: &BTreeMap<String, f64>) -> Self {
         let plastic = match model.parse::<ModelKind>() {
-            Ok(ModelKind::Elastoplastic | ModelKind::ForceDeflection) => true,
+            Ok(ModelKind::Elastoplastic | ModelKind::ForceDeflection | ModelKind::LoadPaths) => true,
             Ok(
                 ModelKind::Kelvin
                 | ModelKind::Maxwell

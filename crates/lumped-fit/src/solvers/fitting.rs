@@ -4,14 +4,15 @@ use crumple_lumped::{Elastoplastic, Model, Nonlinear1, ParameterKind};
 use crumple_signal::{Note, Notes};
 
 use crate::candidate::parameter_set::fixed_at_bound;
-use crate::fit::as_measured::fit_as_measured;
+use crate::fit::as_measured::{fit_as_measured, fit_nearby};
 use crate::free::free_parameter::{FreeParameter, free_masses, free_parameters, mass_of};
 use crate::free::search_bounds::largest_of_chain;
 use crate::record::sensor::{errors_in_words, note_of_errors};
 use crate::solvers::shared_mass::{pulse, sensors_of};
 use crate::solvers::task::{Task, mass_count};
 use crate::{
-    Candidate, Fit, MassFit, Measurement, Minimum, Observation, ObservedWave, Sensor, SolveError, bounds_remark,
+    Candidate, Fit, MassFit, Measurement, Minimum, Observation, ObservedWave, Sensor, SensorPlace, SolveError,
+    bounds_remark,
 };
 
 /// Rounds of weighing sensors, and the change of a weight that is worth another one.
@@ -129,6 +130,23 @@ impl<'a> Fitting<'a> {
         Some(minimum)
     }
 
+    /// The minimum near a start that is close already, with the waves weighed by their misfits there, in turn with the
+    /// fit.
+    pub fn weighed_nearby(&mut self, start: &Model, free: &[FreeParameter]) -> Option<Minimum> {
+        let mut minimum = fit_nearby(start, free, &self.observed)?;
+        for _ in 0..WEIGHINGS {
+            let weighed = self.observed.weigh(&self.observed.rmse(&minimum.misfit_m), WORTH_ANOTHER);
+            // What came near zero, or left it, goes on in another coordinate: zero is an answer, not a bound.
+            let free: Vec<FreeParameter> = minimum.free.iter().map(|p| p.described_at(p.value)).collect();
+            let redescribed = free.iter().zip(&minimum.free).any(|(new, old)| new.logarithmic != old.logarithmic);
+            if !(weighed || redescribed) {
+                break;
+            }
+            minimum = fit_nearby(&minimum.model, &free, &self.observed)?;
+        }
+        Some(minimum)
+    }
+
     /// The error of each sensor in words: `8.1 mm at 93 (compartment)`.
     pub fn errors(&self, misfit: &[f64]) -> String {
         let errors = self.sensors.iter().zip(self.observed.rmse(misfit));
@@ -145,7 +163,9 @@ impl<'a> Fitting<'a> {
         active_bounds.extend(stopped.map(|(p, _)| p.name));
         // The displacement of the pulse alone needs no name.
         let several = !self.task.fits_displacement_alone();
-        let named = self.sensors.iter().filter(|_| several).map(|(mass, s)| (s.channel.to_owned(), mass + 1)).collect();
+        let number = |mass: usize, sensor: &Sensor<'_>| if sensor.place == SensorPlace::Wall { 0 } else { mass + 1 };
+        let named = self.sensors.iter().filter(|_| several);
+        let named = named.map(|(mass, s)| (s.channel.to_owned(), number(*mass, s))).collect();
         let descent =
             (start.iterations + minimum.iterations, start.evaluations + minimum.evaluations, minimum.stop_reason);
         let fit = Fit::of_waves(&self.observed, &self.observed.rmse(&minimum.misfit_m), named, descent, active_bounds);

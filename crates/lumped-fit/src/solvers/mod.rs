@@ -2,10 +2,10 @@
 //! May use every other room.
 
 pub mod closed_forms;
+pub mod crush_curves;
 pub mod explanations;
 pub mod extent;
 pub mod fitting;
-pub mod force_deflection;
 pub mod nearly_rigid;
 pub mod sensors;
 pub mod settings;

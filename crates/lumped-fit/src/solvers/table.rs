@@ -7,8 +7,10 @@ use std::sync::LazyLock;
 use crumple_lumped::ModelKind;
 use crumple_signal::Notes;
 
+use crate::solvers::crush_curves::assumptions::ONE_MASS_RATE_S_PER_M;
+use crate::solvers::crush_curves::one_mass;
 use crate::solvers::task::{Needs, Task};
-use crate::solvers::{closed_forms, force_deflection, sensors, single_mass};
+use crate::solvers::{closed_forms, sensors, single_mass};
 use crate::{Candidate, FireflyOptions, FitQuantity, MassFit, MassSplit, Method, SolveError, SolveSettings};
 use crumple_estimation::minimise::l_shade::LShadeOptions;
 
@@ -75,7 +77,7 @@ pub(crate) const SOLVERS: &[Solver] = {
         Solver { model: DOUBLE, method: Method::CurveFit, needs: IdentifiedModel, by_default: false, solve: None },
         solver(K::TripleSpringMassDamper, Method::DirectFit, Motion, true, sensors::fit),
         solver(K::TripleSpringMassDamper, Method::LShade, Motion, false, sensors::fit),
-        solver(K::ForceDeflection, Method::DirectFit, Motion, true, force_deflection::fit),
+        solver(K::ForceDeflection, Method::DirectFit, Motion, true, one_mass::fit),
     ]
 };
 
@@ -104,7 +106,7 @@ impl Default for SolveSettings {
             triple: None,
             mass_fit: MassFit::Known,
             quantity: FitQuantity::Displacement,
-            rate_factor_s_per_m: force_deflection::ONE_MASS_RATE_S_PER_M,
+            rate_factor_s_per_m: ONE_MASS_RATE_S_PER_M,
             release: true,
             fit_from_s: 0.0,
             fit_to_s: None,

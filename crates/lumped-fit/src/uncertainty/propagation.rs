@@ -160,6 +160,8 @@ fn shifted(wave: &ObservedWave, v0: f64, errors: &Errors, bias: f64) -> Observed
     let timed = x.iter().enumerate().map(|(k, x)| (m.time_s(first + k * wave.stride), *x));
     let samples = match wave.quantity {
         FitQuantity::Acceleration => x.iter().map(|a| a + bias).collect(),
+        // Load cells have a zero level of their own, which is taken off before the filter.
+        FitQuantity::Force => x,
         FitQuantity::Velocity => {
             let lost = if m.from_contact { at_contact((v0, 0.0)).0 - v0 } else { 0.0 };
             timed.map(|(t, v)| v - lost + speed + bias * (t - start_s)).collect()

@@ -51,7 +51,8 @@ pub fn of_one_test(inputs: &Fields) -> Result<Value, String> {
         });
         curves.push(asked(element)?);
     }
-    let test = MeasuredTest { dt_s, masses, elements, total_mass_kg: masses_free.then_some(total) };
+    let test =
+        MeasuredTest { dt_s, masses, elements, total_mass_kg: masses_free.then_some(total), wall: None, through: None };
     let found = extract(&[test], &curves, 0.0).ok_or("nothing was extracted")?;
     Ok(json!({ "expected": {
         "force_n": found.forces_n,
@@ -75,7 +76,7 @@ pub fn of_several_tests(inputs: &Fields) -> Result<Value, String> {
         let masses = motions(&structure, &drive, fields.number("until_s")?, dt_s)?;
         fields.all_read()?;
         let elements = vec![MeasuredElement { front: None, rear: 0, curve: 0, gap_m: law.gap_m() }];
-        tests.push(MeasuredTest { dt_s, masses, elements, total_mass_kg: None });
+        tests.push(MeasuredTest { dt_s, masses, elements, total_mass_kg: None, wall: None, through: None });
     }
     let found: Option<(f64, Extraction)> = extract_with_rate(&tests, &[curve], 0.0, None);
     let (rate, found) = found.ok_or("nothing was extracted")?;
@@ -93,7 +94,8 @@ pub fn of_a_program(inputs: &Fields) -> Result<Value, String> {
         noise_n: inputs.number("noise_n")?,
     };
     let elements = vec![MeasuredElement { front: None, rear: 0, curve: 0, gap_m: 0.0 }];
-    let test = MeasuredTest { dt_s: 1e-3, masses: vec![mass], elements, total_mass_kg: None };
+    let test =
+        MeasuredTest { dt_s: 1e-3, masses: vec![mass], elements, total_mass_kg: None, wall: None, through: None };
     let curve = AskedCurve { knots_m: inputs.numbers("knots_m")?, rate_s_per_m: 0.0 };
     let weight = inputs.number("slope_change_weight_m2_per_n2")?;
     let found = extract(&[test], &[curve], weight).ok_or("nothing was extracted")?;

@@ -7,6 +7,7 @@ pub mod double_spring_mass_damper;
 pub mod elastoplastic;
 pub mod force_deflection;
 pub mod kelvin;
+pub mod load_paths;
 pub mod maxwell;
 pub mod nonlinear;
 pub mod values;

@@ -23,11 +23,14 @@ pub enum ModelKind {
     TripleSpringMassDamper,
     /// One mass behind a structure that is crushed along a force-deflection curve.
     ForceDeflection,
+    /// The same family with two masses, engine and compartment, and a curve of each load path between them and the
+    /// barrier.
+    LoadPaths,
 }
 
 impl ModelKind {
     /// All kinds.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Kelvin,
         Self::Elastoplastic,
         Self::Maxwell,
@@ -36,9 +39,11 @@ impl ModelKind {
         Self::DoubleSpringMassDamper,
         Self::TripleSpringMassDamper,
         Self::ForceDeflection,
+        Self::LoadPaths,
     ];
 
-    /// The name in candidate ids and pipeline files.
+    /// The name in candidate ids and pipeline files. Crushed structures of one mass and of two have one name: the
+    /// parameters of a candidate tell which it is.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Kelvin => "kelvin",
@@ -48,7 +53,7 @@ impl ModelKind {
             Self::Nonlinear2 => "nonlinear-2",
             Self::DoubleSpringMassDamper => "double-spring-mass-damper",
             Self::TripleSpringMassDamper => "triple-spring-mass-damper",
-            Self::ForceDeflection => "force-deflection",
+            Self::ForceDeflection | Self::LoadPaths => "force-deflection",
         }
     }
 }

@@ -182,6 +182,43 @@ const FORCE_DEFLECTION: [Parameter; 3 + 2 * MOST_KNOTS] = {
     parameters
 };
 
+/// Load paths of a front with two masses.
+pub const LOAD_PATHS: usize = 3;
+/// Knots of a load path at most, that at zero not counted.
+pub const MOST_KNOTS_OF_PATH: usize = 8;
+/// Parameters of a load path: forces at its knots, unloading, rate factor, places of its knots.
+pub(crate) const OF_PATH: usize = 2 * MOST_KNOTS_OF_PATH + 2;
+
+/// The parameters of a load path of this name.
+macro_rules! load_path {
+    ($path:literal: $($knot:literal)+) => {
+        [
+            $(Parameter::new(concat!($path, "_knot", $knot, "_n"), ParameterKind::Force),)+
+            by_rule(concat!($path, "_unloading_n_per_m"), ParameterKind::Stiffness),
+            by_rule(concat!($path, "_rate_s_per_m"), ParameterKind::RateFactor),
+            $(by_rule(concat!($path, "_knot", $knot, "_m"), ParameterKind::Length),)+
+        ]
+    };
+}
+
+/// Two masses, then path by path: from the barrier to the first mass, from there to the second, from the barrier to the
+/// second. A model has the knots and the paths that it needs.
+const TWO_MASSES: [Parameter; 2 + LOAD_PATHS * OF_PATH] = {
+    const PATHS: [[Parameter; OF_PATH]; LOAD_PATHS] = [
+        load_path!("front": 1 2 3 4 5 6 7 8),
+        load_path!("rear": 1 2 3 4 5 6 7 8),
+        load_path!("parallel": 1 2 3 4 5 6 7 8),
+    ];
+    let mut parameters = [Parameter::mass("m1_kg"); 2 + LOAD_PATHS * OF_PATH];
+    parameters[1] = Parameter::mass("m2_kg");
+    let mut i = 0;
+    while i < LOAD_PATHS * OF_PATH {
+        parameters[2 + i] = PATHS[i / OF_PATH][i % OF_PATH];
+        i += 1;
+    }
+    parameters
+};
+
 /// The names of a table.
 const fn names<const N: usize>(parameters: &[Parameter; N]) -> [&'static str; N] {
     let mut names = [""; N];
@@ -207,6 +244,7 @@ impl ModelKind {
             Self::DoubleSpringMassDamper => &DOUBLE,
             Self::TripleSpringMassDamper => &TRIPLE,
             Self::ForceDeflection => &FORCE_DEFLECTION,
+            Self::LoadPaths => &TWO_MASSES,
         }
     }
 
@@ -220,6 +258,7 @@ impl ModelKind {
             Self::DoubleSpringMassDamper => const { &names(&DOUBLE) },
             Self::TripleSpringMassDamper => const { &names(&TRIPLE) },
             Self::ForceDeflection => const { &names(&FORCE_DEFLECTION) },
+            Self::LoadPaths => const { &names(&TWO_MASSES) },
         }
     }
 

@@ -4,12 +4,13 @@
 //! knows its masses and the [`Structure`] it is a name for. What a family is made of is in `families/`.
 
 use crate::{
-    CrushedStructure, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, ModelKind, Nonlinear1,
-    Nonlinear2, ParameterKind, Structure, TripleSpringMassDamper,
+    CrushedLoadPaths, CrushedStructure, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, ModelKind,
+    Nonlinear1, Nonlinear2, ParameterKind, Structure, TripleSpringMassDamper,
 };
 
 /// A lumped model with its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "copied once a fit, not once a sample")]
 pub enum Model {
     /// Spring and damper in parallel.
     Kelvin(Kelvin),
@@ -27,6 +28,8 @@ pub enum Model {
     TripleSpringMassDamper(TripleSpringMassDamper),
     /// A structure that is crushed.
     ForceDeflection(CrushedStructure),
+    /// Engine and compartment behind load paths that are crushed.
+    LoadPaths(CrushedLoadPaths),
 }
 
 /// The same of whatever family a model is.
@@ -41,6 +44,7 @@ macro_rules! of_family {
             Model::DoubleSpringMassDamper($family) => $what,
             Model::TripleSpringMassDamper($family) => $what,
             Model::ForceDeflection($family) => $what,
+            Model::LoadPaths($family) => $what,
         }
     };
 }
@@ -57,6 +61,7 @@ impl Model {
             Self::DoubleSpringMassDamper(_) => ModelKind::DoubleSpringMassDamper,
             Self::TripleSpringMassDamper(_) => ModelKind::TripleSpringMassDamper,
             Self::ForceDeflection(_) => ModelKind::ForceDeflection,
+            Self::LoadPaths(_) => ModelKind::LoadPaths,
         }
     }
 

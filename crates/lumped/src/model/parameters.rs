@@ -6,8 +6,8 @@
 use std::collections::BTreeMap;
 
 use crate::{
-    Chain, CrushedStructure, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, ModelKind,
-    Nonlinear1, Nonlinear2, ParameterKind, Structure, TripleSpringMassDamper,
+    Chain, CrushedLoadPaths, CrushedStructure, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell,
+    Model, ModelKind, Nonlinear1, Nonlinear2, ParameterKind, Structure, TripleSpringMassDamper,
 };
 
 /// What a parameter of a candidate is, from the names of model and parameter in its record.
@@ -17,7 +17,8 @@ use crate::{
 /// name to end with. `None` for a parameter that the family does not have, or that ends in none of these units.
 pub fn parameter_kind(model: &str, name: &str) -> Option<ParameterKind> {
     if let Ok(family) = model.parse::<ModelKind>() {
-        return family.parameter(name).map(|parameter| parameter.kind);
+        let of_name = ModelKind::ALL.into_iter().filter(|kind| kind.name() == family.name());
+        return of_name.filter_map(|kind| kind.parameter(name)).map(|parameter| parameter.kind).next();
     }
     Chain::parameter_kind(name).or_else(|| parameter_kind_of_unit(name))
 }
@@ -39,10 +40,13 @@ pub fn parameter_kind_of_unit(name: &str) -> Option<ParameterKind> {
 
 impl Model {
     /// Builds a model from named parameters: exactly those of [`ModelKind::parameter_names`], of the knots of a crushed
-    /// structure the first ones; without a rate factor it has none.
+    /// structure the first ones; without a rate factor it has none. Of crushed structures `m1_kg` makes the one with
+    /// two masses.
     ///
     /// An elastoplastic model gets `release = true`: after rebound a vehicle leaves the barrier.
     pub fn from_parameters(kind: ModelKind, parameters: &BTreeMap<String, f64>) -> Result<Self, LumpedError> {
+        let two_masses = kind == ModelKind::ForceDeflection && parameters.contains_key("m1_kg");
+        let kind = if two_masses { ModelKind::LoadPaths } else { kind };
         let names = kind.parameter_names();
         if let Some(name) = parameters.keys().find(|name| !names.contains(&name.as_str())) {
             return Err(LumpedError::UnknownParameter { model: kind, name: name.clone(), expected: names.join(", ") });
@@ -51,6 +55,11 @@ impl Model {
             let optional = match kind.parameter(name).map(|parameter| parameter.kind) {
                 Some(ParameterKind::RateFactor) => Some(0.0),
                 Some(ParameterKind::Force | ParameterKind::Length) if kind == ModelKind::ForceDeflection => {
+                    Some(f64::NAN)
+                }
+                Some(ParameterKind::Force | ParameterKind::Length | ParameterKind::Stiffness)
+                    if kind == ModelKind::LoadPaths =>
+                {
                     Some(f64::NAN)
                 }
                 _ => None,
@@ -79,6 +88,7 @@ impl Model {
                 Self::TripleSpringMassDamper(TripleSpringMassDamper::from_values(values))
             }
             ModelKind::ForceDeflection => Self::ForceDeflection(CrushedStructure::from_values(values)?),
+            ModelKind::LoadPaths => Self::LoadPaths(CrushedLoadPaths::from_values(values)?),
         })
     }
 

@@ -1,6 +1,7 @@
 //! What a model answers: its structure's motions, forces, energies, events and derivatives, in the model's own names.
 
 use crate::families::chain::places_of_constants;
+use crate::families::load_paths::CrushedLoadPaths;
 use crate::kind::parameter::MOST_KNOTS;
 use crate::structure::connected_masses::Place;
 use crate::{CrushEvents, Drive, Dynamics, Instants, LumpedError, Model, ModelKind, Response, Sensitivity};
@@ -35,6 +36,7 @@ impl Model {
                 let knot = |which: usize| (0..MOST_KNOTS).map(move |j| (0, 2 * j + which));
                 knots(&knot(0).chain([(0, after), (0, after + 1)]).chain(knot(1)).collect::<Vec<_>>())
             }
+            ModelKind::LoadPaths => CrushedLoadPaths::places(&self.values()),
         }
     }
 

@@ -162,6 +162,10 @@ fn waves(
     let mass_kg = settings.mass_kg.or(input.test()?.mass_kg).unwrap_or(1.0);
     let (mut waves, mut sensors) = (Vec::new(), Vec::new());
     for (place, channel) in stated_places(settings, &events.channel) {
+        // A chain is fitted to motions; how far it misses the wall's force is scored.
+        if place == SensorPlace::Wall {
+            continue;
+        }
         let mass = if chain.has_occupant() { place.mass_before_occupant(masses) } else { place.mass(masses) };
         let Some(mass) = mass else {
             out.notes().info(format!(

@@ -56,7 +56,7 @@ pub fn from_events(
         .map(|wave| Sensor {
             channel: &wave.channel,
             place: wave.place,
-            quantity: settings.solve.quantity,
+            quantity: wave.quantity,
             record: &wave.record,
             measurement: Some(wave.measurement),
             noise: None,

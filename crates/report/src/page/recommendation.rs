@@ -33,10 +33,16 @@ fn table(out: &mut String, choice: &RecommendationV1) {
             format!("<th scope=\"col\" class=\"n\"><abbr title=\"{title}\">{}</abbr></th>", html(&prior.name))
         })
         .collect();
+    let force = if has_force(choice) {
+        "<th scope=\"col\" class=\"n\"><abbr title=\"Force on the wall: model less measured, root mean square over \
+         that of the measured, from contact to separation, both filtered alike.\">Wall force, %</abbr></th>"
+    } else {
+        ""
+    };
     out.push_str(&format!(
         "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">Model</th><th scope=\"col\">Energy goes into</th>\
          <th scope=\"col\" class=\"n\">Determined</th><th scope=\"col\" class=\"n\">Fit, %</th>\
-         <th scope=\"col\" class=\"n\">e</th><th scope=\"col\" class=\"n\">ΔAICc</th>{priors}\
+         <th scope=\"col\" class=\"n\">e</th>{force}<th scope=\"col\" class=\"n\">ΔAICc</th>{priors}\
          <th scope=\"col\" class=\"n\">Δ with priors</th><th scope=\"col\">Adequate</th></tr></thead>\n<tbody>\n",
     ));
     for rated in &choice.candidates {
@@ -63,6 +69,11 @@ fn table(out: &mut String, choice: &RecommendationV1) {
     ));
 }
 
+/// Whether the record has the force on the wall.
+fn has_force(choice: &RecommendationV1) -> bool {
+    choice.candidates.iter().any(|rated| rated.force_misfit_percent.is_some())
+}
+
 fn row(out: &mut String, choice: &RecommendationV1, rated: &RatedCandidateV1) {
     let number = |value: Option<f64>, digits: usize| value.map_or_else(|| ABSENT.to_owned(), |v| decimals(v, digits));
     let terms: String = choice
@@ -73,9 +84,11 @@ fn row(out: &mut String, choice: &RecommendationV1, rated: &RatedCandidateV1) {
             format!("<td class=\"n\">{}</td>", number(term, 1))
         })
         .collect();
+    let force = has_force(choice).then(|| format!("<td class=\"n\">{}</td>", number(rated.force_misfit_percent, 1)));
+    let force = force.unwrap_or_default();
     let adequate = rated.not_adequate_because.as_deref().map_or_else(|| "yes".to_owned(), |why| format!("no: {why}"));
     out.push_str(&format!(
-        "<tr{}><td>{}</td><td>{}</td><td class=\"n\">{} of {}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
+        "<tr{}><td>{}</td><td>{}</td><td class=\"n\">{} of {}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>{force}\
          <td class=\"n\">{}</td>{terms}<td class=\"n\">{}</td><td>{}</td></tr>\n",
         if choice.recommended.as_ref() == Some(&rated.id) { " class=\"best\"" } else { "" },
         html(&candidate_name(&rated.id)),

@@ -181,6 +181,10 @@ pub fn write_artifacts(folder: &Path, simulated: bool) -> Vec<PathBuf> {
             energy_closure: None,
             ratings: vec![],
             fit_as_measured_percent: None,
+            force_misfit_percent: None,
+            coefficient_of_restitution: None,
+            rebound_velocity_m_per_s: None,
+            peak_acceleration_m_per_s2: None,
         };
         simulate.builder.put(&format!("/simulation/{}", sketch.id), &simulation).unwrap();
         for (what, quantity, index) in [

@@ -1,7 +1,7 @@
 //! Information criterion of the displacement error, with what the samples are worth.
 
 use crumple_estimation::statistics::InformationCriteria;
-use crumple_lumped::{ModelKind, Parameter, ParameterKind};
+use crumple_lumped::{Model, ModelKind, Parameter, ParameterKind};
 
 /// The criterion of one candidate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,8 +28,18 @@ pub fn information(mean_square_m2: f64, effective_samples: f64, parameters: u32)
 
 /// Springs, dampers and knots of a model: what its fit was free to choose. Masses and the ends of curves are given.
 pub fn parameters_of(kind: ModelKind) -> u32 {
-    let fitted = |parameter: &&Parameter| parameter.kind != ParameterKind::Mass && !parameter.of_the_test;
-    kind.parameters().iter().filter(fitted).count() as u32
+    kind.parameters().iter().filter(|parameter| is_fitted(parameter)).count() as u32
+}
+
+/// The same of a model, of which a crushed structure has the knots that it has.
+pub fn numbers_of(model: &Model) -> u32 {
+    let given = model.parameters();
+    let parameters = model.kind().parameters().iter();
+    parameters.filter(|parameter| is_fitted(parameter) && given.contains_key(parameter.name)).count() as u32
+}
+
+fn is_fitted(parameter: &Parameter) -> bool {
+    parameter.kind != ParameterKind::Mass && !parameter.of_the_test
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! How many numbers of a candidate were chosen to meet the record.
 
-use crumple_lumped::{ModelKind, ParameterKind, parameter_kind};
-use crumple_simulate::parameters_of;
+use crumple_lumped::{Model, ModelKind, ParameterKind, parameter_kind};
+use crumple_simulate::{numbers_of, parameters_of};
 use crumple_stage::records::CandidateV1;
 
 /// Numbers that the fit was free to choose, or the person who stated a chain.
@@ -11,7 +11,9 @@ use crumple_stage::records::CandidateV1;
 /// chain, and of a fitted one that says nothing of it: all springs, dampers and knots.
 pub fn fitted_parameters(candidate: &CandidateV1) -> u32 {
     if let Ok(kind) = candidate.model.parse::<ModelKind>() {
-        return parameters_of(kind);
+        // Of the knots of a crushed structure those it has.
+        let model = Model::from_parameters(kind, &candidate.parameters);
+        return model.map_or_else(|_| parameters_of(kind), |model| numbers_of(&model));
     }
     let names = || candidate.parameters.keys();
     let is_mass = |name: &str| parameter_kind(&candidate.model, name) == Some(ParameterKind::Mass);

@@ -11,7 +11,8 @@ mod records;
 use std::path::PathBuf;
 
 use crumple_estimation::statistics::effective_samples;
-use crumple_lumped::{Chain, Model, ModelKind};
+use crumple_lumped::{Chain, Model, ModelKind, structure_of};
+use crumple_lumped_fit::WallForce;
 use crumple_signal::{Acceleration, Displacement, Sampled, TestDescription, Velocity};
 use crumple_simulate::{
     Excitation, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, beside_mass, information,
@@ -25,7 +26,7 @@ use crate::stage::chain_table::ChainSettings;
 use crate::stage::fitted_parameters::fitted_parameters;
 use crate::stage::options::{Options, Settings};
 use crate::stage::other_sensors::{mass_of_occupant, mass_of_pulse, other_sensors, was_fitted};
-use crate::stage::records::{sensor_record, summary_line, write_simulation};
+use crate::stage::records::{BesideTest, sensor_record, summary_line, write_simulation};
 
 /// The stage.
 pub struct Simulate;
@@ -107,6 +108,8 @@ impl Stage for Simulate {
             // The most that any candidate's error is worth: a smooth error makes no candidate good.
             effective_samples: simulations().filter_map(|s| effective_samples(&s.error_m)).reduce(f64::max),
             others: other_sensors(input, &test, channel)?,
+            wall: wall_force(input, &events)?.filter(|_| drive.is_none()),
+            impact_speed_m_per_s,
         };
         let mut simulated = 0;
         for ((id, candidate), result) in candidates.iter().zip(results) {
@@ -196,6 +199,13 @@ fn write_stated(
     Ok(candidate)
 }
 
+/// The force on the wall from contact to separation; without separation to the end of the record.
+fn wall_force(input: &Inputs, events: &EventsV1) -> anyhow::Result<Option<WallForce>> {
+    let Some((force, steps)) = input.wall_force(events)? else { return Ok(None) };
+    let to_s = events.end_of_contact_s(force.end_s());
+    Ok(WallForce::new(&force, events.time_zero_s, steps.into(), to_s).ok())
+}
+
 /// What every simulation of a test is compared with.
 struct ComparisonWithTest<'a> {
     displacement: &'a Sampled,
@@ -203,6 +213,9 @@ struct ComparisonWithTest<'a> {
     /// Independent samples of the displacement error, one number for all candidates.
     effective_samples: Option<f64>,
     others: Vec<OtherSensor>,
+    /// The force on the wall; none where something else than the impact moves the models.
+    wall: Option<WallForce>,
+    impact_speed_m_per_s: f64,
 }
 
 impl ComparisonWithTest<'_> {
@@ -232,8 +245,17 @@ impl ComparisonWithTest<'_> {
         let dt_s = self.displacement.dt_s();
         let sensors =
             self.others.iter().filter_map(|sensor| beside(&simulation, sensor, dt_s)).map(sensor_record).collect();
+        let structure = structure_of(&candidate.model, &candidate.parameters).ok();
+        let force = self.wall.as_ref().filter(|_| drive.is_none()).zip(structure);
+        let beside_test = BesideTest {
+            information: criterion,
+            other_sensors: sensors,
+            force_misfit_percent: force.and_then(|(wall, s)| wall.misfit_percent(&s, self.impact_speed_m_per_s)),
+            impact_speed_m_per_s: self.impact_speed_m_per_s,
+            drive,
+        };
         let grid = (self.displacement, self.time_zero_s);
-        write_simulation(id, candidate, simulation, (criterion, sensors, drive), grid, out)?;
+        write_simulation(id, candidate, simulation, beside_test, grid, out)?;
         Ok(1)
     }
 }

@@ -2,9 +2,20 @@
 
 use crumple_lumped::{CrushEvents, Dynamics, Motion};
 use crumple_signal::{Notes, QuantityKind, Sampled};
-use crumple_simulate::{Information, Rating, SensorFit, Simulation};
+use crumple_simulate::{Information, Rating, SensorFit, Simulation, deceleration_peak};
 use crumple_stage::Output;
 use crumple_stage::records::{CandidateV1, EnergyV1, OtherSensorV1, RatingV1, SimulationV1};
+
+/// What a simulation is compared with beside the motion of the pulse.
+pub struct BesideTest {
+    pub information: Option<Information>,
+    pub other_sensors: Vec<OtherSensorV1>,
+    /// Misfit of the force on the wall, percent.
+    pub force_misfit_percent: Option<f64>,
+    pub impact_speed_m_per_s: f64,
+    /// What moves the model where it is not the impact alone, in words.
+    pub drive: Option<String>,
+}
 
 /// Writes the record of a simulation and the waves of every mass, spring and damper.
 ///
@@ -13,12 +24,14 @@ pub fn write_simulation(
     id: &str,
     candidate: &CandidateV1,
     simulation: Simulation,
-    (information, other_sensors, drive): (Option<Information>, Vec<OtherSensorV1>, Option<String>),
+    beside: BesideTest,
     (grid, time_zero_s): (&Sampled, f64),
     out: &mut Output,
 ) -> anyhow::Result<()> {
+    let BesideTest { information, other_sensors, force_misfit_percent, impact_speed_m_per_s, drive } = beside;
     let Simulation { motion, mut events, comparison, compartment, dynamics, .. } = simulation;
     let notes = notes_on(candidate, &mut events, dynamics.as_ref(), grid, time_zero_s);
+    let rebound = events.rebound_velocity_m_per_s.filter(|_| drive.is_none());
     let record = SimulationV1 {
         dynamic_crush_m: events.dynamic_crush_m,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
@@ -42,6 +55,10 @@ pub fn write_simulation(
         energy_closure: dynamics.as_ref().and_then(Dynamics::energy_closure),
         ratings: comparison.ratings.into_iter().map(rating_record).collect(),
         fit_as_measured_percent: comparison.fit_as_measured_percent,
+        force_misfit_percent,
+        coefficient_of_restitution: rebound.map(|v| -v / impact_speed_m_per_s),
+        rebound_velocity_m_per_s: rebound,
+        peak_acceleration_m_per_s2: deceleration_peak(&motion.acceleration_m_per_s2, grid.dt_s()),
     };
     out.put(&format!("/simulation/{id}"), &record)?;
     let mut wave = |what: &str, quantity: QuantityKind, samples: Vec<f64>| {

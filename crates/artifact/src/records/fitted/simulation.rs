@@ -61,6 +61,21 @@ pub struct SimulationV1 {
     /// reaches 100 on a record without noise. `null` under a drive.
     #[serde(default)]
     pub fit_as_measured_percent: Option<f64>,
+    /// Misfit of the force on the wall, percent of its root mean square from contact to separation, the force of the
+    /// model filtered as that measured; `null` without a measured force, or under a drive.
+    #[serde(default)]
+    pub force_misfit_percent: Option<f64>,
+    /// Restitution of the model, `-v/v0` of its compartment where its acceleration first passes zero after the crush,
+    /// where a real contact opens; `null` under a drive.
+    #[serde(default)]
+    pub coefficient_of_restitution: Option<f64>,
+    /// Velocity of the compartment there, m/s, negative.
+    #[serde(default)]
+    pub rebound_velocity_m_per_s: Option<f64>,
+    /// Largest deceleration of the model's compartment through CFC 60, m/s², negative as in the record; `null` where
+    /// the record is too coarse for that class.
+    #[serde(default)]
+    pub peak_acceleration_m_per_s2: Option<f64>,
 }
 
 /// One rating of a curve of the model against the test's.

@@ -74,3 +74,12 @@ pub struct EventsV1 {
     #[serde(default)]
     pub without_interval: Vec<MissingIntervalV1>,
 }
+
+impl EventsV1 {
+    /// End of the contact with the barrier, s after time zero: the lowest velocity, where the vehicle separates, else
+    /// the end of a record that ends at `record_end_s` on its own axis.
+    pub fn end_of_contact_s(&self, record_end_s: f64) -> f64 {
+        let end_s = record_end_s - self.time_zero_s;
+        self.time_of_rebound_s.or(self.time_of_delta_v_s).map_or(end_s, |t| t.min(end_s))
+    }
+}

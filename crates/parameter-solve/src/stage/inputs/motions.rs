@@ -14,6 +14,8 @@ pub struct SensorWave {
     pub channel: String,
     pub record: Sampled,
     pub measurement: Measurement,
+    /// What it says: the quantity asked for, of the wall its force.
+    pub quantity: FitQuantity,
 }
 
 /// The motions to fit together; none where it is the displacement of the pulse alone.
@@ -39,6 +41,8 @@ pub fn stated_places(settings: &StageSettings, pulse: &str) -> Vec<(SensorPlace,
     if !places.iter().any(|(place, _)| *place == SensorPlace::Compartment) {
         places.insert(0, (SensorPlace::Compartment, pulse.to_owned()));
     }
+    // Misfits are given in the unit of the first.
+    places.sort_by_key(|(place, _)| *place == SensorPlace::Wall);
     places
 }
 
@@ -50,9 +54,19 @@ pub fn sensor_wave(
     (place, channel): (SensorPlace, String),
     mass_kg: f64,
 ) -> anyhow::Result<SensorWave> {
-    let record = motion(input, &channel, settings.solve.quantity, mass_kg)?;
+    if place == SensorPlace::Wall {
+        let Some((record, steps)) = input.wall_force(events)? else {
+            return Err(Refused::new("sensors names the wall, and the inputs hold no force on it")
+                .expected("barrier/force, which crumple-integrate sums from the load cells of the barrier")
+                .hint("leave wall out of sensors")
+                .into());
+        };
+        return Ok(SensorWave { place, channel, record, measurement: steps.into(), quantity: FitQuantity::Force });
+    }
+    let quantity = settings.solve.quantity;
+    let record = motion(input, &channel, quantity, mass_kg)?;
     let measurement = input.recording_steps(events, &channel, &record)?.into();
-    Ok(SensorWave { place, channel, record, measurement })
+    Ok(SensorWave { place, channel, record, measurement, quantity })
 }
 
 /// The motion of a channel.
@@ -67,7 +81,8 @@ pub fn motion(input: &Inputs, channel: &str, quantity: FitQuantity, mass_kg: f64
             wave("displacement")?.signal::<Displacement>().refuse_with_hint(hint)?.into_sampled()
         }
         FitQuantity::Velocity => wave("velocity")?.signal::<Velocity>().refuse_with_hint(hint)?.into_sampled(),
-        FitQuantity::Acceleration => acceleration(input, channel, mass_kg)?,
+        // The force on the wall is no motion of a channel: see [`sensor_wave`].
+        FitQuantity::Acceleration | FitQuantity::Force => acceleration(input, channel, mass_kg)?,
     })
 }
 

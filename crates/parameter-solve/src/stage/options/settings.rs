@@ -267,7 +267,10 @@ fn model(name: &str) -> Result<ModelKind, Usage> {
 
 /// `front=103`.
 fn sensor(text: &str) -> Result<(SensorPlace, String), Usage> {
-    let hint = "--sensors compartment=93,front=103";
+    let hint = "--sensors compartment=93,front=103,wall";
+    if text == "wall" {
+        return Ok((SensorPlace::Wall, "barrier/force".to_owned()));
+    }
     let (place, channel) = text
         .split_once('=')
         .filter(|(_, channel)| !channel.is_empty())

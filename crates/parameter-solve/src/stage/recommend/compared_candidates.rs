@@ -2,7 +2,7 @@
 
 use crumple_lumped::{ParameterKind, parameter_kind, structure_of};
 use crumple_lumped_fit::{
-    ComparedCandidate, ComparedRecord, EnergyClass, FitQuantity, Measurement, Observation, ObservedWave,
+    ComparedCandidate, ComparedRecord, EnergyClass, FitQuantity, Measurement, Observation, ObservedWave, WallForce,
     crush_error_at_lower_speeds,
 };
 use crumple_signal::{Displacement, Sampled};
@@ -33,6 +33,8 @@ pub struct Comparison {
     /// Displacement of the pulse: what closest means.
     displacement: Observation,
     tested_restitution: Option<f64>,
+    /// Force on the wall up to separation.
+    wall: Option<WallForce>,
 }
 
 impl Comparison {
@@ -59,10 +61,15 @@ impl Comparison {
         let displacement = observe(&displacement, FitQuantity::Displacement)?;
         let acceleration = observe(&acceleration, FitQuantity::Acceleration)?;
         let tested_restitution = events.coefficient_of_restitution.filter(|e| *e > 0.0);
+        let wall = input.wall_force(events)?.and_then(|(force, steps)| {
+            let to_s = events.end_of_contact_s(force.end_s());
+            WallForce::new(&force, events.time_zero_s, steps.into(), to_s).ok()
+        });
         Ok(acceleration.zip(displacement).map(|(acceleration, displacement)| Self {
             acceleration,
             displacement,
             tested_restitution,
+            wall,
         }))
     }
 
@@ -101,6 +108,11 @@ impl Comparison {
         let speed = self.acceleration.impact_speed_m_per_s;
         let events = structure.as_ref().and_then(|structure| structure.events(speed, HORIZON_S).ok());
         let rebound = events.and_then(|events| events.last()?.rebound_velocity_m_per_s);
+        let force_misfit_percent = self
+            .wall
+            .as_ref()
+            .zip(structure.as_ref())
+            .and_then(|(wall, structure)| wall.misfit_percent(structure, speed));
         let is_zero = |name: &str| record.parameters.get(name).is_some_and(|value| *value == 0.0);
         let bounds = record.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
         let mut open: Vec<String> = record.undetermined().into_iter().map(str::to_owned).collect();
@@ -122,7 +134,7 @@ impl Comparison {
             misfit: misfit(&self.acceleration),
             fit_percent: of_displacement.as_ref().and_then(|misfit| self.fit_percent(misfit)),
             restitution: rebound.map(|rebound| -rebound / speed),
-            force_misfit_percent: None,
+            force_misfit_percent,
             crush_error_at_lower_speeds: of_displacement
                 .filter(|_| class == EnergyClass::Plastic)
                 .and_then(|misfit| self.crush_error_at_lower_speeds(&misfit)),

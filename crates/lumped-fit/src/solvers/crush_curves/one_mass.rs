@@ -7,28 +7,19 @@
 use crumple_lumped::{CrushedStructure, MOST_KNOTS, Model};
 use crumple_signal::{Displacement, Notes, Signal};
 
-use crate::fit::as_measured::fit_nearby;
 use crate::free::free_parameter::free_parameters;
+use crate::solvers::crush_curves::assumptions::{KNOT_SPACING_S, RATE_PRIOR_S_PER_M, USUAL_RESTITUTION};
+use crate::solvers::crush_curves::load_paths;
 use crate::solvers::extent::{Extent, extent_of};
 use crate::solvers::fitting::{FitStart, Fitting};
 use crate::solvers::task::Task;
-use crate::{AskedCurve, Candidate, MeasuredElement, MeasuredMass, MeasuredTest, Minimum, SolveError, extract};
+use crate::{
+    AskedCurve, Candidate, MeasuredElement, MeasuredMass, MeasuredTest, Minimum, SensorPlace, SolveError, extract,
+};
 
-/// Rate factor of a vehicle's structure, s/m, where no test tells: mild steel columns of 60 to 100 mm between 40 and
-/// 64 km/h have 0.006 to 0.012 by the law of Cowper and Symonds.
-pub const RATE_PRIOR_S_PER_M: f64 = 0.008;
-/// The same of one mass in place of a vehicle, over the speed of its compartment: less 0.004 s/m for the masses in
-/// front of it. They are stopped before it, which takes energy that one mass does not have, and more of it at a higher
-/// speed: cars of two masses on plastic structures without rate effect, a front mass of 15 to 35 %, look like one mass
-/// whose force falls by 0.2 to 0.6 % for each m/s.
-pub const ONE_MASS_RATE_S_PER_M: f64 = 0.004;
-/// Restitution of a full frontal test near 56 km/h, where the record does not show the rebound: 0.1 to 0.2.
-const USUAL_RESTITUTION: f64 = 0.15;
 /// Least unloading stiffness over the steepest slope of the curve: below one, unloading would give back more than was
 /// put in.
 const STIFFER: f64 = 1.05;
-/// Time between two knots, s: half a period of what CFC 60 passes of a wave, with as much again for noise.
-const KNOT_SPACING_S: f64 = 0.009;
 /// The last piece of a curve, at least, over its largest deflection: beyond it the curve goes on with its slope.
 const LAST_PIECE: f64 = 0.12;
 /// The first knot, beside those equal in time, after this part of their spacing: structures reach their plateau in 1 to
@@ -83,18 +74,21 @@ impl Loading {
     }
 }
 
-/// A curve with knots by the record, of the pulse's displacement alone: a sensor on a mass in front changes nothing.
+/// Curves with knots by the record: of one mass to the pulse's displacement alone, and where a sensor sits on the
+/// engine, of two masses to both (`load_paths`). A force on the wall is fitted with them if it is among the sensors.
 pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
     let to_s = task.settings.fit_to_s.or(extent.stops.then_some(extent.time_s));
-    let Some((displacement, fitting)) = task.test.displacement.zip(Fitting::of_pulse(task, to_s)?) else {
+    let wall = task.test.sensors.iter().any(|sensor| sensor.place == SensorPlace::Wall);
+    let fitting = if wall { Fitting::of_sensors(task, to_s, notes)? } else { Fitting::of_pulse(task, to_s)? };
+    let Some((displacement, mut fitting)) = task.test.displacement.zip(fitting) else {
         notes.warning(format!("{}: not fitted, there is no displacement", task.model));
         return Ok(Vec::new());
     };
     let loading = Loading::of(displacement, task.test.time_zero_s, extent.time_s);
     let mut candidates = Vec::new();
     for knots in knot_counts(extent.time_s) {
-        let minimum = loading.as_ref().and_then(|loading| curve(task, loading, knots, &extent, &fitting));
+        let minimum = loading.as_ref().and_then(|loading| curve(task, loading, knots, &extent, &mut fitting));
         let Some(minimum) = minimum else { continue };
         let remarks = remarks(task, &minimum.model);
         let start = FitStart::computed(minimum.model);
@@ -103,6 +97,7 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     if candidates.is_empty() {
         notes.warning(format!("{}: not fitted, no curve follows the displacement", task.model));
     }
+    candidates.extend(load_paths::fit(task, &extent, candidates.len() + 1, notes)?);
     Ok(candidates)
 }
 
@@ -117,7 +112,13 @@ fn knot_counts(to_s: f64) -> impl Iterator<Item = usize> {
 }
 
 /// The curve with so many knots, read off the motion and fitted as measured.
-fn curve(task: &Task<'_>, loading: &Loading, knots: usize, extent: &Extent, fitting: &Fitting<'_>) -> Option<Minimum> {
+fn curve(
+    task: &Task<'_>,
+    loading: &Loading,
+    knots: usize,
+    extent: &Extent,
+    fitting: &mut Fitting<'_>,
+) -> Option<Minimum> {
     let (mass_kg, v0) = (task.test.mass_kg, task.test.impact_speed_m_per_s);
     let knots_m = loading.places(knots);
     let mass = MeasuredMass {
@@ -128,13 +129,20 @@ fn curve(task: &Task<'_>, loading: &Loading, knots: usize, extent: &Extent, fitt
         noise_n: 1.0,
     };
     let elements = vec![MeasuredElement { front: None, rear: 0, curve: 0, gap_m: 0.0 }];
-    let test = MeasuredTest { dt_s: loading.dt_s, masses: vec![mass], elements, total_mass_kg: None };
+    let test = MeasuredTest {
+        dt_s: loading.dt_s,
+        masses: vec![mass],
+        elements,
+        total_mass_kg: None,
+        wall: None,
+        through: None,
+    };
     let asked = AskedCurve { knots_m: knots_m.clone(), rate_s_per_m: task.settings.rate_factor_s_per_m };
     let forces_n = extract(&[test], &[asked], 0.0)?.forces_n.swap_remove(0);
     let read: Vec<(f64, f64)> = knots_m.into_iter().zip(forces_n).skip(1).collect();
     let start = Model::ForceDeflection(structure(task, &read, extent)?);
     let free = free_parameters(&start, v0, extent.crush_m);
-    fit_nearby(&start, &free, &fitting.observed)
+    fitting.weighed_nearby(&start, &free)
 }
 
 /// The structure with these knots: stiff enough in unloading that the restitution is that of the test.

@@ -1,0 +1,6 @@
+//! Structures that are crushed along force-deflection curves, read off the record: of one mass and of two.
+//! May use `solvers/extent`, `solvers/fitting`, `solvers/task` and what solvers may use.
+
+pub mod assumptions;
+pub mod load_paths;
+pub mod one_mass;

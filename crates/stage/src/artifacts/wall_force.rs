@@ -1,0 +1,46 @@
+//! The force on the barrier as the sum of its load cells, and how it was measured.
+
+use crumple_artifact::records::{ChannelFilterV1, EventsV1};
+use crumple_signal::{QuantityKind, RecordingSteps, Sampled};
+
+use crate::artifacts::inputs::Inputs;
+
+impl Inputs {
+    /// The sum of the load cells that integrate wrote, N, positive in compression, with the filter of its cells; `None`
+    /// without one.
+    ///
+    /// The steps are known where all cells with data went through one filter at their own rate. Errors: a record that
+    /// cannot be read.
+    pub fn wall_force(&self, events: &EventsV1) -> anyhow::Result<Option<(Sampled, RecordingSteps)>> {
+        let Some(wave) = self.wave_if("barrier/force") else { return Ok(None) };
+        let force = wave.sampled.clone();
+        let test = self.test()?;
+        let is_cell = |location: &str| location.trim().to_lowercase().starts_with("barrier");
+        let cells = test.channels.iter().filter(|c| c.quantity == QuantityKind::Force && is_cell(&c.location));
+        let mut filters: Vec<([f64; 5], usize)> = Vec::new();
+        let mut known = true;
+        for cell in cells {
+            let Some(record) = self.record_if::<ChannelFilterV1>(&format!("/filter/{}", cell.id))? else { continue };
+            let class = record.mode.starts_with("iso6487") || record.mode.starts_with("sae");
+            let coefficients: Option<[f64; 5]> = record.coefficients.clone().try_into().ok();
+            match coefficients.filter(|_| class && record.cfc.is_some() && record.resampled_to_hz.is_none()) {
+                Some(coefficients) => filters.push((coefficients, record.samples_added as usize)),
+                None => known = false,
+            }
+        }
+        filters.dedup();
+        known &= filters.len() == 1;
+        let steps = RecordingSteps {
+            dt_s: force.dt_s(),
+            first_s: force.t0_s() - events.time_zero_s,
+            samples: force.len(),
+            two_pass_filter: filters.pop().filter(|_| known),
+            from_contact: false,
+            forward_euler: false,
+            // What is not known of a sum of load cells are their gains more than their noise.
+            before_event: None,
+            known,
+        };
+        Ok(Some((force, steps)))
+    }
+}
