@@ -19,11 +19,13 @@ const COARSE_S: f64 = 2e-4;
 /// Relative step of speed and mass for their derivatives.
 const STEP: f64 = 0.01;
 
-/// The test that the candidates are from.
+/// The test that the candidates are from; of several the one with the deepest crush.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TestedImpact {
     /// Its impact speed, m/s.
     pub speed_m_per_s: f64,
+    /// Slowest and fastest test, m/s; of one test its speed twice.
+    pub range_m_per_s: (f64, f64),
 }
 
 /// An impact to be predicted.
@@ -233,11 +235,12 @@ impl Impact<'_> {
     }
 
     fn by_rate_effect(&self, beyond: bool) -> f64 {
-        if self.candidate.depends_on_rate() {
+        if self.candidate.depends_on_rate() || self.candidate.rate_factor_is_fitted() {
             return 0.0;
         }
         let has_one = self.candidate.has_rate_factor();
-        by_rate_effect(self.scenario.speed_m_per_s, self.test.speed_m_per_s, beyond, has_one)
+        let (speed, (slowest, fastest)) = (self.scenario.speed_m_per_s, self.test.range_m_per_s);
+        by_rate_effect(speed, speed.max(slowest).min(fastest), beyond, has_one)
     }
 
     /// By the slope of the force from the tested crush on to the one predicted.
@@ -278,7 +281,7 @@ mod tests {
         other
     }
 
-    const TEST: TestedImpact = TestedImpact { speed_m_per_s: 15.0 };
+    const TEST: TestedImpact = TestedImpact { speed_m_per_s: 15.0, range_m_per_s: (15.0, 15.0) };
 
     fn at(candidates: &[Candidate], inputs: Inputs, speed: f64, mass_kg: Option<f64>) -> Prediction {
         let scenario = Scenario { speed_m_per_s: speed, mass_kg };

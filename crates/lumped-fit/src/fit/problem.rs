@@ -39,8 +39,7 @@ impl<'a, C: Parameterisation> Problem<'a, C> {
     /// Weighted misfit at every sample of every wave, in the unit of the first.
     pub fn misfit(&self, theta: &[f64]) -> Option<Vec<f64>> {
         let model = self.coordinates.model(theta)?;
-        let v0 = self.observed.impact_speed_m_per_s;
-        self.observed.misfit_of(|at| self.coordinates.sensitivity(&model, v0, at, &[]))
+        self.observed.misfit_of(|impact, at| self.coordinates.sensitivity_in(&model, impact, at, &[]))
     }
 
     /// Root mean square misfit of every wave, in its unit.
@@ -96,10 +95,10 @@ impl<C: Parameterisation> Response for Problem<'_, C> {
         let Some(model) = self.coordinates.model(theta) else { return false };
         let derivatives = self.coordinates.derivatives_by_coordinate(theta);
         let places = places(&derivatives);
-        let v0 = self.observed.impact_speed_m_per_s;
-        let respond = |at: &_, places: &[usize]| self.coordinates.sensitivity(&model, v0, at, places);
         let mut first = 0;
         for wave in &self.observed.waves {
+            let impact = self.observed.impact_of(wave);
+            let respond = |at: &_, places: &[usize]| self.coordinates.sensitivity_in(&model, impact, at, places);
             let Ok(by_place) = wave.derivatives(&places, respond) else { return false };
             let rows = wave.samples.len();
             if by_place.iter().any(|derivative| derivative.len() != rows) {

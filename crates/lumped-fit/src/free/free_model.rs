@@ -7,6 +7,7 @@ use crumple_lumped::{Instants, LumpedError, Model, ModelKind, ParameterKind, Sen
 use crate::free::free_numbers::FreeNumbers;
 use crate::free::free_parameter::{FreeParameter, masses_of, rest_mass};
 use crate::free::parameterisation::{Axis, Parameterisation};
+use crate::record::observation::Impact;
 
 /// A model of which some parameters are free; the coordinates are those of [`FreeParameter`].
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +34,16 @@ pub(crate) fn with_parameters(template: &Model, values: &BTreeMap<String, f64>) 
         new.release = old.release;
     }
     Some(model)
+}
+
+/// The same model with another total mass, kg: what is more or less is the last mass's. `None` where nothing is left
+/// for it.
+pub(crate) fn with_total_mass(model: &Model, mass_kg: f64) -> Option<Model> {
+    let masses = masses_of(model);
+    let (last, others) = masses.split_last()?;
+    let mut values = model.parameters();
+    *values.get_mut(last.0)? = mass_kg - others.iter().map(|(_, kg)| kg).sum::<f64>();
+    with_parameters(model, &values)
 }
 
 impl Parameterisation for FreeModel {
@@ -73,6 +84,26 @@ impl Parameterisation for FreeModel {
         places: &[usize],
     ) -> Result<Sensitivity, LumpedError> {
         model.sensitivity(impact_speed_m_per_s, at, places)
+    }
+
+    /// That of the model with the mass of the impact.
+    fn sensitivity_in(
+        &self,
+        model: &Model,
+        impact: Impact,
+        at: &Instants,
+        places: &[usize],
+    ) -> Result<Sensitivity, LumpedError> {
+        let Some(mass_kg) = impact.mass_kg else {
+            return self.sensitivity(model, impact.speed_m_per_s, at, places);
+        };
+        let expected = "more than the masses in front of the compartment";
+        let loaded = with_total_mass(model, mass_kg);
+        loaded.ok_or(LumpedError::Value { name: "mass_kg", value: mass_kg, expected })?.sensitivity(
+            impact.speed_m_per_s,
+            at,
+            places,
+        )
     }
 
     /// Each coordinate moves its own parameter; a mass that is free is taken from the last one.

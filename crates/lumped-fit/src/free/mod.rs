@@ -1,5 +1,5 @@
 //! Which numbers of a model are free, as coordinates of size one with bounds, and how the mass divides.
-//! Uses no other room.
+//! May use `record`.
 
 pub mod free_model;
 pub mod free_numbers;

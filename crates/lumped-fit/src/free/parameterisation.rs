@@ -6,6 +6,8 @@
 
 use crumple_lumped::{Instants, LumpedError, Sensitivity};
 
+use crate::record::observation::Impact;
+
 /// Bounds of one coordinate in a descent, and the range in which searches start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Axis {
@@ -36,6 +38,17 @@ pub(crate) trait Parameterisation: Sync {
         at: &Instants,
         places: &[usize],
     ) -> Result<Sensitivity, LumpedError>;
+
+    /// The same in one impact of several tests; a stated total mass is met where the model can take one.
+    fn sensitivity_in(
+        &self,
+        model: &Self::Model,
+        impact: Impact,
+        at: &Instants,
+        places: &[usize],
+    ) -> Result<Sensitivity, LumpedError> {
+        self.sensitivity(model, impact.speed_m_per_s, at, places)
+    }
 
     /// Numbers of size one that models of one motion share: minima that agree in all of them are one.
     fn place(&self, theta: &[f64]) -> Vec<f64> {

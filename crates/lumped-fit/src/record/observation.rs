@@ -14,6 +14,15 @@ use crate::record::measurement::motion_of;
 use crate::record::window::{FEWEST, Window};
 use crate::{FitQuantity, Measurement, SolveError};
 
+/// The impact that a wave is of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Impact {
+    /// Speed at contact, m/s.
+    pub speed_m_per_s: f64,
+    /// Total mass, kg: what is more or less than the model's is the compartment's; `None`: that of the model.
+    pub mass_kg: Option<f64>,
+}
+
 /// A wave of a test and the samples of it that are compared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservedWave {
@@ -35,6 +44,8 @@ pub struct ObservedWave {
     pub weight: f64,
     /// Its noise level where that is stated, in its unit; `None`: its root mean square misfit.
     pub noise: Option<f64>,
+    /// The impact it is of, where waves of several tests stand side by side; `None`: that of the observation.
+    pub impact: Option<Impact>,
     /// The wave as it was measured, window or not: where another time zero finds the motion at contact.
     pub(crate) record: Arc<WholeWave>,
 }
@@ -153,7 +164,8 @@ impl ObservedWave {
         let first_s = wave.t0_s() - time_zero_s;
         let record = Arc::new(WholeWave { first_s, dt_s: wave.dt_s(), samples: all.to_vec() });
         let (weight, noise) = (1.0, None);
-        Ok(Self { mass, quantity, measurement, first, stride, samples, resolution, weight, noise, record })
+        let impact = None;
+        Ok(Self { mass, quantity, measurement, first, stride, samples, resolution, weight, noise, impact, record })
     }
 
     /// Index of the last sample on the grid of the measurement.
@@ -251,14 +263,23 @@ impl Observation {
     /// `w (model - record)` at every sample of every wave, in the unit of the first; `None` without a finite
     /// response.
     pub fn misfit(&self, model: &Model) -> Option<Vec<f64>> {
-        self.misfit_of(|at| model.sensitivity(self.impact_speed_m_per_s, at, &[]))
+        self.misfit_of(|impact, at| model.sensitivity(impact.speed_m_per_s, at, &[]))
+    }
+
+    /// The impact that one of its waves is of.
+    pub fn impact_of(&self, wave: &ObservedWave) -> Impact {
+        wave.impact.unwrap_or(Impact { speed_m_per_s: self.impact_speed_m_per_s, mass_kg: None })
     }
 
     /// The same of anything that `respond` gives the motions of.
-    pub fn misfit_of(&self, respond: impl Fn(&Instants) -> Result<Sensitivity, LumpedError>) -> Option<Vec<f64>> {
+    pub fn misfit_of(
+        &self,
+        respond: impl Fn(Impact, &Instants) -> Result<Sensitivity, LumpedError>,
+    ) -> Option<Vec<f64>> {
         let mut misfit = Vec::with_capacity(self.rows());
         for wave in &self.waves {
-            let response = wave.response(self.impact_speed_m_per_s, &respond).ok()?;
+            let impact = self.impact_of(wave);
+            let response = wave.response(impact.speed_m_per_s, |at| respond(impact, at)).ok()?;
             misfit.extend(response.iter().zip(&wave.samples).map(|(model, record)| (model - record) * wave.weight));
         }
         (misfit.len() == self.rows() && misfit.iter().all(|r| r.is_finite())).then_some(misfit)

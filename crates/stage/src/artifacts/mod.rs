@@ -4,3 +4,4 @@
 pub mod inputs;
 pub mod output;
 pub mod recording_steps;
+pub mod several_tests;
