@@ -92,7 +92,7 @@ impl Comparison {
 
     /// The compared window, s after time zero: the longest of several.
     pub fn window_s(&self) -> (f64, f64) {
-        let ends = self.tests.iter().map(|test| test.window_s());
+        let ends = self.tests.iter().map(ComparedTest::window_s);
         ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
     }
 
